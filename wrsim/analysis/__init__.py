@@ -1,6 +1,6 @@
 """Analyses: from a scenario to a result.
 
-``run(scenario) -> Result`` in one call; ``wrsim.register`` says which function runs which analysis.
+``run(scenario) -> Result`` in one call; ``wrsim.register`` lists which function runs which analysis.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ RAILS = ("rail_displacement_y", "rail_displacement_z")
 def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[int]) -> xr.Dataset:
     """The dataset of a run whose kept moments are these samples, all of them solved again.
 
-    Its attribute ``contact_remark`` says what the contacts have to say and at how many of the moments; empty when all
+    Its attribute ``contact_remark`` gives the remarks on the contacts and at how many of the moments; empty when all
     is well.
     Raises InputError when the result does not hold what is needed, belongs to another vehicle, or was solved by the
     exact solver, which takes too long for this.
@@ -54,7 +54,7 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
     columns = {name: dataset[name].transpose("time", "wheelset", ...).values for name in NEEDED}
     time, distance, speed = (dataset[name].values for name in ("time", "distance", "speed"))
     kept = []
-    said: Counter[str] = Counter()
+    found_remarks: Counter[str] = Counter()
     for i in samples:
         for w, mounted in enumerate(setup.vehicle.wheelsets):
             own = {name: float(values[i, w]) for name, values in columns.items()}
@@ -83,7 +83,7 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
         for recorder in recorders:
             recorder.store()
         for wheel in wheels_of(law):
-            said.update(filter(None, [contact_words([wheel], setup.vehicle)]))
+            found_remarks.update(filter(None, [contact_words([wheel], setup.vehicle)]))
         kept.append(i)
     if not kept:
         raise InputError("no sample of the result has a place on the track of its scenario")
@@ -96,5 +96,5 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
     bare = dataset.drop_dims(
         [d for d in ("snapshot", "strip", "column", "axis", "rail_point", "wheel_point") if d in dataset.dims]
     )
-    remarks = [f"{words} (at {count} of {len(kept)} places)" for words, count in said.items()]
+    remarks = [f"{words} (at {count} of {len(kept)} places)" for words, count in found_remarks.items()]
     return bare.assign(variables).assign_attrs(contact_remark="; ".join(remarks))

@@ -78,7 +78,7 @@ def resolve(
     chosen = list(range(len(poses))) if moments is None else list(moments)
     samples = np.array([sample_of(dataset, m) for m in chosen], dtype=np.intp)
     loads = dataset["Q"].values[samples]
-    # the places on the rails, which say what profile and friction there is and how the rail turns
+    # the places on the rails, which determine profile and friction and how the rail turns
     along = np.zeros((len(chosen), len(wheels)))
     if "distance" in dataset:
         where = dataset["distance"].values[samples]
@@ -137,7 +137,7 @@ def resolve(
 
 
 def _settle(wheel: WheelOnRail, load: float) -> tuple[list[ElementField], str]:
-    """Contact of one wheel at the height for a vertical force, or as it stands without one.
+    """Contact of one wheel at the height for a vertical force, or at its own height without one.
 
     Returns its elements, if any, and why the force is not met, if so.
     """

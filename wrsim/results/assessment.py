@@ -1,6 +1,6 @@
 """An assessment: values of sections of track, their limits, and what follows. Made by ``wrsim.analysis.assessment``.
 
-Values are in SI units; ``Quantity.shown`` says in which unit people read them.
+Values are in SI units; ``Quantity.shown`` is the unit in which people read them.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Limit:
-    """The largest value allowed, and who says so; ``mark``: "pub", "mem" as in the reference data, or "file"."""
+    """The largest value allowed, and its source; ``mark``: "pub", "mem" as in the reference data, or "file"."""
 
     value: float
     source: str
@@ -204,7 +204,7 @@ class ZoneValue:
         return str(self.sections) if self.counted == self.sections else f"{self.counted} of {self.sections}"
 
     def cells(self) -> dict[str, str]:
-        """What tables say, in the unit for readers; empty texts where there is nothing to say."""
+        """Cells of tables, in the unit for readers; empty texts where there is nothing."""
         worst, limit = self.worst, self.worst.limit
         factor = worst.quantity.shown.factor
         return {

@@ -145,8 +145,12 @@ def _sections_table(found: Assessment) -> Table:
     several = bool(found.sections[0].run)
     rows: list[list[Cell]] = []
     for s in found.sections:
-        said = ", ".join(word for word, so in (("short", s.short), ("does not count", not s.counts)) if so)
-        head: list[Cell] = [*([s.run] if several else []), str(s.number), s.label + (f" ({said})" if said else "")]
+        remarks = ", ".join(word for word, so in (("short", s.short), ("does not count", not s.counts)) if so)
+        head: list[Cell] = [
+            *([s.run] if several else []),
+            str(s.number),
+            s.label + (f" ({remarks})" if remarks else ""),
+        ]
         rows.append([*head, s.start, s.end, 3.6 * s.speed, 1e3 * s.cant_deficiency])
     heads = [*([Column("run")] if several else []), Column("section"), Column("class")]
     heads += [Column("from", "m", ".1f"), Column("to", "m", ".1f"), Column("speed", "km/h", ".0f")]
@@ -176,7 +180,7 @@ def _regressions_table(found: Assessment) -> list[Table]:
 
 
 def _slope(r: Regression, name: Influence, factor: float) -> str:
-    """What a quantity changes by with an influence, and where that stands in the section of the estimate."""
+    """What a quantity changes by with an influence, and the value of that influence where it is estimated."""
     own, i = INFLUENCES[name], r.over.index(name)
     return f"{formatted(r.slope[i] * factor / own.factor, '.3g')} at {quantity(r.at[i] * own.factor, own.symbol)}"
 

@@ -1,10 +1,10 @@
 """The register of channels: every name that a Result may carry, with its dimensions, unit and meaning.
 
 One place for the whole of wrsim: ``data/channels.csv``. ``docs/conventions.md`` prints the same list for readers; a
-test compares the two. Values are in SI units in the dataset; the register also says in which unit people read them
+test compares the two. Values are in SI units in the dataset; the register also gives the unit in which people read them
 (mm, kN, degrees, MPa).
 
-Dimensions are written with two words that stand for another:
+Dimensions are written with two words in place of another:
 
 - ``sample``: ``time`` in runs, ``pose`` in static analyses;
 - ``moment``: ``snapshot`` in runs (chosen instants), ``pose`` in static analyses (every pose).
@@ -31,7 +31,7 @@ Kind = Literal["number", "count", "text"]
 class Shown:
     """A unit for readers: ``value_in_si * factor`` is the number shown.
 
-    ``symbol`` stands on axes, ``suffix`` at the end of column names and JSON keys (ASCII).
+    ``symbol`` is on axes, ``suffix`` at the end of column names and JSON keys (ASCII).
     """
 
     symbol: str

@@ -1,11 +1,11 @@
 """Summary and tables of a conicity analysis: equivalent conicity, nonlinearity, radial steering index, maps of gauges.
 
-The index says whether rolling alone, without a flange, leads a wheelset radially through a curve.
+The index shows whether rolling alone, without a flange, leads a wheelset radially through a curve.
 
 In a curve of radius R a wheelset with wheels 2e apart rolls without slip where its rolling radii differ by
 Delta r_E = 2e r0 / R. The index q_E = Delta r_E / Delta r_max compares that with the largest difference that the outer
 wheel reaches before its flange does (EN 14363:2016 [mem]; where the flange begins is our choice): up to 1 the wheelset
-can stand radially, beyond that it cannot.
+can be radial, beyond that it cannot.
 """
 
 from __future__ import annotations
@@ -198,8 +198,8 @@ def steering_summary(dataset: xr.Dataset) -> dict[str, Any]:
 @dataclass(frozen=True)
 class ConicityMap:
     """Over pairs of profiles, wheels before rails, and gauges [m]: equivalent conicity at 3 mm and Polach's
-    nonlinearity parameter [1/mm], both (pairs, gauges), not-a-number where the wheelset has none; ``reasons`` says
-    why."""
+    nonlinearity parameter [1/mm], both (pairs, gauges), not-a-number where the wheelset has none; ``reasons``
+    give why."""
 
     pairs: tuple[tuple[str, str], ...]
     gauges: tuple[float, ...]
@@ -209,7 +209,7 @@ class ConicityMap:
     title: str = ""
 
     def table(self) -> Table:
-        """One row per pair and gauge; what has no conicity says why beneath."""
+        """One row per pair and gauge; why a pair has no conicity is beneath."""
         rows = [
             (*pair, 1e3 * gauge, float(self.conicity[i, j]), float(self.nonlinearity[i, j]))
             for i, pair in enumerate(self.pairs)

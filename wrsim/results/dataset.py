@@ -59,7 +59,7 @@ def assemble(
     ``wear_law`` and ``wear_zone`` those of its wear. Where ``wheelset`` is one name (default ``"wheelset"``) instead of
     a list, the arrays come without that dimension.
 
-    channels: arrays by channel name, in SI units, shaped as the register says (sample first, then wheelset, wheel,
+    channels: arrays by channel name, in SI units, shaped as in the register (sample first, then wheelset, wheel,
     patch, strip). The sizes of ``patch``, ``snapshot``, ``strip``, ``rail_point`` and ``wheel_point`` follow from the
     arrays. A scalar fills its channel. Counts may come as floats; not-a-number becomes 0.
 
@@ -167,7 +167,7 @@ def _of_single_wheelset(channels: Mapping[str, ArrayLike]) -> dict[str, ArrayLik
 
 
 def _attributes(given: Mapping[str, str | float | int], sample: str) -> dict[str, str | float | int]:
-    """Attributes in a fixed order: what it is, what the caller said, the versions."""
+    """Attributes in a fixed order: what it is, what the caller gave, the versions."""
     stop = ("stop_reason", "stop_time_s", "stop_distance_m") if sample == "time" else ("stop_reason",)
     for name in REQUIRED_ATTRIBUTES + (stop if given.get("status") == "stopped" else ()):
         if name not in given:
@@ -202,14 +202,14 @@ _TOGETHER = (
     "N Fx Fy p0 area approach",
     "Y Q",
 )
-"""Channels that are written together, and read together: where one of them stands, the others do."""
+"""Channels that are written together, and read together: where one of them is, the others are."""
 
 
 def fault_of_result(dataset: xr.Dataset) -> str:
-    """What is wrong with a dataset that says it is a result, in words; empty if nothing is.
+    """What is wrong with a dataset that claims to be a result, in words; empty if nothing is.
 
-    A right checksum says that a file is as it was written, not that wrsim wrote it: what readers of results rely on is
-    checked once, where a file is loaded.
+    A right checksum proves that a file is as it was written, not that wrsim wrote it: what readers of results rely on
+    is checked once, where a file is loaded.
     """
     return next(_faults(dataset), "")
 

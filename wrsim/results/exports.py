@@ -31,8 +31,8 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     Runs get ``history.csv`` (one row per instant), ``patches.csv`` (one row per instant, wheel and patch in contact)
     and ``strips.csv`` (the strips of the snapshots). Static analyses get ``patches.csv`` (one row per pose, wheel and
     patch; a wheel without contact keeps one row) and ``strips.csv``. Where there are several wheelsets, each has tables
-    in a folder of its own, such as ``wheelset_1/history.csv``; bodies, points and suspension elements stand in
-    ``vehicle.csv``. Other analyses have tables of their own, as the register says. The dataset goes first, so that a
+    in a folder of its own, such as ``wheelset_1/history.csv``; bodies, points and suspension elements are in
+    ``vehicle.csv``. Other analyses have tables of their own, as the register lists. The dataset goes first, so that a
     full disk costs the tables before the numbers. A stopped analysis is written like any other.
     Raises ``WrsimError`` when something cannot be written.
     """

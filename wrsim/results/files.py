@@ -40,7 +40,7 @@ _REASONS = {
 LARGE = 16_000_000
 """Bytes of samples and of channels that are kept in memory at most; more are in a file."""
 _ROWS = 1000
-"""Rows of a table that stand in memory as text at once."""
+"""Rows of a table that are in memory as text at once."""
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
@@ -62,7 +62,7 @@ def plain_disk_errors(path: Path, size: int | None = None) -> Iterator[None]:
 
 
 def check_place(path: Path) -> None:
-    """Raises ``InputError`` where a device, a pipe or a directory stands: a file would take its place."""
+    """Raises ``InputError`` where a device, a pipe or a directory is: a file would take its place."""
     with contextlib.suppress(OSError):
         if kind := other_kind(path.stat().st_mode):
             raise InputError(f"{path}: is {kind}; a file of that name is written: move it away, or choose another")
@@ -74,7 +74,7 @@ def write_atomically(path: str | Path, content: bytes | Iterable[bytes], size: i
     size: of what comes in parts [bytes], for messages.
     An older file of that name stays whole until the new one is. Directories are made. Raises ``WrsimError``
     with one sentence when the disk is full or the place cannot be written; nothing half-written remains; ``InputError``
-    when no plain file stands there (`check_place`), in a command also one of the user's (``wrsim.results.manifest``).
+    when the path is of no plain file (`check_place`), in a command also one of the user's (``wrsim.results.manifest``).
     """
     path = Path(path)
     check_place(path)

@@ -112,8 +112,8 @@ class Manifest:
 class Keeper:
     """Decides on every file that a command writes.
 
-    reads: files that it has read its input from; force: write over whatever stands there; of: the folder of the result
-    that it writes or tells about, whose files go when another one takes its place.
+    reads: files that it has read its input from; force: write over whatever is there; of: the folder of the result
+    that it writes or reports on, whose files go when another one takes its place.
     """
 
     reads: tuple[Path, ...] = ()
@@ -126,7 +126,7 @@ class Keeper:
         Manifest(path.parent).note(file=path.name, sha256=sha256[:_KEPT], **({"of_result": True} if inside else {}))
 
     def check(self, path: Path) -> None:
-        """Raises ``InputError`` when a file of the user's stands there."""
+        """Raises ``InputError`` when a file of the user's is there."""
         files.check_place(path)
         if self.force or not os.path.lexists(path):
             return

@@ -84,7 +84,7 @@ RESOLVED = ("N", "p0", "area", "approach", "Fx", "Fy", "contact_angle")
 
 
 def resolved_tables(old: xr.Dataset, new: xr.Dataset, summary: Mapping[str, Any]) -> list[Table]:
-    """One wheelset before and after its contacts were solved again, and what they have to say."""
+    """One wheelset before and after its contacts were solved again, and their remarks."""
     from wrsim.results.summary_tables import first_lines, remarks
 
     return [side_by_side(old, new), Table("", notes=first_lines(remarks(summary), "remarks"))]

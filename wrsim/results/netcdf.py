@@ -55,7 +55,7 @@ def write_netcdf(path: str | Path, dataset: xr.Dataset) -> Path:
             try:
                 with netCDF4.Dataset(stream.name, "w", format="NETCDF4") as file:
                     _fill(file, dataset)
-            except RuntimeError as problem:  # netCDF-C says "HDF error", whatever it was
+            except RuntimeError as problem:  # netCDF-C reports "HDF error", whatever it was
                 full = shutil.disk_usage(path.parent).free < LARGE
                 raise OSError(errno.ENOSPC if full else errno.EIO, str(problem)) from problem
             size = os.fstat(stream.fileno()).st_size
@@ -98,7 +98,7 @@ class Channels:
         self._file: netCDF4.Dataset | None = None
 
     def put(self, block: slice, values: Mapping[str, NDArray[Any]]) -> None:
-        """Channels of the samples of a block; the first one says which channels there are."""
+        """Channels of the samples of a block; the first one determines which channels there are."""
         if not self._arrays:
             self._make({name: ((self.n, *own.shape[1:]), own.dtype) for name, own in values.items()})
         for name, own in values.items():
@@ -140,7 +140,7 @@ def _fill(file: netCDF4.Dataset, dataset: xr.Dataset) -> None:
     All variables are defined before the first of them gets its values: between the two, the library goes through all
     that it has defined. Long ones are packed; shuffled bytes of these take longer and more room.
     """
-    variables, attributes = encode_dataset_coordinates(dataset)  # which of them are coordinates stands in attributes
+    variables, attributes = encode_dataset_coordinates(dataset)  # attributes name the coordinates
     file.setncatts(attributes)
     for name, size in dataset.sizes.items():
         file.createDimension(str(name), size)

@@ -56,7 +56,7 @@ def recording_tables(restored: Restored) -> list[Table]:
         ]
         rows.append([c.column, c.words(), ", ".join(bands) or "none", inverse.largest(), inverse.noise(read.step)])
     heads = (Column("column"), Column("is"), Column("waves that come back", "m"), Column("largest factor", "", ".2g"))
-    title = "columns, told from their names" if read.guessed else "columns"
+    title = "columns, recognised by their names" if read.guessed else "columns"
     unused = (f"not used: {', '.join(read.unused)}",) if read.unused else ()
     columns = Table(title, (*heads, Column("of noise", "", ".2g")), rows, unused)
     at, design = 0.0, []

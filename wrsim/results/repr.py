@@ -32,14 +32,14 @@ def result_html(dataset: xr.Dataset) -> str:
 
 def _tables(dataset: xr.Dataset) -> list[Table]:
     """What was computed, and the peaks of every wheel."""
-    facts = Table("", (Column(), Column()), list(_facts(dataset)))
+    about = Table("", (Column(), Column()), list(_about(dataset)))
     names = wheelsets(dataset)[:MOST]
     summaries = [wheel_peaks(of_wheelset(dataset, name)) for name in names]
     known = any(name in dataset for name in ("Y", "Q", "p0"))
-    return [facts, vehicle_table("", names, summaries)] if known else [facts]
+    return [about, vehicle_table("", names, summaries)] if known else [about]
 
 
-def _facts(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
+def _about(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
     """What was computed, how far it came, what there is."""
     attributes, sizes = dataset.attrs, dataset.sizes
     ending = f"stopped: {attributes['stop_reason']}" if attributes["status"] == "stopped" else "completed"

@@ -94,7 +94,7 @@ class Result:
         Raises
         ------
         InputError
-            For a wrong name, or when one is needed; says which there are.
+            For a wrong name, or when one is needed; lists which there are.
         """
         from wrsim.results.wheelsets import of_wheelset
 
@@ -135,7 +135,7 @@ class Result:
         Raises
         ------
         InputError
-            For a wheelset, a wheel, a place, a pose or a patch that is not there; says which there are.
+            For a wheelset, a wheel, a place, a pose or a patch that is not there; lists which there are.
         """
         from wrsim.results.patch_field import patch_of
 
@@ -152,13 +152,13 @@ class Result:
         Returns
         -------
         pandas.DataFrame
-            A row an instant or pose, a column for every wheelset, wheel and patch, in units for readers, which stand
+            A row an instant or pose, a column for every wheelset, wheel and patch, in units for readers, which are
             at the end of the name (``Y_wheelset_left_kN``) and in ``attrs["units"]``.
 
         Raises
         ------
         InputError
-            For a wheelset that is not there; says which there are.
+            For a wheelset that is not there; lists which there are.
         """
         from wrsim.results.tables import frame
 
@@ -199,7 +199,7 @@ class Result:
         Returns
         -------
         dict
-            Units stand in the keys: ``summary["wheelsets"]["wheelset"]["wheels"]["left"]["Y_max_kN"]``.
+            Units are in the keys: ``summary["wheelsets"]["wheelset"]["wheels"]["left"]["Y_max_kN"]``.
         """
         from wrsim.results.summary import summarise
 

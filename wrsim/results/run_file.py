@@ -2,7 +2,7 @@
 
 A process may die at any byte. Every record carries its length and a checksum, so a reader takes the records that are
 whole and sees nothing of a torn one; who continues the run cuts the torn one off. What a record means is for its
-writer to say (``wrsim.simulation.recorder``).
+writer to define (``wrsim.simulation.recorder``).
 
 Layout, little-endian: the signature; then for each record the length of its content (uint64), the CRC-32 of the
 content (uint32), the content: a JSON object on one line, and behind it numbers (float64). The first record is the
@@ -64,7 +64,7 @@ class _Known(BaseModel):
 
 
 class Header(dict[str, Any]):
-    """What a run file says of its run. Asking for what it lacks raises ``InputError``."""
+    """What a run file states of its run. Asking for what it lacks raises ``InputError``."""
 
     def __init__(self, path: Path, about: bytes) -> None:
         """Raises ``InputError`` for what is none, or holds values of another kind than runs write."""
@@ -81,7 +81,7 @@ class Header(dict[str, Any]):
 
 
 class Record(NamedTuple):
-    """What a record says (JSON) and holds, and the place in the file behind it."""
+    """What a record states (JSON) and holds, and the place in the file behind it."""
 
     about: bytes
     numbers: NDArray[np.float64]
@@ -124,7 +124,7 @@ class RunFile:
             begin = self._stream.tell()
             try:
                 self._write(FRAME.pack(len(content), zlib.crc32(content)) + content)
-            except BaseException:  # Ctrl-C as well: later records must not stand behind a torn one
+            except BaseException:  # Ctrl-C as well: later records must not follow a torn one
                 with contextlib.suppress(OSError):
                     self.cut(begin)
                 raise
@@ -150,7 +150,7 @@ class RunFile:
 
 
 def is_running(path: str | Path) -> bool:
-    """True while a run is writing to the file (as far as the system can tell)."""
+    """True while a run is writing to the file (as far as the system knows)."""
     if fcntl is None:
         return False
     with contextlib.suppress(OSError), open(path, "rb") as stream:
@@ -180,7 +180,7 @@ def records_of(path: str | Path) -> Generator[Record]:
 
 
 def run_header(path: Path) -> Header:
-    """What a run file says of its run. Raises ``InputError`` as ``records_of`` does."""
+    """What a run file states of its run. Raises ``InputError`` as ``records_of`` does."""
     with contextlib.closing(records_of(path)) as records:
         return Header(path, next(records).about)
 

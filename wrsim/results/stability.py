@@ -16,7 +16,7 @@ MODES = ("pose_speed", "mode_branch", "mode_frequency", "mode_damping", "mode_gr
 
 
 def summarise_stability(dataset: xr.Dataset) -> dict[str, Any]:
-    """Critical speeds with their frequency and mode; ``None`` where there are none, and a note that says why."""
+    """Critical speeds with their frequency and mode; ``None`` where there are none, and a note with the reason."""
     attributes = dataset.attrs
 
     def number(name: str, factor: float = 1.0) -> float | None:
@@ -36,8 +36,8 @@ def summarise_stability(dataset: xr.Dataset) -> dict[str, Any]:
 
 def csv_of_stability(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
     """One row per speed and mode; one row per held speed."""
-    said = [name for name in ("contact_remark",) if name in dataset]
-    yield "modes", long(dataset, [*MODES, *said], np.isfinite(dataset["mode_growth"].values), ("pose", "mode"))
+    remarks = [name for name in ("contact_remark",) if name in dataset]
+    yield "modes", long(dataset, [*MODES, *remarks], np.isfinite(dataset["mode_growth"].values), ("pose", "mode"))
     if "cycle" in dataset.dims:
         yield "cycles", wide(dataset, "cycle", ("wheelset",))
 

@@ -46,8 +46,8 @@ def csv_of_steady(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
     solved = np.broadcast_to((dataset["pose_message"].values == "")[:, None, None], dataset["Y"].shape).copy()
     failed = ~solved[:, 0, 0]
     solved[failed, 0, 0] = True
-    said = [name for name in ("contact_remark",) if name in dataset]
-    table = long(dataset.isel(patch=0), [*COLUMNS, *said], solved, ("pose", "wheelset", "wheel"))
+    remarks = [name for name in ("contact_remark",) if name in dataset]
+    table = long(dataset.isel(patch=0), [*COLUMNS, *remarks], solved, ("pose", "wheelset", "wheel"))
     message = len(COLUMNS) - 1
     for row in table[1:]:
         if row[message]:

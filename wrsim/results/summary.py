@@ -1,6 +1,6 @@
 """The few numbers that people ask for first: peaks, where they occur, and quasi-static values in full curves.
 
-Units stand in the keys. Nothing here is filtered: these are raw peaks, not the quantities of EN 14363.
+Units are in the keys. Nothing here is filtered: these are raw peaks, not the quantities of EN 14363.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def _remarks(dataset: xr.Dataset) -> dict[str, Any]:
-    """What contacts of solved samples and limit cycles have to say, by the sample."""
+    """Remarks on contacts of solved samples and on limit cycles, by the sample."""
     places: list[str] = []
     remarks: list[str] = []
     if "contact_remark" in dataset:
@@ -155,7 +155,7 @@ ENERGY = {
 def energy(dataset: xr.Dataset) -> dict[str, float]:
     """What became of the work of drive and pull over a run, in kJ.
 
-    left_over_kJ: work less everything that is told; what springs, rails and contacts hold or lose and what loads do.
+    left_over_kJ: work less everything above; what springs, rails and contacts hold or lose and what loads do.
     """
     time = dataset["time"].values
 

@@ -39,7 +39,7 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
 
 
 def numbers_of(dataset: xr.Dataset, summary: Summary) -> list[Table]:
-    """What people read first of a result of any analysis, and what its contacts have to say."""
+    """What people read first of a result of any analysis, and the remarks on its contacts."""
     tables: list[Table] = resolved(ANALYSES[str(dataset.attrs["analysis"])].numbers)(dataset, summary)
     notes = first_lines(remarks(summary), "remarks")
     return [*tables, Table("", notes=notes)] if notes else tables
@@ -138,7 +138,7 @@ def happened(summary: Summary) -> list[str]:
 
 
 def remarks(summary: Summary) -> list[str]:
-    """What the contacts of samples and limit cycles have to say."""
+    """Remarks on contacts of samples and on limit cycles."""
     return [f"{place}: {words}" for place, words in summary.get("remarks", {}).items()]
 
 

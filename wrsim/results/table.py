@@ -12,7 +12,7 @@ from math import isnan
 from wrsim.results.channels import Channel
 
 MISSING = "-"
-"""What stands where there is no number."""
+"""In place of a number where there is none."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of cells under columns; notes stand beneath, each on a line. A row of one cell heads the rows below it.
+    """Rows of cells under columns; notes are beneath, each on a line. A row of one cell heads the rows below it.
 
     Without columns it is a title with notes.
     """

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Row = list[str]
 
 BLOCK = 2000
-"""Instants of a run that stand in memory as text at once."""
+"""Instants of a run that are in memory as text at once."""
 
 
 def write_table(dataset: xr.Dataset, name: str, path: str | Path) -> Path:

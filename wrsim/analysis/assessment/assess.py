@@ -186,7 +186,7 @@ def _title(results: Sequence[Result]) -> str:
 
 
 def _settings_of(dataset: xr.Dataset) -> AssessmentSettings:
-    """[assessment] of the scenario that the result carries; the defaults where that says nothing."""
+    """[assessment] of the scenario that the result carries; the defaults where it has none."""
     try:
         text = str(dataset.attrs.get("scenario_text", ""))
         section = load_text(text, shipped_models(), closed=True).table(AssessmentSection)

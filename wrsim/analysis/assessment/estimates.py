@@ -98,7 +98,7 @@ def regression(
 
     known: influences (n,) on the sections; over: those to go by; those that the sections do not differ in are left out.
     at: where to; the largest of the sections unless given. k: factor of the one-dimensional method. None with too few
-    sections, or where the influences cannot be told apart.
+    sections, or where the influences cannot be separated.
     """
     differ = [name for name in over if np.ptp(known[name]) > SPREAD * max(np.abs(known[name]).max(), 1e-12)]
     place = tuple(float(at.get(name, known[name].max())) for name in differ)

@@ -40,7 +40,7 @@ def sampling_rate(time: Array) -> float:
 
 
 def on_raster(dataset: xr.Dataset) -> xr.Dataset:
-    """A run without its last sample where that stands off the raster, as it does where a run was stopped."""
+    """A run without its last sample where that is off the raster, as it does where a run was stopped."""
     time = dataset["time"].values
     if time.size > 2 and abs((time[-1] - time[-2]) - (time[1] - time[0])) > 1e-6 * (time[1] - time[0]):
         return dataset.isel(time=slice(0, -1))

@@ -49,7 +49,7 @@ def limit_of_climbing(dataset: xr.Dataset, settings: AssessmentSettings, notes: 
     angle = _flange_angle_of(dataset) if settings.flange_angle is None else settings.flange_angle
     if friction is None or angle is None:
         what = "angle of the flange" if angle is None else "coefficient of friction"
-        notes.append(f"Nadal: the result does not tell the {what}; [assessment] sets it")
+        notes.append(f"Nadal: the result does not hold the {what}; [assessment] sets it")
         return None
     words = f"Nadal: flange {np.degrees(angle):.1f}°, friction {friction:g}"
     return Limit(nadal_limit(angle, friction), words, "pub")

@@ -54,7 +54,7 @@ LEAST = 5.0
 """Stretches shorter than this [m] are joined to the one before."""
 
 NEARLY = 0.01
-"""Part of its length that may be missing from a section, for samples seldom stand at its ends."""
+"""Part of its length that may be missing from a section, for samples seldom lie at its ends."""
 
 CLOSE = 1e-3
 """Places nearer than this [m] are one."""

@@ -49,7 +49,7 @@ def track_quality(
 ) -> tuple[TrackQuality, ...]:
     """Unevenness of the sections of a run, where it has any: under its first wheelset, of the worse rail.
 
-    Adds to ``notes`` why there is nothing to say of an uneven track.
+    Adds to ``notes`` why an uneven track is not assessed.
     """
     if "rail_lateral" not in dataset:
         return ()

@@ -39,7 +39,7 @@ MAP_AMPLITUDES = (2e-3, 3e-3, 4e-3)
 
 @dataclass(frozen=True)
 class Pairing:
-    """How wheels stand on rails. flange_back: distance of the flange backs [m]; inclination: of the rails, as in a
+    """How wheels are placed on rails. flange_back: distance of the flange backs [m]; inclination: of the rails, as in a
     scenario; roll: how the shift is counted, see `ConicityPlan`; models: folders in which profiles are looked up.
 
     Raises InputError.

@@ -29,7 +29,7 @@ from wrsim.geometry.profile.profile import Profile
 Array = NDArray[np.float64]
 
 NODE_DISTANCE = 1e-4
-"""Distance of the places on a wheel at which the gap is sampled [m]; between them a parabola tells its minimum."""
+"""Distance of the places on a wheel at which the gap is sampled [m]; between them a parabola gives its minimum."""
 STEEPEST = np.radians(85.0)
 """Slope up to which the sides of a profile take part."""
 LEVEL, LONGEST = 1e-12, 1e-3
@@ -45,7 +45,7 @@ class RigidContact:
     wheel leaves its rail.
 
     shift: of the wheelset at the height of the rail tops, to the left [m]; roll: left wheel up [rad]; lift: of the
-    wheelset over the height at which its tape circles stand at the rail tops [m]; u_wheel, u_rail: contact points on
+    wheelset over the height at which its tape circles are at the rail tops [m]; u_wheel, u_rail: contact points on
     the profiles, outward [m]; lateral: contact points to the left of the track's centre line [m]; radius: rolling
     radii [m]; angle: contact angles against the track plane [rad]; centre_shift: of the wheelset's centre on the
     axle [m].

@@ -1,8 +1,8 @@
 """Poses at a prescribed vertical load: one wheel at a given roll, or a wheelset that finds its own roll.
 
-The track is straight and level. The wheelset's centre stands at the lateral shift, turned by the yaw; it rolls at
-``speed`` along the track without slip at the tape circle (the turning rate is V / R about the yawed axle), or stands
-still in the frictionless case. The height is found for the prescribed load; friction takes part in the balance.
+The track is straight and level. The wheelset's centre is at the lateral shift, turned by the yaw; it rolls at
+``speed`` along the track without slip at the tape circle (the turning rate is V / R about the yawed axle), or is
+at rest in the frictionless case. The height is found for the prescribed load; friction takes part in the balance.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ LARGEST_ROLL = 0.05  # of a wheelset that looks for its balance [rad]
 
 @dataclass(frozen=True)
 class Solved:
-    """Where the wheelset came to stand: height of its centre above the track plane [m], roll [rad]; a message when
-    there is no solution (the heights then are not-a-number, or the nearest state); what else is to be said of it."""
+    """Where the wheelset comes to rest: height of its centre above the track plane [m], roll [rad]; a message when
+    there is no solution (the heights then are not-a-number, or the nearest state); further remarks."""
 
     height: float
     roll: float
@@ -93,7 +93,7 @@ class PoseSolver:
         self.wheels[wheel].model.arrays.call()
 
     def _status(self) -> int:
-        """All that the contacts found last have to say."""
+        """Status of all the contacts found last."""
         status = 0
         for wheel in self.wheels:
             status |= wheel.model.arrays.status

@@ -91,7 +91,7 @@ class Comfort:
 
     weighted_rms [m/s2]: x, y, z. continuous (C_Cx, C_Cy, C_Cz) [m/s2] of every block. mean: N_MV = 6 sqrt(sum of the
     squares of the blocks' 95 % percentiles), not-a-number for a run shorter than a block. The standard asks for sixty
-    blocks, five minutes; ``blocks`` says how many there were.
+    blocks, five minutes; ``blocks`` is how many there were.
     """
 
     weighted_rms: Array

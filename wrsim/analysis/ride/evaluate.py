@@ -68,5 +68,5 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
 
 
 def ride_section_of(result: Result) -> RideSection:
-    """[ride] of the scenario that the result carries; the defaults where that says nothing."""
+    """[ride] of the scenario that the result carries; the defaults where it has none."""
     return check(RideSection, table_of_scenario(result.dataset, "ride") or {}, lambda path: "[ride]")

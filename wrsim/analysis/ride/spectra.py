@@ -32,7 +32,7 @@ class Spectrum:
         return np.sqrt(np.maximum(self._power(high) - self._power(low), 0.0))
 
     def _power(self, frequency: float) -> Array:
-        """Power below a frequency. Every line stands for the band of half a resolution on both sides of it."""
+        """Power below a frequency. Every line covers the band of half a resolution on both sides of it."""
         step = self.frequency[1]
         edges = np.clip(self.frequency[:, None] + step * np.array([-0.5, 0.5]), 0.0, self.frequency[-1])
         share = np.clip(frequency - edges[:, 0], 0.0, edges[:, 1] - edges[:, 0])

@@ -60,7 +60,7 @@ def _or_problem(numbers: Callable[..., dict[str, Any]], *arguments: Any) -> dict
 
 
 def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
-    """How it stands under its loads."""
+    """Pose and wheel loads under its loads."""
     rest = static_state(vehicle)
     stops = [
         {"name": e.name, "travel_mm": 1e3 * reading[e.travel_place], "force_kN": 1e-3 * reading[e.travel_place - 3]}
@@ -76,7 +76,7 @@ def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
 
 
 def _leaning(vehicle: Vehicle, level: StaticState, angle: float) -> dict[str, Any]:
-    """How a vehicle without loads stands on rails canted by this angle [rad]; level: how it does on level ones."""
+    """Wheel loads and roll of a vehicle on rails canted by this angle [rad]; level: its state on level ones."""
     rest = static_state(canted(vehicle, angle))
     rolls = {b.name: -float(roll) for b, roll in zip(vehicle.bodies, rest.moved[:, 2], strict=True)}
     sway = {
@@ -87,7 +87,7 @@ def _leaning(vehicle: Vehicle, level: StaticState, angle: float) -> dict[str, An
 
 
 def _twisted(vehicle: Vehicle, level: StaticState, twist: float) -> dict[str, Any]:
-    """How it stands on a track of this twist [rad/m]; see `_leaning`."""
+    """Wheel loads on a track of this twist [rad/m]; see `_leaning`."""
     return _unloading(vehicle, level, static_state(vehicle, twist))
 
 
@@ -190,7 +190,7 @@ def _loads_table(found: Numbers, title: str) -> Table:
 
 
 def _under_loads_tables(found: Numbers) -> list[Table]:
-    """How a vehicle stands under its loads."""
+    """Pose and wheel loads of a vehicle under its loads."""
     if "problem" in found:
         return [Table("", notes=(found["problem"],))]
     heads = (Column("load"), *(Column(axis, "kN", ".3f") for axis in "xyz"))

@@ -1,7 +1,7 @@
 """Resistance of a bogie against rotation under its body: the X factor of EN 14363.
 
 A turntable under one bogie turns it slowly to one side, to the other and back, as far as a curve of small radius does;
-the other wheelsets stand on their rails. Radius, rates and the limit are from memory [mem].
+the other wheelsets rest on their rails. Radius, rates and the limit are from memory [mem].
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""A vehicle at rest on level, canted or twisted rails: how it stands under its loads, and the force of every wheel.
+"""A vehicle at rest on level, canted or twisted rails: its pose under its loads, and the force of every wheel.
 
-The wheelsets stand each on two hard supports half the profile spacing to either side of its middle that
+The wheelsets rest each on two hard supports half the profile spacing to either side of its middle that
 push and do not pull, so a wheel may lift; the rails hold them sideways at their own height. All else finds its place in
 its springs, bump stops and all. Where on the profiles the contacts lie is left out: with rails under
-the wheels ``analysis = "equilibrium"`` says more.
+the wheels ``analysis = "equilibrium"`` gives more.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SUPPORT = 1e10
 """Stiffness of a support [N/m]."""
 
 LENGTH, PLACE = 200.0, 100.0
-"""Level track, and where on it the vehicle stands [m]."""
+"""Level track, and where on it the vehicle is [m]."""
 
 X, Y, Z, HEADING, ROLL, SPIN = (COORDINATES.index(name) for name in ("x", "y", "z", "heading", "roll", "spin"))
 
