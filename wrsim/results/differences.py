@@ -73,10 +73,8 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
     if only:
         keys = [key for key in keys if any(_is_asked(key[1], asked) for asked in only)]
     scales: dict[str, float] = {}
-    for place, name in keys:
-        for values in (one, other):
-            size = abs(values.get((place, name)) or 0.0)
-            scales[name] = max(scales.get(name, SMALLEST), size)
+    for key in keys:
+        scales[key[1]] = max(scales.get(key[1], SMALLEST), *(abs(values.get(key) or 0.0) for values in (one, other)))
     found = [Deviation(p, q, one.get((p, q)), other.get((p, q)), scales[q]) for p, q in keys]
     return sorted(found, key=lambda d: -d.relative)
 
@@ -88,17 +86,8 @@ def difference_table(found: Sequence[Deviation]) -> Table:
         Column("A", "", ".5g", "a"), Column("B", "", ".5g", "b"),
         Column("B - A", "", ".3g", "difference"), Column("part of largest", "", ".2g", "relative"),
     )  # fmt: skip
-    rows = [
-        (
-            d.place,
-            d.quantity,
-            d.first,
-            d.second,
-            *((d.absolute, d.relative) if math.isfinite(d.absolute) else (None, None)),
-        )
-        for d in found
-    ]
-    return Table("", heads, rows)
+    both = [(d, (d.absolute, d.relative) if math.isfinite(d.absolute) else (None, None)) for d in found]
+    return Table("", heads, [(d.place, d.quantity, d.first, d.second, *numbers) for d, numbers in both])
 
 
 def beyond(found: Sequence[Deviation], tolerance: float) -> list[Deviation]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import io
 import tempfile
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -91,24 +90,15 @@ def _mat(result: Result) -> bytes:
     from scipy.io import savemat
 
     dataset = result.dataset
-    channels: dict[str, Any] = {}
-    units: dict[str, str] = {}
-    dims: dict[str, Any] = {}
-    for name, variable in dataset.variables.items():
-        key = str(name)[:LONGEST_NAME]
-        values = variable.values
-        channels[key] = values.astype(object) if values.dtype.kind in "UO" else values
-        units[key] = str(variable.attrs.get("units", ""))
-        dims[key] = np.array(variable.dims, dtype=object)
-    about = {str(key)[:LONGEST_NAME]: value for key, value in dataset.attrs.items()}
+    variables = {str(name)[:LONGEST_NAME]: variable for name, variable in dataset.variables.items()}
+    content = {
+        "channels": {n: v.values.astype(object) if v.dtype.kind in "UO" else v.values for n, v in variables.items()},
+        "units": {n: str(v.attrs.get("units", "")) for n, v in variables.items()},
+        "dimensions": {n: np.array(v.dims, dtype=object) for n, v in variables.items()},
+        "about": {str(key)[:LONGEST_NAME]: value for key, value in dataset.attrs.items()},
+    }
     stream = io.BytesIO()
-    savemat(
-        stream,
-        {"channels": channels, "units": units, "dimensions": dims, "about": about},
-        long_field_names=True,
-        do_compression=True,
-        oned_as="column",
-    )
+    savemat(stream, content, long_field_names=True, do_compression=True, oned_as="column")
     return stream.getvalue()
 
 

@@ -39,23 +39,19 @@ def patch_of(one: xr.Dataset, at: str | float, wheel: str | None, number: int, c
     used = order_of_strips(patch["strip_s"].values, patch["strip_p"].values)
     strips = {str(n): v.values[used] for n, v in patch.variables.items() if v.dims == ("strip",)}
     fields = _elements(patch, used) or _strips(strips, columns)
-    about = {name: (CHANNELS[channel].unit, CHANNELS[channel].long_name) for channel, name in TRACTIONS.items()}
-    about |= {"x": ("m", "along the track"), "p": ("Pa", "pressure")}
-    x = fields.pop("x")
-    found = {name: (("s", "x"), values, _attributes(*about[name])) for name, values in fields.items()}
-    along = {n: ("s", v, _attributes(CHANNELS[n].unit, CHANNELS[n].long_name)) for n, v in strips.items()}
+    about = {name: CHANNELS[channel].attributes for channel, name in TRACTIONS.items()}
+    about["p"] = {"units": "Pa", "long_name": "pressure"}
+    x = xr.Variable("x", fields.pop("x"), {"units": "m", "long_name": "along the track"})
+    found = {name: (("s", "x"), values, about[name]) for name, values in fields.items()}
+    along = {n: ("s", v, CHANNELS[n].attributes) for n, v in strips.items()}
     s = along.pop("strip_s")
     numbers = {str(n): v for n, v in patch.data_vars.items() if v.dims == () and "patch" in CHANNELS[str(n)].dims}
     place = {"pose": at} if dim == "pose" else {"distance_m": float(patch["snapshot_distance"])}
     return xr.Dataset(
         found | along | {name: ((), value.values, dict(value.attrs)) for name, value in numbers.items()},
-        coords={"s": s, "x": ("x", x, _attributes(*about["x"]))},
+        coords={"s": s, "x": x},
         attrs={"title": one.attrs["title"], "wheel": wheel, "number": number, **place},
     )
-
-
-def _attributes(unit: str, words: str) -> dict[str, str]:
-    return {"units": unit, "long_name": words}
 
 
 def _strips(strips: dict[str, Array], columns: int) -> dict[str, Array]:

@@ -58,7 +58,17 @@ def conicity(
             f"{title}: the rolling radius difference does not rise through zero within {1e3 * reach:g} mm of the "
             "centre: the wheelset has no place to swing about"
         )
-    channels = _channels(contact, place) | {
+    part = slice(None, None, KEPT)
+    channels = {
+        "lateral_shift": place[part],
+        "vertical_shift": contact.lift[part],
+        "roll": contact.roll[part],
+        "rolling_radius_difference": contact.radius_difference[part],
+        "rolling_radius": contact.radius[part],
+        "contact_angle": contact.angle[part, :, None],
+        "u_wheel": contact.u_wheel[part, :, None],
+        "u_rail": contact.u_rail[part, :, None],
+        "y_contact": contact.lateral[part, :, None],
         "equivalent_conicity": found.conicity,
         "conicity_wavelength": found.wavelength,
     }
@@ -76,7 +86,7 @@ def conicity(
         "flange_from_rad": plan.flange_from,
         "curve_radii_m": " ".join(f"{radius:.15g}" for radius in plan.curves),
     }
-    names = [f"y={1e3 * y + 0.0:+.3f}mm" for y in place[::KEPT]]
+    names = [f"y={1e3 * y + 0.0:+.3f}mm" for y in place[part]]
     return Result(assemble({"pose": names, "amplitude": found.amplitude}, channels, attributes))
 
 
@@ -98,18 +108,3 @@ def _counted(contact: RigidContact, roll: str) -> tuple[Array, Array]:
     difference = np.full_like(place, np.nan)
     difference[keep] = contact.radius_difference[keep]
     return place, difference
-
-
-def _channels(contact: RigidContact, place: Array) -> dict[str, NDArray[np.generic]]:
-    part = slice(None, None, KEPT)
-    return {
-        "lateral_shift": place[part],
-        "vertical_shift": contact.lift[part],
-        "roll": contact.roll[part],
-        "rolling_radius_difference": contact.radius_difference[part],
-        "rolling_radius": contact.radius[part],
-        "contact_angle": contact.angle[part, :, None],
-        "u_wheel": contact.u_wheel[part, :, None],
-        "u_rail": contact.u_rail[part, :, None],
-        "y_contact": contact.lateral[part, :, None],
-    }

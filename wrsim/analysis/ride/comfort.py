@@ -87,21 +87,29 @@ PERCENTILE = 95.0
 
 @dataclass(frozen=True, eq=False)
 class Comfort:
-    """Weighted rms over the whole run by axis, over every block of 5 s (blocks, 3), and N_MV, all of one point.
+    """Weighted rms over the whole run by axis, and over every block of 5 s (blocks, 3), all of one point.
 
-    weighted_rms [m/s2]: x, y, z. continuous (C_Cx, C_Cy, C_Cz) [m/s2] of every block. mean: N_MV = 6 sqrt(sum of the
-    squares of the blocks' 95 % percentiles), not-a-number for a run shorter than a block. The standard asks for sixty
+    weighted_rms [m/s2]: x, y, z. continuous (C_Cx, C_Cy, C_Cz) [m/s2] of every block. The standard asks for sixty
     blocks, five minutes; ``blocks`` is how many there were.
     """
 
     weighted_rms: Array
     continuous: Array
-    mean: float
 
     @property
     def blocks(self) -> int:
         """How many."""
         return int(self.continuous.shape[0])
+
+    @property
+    def percentiles(self) -> Array:
+        """95 % of the blocks, by axis; not-a-number for a run shorter than a block."""
+        return np.percentile(self.continuous, PERCENTILE, axis=0) if self.blocks else np.full(3, np.nan)
+
+    @property
+    def mean(self) -> float:
+        """N_MV = 6 sqrt(sum of the squares of the percentiles)."""
+        return 6.0 * float(np.sqrt((self.percentiles**2).sum()))
 
 
 def comfort(acceleration: Array, rate: float) -> Comfort:
@@ -111,7 +119,4 @@ def comfort(acceleration: Array, rate: float) -> Comfort:
     count = signals.shape[0] // length
     blocks = signals[: count * length].reshape(count, length, 3)
     continuous = np.sqrt((blocks**2).mean(axis=1))
-    mean = float("nan")
-    if count:
-        mean = 6.0 * float(np.sqrt((np.percentile(continuous, PERCENTILE, axis=0) ** 2).sum()))
-    return Comfort(np.sqrt((signals**2).mean(axis=0)), continuous, mean)
+    return Comfort(np.sqrt((signals**2).mean(axis=0)), continuous)

@@ -7,7 +7,7 @@ import xarray as xr
 
 from wrsim.analysis.assessment.filters import on_raster, sampling_rate
 from wrsim.analysis.ride.comfort import AXES as WEIGHTINGS
-from wrsim.analysis.ride.comfort import PERCENTILE, comfort
+from wrsim.analysis.ride.comfort import comfort
 from wrsim.analysis.ride.spectra import spectrum, third_octaves
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check
@@ -40,8 +40,6 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
     found = spectrum(acceleration, rate, section.resolution_Hz)
     bands = third_octaves(found)
     each = [comfort(acceleration[:, i], rate) for i in range(acceleration.shape[1])]
-    blocks = each[0].blocks
-    high = [np.percentile(c.continuous, PERCENTILE, axis=0) if blocks else np.full(3, np.nan) for c in each]
     dims = ("point", "axis")
     data = xr.Dataset(
         {
@@ -52,7 +50,7 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
             "rms": (dims, acceleration.std(axis=0)),
             "peak": (dims, np.abs(acceleration).max(axis=0)),
             "weighted_rms": (dims, np.stack([c.weighted_rms for c in each])),
-            "comfort_95": (dims, np.stack(high)),
+            "comfort_95": (dims, np.stack([c.percentiles for c in each])),
             "N_MV": ("point", [c.mean for c in each]),
         },
         coords={
@@ -61,7 +59,7 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
             "point": [str(p) for p in part["point"].values],
             "axis": list(AXES),
         },
-        attrs={"blocks": blocks, "weightings": " ".join(WEIGHTINGS[a] for a in AXES)},
+        attrs={"blocks": each[0].blocks, "weightings": " ".join(WEIGHTINGS[a] for a in AXES)},
     )
     times, places = part["time"].values, part["distance"].values
     return Ride(result.title, float(places[0]), float(places[-1]), float(times[-1] - times[0]), found.segments, data)
