@@ -49,7 +49,7 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
         raise InputError("contacts of the exact solver are drawn at kept moments only: anywhere else takes minutes")
     law = force_law(replace(setup, contact=replace(setup.contact, tangential="none")))
     recorders = [StripRecorder(pair) for pair in law.wheels]
-    q, q_t = design_state(law)
+    q, q_t = design_state(law)  # bodies stay there: contacts depend on the wheelsets alone
     out = np.zeros(law.size)
     columns = {name: dataset[name].transpose("time", "wheelset", ...).values for name in NEEDED}
     time, distance, speed = (dataset[name].values for name in ("time", "distance", "speed"))
@@ -65,13 +65,6 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
             )  # fmt: skip
         for w, twist in law.twists.items():
             q_t[twist] = float(dataset["spin_difference"].values[i, w])
-        ahead = float(distance[i]) - (setup.vehicle.parts[setup.vehicle.reference].centre[0] if names else 0.0)
-        for b, body in enumerate(setup.vehicle.bodies):
-            at = slice(6 * (len(names) + b), 6 * (len(names) + b) + 6)
-            x, y, z = body.centre
-            q[at], q_t[at] = place_on_track(
-                law.track.centre, ahead + x, speed=float(speed[i]), height=z, spin_rate=0.0, lateral=y
-            )
         if law.rails and all(name in dataset for name in RAILS):
             moved = np.stack([dataset[name].values[i] for name in RAILS], axis=-1)
             q[law.size - law.rails : law.size] = moved.ravel()
