@@ -1,5 +1,6 @@
 """Settings of the whole test suite."""
 
+import base64
 import importlib
 import os
 import sys
@@ -19,15 +20,21 @@ settings.register_profile("wrsim", deadline=None, derandomize=True)
 settings.load_profile("wrsim")
 
 
+PIXEL = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
+)
+"""The smallest picture."""
+
+
 @pytest.fixture
 def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures are neither put together nor painted, for tests of what becomes of their files."""
 
     @contextmanager
-    def drawing(figures: Mapping[str, object]) -> Iterator[object]:
-        yield lambda: dict.fromkeys(figures, b"a picture")
+    def drawing(figures: Mapping[str, object], paint: object = None) -> Iterator[object]:
+        yield lambda: dict.fromkeys(figures, PIXEL)
 
-    for module in ("wrsim.plots", "wrsim.plots.drawing"):
+    for module in ("wrsim.plots", "wrsim.plots.drawing", "wrsim.report.page"):
         monkeypatch.setattr(importlib.import_module(module), "drawing", drawing)
 
 

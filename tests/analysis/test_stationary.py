@@ -130,7 +130,10 @@ def test_sliding_bearers_and_a_bowl_resist_by_friction_times_load_times_arm():
     assert np.abs(middle[1:]) == pytest.approx(found.largest, rel=1e-3)
 
 
-@pytest.mark.parametrize("name", ["gz18", pytest.param("irw", marks=pytest.mark.campaign)])
+LONG = (pytest.param(name, marks=pytest.mark.campaign) for name in ("gz18", "irw"))
+
+
+@pytest.mark.parametrize("name", ["manchester_1", *LONG])
 def test_bogies_at_either_end_are_alike(name):
     vehicle = shipped(name)
     front, rear = (rotation.rotation_test(vehicle, b, FAST).factor for b in bogies_of(vehicle))

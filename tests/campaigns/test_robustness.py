@@ -76,10 +76,8 @@ def refusal(path: Path) -> str:
     [
         ({"size": 2**40}, "size in its header is 1099511627776: input should be less than or equal to 1000000"),
         ({"size": 7}, "do not follow each other in time"),
-        ({"step_s": "x"}, "step_s in its header is 'x': input should be a valid number"),
         ({"step_s": float("nan")}, "step_s in its header is nan"),
         ({"integrator": "magic"}, "integrator in its header is 'magic'; must be generalised-alpha or rk44"),
-        ({"scenario_text": None}, "scenario_text in its header is None: input should be a valid string"),
         ({"folders": []}, "folders in its header is []: list should have at least 1 item"),
         ({"files": {"x": 3}}, "files in its header is 3: input should be a valid string"),
         ({"inputs": "x"}, "inputs in its header is 'x'"),
@@ -105,7 +103,6 @@ def test_a_header_that_is_no_table_is_refused(header: bytes, run_files: tuple[Pa
     ("change", "words"),
     [
         ({"rows": 2**40}, "numbers says"),
-        ({"rows": -1}, "a record that no run writes"),
         ({"step": 2**62}, "a record that no run writes"),
         ({"step": None}, "numbers says"),
     ],

@@ -23,7 +23,6 @@ from wrsim.plots import (
     overview_figure,
     patch_gallery,
     pressure_scale,
-    save,
     section_gallery,
     standard_figures,
     standard_pictures,
@@ -83,13 +82,6 @@ def test_histories_of_wheels_are_drawn_in_their_units_and_colours(axes, name, fa
         (line,) = lines_of(axes, wheel)
         np.testing.assert_array_equal(line.get_xdata(), dataset["distance"])
         np.testing.assert_allclose(line.get_ydata(), dataset[name].sel(wheel=wheel) * factor)
-
-
-def test_the_lateral_shift_is_drawn_in_millimetres(axes):
-    dataset = curve_run()
-    history(axes, dataset, "lateral_shift")
-    np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), dataset["lateral_shift"] * 1e3)
-    assert "[mm]" in axes.get_ylabel()
 
 
 def test_the_contact_angle_shows_main_point_and_mean_and_the_band_between_the_extremes(axes):
@@ -325,13 +317,6 @@ def test_pictures_are_written_and_the_same_data_give_the_same_bytes(tmp_path):
     assert all(content.startswith(b"\x89PNG") for content in first.values())
     again = {p.name: p.read_bytes() for p in standard_pictures(dataset, tmp_path)}
     assert first == again
-
-
-def test_an_empty_run_is_a_figure_that_says_so(tmp_path):
-    figure = channels_figure(curve_run(stopped=True).isel(time=slice(0, 0)), ("Q",))
-    assert "No samples" in texts(figure)
-    assert "derailment" in texts(figure)
-    assert save(figure, tmp_path / "empty.png").stat().st_size > 1000
 
 
 def test_plots_leave_the_settings_of_the_user_alone():
