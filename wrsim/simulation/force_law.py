@@ -123,12 +123,6 @@ class Block:
         """Several things that know nothing of each other, each with coordinates of its own, a row of ``own``."""
         return cls(forces, tuple(own.T), (own,) * own.shape[1])
 
-    @classmethod
-    def in_a_row(cls, forces: Forces, own: Sequence[NDArray[np.intp]]) -> Block:
-        """Things in a row, each with coordinates of its own, that act on themselves and their neighbours."""
-        groups = groups_in_a_row(own)
-        return cls(forces, tuple(columns for columns, _ in groups), tuple(rows for _, rows in groups))
-
 
 def groups_in_a_row(own: Sequence[NDArray[np.intp]]) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
     """Which coordinates of things in a row, each with its own, may be changed at once (columns), and what each of them

@@ -17,7 +17,7 @@ from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.jit.compiling import use_threads
 from wrsim.core.jit.stages import make_ready
 from wrsim.errors import SimulationError
-from wrsim.simulation.force_law import Array, Block
+from wrsim.simulation.force_law import Array, Block, groups_in_a_row
 from wrsim.simulation.vehicle_arrays import (
     RAIL_COORDINATES,
     Layout,
@@ -152,7 +152,10 @@ class VehicleOnTrack(Layout):
             vehicle_forces.add_forces_on_wheels(q, q_t, out, buffer, index)
 
         units = self.coordinates_of_units()
-        found = [Block.full(on_bodies, self.size) if len(units) < 2 else Block.in_a_row(on_bodies, units)]
+        found = [Block.full(on_bodies, self.size)]
+        if len(units) > 1:
+            columns, rows = zip(*groups_in_a_row(units), strict=True)
+            found = [Block(on_bodies, columns, rows)]
         if self.wheels:
             count = len(self.wheels)
             own = np.arange(6 * count).reshape(count, 6)

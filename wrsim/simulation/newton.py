@@ -85,11 +85,6 @@ def newton(
     return x, residual(x), len(norms)
 
 
-def _each_alone(size: int) -> Apart:
-    """Every unknown may act on everything."""
-    return [(np.array([i]), np.arange(size)[None]) for i in range(size)]
-
-
 def derivatives(
     residual: Callable[[Array], Array],
     x: Array,
@@ -100,7 +95,7 @@ def derivatives(
     """Derivative of the residual with respect to x / small, by central differences; the rest as for ``newton``."""
     columns_of_it = np.zeros((x.size, x.size))
     part = np.broadcast_to(difference, x.size)
-    for columns, rows in apart or _each_alone(x.size):
+    for columns, rows in apart or [(np.array([i]), np.arange(x.size)[None]) for i in range(x.size)]:
         h = np.zeros(x.size)
         h[columns] = part[columns] * small[columns]
         change = residual(x + h) - residual(x - h)

@@ -7,7 +7,6 @@ of them are meant at the time 0, when the vehicle's origin is at the start of it
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -179,18 +178,12 @@ class SteadyMotion:
         turn_gears(law, q_t)
         return q, q_t, turning
 
-    def residual(self, x: Array) -> Array:
+    def residual(self, x: Array, contacts: bool = True) -> Array:
         """Forces less inertia forces over the weight (6 n,), then the moments on the axle boxes and the forces on the
-        rails under the wheels."""
-        return self._left(x, self.law)
-
-    def without_contacts(self, x: Array) -> Array:
-        """The same but for what contacts do: of bodies, no wheelsets, that is all."""
-        return self._left(x, self.law.on_bodies)
-
-    def _left(self, x: Array, forces: Forces) -> Array:
+        rails under the wheels. Without contacts it is complete for bodies that are no wheelsets."""
         n = len(self.inertia)
         q, q_t, turning = self._state(x)
+        forces: Forces = self.law if contacts else self.law.on_bodies
         forces(0.0, q, q_t, self._out)
         kernels.together_inertia(q, q_t, turning, self.inertia, len(self.spins), self._inertia)
         left = np.append(self._out[: 6 * n] - self._inertia, self.masses * self._out[self.positions])
@@ -295,7 +288,7 @@ def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> int:
 
     def residual(places: Array) -> Array:
         whole[bodies] = places
-        return steady.without_contacts(whole)[bodies]
+        return steady.residual(whole, contacts=False)[bodies]
 
     x[bodies], _, iterations = newton(
         residual, x[bodies].copy(), steady.small[bodies], BODIES_PLACED, max_iterations,
@@ -327,7 +320,12 @@ def lower_on_rails(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Ar
         def carried(angle: float, z: int = z, roll: int = roll, name: str = mounted.name) -> float:
             """Moment left over at this roll, with the height found."""
             x[roll] = angle
-            if not bracket(_force(steady, x, z), float(x[z]), SMALL_WHEELSET["z"], 0.1 * share, SEARCH_HEIGHT):
+
+            def lift(height: float) -> float:
+                x[z] = height
+                return float(steady.residual(x)[z])
+
+            if not bracket(lift, float(x[z]), SMALL_WHEELSET["z"], 0.1 * share, SEARCH_HEIGHT):
                 raise NotCarried(name)
             return float(steady.residual(x)[roll])
 
@@ -337,13 +335,3 @@ def lower_on_rails(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Ar
         x[: 6 * len(law.bodies) : 6] -= sunk
         x[len(x) - law.rails + 1 :: 2] -= sunk
     return steady.state(x)
-
-
-def _force(steady: SteadyMotion, x: Array, place: int) -> Callable[[float], float]:
-    """The force along one unknown as a function of it; changes x."""
-
-    def force(value: float) -> float:
-        x[place] = value
-        return float(steady.residual(x)[place])
-
-    return force

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
     from wrsim.scenario.sections.run import RunPlan
     from wrsim.simulation.law import VehicleOnTrack
-    from wrsim.simulation.system import Array
     from wrsim.vehicle.vehicle import Vehicle
 
 DROP = 15e-3
@@ -52,8 +51,10 @@ class WatchedWheel:
         height = pose.item(2) - self.level
         if height < -DROP:
             return OffRail(self.wheelset, self.side, "dropped" if self.model.rolled is None else "sunk")
-        if self.tip is not None and self._outward(pose, self.tip) > self.face:
-            return OffRail(self.wheelset, self.side, "climbed", height)
+        if self.tip is not None:
+            u, w = self.tip  # on the wheel profile; its outward coordinate in the rail's axes:
+            if pose.item(1) + u * pose.item(4) + (self.model.radius - w) * pose.item(5) > self.face:
+                return OffRail(self.wheelset, self.side, "climbed", height)
         return None
 
     @property
@@ -70,11 +71,6 @@ class WatchedWheel:
     def in_contact(self) -> bool:
         """True if any patch carries a force."""
         return any(self._N.item(i) > 0.0 for i in range(self._lobes.item()))
-
-    def _outward(self, pose: Array, point: tuple[float, float]) -> float:
-        """Outward coordinate o [m], in the rail's axes, of a point (u, w) of the wheel profile, below the axle."""
-        u, w = point
-        return pose.item(1) + u * pose.item(4) + (self.model.radius - w) * pose.item(5)
 
 
 def wheels_of(law: VehicleOnTrack) -> list[WatchedWheel]:

@@ -55,10 +55,6 @@ class RunRecord:
             _same_run(path, header)
         return cls(path, resume, header)
 
-    def recorded_step(self) -> float:
-        """Time step of the run that goes on [s]."""
-        return float(run_header(self.path)["step_s"])
-
     def recorder(self, integrator: str, step: float, size: int) -> Recorder:
         """The file, to be written on: from its last checkpoint, or anew. step [s]; size: number of coordinates."""
         if self.resume:

@@ -19,6 +19,7 @@ from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.progress import Progress
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.segments import Straight
+from wrsim.results.run_file import run_header
 from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
 from wrsim.simulation.step import (
     LARGEST_STEP,
@@ -71,7 +72,7 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
     law = force_law(setup)
     system = System(law.bodies, law)
     if record is not None and record.resume:
-        step = record.recorded_step()
+        step = float(run_header(record.path)["step_s"])
         q = q_t = np.zeros(system.size)  # the file knows better
     else:
         try:

@@ -99,11 +99,6 @@ class CycleSearch:
                 dead = speed
         return alive if np.isnan(dead) else 0.5 * (alive + dead)
 
-    def from_below(self, speeds: list[float]) -> None:
-        """At each of the speeds [m/s], what becomes of a small kick."""
-        for speed in sorted(speeds):
-            self.hold(speed, "from below", self.kicked(speed, self.plan.small_kick))
-
     def kicked(self, speed: float, shift: float) -> tuple[Array, Array]:
         """Steady rolling with all wheelsets shifted to the left [m]."""
         q, q_t = self.rolling.state(speed)

@@ -42,11 +42,6 @@ class Modes:
     shapes: NDArray[np.complex128]
     largest: float
 
-    @property
-    def least_damped(self) -> int:
-        """Number of the oscillating mode farthest to the right."""
-        return int(np.argmax(self.values.real))
-
 
 def modes_of(linear: Linearised, speed: float, wheelsets: int, highest: float) -> Modes:
     """Modes up to the frequency ``highest`` [Hz] of a vehicle whose first bodies are wheelsets."""

@@ -92,7 +92,8 @@ def _cycles(
         outcome |= nonlinear_outcome(lowest, np.inf if worst is None else worst.speed, cycle_plan.lowest)
     if first.moves:
         steps = np.arange(start, max(lowest, cycle_plan.lowest) - cycle_plan.step, -cycle_plan.step)
-        search.from_below([float(v) for v in steps if v >= cycle_plan.lowest])
+        for speed in sorted(float(v) for v in steps if v >= cycle_plan.lowest):
+            search.hold(speed, "from below", search.kicked(speed, cycle_plan.small_kick))
     return outcome
 
 
@@ -116,7 +117,7 @@ def _critical_words(worst: Modes | None, found: list[Modes], vehicle: Vehicle) -
     if worst is None:
         top = 3.6 * found[-1].speed
         return {"critical_speed_m_s": np.nan, "critical_note": f"stable at all speeds up to {top:.4g} km/h"}
-    mode = worst.least_damped
+    mode = int(np.argmax(worst.values.real))  # the least damped one
     words: dict[str, Any] = {
         "critical_speed_m_s": worst.speed,
         "critical_frequency_Hz": float(worst.values[mode].imag / (2.0 * np.pi)),
