@@ -73,7 +73,7 @@ def test_between_both_critical_speeds_the_disturbance_decides(speed, shift, endi
     """Its yaw dampers hold small motions and blow off in large ones."""
     assert speed < BETWEEN
     whole = build(load(SCENARIOS / "stability_crh380a.toml").with_values({"stability.window_s": 1.5}))
-    search = CycleSearch(RollingVehicle(whole, speed * KMH), whole.plan.cycles, lambda v: None)
+    search = CycleSearch(RollingVehicle(whole, speed * KMH), whole.plan.cycles, [], lambda part: None)
     found, _ = search.hold(speed * KMH, "from above", search.kicked(speed * KMH, 1e-3 * shift))
     assert found.ending == ending
     if ending == "cycle":  # from flange to flange, which touch at 8.5 mm

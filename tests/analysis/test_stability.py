@@ -10,9 +10,8 @@ from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 from support.runs import SCENARIOS
 
 from wrsim.analysis import run
-from wrsim.analysis.stability.cycles import CycleSearch
+from wrsim.analysis.stability.cycles import CycleSearch, nonlinear_outcome
 from wrsim.analysis.stability.rolling import RollingVehicle
-from wrsim.analysis.stability.run import nonlinear_outcome
 from wrsim.errors import InputError
 from wrsim.plots import standard_pictures
 from wrsim.results import Result
@@ -99,7 +98,7 @@ def test_growth_in_time_is_the_eigenvalue_s_for_a_whole_bogie():
 def test_below_the_linear_critical_speed_a_small_kick_dies_and_a_limit_cycle_lives_on():
     above, between, below = 262.0 / 3.6, 242.0 / 3.6, 215.0 / 3.6
     setup = build(cooperrider())
-    search = CycleSearch(RollingVehicle(setup, above), setup.plan.cycles, lambda v: None)
+    search = CycleSearch(RollingVehicle(setup, above), setup.plan.cycles, [], lambda part: None)
     first, state = search.hold(above, "from above", search.kicked(above, 9e-3))
     large, later = search.hold(between, "from above", search.slowed(state, above - between))
     small, _ = search.hold(between, "from below", search.kicked(between, 0.3e-3))

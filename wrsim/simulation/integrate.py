@@ -87,27 +87,22 @@ def _name(index: int, system: System) -> str:
     return what if len(system.bodies) == 1 else f"{what} of body {body}"
 
 
-class _Interrupt:
-    """Counts Ctrl-C: the first ends the run after the step, the second at once."""
-
-    asked = False
-
-    def __call__(self, number: int, stack: FrameType | None) -> None:
-        if self.asked:
-            raise KeyboardInterrupt
-        self.asked = True
-
-
 @contextmanager
-def _interruptible() -> Iterator[_Interrupt]:
-    """Install the Ctrl-C counter; only the main thread may (elsewhere no signal arrives)."""
-    interrupt = _Interrupt()
+def _interruptible() -> Iterator[threading.Event]:
+    """The first Ctrl-C is noted, the second interrupts; only the main thread may (elsewhere no signal arrives)."""
+    asked = threading.Event()
     if threading.current_thread() is not threading.main_thread():
-        yield interrupt
+        yield asked
         return
-    before = signal.signal(signal.SIGINT, interrupt)
+
+    def note(number: int, stack: FrameType | None) -> None:
+        if asked.is_set():
+            raise KeyboardInterrupt
+        asked.set()
+
+    before = signal.signal(signal.SIGINT, note)
     try:
-        yield interrupt
+        yield asked
     finally:
         signal.signal(signal.SIGINT, before)
 
@@ -286,7 +281,7 @@ class Integration:
             if now - self._reported >= PROGRESS_INTERVAL:
                 self._reported = now
                 self.progress(k / self._steps, (now - self._began) * (self._steps - k) / (k - self._first))
-        if self._interrupt.asked:
+        if self._interrupt.is_set():
             return self._stop("interrupt", f"interrupted by the user at t = {self._time(k):.6g} s")
         return True
 

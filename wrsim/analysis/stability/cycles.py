@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -38,6 +38,9 @@ CALM = 2
 DYING, FAST = 0.5, 0.03
 """A motion that has fallen to this part of what it was when the longest time is over, and in its last window has fallen
 by that part of itself, is on its way to rest. Not so one that beats, or goes over into a smaller cycle."""
+
+ABOVE = 1.1
+"""The first limit cycle is looked for at so many times the linear critical speed, unless the plan gives it."""
 
 SAMPLES = 1e-3
 """Time between two samples of the motion [s]."""
@@ -69,16 +72,38 @@ class Cycle:
 
 
 class CycleSearch:
-    """Holds speeds; ``found`` keeps every cycle, in the order of the search. ``report`` is called after each."""
+    """Holds speeds and looks what the vehicle comes to."""
 
-    def __init__(self, rolling: RollingVehicle, plan: CyclePlan, report: Callable[[float], None]) -> None:
-        """report: called with the speed [m/s] whenever one has been held."""
-        self.rolling, self.plan, self.report = rolling, plan, report
+    def __init__(
+        self, rolling: RollingVehicle, plan: CyclePlan, found: list[Cycle], report: Callable[[float], None]
+    ) -> None:
+        """found: gains every cycle, in the order of the search; report: called after each with the part done."""
+        self.rolling, self.plan, self.found, self.report = rolling, plan, found, report
         law = rolling.law
         self.system = System(law.bodies, law)
         self.wheelsets = len(law.vehicle.wheelsets)
         self.radii = np.array([m.wheelset.mean_radius for m in law.vehicle.wheelsets])
-        self.found: list[Cycle] = []
+        self.expected = 1.0
+
+    def run(self, linear: float, fastest: float) -> dict[str, Any]:
+        """Limit cycles from above and from below; what came out, as attributes.
+
+        linear: critical speed, infinite where there is none; fastest: of the speeds whose modes are known [m/s].
+        """
+        plan, start = self.plan, self.plan.start
+        if start is None:
+            start = max(ABOVE * linear, plan.lowest + plan.step) if np.isfinite(linear) else fastest
+        self.expected = 2.0 * (start - plan.lowest) / plan.step
+        lowest = self.from_above(start)
+        outcome: dict[str, Any] = {"cycle_start_m_s": start, "nonlinear_critical_speed_m_s": lowest}
+        if not self.found[0].moves:
+            words = self.found[0].message or "the vehicle comes to rest"
+            outcome["nonlinear_note"] = f"no limit cycle at {3.6 * start:.4g} km/h, where the search begins: {words}"
+            return outcome
+        steps = np.arange(start, max(lowest, plan.lowest) - plan.step, -plan.step)
+        for speed in sorted(float(v) for v in steps if v >= plan.lowest):
+            self.hold(speed, "from below", self.kicked(speed, plan.small_kick))
+        return outcome | nonlinear_outcome(lowest, linear, plan.lowest)
 
     def from_above(self, start: float) -> float:
         """Follow the cycle down from a speed [m/s]; returns the lowest speed at which it lives.
@@ -162,7 +187,7 @@ class CycleSearch:
         remark = contact_words(monitor.wheels, law.vehicle, statuses.tolist())
         cycle = Cycle(speed, branch, amplitudes, frequency, held, ending, message, remark)
         self.found.append(cycle)
-        self.report(speed)
+        self.report(min(len(self.found) / self.expected, 0.99))
         return cycle, (q, q_t)
 
     def _moved_back(self, q: Array) -> Array:
@@ -173,6 +198,21 @@ class CycleSearch:
         q = q.copy()
         q[6 * np.arange(len(self.system.bodies)) + 1] -= q[6 * reference + 1] - PLACE - ahead
         return q
+
+
+def nonlinear_outcome(lowest: float, linear: float, end: float) -> dict[str, Any]:
+    """What the lowest limit cycle found means, as attributes.
+
+    lowest, linear, end: speeds of that cycle, of instability, and where the search ends [m/s]. Above the linear
+    critical speed straight running is unstable anyway: a cycle found only there is no critical speed of its own.
+    """
+    if lowest > linear:
+        words = f"no limit cycle below the linear critical speed; the lowest one found is at {3.6 * lowest:.4g} km/h"
+        return {"nonlinear_critical_speed_m_s": np.nan, "nonlinear_note": words}
+    if lowest <= end:
+        words = f"the limit cycle is still there at {3.6 * lowest:.4g} km/h, where the search ends"
+        return {"nonlinear_critical_speed_m_s": lowest, "nonlinear_note": words}
+    return {"nonlinear_critical_speed_m_s": lowest}
 
 
 def _frequency(times: Array, values: Array) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,11 +16,8 @@ from wrsim.simulation.modes import mode_name
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
-    from wrsim.scenario.sections.stability import CyclePlan, StabilityPlan
+    from wrsim.scenario.sections.stability import StabilityPlan
     from wrsim.vehicle.vehicle import Vehicle
-
-ABOVE = 1.1
-"""The first limit cycle is looked for at so many times the linear critical speed, unless the plan gives it."""
 
 SHARE_OF_MODES = 0.3
 """What the modes count for in the progress when limit cycles follow."""
@@ -53,7 +49,9 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
         outcome |= _critical_words(worst, found, vehicle)
         report(share)
         if plan.cycles is not None:
-            outcome |= _cycles(rolling, plan, plan.cycles, worst, cycles, report)
+            linear = np.inf if worst is None else worst.speed
+            search = CycleSearch(rolling, plan.cycles, cycles, lambda part: report(share + (1.0 - share) * part))
+            outcome |= search.run(linear, plan.speeds[-1])
     except KeyboardInterrupt:
         if not found:
             raise
@@ -61,55 +59,6 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
     else:
         report(1.0)
     return _result(setup, found, remarks, cycles, outcome, reason)
-
-
-def _cycles(
-    rolling: RollingVehicle,
-    plan: StabilityPlan,
-    cycle_plan: CyclePlan,
-    worst: Modes | None,
-    kept: list[Cycle],
-    report: Callable[[float], None],
-) -> dict[str, Any]:
-    """Limit cycles from above and from below; ``kept`` gains them one by one. Returns what came out."""
-    start = cycle_plan.start
-    if start is None:
-        start = plan.speeds[-1] if worst is None else max(ABOVE * worst.speed, cycle_plan.lowest + cycle_plan.step)
-    expected = 2.0 * (start - cycle_plan.lowest) / cycle_plan.step
-
-    def one_more(speed: float) -> None:
-        report(min(SHARE_OF_MODES + (1.0 - SHARE_OF_MODES) * len(kept) / expected, 0.99))
-
-    search = CycleSearch(rolling, cycle_plan, one_more)
-    search.found = kept
-    lowest = search.from_above(start)
-    first = kept[0]
-    outcome: dict[str, Any] = {"cycle_start_m_s": start, "nonlinear_critical_speed_m_s": lowest}
-    if not first.moves:
-        words = first.message or "the vehicle comes to rest"
-        outcome["nonlinear_note"] = f"no limit cycle at {3.6 * start:.4g} km/h, where the search begins: {words}"
-    else:
-        outcome |= nonlinear_outcome(lowest, np.inf if worst is None else worst.speed, cycle_plan.lowest)
-    if first.moves:
-        steps = np.arange(start, max(lowest, cycle_plan.lowest) - cycle_plan.step, -cycle_plan.step)
-        for speed in sorted(float(v) for v in steps if v >= cycle_plan.lowest):
-            search.hold(speed, "from below", search.kicked(speed, cycle_plan.small_kick))
-    return outcome
-
-
-def nonlinear_outcome(lowest: float, linear: float, end: float) -> dict[str, Any]:
-    """What the lowest limit cycle found means, as attributes.
-
-    lowest, linear, end: speeds of that cycle, of instability, and where the search ends [m/s]. Above the linear
-    critical speed straight running is unstable anyway: a cycle found only there is no critical speed of its own.
-    """
-    if lowest > linear:
-        words = f"no limit cycle below the linear critical speed; the lowest one found is at {3.6 * lowest:.4g} km/h"
-        return {"nonlinear_critical_speed_m_s": np.nan, "nonlinear_note": words}
-    if lowest <= end:
-        words = f"the limit cycle is still there at {3.6 * lowest:.4g} km/h, where the search ends"
-        return {"nonlinear_critical_speed_m_s": lowest, "nonlinear_note": words}
-    return {"nonlinear_critical_speed_m_s": lowest}
 
 
 def _critical_words(worst: Modes | None, found: list[Modes], vehicle: Vehicle) -> dict[str, Any]:
