@@ -30,7 +30,6 @@ from wrsim.simulation.state import Equilibrium, SteadyMotion, steady_state
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
-    from wrsim.contact.channels import WheelOnRail
     from wrsim.scenario.build import Setup
     from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
@@ -59,90 +58,71 @@ def run_steady(setup: Setup, progress: Progress | None = None) -> Result:
 
     Raises SimulationError when no point has a steady motion.
     """
-    vehicle, points = setup.vehicle, setup.plan.points
-    table = _Table(setup, len(points))
-    report, done = Report(progress), 0
+    vehicle, points, base = setup.vehicle, setup.plan.points, setup.track.cant_base
+    count = len(vehicle.wheelsets)
+    raw = [RawContacts.empty(len(points), 2, setup.contact.patch_count) for _ in range(count)]
+    poses, left = np.full((len(points), count, 6), np.nan), np.full(len(points), np.nan)
+    messages: list[str] = []
+    remarks: list[str] = []
+    known: list[Found] = []
+    report = Report(progress)
     try:
         for i, point in enumerate(points):
-            table.solve(i, point)
-            done = i + 1
-            report(done / len(points))
+            message = remark = ""
+            try:
+                found = steady_in_curve(setup, point, known)
+                on_the_rails(found.law, Equilibrium(found.q, found.q_t, found.left, 0))
+            except SimulationError as error:
+                why = steady_words(NoSteadyMotion.of(error), vehicle)
+                message = f"{why} (cant deficiency {1e3 * cant_deficiency(point, base):.0f} mm)"
+                for own in raw:
+                    own.clear(i)
+            else:
+                known.append(found)
+                left[i], remark = found.left, contact_words(wheels_of(found.law), vehicle)
+                _store(i, found, raw, poses)
+            messages.append(message)
+            remarks.append(remark)
+            report(len(messages) / len(points))
     except KeyboardInterrupt:
-        if done == 0:
+        if not messages:
             raise
-    if not table.solved[:done].any():
-        raise SimulationError(f"none of the {done} curves has a steady motion; the first: {table.messages[0]}")
-    reason = f"interrupted by the user after {done} of {len(points)} curves" if done < len(points) else ""
-    coords: dict[str, Any] = {"pose": [p.name for p in points[:done]], "wheelset": [m.name for m in vehicle.wheelsets]}
-    return Result(assemble(coords, table.channels(points[:done]), setup.attributes(reason)))
+    n = len(messages)
+    if not known:
+        raise SimulationError(f"none of the {n} curves has a steady motion; the first: {messages[0]}")
+    _, lateral, height, yaw, roll, spin = np.moveaxis(poses[:n], 2, 0)
+    of_wheelsets = [
+        {**wheel_channels(own.first(n)), **patch_channels(own.first(n), pair)}
+        for own, pair in zip(raw, known[-1].law.wheels, strict=True)
+    ]
+    channels: dict[str, Any] = {
+        **{f"pose_{name}": np.array([getattr(p, name) for p in points[:n]]) for name in ("speed", "radius", "cant")},
+        "cant_deficiency": [cant_deficiency(p, base) for p in points[:n]],
+        "unbalanced": left[:n],
+        "pose_message": np.array(messages),
+        **remarks_channel(remarks),
+        "lateral_shift": lateral,
+        "vertical_shift": height - [m.wheelset.mean_radius for m in vehicle.wheelsets],
+        "yaw": yaw,
+        "roll": roll,
+        "spin_rate": spin,
+        **{name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]},
+    }
+    reason = f"interrupted by the user after {n} of {len(points)} curves" if n < len(points) else ""
+    coords: dict[str, Any] = {"pose": [p.name for p in points[:n]], "wheelset": [m.name for m in vehicle.wheelsets]}
+    return Result(assemble(coords, channels, setup.attributes(reason)))
 
 
-class _Table:
-    """What is found, a row a point."""
-
-    def __init__(self, setup: Setup, n: int) -> None:
-        self.setup, self.vehicle = setup, setup.vehicle
-        count = len(self.vehicle.wheelsets)
-        self.solved = np.zeros(n, dtype=bool)
-        self.messages = [""] * n
-        self.remarks = [""] * n
-        self.raw = [RawContacts.empty(n, 2, setup.contact.patch_count) for _ in range(count)]
-        self.poses = np.full((n, count, 6), np.nan)
-        self.left = np.full(n, np.nan)
-        self._wheels: tuple[tuple[WheelOnRail, ...], ...] = ()
-        self._found: list[Found] = []
-
-    def solve(self, i: int, point: SteadyPoint) -> None:
-        """One point; clears its row and keeps a message where there is no steady motion."""
-        try:
-            found = steady_in_curve(self.setup, point, self._found)
-            law, q, q_t = found.law, found.q, found.q_t
-            on_the_rails(law, Equilibrium(q, q_t, found.left, 0))
-        except SimulationError as error:
-            missing = 1e3 * cant_deficiency(point, self.setup.track.cant_base)
-            why = steady_words(NoSteadyMotion.of(error), self.vehicle)
-            self.messages[i] = f"{why} (cant deficiency {missing:.0f} mm)"
-            for raw in self.raw:
-                raw.clear(i)
-            return
-        self.solved[i] = True
-        self._found.append(found)
-        self.left[i] = found.left
-        self._wheels = law.wheels
-        self.remarks[i] = contact_words(wheels_of(law), self.vehicle)
-        for w, (pair, mounted) in enumerate(zip(law.wheels, self.vehicle.wheelsets, strict=True)):
-            for j, wheel in enumerate(pair):
-                self.raw[w].store(i, j, wheel.model)
-            own = slice(6 * w, 6 * w + 6)
-            pose = poses_on_track(law.track.centre, q[None, own], q_t[None, own], law.start + mounted.x)
-            self.poses[i, w] = np.ravel(pose)
-
-    def channels(self, points: tuple[SteadyPoint, ...]) -> dict[str, Any]:
-        """Channels of the first points."""
-        n = len(points)
-        _, lateral, height, yaw, roll, spin = np.moveaxis(self.poses[:n], 2, 0)
-        radii = np.array([m.wheelset.mean_radius for m in self.vehicle.wheelsets])
-        of_wheelsets = []
-        for raw, pair in zip(self.raw, self._wheels, strict=True):
-            own = raw.first(n)
-            of_wheelsets.append({**wheel_channels(own), **patch_channels(own, pair)})
-        stacked = {name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]}
-        radius, cant, speed = (np.array([getattr(p, name) for p in points]) for name in ("radius", "cant", "speed"))
-        return {
-            "pose_speed": speed,
-            "pose_radius": radius,
-            "pose_cant": cant,
-            "cant_deficiency": [cant_deficiency(p, self.setup.track.cant_base) for p in points],
-            "unbalanced": self.left[:n],
-            "pose_message": np.array(self.messages[:n]),
-            **remarks_channel(self.remarks[:n]),
-            "lateral_shift": lateral,
-            "vertical_shift": height - radii,
-            "yaw": yaw,
-            "roll": roll,
-            "spin_rate": spin,
-            **stacked,
-        }
+def _store(i: int, found: Found, raw: list[RawContacts], poses: Array) -> None:
+    """Keep contacts and poses of all wheelsets in row i."""
+    law = found.law
+    for w, (pair, mounted) in enumerate(zip(law.wheels, law.vehicle.wheelsets, strict=True)):
+        for j, wheel in enumerate(pair):
+            raw[w].store(i, j, wheel.model)
+        own = slice(6 * w, 6 * w + 6)
+        poses[i, w] = np.ravel(
+            poses_on_track(law.track.centre, found.q[None, own], found.q_t[None, own], law.start + mounted.x)
+        )
 
 
 @dataclass(frozen=True)
