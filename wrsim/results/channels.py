@@ -82,7 +82,8 @@ class Channel:
     """One channel: name, dimensions (see the module), SI unit, meaning, unit for readers, symbol for axes.
 
     ``kind`` is ``"number"`` (float64, not-a-number where nothing is defined), ``"count"`` (int64, zero where
-    nothing is) or ``"text"``. ``coordinate`` is true for values that label a dimension.
+    nothing is) or ``"text"``. ``coordinate`` is true for values that label a dimension. Channels of one name in
+    ``together`` are written together, and read together: where one of them is, the others are.
     """
 
     name: str
@@ -93,6 +94,7 @@ class Channel:
     symbol: str
     kind: Kind
     coordinate: bool
+    together: str = ""
 
     @property
     def column(self) -> str:
@@ -128,6 +130,7 @@ def _channel(row: dict[str, Any]) -> Channel:
     """A line of ``data/channels.csv``; an empty kind is a number."""
     kind, coordinate = row["kind"] or "number", row["coordinate"] == "yes"
     own = {"dims": tuple(row["dims"].split()), "shown": SHOWN[row["shown"]], "kind": kind, "coordinate": coordinate}
+    own["together"] = row["together"] or ""
     return Channel(**row | own)
 
 

@@ -187,23 +187,6 @@ def table_of_scenario(dataset: xr.Dataset, name: str) -> dict[str, Any] | None:
 
 _TYPES = {"number": ("f", "float64"), "count": ("i", "int64"), "text": ("UOT", "text")}
 
-_TOGETHER = (
-    "snapshot_time snapshot_distance snapshot_label",
-    "event_time event_distance event_label",
-    "strip_s strip_ds strip_x strip_a strip_p strip_angle strip_y strip_z strip_N strip_Fx strip_Fy",
-    "element_x element_p element_qx element_qs",
-    "wheel_origin wheel_axle wheel_velocity wheel_rotation",
-    "rail_profile_y rail_profile_z wheel_profile_y wheel_profile_z",
-    "point_ax point_ay point_az point_level",
-    "body_lateral body_vertical body_yaw body_pitch body_roll",
-    "suspension_fx suspension_fy suspension_fz suspension_dx suspension_dy suspension_dz",
-    "suspension_stop_min suspension_stop_max",
-    "external_fx external_fy external_fz",
-    "N Fx Fy p0 area approach",
-    "Y Q",
-)
-"""Channels that are written together, and read together: where one of them is, the others are."""
-
 
 def fault_of_result(dataset: xr.Dataset) -> str:
     """What is wrong with a dataset that claims to be a result, in words; empty if nothing is.
@@ -219,9 +202,10 @@ def _faults(dataset: xr.Dataset) -> Iterator[str]:
     needed = ("wheel", "distance") if "time" in dataset.dims else ()
     yield from (f"has no {name}" for name in needed if name not in dataset.variables)
     yield from (f"its {name} is empty" for name, size in dataset.sizes.items() if name in LABELLED and not size)
-    for group in map(str.split, _TOGETHER):
-        there = [name for name in group if name in dataset.variables]
-        yield from (f"has {there[0]} and no {name}" for name in group if there and name not in there)
+    for group in dict.fromkeys(channel.together for channel in CHANNELS.values() if channel.together):
+        names = [name for name, channel in CHANNELS.items() if channel.together == group]
+        there = [name for name in names if name in dataset.variables]
+        yield from (f"has {there[0]} and no {name}" for name in names if there and name not in there)
 
 
 def _faults_of_layout(dataset: xr.Dataset) -> Iterator[str]:
