@@ -83,8 +83,8 @@ def assemble(
     if isinstance(coords.get("wheelset", SINGLE), str):
         arrays = _of_single_wheelset(arrays)
     labels: dict[str, ArrayLike] = {sample: coords[sample], "wheel": WHEELS, "wheelset": SINGLE, **coords}
-    found = {name: np.atleast_1d(_typed(_registered(name), values)) for name, values in labels.items()}
-    found |= {name: _typed(_registered(name), values, copy) for name, values in arrays.items()}
+    found = {name: np.atleast_1d(typed(name, values, copy=True)) for name, values in labels.items()}
+    found |= {name: typed(name, values, copy) for name, values in arrays.items()}
     sizes: dict[str, int] = {}
     for name, values in found.items():
         for dim, size in zip(CHANNELS[name].dims_in(sample), values.shape, strict=False):
@@ -99,25 +99,17 @@ def assemble(
     return dataset
 
 
-def _registered(name: str) -> Channel:
+def typed(name: str, values: ArrayLike, copy: bool = False) -> NDArray[Any]:
+    """The values in the type of a channel; without a copy, numbers that have it are given away."""
     if name not in CHANNELS:
         raise ValueError(f"no channel is called '{name}'{suggest(name, list(CHANNELS))}")
-    return CHANNELS[name]
-
-
-def typed(name: str, values: ArrayLike) -> NDArray[Any]:
-    """The values in the type of a channel, without a copy if they have it."""
-    return _typed(CHANNELS[name], values, copy=False)
-
-
-def _typed(channel: Channel, values: ArrayLike, copy: bool = True) -> NDArray[Any]:
-    """The values in the channel's type, a private copy unless numbers of that type are given away."""
+    kind = CHANNELS[name].kind
     if isinstance(values, xr.Variable):
         return values  # type: ignore[return-value]
-    if channel.kind == "text":
+    if kind == "text":
         array: NDArray[Any] = np.array(values, dtype=str)
         return array if array.dtype.itemsize else array.astype("<U1")
-    if channel.kind == "count":
+    if kind == "count":
         return np.nan_to_num(np.array(values, dtype=np.float64), nan=0.0).astype(np.int64)
     return np.array(values, dtype=np.float64, copy=True if copy else None)
 
