@@ -137,7 +137,7 @@ class Result:
         InputError
             For a wheelset, a wheel, a place, a pose or a patch that is not there; lists which there are.
         """
-        from wrsim.results.patch_field import patch_of
+        from wrsim.results.moments import patch_of
 
         return patch_of(self.wheelset(wheelset), at, wheel, number, columns)
 
