@@ -290,12 +290,15 @@ def test_a_case_that_takes_too_long_is_ended_and_goes_on_with_more_time(
     assert done.status == "completed" and done.resumed
 
 
-def test_a_hook_that_hangs_costs_its_worker_and_not_the_study(
-    serial: Plan, workers: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_hook_that_hangs_costs_its_worker_and_not_the_study(serial: Plan, workers: Client, tmp_path: Path) -> None:
     (tmp_path / "hang.py").write_text("import time\n\ndef numbers(result):\n    time.sleep(1e6)\n")
     one = AXES.replace("[0.1, 0.3]", "[0.3]").replace("to = 50", "to = 40")
-    limit = max(5.0, 10.0 * max(m.simulation for m in markers(serial)))  # the run itself is done by then
+    limit = max(2.0, 10.0 * max(m.simulation for m in markers(serial)))  # the run itself is done by then
+
+    def have_no_patience_beyond_it() -> None:
+        task.GRACE = 0.0
+
+    workers.run(have_no_patience_beyond_it)
     more = f'[outputs]\nhook = "hang.py:numbers"\n[cases]\ntime_limit_s = {limit}\n'
     plan = plan_of(study_file(tmp_path, one, more, seconds=0.1), tmp_path / "out")
     execute(workers, plan, missing(plan))
