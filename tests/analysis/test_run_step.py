@@ -57,7 +57,7 @@ def test_half_the_step_changes_the_peak_y_over_q_in_a_sharp_curve_by_less_than_a
 @pytest.mark.parametrize(
     ("speed", "way", "radius", "vehicle", "parts"),
     [
-        (1.0, 0.15, 150.0, STEERING, 26),
+        (1.0, 0.1, 150.0, STEERING, 26),
         pytest.param(5.0, 1.5, 150.0, STEERING, 6, marks=pytest.mark.campaign),
         (20.0, 10.0, 400.0, STEERING, 2),
         (100.0, 50.0, 6000.0, STIFF, 1),

@@ -104,8 +104,8 @@ def test_couplings_carry_what_accelerates_the_vehicles_behind(tmp_path: Path) ->
     text = ("[[couplings]]", '[[vehicles]]\nname = "more"\nmodel = "vehicles/manchester_1.toml"\ncount = 2\n'
             "length_mm = 26400\ndriven = false\n[[couplings]]")  # fmt: skip
     rate = 0.5
-    speeds = {"time_s_speed_kmh": [[0.5, 36.0], [6.5, 36.0 + 3.6 * 6.0 * rate]]}
-    keys = {"track.segments": [straight(200.0)], "run.distance_m": 67.0, "vehicle.speed_kmh": speeds}
+    speeds = {"time_s_speed_kmh": [[0.5, 36.0], [5.0, 36.0 + 3.6 * 4.5 * rate]]}
+    keys = {"track.segments": [straight(200.0)], "run.distance_m": 50.0, "vehicle.speed_kmh": speeds}
     asked = scenario(tmp_path, ("count = 3", "count = 1"), text, **keys)
     d = run(asked).dataset
     late = d["time"].values > 3.0
