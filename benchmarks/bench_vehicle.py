@@ -38,7 +38,7 @@ from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
 UNEVEN: dict[str, Any] = {
@@ -90,7 +90,7 @@ def timed(
     """Processor time of a run from a state [s], and its motion."""
     plan = setup.plan
     step = chosen_step(setup, law, q, q_t) if plan.step is None else plan.step
-    system = System(law.bodies, law)
+    system = BodySystem(law.bodies, law)
     best = np.inf
     for _ in range(repetitions):
         law.look_near(plan.start)

@@ -33,7 +33,7 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 ROOT = Path(__file__).parents[1]
 PAIRS = {
@@ -84,7 +84,7 @@ def accepted(folder: Path, rng: random.Random) -> Setup | None:
 def went(setup: Setup) -> tuple[str, list[str]]:
     """How a run ended, and the laws that it broke."""
     law = force_law(setup)
-    system = System(law.bodies, law)
+    system = BodySystem(law.bodies, law)
     try:
         q, q_t = start_state(setup, law)
     except SimulationError:

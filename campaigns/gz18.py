@@ -28,7 +28,7 @@ from wrsim.analysis.motion.start import start_state
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.integrate import Integration
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 ROOT = Path(__file__).parents[1]
 TABLES = Path(os.environ.get("WRSIM_SHARED", ROOT.parent / "shared")) / "reference" / "gz18"
@@ -141,7 +141,7 @@ def timed(folder: Path, values: Mapping[str, Any]) -> dict[str, float]:
     best, result = np.inf, {}
     for _ in range(REPETITIONS):
         law = force_law(setup)
-        system = System(law.bodies, law)
+        system = BodySystem(law.bodies, law)
         q, q_t = start_state(setup, law)
         step = chosen_step(setup, law, q, q_t)
         began = time.process_time()

@@ -29,7 +29,7 @@ from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.results.manifest import MANIFEST
 from wrsim.scenario.loading import load
-from wrsim.simulation.recorder import Recording
+from wrsim.simulation.recorder import RecordedRun
 
 ROOT = Path(__file__).parents[1]
 VALUES = {
@@ -108,7 +108,7 @@ def broken(folder: Path) -> list[str]:
                 Result.load(path)
             elif path.name == "result.nc.part":
                 with contextlib.suppress(InputError):  # cut off before its start, it says so
-                    Recording.read(path)
+                    RecordedRun.read(path)
             elif path.suffix == ".json":
                 json.loads(path.read_text())
             elif path.suffix == ".csv":

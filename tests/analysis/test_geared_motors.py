@@ -24,7 +24,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import steady_state
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.loads import Effort, Load
 
 FILE = ROOT / "models/vehicles/manchester_motor.toml"
@@ -121,7 +121,7 @@ def test_motors_in_space_keep_energy_and_angular_momentum(name, astray):
     for wheelset, twist in law.gears.items():
         rates[wheelset, 5], q_t[twist], q_t[twist + 1] = 40.0, 3e-3, 40.0
     energy, momentum = kept(law, q, q_t)
-    system = System(law.bodies, law)
+    system = BodySystem(law.bodies, law)
     system.solve(q, q_t, 0.0, 2e-4, 1000, lambda _t: True)
     after, turned = kept(law, system.q, system.q_t)
     assert after == pytest.approx(energy, rel=1e-7)

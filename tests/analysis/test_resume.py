@@ -30,7 +30,7 @@ from wrsim.simulation.bodies import Solid
 from wrsim.simulation.force_law import ForceLaw
 from wrsim.simulation.integrate import Integration, Motion, recorded_motion
 from wrsim.simulation.recorder import Recorder
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 BODY = Solid(1500.0, (900.0, 100.0, 900.0))
 Q0 = np.array([0.46, 0.0, 0.01, 0.0, 0.0, 0.0])
@@ -69,7 +69,7 @@ class Forgetful(Play):
 
 def play(recorder: recorders.Recorder | None = None, law: type[Play] = Play, seconds: float = 0.5) -> Motion:
     """A run of the body on that spring, with a checkpoint every 7 steps."""
-    return Integration(System([BODY], law()), duration=seconds, step=STEP, sample_interval=2 * STEP, segment=7,
+    return Integration(BodySystem([BODY], law()), duration=seconds, step=STEP, sample_interval=2 * STEP, segment=7,
         recorder=recorder,
     ).run(Q0, V0)  # fmt: skip
 
@@ -140,7 +140,7 @@ def test_a_law_that_hides_what_it_remembers_would_be_noticed(kept):
 
 def test_a_whole_file_is_played_back_without_a_step(kept, monkeypatch):
     whole = play()
-    monkeypatch.setattr(System, "solve", None)
+    monkeypatch.setattr(BodySystem, "solve", None)
     assert same(resumed(kept), whole)
     assert same(recorded_motion(kept), whole)
 
@@ -226,7 +226,7 @@ class Crossings:
 def test_what_the_monitor_has_noted_survives_a_death_in_the_run_and_behind_it(tmp_path, often, most):
     def watched(recorder: recorders.Recorder | None) -> tuple[Motion, list[float]]:
         watch = Crossings(most)
-        system = System([BODY], Play())
+        system = BodySystem([BODY], Play())
         motion = Integration(
             system, duration=1.0, step=STEP, sample_interval=STEP, segment=7, monitor=watch, recorder=recorder
         ).run(Q0, V0)
@@ -330,7 +330,7 @@ def test_ctrl_c_while_the_result_is_put_together_loses_nothing(whole, tmp_path, 
         done = call("run", whole / "short.toml", "-o", out, "-q", "--no-pictures")
     assert done.exit_code == 130
     assert f"interrupted; the run is safe in {out / 'result.nc.part'}: go on with --resume" in done.stderr
-    monkeypatch.setattr(System, "solve", None)  # everything is there
+    monkeypatch.setattr(BodySystem, "solve", None)  # everything is there
     again = call("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
     assert again.exit_code == 0, again.output
     assert Result.load(out).dataset.identical(Result.load(whole).dataset)

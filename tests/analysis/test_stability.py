@@ -21,7 +21,7 @@ from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.modes import linearise
 from wrsim.simulation.step import SAFETY, stable_step
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 
 def cooperrider(**values) -> Scenario:
@@ -84,7 +84,7 @@ def test_growth_in_time_is_the_eigenvalue_s_for_a_whole_bogie():
     shape = vectors[:, most] / np.abs(vectors[: 6 * len(law.bodies), most]).max()
     q += 2e-6 * shape[:n].real
     q_t += 2e-6 * shape[n:].real
-    system = System(law.bodies, law)
+    system = BodySystem(law.bodies, law)
     step = min(SAFETY * stable_step(system, q, q_t), 5e-4)
     rolling.law.look_near(200.0)
     period = 2.0 * np.pi / values[most].imag

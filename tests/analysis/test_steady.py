@@ -22,7 +22,7 @@ from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.placement import poses_on_track
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 
@@ -60,7 +60,7 @@ def test_steady_motion_is_where_a_long_time_integration_ends():
     law = force_law(replace(setup, track=track, plan=RunPlan(start, start, found.law.speed)))
     q = found.q.copy()
     q[2 : 6 * len(law.bodies) : 6] += 1e-3
-    motion = Integration(System(law.bodies, law), duration=6.0, step=1e-3, sample_interval=0.5).run(q, found.q_t)
+    motion = Integration(BodySystem(law.bodies, law), duration=6.0, step=1e-3, sample_interval=0.5).run(q, found.q_t)
     assert motion.status == "completed"
     law.start += law.speed * motion.end
     law.look_near(law.start)

@@ -17,8 +17,8 @@ from wrsim.geometry.track.segments import Arc, Straight, Transition
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.placement import place_on_track, poses_on_track
-from wrsim.simulation.system import System
+from wrsim.simulation.placement import poses_on_track, state_on_track
+from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.vehicle import single_wheelset
 
 TO_GLOBAL = [1, 2, 0]  # Exudyn's axes are (z, x, y)
@@ -42,7 +42,7 @@ def body_of(position, turn, velocity, rates):
 @given(turn=angles, rates=vectors)
 def test_orientation_and_angular_velocity_are_those_of_the_exudyn_node(turn, rates):
     q, q_t, body = body_of((1.0, 2.0, 3.0), turn, (4.0, 5.0, 6.0), rates)
-    system = System([Solid(1500.0, (900.0, 100.0, 900.0))], lambda t, q, q_t, out: out.fill(0.0))
+    system = BodySystem([Solid(1500.0, (900.0, 100.0, 900.0))], lambda t, q, q_t, out: out.fill(0.0))
     system._mbs.systemData.SetODE2Coordinates(list(q))
     system._mbs.systemData.SetODE2Coordinates_t(list(q_t))
     output = exudyn.OutputVariableType
@@ -101,7 +101,7 @@ def curve() -> Track:
 
 @pytest.mark.parametrize("distance", [5.0, 41.3, 120.0])
 def test_placing_a_wheelset_on_the_track_and_reading_its_pose_are_inverse(curve, distance):
-    q, q_t = place_on_track(
+    q, q_t = state_on_track(
         curve.centre, distance, speed=20.0, height=0.46, spin_rate=43.0, lateral=4e-3, yaw=5e-3, roll=-2e-3
     )
     poses = poses_on_track(curve.centre, q[None], q_t[None], start=distance + 1.0)
@@ -117,9 +117,9 @@ def test_placing_a_wheelset_on_the_track_and_reading_its_pose_are_inverse(curve,
 def test_a_placed_wheelset_moves_with_the_track_frame(curve, distance):
     pose = {"speed": 20.0, "height": 0.46, "spin_rate": 43.0, "lateral": 4e-3, "yaw": 5e-3, "roll": -2e-3}
     h = 1e-4
-    before = place_on_track(curve.centre, distance - 20.0 * h, **pose)[0]
-    after = place_on_track(curve.centre, distance + 20.0 * h, **pose)[0]
-    rates = place_on_track(curve.centre, distance, **pose)[1]
+    before = state_on_track(curve.centre, distance - 20.0 * h, **pose)[0]
+    after = state_on_track(curve.centre, distance + 20.0 * h, **pose)[0]
+    rates = state_on_track(curve.centre, distance, **pose)[1]
     assert rates[:5] == pytest.approx((after - before)[:5] / (2 * h), abs=1e-6)
 
 
@@ -150,7 +150,7 @@ def guided(stiffness=(5e6, 3e6, 1e6), **options):
 
 @pytest.mark.parametrize("distance", [5.0, 41.3, 120.0])
 def test_the_undisturbed_follower_in_a_curve_meets_no_suspension_force(curve, distance):
-    q, q_t = place_on_track(curve.centre, distance, speed=20.0, height=0.46, spin_rate=43.0)
+    q, q_t = state_on_track(curve.centre, distance, speed=20.0, height=0.46, spin_rate=43.0)
     force, moment = pushed(guided(), curve, distance, 20.0, q, q_t)
     # round-off of positions of 100 m times 1e7 N/m
     assert np.abs(force).max() < 1e-5
@@ -158,7 +158,7 @@ def test_the_undisturbed_follower_in_a_curve_meets_no_suspension_force(curve, di
 
 
 def test_the_suspension_pulls_a_displaced_wheelset_back(curve):
-    q, q_t = place_on_track(curve.centre, 120.0, speed=20.0, height=0.461, spin_rate=43.0, lateral=2e-3, yaw=3e-3)
+    q, q_t = state_on_track(curve.centre, 120.0, speed=20.0, height=0.461, spin_rate=43.0, lateral=2e-3, yaw=3e-3)
     force, moment = pushed(guided(), curve, 120.0, 20.0, q, q_t)
     assert force == pytest.approx([0.0, -2 * 3e6 * 2e-3, -2 * 1e6 * 1e-3], rel=2e-3, abs=100.0)
     assert moment[2] == pytest.approx(-2 * 5e6 * 1.0**2 * 3e-3, rel=1e-3)
@@ -177,7 +177,7 @@ def test_dampers_on_straight_track_only_take_power(turn, velocity, rates):
 def test_a_carried_mass_presses_with_its_weight_and_its_centrifugal_force():
     track = Track.build([Arc(100.0, 300.0)])
     vehicle = guided(carried_mass=1e4, carried_height=1.3)
-    q, q_t = place_on_track(track.centre, 50.0, speed=15.0, height=0.46, spin_rate=0.0)
+    q, q_t = state_on_track(track.centre, 50.0, speed=15.0, height=0.46, spin_rate=0.0)
     force, moment = pushed(vehicle, track, 50.0, 15.0, q, q_t)
     outward = 1e4 * 15.0**2 / 300.0
     assert force == pytest.approx([0.0, -outward, -1e4 * 9.80665], rel=1e-9, abs=1e-3)
@@ -190,7 +190,7 @@ def test_at_the_balanced_speed_cant_takes_the_whole_lateral_force_of_the_carried
     speed = np.sqrt(9.80665 * 300.0 * np.tan(cant_angle))
     track = Track.build([Arc(100.0, 300.0, cant=0.1)])
     vehicle = guided(carried_mass=1e4, carried_height=1.3)
-    q, q_t = place_on_track(track.centre, 50.0, speed=speed, height=0.46, spin_rate=0.0)
+    q, q_t = state_on_track(track.centre, 50.0, speed=speed, height=0.46, spin_rate=0.0)
     force, moment = pushed(vehicle, track, 50.0, speed, q, q_t)
     assert force[1] == pytest.approx(0.0, abs=1e-2)
     assert moment[0] == pytest.approx(0.0, abs=1e-2)

@@ -22,7 +22,7 @@ from wrsim.simulation import recorder
 from wrsim.simulation.integrate import Integration, Motion, recorded_motion
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.recorder import Recorder
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 
 def at_most(monkeypatch: pytest.MonkeyPatch, size: int) -> None:
@@ -43,7 +43,7 @@ def record(setup: Setup, tmp_path: Path) -> Path:
     q, q_t = design_state(law, lateral=1e-3)
     path = tmp_path / "result.nc.part"
     file = Recorder.create(path, {"step_s": 1e-3, "start_s": 0.0, "integrator": "generalised-alpha"}, law.size)
-    system = System(law.bodies, law)
+    system = BodySystem(law.bodies, law)
     monitor = Monitor(law, 20.0, system.work)
     Integration(system, duration=0.1, step=1e-3, recorder=file, monitor=monitor).run(q, q_t)
     file.close()

@@ -21,7 +21,7 @@ from wrsim.scenario.loading import load
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.step import SAFETY, round_step, stable_step
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 PLAIN = ContactSettings("kik-piotrowski", tangential="none", damping=0.0, strips=8)
@@ -117,7 +117,7 @@ def test_a_ramp_of_cant_takes_no_energy(normal):
     setup = setup_of(segments, 15.0, start=15.0, values=values)
     law = force_law(setup)
     q, q_t = start_state(setup, law)
-    motion = Integration(System(law.bodies, law), duration=2.0, step=1e-3, weight=law.vehicle.weight,
+    motion = Integration(BodySystem(law.bodies, law), duration=2.0, step=1e-3, weight=law.vehicle.weight,
         sample_interval=1e-3,
     ).run(q, q_t)  # fmt: skip
     bare = VehicleOnTrack(law.vehicle, law.track, (), speed=law.speed, start=law.start, drive=law.drive)

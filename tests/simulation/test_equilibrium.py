@@ -5,7 +5,7 @@ import pytest
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 
 from wrsim.simulation.integrate import Integration
-from wrsim.simulation.newton import newton
+from wrsim.simulation.newton import damped_newton
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import NotCarried, Unbalanced, lower_on_rails, steady_state
 from wrsim.simulation.system import COORDINATES
@@ -102,7 +102,7 @@ def test_a_path_between_stiff_walls_is_followed_along_its_bends():
     def residual(x):
         return np.array([1e2 * (np.hypot(*x) - 1.0), np.arctan2(x[1], x[0]) - 2.5])
 
-    x, left, iterations = newton(residual, np.array([1.0, 0.0]), np.full(2, 0.01), 1e-9, 60)
+    x, left, iterations = damped_newton(residual, np.array([1.0, 0.0]), np.full(2, 0.01), 1e-9, 60)
     assert np.abs(left).max() < 1e-9
     assert x == pytest.approx([np.cos(2.5), np.sin(2.5)], abs=1e-9)
     assert iterations < 20
@@ -112,7 +112,7 @@ def test_a_search_that_stalls_ends_before_its_time():
     def residual(x):
         return np.array([1.0 + 0.1 * np.exp(-0.001 * x[0])])  # falls for ever, and never to zero
 
-    _, left, iterations = newton(residual, np.zeros(1), np.ones(1), 1e-9, 500)
+    _, left, iterations = damped_newton(residual, np.zeros(1), np.ones(1), 1e-9, 500)
     assert iterations < 100 and left[0] > 1.0
 
 
@@ -124,7 +124,7 @@ def test_derivatives_may_come_from_a_function_nearby():
         return np.array([x[0] ** 3 - 8.0, x[1] + 0.2 * x[0] - 1.0])
 
     small = np.full(2, 1e-2)
-    x, left, iterations = newton(residual, np.array([1.9, 0.5]), small, 1e-12, 40, nearby)
+    x, left, iterations = damped_newton(residual, np.array([1.9, 0.5]), small, 1e-12, 40, nearby)
     assert np.abs(left).max() < 1e-12
     assert np.abs(residual(x)).max() < 1e-12
     assert iterations < 40  # though it converges linearly

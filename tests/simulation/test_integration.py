@@ -11,7 +11,7 @@ from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.integrate import Integration
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 BODY = Solid(1500.0, (900.0, 100.0, 900.0))
 Q0 = np.array([0.46, 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -32,7 +32,9 @@ def oscillator(t, q, q_t, out):
 def run(forces=free, *, duration=0.1, step=1e-3, bodies=(BODY,), **keys):
     """Integrate from rolling along x."""
     n = len(bodies)
-    return Integration(System(bodies, forces), duration=duration, step=step, **keys).run(np.tile(Q0, n), np.tile(V0, n))
+    return Integration(BodySystem(bodies, forces), duration=duration, step=step, **keys).run(
+        np.tile(Q0, n), np.tile(V0, n)
+    )
 
 
 def test_samples_stand_at_the_start_at_each_interval_and_at_the_end():
@@ -45,7 +47,7 @@ def test_samples_stand_at_the_start_at_each_interval_and_at_the_end():
 
 
 def test_a_run_goes_on_where_another_ended():
-    system = System([BODY], oscillator)
+    system = BodySystem([BODY], oscillator)
     start = np.add(Q0, [0.0, 0.0, 0.01, 0.0, 0.0, 0.0])
     whole = Integration(system, duration=0.2, step=1e-3).run(start, V0)
     first = Integration(system, duration=0.1, step=1e-3).run(start, V0)
@@ -122,7 +124,9 @@ def test_the_body_whose_state_is_not_finite_is_named():
 
 def test_a_start_that_is_not_finite_is_refused():
     with pytest.raises(SimulationError, match="the rate of spin"):
-        Integration(System([BODY], free), duration=1.0, step=0.1).run(Q0, V0 * np.nan ** np.array([0, 0, 0, 0, 0, 1]))
+        Integration(BodySystem([BODY], free), duration=1.0, step=0.1).run(
+            Q0, V0 * np.nan ** np.array([0, 0, 0, 0, 0, 1])
+        )
 
 
 @pytest.mark.parametrize("keys", [{"step": 0.0}, {"duration": -1.0}, {"duration": np.inf}])
@@ -169,7 +173,7 @@ def test_a_system_is_as_good_as_new_after_a_run_that_broke():
         if faulty[0] and t > 0.05:
             raise Broken
 
-    system = System([BODY], law)
+    system = BodySystem([BODY], law)
     with pytest.raises(Broken):
         Integration(system, duration=0.1, step=1e-3).run(Q0, V0)
     faulty[0] = False
@@ -238,7 +242,7 @@ def test_a_system_and_its_law_are_freed():
 
     law = Law()
     reference = weakref.ref(law)
-    system = System([BODY], law)
+    system = BodySystem([BODY], law)
     Integration(system, duration=0.01, step=1e-3).run(Q0, V0)
     del law, system
     gc.collect()
@@ -246,7 +250,7 @@ def test_a_system_and_its_law_are_freed():
 
 
 @pytest.fixture(scope="module")
-def rolling() -> System:
+def rolling() -> BodySystem:
     """The example wheelset on knife edges at 30 m/s."""
     return KnifeEdgeForces(example_wheelset(), 30.0).system
 
@@ -287,7 +291,7 @@ def test_a_jump_of_the_force_that_holds_the_balance_does_not_stop_the_run():
         out[2] = -100.0 * np.sign(q_t[2])
 
     q_t = V0 + np.array([0.0, 0.0, 1e-2, 0.0, 0.0, 0.0])
-    motion = Integration(System([BODY], rubs), duration=0.3, step=2e-3).run(Q0, q_t)
+    motion = Integration(BodySystem([BODY], rubs), duration=0.3, step=2e-3).run(Q0, q_t)
     assert motion.status == "completed"
     rest = 1e-2 / (100.0 / 1500.0)  # s
     still = motion.times > rest + 2e-3

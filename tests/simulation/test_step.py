@@ -15,7 +15,7 @@ from wrsim.simulation.step import (
     stable_step,
     step_for_speed,
 )
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 BODY = Solid(1500.0, (900.0, 100.0, 900.0))
 
@@ -58,7 +58,7 @@ def test_the_stable_step_of_a_spring_is_that_of_its_frequency():
         out.fill(0.0)
         out[2] = -1500.0 * 1000.0**2 * q[2]
 
-    system = System([BODY], law)
+    system = BodySystem([BODY], law)
     q = np.zeros(6)
     assert stable_step(system, q, q) == pytest.approx(2.828 / 1000.0, rel=4e-3)
     values = eigenvalues(system, q, q)
@@ -71,7 +71,7 @@ def test_a_rolled_body_couples_heading_and_spin_in_its_eigenvalues():
         out.fill(0.0)
         out[5] = -100.0 * 50.0**2 * q[5]
 
-    system = System([BODY], law)
+    system = BodySystem([BODY], law)
     for roll in (0.0, 0.3):
         q = np.array([0.0, 0.0, 0.0, 0.0, roll, 0.0])
         # spin angle against a fixed heading: inertia reduced by the coupling, 1/(1/I + tan(roll)^2 / I_cross)

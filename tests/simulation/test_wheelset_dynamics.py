@@ -11,7 +11,7 @@ from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 from wrsim.core.body.kinematics import kinematics
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.integrate import Integration
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 BODY = Solid(1500.0, (900.0, 100.0, 900.0))
 
@@ -36,9 +36,9 @@ def momentum_and_energy(motion, body):
 def test_a_free_spinning_wheelset_keeps_energy_and_angular_momentum():
     q = np.array([1.0, 2.0, 3.0, 0.5, 0.1, 0.0])
     q_t = np.array([0.3, 20.0, -1.0, 0.7, -0.4, 100.0])
-    motion = Integration(System([BODY], free), duration=5.0, step=5e-4, integrator="rk44", sample_interval=0.05).run(
-        q, q_t
-    )
+    motion = Integration(
+        BodySystem([BODY], free), duration=5.0, step=5e-4, integrator="rk44", sample_interval=0.05
+    ).run(q, q_t)
     momentum, energy = momentum_and_energy(motion, BODY)
     # drift of RK44 at 100 rad/s and h = 5e-4
     assert np.abs(energy / energy[0] - 1.0).max() < 1e-7
@@ -49,9 +49,9 @@ def test_a_free_spinning_wheelset_keeps_energy_and_angular_momentum():
 def test_a_free_axle_precesses_about_its_angular_momentum():
     q = np.array([0.0, 0.0, 0.0, 0.3, 0.0, 0.0])
     q_t = np.array([0.0, 0.0, 0.0, 0.5, 0.2, 60.0])
-    motion = Integration(System([BODY], free), duration=2.0, step=5e-4, integrator="rk44", sample_interval=0.05).run(
-        q, q_t
-    )
+    motion = Integration(
+        BodySystem([BODY], free), duration=2.0, step=5e-4, integrator="rk44", sample_interval=0.05
+    ).run(q, q_t)
     momentum, _ = momentum_and_energy(motion, BODY)
     size = np.linalg.norm(momentum[0])
     axis = momentum[0] / size

@@ -16,7 +16,7 @@ from wrsim.simulation.implicit import Integrator
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.elements import TRACK, Element, PlaneFriction, Slider, Spring, Strut, Triple
 from wrsim.vehicle.vehicle import Body, Vehicle
 
@@ -121,5 +121,5 @@ def in_plane(force: float, stiffness: float) -> PlaneFriction:
 
 def motion(law: VehicleOnTrack, q: Any, q_t: Any, duration: float, step: float, integrator: Integrator) -> Any:
     """The box from a state on; what it weighs is the measure of Newton's method."""
-    system = System(law.bodies, law)
+    system = BodySystem(law.bodies, law)
     return Integration(system, duration=duration, step=step, integrator=integrator, weight=MASS * 0.01).run(q, q_t)

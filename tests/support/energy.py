@@ -15,7 +15,7 @@ from wrsim.scenario.loading import Scenario
 from wrsim.simulation.bodies import mass_matrix
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 Array = NDArray[np.float64]
 Further = Callable[[VehicleOnTrack, Array, Array], float]
@@ -31,7 +31,7 @@ def balance(scenario: Scenario, further: Further | None = None) -> tuple[Array, 
     setup = build(scenario)
     law = force_law(setup)
     q, q_t = start_state(setup, law)
-    system = System(law.bodies, law)
+    system = BodySystem(law.bodies, law)
     motion = Integration(
         system, duration=setup.plan.duration, step=1.25e-3, weight=law.vehicle.weight, sample_interval=5e-3
     ).run(q, q_t)

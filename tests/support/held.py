@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.newton import newton
+from wrsim.simulation.newton import damped_newton
 from wrsim.simulation.state import TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails
 from wrsim.simulation.system import COORDINATES
 
@@ -34,6 +34,6 @@ def held_state(
         x[columns] = part
         return steady.residual(x)[rows]
 
-    x[columns], left, iterations = newton(residual, x[columns].copy(), steady.small[columns], 1e-10, 60)
+    x[columns], left, iterations = damped_newton(residual, x[columns].copy(), steady.small[columns], 1e-10, 60)
     assert np.abs(left).max() <= TOLERANCE, left
     return Equilibrium(*steady.state(x), float(np.abs(left).max()), iterations)

@@ -34,7 +34,7 @@ from wrsim.simulation.force_law import Block
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import Equilibrium
-from wrsim.simulation.system import COORDINATES, System
+from wrsim.simulation.system import COORDINATES, BodySystem
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.wheelset import Wheel, Wheelset
@@ -154,9 +154,9 @@ class KnifeEdgeForces(VehicleOnTrack):
         return [*super().blocks(), Block.apart(on_edges, np.arange(6)[None])]
 
     @property
-    def system(self) -> System:
+    def system(self) -> BodySystem:
         """A new Exudyn system of the wheelset on its edges."""
-        return System(self.bodies, self)
+        return BodySystem(self.bodies, self)
 
     def rolling(self, places: Mapping[str, float], unknowns: Sequence[str]) -> Equilibrium:
         """Steady rolling near the places given, with a height and a roll at which both edges carry."""

@@ -27,7 +27,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import TrackPoses, design_state, poses_on_track
 from wrsim.simulation.state import Equilibrium
 from wrsim.simulation.step import SAFETY, round_step, stable_step
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.elements import Triple
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset
@@ -156,9 +156,9 @@ class Ride:
         return Solid.of_wheelset(self.vehicle.wheelsets[0].wheelset)
 
     @property
-    def system(self) -> System:
+    def system(self) -> BodySystem:
         """A new Exudyn system of it."""
-        return System(self.law.bodies, self.law)
+        return BodySystem(self.law.bodies, self.law)
 
     def steady(self, unknowns: Sequence[str], lateral: float = 0.0, equations: Sequence[str] = ()) -> Equilibrium:
         """The steady motion at the start, found from a pose at a lateral shift [m]."""

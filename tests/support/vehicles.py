@@ -18,7 +18,7 @@ from wrsim.results import Result
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
@@ -68,9 +68,9 @@ class Train:
     law: VehicleOnTrack
 
     @property
-    def system(self) -> System:
+    def system(self) -> BodySystem:
         """A new Exudyn system of it."""
-        return System(self.law.bodies, self.law)
+        return BodySystem(self.law.bodies, self.law)
 
 
 def on_track(

@@ -15,7 +15,7 @@ from wrsim.simulation.force_law import Block, force_derivative
 from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.couplings import CentreCouplerTable, CouplingTable, Gap, ScrewCouplingTable
 from wrsim.vehicle.elements import TRACK, Spring
 from wrsim.vehicle.loads import Load
@@ -61,7 +61,7 @@ def motion(law: VehicleOnTrack, speeds: tuple[float, ...], duration: float, step
     q, q_t = design_state(law)
     for k, v in enumerate(speeds):
         q_t[6 * (1 + k) + 1] = v
-    system = System(law.bodies, law)
+    system = BodySystem(law.bodies, law)
     return Integration(system, duration=duration, step=step, integrator="rk44", weight=MASS * 9.81).run(q, q_t)
 
 

@@ -18,7 +18,7 @@ from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.elements import TRACK, Element, Normal, Slider, Strut, Triple
 from wrsim.vehicle.loads import Load
 
@@ -235,7 +235,7 @@ def test_a_run_with_friction_that_is_cut_goes_on_to_the_bit(integrator: Integrat
     q, q_t = design_state(law)
     q[7], q[8] = q[7] + 0.05, q[8] + 0.02
     whole = motion(law, q, q_t, 0.4, 1e-3, integrator)
-    system = System(law.bodies, law)
+    system = BodySystem(law.bodies, law)
     half = motion(law, q, q_t, 0.2, 1e-3, integrator)
     rest = Integration(system, start=0.2, duration=0.2, step=1e-3, integrator=integrator, weight=MASS * 0.01).run(
         half.q[-1], half.q_t[-1]

@@ -24,7 +24,7 @@ from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.elements import TRACK, Strut
 
 
@@ -127,7 +127,7 @@ def test_the_bodies_of_exudyn_accelerate_as_mass_matrix_and_velocity_forces_say(
     def twist(t: float, q: np.ndarray, q_t: np.ndarray, out: np.ndarray) -> None:
         out[:] = (1.0, 2.0, 3.0, 0.4, 0.5, 0.6)
 
-    system = System([body], twist)
+    system = BodySystem([body], twist)
     q = np.array([0.1, 0.2, 0.3, 0.4, 0.3, -0.5])
     q_t = np.array([0.0, 0.0, 0.0, 1.1, -0.7, 0.9])
     step = 1e-4

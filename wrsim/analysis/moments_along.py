@@ -21,7 +21,7 @@ from wrsim.contact.channels import StripRecorder
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import CHANNELS
 from wrsim.results.wheelsets import wheelsets
-from wrsim.simulation.placement import design_state, place_on_track
+from wrsim.simulation.placement import design_state, state_on_track
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,7 +58,7 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
     for i in samples:
         for w, mounted in enumerate(setup.vehicle.wheelsets):
             own = {name: float(values[i, w]) for name, values in columns.items()}
-            q[6 * w : 6 * w + 6], q_t[6 * w : 6 * w + 6] = place_on_track(
+            q[6 * w : 6 * w + 6], q_t[6 * w : 6 * w + 6] = state_on_track(
                 law.track.centre, own["wheelset_distance"], speed=float(speed[i]),
                 height=own["vertical_shift"] + mounted.wheelset.mean_radius, spin_rate=own["spin_rate"],
                 lateral=own["lateral_shift"], yaw=own["yaw"], roll=own["roll"],

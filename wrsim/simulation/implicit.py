@@ -43,7 +43,7 @@ class NotSolved(SimulationError):
 
 
 class ImplicitStep:
-    """Newton's method within a call of ``System.solve``: its first guess, its last answer, and when it gives up.
+    """Newton's method within a call of ``BodySystem.solve``: its first guess, its last answer, and when it gives up.
 
     First guess: a step starts from the accelerations of the last one and a part of their trend; Exudyn starts from
     none. Without the trend, what the method does not finish lies on the same side step after step. This is a user
@@ -62,7 +62,7 @@ class ImplicitStep:
     def __init__(
         self, q: Array, q_t: Array, q_tt: Array, bodies: int, step: float, tolerance: float, loosest: float | None
     ) -> None:
-        """q, q_t, q_tt: the solver's own arrays, bodies first; tolerance, loosest: see ``System.solve``."""
+        """q, q_t, q_tt: the solver's own arrays, bodies first; tolerance, loosest: see ``BodySystem.solve``."""
         rho = SPECTRAL_RADIUS
         alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
         gamma = 0.5 + alpha_f - alpha_m

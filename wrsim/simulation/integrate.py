@@ -1,8 +1,8 @@
 """Time integration with a fixed step, samples, and an end in good order whatever happens.
 
 A run goes in segments of ``SEGMENT`` steps. Each begins with what state and memory alone determine: the implicit method
-anew (``System.solve``), the law with what its memory keeps. Checkpoints lie between them. Which step is accurate, or
-stable: ``wrsim.simulation.step``.
+with a new start (``BodySystem.solve``), the law with what its memory keeps. Checkpoints lie between them. Which step is
+accurate, or stable: ``wrsim.simulation.step``.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
 from wrsim.simulation.implicit import DEFAULT_INTEGRATOR, Integrator
-from wrsim.simulation.recorder import Cause, Checkpoint, Ending, Recorder, Recording, set_states, states_of
-from wrsim.simulation.system import COORDINATES, Array, NotFinite, System, Work
+from wrsim.simulation.recorder import Cause, Checkpoint, Ending, RecordedRun, Recorder, set_states, states_of
+from wrsim.simulation.system import COORDINATES, Array, BodySystem, NotFinite, Work
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 Monitor = Callable[[float, Array, Array], str | None]
@@ -73,7 +73,7 @@ class Motion:
         return float(self.times[-1])
 
 
-def _name(index: int, system: System) -> str:
+def _name(index: int, system: BodySystem) -> str:
     """Words for an index of ``first_not_finite``."""
     place = index % system.size
     if place >= system.size - system.forces.rails:
@@ -121,7 +121,7 @@ def recorded_motion(path: str | Path, monitor: object = None) -> Motion:
     The file's header must hold ``step_s``, ``start_s`` and ``integrator``. Raises ``InputError`` when there is no whole
     sample.
     """
-    recording = Recording.read(path)
+    recording = RecordedRun.read(path)
     rows, ending, known = recording.rows, recording.ending, recording.last
     step, start, integrator = (recording.header[name] for name in ("step_s", "start_s", "integrator"))
     if integrator not in get_args(Integrator):
@@ -157,7 +157,7 @@ class Integration:
     other exception of the force law, the monitor or the progress function comes through.
     """
 
-    system: System
+    system: BodySystem
     _: KW_ONLY
     duration: float
     step: float
@@ -257,7 +257,7 @@ class Integration:
         return False
 
     def _after_step(self, t: float) -> bool:
-        """Look at the numbers, sample, ask the monitor, report progress; see ``System.solve``."""
+        """Look at the numbers, sample, ask the monitor, report progress; see ``BodySystem.solve``."""
         q, q_t = self.system.q, self.system.q_t
         k = round((t - self.start) / self.step)
         if k <= self._last:  # Exudyn calls at the start as well

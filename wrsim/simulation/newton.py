@@ -29,7 +29,7 @@ STALLED, LITTLE = 20, 0.1
 """The search ends where so many iterations have not taken this part of the residual away."""
 
 
-def newton(
+def damped_newton(
     residual: Callable[[Array], Array],
     x: Array,
     small: Array,
@@ -92,7 +92,7 @@ def derivatives(
     difference: float | Array = DIFFERENCE,
     apart: Apart | None = None,
 ) -> Array:
-    """Derivative of the residual with respect to x / small, by central differences; the rest as for ``newton``."""
+    """Derivative of the residual with respect to x / small, by central differences; see ``damped_newton``."""
     columns_of_it = np.zeros((x.size, x.size))
     part = np.broadcast_to(difference, x.size)
     for columns, rows in apart or [(np.array([i]), np.arange(x.size)[None]) for i in range(x.size)]:

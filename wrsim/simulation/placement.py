@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 SPIN = COORDINATES.index("spin")
 
 
-def place_on_track(
+def state_on_track(
     path: Path,
     distance: float,
     *,
@@ -108,7 +108,7 @@ def design_state(law: VehicleOnTrack, *, lateral: float | Array = 0.0) -> tuple[
             ahead, inside, yaw = _on_chord(law, part.centre[0], beneath[part.name])
             place, across = place + ahead, across + inside + 0.5 * float(np.mean(aside))
             spin = 0.0
-        q[own], q_t[own] = place_on_track(
+        q[own], q_t[own] = state_on_track(
             track.centre, place, speed=law.speed, height=height, spin_rate=spin, lateral=across, yaw=yaw
         )
         if i >= wheelsets:  # on a grade it lies along the track
@@ -134,7 +134,7 @@ def carried_over(known: VehicleOnTrack, known_q: Array, known_q_t: Array, law: V
             known.track.centre, known_q[None, own], known_q_t[None, own], known.start + before.centre[0]
         )
         spin = was.spin_rate[0] * law.speed / known.speed if i < wheelsets else 0.0
-        q[own], q_t[own] = place_on_track(
+        q[own], q_t[own] = state_on_track(
             law.track.centre, law.start + part.centre[0], speed=law.speed, height=was.height[0], spin_rate=spin,
             lateral=was.lateral[0], yaw=was.yaw[0], roll=was.roll[0],
         )  # fmt: skip

@@ -7,7 +7,7 @@ and one segment, and the memory that sampling needs does not grow with the run. 
 within a segment is kept as well, to be read; it goes on from the checkpoint before.
 
 A run that goes on from a checkpoint computes the same numbers, to the bit, as one that was never interrupted: the
-integrator's times are whole multiples of its step, it begins every segment anew (``System.solve``), its state is
+integrator's times are whole multiples of its step, it begins every segment anew (``BodySystem.solve``), its state is
 complete, and whatever survives a call of the law or the monitor is kept (``Remembers``).
 """
 
@@ -128,7 +128,7 @@ class Recorder:
         run_header(Path(path))  # a file that is not there, or none of a run's, is refused as for reading
         file = RunFile(path)
         try:  # read while nobody else can write
-            recorded = Recording.of(file.path, file.records())
+            recorded = RecordedRun.of(file.path, file.records())
             over = recorded.ending is not None and recorded.ending.cause != "interrupt"
             if recorded.checkpoint is None:
                 raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
@@ -185,7 +185,7 @@ class Recorder:
         """All samples (n, 1 + 2 size)."""
         self.flush(None)
         if self.file is not None:
-            return Recording.of(self.file.path, self.file.records()).rows
+            return RecordedRun.of(self.file.path, self.file.records()).rows
         return np.concatenate(self._kept)
 
     def close(self) -> None:
@@ -208,7 +208,7 @@ _ABOUT: TypeAdapter[_Flush | Ending] = TypeAdapter(_Flush | Ending)
 
 
 @dataclass(frozen=True)
-class Recording:
+class RecordedRun:
     """What a run file holds.
 
     rows (n, 1 + 2 size): samples; checkpoint: the last one from which the run may go on, its record ends at
@@ -225,13 +225,13 @@ class Recording:
     end: int
 
     @classmethod
-    def read(cls, path: str | Path) -> Recording:
+    def read(cls, path: str | Path) -> RecordedRun:
         """Read a file as far as it is whole. Raises ``InputError`` when there is no such file, or none of a run."""
         with closing(records_of(path)) as records:
             return cls.of(Path(path), records)
 
     @classmethod
-    def of(cls, path: Path, records: Iterator[Record]) -> Recording:
+    def of(cls, path: Path, records: Iterator[Record]) -> RecordedRun:
         """From the records of a file. Many rows are mapped from a file without a name."""
         header = Header(path, next(records).about)
         size = header["size"]

@@ -17,7 +17,7 @@ from wrsim.core.linalg import Vec
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import inertia_table
 from wrsim.simulation.force_law import Forces, groups_in_a_row
-from wrsim.simulation.newton import DIFFERENCE, Apart, bracket, newton, relax, roots
+from wrsim.simulation.newton import DIFFERENCE, Apart, bracket, damped_newton, relax, roots
 from wrsim.simulation.placement import design_state, turn_gears
 from wrsim.simulation.system import COORDINATES, Array
 
@@ -248,7 +248,7 @@ def steady_state(
             raise SimulationError("steady motion: the forces at its start are not finite")
         first = _place_bodies(steady, x, max_iterations)
         # derivatives from one contact to the next, residuals from a cold start: the answer does not depend on the way
-        x, left, iterations = newton(
+        x, left, iterations = damped_newton(
             steady.residual, x, steady.small, goal, max_iterations, slope, (near or law).following,
             steady.apart, steady.difference,
         )  # fmt: skip
@@ -290,7 +290,7 @@ def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> int:
         whole[bodies] = places
         return steady.residual(whole, contacts=False)[bodies]
 
-    x[bodies], _, iterations = newton(
+    x[bodies], _, iterations = damped_newton(
         residual, x[bodies].copy(), steady.small[bodies], BODIES_PLACED, max_iterations,
         difference=steady.difference[bodies],
     )  # fmt: skip

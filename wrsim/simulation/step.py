@@ -18,7 +18,7 @@ import numpy as np
 from wrsim.simulation.bodies import mass_matrix
 from wrsim.simulation.force_law import force_derivative
 from wrsim.simulation.implicit import Integrator
-from wrsim.simulation.system import Array, System
+from wrsim.simulation.system import Array, BodySystem
 
 if TYPE_CHECKING:
     from wrsim.vehicle.vehicle import Vehicle
@@ -106,7 +106,7 @@ def round_step(step: float, largest: float = LARGEST_STEP) -> float:
     return 1e-3 / int(np.ceil(1e-3 / min(step, largest) - 1e-9))
 
 
-def eigenvalues(system: System, q: Array, q_t: Array, t: float = 0.0) -> Array:
+def eigenvalues(system: BodySystem, q: Array, q_t: Array, t: float = 0.0) -> Array:
     """Eigenvalues (complex, 12 per body, 2 per damper in series with a spring) [1/s] of the motion about a state.
 
     By numerical derivatives of the forces. The gyroscopic terms of the spin (some rad/s) are left out: this is for the
@@ -121,7 +121,7 @@ def eigenvalues(system: System, q: Array, q_t: Array, t: float = 0.0) -> Array:
     return np.asarray(np.linalg.eigvals(matrix))
 
 
-def stable_step(system: System, q: Array, q_t: Array, t: float = 0.0) -> float:
+def stable_step(system: BodySystem, q: Array, q_t: Array, t: float = 0.0) -> float:
     """Largest step [s] at which RK44 is stable on the motion about a state; no margin, at most ``LONGEST``.
 
     Take ``round_step(SAFETY * stable_step(...))``. Modes that grow by themselves, and those slower than 10

@@ -33,7 +33,7 @@ with contextlib.redirect_stdout(io.StringIO()):  # it announces which module it 
     import exudyn
     from exudyn import itemInterface as items
 
-__all__ = ["COORDINATES", "Array", "ForceLaw", "NotFinite", "System", "Work"]
+__all__ = ["COORDINATES", "Array", "ForceLaw", "NotFinite", "BodySystem", "Work"]
 
 SPAN = 1 << 20
 """Steps that Exudyn is asked for at once; it is stopped after half of them, or sooner."""
@@ -84,7 +84,7 @@ def _silence() -> Iterator[None]:
         exudyn.special.solver.throwErrorWithCtrlC = throw
 
 
-class System:
+class BodySystem:
     """An assembled Exudyn system; build one per force law and run it as often as you like.
 
     ``q`` and ``q_t`` (6 per body, then the dampers') are live views on Exudyn's memory: the state of the moment while
@@ -162,7 +162,7 @@ class System:
         reference = weakref.ref(self)
 
         def force(mbs: object, t: float, item: int, q: object, q_t: object) -> Array:
-            system = cast(System, reference())
+            system = cast(BodySystem, reference())
             newton = system._newton
             if newton is not None and newton.estimates(out):
                 return out
@@ -186,7 +186,7 @@ class System:
         reference = weakref.ref(self)
 
         def jacobian(mbs: object, t: float, item: int, q: object, q_t: object, by_q: float, by_q_t: float) -> Any:
-            system = cast(System, reference())
+            system = cast(BodySystem, reference())
             system.work.jacobians += 1
             try:
                 count, at = len(system.bodies), system._time(t)

@@ -17,7 +17,7 @@ from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, Triple
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Axes, Joint
 from wrsim.vehicle.loads import GearedMotor, Load, Payload
 from wrsim.vehicle.preload import Ballast
-from wrsim.vehicle.vehicle import AxleBox, Body, MountedWheelset, Point
+from wrsim.vehicle.vehicle import AxleBox, Body, MeasuringPoint, MountedWheelset
 from wrsim.vehicle.wheelset import Wheelset
 
 DEEPEST = 8
@@ -51,7 +51,7 @@ class Assembly:
     payloads: list[Payload] = field(default_factory=list)
     drives: list[GearedMotor] = field(default_factory=list)
     ballast: list[Ballast] = field(default_factory=list)
-    points: list[Point] = field(default_factory=list)
+    points: list[MeasuringPoint] = field(default_factory=list)
     pressed: dict[str, tuple[tuple[str, ...], KeyPath, str]] = field(default_factory=dict)
     """By the name of an element with friction: names that its normal spring may have, where it is named, and how."""
     written: dict[str, tuple[str, str]] = field(default_factory=dict)
@@ -108,7 +108,7 @@ class Assembly:
                 self.ballast.append(found)
         for i, point in enumerate(part.points):
             body = self._body(point.on, (*path, "points", i, "on"), place)
-            self.points.append(Point(place.prefix + point.name, body, place.axes.point(point.at_mm)))
+            self.points.append(MeasuringPoint(place.prefix + point.name, body, place.axes.point(point.at_mm)))
         for i, inner in enumerate(part.places):
             self._elements(*self._inner(inner, (*path, "places", i), place))
 

@@ -154,7 +154,7 @@ class MountedWheelset:
 
 
 @dataclass(frozen=True)
-class Point:
+class MeasuringPoint:
     """A point [m] of a body whose motion is kept in results."""
 
     name: str
@@ -179,7 +179,7 @@ class Vehicle:
     elements: tuple[Element, ...]
     loads: tuple[Load, ...] = ()
     payloads: tuple[Payload, ...] = ()
-    points: tuple[Point, ...] = ()
+    points: tuple[MeasuringPoint, ...] = ()
     source: str = ""
     carried: tuple[CarriedMass, ...] = ()
     guide_ahead: float = 0.0

@@ -17,7 +17,7 @@ from wrsim.analysis.progress import Progress, Report
 from wrsim.core.body.kinematics import X, Y
 from wrsim.errors import SimulationError
 from wrsim.simulation.integrate import Motion
-from wrsim.simulation.newton import bracket, newton
+from wrsim.simulation.newton import bracket, damped_newton
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import GOAL, TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails, steady_state
 from wrsim.vehicle.loads import Load
@@ -109,7 +109,7 @@ def _slid(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Array]:
         def residual(rest: Array) -> Array:
             return steady.residual(start + shift * across + others @ rest) @ others
 
-        found[:] = newton(residual, found.copy(), np.delete(steady.small, Y), GOAL, 20)[0]
+        found[:] = damped_newton(residual, found.copy(), np.delete(steady.small, Y), GOAL, 20)[0]
         place[:] = start + shift * across + others @ found
         return float(steady.residual(place) @ across)
 

@@ -30,7 +30,7 @@ from wrsim.simulation.step import (
     stable_step,
     step_for_speed,
 )
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 if TYPE_CHECKING:
     from wrsim.analysis.motion.record import RunRecord
@@ -70,7 +70,7 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
     there is no steady motion to start from.
     """
     law = force_law(setup)
-    system = System(law.bodies, law)
+    system = BodySystem(law.bodies, law)
     if record is not None and record.resume:
         step = float(run_header(record.path)["step_s"])
         q = q_t = np.zeros(system.size)  # the file knows better
@@ -139,7 +139,7 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
     near = replace(setup, contact=setup.contact.fast(), vehicle=setup.vehicle.loaded_as_at(plan.start))
     if near.contact != setup.contact:
         law = force_law(near)
-    limit = stable_step(System(law.bodies, law), q, q_t)
+    limit = stable_step(BodySystem(law.bodies, law), q, q_t)
     if plan.step is not None:
         if plan.step > limit:
             raise StepTooLong(plan.step, limit, plan.speed)
@@ -149,7 +149,7 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
         straight, contact = setup.track.relaid([Straight(100.0)]), contact_at(near, plan.start)
         level = replace(near, track=straight, contact=contact, plan=replace(slowest, start=30.0))
         law = force_law(level)
-        limit = min(limit, stable_step(System(law.bodies, law), *start_state(level, law)))
+        limit = min(limit, stable_step(BodySystem(law.bodies, law), *start_state(level, law)))
     largest = LARGEST_STEP_UNEVEN if setup.track.is_uneven else LARGEST_STEP
     step = round_step(min(SAFETY * limit, plan.output_interval), largest)
     usual = min(step_for_speed(slowest.speed), plan.output_interval)

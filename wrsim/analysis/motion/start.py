@@ -31,7 +31,7 @@ from wrsim.simulation.state import (
     steady_state,
 )
 from wrsim.simulation.step import implicit_step
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
@@ -279,7 +279,7 @@ def _run(there: Setup[RunPlan]) -> tuple[VehicleOnTrack, Array, Array]:
     """From steady motion run by the plan of ``there``: the law of forces, and the state at the end."""
     law = force_law(there, drive=held_by(there))
     q, q_t = start_state(there, law)
-    system = System(law.bodies, law)
+    system = BodySystem(law.bodies, law)
     step, weight = implicit_step(there.plan.speed, SAMPLES), there.vehicle.weight
     way = there.plan.end - there.plan.start
     motion = Integration(system, duration=there.plan.duration, step=step, weight=weight, sample_interval=SAMPLES,

@@ -20,7 +20,7 @@ from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.stability.rolling import PLACE, RollingVehicle
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.step import implicit_step
-from wrsim.simulation.system import System
+from wrsim.simulation.system import BodySystem
 
 if TYPE_CHECKING:
     from wrsim.scenario.sections.stability import CyclePlan
@@ -80,7 +80,7 @@ class CycleSearch:
         """found: gains every cycle, in the order of the search; report: called after each with the part done."""
         self.rolling, self.plan, self.found, self.report = rolling, plan, found, report
         law = rolling.law
-        self.system = System(law.bodies, law)
+        self.system = BodySystem(law.bodies, law)
         self.wheelsets = len(law.vehicle.wheelsets)
         self.radii = np.array([m.wheelset.mean_radius for m in law.vehicle.wheelsets])
         self.expected = 1.0

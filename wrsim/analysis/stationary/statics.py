@@ -18,7 +18,7 @@ from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.newton import newton
+from wrsim.simulation.newton import damped_newton
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import TOLERANCE, SteadyMotion
 from wrsim.simulation.system import COORDINATES, Array
@@ -160,7 +160,7 @@ class SupportedVehicle(SteadyMotion):
             return left[free]
 
         with self.law.settled(self.slips):
-            x[free], left, _ = newton(residual, x[free].copy(), self.small[free], TOLERANCE, 100)
+            x[free], left, _ = damped_newton(residual, x[free].copy(), self.small[free], TOLERANCE, 100)
         largest = float(np.max(np.abs(left)))
         if not largest <= TOLERANCE:
             raise SimulationError(
