@@ -10,8 +10,7 @@ import pytest
 from support.runs import SCENARIOS, STEERING
 
 from wrsim.analysis import run
-from wrsim.analysis.compare import compare
-from wrsim.analysis.compare_tables import comparison_report
+from wrsim.analysis.compare import compare, comparison_report
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion import monitor as monitors
 from wrsim.analysis.motion.messages import event_words

@@ -1,4 +1,4 @@
-"""The same poses or the same run by several contact models, side by side.
+"""The same poses or the same run by several contact models, side by side: differences, tables, times.
 
 What is compared belongs to a wheel, since models may split the contact into patches differently: sums and extremes
 over its patches, and the angle of the largest one. Samples are those of the reference; other runs are interpolated to
@@ -10,7 +10,8 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from math import pi
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -22,6 +23,10 @@ from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import POSE_CHANNELS
 from wrsim.errors import InputError, SimulationError, suggest
 from wrsim.register import ANALYSES
+from wrsim.results import CHANNELS
+from wrsim.results.summary_tables import first_lines, happened, remarks
+from wrsim.results.table import MISSING, Cell, Column, Table, formatted
+from wrsim.results.tables import channel_cells, number_cells, rows_of
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 from wrsim.scenario.build import build
 from wrsim.scenario.contact_choice import with_contact_model
@@ -33,7 +38,19 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-RELATIVE, OF_LOAD, PLAIN = "relative", "of the normal force", "plain"
+
+class Measure(NamedTuple):
+    """What a difference is divided by, factor and unit in which it is given."""
+
+    words: str
+    factor: float
+    unit: str
+    symbol: str
+
+
+RELATIVE = Measure("relative", 100.0, "percent", "%")
+OF_LOAD = Measure("of the normal force", 100.0, "percent", "% of N")
+PLAIN = Measure("plain", 180.0 / pi, "deg", "°")
 DIFFERENCES = {
     "N": RELATIVE,
     "p0": RELATIVE,
@@ -47,6 +64,11 @@ DIFFERENCES = {
     "T_gamma": RELATIVE,
 }
 """Quantities that are compared, and what their difference is divided by."""
+
+SHOWN = ("p0", "area", "approach", "N", "contact_angle", "X", "Y", "T_gamma")
+"""Quantities in the table on the screen."""
+FEW = 4
+"""Poses and wheels of a small comparison, whose values are printed one by one."""
 
 TIMED_MOMENTS = 8
 TIMED = 0.02  # least time of one measurement [s]
@@ -206,3 +228,78 @@ def _at_samples(dataset: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
 
     arrays = {name: (("time", "wheel"), np.apply_along_axis(at_wanted, 0, own.values)) for name, own in values.items()}
     return xr.Dataset(arrays, reference.coords)
+
+
+def comparison_report(found: Comparison, scenario: str) -> dict[str, Any]:
+    """Everything in numbers: differences in per cent or degrees, times in microseconds and seconds."""
+    models = {}
+    for model in found.models:
+        differences = {}
+        for quantity, numbers in spread_of_differences(found, model.name).items():
+            own = DIFFERENCES[quantity]
+            differences[f"{quantity}_{own.unit}"] = {name: own.factor * value for name, value in numbers.items()}
+        dataset = model.result.dataset
+        unsolved = int((dataset["pose_message"].values != "").sum()) if "pose_message" in dataset else 0
+        models[model.name] = {
+            "status": model.result.status,
+            "unsolved_poses": unsolved,
+            "remarks": happened(model.result.summary()) + remarks(model.result.summary()),
+            "evaluation_us": None if model.evaluation_time != model.evaluation_time else 1e6 * model.evaluation_time,
+            "run_s": model.run_time,
+            "differences": differences,
+        }
+    kinds = {quantity: kind.words for quantity, kind in DIFFERENCES.items() if kind != PLAIN}
+    return {"scenario": scenario, "reference": found.reference, "relative_to": kinds, "models": models}
+
+
+def rows_of_samples(found: Comparison) -> list[list[str]]:
+    """One row per sample, wheel and model; the first is the header. Differences in per cent or degrees."""
+
+    values = found.values
+    sample = "time" if "time" in values.dims else "pose"
+    i, j, m = (index.ravel() for index in np.indices([values.sizes[d] for d in (sample, "wheel", "model")]))
+    context = [n for n in (sample, "distance", "lateral_shift", "yaw", "load") if n in values.coords]
+    columns = [(CHANNELS[n].column, channel_cells(n, values[n].values[i])) for n in context]
+    columns += [("wheel", list(values["wheel"].values[j])), ("model", list(values["model"].values[m]))]
+    columns += [(CHANNELS[q].column, channel_cells(q, values[q].values[m, i, j])) for q in DIFFERENCES]
+    for q, kind in DIFFERENCES.items():
+        difference = values[f"{q}_difference"].values[m, i, j]
+        columns.append((f"{q}_difference_{kind.unit}", number_cells(kind.factor * difference)))
+    return rows_of(columns)
+
+
+def comparison_tables(found: Comparison, report: dict[str, Any]) -> list[Table]:
+    """The values when they are few, differences and times; a column for every model."""
+    values, models = found.values, report["models"]
+    sample = "time" if "time" in values.dims else "pose"
+    rows: list[list[Cell]] = []
+    if values.sizes[sample] * values.sizes["wheel"] <= FEW:
+        for i, place in enumerate(values[sample].values):
+            for j, wheel in enumerate(values["wheel"].values):
+                rows.append([f"{place} {wheel}" if sample == "pose" else str(wheel)])
+                for q in SHOWN:
+                    numbers = values[q].values[:, i, j] * CHANNELS[q].shown.factor
+                    rows.append([CHANNELS[q].column, *map(float, numbers)])
+    rows.append(["difference, median / 95 %"])
+    for q in SHOWN:
+        key = f"{q}_{DIFFERENCES[q].unit}"
+        cells = [
+            "reference" if name == found.reference else _spread(model["differences"].get(key))
+            for name, model in models.items()
+        ]
+        rows.append([f"{q} ({DIFFERENCES[q].symbol})", *cells])
+    rows += [["time"], ["one contact (µs)", *(model["evaluation_us"] for model in models.values())]]
+    rows.append(["all (s)", *(model["run_s"] for model in models.values())])
+    notes = []
+    for name, model in models.items():
+        if model["unsolved_poses"]:
+            notes.append(f"{name}: {model['unsolved_poses']} poses without a solution")
+        notes += first_lines([f"{name}: {words}" for words in model["remarks"]], "remarks")
+    return [Table("", (Column(), *(Column(name, "", ".5g") for name in models)), rows, tuple(notes))]
+
+
+def _spread(numbers: dict[str, float] | None) -> str:
+    """Median and 95 % of differences."""
+    if numbers is None:
+        return MISSING
+    return f"{formatted(numbers['median'], '.2g')} / {formatted(numbers['p95'], '.2g')}"

@@ -37,7 +37,7 @@ def compare(
 
     with reporting_errors(as_json), writing(force, file):
         from wrsim.analysis.compare import compare as analyse
-        from wrsim.analysis.compare_tables import comparison_report, comparison_tables
+        from wrsim.analysis.compare import comparison_report, comparison_tables
         from wrsim.report.outputs import write_comparison
         from wrsim.scenario.build import build
         from wrsim.scenario.contact_choice import split_names, with_contact_model

@@ -67,7 +67,7 @@ def write_comparison(
     found: Comparison, report: dict[str, Any], directory: Path, pictures: bool, title: str
 ) -> list[Path]:
     """``comparison.json``, ``comparison.csv``, the result of every model and pictures."""
-    from wrsim.analysis.compare_tables import rows_of_samples
+    from wrsim.analysis.compare import rows_of_samples
 
     contents = {"comparison.json": as_json(report), "comparison.csv": as_csv(rows_of_samples(found))}
     files = _written(directory, contents, {})
