@@ -35,7 +35,7 @@ ROLL_WORDS = {
 
 def figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Maker of the picture of a conicity analysis, by file name without ending."""
-    return {"conicity": lambda: conicity_figure(of_wheelset(dataset, wheelsets(dataset)[0]))}
+    return {"conicity": partial(conicity_figure, of_wheelset(dataset, wheelsets(dataset)[0]))}
 
 
 def conicity_figure(dataset: xr.Dataset) -> Figure:
@@ -52,7 +52,7 @@ def conicity_figure(dataset: xr.Dataset) -> Figure:
     return panels(f"{attributes['title']}\n{facts}", draws, 132.0, columns=2, share=False)
 
 
-def radius_difference(axes: Axes, dataset: xr.Dataset) -> Axes:
+def radius_difference(axes: Axes, dataset: xr.Dataset) -> None:
     """Delta r over the lateral shift, with the place where the wheelset is in balance."""
     y, difference = shown(dataset, "lateral_shift"), shown(dataset, "rolling_radius_difference")
     axes.plot(*broken(y, difference, JUMP), color=INK)
@@ -68,10 +68,9 @@ def radius_difference(axes: Axes, dataset: xr.Dataset) -> Axes:
         note(axes, f"R {curve['curve_radius_m']:g} m", (at, curve["needed_mm"]), (2.0, 2.0), fontsize=6.5)
     axes.set(xlabel=CHANNELS["lateral_shift"].label, ylabel="Rolling radius difference $\\Delta r$ [mm]")
     remark(axes, "left minus right")
-    return axes
 
 
-def conicity_curve(axes: Axes, dataset: xr.Dataset) -> Axes:
+def conicity_curve(axes: Axes, dataset: xr.Dataset) -> None:
     """tan gamma_e over the amplitude; the value at 3 mm is written beside it."""
     amplitude, values = shown(dataset, "amplitude"), dataset["equivalent_conicity"].values
     axes.plot(amplitude, values, color=INK)
@@ -80,10 +79,9 @@ def conicity_curve(axes: Axes, dataset: xr.Dataset) -> Axes:
         note(axes, f"{values[i]:.3f}", (amplitude[i], values[i]), (0.0, 6.0), fontsize=7.0, ha="center", color=INK)
     axes.set_ylim(0.0, 1.12 * max(float(np.nanmax(values, initial=0.0)), 1e-3))
     axes.set(xlabel=CHANNELS["amplitude"].label, ylabel=r"Equivalent conicity $\tan\gamma_e$")
-    return axes
 
 
-def contact_points(axes: Axes, dataset: xr.Dataset) -> Axes:
+def contact_points(axes: Axes, dataset: xr.Dataset) -> None:
     """Where the contact is, on the wheel profile (solid) and on the rail profile (dashed)."""
     y = shown(dataset, "lateral_shift")
     for j, wheel in enumerate(dataset["wheel"].values):
@@ -93,10 +91,9 @@ def contact_points(axes: Axes, dataset: xr.Dataset) -> Axes:
             axes.plot(*points, color=WHEEL_COLOUR[str(wheel)], linestyle=line, label=label)
     axes.set(xlabel=CHANNELS["lateral_shift"].label, ylabel="Contact point, outward u [mm]")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=4, fontsize=6.5, handlelength=1.6)
-    return axes
 
 
-def angles(axes: Axes, dataset: xr.Dataset) -> Axes:
+def angles(axes: Axes, dataset: xr.Dataset) -> None:
     """Contact angles of both wheels against the track plane."""
     y = shown(dataset, "lateral_shift")
     values, points = shown(dataset, "contact_angle"), shown(dataset, "u_wheel")
@@ -111,7 +108,6 @@ def angles(axes: Axes, dataset: xr.Dataset) -> Axes:
     axes.set_ylim(min(1.2 * low, 0.0), max(1.2 * high, 2.0))
     axes.set(xlabel=CHANNELS["lateral_shift"].label, ylabel="Contact angle $\\gamma$ [°]")
     axes.legend(loc="best", fontsize=6.5)
-    return axes
 
 
 def conicity_map_figure(found: ConicityMap, title: str) -> Figure:

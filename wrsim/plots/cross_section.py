@@ -46,7 +46,7 @@ def has_outlines(dataset: xr.Dataset) -> bool:
     return {f"{part}_profile_{n}" for part in ("rail", "wheel") for n in "yz"} <= set(dataset)
 
 
-def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> Axes:
+def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> None:
     """Draw the rail and the wheel of one moment as cut solids, in mm."""
     at = {"wheel": list(dataset["wheel"].values).index(wheel), moment_dim(dataset): moment}
     for part, fill, beyond, order in (("rail", RAIL_FILL, -300.0, 1.0), ("wheel", WHEEL_FILL, 300.0, 1.1)):
@@ -63,12 +63,11 @@ def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> Axes:
         axes.plot(*solid.T, color=INK, linewidth=0.7, zorder=order + 0.5, gid=part)
     axes.set_aspect("equal")
     axes.grid(False)
-    return axes
 
 
 def patch_on_section(
     axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normalize, *, thickness: float, fan: float = 0.0
-) -> Axes:
+) -> None:
     """Draw a patch as a band of ``thickness`` mm along the curved axis, coloured by pressure.
 
     With ``fan`` > 0 the pressure also stands on the patch along the strips' normals, into the wheel: the
@@ -87,7 +86,6 @@ def patch_on_section(
             few = inner[:: max(1, len(inner) // 16)]
             lines = list(np.stack((curve, tips), axis=1)[few])
             axes.add_collection(LineCollection(lines, colors=QUIET, linewidths=0.4, zorder=2.6, gid="normals"))
-    return axes
 
 
 def pressed_curve(strips: xr.Dataset) -> tuple[Array, Array, Array]:

@@ -56,7 +56,7 @@ LEFT, RIGHT, LABEL = 19.0, 14.5, 11.2
 """Room beside the panels, and how far their labels stand off, mm."""
 LETTERS, LINE = 115, 4.2
 """How many letters one line of the legend holds, counting seven for the look of each entry, and its height, mm."""
-Panel = Callable[[Axes, xr.Dataset], Axes]
+Panel = Callable[[Axes, xr.Dataset], object]
 
 
 def history(axes: Axes, dataset: xr.Dataset, name: str, *, largest: float | None = None, **options: Any) -> Axes:

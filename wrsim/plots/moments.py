@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from string import ascii_lowercase
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -46,8 +47,8 @@ def choose_moments(dataset: xr.Dataset, most: int) -> list[int]:
 
 def patches_of(dataset: xr.Dataset, moment: int, wheel: str) -> list[PatchAt]:
     """Patches of one wheel at a moment."""
-    pressures = dataset.variables["strip_p"].isel({moment_dim(dataset): moment, "wheel": _wheel(dataset, wheel)})
-    finite = np.isfinite(pressures.values)
+    at = _indices(dataset, PatchAt(moment, wheel, 0)) | {"patch": slice(None)}
+    finite = np.isfinite(dataset.variables["strip_p"].isel(at).values)
     return [PatchAt(moment, wheel, int(k)) for k in np.flatnonzero(finite.any(axis=-1))]
 
 
@@ -66,12 +67,9 @@ def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
     return xr.Dataset({name: ("strip", own[used], drawn[name].attrs) for name, own in values.items()})
 
 
-def _indices(dataset: xr.Dataset, where: PatchAt) -> dict[str, int]:
-    return {moment_dim(dataset): where.moment, "patch": where.patch, "wheel": _wheel(dataset, where.wheel)}
-
-
-def _wheel(dataset: xr.Dataset, name: str) -> int:
-    return int(np.flatnonzero(dataset["wheel"].values == name)[0])
+def _indices(dataset: xr.Dataset, where: PatchAt) -> dict[str, Any]:
+    wheel = list(dataset["wheel"].values).index(where.wheel)
+    return {moment_dim(dataset): where.moment, "patch": where.patch, "wheel": wheel}
 
 
 def select_elements(dataset: xr.Dataset, where: PatchAt) -> tuple[NDArray, NDArray, NDArray] | None:
@@ -79,9 +77,8 @@ def select_elements(dataset: xr.Dataset, where: PatchAt) -> tuple[NDArray, NDArr
     zero outside of contact. None when there are none."""
     if "element_p" not in dataset:
         return None
-    names = ["strip_s", "element_x", "element_p"]
-    patch = dataset[names].isel(_indices(dataset, where))
-    s, x, p = (shown(patch, name) for name in names)
+    patch = dataset[["strip_s", "element_x", "element_p"]].isel(_indices(dataset, where))
+    s, x, p = (shown(patch, str(name)) for name in patch)
     rows, columns = np.isfinite(s), np.isfinite(x)
     if not columns.any():
         return None
@@ -99,8 +96,6 @@ def touching_runs(strips: xr.Dataset) -> list[xr.Dataset]:
         return []
     s, ds = (loaded.variables[f"strip_{name}"].values for name in ("s", "ds"))
     gaps = np.flatnonzero(np.diff(s) > 0.75 * (ds[1:] + ds[:-1])) + 1
-    if gaps.size == 0:
-        return [loaded]
     return [loaded.isel(strip=part) for part in np.split(np.arange(s.size), gaps)]
 
 
@@ -116,14 +111,9 @@ def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
         label = str(dataset["snapshot_label"].values[moment]) if "snapshot_label" in dataset else ""
         label = "" if label.startswith("at ") else label  # says no more than the place
         return f"{letter}{place}\n{label}" if label else letter + place
-    parts = []
-    for name, form in (
-        ("lateral_shift", r"$\Delta y$ = {:.3g} mm"),
-        ("yaw", r"$\psi$ = {:.3g} mrad"),
-        ("load", "{:.4g} kN"),
-    ):
-        if name in dataset and (name == "lateral_shift" or np.ptp(dataset[name].values) > 0.0):
-            parts.append(minus(form.format(shown(dataset, name)[moment] + 0.0)))
+    forms = {"lateral_shift": r"$\Delta y$ = {:.3g} mm", "yaw": r"$\psi$ = {:.3g} mrad", "load": "{:.4g} kN"}
+    varied = [n for n in forms if n in dataset and (n == "lateral_shift" or np.ptp(dataset[n].values) > 0.0)]
+    parts = [minus(forms[name].format(shown(dataset, name)[moment] + 0.0)) for name in varied]
     return letter + ", ".join(parts[:1]) + ("\n" + ", ".join(parts[1:]) if parts[1:] else "")
 
 
@@ -148,10 +138,8 @@ def pose_groups(dataset: xr.Dataset) -> list[tuple[str, NDArray[np.intp]]]:
     groups = []
     for key in np.unique(keys, axis=0):
         member = np.flatnonzero((keys == key).all(axis=1))
-        words = (f"${CHANNELS[n].symbol}$ = " if CHANNELS[n].symbol else "" for n in others)
-        label = ", ".join(
-            f"{word}{value + 0.0:.4g} {CHANNELS[n].shown.symbol}"
-            for word, value, n in zip(words, key, others, strict=True)
-        )
-        groups.append((label.replace("-", "\N{MINUS SIGN}"), member[np.argsort(x[member], kind="stable")]))
+        pairs = [(CHANNELS[n], value + 0.0) for n, value in zip(others, key, strict=True)]
+        words = (f"${c.symbol}$ = " * bool(c.symbol) + f"{value:.4g} {c.shown.symbol}" for c, value in pairs)
+        label = ", ".join(words)
+        groups.append((minus(label), member[np.argsort(x[member], kind="stable")]))
     return groups

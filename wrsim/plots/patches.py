@@ -105,7 +105,6 @@ def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> st
 
     In plain letters: each formula of matplotlib's is parsed for some milliseconds.
     """
-    sample = sample_of(dataset, where.moment)
     sample_dim = "time" if "time" in dataset.dims else "pose"
     forms = {
         "p0": "p₀ = {:.0f} MPa",
@@ -113,13 +112,11 @@ def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> st
         "contact_angle": "γ = {:.1f}°",
         "contact_angle_variation": "Δγ = {:.1f}°",
     }
-    at = {sample_dim: sample, "patch": where.patch, "wheel": list(dataset["wheel"].values).index(where.wheel)}
+    wheel = list(dataset["wheel"].values).index(where.wheel)
+    at = {sample_dim: sample_of(dataset, where.moment), "patch": where.patch, "wheel": wheel}
     row = {name: float(dataset.variables[name].isel(at)) for name in forms if name in dataset}
-    texts = {
-        name: forms[name].format(value * CHANNELS[name].shown.factor)
-        for name, value in row.items()
-        if np.isfinite(value) and (force or name != "N")
-    }
+    row = {name: value * CHANNELS[name].shown.factor for name, value in row.items() if force or name != "N"}
+    texts = {name: forms[name].format(value) for name, value in row.items() if np.isfinite(value)}
     lines = [[texts[n] for n in pair if n in texts] for pair in (list(forms)[:2], list(forms)[2:])]
     return minus("\n".join(", ".join(line) for line in lines if line))
 

@@ -67,7 +67,7 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     return figure
 
 
-def compare_curvatures(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes:
+def compare_curvatures(smoothing: Sequence[SmoothingReport], axes: Axes) -> None:
     """Curvature of the bare points in grey behind that of every cut-off; keeps the scale that is set."""
     axes.lines[0].remove()
     first = smoothing[0]
@@ -79,20 +79,18 @@ def compare_curvatures(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes
         axes.plot(1e3 * p.u, p.curvature_after, color=colour, linewidth=1.0, label=label)
     axes.legend(loc="upper center", ncols=5, fontsize=6.5, frameon=True, framealpha=0.9, edgecolor="none")
     remark(axes, "positive: turns upward; as smoothed, and of a spline through the bare points")
-    return axes
 
 
-def draw_changes(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes:
+def draw_changes(smoothing: Sequence[SmoothingReport], axes: Axes) -> None:
     """Distance of the measured points from the smoothed curves against u, um."""
     for report, colour in zip(smoothing, SERIES_COLOURS, strict=False):
         axes.plot(1e3 * report.points.u, 1e6 * report.change, ".", color=colour, markersize=1.6, zorder=2.0)
     axes.axhline(0.0, color=INK, linewidth=0.5)
     remark(axes, "distance of the points from the smoothed curve")
     axes.set_ylabel("Change [µm]")
-    return axes
 
 
-def draw_shape(profile: Profile, axes: Axes) -> Axes:
+def draw_shape(profile: Profile, axes: Axes) -> None:
     """Outline with its material at equal scales, mm; origin, and on rails the top and the gauge point."""
     u, w = 1e3 * profile.u, 1e3 * profile.w
     reach = 10.0 * np.ptp(w) + 10.0
@@ -108,7 +106,6 @@ def draw_shape(profile: Profile, axes: Axes) -> Axes:
     axes.set_ylim(w.min(), w.max())
     axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
     axes.set_ylabel("Height w [mm]")
-    return axes
 
 
 def _gauge(profile: Profile, axes: Axes) -> None:
@@ -125,7 +122,7 @@ def _gauge(profile: Profile, axes: Axes) -> None:
     note(axes, words, (u, w), (6.0, 0.0), va="center", color=LINE)
 
 
-def draw_slope(profile: Profile, axes: Axes) -> Axes:
+def draw_slope(profile: Profile, axes: Axes) -> None:
     """Tangent angle against u, degrees, positive where the profile rises outward."""
     axes.plot(1e3 * profile.u, np.degrees(profile.angle), color=LINE)
     axes.axhline(0.0, color=INK, linewidth=0.5)
@@ -137,7 +134,6 @@ def draw_slope(profile: Profile, axes: Axes) -> Axes:
         axes.set_ylim(min(low, 0.0) - 1.0, max(high, 0.0) + 1.0)
     axes.set_ylabel("Slope angle [°]")
     remark(axes, "positive: rises outward")
-    return axes
 
 
 def draw_curvature(profile: Profile, axes: Axes) -> Axes:

@@ -32,7 +32,7 @@ def ride_figures(found: Ride) -> dict[str, Callable[[], Figure]]:
     return {name: partial(ride_figure, {"": found}, draw) for name, draw in draws.items()}
 
 
-def ride_figure(rides: Rides, draw: Callable[[Rides, str, Axes], Axes]) -> Figure:
+def ride_figure(rides: Rides, draw: Callable[[Rides, str, Axes], object]) -> Figure:
     """``density`` or ``bands`` of all directions against frequency."""
     titles = [f"{one.title}: {one.start:z.0f} to {one.end:.0f} m" for one in rides.values()]
     figure = panels(
@@ -47,21 +47,21 @@ def ride_figure(rides: Rides, draw: Callable[[Rides, str, Axes], Axes]) -> Figur
     return figure
 
 
-def density(found: Rides, axis: str, axes: Axes) -> Axes:
+def density(found: Rides, axis: str, axes: Axes) -> None:
     """Power spectral density of one direction at every point."""
     axes.set_ylabel(f"{DIRECTIONS[axis].capitalize()} density\n[(m/s²)²/Hz]")
-    return _spectra(axes, found, axis, ("frequency", "density"), LOWEST, DECADES)
+    _spectra(axes, found, axis, ("frequency", "density"), LOWEST, DECADES)
 
 
-def bands(found: Rides, axis: str, axes: Axes) -> Axes:
+def bands(found: Rides, axis: str, axes: Axes) -> None:
     """rms of one direction in third-octaves at every point."""
     axes.set_ylabel(f"{DIRECTIONS[axis].capitalize()} rms\n[m/s²] in 1/3 octave")
-    return _spectra(axes, found, axis, ("band", "band_rms"), 0.0, BAND_DECADES, markersize=2.4)
+    _spectra(axes, found, axis, ("band", "band_rms"), 0.0, BAND_DECADES, markersize=2.4)
 
 
 def _spectra(
     axes: Axes, found: Rides, axis: str, names: tuple[str, str], lowest: float, decades: int, markersize: float = 0.0
-) -> Axes:
+) -> None:
     """A line a point on logarithmic scales; with marks, if they have a size."""
     highest = 0.0
     lines = [(name, point, one.data) for name, one in found.items() for point in one.points]
@@ -75,4 +75,3 @@ def _spectra(
         drawn.set(marker=GROUP_MARK[i % len(GROUP_MARK)], markersize=markersize)
     if highest > 1e-300:
         axes.set_ylim(highest * 10.0**-decades, highest * 3.0)
-    return axes

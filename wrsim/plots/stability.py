@@ -41,7 +41,7 @@ def modes_figure(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def root_locus(axes: Axes, dataset: xr.Dataset) -> Axes:
+def root_locus(axes: Axes, dataset: xr.Dataset) -> None:
     """Eigenvalues in the complex plane, dark at high speed; the critical one is ringed."""
     speed = shown(dataset, "pose_speed")
     damping = dataset["mode_damping"].values
@@ -60,10 +60,9 @@ def root_locus(axes: Axes, dataset: xr.Dataset) -> Axes:
     bar = axes.figure.colorbar(ScalarMappable(scale, colours), ax=axes, pad=0.02, aspect=40)
     bar.set_label("Speed [km/h]", fontsize=7.0)
     bar.ax.set_ylim(speed[0], max(speed[-1], speed[0] + 1e-6))
-    return axes
 
 
-def over_speed(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
+def over_speed(axes: Axes, dataset: xr.Dataset, name: str) -> None:
     """A channel of the modes over speed, a line a mode; those nearest to instability are coloured and named."""
     speed, branch = shown(dataset, "pose_speed"), dataset["mode_branch"].values
     values, damping = shown(dataset, name), dataset["mode_damping"].values
@@ -83,7 +82,6 @@ def over_speed(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
     if np.isfinite(critical):
         axes.axvline(critical, color=STOP_COLOUR, linewidth=0.8, linestyle=(0, (3, 2)))
     axes.set(xlabel=CHANNELS["pose_speed"].label, ylabel=CHANNELS[name].label)
-    return axes
 
 
 def bifurcation_figure(dataset: xr.Dataset) -> Figure:
@@ -91,7 +89,7 @@ def bifurcation_figure(dataset: xr.Dataset) -> Figure:
     return panels(_title(dataset), [partial(bifurcation, dataset=dataset)], 90.0)
 
 
-def bifurcation(axes: Axes, dataset: xr.Dataset) -> Axes:
+def bifurcation(axes: Axes, dataset: xr.Dataset) -> None:
     """Amplitude of the wheelset that moves most over speed, from above and from below; hollow where not converged."""
     speed = shown(dataset, "cycle_speed")
     amplitude = np.max(shown(dataset, "cycle_amplitude"), axis=1)
@@ -122,7 +120,6 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> Axes:
     axes.set_ylim(bottom=-0.03 * top, top=top)
     axes.set(xlabel=CHANNELS["cycle_speed"].label, ylabel="Amplitude of the wheelset that moves most [mm]")
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=6.5)
-    return axes
 
 
 def _speed(dataset: xr.Dataset, attribute: str) -> float:

@@ -47,13 +47,12 @@ def against_pose(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
     return axes
 
 
-def angle_band(axes: Axes, dataset: xr.Dataset) -> Axes:
+def angle_band(axes: Axes, dataset: xr.Dataset) -> None:
     """Smallest to largest contact angle over the strips of the main patch, as bars at every pose."""
     x = shown(dataset, pose_abscissa(dataset))
     for j, wheel in enumerate(dataset["wheel"].values):
         low, high = (shown(dataset, f"contact_angle_{end}")[:, j, 0] for end in ("min", "max"))
         axes.vlines(x, low, high, color=WHEEL_COLOUR[str(wheel)], alpha=0.25, linewidth=2.0, zorder=1.8)
-    return axes
 
 
 def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:

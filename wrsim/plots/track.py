@@ -62,7 +62,7 @@ def track_figure(track: Track) -> Figure:
     return figure
 
 
-def plan_view(axes: Axes, track: Track) -> Axes:
+def plan_view(axes: Axes, track: Track) -> None:
     """Centre line from above at equal scales: one colour a kind of segment, distances beside it."""
     drawn: set[str] = set()
     for feature in track.features():
@@ -91,7 +91,6 @@ def plan_view(axes: Axes, track: Track) -> Axes:
     axes.margins(0.06, 0.2)
     axes.set(xlabel="x [m]", ylabel="y [m]")
     axes.legend(loc="best", ncols=len(drawn))
-    return axes
 
 
 LAWS: tuple[dict[str, Any], ...] = (
@@ -111,7 +110,7 @@ def _law(axes: Axes, track: Track, law: str, colour: str, least: float, label: s
     axes.set_ylabel(label)
 
 
-def height(axes: Axes, track: Track) -> Axes:
+def height(axes: Axes, track: Track) -> None:
     """Height of the centre line; grades per thousand are written along it."""
     _against_distance(axes, track, lambda s: track.centre_line.position(s)[:, 2], INK)
     _limits(axes, 1.0)
@@ -122,10 +121,9 @@ def height(axes: Axes, track: Track) -> Axes:
             at = middle, float(track.centre_line.position(middle)[2])
             note(axes, f"{1e3 * float(np.tan(law(start))):+.3g} ‰", at, (0.0, 7.0), ha="center")
     axes.set_ylabel("Height\n[m]")
-    return axes
 
 
-def irregularity(axes: Axes, track: Track, way: Literal["lateral", "vertical"]) -> Axes:
+def irregularity(axes: Axes, track: Track, way: Literal["lateral", "vertical"]) -> None:
     """How far both rails lie to the left of their designed place, or above it."""
     s = np.arange(0.0, track.length, IRREGULARITY_STEP)
     sides: tuple[Literal["left", "right"], ...] = ("left", "right")
@@ -135,7 +133,6 @@ def irregularity(axes: Axes, track: Track, way: Literal["lateral", "vertical"]) 
     _limits(axes, 1.0)
     axes.legend(loc="upper right", ncols=2, fontsize=6.5)
     axes.set_ylabel("Vertical\n[mm]" if way == "vertical" else "Lateral\n[mm] (+ left)")
-    return axes
 
 
 _ARROW = Path([(-1.6, 0.6), (0.0, 0.0), (-1.6, -0.6), (-1.6, 0.6)])  # tip at the start of the track

@@ -29,7 +29,7 @@ VIEWS = {"from the side": (0, 2), "from behind": (1, 2), "from above": (0, 1)}
 """Horizontal and vertical axis of every view."""
 
 
-def vehicle_view(axes: Axes, vehicle: Vehicle, view: str) -> Axes:
+def vehicle_view(axes: Axes, vehicle: Vehicle, view: str) -> None:
     """Draw one of ``VIEWS``: bodies as the boxes of equal mass and inertia, wheels, elements, points as crosses."""
     h, v = VIEWS[view]
     sign = -1.0 if view == "from behind" else 1.0  # y runs to the left
@@ -61,7 +61,6 @@ def vehicle_view(axes: Axes, vehicle: Vehicle, view: str) -> Axes:
     axes.set_title(view)
     axes.set(xlabel="xyz"[h] + " [m]" if h == 0 else "y [m]", ylabel="xyz"[v] + " [m]")
     axes.grid(True, color=FAINT)
-    return axes
 
 
 @style()

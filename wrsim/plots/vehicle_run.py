@@ -64,12 +64,12 @@ def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
     space = 0.05 * max(high - low, 1e-9)
     label = with_unit(f"${channel.symbol}$", channel.shown.symbol)
 
-    def panel(axes: Axes, _: xr.Dataset, wheelset: str) -> Axes:
+    def panel(axes: Axes, _: xr.Dataset, wheelset: str) -> None:
         history(axes, of_wheelset(dataset, wheelset), name, largest=max(-low, high))
         limited = any(line.get_gid() == "limit" for line in axes.lines)
         top = max(axes.get_ylim()[1], high + space) if limited else high + space
         axes.set(ylim=(low - space, top), title=names[wheelset], ylabel=label)
-        return axes
+        return
 
     panels = [partial(panel, wheelset=wheelset) for wheelset in names]
     track = _track_of(dataset)
@@ -84,14 +84,14 @@ def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> F
         for i in range(dataset.sizes[dim])
     ]
 
-    def panel(axes: Axes, _: xr.Dataset, name: str) -> Axes:
+    def panel(axes: Axes, _: xr.Dataset, name: str) -> None:
         x, _name = abscissa(dataset)
         values = shown(dataset, name)
         for i in np.argsort(-np.ptp(values, axis=0), kind="stable"):  # small ones last, or large ones hide them
             at = dataset["wheelset_distance"].values[:, i] if dim == "wheelset" else x
             draw_line(axes, at, values[:, i], **(looks[i] | crowded(values[:, i])))
         axes.set_ylabel(CHANNELS[name].label.replace(" of the body", "").replace(" [", "\n["))
-        return axes
+        return
 
     names = [str(n) for n in dataset[dim].values]
     labels = numbered(names).values() if dim == "wheelset" else names

@@ -65,7 +65,7 @@ def _passage(axes: Axes, dataset: xr.Dataset, name: str) -> None:
     axes.set_xlabel(CHANNELS["wear_rail_u"].label)
 
 
-def shakedown_map(axes: Axes, dataset: xr.Dataset) -> Axes:
+def shakedown_map(axes: Axes, dataset: xr.Dataset) -> None:
     """Hertz's pressure 3 N / (2 A) over the yield stress in shear against the friction that is used, patch by patch."""
     highest = 2.0
     for i, wheel in enumerate(str(name) for name in dataset["wheel"].values):
@@ -86,7 +86,6 @@ def shakedown_map(axes: Axes, dataset: xr.Dataset) -> Axes:
     axes.text(0.03, 0.03, "shakes down at the surface", transform=axes.transAxes, color=QUIET, zorder=1)
     axes.set(xlim=(0.0, LARGEST_FRICTION), xlabel="Friction that is used $T/N$", title="Shakedown map")
     axes.set(ylim=(0.0, highest), ylabel="Pressure over yield stress in shear $3N/(2Ak)$")
-    return axes
 
 
 def _depths(axes: Axes, one: xr.Dataset, body: str, laws: list[str]) -> None:
