@@ -20,8 +20,7 @@ from wrsim.analysis.assessment.sections import sections_of, zone_of
 from wrsim.analysis.ride.evaluate import ride_section_of
 from wrsim.errors import InputError
 from wrsim.results import Result
-from wrsim.results.assessment import Assessment
-from wrsim.results.assessment_tables import assessment_json
+from wrsim.results.assessment import Assessment, assessment_json
 from wrsim.scenario.sections.assessment import AssessmentSettings
 from wrsim.scenario.sections.run import RideSection
 from wrsim.vehicle.bogies import bogie_mass, level_of

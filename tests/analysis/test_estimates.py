@@ -13,7 +13,7 @@ from support.synthetic_run import run
 
 from wrsim.analysis.assessment import assess
 from wrsim.analysis.assessment.estimates import regression
-from wrsim.results.assessment_tables import assessment_json
+from wrsim.results.assessment import assessment_json
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
 SEED = np.random.SeedSequence(20261123)

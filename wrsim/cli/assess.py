@@ -33,7 +33,7 @@ def assess(
         from wrsim.analysis.assessment import assess as assessed
         from wrsim.report.output_folder import names_apart, naming
         from wrsim.report.outputs import write_assessment
-        from wrsim.results.assessment_tables import assessment_dict, assessment_numbers
+        from wrsim.results.assessment import assessment_dict, assessment_numbers
         from wrsim.scenario.loading import load
         from wrsim.scenario.sections.assessment import AssessmentSection
 

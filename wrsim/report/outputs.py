@@ -17,7 +17,7 @@ from wrsim.plots.compare import has_curves, overlay_figure, patches_figure, valu
 from wrsim.plots.cross_section import has_outlines
 from wrsim.plots.drawing import Makers, save_all
 from wrsim.plots.ride import ride_figures
-from wrsim.results.assessment_tables import assessment_csv, assessment_json
+from wrsim.results.assessment import assessment_csv, assessment_json
 from wrsim.results.differences import difference_table
 from wrsim.results.files import KEEPER, as_csv, as_json, csv_parts, write_atomically
 from wrsim.results.moments import has_patches, moments_at
