@@ -12,6 +12,7 @@ from support.scripts import ROOT, script
 
 from wrsim import load, run
 from wrsim.geometry.profile.models import load_profile
+from wrsim.scenario.build import build
 from wrsim.scenario.placement import flange_face, stand
 
 SHIFTS = (0.0, 8.0, 9.0, 10.0)
@@ -53,6 +54,25 @@ def test_table_2_is_met_but_for_the_four_numbers_that_the_page_names(dataset: xr
 def test_the_wheel_file_is_what_the_fit_writes() -> None:
     """Nobody edits it by hand: numbers and story come from the script."""
     assert fit.text(fit.Shape(620.0, 5.0, -15.17, 38.2, 14.7)) == WHEEL.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [(100.0, 0, 0, 0, 0), (0, 0.3, 0, 0, 0), (0, 0, 0.15, 0, 0), (0, 0, 0, 3.0, 0), (0, 0, 0, 0, 0.3)],
+    ids=["tread radius", "tread angle", "position", "upper fillet", "lower fillet"],
+)
+def test_another_wheel_nearby_meets_the_table_less_well(change: tuple[float, ...]) -> None:
+    """The shipped numbers lie in a minimum, but for their rounding."""
+    setup = build(load(table2.SCENARIO))
+    shipped = np.array([620.0, 5.0, -15.17, 38.2, 14.7])
+
+    def off(values: np.ndarray) -> float:
+        return float(np.sum(fit.deviations(setup, fit.chain(fit.Shape.of(values))) ** 2))
+
+    least = off(shipped)
+    assert least < 35.5
+    assert off(shipped + change) > least + 0.5
+    assert off(shipped - change) > least + 0.5
 
 
 def test_wheel_and_page_say_that_this_is_a_fit() -> None:
