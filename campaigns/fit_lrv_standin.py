@@ -32,7 +32,7 @@ from wrsim import InputError, SimulationError, load, run
 from wrsim.analysis.poses.static import run_static
 from wrsim.geometry.profile.file_kinds import ChainFile
 from wrsim.geometry.profile.profile import Profile
-from wrsim.inputs.checking import check
+from wrsim.inputs.checking import check_section
 from wrsim.scenario.build import Setup, build
 
 Array = NDArray[np.float64]
@@ -141,7 +141,7 @@ def printed(shape: Shape) -> dict[str, Any]:
 def wheel(keys: dict[str, Any]) -> Profile:
     """The profile of a chain's keys, as the loader of profile files makes it."""
     about = {"name": "stand-in", "body": "wheel", "kind": "chain", "date": DATE, "source": "fit"}
-    return check(ChainFile, about | keys, lambda _: str(FILE)).build(FILE)
+    return check_section(ChainFile, about | keys, lambda _: str(FILE)).build(FILE)
 
 
 def numbers(setup: Setup, keys: dict[str, Any]) -> Array:

@@ -7,7 +7,7 @@ from pathlib import Path
 from wrsim.inputs.reference import entries, heading, purpose
 from wrsim.inputs.section import Section
 from wrsim.register import FILES
-from wrsim.scenario.reference import schema_text, tables_of
+from wrsim.scenario.reference import schema_text, tables_of_file
 
 HERE = Path(__file__).parent
 HEAD = """# Keys
@@ -69,7 +69,7 @@ def pages() -> dict[Path, str]:
     shown: set[type] = set()
     for name, (words, _) in FILES.items():
         lines += [f"## {words[0].upper()}{words[1:]}", ""]
-        for table in tables_of(name):
+        for table in tables_of_file(name):
             if table not in shown:
                 own = markdown(table)
                 lines += own[2:] if table.header == words else own  # the file itself has its heading

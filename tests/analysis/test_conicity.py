@@ -20,7 +20,7 @@ from wrsim.errors import InputError
 from wrsim.geometry.profile.files import read_profile
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.sections import Arc, Line, circle, cone, profile_from_sections
+from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections
 from wrsim.results import Result
 from wrsim.results.tables import tables
 from wrsim.scenario.loading import load
@@ -80,11 +80,11 @@ def flat_headed() -> Profile:
     """A rail with a straight head of 46 mm between two corners of 13 mm."""
     head, corner, foot = 0.023, 0.013, -0.036
     pieces = [
-        Line(-head - corner, foot, -head - corner, -corner),
-        Arc(-head, -corner, corner, 0.5 * np.pi, 0.0),
-        Line(-head, 0.0, head, 0.0),
-        Arc(head, -corner, corner, 0.0, -0.5 * np.pi),
-        Line(head + corner, -corner, head + corner, foot),
+        ProfileLine(-head - corner, foot, -head - corner, -corner),
+        ProfileArc(-head, -corner, corner, 0.5 * np.pi, 0.0),
+        ProfileLine(-head, 0.0, head, 0.0),
+        ProfileArc(head, -corner, corner, 0.0, -0.5 * np.pi),
+        ProfileLine(head + corner, -corner, head + corner, foot),
     ]
     return profile_from_sections("flat", "rail", pieces)
 

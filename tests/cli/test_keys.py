@@ -16,7 +16,7 @@ from wrsim.inputs.reference import entries
 from wrsim.register import ANALYSES, FILES
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
-from wrsim.scenario.reference import schema_text, tables_of
+from wrsim.scenario.reference import schema_text, tables_of_file
 
 ROOT = Path(__file__).parents[2]
 
@@ -83,7 +83,7 @@ def test_editors_find_a_schema_for_every_shipped_file_and_it_accepts_them() -> N
 
 @pytest.mark.parametrize("file", FILES)
 def test_every_key_says_what_it_is_and_may_be_with_an_example(file: str) -> None:
-    for table in tables_of(file):
+    for table in tables_of_file(file):
         for entry in entries(table):
             assert entry.meaning.endswith("."), f"{table.header} {entry.key}: write a sentence beneath the field"
             assert entry.allowed, f"{table.header} {entry.key}"

@@ -14,9 +14,9 @@ from support.contacts import PLAIN, RADIUS, contact_model, wheel_profile
 from support.crossings import CROSSING, crossing, in_equal_shares, lifted, on
 
 from wrsim.contact.model import Contact, ContactModel
-from wrsim.geometry.profile.points import Points, interpolated
+from wrsim.geometry.profile.points import ProfilePoints, interpolated
 from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.sections import Arc, Line, profile_from_sections
+from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, profile_from_sections
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.rolled_rail import rolled_rail
 
@@ -26,8 +26,8 @@ RISE = 0.1
 def blunt(start: float, corner: float) -> Profile:
     """A level top, 10 mm wide from ``start`` on, its corners rounded down to 80 degrees [m]."""
     end, steep = start + 0.01, np.radians(80.0)
-    arcs = Arc(start, -corner, corner, steep, 0.0), Arc(end, -corner, corner, 0.0, -steep)
-    return profile_from_sections("blunt", "rail", (arcs[0], Line(start, 0.0, end, 0.0), arcs[1]))
+    arcs = ProfileArc(start, -corner, corner, steep, 0.0), ProfileArc(end, -corner, corner, 0.0, -steep)
+    return profile_from_sections("blunt", "rail", (arcs[0], ProfileLine(start, 0.0, end, 0.0), arcs[1]))
 
 
 def test_the_felt_section_is_the_upper_envelope_where_branches_cross() -> None:
@@ -164,7 +164,7 @@ def through(exact: Profile, ends: list[float], apart: float) -> Profile:
     """A profile through points of another, about ``apart`` from each other between the ends of its parts [m]."""
     parts = [np.linspace(a, b, 1 + int((b - a) / apart - 1e-6), endpoint=False) for a, b in pairwise(ends)]
     u, w = exact.at(np.append(np.concatenate(parts), ends[-1]))
-    return interpolated(Points("points", u, w, np.arange(u.size)), "points", "rail")
+    return interpolated(ProfilePoints("points", u, w, np.arange(u.size)), "points", "rail")
 
 
 def as_in_contact(start: float, corner: float, features: tuple[float, float]) -> Profile:
@@ -176,10 +176,13 @@ def as_in_contact(start: float, corner: float, features: tuple[float, float]) ->
     top, steep, flank = blunt(start, corner), np.radians(80.0), 0.03
     along = flank * np.array([cos(steep), sin(steep)])
     (u0, w0), (u1, w1) = (np.array(top.at(a)).ravel() for a in (0.0, top.length))
-    before, behind = Line(u0 - along[0], w0 - along[1], u0, w0), Line(u1, w1, u1 + along[0], w1 - along[1])
+    before, behind = (
+        ProfileLine(u0 - along[0], w0 - along[1], u0, w0),
+        ProfileLine(u1, w1, u1 + along[0], w1 - along[1]),
+    )
     end = start + 0.01
-    corners = Arc(start, -corner, corner, steep, 0.0), Arc(end, -corner, corner, 0.0, -steep)
-    parts = (before, corners[0], Line(start, 0.0, end, 0.0), corners[1], behind)
+    corners = ProfileArc(start, -corner, corner, steep, 0.0), ProfileArc(end, -corner, corner, 0.0, -steep)
+    parts = (before, corners[0], ProfileLine(start, 0.0, end, 0.0), corners[1], behind)
     exact = profile_from_sections("blunt", "rail", parts)
     edges = np.cumsum([0.0, flank, corner * steep, 0.01, corner * steep, flank])
     filed = through(exact, edges.tolist(), 0.2e-3)

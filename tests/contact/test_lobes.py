@@ -12,7 +12,7 @@ from wrsim.core.contact.normal.kik_piotrowski import own_influence, solve_amplit
 from wrsim.core.contact.records import FOUND, LOBE
 from wrsim.core.contact.search.lobes import couple, select_deepest
 from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.sections import Arc, circle, cone, profile_from_sections
+from wrsim.geometry.profile.sections import ProfileArc, circle, cone, profile_from_sections
 
 depths = st.floats(1e-6, 1e-3)
 shares = st.floats(0.0, 1.0)
@@ -103,9 +103,9 @@ def test_amplitudes_are_those_of_the_linear_system_or_zero():
 def two_heads(spacing: float, radius: float = 0.3) -> Profile:
     """A rail of two round heads, crowns at +-spacing/2, joined by a hollow of the same radius [m]."""
     lean = float(np.arcsin(0.25 * spacing / radius))
-    left, right = (Arc(side * 0.5 * spacing, -radius, radius, *angles) for side, angles in
+    left, right = (ProfileArc(side * 0.5 * spacing, -radius, radius, *angles) for side, angles in
                    ((-1.0, (2.0 * lean, -lean)), (1.0, (lean, -2.0 * lean))))  # fmt: skip
-    hollow = Arc(0.0, radius * (2.0 * np.cos(lean) - 1.0), radius, -lean, lean)
+    hollow = ProfileArc(0.0, radius * (2.0 * np.cos(lean) - 1.0), radius, -lean, lean)
     return profile_from_sections("two heads", "rail", [left, hollow, right])
 
 

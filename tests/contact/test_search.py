@@ -21,10 +21,10 @@ from support.contacts import (
 )
 
 from wrsim.core.contact.profile import profile_point
-from wrsim.core.contact.records import Profile
+from wrsim.core.contact.records import ProfileTable
 from wrsim.core.contact.search.locus import locus_point, outline
 from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.sections import Arc, profile_from_sections, rail_head
+from wrsim.geometry.profile.sections import ProfileArc, profile_from_sections, rail_head
 
 YAWS = (0.0, 0.012, -0.03)
 
@@ -55,7 +55,7 @@ def wheel_point(model, origin, axle, arc):
 
 def rail_point(model, arc):
     """(o, b) and tangent of the kernel's rail."""
-    at = profile_point(Profile(model.arrays.rail, float(model.arrays.settings.rail_step)), arc)
+    at = profile_point(ProfileTable(model.arrays.rail, float(model.arrays.settings.rail_step)), arc)
     return np.array([at.u, at.w]), np.array([at.tu, at.tw])
 
 
@@ -201,7 +201,9 @@ def test_a_steep_face_is_found_as_soon_as_it_is_touched_at_any_yaw(yaw):
 @pytest.mark.parametrize("depth", [2e-5, 1e-4, 3e-4])
 def test_a_vertical_rail_side_is_touched_like_the_crown(depth):
     # a ball of 14 mm beside a rail head whose sides are vertical, its centre 22 mm below the crown
-    ball = profile_from_sections("ball", "wheel", [Arc(0.0, 14e-3, 14e-3, -np.radians(110.0), np.radians(110.0))])
+    ball = profile_from_sections(
+        "ball", "wheel", [ProfileArc(0.0, 14e-3, 14e-3, -np.radians(110.0), np.radians(110.0))]
+    )
     rail = rail_head("upright", (0.3, 0.08, 0.013), (10.228e-3, 26.0265e-3), 0.0, 0.038)
     model = contact_model(ball, rail, **PLAIN)
     side = rail.u.min()

@@ -26,7 +26,7 @@ from support.sweeps import jumps, normal_forces, steepest
 
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.tables import combined_modulus, influence_table
-from wrsim.contact.tables import potential as potential_of
+from wrsim.contact.tables import unit_potential as potential_of
 from wrsim.core.contact.arrays import bodies
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.core.contact.strips.grid import opposite

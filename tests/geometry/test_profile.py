@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.sections import Arc, Line, circle, cone, profile_from_sections, rail_head
+from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections, rail_head
 
 MODELS = Path(__file__).parents[2] / "models"
 S1002 = load_profile(MODELS / "wheels/S1002.toml")
@@ -170,8 +170,8 @@ def test_cubics_through_the_table_converge_with_fourth_order_on_an_arc():
 
 def test_sections_out_of_tune_by_rounding_are_joined_smoothly():
     # A line 0.1 um above and turned by 10 urad against the arc that follows it.
-    arc = Arc(0.0, -0.05, 0.05, 0.0, -0.5)
-    line = Line(-0.02, 1e-7 - 0.02e-5, 0.0, 1e-7)
+    arc = ProfileArc(0.0, -0.05, 0.05, 0.0, -0.5)
+    line = ProfileLine(-0.02, 1e-7 - 0.02e-5, 0.0, 1e-7)
     profile = profile_from_sections("joined", "rail", [line, arc])
     u, w = profile.at(places(profile))
     true = np.where(u < 0.0, 0.0, np.sqrt(0.05**2 - np.maximum(u, 0.0) ** 2) - 0.05)
@@ -182,11 +182,11 @@ def test_sections_out_of_tune_by_rounding_are_joined_smoothly():
 
 
 def test_sections_that_do_not_meet_are_refused():
-    line = Line(-0.02, 0.0, 0.0, 0.0)
+    line = ProfileLine(-0.02, 0.0, 0.0, 0.0)
     with pytest.raises(InputError, match=r"sections 1 and 2 \(at u = 0 mm\) are 0.01 mm apart; allowed: 0.001 mm"):
-        profile_from_sections("gap", "rail", [line, Line(0.0, 1e-5, 0.02, 1e-5)])
+        profile_from_sections("gap", "rail", [line, ProfileLine(0.0, 1e-5, 0.02, 1e-5)])
     with pytest.raises(InputError, match=r"meet in a corner of -49.96 mrad; allowed: 0.1 mrad"):
-        profile_from_sections("corner", "rail", [line, Line(0.0, 0.0, 0.02, -0.001)])
+        profile_from_sections("corner", "rail", [line, ProfileLine(0.0, 0.0, 0.02, -0.001)])
 
 
 def test_rail_heads_that_cannot_be_are_refused():

@@ -10,19 +10,19 @@ from scipy.interpolate import CubicSpline
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.points import CUTOFF, Points, smoothed, smoothing_spline
+from wrsim.geometry.profile.points import CUTOFF, ProfilePoints, smoothed, smoothing_spline
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle
 
 S1002 = load_profile(Path(__file__).parents[2] / "models/wheels/S1002.toml")
 
 
-def points(u: np.ndarray, w: np.ndarray) -> Points:
+def points(u: np.ndarray, w: np.ndarray) -> ProfilePoints:
     """Points as if read from a file, one a line."""
-    return Points("measured.csv", u, w, np.arange(1, u.size + 1))
+    return ProfilePoints("measured.csv", u, w, np.arange(1, u.size + 1))
 
 
-def measured(profile: Profile, noise: float, step: float = 1e-4, seed: int = 1) -> Points:
+def measured(profile: Profile, noise: float, step: float = 1e-4, seed: int = 1) -> ProfilePoints:
     """Points of a profile with independent noise across and along it."""
     rows, _ = profile.table(step)
     shift = noise * np.random.default_rng(seed).normal(size=(len(rows), 2))

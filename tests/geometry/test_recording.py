@@ -21,7 +21,7 @@ from wrsim.geometry.track.spectra import Realisation
 from wrsim.geometry.track.track import Track
 from wrsim.recording.reading import read_recording
 from wrsim.recording.restoring import Restored, restore
-from wrsim.recording.systems import Chord, Difference, Inertial, Inverse, Plain, filtered, within
+from wrsim.recording.systems import BaseDifference, Chord, Inertial, InverseFilter, Plain, band_window, filtered
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 
@@ -79,8 +79,8 @@ def in_band(values: Array, step: float, *, without: tuple[float, float] | None =
     """The waves of 3 to 25 m alone; without: wavelengths that do not count either."""
 
     def response(k: Array) -> NDArray[np.complex128]:
-        cut = 0.0 if without is None else within(k, without)
-        return (within(k, D1) * (1.0 - cut)).astype(complex)
+        cut = 0.0 if without is None else band_window(k, without)
+        return (band_window(k, D1) * (1.0 - cut)).astype(complex)
 
     return filtered(values, step, response, 40.0)
 
@@ -216,14 +216,21 @@ def test_design_and_what_is_left_are_what_was_recorded(by_chord: Restored, car: 
 
 
 def in_or_longer(values: Array, step: float) -> Array:
-    return filtered(values, step, Inverse(Plain(), (3.0, np.inf), 1.0).response, 12.0)
+    return filtered(values, step, InverseFilter(Plain(), (3.0, np.inf), 1.0).response, 12.0)
 
 
 def test_noise_is_enlarged_by_no_more_than_is_said(tmp_path: Path) -> None:
     random = np.random.default_rng(3)
     noise = random.standard_normal(40_000)
-    for system in (Chord(4.0, 6.0), Chord(5.0, 5.0), Chord(1.3, 8.7), Difference(3.0), Inertial(3.0, 25.0), Plain()):
-        inverse = Inverse(system, BAND, AMPLIFICATION)
+    for system in (
+        Chord(4.0, 6.0),
+        Chord(5.0, 5.0),
+        Chord(1.3, 8.7),
+        BaseDifference(3.0),
+        Inertial(3.0, 25.0),
+        Plain(),
+    ):
+        inverse = InverseFilter(system, BAND, AMPLIFICATION)
         k = np.linspace(1e-4, np.pi / 0.25, 300_001)
         assert np.abs(inverse.response(k)).max() <= min(AMPLIFICATION, 1.001 * inverse.largest() + 1e-12) * 1.001
         made = filtered(noise, 0.25, inverse.response, 120.0)[2000:-2000]
@@ -239,7 +246,7 @@ def test_noise_of_the_car_reaches_the_rails_no_more_than_is_said(by_chord: Resto
     found = restored(tmp_path, noisy, geometry(car) | versines(car, 4.0, 6.0), "chord_m = [4, 6]")
     factor = next(i.noise(car.step) for c, i in found.inverses if c.quantity == "level_left")
     # a rail: the mean of two levels, and half of the cant
-    most = 50e-6 * np.hypot(factor / np.sqrt(2.0), 0.5 * Inverse(Plain(), (3.0, np.inf), 1.0).noise(car.step))
+    most = 50e-6 * np.hypot(factor / np.sqrt(2.0), 0.5 * InverseFilter(Plain(), (3.0, np.inf), 1.0).noise(car.step))
     inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
     off = in_band(found.vertical[0] - by_chord.vertical[0], car.step)[inner]
     assert 0.2 * most < off.std() < 1.1 * most

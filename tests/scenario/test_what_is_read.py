@@ -16,10 +16,10 @@ from support.scenario_texts import edited
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.track import segments
-from wrsim.inputs.checking import check
+from wrsim.inputs.checking import check_section
 from wrsim.inputs.lines import key_lines
 from wrsim.inputs.section import MOST_FAULTS
-from wrsim.inputs.toml_files import LARGEST, read_bytes, read_text, shown, within
+from wrsim.inputs.toml_files import LARGEST, read_bytes, read_text, reading_within, shown_value
 from wrsim.report.view_data import setup_of
 from wrsim.results import Result
 from wrsim.scenario.build import build
@@ -114,7 +114,7 @@ def test_the_scenario_of_a_result_opens_nothing_outside_of_its_folder(key, tmp_p
     for name in (str(secret), "../secret.toml", "linked.toml", str(tmp_path / "missing.toml")):
         text = named(name)[key]
         why = said_of(text, own)
-        assert f"{key} = {shown(name)}: lies outside of {own}, " in why
+        assert f"{key} = {shown_value(name)}: lies outside of {own}, " in why
         assert "root:" not in why
     with pytest.raises(InputError, match=r"root:|secret\.toml"):  # a scenario of the user's own reads what it names
         build(load_text(named("../secret.toml")[key], own))
@@ -136,7 +136,7 @@ def test_the_models_beside_a_result_lead_nowhere_else_either(tmp_path):
 def test_the_folders_around_a_result_are_not_listed(tmp_path):
     (tmp_path / "result").mkdir()
     (tmp_path / "private.toml").write_text("")
-    with within([tmp_path / "result"]), pytest.raises(InputError) as refused:
+    with reading_within([tmp_path / "result"]), pytest.raises(InputError) as refused:
         read_text(tmp_path / "privat.toml")
     assert "private" not in str(refused.value)
 
@@ -284,7 +284,7 @@ def test_a_rod_needs_a_length_that_has_a_direction(tmp_path):
     line = {"body_mm": [0.0, 0.0, 1.0], "to_mm": [0.0, 5e-324, 1.0], "damping_kNs_per_m": 1.0}
     damper = {"kind": "damper", "name": "d", "body": "a", "to": "b", **line}
     with pytest.raises(InputError, match="is the same point as body_mm: a damper along a line needs a length"):
-        check(DamperTable, damper, str)
+        check_section(DamperTable, damper, str)
 
 
 def test_irregularities_fade_over_a_length_that_is_one():

@@ -15,9 +15,9 @@ from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.pose import Pose
 from wrsim.contact.settings import ContactSettings, Material
 from wrsim.core.contact import records as k
-from wrsim.core.contact.records import Pose as WheelPose
-from wrsim.core.contact.records import Profile as Table
-from wrsim.core.contact.records import Wheel
+from wrsim.core.contact.records import PlacedWheel
+from wrsim.core.contact.records import ProfileTable as Table
+from wrsim.core.contact.records import WheelPose as WheelPose
 from wrsim.core.contact.search.locus import placed
 from wrsim.core.linalg import Vec
 from wrsim.geometry.profile.models import load_profile
@@ -114,7 +114,7 @@ def numbers(contact: Contact) -> list[float]:
     return [*contact.force, *contact.moment, contact.wear_number, contact.closest, *lobes]
 
 
-def wheel_at(table: Array, step: float, radius: float, origin: Array, axle: Array) -> Wheel:
+def wheel_at(table: Array, step: float, radius: float, origin: Array, axle: Array) -> PlacedWheel:
     """A wheel as the kernels take it, from its profile's table; origin, axle: (3,) in rail axes."""
     pose = WheelPose(Vec(*map(float, origin)), Vec(*map(float, axle)), Vec(0.0, 0.0, 0.0), Vec(0.0, 0.0, 0.0))
     return placed(Table(table, float(step)), radius, pose)

@@ -49,10 +49,10 @@ def new(
     with reporting_errors(as_json), writing(force):
         from wrsim.results import write_atomically
         from wrsim.scenario.reference import check_analysis
-        from wrsim.scenario.templates import template
+        from wrsim.scenario.templates import scenario_template
 
         check_analysis(kind)
-        path = write_atomically(output or Path(f"{kind}.toml"), template(kind).encode())
+        path = write_atomically(output or Path(f"{kind}.toml"), scenario_template(kind).encode())
         if as_json:
             print_json({"files": [str(path)]})
         else:

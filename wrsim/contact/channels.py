@@ -308,7 +308,7 @@ def wheel_outline(wheel: WheelOnRail) -> Array:
 
 
 def rail_outline(wheel: WheelOnRail) -> Array:
-    """The rail's section (o, b) at the pose computed last, as the wheel feels it, (2, OUTLINE_POINTS) [m]."""
+    """The rail's section (o, b) at the pose computed last, the effective one, (2, OUTLINE_POINTS) [m]."""
     model = wheel.model
     if model.rolled is not None:
         return model.rolled.outline(float(model.arrays.settings.place), OUTLINE_POINTS).T

@@ -80,7 +80,7 @@ class ContactModel:
     """One wheel profile on one (inclined) rail profile with the chosen settings, ready for the kernel.
 
     wheel, rail: profiles, the rail already inclined; radius: of the wheel at the tape circle [m]; friction: of this
-    rail, everywhere or along it; rolled: what the wheel feels of a rail that changes along the track, in whose place
+    rail, everywhere or along it; rolled: the effective profile of a rail that changes along the track, in whose place
     ``rail`` is drawn. The arrays are what the kernel takes; scratch arrays belong to the model, so
     one model serves one thread."""
 

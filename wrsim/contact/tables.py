@@ -111,7 +111,7 @@ def creep_coefficients(poisson_ratio: float) -> Array:
     return np.ascontiguousarray(1.0 / sum(w * inverse[:, i] for i, w in enumerate(weights)))
 
 
-def potential(t: Array) -> Array:
+def unit_potential(t: Array) -> Array:
     """f(1, t) = 2 sqrt(1 + t^2) (K - E) of the parameter 1/(1 + t^2), t > 0."""
     t = np.asarray(t, dtype=np.float64)
     complement = t * t / (1.0 + t * t)
@@ -128,11 +128,11 @@ def influence_table() -> Array:
     x, w = np.polynomial.legendre.leggauss(8)
     half = 0.5 * np.diff(t)
     at = t[:-1, None] + half[:, None] * (1.0 + x)
-    f, first = potential(at), t[0] * 2.0 * np.log(4.0 / t[0])  # f(1, t) = 2 ln(4/t) - 2 for small t
+    f, first = unit_potential(at), t[0] * 2.0 * np.log(4.0 / t[0])  # f(1, t) = 2 ln(4/t) - 2 for small t
     table = []
     for integral, slope in (
-        (f @ w * half, potential(t)),
-        (f / (1.0 + at**2) @ w * half, potential(t) / (1.0 + t**2)),
+        (f @ w * half, unit_potential(t)),
+        (f / (1.0 + at**2) @ w * half, unit_potential(t) / (1.0 + t**2)),
     ):
         value = np.concatenate([[first], first + np.cumsum(integral)])
         rise = 2.0 * half * slope[:-1], 2.0 * half * slope[1:]

@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 from wrsim.errors import InputError
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.section import ABSENT, FAULT, MOST_FAULTS, STRICT, Section
-from wrsim.inputs.toml_files import parse_toml, read_text, shortened, shown
+from wrsim.inputs.toml_files import parse_toml, read_text, shortened, shown_value
 from wrsim.inputs.values import refusal
 
 S = TypeVar("S", bound=Section)
@@ -32,15 +32,15 @@ def opened(path: Path, what: str) -> tuple[dict[str, Any], Locate]:
     return parse_toml(text, str(path)), locate
 
 
-def check(section: type[S], data: dict[str, Any], locate: Locate) -> S:
+def check_section(section: type[S], data: dict[str, Any], locate: Locate) -> S:
     """Return ``data`` as a section, or raise one InputError that lists every fault on a line of its own."""
     try:
         return section.model_validate(data)
     except ValidationError as error:
-        raise InputError(listed(_lines(error, locate), locate(()))) from None
+        raise InputError(first_faults(_lines(error, locate), locate(()))) from None
 
 
-def listed(faults: Sequence[str], where: str) -> str:
+def first_faults(faults: Sequence[str], where: str) -> str:
     """The first of many faults, a line each, and how many more there are; where: the file."""
     more = [f"{where}: and {len(faults) - MOST_FAULTS} more faults"] if len(faults) > MOST_FAULTS else []
     return "\n".join([*faults[:MOST_FAULTS], *more])
@@ -61,7 +61,7 @@ def fault_line(path: KeyPath, message: str, locate: Locate, value: Any = None) -
     where = dotted(path)
     tables = isinstance(value, dict) or (isinstance(value, list) and any(isinstance(v, dict) for v in value))
     if value is not None and not tables:
-        where += f" = {shown(value)}"
+        where += f" = {shown_value(value)}"
     return f"{locate(path)}: {where}: {message}" if where else f"{locate(path)}: {message}"
 
 

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError, nearest
-from wrsim.inputs.checking import listed
+from wrsim.inputs.checking import first_faults
 from wrsim.inputs.section import MOST_FAULTS
-from wrsim.inputs.toml_files import read_text, shown
-from wrsim.inputs.values import limits_of, unpacked, words
+from wrsim.inputs.toml_files import read_text, shown_value
+from wrsim.inputs.values import number_limits, unpacked, words
 
 MOST_ROWS = 2_000_000
 Row = tuple[int, list[str]]
@@ -36,7 +36,7 @@ def read_columns(
     if not lines:
         raise InputError(f"{path}: the table is empty; its first line must name columns: {', '.join(columns)}")
     separator = ";" if ";" in lines[0][1] and "," not in lines[0][1] else ","
-    first, header = cells_of(path, *lines.pop(0), separator)
+    first, header = csv_cells(path, *lines.pop(0), separator)
     _refuse(path, _header_faults(header, f"{path}:{first}", columns, needed))
     if not lines:
         raise InputError(f"{path}: the table has no {rows} below its header")
@@ -50,7 +50,7 @@ def read_columns(
         if len(table) != len(header) or not all(map(_allowed, (columns[n] for n in header), values.T)):
             raise ValueError
     except ValueError:
-        table = _row_by_row(path, [cells_of(path, *line, separator) for line in lines], header, columns)
+        table = _row_by_row(path, [csv_cells(path, *line, separator) for line in lines], header, columns)
     return {name: np.array(column) for name, column in zip(header, table, strict=True)}, numbers
 
 
@@ -69,7 +69,7 @@ def table_lines(path: Path, what: str = "table") -> list[tuple[int, str]]:
     return [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
 
 
-def cells_of(path: Path, number: int, line: str, separator: str) -> Row:
+def csv_cells(path: Path, number: int, line: str, separator: str) -> Row:
     """The cells of a line. Raises InputError."""
     try:
         return number, [c.strip() for c in next(csv.reader([line.strip()], delimiter=separator, strict=True))]
@@ -81,7 +81,7 @@ def cells_of(path: Path, number: int, line: str, separator: str) -> Row:
 
 def _refuse(path: Path, faults: list[str]) -> None:
     if faults:
-        raise InputError(listed(faults, str(path)))
+        raise InputError(first_faults(faults, str(path)))
 
 
 def _header_faults(header: list[str], where: str, columns: Mapping[str, Any], needed: Sequence[str]) -> list[str]:
@@ -92,16 +92,16 @@ def _header_faults(header: list[str], where: str, columns: Mapping[str, Any], ne
             near = nearest(name, list(columns)) if len(faults) < MOST_FAULTS else None  # more are not told
             guessed.add(near)
             hint = f"did you mean '{near}'?" if near else f"the columns are {', '.join(columns)}"
-            faults.append(f"{where}: column {shown(name)}: unknown; {hint}")
+            faults.append(f"{where}: column {shown_value(name)}: unknown; {hint}")
     twice = sorted(name for name, times in Counter(header).items() if times > 1)
-    faults += [f"{where}: column {shown(name)}: duplicate" for name in twice]
+    faults += [f"{where}: column {shown_value(name)}: duplicate" for name in twice]
     missing = [n for n in needed if n not in header and n not in guessed]
     return faults + [f"{where}: column '{n}' is missing; the columns are {', '.join(columns)}" for n in missing]
 
 
 def _allowed(kind: Any, values: NDArray[np.float64]) -> bool:
     """True if all numbers of a column are within its limits."""
-    low, high, excluded = limits_of(unpacked(kind).limits)
+    low, high, excluded = number_limits(unpacked(kind).limits)
     above = values > low if excluded else values >= low
     return kind is not str and bool((above & (values <= high) & np.isfinite(values)).all())
 
@@ -118,7 +118,7 @@ def _row_by_row(path: Path, rows: list[Row], header: list[str], columns: Mapping
             if value is None or (columns[name] is not str and not _allowed(columns[name], np.array(value))):
                 comma = "," in cell and _number(cell.replace(",", ".")) is not None
                 hint = f"; decimals need a point: {cell.replace(',', '.')}" if comma else ""
-                told = shown(cell) if value is None else cell
+                told = shown_value(cell) if value is None else cell
                 faults.append(f"{path}:{number}: {name} = {told}: must be {words(columns[name])}{hint}")
             column.append(value)
     _refuse(path, faults)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from wrsim.errors import InputError
-from wrsim.inputs.toml_files import out_of_reach, within
+from wrsim.inputs.toml_files import out_of_reach, reading_within
 from wrsim.inputs.values import nearest
 
 VARIABLE = "WRSIM_MODELS"
@@ -26,7 +26,7 @@ class Finder:
 
     def guard(self) -> AbstractContextManager[None]:
         """While this lasts, what is named in a file is not opened outside of the folders either, if they are closed."""
-        return within(self.folders) if self.closed else nullcontext()
+        return reading_within(self.folders) if self.closed else nullcontext()
 
     def find(self, name: str) -> Path:
         """Return the first file of that name; an absolute name stands for itself.

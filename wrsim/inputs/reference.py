@@ -16,8 +16,18 @@ from pydantic import TypeAdapter
 from pydantic_core import PydanticUndefined
 
 from wrsim.inputs.section import UNITS, Section, unit_of
-from wrsim.inputs.toml_files import shown
-from wrsim.inputs.values import RANGE, entry_of, fields, header_of, is_union, limits_of, plain, unpacked, words
+from wrsim.inputs.toml_files import shown_value
+from wrsim.inputs.values import (
+    RANGE,
+    entry_of,
+    fields,
+    is_union,
+    number_limits,
+    plain_number,
+    table_header,
+    unpacked,
+    words,
+)
 
 
 @cache
@@ -97,22 +107,22 @@ def _default(section: type[Section], key: str) -> str:
     value = field.get_default(call_default_factory=True)
     if value is None or value is PydanticUndefined:
         return "none"
-    return "" if isinstance(value, Section) or (isinstance(value, dict) and not value) else shown(value)
+    return "" if isinstance(value, Section) or (isinstance(value, dict) and not value) else shown_value(value)
 
 
 def example_of(annotation: Any) -> str:
     """A value that would do, as in TOML; empty for tables."""
     base, limits, description, _ = unpacked(annotation)
     if get_origin(base) is Literal:
-        return shown(get_args(base)[0])
+        return shown_value(get_args(base)[0])
     if base is bool:
         return "true"
     quoted = _QUOTED.findall(description)
     if base in (int, float) and (limits or not quoted):
         return _number_example(base, limits, description)
     if quoted:
-        return shown(quoted[0])
-    if header_of(annotation):
+        return shown_value(quoted[0])
+    if table_header(annotation):
         return ""
     if is_union(base):
         return next(filter(None, map(example_of, get_args(base))), "")
@@ -120,7 +130,7 @@ def example_of(annotation: Any) -> str:
     if each is Any:
         return "[40, 60]"
     if each is not None:
-        inner = "" if header_of(each) else example_of(each)
+        inner = "" if table_header(each) else example_of(each)
         count = len([a for a in get_args(base) if a is not ...])
         return f"[{', '.join([inner] * count)}]" if inner else ""
     if "date" in description:
@@ -130,18 +140,18 @@ def example_of(annotation: Any) -> str:
 
 def _number_example(base: type, limits: tuple[Any, ...], description: str) -> str:
     """A number that the words name, or one in the middle of what is allowed."""
-    low, high, excluded = limits_of(limits)
+    low, high, excluded = number_limits(limits)
     for text in _NUMBER.findall(description):
         value = float(text)
         if low <= value <= high and not (excluded and value == low):
-            return plain(base(value))
+            return plain_number(base(value))
     if low > 0.0 and high < float("inf"):
         value = float(f"{(low * high) ** 0.5:.1g}")
     elif low <= 0.0 <= high:
         value = 0.0 if not excluded else min(1.0, high)
     else:
         value = low
-    return plain(base(max(low, min(high, value))))
+    return plain_number(base(max(low, min(high, value))))
 
 
 def tables_in(annotation: Any, seen: tuple[type, ...] = ()) -> Iterator[type[Section]]:
@@ -191,7 +201,7 @@ def _cleaned(schema: dict[str, Any], section: type[Section] | None) -> dict[str,
             annotation = fields(section)[key]
             cleaned = _value_schema(own, annotation)
             said = meanings(section).get(key, "")
-            is_table = bool(header_of(annotation))
+            is_table = bool(table_header(annotation))
             cleaned["description"] = said if is_table else f"{said} Must be {words(annotation)}.".strip()
             if is_table:
                 cleaned.pop("default", None)  # in it are values that are left out, for which TOML has no word

@@ -21,7 +21,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from wrsim.errors import nearest
 from wrsim.inputs.lines import KeyPath
-from wrsim.inputs.values import choice, entry_of, fields, header_of, refusal, refuse, unpacked, words
+from wrsim.inputs.values import choice, entry_of, fields, refusal, refuse, table_header, unpacked, words
 
 STRICT = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 FAULT, ABSENT = "fault", "absent"
@@ -288,8 +288,8 @@ def _in_our_words(annotation: Any, error: Any, value: Any) -> InitErrorDetails:
         del place[depth]  # pydantic's tag of the chosen type stands there
     if error["type"] in (FAULT, ABSENT):
         return _detail(error["type"], error["msg"], (key, *place), error["input"])
-    if depth and header_of(entry_of(annotation)):
-        return _choice_of_table(kind.base, error, (key, *place), header_of(entry_of(annotation)))
+    if depth and table_header(entry_of(annotation)):
+        return _choice_of_table(kind.base, error, (key, *place), table_header(entry_of(annotation)))
     return _detail(FAULT, refusal(annotation, place, value), (key,), value)
 
 

@@ -57,7 +57,7 @@ def read_bytes(path: Path, what: str) -> bytes:
     """Return the content of a file; it never waits, and never takes more memory than the largest file allowed.
 
     Raises InputError, with what the file is, for a missing one (naming neighbours with a similar name), a directory, a
-    pipe, a device, one that is too large or cannot be opened, and one out of reach (`within`).
+    pipe, a device, one that is too large or cannot be opened, and one out of reach (`reading_within`).
     """
     if why := out_of_reach(path):
         raise InputError(f"{path}: {why}")
@@ -105,7 +105,7 @@ _WITHIN: ContextVar[tuple[Path, ...] | None] = ContextVar("_WITHIN", default=Non
 
 
 @contextmanager
-def within(folders: Sequence[Path]) -> Iterator[None]:
+def reading_within(folders: Sequence[Path]) -> Iterator[None]:
     """While this lasts, no file outside of these folders is opened: the names come from somebody else."""
     before = _WITHIN.set(tuple(folders))
     try:
@@ -115,7 +115,7 @@ def within(folders: Sequence[Path]) -> Iterator[None]:
 
 
 def out_of_reach(path: Path) -> str:
-    """Why a file must not be opened (`within`): its name, or the file that its links lead to, lies outside."""
+    """Why a file must not be opened (`reading_within`): its name, or the file that its links lead to, lies outside."""
     folders = _WITHIN.get()
     if folders is None:
         return ""
@@ -239,7 +239,7 @@ def _hint(line: str) -> str:
     return ""
 
 
-def shown(value: Any, longest: int = 60) -> str:
+def shown_value(value: Any, longest: int = 60) -> str:
     """Return a value as it would stand in a TOML file, cut to ``longest`` characters."""
     return shortened(_value(value), longest)
 

@@ -140,11 +140,11 @@ def entry_of(annotation: Any) -> Any:
     return get_args(base)[0] if get_origin(base) is tuple else None
 
 
-def header_of(annotation: Any) -> str:
+def table_header(annotation: Any) -> str:
     """How a table, or one of several kinds of tables, is called in messages; empty for what is none."""
     base = unpacked(annotation).base
     if is_union(base):
-        headers = [header_of(member) for member in get_args(base)]
+        headers = [table_header(member) for member in get_args(base)]
         return headers[0].partition(" with ")[0] if all(headers) else ""
     return getattr(base, "header", "")
 
@@ -158,15 +158,15 @@ def words(annotation: Any) -> str:
         return description.replace("{each}", words(entry_of(annotation)) if entry_of(annotation) else "")
     if get_origin(base) is Literal:
         return choice(get_args(base))
-    if header_of(annotation):
-        return f"a table ({header_of(annotation)})"
+    if table_header(annotation):
+        return f"a table ({table_header(annotation)})"
     if is_union(base):
         return " or ".join(words(member) for member in get_args(base))
     if get_origin(base) is tuple:
         each = entry_of(annotation)
-        return f"a list of tables ({header_of(each)})" if header_of(each) else f"a list, each {words(each)}"
+        return f"a list of tables ({table_header(each)})" if table_header(each) else f"a list, each {words(each)}"
     if get_origin(base) is dict:
-        return f"tables ({header_of(get_args(base)[1])})"
+        return f"tables ({table_header(get_args(base)[1])})"
     return "text in quotes"
 
 
@@ -178,7 +178,7 @@ def choice(allowed: tuple[str, ...], value: Any = None) -> str:
     return listed + (f'; did you mean "{near}"?' if near else "")
 
 
-def limits_of(limits: tuple[Any, ...]) -> tuple[float, float, bool]:
+def number_limits(limits: tuple[Any, ...]) -> tuple[float, float, bool]:
     """Lowest and highest number allowed, and whether the lowest itself is excluded."""
     low, high, excluded = -math.inf, math.inf, False
     for limit in limits:
@@ -192,20 +192,24 @@ def limits_of(limits: tuple[Any, ...]) -> tuple[float, float, bool]:
 def _number_words(base: type, limits: tuple[Any, ...], description: str) -> str:
     if description and not limits:
         return description
-    low, high, excluded = limits_of(limits)
+    low, high, excluded = number_limits(limits)
     what = "a whole number" if base is int else "a number"
     if math.isfinite(low) and math.isfinite(high):
-        what += f" above {plain(low)} and at most {plain(high)}" if excluded else f" from {plain(low)} to {plain(high)}"
+        what += (
+            f" above {plain_number(low)} and at most {plain_number(high)}"
+            if excluded
+            else f" from {plain_number(low)} to {plain_number(high)}"
+        )
     elif math.isfinite(low):
-        what += f" above {plain(low)}" if excluded else f" not below {plain(low)}"
+        what += f" above {plain_number(low)}" if excluded else f" not below {plain_number(low)}"
     elif math.isfinite(high):
-        what += f" not above {plain(high)}"
+        what += f" not above {plain_number(high)}"
     elif base is float:
         what = "a finite number"
     return what + (f" ({description})" if description else "")
 
 
-def plain(value: float) -> str:
+def plain_number(value: float) -> str:
     """Write a number without an exponent where that is shorter to read."""
     return str(int(value)) if value == int(value) and (abs(value) < 1e7 or isinstance(value, int)) else f"{value:g}"
 

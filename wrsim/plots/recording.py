@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wrsim.plots.colours import CANT_COLOUR, INK, WHEEL_COLOUR
 from wrsim.plots.marks import panels
-from wrsim.recording.columns import kind_of
+from wrsim.recording.columns import quantity_kind
 from wrsim.recording.restoring import Restored
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ SIDES = ("left", "right")
 def recording_figure(restored: Restored) -> Figure:
     """Recorded channels above, with the design in its own; the rails beside the design below."""
     recording = restored.recording
-    kinds = sorted({kind_of(c.quantity) for c, _ in recording.records}, key=list(LABELS).index)
+    kinds = sorted({quantity_kind(c.quantity) for c, _ in recording.records}, key=list(LABELS).index)
     draws = [partial(_recorded, restored=restored, kind=kind) for kind in kinds]
     for rows, label in ((restored.lateral, "lateral"), (restored.vertical, "vertical")):
         lines = [(f"{name} rail", 1e3 * row, WHEEL_COLOUR[name]) for name, row in zip(SIDES, rows, strict=True)]
@@ -55,7 +55,7 @@ def _recorded(axes: Axes, restored: Restored, kind: str) -> None:
     }
     lines = [("design", 1e3 * designs[kind](local), CANT_COLOUR)] if kind in designs else []
     for channel, record in restored.recording.records:
-        if kind_of(channel.quantity) == kind:
+        if quantity_kind(channel.quantity) == kind:
             side = channel.quantity.rpartition("_")[2]
             lines.append((f"recorded, {channel.column}", 1e3 * record, WHEEL_COLOUR.get(side, INK)))
     _draw(axes, restored, lines, LABELS[kind])

@@ -10,10 +10,10 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from wrsim.errors import InputError, suggest
-from wrsim.inputs.checking import check, opened
+from wrsim.inputs.checking import check_section, opened
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, Switch, Two, number, text
-from wrsim.recording.systems import BANDS, Chord, Difference, Inertial, Plain, System
+from wrsim.recording.systems import BANDS, BaseDifference, Chord, Inertial, MeasuringSystem, Plain
 
 Quantity = Literal[
     "distance", "curvature", "gauge", "gauge_deviation", "cant", "twist",
@@ -44,7 +44,7 @@ BASE = 3.0
 _Length = Annotated[float, number(0.2, 30, "m")]
 
 
-def kind_of(quantity: str) -> str:
+def quantity_kind(quantity: str) -> str:
     """A quantity without its rail."""
     return quantity.removesuffix("_left").removesuffix("_right")
 
@@ -82,7 +82,7 @@ class ChannelSection(Section, header="[[channels]]"):
 
     def consistency(self) -> Iterator[Fault]:
         """Unit and sign fit the quantity, and the measuring system fits it."""
-        kind = kind_of(self.quantity)
+        kind = quantity_kind(self.quantity)
         units = UNITS.get(kind, LENGTHS)
         if self.unit is not None and self.unit not in units:
             yield Fault("unit", f"is none of {self.quantity}: must be {', '.join(units)}")
@@ -107,7 +107,7 @@ class ChannelSection(Section, header="[[channels]]"):
     @property
     def factor(self) -> float:
         """From the column's numbers to SI units and our signs."""
-        kind = kind_of(self.quantity)
+        kind = quantity_kind(self.quantity)
         units = UNITS.get(kind, LENGTHS)
         unit: str = self.unit or next(iter(units))
         factor = units[unit] * (self.base if kind == "twist" and unit in SLOPES else 1.0)
@@ -119,9 +119,9 @@ class ChannelSection(Section, header="[[channels]]"):
         return (BASE if self.quantity == "twist" else 0.0) if self.base_m is None else self.base_m
 
     @property
-    def system(self) -> System:
+    def system(self) -> MeasuringSystem:
         """What measured it."""
-        return self.shape_system or (Difference(self.base) if self.quantity == "twist" else Plain())
+        return self.shape_system or (BaseDifference(self.base) if self.quantity == "twist" else Plain())
 
     @property
     def shape_system(self) -> Chord | Inertial | None:
@@ -134,9 +134,9 @@ class ChannelSection(Section, header="[[channels]]"):
 
     def words(self) -> str:
         """What it is, in words."""
-        units = UNITS.get(kind_of(self.quantity), LENGTHS)
+        units = UNITS.get(quantity_kind(self.quantity), LENGTHS)
         parts = [self.quantity.replace("_", " "), f"in {self.unit or next(iter(units))}"]
-        signs = SIGNS.get(kind_of(self.quantity))
+        signs = SIGNS.get(quantity_kind(self.quantity))
         if signs:
             parts.append(f"positive: {self.positive or signs[0]}")
         if self.chord_m is not None:
@@ -162,7 +162,7 @@ class ColumnsFile(Section, header="a column map"):
 
     def consistency(self) -> Iterator[Fault]:
         """A distance, something to lay a track of, nothing twice."""
-        seen: dict[tuple[str, System], int] = {}
+        seen: dict[tuple[str, MeasuringSystem], int] = {}
         for i, c in enumerate(self.channels):
             other = seen.setdefault((c.quantity, c.system), i)
             if other != i:
@@ -181,7 +181,7 @@ class ColumnsFile(Section, header="a column map"):
 
 def read_columns_file(path: Path) -> ColumnsFile:
     """A column map. Raises InputError with file, line and key."""
-    return check(ColumnsFile, *opened(path, "column map"))
+    return check_section(ColumnsFile, *opened(path, "column map"))
 
 
 GUESSES: tuple[tuple[str, str], ...] = (

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from wrsim.errors import InputError, suggest
-from wrsim.inputs.checking import check
-from wrsim.inputs.csv_tables import cells_of, table_lines
+from wrsim.inputs.checking import check_section
+from wrsim.inputs.csv_tables import csv_cells, table_lines
 from wrsim.recording.columns import ChannelSection, ColumnsFile, guessed, read_columns_file
 
 Array = NDArray[np.float64]
@@ -25,7 +25,7 @@ FEWEST = 40
 
 
 @dataclass(frozen=True, eq=False)
-class Recording:
+class TrackRecording:
     """start: distance of the first row [m]; step: between rows [m]; channels with their records (n,), in SI units and
     with our signs (`docs/recording.md`); lines: of the rows in the file; guessed: columns whose meaning was told from
     their names; unused: the other columns.
@@ -61,7 +61,7 @@ def read_recording(
     chord: Sequence[float] | None = None,
     band: str | None = None,
     part: tuple[float | None, float | None] = (None, None),
-) -> Recording:
+) -> TrackRecording:
     """Read a recording (CSV: commas, or semicolons with decimal points or commas).
 
     columns: the column map; without one the columns' names have to tell. chord, band: see `columns.guessed`. part: from
@@ -89,7 +89,7 @@ def read_recording(
                     f"{where}: column '{guess['column']}': measured by a chord or inertially? Say "
                     "--chord-m BEHIND AHEAD or --band D1, or write a column map"
                 )
-        chosen = check(ColumnsFile, {"channels": found}, lambda key: _place(where, found, key))
+        chosen = check_section(ColumnsFile, {"channels": found}, lambda key: _place(where, found, key))
     values = {
         c.column: _numbers(path, header.index(c.column), c.column, rows, numbers, decimal) for c in chosen.channels
     }
@@ -121,7 +121,7 @@ def read_recording(
         record = values[c.column][first:last] * c.factor
         records.append((c, np.asarray(CubicSpline(distance, record)(even)) if uneven else record))
     used = {c.column for c in chosen.channels}
-    return Recording(
+    return TrackRecording(
         path, chosen, float(distance[0]), float(step), tuple(records), columns is None,
         tuple(name for name in header if name not in used),
     )  # fmt: skip
@@ -140,7 +140,7 @@ def _table(path: Path) -> tuple[list[str], list[list[str]], list[int], str]:
         raise InputError(f"{path}: has no rows; its first line must name the columns, rows of numbers follow")
     separator = max(";\t,", key=lambda sign: (lines[0][1].count(sign), sign == ";"))
     decimal = "," if separator != "," and any("," in line for _, line in lines[1:50]) else "."
-    cells = [cells_of(path, *line, separator)[1] for line in lines]
+    cells = [csv_cells(path, *line, separator)[1] for line in lines]
     header = cells[0]
     for name, times in Counter(header).items():
         if times > 1:

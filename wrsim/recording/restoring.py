@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc, Laws, Segment, Straight, Transition, laws
 from wrsim.geometry.track.track import RAIL_HEAD_WIDTH, ROUNDING
-from wrsim.recording.columns import ChannelSection, kind_of
+from wrsim.recording.columns import ChannelSection, quantity_kind
 from wrsim.recording.design import FORMS, Form, Plateau, fit_design
-from wrsim.recording.reading import Recording
-from wrsim.recording.systems import SKIRTS, Chord, Inverse, Plain, ShapeSystem, filtered
+from wrsim.recording.reading import TrackRecording
+from wrsim.recording.systems import SKIRTS, Chord, InverseFilter, Plain, ShapeSystem, filtered
 
 Array = NDArray[np.float64]
 
@@ -39,13 +39,13 @@ class Restored:
     beside it, to the left and up, (2, n) [m]; inverses: how each record was undone; notes: what a user should know.
     """
 
-    recording: Recording
+    recording: TrackRecording
     plateaus: tuple[Plateau, ...]
     segments: tuple[Segment, ...]
     law: Laws
     lateral: Array
     vertical: Array
-    inverses: tuple[tuple[ChannelSection, Inverse], ...]
+    inverses: tuple[tuple[ChannelSection, InverseFilter], ...]
     notes: tuple[str, ...]
 
     @property
@@ -57,9 +57,9 @@ class Restored:
 
 
 def restore(
-    recording: Recording, band: tuple[float, float], amplification: float, forms: Sequence[Form] = FORMS
+    recording: TrackRecording, band: tuple[float, float], amplification: float, forms: Sequence[Form] = FORMS
 ) -> Restored:
-    """Design and irregularities; band: wavelengths of these [m]; amplification: see `Inverse`;
+    """Design and irregularities; band: wavelengths of these [m]; amplification: see `InverseFilter`;
     forms: of transitions that may be.
 
     Raises InputError for a band that the rows do not tell, a recording shorter than two of the longest waves, and a
@@ -121,10 +121,10 @@ class _Design:
 class _Work:
     """What records are undone with, and what is said about it."""
 
-    recording: Recording
+    recording: TrackRecording
     band: tuple[float, float]
     amplification: float
-    inverses: list[tuple[ChannelSection, Inverse]]
+    inverses: list[tuple[ChannelSection, InverseFilter]]
     notes: list[str]
 
     def first(self, quantity: str, add: float = 0.0) -> Array | None:
@@ -164,12 +164,12 @@ class _Work:
     def undone_plain(self, record: Array, quantities: tuple[str, ...]) -> Array:
         """What is left of gauge and cant: all waves but the shortest."""
         channel = next(c for c, _ in self.recording.records if c.quantity in quantities)
-        inverse = Inverse(Plain(), (self.band[0], np.inf), self.amplification)
+        inverse = InverseFilter(Plain(), (self.band[0], np.inf), self.amplification)
         self.inverses.append((channel, inverse))
         return filtered(record, self.recording.step, inverse.response, 4.0 * self.band[0])
 
-    def _inverse(self, channel: ChannelSection) -> Inverse:
-        found = Inverse(channel.system, self.band, self.amplification)
+    def _inverse(self, channel: ChannelSection) -> InverseFilter:
+        found = InverseFilter(channel.system, self.band, self.amplification)
         self.inverses.append((channel, found))
         return found
 
@@ -219,7 +219,7 @@ def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights
 
 def _in_band(work: _Work, kind: str, record: Array) -> Array:
     """What the systems of alignment or level would know of a record."""
-    inverses = {i.system: i for c, i in work.inverses if kind_of(c.quantity) == kind}
+    inverses = {i.system: i for c, i in work.inverses if quantity_kind(c.quantity) == kind}
     response = [(i, i.system) for i in inverses.values()]
     return filtered(
         record,
@@ -236,7 +236,7 @@ def _left_by_design(work: _Work, channel: ChannelSection, system: ShapeSystem, r
     # systems measure in the plane of the rails and across it: cant turns a share of the curve upward
     base = (work.recording.columns.cant_base_mm or work.recording.columns.gauge_mm + 1e3 * RAIL_HEAD_WIDTH) / 1e3
     roll = np.arcsin(design.cant / base)
-    if kind_of(channel.quantity) == "level":
+    if quantity_kind(channel.quantity) == "level":
         up = filtered(design.curvature * np.sin(roll), step, system.of_curvature, reach, held=True)
         return up + side * filtered(-0.5 * design.cant, step, system.response, reach, held=True)
     left = side * filtered(0.5 * design.widening, step, system.response, reach, held=True)

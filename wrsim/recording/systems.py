@@ -44,14 +44,14 @@ COUNTED = 4000
 """Wavelengths at which an inverse is looked at for what it does."""
 
 
-class System(Protocol):
+class MeasuringSystem(Protocol):
     """A measuring system."""
 
     def response(self, k: Array) -> Complex:
         """H(k) at wave numbers [rad/m]."""
 
 
-class ShapeSystem(System, Protocol):
+class ShapeSystem(MeasuringSystem, Protocol):
     """A system that measures the shape of a rail."""
 
     @property
@@ -85,7 +85,7 @@ class Chord:
 
 
 @dataclass(frozen=True)
-class Difference:
+class BaseDifference:
     """The value at a point less that a base behind it [m]."""
 
     base: float
@@ -126,19 +126,19 @@ class Plain:
 
 
 @dataclass(frozen=True)
-class Inverse:
+class InverseFilter:
     """How the record of a system becomes the shape of the rail.
 
     band: wavelengths wanted [m], the longer may be infinite; amplification: largest factor of a wave of the record.
     """
 
-    system: System
+    system: MeasuringSystem
     band: tuple[float, float]
     amplification: float
 
     def response(self, k: Array) -> Complex:
         """What it makes of a wave of the record."""
-        wanted = within(k, self.band)
+        wanted = band_window(k, self.band)
         if isinstance(self.system, Inertial | Plain):
             return wanted.astype(complex)
         h = self.system.response(k)
@@ -170,7 +170,7 @@ class Inverse:
         return np.geomspace(short, min(long, 1e4), COUNTED)
 
 
-def within(k: Array, band: tuple[float, float]) -> Array:
+def band_window(k: Array, band: tuple[float, float]) -> Array:
     """1 for wave numbers [rad/m] within a band of wavelengths [m], falling smoothly to 0 over `SKIRTS` outside."""
     turns = np.abs(k) / (2.0 * np.pi)
     short, long = (np.log(skirt) for skirt in SKIRTS)

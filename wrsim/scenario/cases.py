@@ -13,7 +13,7 @@ import numpy as np
 from wrsim.contact.pose import Pose
 from wrsim.errors import InputError
 from wrsim.inputs.csv_tables import read_columns
-from wrsim.inputs.toml_files import shown
+from wrsim.inputs.toml_files import shown_value
 from wrsim.inputs.values import number, positive
 
 Lateral = Annotated[float, number(-100, 100, "mm, positive to the left")]
@@ -74,7 +74,7 @@ def read_cases(path: Path, with_roll: bool = True) -> tuple[Pose, ...]:
         if not name:
             raise InputError(f"{path}:{line}: id is empty; must be a name of this pose")
         if name in taken:
-            raise InputError(f"{path}:{line}: id = {shown(name)}: is taken by line {taken[name]} already")
+            raise InputError(f"{path}:{line}: id = {shown_value(name)}: is taken by line {taken[name]} already")
         taken[str(name)] = int(line)
     nothing = np.zeros(lines.size)
     columns = (table.get(name, nothing) * factor for name, factor in FACTORS.items())

@@ -12,11 +12,11 @@ from typing import Any, TypeVar
 import numpy as np
 
 from wrsim.errors import InputError
-from wrsim.inputs.checking import check, dotted, fault_line
+from wrsim.inputs.checking import check_section, dotted, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
-from wrsim.inputs.toml_files import DEEPEST, parse_value, shortened, shown, write_toml
+from wrsim.inputs.toml_files import DEEPEST, parse_value, shortened, shown_value, write_toml
 from wrsim.register import ANALYSES
 from wrsim.scenario.merging import Merged, from_text, read_merged, value_at, with_track_file
 from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
@@ -157,7 +157,7 @@ class Scenario:
                 raise InputError(f"{owner}: {error}") from None
             owners[path] = owner
         merged = replace(self._merged, data=data, text=write_toml(data), owners=owners)
-        return Scenario(check(ScenarioFile, data, merged.locate), merged.text, self.path, self.finder, merged)
+        return Scenario(check_section(ScenarioFile, data, merged.locate), merged.text, self.path, self.finder, merged)
 
 
 def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
@@ -240,7 +240,7 @@ def _scenario(
         merged = with_track_file(merged, finder)
     if len(merged.files) > count:  # what a track file names may lie beside it
         finder = replace(finder, folders=tuple(dict.fromkeys((*folders, merged.files[-1].parent))))
-    return Scenario(check(ScenarioFile, merged.data, merged.locate), merged.text, path, finder, merged)
+    return Scenario(check_section(ScenarioFile, merged.data, merged.locate), merged.text, path, finder, merged)
 
 
 def _plain(key: str, value: Any) -> Any:
@@ -266,7 +266,7 @@ def _keys(dotted_key: str) -> KeyPath:
         name, *places = part.replace("]", "").split("[")
         path.append(name)
         if not all(place.isdecimal() for place in places) or not name:
-            raise InputError(f"key {shown(dotted_key)}: must be written like track.segments[2].radius_m")
+            raise InputError(f"key {shown_value(dotted_key)}: must be written like track.segments[2].radius_m")
         path += [int(place) for place in places]
     return tuple(path)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from wrsim.errors import InputError
-from wrsim.inputs.checking import check, fault_line
+from wrsim.inputs.checking import check_section, fault_line
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
@@ -174,7 +174,7 @@ def with_track_file(merged: Merged, finder: Finder) -> Merged:
         raise InputError(fault_line(key, str(error), merged.locate, name)) from None
     data = parse_toml(text, str(path))
     below = of_tables(data, text, str(path), (path,))
-    check(TrackFile, {k: v for k, v in data.items() if k != "track"}, below.locate)
+    check_section(TrackFile, {k: v for k, v in data.items() if k != "track"}, below.locate)
     inner = data.get("track")
     if not isinstance(inner, dict):
         raise InputError(f"{path}: track is missing: must be a table ([track] with [[track.segments]] or table)")

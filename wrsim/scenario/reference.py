@@ -42,9 +42,9 @@ def check_analysis(kind: str) -> None:
 def keys_text(file: str, section: str | None) -> str:
     """Names of the keys of all tables of a kind of file; of one table everything about them. Raises InputError."""
     if section is None:
-        return "\n".join(f"{kind.header}: {', '.join(e.key for e in entries(kind))}" for kind in tables_of(file))
+        return "\n".join(f"{kind.header}: {', '.join(e.key for e in entries(kind))}" for kind in tables_of_file(file))
     parts = []
-    for kind in chosen_tables(section, tables_of(file)):
+    for kind in chosen_tables(section, tables_of_file(file)):
         parts += [heading(kind).strip("`"), *(_indented(line, 2) for line in purpose(kind)), ""]
         parts += [*map(_entry_text, entries(kind)), ""]
     return "\n".join(parts)
@@ -52,7 +52,7 @@ def keys_text(file: str, section: str | None) -> str:
 
 def keys_numbers(file: str, section: str | None) -> dict[str, Any]:
     """The same as plain records by the headers of tables."""
-    tables = tables_of(file)
+    tables = tables_of_file(file)
     chosen = tables if section is None else chosen_tables(section, tables)
     return {kind.header: [vars(entry) for entry in entries(kind)] for kind in chosen}
 
@@ -73,7 +73,7 @@ def _indented(text: str, by: int) -> str:
     return fill(text, WIDTH, initial_indent=" " * by, subsequent_indent=" " * (by + 2))
 
 
-def tables_of(file: str) -> list[type[Section]]:
+def tables_of_file(file: str) -> list[type[Section]]:
     """All tables of a kind of file, the file itself first."""
     return list(dict.fromkeys(tables_in(resolved(FILES[file][1]))))
 

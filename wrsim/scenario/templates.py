@@ -7,8 +7,8 @@ from typing import Any
 
 from wrsim.inputs.reference import Entry, entries
 from wrsim.inputs.section import Section
-from wrsim.inputs.toml_files import shown
-from wrsim.inputs.values import entry_of, fields, header_of, unpacked
+from wrsim.inputs.toml_files import shown_value
+from wrsim.inputs.values import entry_of, fields, table_header, unpacked
 from wrsim.register import ANALYSES
 from wrsim.scenario.schema import ScenarioFile
 
@@ -51,7 +51,7 @@ STARTS: dict[str, dict[str, Any]] = {
 LINE = 120
 
 
-def template(analysis: str) -> str:
+def scenario_template(analysis: str) -> str:
     """The text of a scenario of this kind."""
     start = STARTS[analysis]
     lines = [
@@ -80,10 +80,10 @@ def _keys_of(table: type[Section], given: dict[str, Any], name: str) -> list[str
         annotation = fields(table)[entry.key]
         if entry.key in given and isinstance(given[entry.key], tuple):
             for each in given[entry.key]:
-                after += ["", f"[[{name}.{entry.key}]]", *(f"{k} = {shown(v)}" for k, v in each.items())]
+                after += ["", f"[[{name}.{entry.key}]]", *(f"{k} = {shown_value(v)}" for k, v in each.items())]
         elif entry.key in given:
-            lines.append(_line(f"{entry.key} = {shown(given[entry.key])}", entry))
-        elif header_of(annotation) or (entry_of(annotation) is not None and header_of(entry_of(annotation))):
+            lines.append(_line(f"{entry.key} = {shown_value(given[entry.key])}", entry))
+        elif table_header(annotation) or (entry_of(annotation) is not None and table_header(entry_of(annotation))):
             about, see = f"# {entry.key}: {entry.meaning}", f" wrsim keys {name}.{entry.key}"
             lines.append(shorten(about, LINE - len(see), placeholder=" ...") + see)
         else:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError
-from wrsim.inputs.csv_tables import cells_of, table_lines
+from wrsim.inputs.csv_tables import csv_cells, table_lines
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.toml_files import parse_value
 from wrsim.study.spec import Axis, CsvAxis, GridAxis, LatinHypercubeAxis, SampledKey, SobolAxis, axis_name
@@ -86,7 +86,7 @@ def _rows(path: Path, name: str) -> AxisPoints:
         where = f"{path}:{lines[0][0]}: is all that is there" if lines else f"{path}: is empty"
         raise InputError(f"{where}; must have a header of dotted keys and a row for every case")
     separator = ";" if ";" in lines[0][1] and "," not in lines[0][1] else ","
-    cells = [cells_of(path, *line, separator) for line in lines]
+    cells = [csv_cells(path, *line, separator) for line in lines]
     first, header = cells.pop(0)
     for column in header:
         if not column:

@@ -22,10 +22,10 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from wrsim.errors import InputError
-from wrsim.inputs.checking import check, fault_line, opened
+from wrsim.inputs.checking import check_section, fault_line, opened
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
-from wrsim.inputs.toml_files import noting_reads, shown
+from wrsim.inputs.toml_files import noting_reads, shown_value
 from wrsim.results.manifest import digest_of
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load, load_text
@@ -119,7 +119,7 @@ class StudyInput:
         data, self.locate = opened(file, what)
         self.file, self.text = file, file.read_text(encoding="utf-8")
         self.spec: Any
-        self.spec = check(kind, data, self.locate)
+        self.spec = check_section(kind, data, self.locate)
         self.finder = Finder(tuple(dict.fromkeys((file.parent, *user_folders(tuple(models)), shipped_models()))))
         self.base = load(self.found("base", self.spec.base), models)
 
@@ -268,7 +268,7 @@ def in_words(value: Any) -> str:
     """A varied value for labels: six digits, texts without quotes."""
     if isinstance(value, float):
         return f"{value:.6g}"
-    return value if isinstance(value, str) else shown(value, 40)
+    return value if isinstance(value, str) else shown_value(value, 40)
 
 
 def texts_in(data: Any) -> Iterator[str]:

@@ -16,7 +16,7 @@ from pydantic import Field
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
-from wrsim.inputs.checking import Locate, check, fault_line, opened
+from wrsim.inputs.checking import Locate, check_section, fault_line, opened
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, model_file, usual_finder
 from wrsim.inputs.values import number
@@ -83,12 +83,12 @@ def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
     data, locate = opened(path, "vehicle file")
     finder = (find or usual_finder()).beside(path)
     if "vehicles" in data:
-        return _checked(train_of(check(TrainFile, data, locate), finder, locate, _member), path)
+        return _checked(train_of(check_section(TrainFile, data, locate), finder, locate, _member), path)
     if any(key in data for key in OF_PARTS):
-        return _of_parts(check(VehicleFile, data, locate), path, finder, locate, Place())
+        return _of_parts(check_section(VehicleFile, data, locate), path, finder, locate, Place())
     if "wheelset" not in data and "body" in data:
         raise InputError(f"{path}: is a profile file; a vehicle file with a table [wheelset] is needed here")
-    return _of_one_wheelset(check(WheelsetFile, data, locate), finder, locate)
+    return _of_one_wheelset(check_section(WheelsetFile, data, locate), finder, locate)
 
 
 def _of_one_wheelset(file: WheelsetFile, finder: Finder, locate: Locate) -> Vehicle:
@@ -109,7 +109,7 @@ def _member(path: Path, find: Finder, place: Place) -> Vehicle:
     data, locate = opened(path, "vehicle file")
     if not any(key in data for key in OF_PARTS):
         raise InputError(f"{path}: is no vehicle of parts; a train takes vehicles with bodies")
-    return _of_parts(check(VehicleFile, data, locate), path, find.beside(path), locate, place)
+    return _of_parts(check_section(VehicleFile, data, locate), path, find.beside(path), locate, place)
 
 
 def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate, place: Place) -> Vehicle:

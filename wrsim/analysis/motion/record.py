@@ -18,7 +18,7 @@ import numpy as np
 import wrsim
 from wrsim.errors import InputError, in_one_line
 from wrsim.inputs.lookup import VARIABLE
-from wrsim.inputs.toml_files import parse_toml, read_bytes, shown
+from wrsim.inputs.toml_files import parse_toml, read_bytes, shown_value
 from wrsim.results import versions
 from wrsim.results.run_file import run_header
 from wrsim.scenario.loading import load_text
@@ -122,7 +122,7 @@ def recorded_setup(path: Path) -> Setup:
     try:
         setup = build(load_text(header["scenario_text"], path.parent, closed=True))
     except InputError as error:
-        folders = shown(", ".join(map(str, header["folders"])), 300)
+        folders = shown_value(", ".join(map(str, header["folders"])), 300)
         why = f"{path}: {in_one_line(error)}; {VARIABLE} names more folders; the run had {folders}"
         raise InputError(why) from None
     files = {str(file): _file_digest(file) for file in setup.files}

@@ -10,7 +10,7 @@ from wrsim.analysis.ride.comfort import AXES as WEIGHTINGS
 from wrsim.analysis.ride.comfort import comfort
 from wrsim.analysis.ride.spectra import spectrum, third_octaves
 from wrsim.errors import InputError
-from wrsim.inputs.checking import check
+from wrsim.inputs.checking import check_section
 from wrsim.results import Result
 from wrsim.results.dataset import table_of_scenario
 from wrsim.results.ride import AXES, Ride
@@ -67,4 +67,4 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
 
 def ride_section_of(result: Result) -> RideSection:
     """[ride] of the scenario that the result carries; the defaults where it has none."""
-    return check(RideSection, table_of_scenario(result.dataset, "ride") or {}, lambda path: "[ride]")
+    return check_section(RideSection, table_of_scenario(result.dataset, "ride") or {}, lambda path: "[ride]")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wrsim.contact.model import ContactModel
 from wrsim.core.contact.arrays import bodies
 from wrsim.core.contact.half_space import surface
-from wrsim.core.contact.records import Pose, Rail, Wheel
+from wrsim.core.contact.records import PlacedWheel, Rail, WheelPose
 from wrsim.geometry.track.rail_surface import RailSurface
 
 Array = NDArray[np.float64]
@@ -25,9 +25,9 @@ class Bodies:
     """Wheel and rail at a pose, as kernels take them; of a rail that changes along the track its surface, and the
     distance along it where x counts from [m]."""
 
-    wheel: Wheel
+    wheel: PlacedWheel
     rail: Rail
-    pose: Pose
+    pose: WheelPose
     surface: RailSurface | None
     place: float
 

@@ -3,7 +3,19 @@
 from typing import Any, NamedTuple
 
 from wrsim.core.contact.rail import share_at
-from wrsim.core.contact.records import FOUND, LOBE, SETTINGS, STRIP, TOTAL, Pose, Profile, Rail, Share, Wheel, read_pose
+from wrsim.core.contact.records import (
+    FOUND,
+    LOBE,
+    SETTINGS,
+    STRIP,
+    TOTAL,
+    PlacedWheel,
+    ProfileTable,
+    Rail,
+    Share,
+    WheelPose,
+    read_pose,
+)
 from wrsim.core.contact.search.locus import placed
 from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW
 from wrsim.core.contact.tangential.friction import set_law
@@ -99,10 +111,10 @@ def settings_of(buffer: Array, index: Ints) -> Record:
 
 
 @kernel
-def bodies(a: Arrays) -> tuple[Wheel, Rail, Pose]:
+def bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
     """The wheel in its place, the rail there, and the pose."""
     settings, pose = a.settings[0], read_pose(a.pose)
-    wheel = placed(Profile(a.wheel, settings.wheel_step), settings.radius, pose)
+    wheel = placed(ProfileTable(a.wheel, settings.wheel_step), settings.radius, pose)
     place = settings.place + pose.origin.x
     if a.friction.shape[0] > 0:
         set_law(a.friction, place, settings)

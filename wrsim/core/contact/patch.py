@@ -15,9 +15,9 @@ lobe beside a deeper one takes part of that one's recess (see core.contact.searc
 from math import sqrt
 from typing import NamedTuple
 
-from wrsim.core.contact.profile import Point, length
-from wrsim.core.contact.rail import along, parting, rail_and_felt, rail_length
-from wrsim.core.contact.records import Rail, Wheel
+from wrsim.core.contact.profile import ProfilePoint, length
+from wrsim.core.contact.rail import along, parting, rail_and_envelope, rail_length
+from wrsim.core.contact.records import PlacedWheel, Rail
 from wrsim.core.contact.search.locus import Locus, locus_point
 from wrsim.core.jit.arena import Record, Records
 from wrsim.core.jit.compiling import inlined, kernel
@@ -41,7 +41,7 @@ class Pair(NamedTuple):
 
 
 @inlined
-def bisector(w: Locus, r: Point) -> tuple[float, float]:
+def bisector(w: Locus, r: ProfilePoint) -> tuple[float, float]:
     """Unit normal (no, nb) from rail to wheel that bisects those of two points, a Locus and one of the rail's profile.
 
     |n_r - n_w|^2 = 4 - |n_r + n_w|^2 and the sum is small: a series replaces root and division.
@@ -63,13 +63,13 @@ def first_step(depth: float, curvature: float) -> float:
 
 
 @inlined
-def pair(wheel: Wheel, rail: Rail, arc_wheel: float, arc_rail: float, out_o: float, out_b: float) -> Pair:
+def pair(wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float, out_o: float, out_b: float) -> Pair:
     """The pair of points at these arclengths; the gap with the wheel moved out by (out_o, out_b), else as it is."""
     w = locus_point(wheel, arc_wheel)
-    r, felt = rail_and_felt(rail, arc_rail)
+    r, envelope = rail_and_envelope(rail, arc_rail)
     no, nb = bisector(w, r)
     gap = (w.o + out_o - r.u) * no + (w.b + out_b - r.w) * nb
-    at = along(rail, felt, r, w.x, w.to_axle)
+    at = along(rail, envelope, r, w.x, w.to_axle)
     return Pair(
         gap, w.x + at.ahead, 0.5 * (w.o + r.u), 0.5 * (w.b + r.w) + at.drop, no, nb, w.shrink,
         parting(w.r_t, at), at.slope,
@@ -83,14 +83,14 @@ def _share(lobe: Record, projected: int, at: Pair) -> float:
 
 
 @inlined
-def _opposite(wheel: Wheel, rail: Rail, lobe: Record, arc_wheel: float, s: float) -> Pair:
+def _opposite(wheel: PlacedWheel, rail: Rail, lobe: Record, arc_wheel: float, s: float) -> Pair:
     """The pair at s along the curved axis, with the wheel moved out by the approach."""
     return pair(wheel, rail, arc_wheel, lobe.arc_rail + s, lobe.approach * lobe.no, lobe.approach * lobe.nb)
 
 
 @kernel
 def find_edge(
-    wheel: Wheel, rail: Rail, lobe: Record, projected: int, first: float, direction: float, limit: float
+    wheel: PlacedWheel, rail: Rail, lobe: Record, projected: int, first: float, direction: float, limit: float
 ) -> tuple[float, int]:
     """Edge of the patch on one side of the main point: the first zero of h(s).
 
@@ -141,7 +141,7 @@ def find_edge(
 
 
 @kernel
-def fill_strips(wheel: Wheel, rail: Rail, lobe: Record, projected: int, n: int, strips: Records) -> float:
+def fill_strips(wheel: PlacedWheel, rail: Rail, lobe: Record, projected: int, n: int, strips: Records) -> float:
     """Fill ``n`` strips of equal width between the lobe's edges, start < 0 < end.
 
     Writes per strip s, ds, x, o, b, no, nb, r_t, penetration and, as a, the half length sqrt(2 h r_t) of [S 25] with
@@ -180,6 +180,6 @@ def fill_strips(wheel: Wheel, rail: Rail, lobe: Record, projected: int, n: int, 
             strip.slope = at.slope
             strip.r_t = at.r_t
             i += direction
-    point, felt = rail_and_felt(rail, lobe.arc_rail)
-    at_main = along(rail, felt, point, main_point.x, main_point.to_axle)
+    point, envelope = rail_and_envelope(rail, lobe.arc_rail)
+    at_main = along(rail, envelope, point, main_point.x, main_point.to_axle)
     return sqrt(2.0 * (delta - lobe.recess) * parting(main_point.r_t, at_main))

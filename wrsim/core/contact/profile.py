@@ -7,11 +7,11 @@ interpolation, the curvature linearly; an index costs a division, no search.
 
 from typing import Any, NamedTuple
 
-from wrsim.core.contact.records import Profile
+from wrsim.core.contact.records import ProfileTable
 from wrsim.core.jit.compiling import inlined
 
 
-class Point(NamedTuple):
+class ProfilePoint(NamedTuple):
     """Point of a profile (u, w) [m], its tangent (tu, tw), its curvature k [1/m]."""
 
     u: float
@@ -22,20 +22,20 @@ class Point(NamedTuple):
 
 
 @inlined
-def node(profile: Any, i: int) -> Point:
+def node(profile: Any, i: int) -> ProfilePoint:
     """Row i of the table."""
     table = profile.table
-    return Point(table[i, 0], table[i, 1], table[i, 2], table[i, 3], table[i, 4])
+    return ProfilePoint(table[i, 0], table[i, 1], table[i, 2], table[i, 3], table[i, 4])
 
 
 @inlined
-def length(profile: Profile) -> float:
+def length(profile: ProfileTable) -> float:
     """Arclength of the last row [m]."""
     return (profile.table.shape[0] - 1) * profile.step
 
 
 @inlined
-def profile_point(profile: Any, arc: float) -> Point:
+def profile_point(profile: Any, arc: float) -> ProfilePoint:
     """Point of a profile at arclength ``arc`` [m].
 
     The tangent's length differs from 1 by the fourth power of step times curvature (1e-10 for 0.1 mm on 13 mm).
@@ -48,13 +48,13 @@ def profile_point(profile: Any, arc: float) -> Point:
         i = 0 if x <= 0.0 else last
         end = node(profile, i)
         beyond = arc - i * step
-        return Point(end.u + beyond * end.tu, end.w + beyond * end.tw, end.tu, end.tw, 0.0)
+        return ProfilePoint(end.u + beyond * end.tu, end.w + beyond * end.tw, end.tu, end.tw, 0.0)
     i = int(x)
     return between(node(profile, i), node(profile, i + 1), x - i, step)
 
 
 @inlined
-def between(p: Point, q: Point, r: float, step: float) -> Point:
+def between(p: ProfilePoint, q: ProfilePoint, r: float, step: float) -> ProfilePoint:
     """The point at the share r of the way between two rows: cubic Hermite, the curvature linear."""
     r2 = r * r
     r3 = r2 * r
@@ -64,7 +64,7 @@ def between(p: Point, q: Point, r: float, step: float) -> Point:
     d01 = 6.0 * (r - r2) * (1.0 / step)
     d10 = 3.0 * r2 - 4.0 * r + 1.0
     d11 = 3.0 * r2 - 2.0 * r
-    return Point(
+    return ProfilePoint(
         p.u + h01 * (q.u - p.u) + h10 * p.tu + h11 * q.tu,
         p.w + h01 * (q.w - p.w) + h10 * p.tw + h11 * q.tw,
         d01 * (q.u - p.u) + d10 * p.tu + d11 * q.tu,

@@ -1,19 +1,19 @@
-"""A rail at a wheel: its profile, or what the wheel feels of sections that change along the track.
+"""A rail at a wheel: its profile, or the effective profile (envelope) of sections that change along the track.
 
 A rail that turns about itself, as it does on a ramp of cant, rises along the track wherever it is touched beside its
 origin, and one that bends wherever a yawed wheel touches it ahead of its axle or behind. These are slopes of .1 to 2
 mrad, but without them nobody would do the work of lifting or pushing the wheel.
 
 Between stations the tables are cubics of the distance (values and rates at both), row by row; between rows a point is
-read as in ``core.contact.profile``. A yawed wheel feels every point at the place where its own outline has it, by
+read as in ``core.contact.profile``. A yawed wheel touches every point at the place where its own outline has it, by
 e_x (u - R tan) ahead with the tangent's slope across.
 """
 
 from math import atan2, inf, sqrt
 from typing import NamedTuple
 
-from wrsim.core.contact.profile import Point, between, profile_point
-from wrsim.core.contact.records import Profile, Rail, Share
+from wrsim.core.contact.profile import ProfilePoint, between, profile_point
+from wrsim.core.contact.records import ProfileTable, Rail, Share
 from wrsim.core.jit.arena import Array, Bools
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.root import interval
@@ -24,7 +24,7 @@ LEAST_PARTING = 0.1  # of the wheel's curvature: a rail that is more hollow is t
 
 class Along(NamedTuple):
     """Along the track at a point of the rail: how far ahead the wheel touches it and how much higher that is than in
-    the felt section [m], slope, curvature [1/m]."""
+    the effective profile [m], slope, curvature [1/m]."""
 
     ahead: float
     drop: float
@@ -32,8 +32,8 @@ class Along(NamedTuple):
     bend: float
 
 
-class Felt(NamedTuple):
-    """What the tables of a rail that changes along the track tell at a point of its section: how far ahead of the axle
+class Envelope(NamedTuple):
+    """What the tables of a rail that changes along the track give at a point of its section: how far ahead of the axle
     it is touched [m], slope, curvature [1/m]."""
 
     ahead: float
@@ -67,7 +67,7 @@ def share_at(stations: Array, rows: int, s: float, guess: int) -> Share:
 
 @inlined
 def _share(rail: Rail, row: int) -> Share:
-    """Where the wheel feels a row: a yawed one ahead of its axle or behind it."""
+    """Where the wheel touches a row: a yawed one ahead of its axle or behind it."""
     if rail.yaw == 0.0:
         return rail.share
     own = rail.share.low + row
@@ -89,10 +89,10 @@ def _value(rail: Rail, share: Share, row: int, column: int) -> float:
 
 
 @inlined
-def _node(rail: Rail, share: Share, row: int) -> Point:
+def _node(rail: Rail, share: Share, row: int) -> ProfilePoint:
     """A row as a point.
 
-    The next row is felt elsewhere by a yawed wheel, where the rail may be higher: the tangent goes along.
+    The next row is touched elsewhere by a yawed wheel, where the rail may be higher: the tangent goes along.
     """
     tu, tw, k = _value(rail, share, row, 2), _value(rail, share, row, 3), _value(rail, share, row, 4)
     u, w = _value(rail, share, row, 0), _value(rail, share, row, 1)
@@ -101,11 +101,11 @@ def _node(rail: Rail, share: Share, row: int) -> Point:
         farther = rail.yaw * (tu - bent)
         tu += farther * (share.a * rail.rates[share.low + row, 0] + share.b * rail.rates[share.high + row, 0])
         tw += farther * (share.a * rail.rates[share.low + row, 1] + share.b * rail.rates[share.high + row, 1])
-    return Point(u, w, tu, tw, k)
+    return ProfilePoint(u, w, tu, tw, k)
 
 
 @inlined
-def _bent(p: Point, q: Point, r: float, step: float) -> float:
+def _bent(p: ProfilePoint, q: ProfilePoint, r: float, step: float) -> float:
     """Curvature between two rows, linear, so that their tangents turn into each other [1/m]."""
     turn = p.tu * q.tw - p.tw * q.tu
     lengths = sqrt((p.tu * p.tu + p.tw * p.tw) * (q.tu * q.tu + q.tw * q.tw))
@@ -113,22 +113,22 @@ def _bent(p: Point, q: Point, r: float, step: float) -> float:
 
 
 @inlined
-def rail_point(rail: Rail, arc: float) -> Point:
+def rail_point(rail: Rail, arc: float) -> ProfilePoint:
     """Point of the rail's section at arclength ``arc`` [m]; beyond either end it goes on straight."""
     if not changes(rail):
-        return profile_point(Profile(rail.table, rail.step), arc)
+        return profile_point(ProfileTable(rail.table, rail.step), arc)
     x, i, one, other = _at(rail, arc)
     return _point(rail, one, other, arc, x, i)
 
 
 @inlined
-def rail_and_felt(rail: Rail, arc: float) -> tuple[Point, Felt]:
-    """As ``rail_point``, and what the tables tell along the track there."""
+def rail_and_envelope(rail: Rail, arc: float) -> tuple[ProfilePoint, Envelope]:
+    """As ``rail_point``, and what the tables give along the track there."""
     if not changes(rail):
-        return profile_point(Profile(rail.table, rail.step), arc), Felt(0.0, 0.0, 0.0)
+        return profile_point(ProfileTable(rail.table, rail.step), arc), Envelope(0.0, 0.0, 0.0)
     x, i, one, other = _at(rail, arc)
     r = x - i
-    return _point(rail, one, other, arc, x, i), Felt(
+    return _point(rail, one, other, arc, x, i), Envelope(
         (1.0 - r) * _value(rail, one, i, 5) + r * _value(rail, other, i + 1, 5),
         (1.0 - r) * _value(rail, one, i, 6) + r * _value(rail, other, i + 1, 6),
         (1.0 - r) * _value(rail, one, i, 7) + r * _value(rail, other, i + 1, 7),
@@ -138,34 +138,34 @@ def rail_and_felt(rail: Rail, arc: float) -> tuple[Point, Felt]:
 @inlined
 def _at(rail: Rail, arc: float) -> tuple[float, int, Share, Share]:
     """Of a rail that changes along the track: arclength in rows, held on them; the row before; where that one and the
-    next are felt."""
+    next are touched."""
     x = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
     i = min(int(x), rail.rows - 2)
     return x, i, _share(rail, i), _share(rail, i + 1)
 
 
 @inlined
-def _point(rail: Rail, one: Share, other: Share, arc: float, x: float, i: int) -> Point:
+def _point(rail: Rail, one: Share, other: Share, arc: float, x: float, i: int) -> ProfilePoint:
     """The point at x rows, behind row i."""
     p, q = _node(rail, one, i), _node(rail, other, i + 1)
     at = between(p, q, x - i, rail.step)
     if rail.yaw != 0.0:
         inverse = 1.0 / sqrt(at.tu * at.tu + at.tw * at.tw)
-        at = Point(at.u, at.w, at.tu * inverse, at.tw * inverse, _bent(p, q, x - i, rail.step))
+        at = ProfilePoint(at.u, at.w, at.tu * inverse, at.tw * inverse, _bent(p, q, x - i, rail.step))
     beyond = arc - min(max(arc, 0.0), rail_length(rail))
     if beyond != 0.0:
-        return Point(at.u + beyond * at.tu, at.w + beyond * at.tw, at.tu, at.tw, 0.0)
+        return ProfilePoint(at.u + beyond * at.tu, at.w + beyond * at.tw, at.tu, at.tw, 0.0)
     return at
 
 
 @inlined
-def rail_chord(rail: Rail, arc: float) -> Point:
+def rail_chord(rail: Rail, arc: float) -> ProfilePoint:
     """Point of a rail that changes along the track, linear between two rows: half a micrometre off where a rail is bent
     most; beyond either end the last one."""
     x, i, one, other = _at(rail, arc)
     p, q = _node(rail, one, i), _node(rail, other, i + 1)
     r = x - i
-    return Point(
+    return ProfilePoint(
         p.u + r * (q.u - p.u),
         p.w + r * (q.w - p.w),
         p.tu + r * (q.tu - p.tu),
@@ -175,8 +175,8 @@ def rail_chord(rail: Rail, arc: float) -> Point:
 
 
 @inlined
-def along(rail: Rail, felt: Felt, point: Point, x: float, to_axle: float) -> Along:
-    """What the rail does along the track where its section has ``point`` and ``felt`` and a wheel touches at x [m];
+def along(rail: Rail, envelope: Envelope, point: ProfilePoint, x: float, to_axle: float) -> Along:
+    """What the rail does along the track where its section has ``point`` and ``envelope`` and a wheel touches at x [m];
     nothing where it is one profile that neither turns nor bends.
 
     A section that turns by ``twist`` a metre about (0, 0) rises along its normal by twist (u tu + w tw), one that bends
@@ -184,11 +184,11 @@ def along(rail: Rail, felt: Felt, point: Point, x: float, to_axle: float) -> Alo
     meets the axle, at the distance ``to_axle``: a wheel without friction is not driven.
     """
     bow = rail.bow_b * point.tu - rail.bow_o * point.tw
-    rise = rail.twist * (point.u * point.tu + point.w * point.tw) + bow * (x + felt.ahead)
+    rise = rail.twist * (point.u * point.tu + point.w * point.tw) + bow * (x + envelope.ahead)
     rise /= max(1.0 - bow * to_axle, LEAST_PARTING)  # the way that it is ahead for this rise counts, too
-    ahead = felt.ahead + to_axle * rise
+    ahead = envelope.ahead + to_axle * rise
     drop = rail.radius - sqrt(rail.radius * rail.radius - ahead * ahead)
-    return Along(ahead, drop, felt.slope + rise, felt.bend)
+    return Along(ahead, drop, envelope.slope + rise, envelope.bend)
 
 
 @inlined
@@ -237,7 +237,7 @@ def _cubic(c: Array, i: int, row: int, column: int, x: float) -> tuple[float, fl
 
 
 @inlined
-def _felt(c: Array, knots: Array, ends: Array, row: int, s: float, x: float, radius: float, i: int) -> Row:
+def _lowered_row(c: Array, knots: Array, ends: Array, row: int, s: float, x: float, radius: float, i: int) -> Row:
     """A row at s + x, which lies in interval i."""
     at = s + x
     inside = min(max(at, knots[0]), knots[knots.size - 1])
@@ -282,11 +282,11 @@ def _next(knots: Array, s: float, i: int, step: float) -> float:
 
 
 @kernel
-def felt_rows(c: Array, knots: Array, ends: Array, s: float, radius: float, reach: float, out: Array) -> None:
-    """The felt section of a piece at s, one row of ``out`` (n, 8) for each of its rows: u, w, tu, tw, how far ahead it
-    is touched, slope and curvature along the track, along its normal; whether it was found within reach.
+def envelope_rows(c: Array, knots: Array, ends: Array, s: float, radius: float, reach: float, out: Array) -> None:
+    """The effective profile of a piece at s, one row of ``out`` (n, 8) for each of its rows: u, w, tu, tw, how far
+    ahead it is touched, slope and curvature along the track, along its normal; whether it was found within reach.
 
-    A row slips past: along the track, across to nothing, its section's own curvature is felt, too.
+    A row slips past: along the track, across to nothing, its section's own curvature counts, too.
 
     c, knots: of the cubics (4, m, n, 4), (m + 1,); ends: (2,), above 0 where the piece falls off.
     """
@@ -294,7 +294,7 @@ def felt_rows(c: Array, knots: Array, ends: Array, s: float, radius: float, reac
     step = 2.0 * reach / (PLACES - 1)
     for row in range(n):
         i = interval(knots, s, 0)
-        axle = _felt(c, knots, ends, row, s, 0.0, radius, i)
+        axle = _lowered_row(c, knots, ends, row, s, 0.0, radius, i)
         best, low, high, found = -inf, 0.0, 0.0, 0.0
         farthest, place = -inf, 0.0
         before = out_before = 0.0
@@ -302,25 +302,25 @@ def felt_rows(c: Array, knots: Array, ends: Array, s: float, radius: float, reac
         x = last = -reach
         while x <= reach:
             i = interval(knots, s + x, i)
-            at = _felt(c, knots, ends, row, s, x, radius, i)
-            stands = axle.tu * at.w - axle.tw * at.u
-            if stands > farthest:
-                farthest, place = stands, x
-            if before > 0.0 and at.miss <= 0.0 and max(stands, out_before) > best:
-                best, low, high, found = max(stands, out_before), last, x, 1.0
-            before, out_before, last = at.miss, stands, x
+            at = _lowered_row(c, knots, ends, row, s, x, radius, i)
+            height = axle.tu * at.w - axle.tw * at.u
+            if height > farthest:
+                farthest, place = height, x
+            if before > 0.0 and at.miss <= 0.0 and max(height, out_before) > best:
+                best, low, high, found = max(height, out_before), last, x, 1.0
+            before, out_before, last = at.miss, height, x
             x = _next(knots, s + x, i, step) - s
         x = place
         if found > 0.0:
             for _ in range(50):
                 x = 0.5 * (low + high)
                 i = interval(knots, s + x, i)
-                if _felt(c, knots, ends, row, s, x, radius, i).miss > 0.0:
+                if _lowered_row(c, knots, ends, row, s, x, radius, i).miss > 0.0:
                     low = x
                 else:
                     high = x
         i = interval(knots, s + x, i)
-        at = _felt(c, knots, ends, row, s, x, radius, i)
+        at = _lowered_row(c, knots, ends, row, s, x, radius, i)
         past = at.du * at.tu + at.dw * at.tw
         own = out[row]
         own[0], own[1], own[2], own[3], own[4] = at.u, at.w, at.tu, at.tw, x
@@ -335,8 +335,8 @@ def felt_rows(c: Array, knots: Array, ends: Array, s: float, radius: float, reac
 def unfold(rows: Array, anchor: int, lowest: float, keep: Bools) -> None:
     """Mark in ``keep`` (n,) the rows that follow each other from the anchor to both sides, down to a height.
 
-    Where two branches of the felt section cross, rows run on beneath the other branch, backwards, and forwards again
-    on that one: what lies beyond the crossing on the first and before it on the second is left out.
+    Where two branches of the effective profile cross, rows run on beneath the other branch, backwards, and forwards
+    again on that one: what lies beyond the crossing on the first and before it on the second is left out.
     """
     keep[:] = False
     keep[anchor] = True

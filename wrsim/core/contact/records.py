@@ -72,7 +72,7 @@ STATUS_NOT_CONVERGED = 8  # the strip model was not solved, a substitute is used
 """`wrsim.contact.status` has the text of each, and every analysis reports it."""
 
 
-class Pose(NamedTuple):
+class WheelPose(NamedTuple):
     """A wheel: its profile origin on the axle, the axle (a unit vector outward), velocity of that origin, rotation."""
 
     origin: Vec
@@ -86,12 +86,12 @@ POSE = 12
 
 
 @inlined
-def read_pose(row: Array) -> Pose:
+def read_pose(row: Array) -> WheelPose:
     """The pose in a row of 12 numbers."""
-    return Pose(vec_at(row, 0), vec_at(row, 3), vec_at(row, 6), vec_at(row, 9))
+    return WheelPose(vec_at(row, 0), vec_at(row, 3), vec_at(row, 6), vec_at(row, 9))
 
 
-class Profile(NamedTuple):
+class ProfileTable(NamedTuple):
     """A profile: its table (n, 5), see ``core.contact.profile``, and the arclength between rows [m]."""
 
     table: Any
@@ -134,10 +134,10 @@ class Rail(NamedTuple):
     radius: float
 
 
-class Wheel(NamedTuple):
+class PlacedWheel(NamedTuple):
     """A wheel in its place: radius at the tape circle, profile origin on the axle, axle e, q = sqrt(1 - e_t^2)."""
 
-    profile: Profile
+    profile: ProfileTable
     radius: float
     origin: Vec
     axle: Vec

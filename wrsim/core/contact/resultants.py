@@ -2,7 +2,7 @@
 
 from math import atan, atan2, pi, sqrt
 
-from wrsim.core.contact.records import Pose
+from wrsim.core.contact.records import WheelPose
 from wrsim.core.jit.arena import Record, Records
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import Vec, add, cross, dot, mixed, shifted, sub
@@ -51,7 +51,7 @@ def _on_wheel(row: Record, penetration: float) -> Vec:
 
 
 @inlined
-def _set_creepages(row: Record, penetration: float, pose: Pose, inverse: float) -> Vec:
+def _set_creepages(row: Record, penetration: float, pose: WheelPose, inverse: float) -> Vec:
     """Write xi, eta, phi of a strip or a lobe; returns the velocity there."""
     velocity = add(pose.velocity, cross(pose.omega, sub(_on_wheel(row, penetration), pose.origin)))
     row.xi = dot(velocity, _along(row)) * inverse
@@ -61,7 +61,7 @@ def _set_creepages(row: Record, penetration: float, pose: Pose, inverse: float) 
 
 
 @kernel
-def set_creepages(pose: Pose, least_speed: float, lobe: Record, strips: Records, n: int) -> None:
+def set_creepages(pose: WheelPose, least_speed: float, lobe: Record, strips: Records, n: int) -> None:
     """Creepages of each strip and of the main point: velocity of the wheel's material over the rolling speed.
 
     The rail rests. v = v_origin + omega x r on the wheel's undeformed surface, projected on the strip's (t, t_s); spin
@@ -96,7 +96,7 @@ def set_pressures(strips: Records, n: int, factor: float) -> tuple[float, float,
 
 
 @kernel
-def add_lobe(pose: Pose, lobe: Record, strips: Records, n: int, total: Record) -> None:
+def add_lobe(pose: WheelPose, lobe: Record, strips: Records, n: int, total: Record) -> None:
     """Sum the strips' forces: to the wheel's total and to the lobe's own figures [S 31].
 
     They act on the wheel where the creepages are taken, so that the wheel loses by them what creep dissipates.

@@ -8,15 +8,15 @@ core.contact.stages lists them. What one leaves for the next is in the arrays; t
 """
 
 from wrsim.core.contact.arrays import Arrays, arrays, bodies
-from wrsim.core.contact.rail import along, rail_and_felt
+from wrsim.core.contact.rail import along, rail_and_envelope
 from wrsim.core.contact.records import (
     CREEP_FORCES,
     NO_CREEP_FORCES,
     STATUS_TOO_DEEP,
     Field,
-    Pose,
+    PlacedWheel,
     Rail,
-    Wheel,
+    WheelPose,
     read_pose,
 )
 from wrsim.core.contact.resultants import add_lobe
@@ -75,7 +75,7 @@ def carry(buffer: Array, index: Ints, count: int) -> None:
 
 
 @kernel
-def _search(a: Arrays, wheel: Wheel, rail: Rail) -> tuple[int, int]:
+def _search(a: Arrays, wheel: PlacedWheel, rail: Rail) -> tuple[int, int]:
     """Clears the totals; returns the number of contacts found and a status."""
     settings, total = a.settings[0], a.total[0]
     total.Ft = total.Fo = total.Fb = 0.0
@@ -93,7 +93,7 @@ def _search(a: Arrays, wheel: Wheel, rail: Rail) -> tuple[int, int]:
 
 
 @kernel
-def _sum_up(a: Arrays, pose: Pose, buffer: Array, index: Ints) -> None:
+def _sum_up(a: Arrays, pose: WheelPose, buffer: Array, index: Ints) -> None:
     """Creep forces, and the sums over all lobes."""
     lobes, total = a.patches, a.total[0]
     if a.settings[0].tangential != NO_CREEP_FORCES:
@@ -107,16 +107,16 @@ def _sum_up(a: Arrays, pose: Pose, buffer: Array, index: Ints) -> None:
 
 
 @kernel
-def _start_lobe(wheel: Wheel, rail: Rail, own: Record, lobe: Record) -> int:
+def _start_lobe(wheel: PlacedWheel, rail: Rail, own: Record, lobe: Record) -> int:
     """Main point of a lobe that the search has found, so far without pressure. Returns status bits."""
     on_wheel = locus_point(wheel, own.arc_wheel)
-    at, felt = rail_and_felt(rail, own.arc_rail)
+    at, envelope = rail_and_envelope(rail, own.arc_rail)
     lobe.approach = own.depth
     lobe.arc_wheel = own.arc_wheel
     lobe.arc_rail = own.arc_rail
     lobe.no = -at.tw
     lobe.nb = at.tu
-    lobe.slope = along(rail, felt, at, on_wheel.x, on_wheel.to_axle).slope
+    lobe.slope = along(rail, envelope, at, on_wheel.x, on_wheel.to_axle).slope
     lobe.n_strips = 0
     lobe.N = lobe.p0 = lobe.area = lobe.length = lobe.width = lobe.recess = 0.0
     return STATUS_TOO_DEEP if own.depth > DEEPEST else 0

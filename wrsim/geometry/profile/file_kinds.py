@@ -16,16 +16,16 @@ from wrsim.errors import InputError
 from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, suffix_fault
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.geometry.profile.sections import (
-    Arc,
-    Line,
-    Polynomial,
+    ProfileArc,
+    ProfileLine,
+    ProfilePolynomial,
     arc_between,
     circle,
     cone,
     profile_from_sections,
     rail_head,
 )
-from wrsim.geometry.profile.sections import Section as Piece
+from wrsim.geometry.profile.sections import ProfileSection as Piece
 from wrsim.inputs.section import Choice, Fault
 from wrsim.inputs.values import Day, List, Source, Switch, Two, number, positive, text
 
@@ -80,7 +80,7 @@ class PolynomialSection(SpanTable, kind="polynomial"):
     def piece(self, down: bool) -> Piece:
         sign = -1.0 if down else 1.0
         c = tuple(sign * c * 1000.0 ** (k - 1) for k, c in enumerate(self.coefficients_mm))
-        return Polynomial(c, *self.span)
+        return ProfilePolynomial(c, *self.span)
 
     def consistency(self) -> Iterator[Fault]:
         """A section has an extent and at least one coefficient."""
@@ -123,7 +123,7 @@ class LineSection(SectionTable, kind="line"):
     def piece(self, down: bool) -> Piece:
         sign = -MM if down else MM
         (u0, w0), (u1, w1) = sorted((self.start_mm, self.end_mm))
-        return Line(u0 * MM, sign * w0, u1 * MM, sign * w1)
+        return ProfileLine(u0 * MM, sign * w0, u1 * MM, sign * w1)
 
     def consistency(self) -> Iterator[Fault]:
         """Two points are two points."""
@@ -214,7 +214,7 @@ class ChainFile(ProfileFile, kind="chain"):
         for i, piece in enumerate(self.pieces):
             if isinstance(piece, ChainLine):
                 end = place + piece.length_mm * MM * np.array([np.cos(angle), np.sin(angle)])
-                chain.append(Line(place[0], place[1], end[0], end[1]))
+                chain.append(ProfileLine(place[0], place[1], end[0], end[1]))
             else:
                 last = np.radians(piece.to_angle_deg)
                 if abs(last - angle) < 1e-9:
@@ -222,7 +222,7 @@ class ChainFile(ProfileFile, kind="chain"):
                     raise InputError(f"{key}: the curve has this angle already; must differ, or the piece be a line")
                 radius = piece.radius_mm * MM
                 side = np.sign(last - angle) * radius * np.array([-np.sin(angle), np.cos(angle)])
-                chain.append(Arc(place[0] + side[0], place[1] + side[1], radius, angle, last))
+                chain.append(ProfileArc(place[0] + side[0], place[1] + side[1], radius, angle, last))
                 end, angle = chain[-1].evaluate(np.array([chain[-1].end]))[0][0], last
             place = end
         profile = profile_from_sections(self.name, self.body, chain, self.source)

@@ -16,7 +16,15 @@ import numpy as np
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile import formats
 from wrsim.geometry.profile.formats import METRES, Scan
-from wrsim.geometry.profile.points import CUTOFF, Points, check_count, check_points, interpolated, smoothed, turns
+from wrsim.geometry.profile.points import (
+    CUTOFF,
+    ProfilePoints,
+    check_count,
+    check_points,
+    interpolated,
+    smoothed,
+    turns,
+)
 from wrsim.geometry.profile.profile import KINDS, Kind, Profile
 
 HEIGHTS = ("up", "down")
@@ -49,7 +57,7 @@ class Reading:
     measured: smoothed, not interpolated; cutoff: wavelength at which smoothing halves a wave [m].
     """
 
-    points: Points
+    points: ProfilePoints
     kind: Kind
     name: str
     source: str
@@ -115,7 +123,7 @@ def read_points(
     if far.size:
         far_off = f"{np.hypot(lateral[far[0]], height[far[0]]):.4g} m from the origin; allowed: {FARTHEST:g} m"
         raise InputError(f"{path}:{scan.line[far[0]]}: this point lies {far_off}. Is the unit right?")
-    points = Points(str(path), lateral, height, np.array(scan.line, dtype=np.intp))
+    points = ProfilePoints(str(path), lateral, height, np.array(scan.line, dtype=np.intp))
     points = points.without_duplicates(metres * scan.resolution, metres * scan.least_distance)
     check_count(points)
     points = _oriented(points, body, heights or scan.heights, field_side or scan.field_side).in_order()
@@ -167,7 +175,7 @@ def _body(path: Path, wanted: Kind | None, stated: Kind | None) -> Kind:
     return wanted or stated  # type: ignore[return-value]
 
 
-def _oriented(points: Points, body: Kind, heights: str | None, field_side: str | None) -> Points:
+def _oriented(points: ProfilePoints, body: Kind, heights: str | None, field_side: str | None) -> ProfilePoints:
     """Turn u outward and w up, by what is stated or by the shape; InputError if both contradict."""
     sign_u = {"positive": 1.0, "negative": -1.0, None: 0.0}[field_side]
     sign_w = {"up": 1.0, "down": -1.0, None: 0.0}[heights]
@@ -184,10 +192,10 @@ def _oriented(points: Points, body: Kind, heights: str | None, field_side: str |
         sign_u = out or 1.0
     elif out and out != sign_u:
         raise InputError(f"{file}: the flange is on the field side with field_side '{field_side}'")
-    return Points(file, sign_u * points.u, sign_w * points.w, points.line)
+    return ProfilePoints(file, sign_u * points.u, sign_w * points.w, points.line)
 
 
-def _shape(points: Points, body: Kind) -> tuple[float, float]:
+def _shape(points: ProfilePoints, body: Kind) -> tuple[float, float]:
     """Signs (of heights, of lateral) that put the shape upright; 0 where it is ambiguous."""
     if body == "rail":
         # From left to right over an upright rail head the tangent turns down by nearly half a turn.

@@ -39,7 +39,7 @@ from wrsim.geometry.profile.file_kinds import (
 from wrsim.geometry.profile.files import Reading, read_points, read_profile
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.geometry.profile.wear import AnyRemoval, DepthTable, Direction, Removal, worn
-from wrsim.inputs.checking import check, opened
+from wrsim.inputs.checking import check_section, opened
 from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.lookup import Finder, model_file, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section, kinds_in
@@ -203,8 +203,8 @@ def load_points(path: str | Path, kind: Kind | None = None) -> Reading | None:
 def _read_toml(path: Path, kind: Kind | None) -> ProfileFile:
     """The checked content of a TOML profile file."""
     data, locate = opened(path, "profile file")
-    file_kind = check(_AnyFile, {k: v for k, v in data.items() if k == "kind"}, locate).kind
-    model = check(FILE_KINDS[file_kind], data, locate)
+    file_kind = check_section(_AnyFile, {k: v for k, v in data.items() if k == "kind"}, locate).kind
+    model = check_section(FILE_KINDS[file_kind], data, locate)
     if kind is not None and model.body != kind:
         raise InputError(f'{locate(("body",))}: body = "{model.body}": a {kind} profile is needed here')
     return model

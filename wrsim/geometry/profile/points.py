@@ -27,7 +27,7 @@ from scipy.spatial import cKDTree
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import arclengths, subdivided
-from wrsim.geometry.profile.profile import Array, Kind, Profile, cross, curvature_of
+from wrsim.geometry.profile.profile import Array, Kind, Profile, curvature_of, plane_cross
 
 FEWEST_POINTS = 10
 SAME_POINT = 1e-10
@@ -45,7 +45,7 @@ NODE_DISTANCE = 1e-4
 
 
 @dataclass(frozen=True)
-class Points:
+class ProfilePoints:
     """Points of a file: outward coordinate u and height w, m, and the lines they stand on; all (n,)."""
 
     file: str
@@ -66,20 +66,20 @@ class Points:
         """Distances of neighbours, (n - 1,)."""
         return np.hypot(np.diff(self.u), np.diff(self.w))
 
-    def kept(self, keep: NDArray[Any] | slice) -> Points:
+    def kept(self, keep: NDArray[Any] | slice) -> ProfilePoints:
         """Only some of the points."""
         return replace(self, u=self.u[keep], w=self.w[keep], line=self.line[keep])
 
-    def turned(self, angle: float) -> Points:
+    def turned(self, angle: float) -> ProfilePoints:
         """Turned about the origin, positive from u towards w."""
         c, s = np.cos(angle), np.sin(angle)
         return replace(self, u=c * self.u - s * self.w, w=s * self.u + c * self.w)
 
-    def in_order(self) -> Points:
+    def in_order(self) -> ProfilePoints:
         """In the order of increasing u (overall)."""
         return self.kept(slice(None, None, -1)) if len(self) and self.u[-1] < self.u[0] else self
 
-    def without_duplicates(self, resolution: float = 0.0, least: float = 0.0) -> Points:
+    def without_duplicates(self, resolution: float = 0.0, least: float = 0.0) -> ProfilePoints:
         """Without neighbours that are one point, or too close for the digits of the file.
 
         resolution: last digit of the file's numbers [m]; points closer than its square root (in metres) give a
@@ -98,7 +98,7 @@ class Points:
             keep[-1] = len(self) - 1  # the end stays where it is
         return self.kept(np.array(keep))
 
-    def clipped(self, first: float, last: float) -> Points:
+    def clipped(self, first: float, last: float) -> ProfilePoints:
         """The longest run of points with first <= u <= last, m."""
         inside = (self.u >= first) & (self.u <= last)
         edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
@@ -110,13 +110,13 @@ class Points:
         return self.kept(slice(int(starts[best]), int(stops[best])))
 
 
-def check_count(points: Points) -> None:
+def check_count(points: ProfilePoints) -> None:
     """Raise InputError for too few points."""
     if len(points) < FEWEST_POINTS:
         raise InputError(f"{points.file}: {len(points)} different points; a profile needs at least {FEWEST_POINTS}")
 
 
-def check_points(points: Points) -> None:
+def check_points(points: ProfilePoints) -> None:
     """Raise InputError unless the points are a plain curve: no steps back, no gaps, no crossings."""
     file, line = points.file, points.line
     check_count(points)
@@ -143,13 +143,13 @@ def check_points(points: Points) -> None:
         raise InputError(f"{file}:{line[j]}: the curve crosses itself: {pair}")
 
 
-def turns(points: Points) -> Array:
+def turns(points: ProfilePoints) -> Array:
     """Signed angle between the chords before and after every inner point, (n - 2,), rad."""
     d = np.diff(points.places, axis=0)
-    return np.arctan2(cross(d[:-1], d[1:]), (d[:-1] * d[1:]).sum(axis=1))
+    return np.arctan2(plane_cross(d[:-1], d[1:]), (d[:-1] * d[1:]).sum(axis=1))
 
 
-def first_crossing(points: Points) -> tuple[int, int] | None:
+def first_crossing(points: ProfilePoints) -> tuple[int, int] | None:
     """Two segments i < j that intersect, each named by its first point, or None."""
     p = points.places
     middle, d = 0.5 * (p[1:] + p[:-1]), p[1:] - p[:-1]
@@ -159,7 +159,7 @@ def first_crossing(points: Points) -> tuple[int, int] | None:
     i, j = pairs.min(axis=1), pairs.max(axis=1)
 
     def side(a: Array, b: Array, c: Array) -> Array:
-        return np.sign(cross(b - a, c - a))
+        return np.sign(plane_cross(b - a, c - a))
 
     apart_j = side(p[i], p[i] + d[i], p[j]) * side(p[i], p[i] + d[i], p[j] + d[j])
     apart_i = side(p[j], p[j] + d[j], p[i]) * side(p[j], p[j] + d[j], p[i] + d[i])
@@ -170,7 +170,7 @@ def first_crossing(points: Points) -> tuple[int, int] | None:
     return int(i[k]), int(j[k])
 
 
-def scatter(points: Points) -> float:
+def scatter(points: ProfilePoints) -> float:
     """Scatter of the points across a smooth curve, m: robust deviation from cubics through neighbours."""
     s = np.concatenate([[0.0], np.cumsum(points.chords)])
     x = np.stack([s[:-4], s[1:-3], s[3:-1], s[4:]]) - s[2:-2]
@@ -183,11 +183,11 @@ def scatter(points: Points) -> float:
     left = p[2:-2] - np.einsum("an,anc->nc", weight, np.stack([p[:-4], p[1:-3], p[3:-1], p[4:]]))
     left /= np.sqrt(1.0 + (weight**2).sum(axis=0))[:, None]
     d = p[3:-1] - p[1:-3]
-    across = cross(left, d) / np.hypot(*d.T)
+    across = plane_cross(left, d) / np.hypot(*d.T)
     return 1.4826 * float(np.median(np.abs(across)))
 
 
-def interpolated(points: Points, name: str, kind: Kind, source: str = "") -> Profile:
+def interpolated(points: ProfilePoints, name: str, kind: Kind, source: str = "") -> Profile:
     """Profile through the points: cubic spline, its parameter iterated until it is arclength [S 12].
 
     For exact points: designed shapes, exported splines. Points that scatter are refused, because their
@@ -240,7 +240,7 @@ ROUNDS = 6
 """Rounds of smoothing and measuring arclength anew: a noisy polygon is longer than its curve."""
 
 
-def smoothed(points: Points, name: str, kind: Kind, source: str = "", cutoff: float = CUTOFF) -> Profile:
+def smoothed(points: ProfilePoints, name: str, kind: Kind, source: str = "", cutoff: float = CUTOFF) -> Profile:
     """Profile of measured points, smoothed; cutoff: wavelength over arclength that passes with half its amplitude [m].
 
     Raises InputError where the points are too far apart for the cut-off.

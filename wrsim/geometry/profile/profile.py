@@ -31,14 +31,14 @@ GAUGE_DEPTH = 0.014
 13848-1)."""
 
 
-def cross(a: Array, b: Array) -> Array:
+def plane_cross(a: Array, b: Array) -> Array:
     """The product a_u b_w - a_w b_u of plane vectors (..., 2)."""
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 def curvature_of(v: Array, a: Array) -> Array:
     """Signed curvature of a plane curve with the first two derivatives v, a (..., 2)."""
-    return np.asarray(cross(v, a) / np.hypot(v[..., 0], v[..., 1]) ** 3)
+    return np.asarray(plane_cross(v, a) / np.hypot(v[..., 0], v[..., 1]) ** 3)
 
 
 @dataclass(frozen=True, eq=False)

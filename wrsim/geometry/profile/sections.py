@@ -18,7 +18,7 @@ from numpy.polynomial import polynomial
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import arclengths
 from wrsim.geometry.profile.points import NODE_DISTANCE
-from wrsim.geometry.profile.profile import Array, Kind, Profile, cross, curvature_of
+from wrsim.geometry.profile.profile import Array, Kind, Profile, curvature_of, plane_cross
 
 NEAREST_NODE = 5e-6
 """Distance of the first node from a join, m; from there nodes spread by a factor of three. So even a spline
@@ -33,7 +33,7 @@ LARGEST_CORNER = 1e-4
 """Largest angle between two sections that is taken for rounding, rad. Contact needs a tangent everywhere."""
 
 
-class Section(Protocol):
+class ProfileSection(Protocol):
     """A smooth piece of curve r(t), t from `start` to `end`, both in the direction of increasing L."""
 
     @property
@@ -48,7 +48,7 @@ class Section(Protocol):
 
 
 @dataclass(frozen=True)
-class Line:
+class ProfileLine:
     """Straight from (u0, w0) to (u1, w1), m."""
 
     u0: float
@@ -59,14 +59,14 @@ class Line:
     end: float = 1.0
 
     def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
-        """See `Section`; t runs from 0 to 1."""
+        """See `ProfileSection`; t runs from 0 to 1."""
         v = np.array([self.u1 - self.u0, self.w1 - self.w0])
         r = np.array([self.u0, self.w0]) + np.outer(t, v)
         return r, np.broadcast_to(v, r.shape), np.zeros_like(r)
 
 
 @dataclass(frozen=True)
-class Polynomial:
+class ProfilePolynomial:
     """w = c0 + c1 u + c2 u^2 + ... between u = `start` and u = `end`, m."""
 
     coefficients: tuple[float, ...]
@@ -74,14 +74,14 @@ class Polynomial:
     end: float
 
     def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
-        """See `Section`; t is u."""
+        """See `ProfileSection`; t is u."""
         w = polynomial.Polynomial(self.coefficients)
         r, v = np.column_stack([t, w(t)]), np.column_stack([np.ones_like(t), w.deriv()(t)])
         return r, v, np.column_stack([np.zeros_like(t), w.deriv(2)(t)])
 
 
 @dataclass(frozen=True)
-class Arc:
+class ProfileArc:
     """Circle about (u, w) of given radius from tangent angle `first` to tangent angle `last`, m and rad.
 
     The tangent angle is atan2(dw, du) in the direction of travel. Falling angles make a convex arc (rail
@@ -101,7 +101,7 @@ class Arc:
         return self.radius * abs(self.last - self.first)
 
     def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
-        """See `Section`; t is the length travelled."""
+        """See `ProfileSection`; t is the length travelled."""
         k = np.sign(self.last - self.first) / self.radius
         start = np.array([self.u, self.w]) - np.array([-np.sin(self.first), np.cos(self.first)]) / k
         angle, middle = self.first + k * t, self.first + 0.5 * k * t
@@ -112,17 +112,17 @@ class Arc:
         return start + chord * np.column_stack([np.cos(middle), np.sin(middle)]), tangent, k * normal
 
 
-def arc_between(u: float, w: float, radius: float, upper: bool, start: float, end: float) -> Arc:
+def arc_between(u: float, w: float, radius: float, upper: bool, start: float, end: float) -> ProfileArc:
     """Arc w(u) = w_centre +- sqrt(radius^2 - (u - u_centre)^2) from u = `start` to u = `end` > `start`, m.
 
     `upper` selects the half above the centre (+), which is convex upward. The ends lie within the circle.
     """
     # On the upper half the tangent angle falls with u, on the lower half it rises: sin(angle) = -+(u - u_c)/R
     first, last = np.arcsin(np.clip([(start - u) / radius, (end - u) / radius], -1.0, 1.0))
-    return Arc(u, w, radius, -first, -last) if upper else Arc(u, w, radius, first, last)
+    return ProfileArc(u, w, radius, -first, -last) if upper else ProfileArc(u, w, radius, first, last)
 
 
-def profile_from_sections(name: str, kind: Kind, sections: Sequence[Section], source: str = "") -> Profile:
+def profile_from_sections(name: str, kind: Kind, sections: Sequence[ProfileSection], source: str = "") -> Profile:
     """Join sections, given in the order of increasing u, to a profile.
 
     The same sections give the same object: both wheels of an axle, and what is built again, share its tables.
@@ -134,7 +134,7 @@ def profile_from_sections(name: str, kind: Kind, sections: Sequence[Section], so
 
 
 @lru_cache(maxsize=64)
-def _joined(name: str, kind: Kind, sections: tuple[Section, ...], source: str) -> Profile:
+def _joined(name: str, kind: Kind, sections: tuple[ProfileSection, ...], source: str) -> Profile:
     """See `profile_from_sections`."""
     ends = [s.evaluate(np.array([s.start, s.end])) for s in sections]
     speed = [np.hypot(v[:, 0], v[:, 1]) for _, v, _ in ends]
@@ -143,7 +143,7 @@ def _joined(name: str, kind: Kind, sections: tuple[Section, ...], source: str) -
     for i in range(len(sections) - 1):
         gap = ends[i + 1][0][0] - ends[i][0][1]
         before, after = ends[i][1][1] / speed[i][1], ends[i + 1][1][0] / speed[i + 1][0]
-        corner = float(np.arctan2(cross(before, after), before @ after))
+        corner = float(np.arctan2(plane_cross(before, after), before @ after))
         where = f"profile '{name}': sections {i + 1} and {i + 2} (at u = {1e3 * ends[i][0][1][0]:.6g} mm)"
         if np.hypot(*gap) > LARGEST_GAP:
             raise InputError(f"{where} are {1e3 * np.hypot(*gap):.4g} mm apart; allowed: {1e3 * LARGEST_GAP:g} mm")
@@ -166,7 +166,7 @@ def _joined(name: str, kind: Kind, sections: tuple[Section, ...], source: str) -
     return Profile(name, kind, rows[:, 0], rows[:, 1], rows[:, 2], np.unwrap(rows[:, 3]), before, after, source)
 
 
-def _nodes(section: Section, shift: Array) -> Array:
+def _nodes(section: ProfileSection, shift: Array) -> Array:
     """Rows (own arclength, u, w, angle, curvature) of a section whose ends are moved by `shift` (2, 2, 2)."""
     fine = np.linspace(section.start, section.end, 2001)
     v = section.evaluate(fine)[1]
@@ -214,7 +214,7 @@ def rail_head(
     tangent to the last arc; depth: how far below the crown the sides are continued [m].
     """
     centre, steepness = np.array([0.0, -radii[0]]), 0.0
-    right: list[Arc] = []
+    right: list[ProfileArc] = []
     for i, radius in enumerate(radii):
         if i:
             centre = centre + (radii[i - 1] - radius) * np.array([np.sin(steepness), np.cos(steepness)])
@@ -227,7 +227,7 @@ def rail_head(
             slope = f"it starts at a slope of {np.degrees(steepness):.4g} degrees"
             words = f"the arc of radius {1e3 * radius:g} mm has no room: {slope}"
             raise InputError(f"profile '{name}': {words}; its half width or the radius before it does not fit")
-        right.append(Arc(centre[0], centre[1], radius, -steepness if i else end, -end))
+        right.append(ProfileArc(centre[0], centre[1], radius, -steepness if i else end, -end))
         steepness = end
     u = centre[0] + radii[-1] * np.sin(steepness)
     w = centre[1] + radii[-1] * np.cos(steepness)
@@ -235,18 +235,18 @@ def rail_head(
         words = f"depth {1e3 * depth:g} mm ends before the straight sides begin"
         raise InputError(f"profile '{name}': {words}; allowed: above {-1e3 * w:.5g} mm")
     low = u + side_slope * (w + depth)
-    left = [Arc(-s.u, s.w, s.radius, -s.last, -s.first) for s in reversed(right[1:])]
-    sides = Line(-low, -depth, -u, w), Line(u, w, low, -depth)
+    left = [ProfileArc(-s.u, s.w, s.radius, -s.last, -s.first) for s in reversed(right[1:])]
+    sides = ProfileLine(-low, -depth, -u, w), ProfileLine(u, w, low, -depth)
     return profile_from_sections(name, "rail", [sides[0], *left, *right, sides[1]], source)
 
 
 def cone(name: str, kind: Kind, conicity: float, first: float, last: float, source: str = "") -> Profile:
     """Straight w = conicity u between u = `first` and u = `last`, m: a conical wheel, or a flat rail."""
-    line = Line(first, conicity * first, last, conicity * last)
+    line = ProfileLine(first, conicity * first, last, conicity * last)
     return profile_from_sections(name, kind, [line], source)
 
 
 def circle(name: str, kind: Kind, radius: float, half_width: float, source: str = "") -> Profile:
     """Arc through the origin, horizontal there, m: convex upward for radius > 0, else hollow; half_width < |radius|."""
     end = float(np.copysign(np.arcsin(half_width / abs(radius)), radius))
-    return profile_from_sections(name, kind, [Arc(0.0, -radius, abs(radius), end, -end)], source)
+    return profile_from_sections(name, kind, [ProfileArc(0.0, -radius, abs(radius), end, -end)], source)

@@ -14,8 +14,8 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from wrsim.geometry.profile.files import Reading
-from wrsim.geometry.profile.points import Points, scatter
-from wrsim.geometry.profile.profile import Array, Profile, cross, curvature_of
+from wrsim.geometry.profile.points import ProfilePoints, scatter
+from wrsim.geometry.profile.profile import Array, Profile, curvature_of, plane_cross
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class SmoothingReport:
     change: Array
 
     @property
-    def points(self) -> Points:
+    def points(self) -> ProfilePoints:
         """The measured points."""
         return self.reading.points
 
@@ -100,7 +100,7 @@ def report_smoothing(reading: Reading) -> SmoothingReport:
     return SmoothingReport(reading, profile, curvature_of(spline(s, 1), spline(s, 2)), _change(profile, points))
 
 
-def _change(profile: Profile, points: Points) -> Array:
+def _change(profile: Profile, points: ProfilePoints) -> Array:
     """Signed distance of points from a profile (n,), positive to the left of the curve."""
     p = points.places
     L = profile.arclength[cKDTree(np.column_stack([profile.u, profile.w])).query(p)[1]]
@@ -109,4 +109,4 @@ def _change(profile: Profile, points: Points) -> Array:
         L = np.clip(L + ((p - np.stack(profile.at(L), axis=-1)) * t).sum(axis=1), 0.0, profile.length)
     t = np.stack(profile.tangent(L), axis=-1)
     away = p - np.stack(profile.at(L), axis=-1)
-    return cross(t, away)
+    return plane_cross(t, away)

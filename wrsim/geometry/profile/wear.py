@@ -36,8 +36,8 @@ from scipy.interpolate import CubicSpline
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import arclengths
-from wrsim.geometry.profile.points import Points, first_crossing
-from wrsim.geometry.profile.profile import Array, Profile, cross
+from wrsim.geometry.profile.points import ProfilePoints, first_crossing
+from wrsim.geometry.profile.profile import Array, Profile, plane_cross
 
 Direction = Literal["vertical", "normal"]
 
@@ -122,7 +122,7 @@ def worn(new: Profile, removals: Sequence[AnyRemoval], name: str, source: str = 
     curvatures = np.append(after[0], before), np.append(after, before[-1])
     profile = Profile(name, new.kind, lengths, r[:, 0], r[:, 1], angles, *curvatures, source)
     profile = _true_lengths(profile, np.searchsorted(nodes, corners) - 1)
-    crossing = first_crossing(Points(name, profile.u, profile.w, np.arange(profile.u.size)))
+    crossing = first_crossing(ProfilePoints(name, profile.u, profile.w, np.arange(profile.u.size)))
     if crossing is not None:
         u = 1e3 * profile.u[crossing[0]]
         raise InputError(f"{OVERLAP}: it crosses itself at u = {u:.4g} mm; allowed: less depth, or a wider bell")
@@ -181,7 +181,7 @@ class _Bells:
         jump = np.flatnonzero(np.abs((self.new.curvature_after - self.new.curvature_before)[inner]) > 1e-6)
         L, sides = L[jump], (self.new.curvature_before[inner][jump], self.new.curvature_after[inner][jump])
         before, after = (self.curve(L, k)[1] for k in sides)
-        turn = np.arctan2(cross(before, after), (before * after).sum(axis=1))
+        turn = np.arctan2(plane_cross(before, after), (before * after).sum(axis=1))
         if np.abs(turn).max(initial=0.0) > LARGEST_CORNER:
             i = int(np.argmax(np.abs(turn)))
             corner = f"a corner of {1e3 * turn[i]:.4g} mrad at u = {1e3 * float(self.new.at(L[i])[0]):.4g} mm"

@@ -25,10 +25,10 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 
 from wrsim.core.contact.rail import FALL
 from wrsim.errors import InputError
-from wrsim.geometry.profile.points import Points, check_count, check_points, interpolated, smoothed
+from wrsim.geometry.profile.points import ProfilePoints, check_count, check_points, interpolated, smoothed
 from wrsim.geometry.profile.profile import Array, Profile
 from wrsim.inputs.csv_tables import read_columns
-from wrsim.inputs.toml_files import shown
+from wrsim.inputs.toml_files import shown_value
 from wrsim.inputs.values import number
 
 STEP = 0.2e-3
@@ -335,7 +335,7 @@ def read_sections(path: Path, measured: bool = False) -> list[RailSection]:
         if found and place <= found[-1].distance:
             more = f"must be more than {found[-1].distance:g} of the section before"
             raise InputError(f"{path}:{lines[own[0]]}: at_m = {place:g}: {more}; points of one section stand together")
-        points = Points(str(path), 1e-3 * table["outward_mm"][own], 1e-3 * table["up_mm"][own], lines[own])
+        points = ProfilePoints(str(path), 1e-3 * table["outward_mm"][own], 1e-3 * table["up_mm"][own], lines[own])
         kept = points.without_duplicates().in_order()
         check_count(kept)
         check_points(kept)
@@ -345,11 +345,11 @@ def read_sections(path: Path, measured: bool = False) -> list[RailSection]:
     return found
 
 
-def _features(points: Points, marks: NDArray[Any], profile: Profile) -> tuple[float, ...]:
+def _features(points: ProfilePoints, marks: NDArray[Any], profile: Profile) -> tuple[float, ...]:
     """Arclengths of the numbered features of a section [m]."""
     places: dict[int, float] = {}
     for i in np.flatnonzero(np.char.strip(marks.astype(str)) != ""):
-        where = f"{points.file}:{points.line[i]}: feature = {shown(str(marks[i]))}"
+        where = f"{points.file}:{points.line[i]}: feature = {shown_value(str(marks[i]))}"
         for word in str(marks[i]).split():
             if not word.isdecimal() or int(word) < 1:
                 raise InputError(f"{where}: must be numbers of features, 1, 2, ..., apart from each other by blanks")

@@ -27,7 +27,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from wrsim.core.contact.rail import felt_rows, unfold
+from wrsim.core.contact.rail import envelope_rows, unfold
 from wrsim.errors import InputError
 from wrsim.geometry.profile.distance_field import SPACING, DistanceField, field_of_points, grid_about
 from wrsim.geometry.profile.profile import Array
@@ -162,7 +162,7 @@ def _rates(s: Array, tables: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Curve:
-    """Effective section of a piece: arclengths from its anchor (n,), rows (n, 7) of `felt_rows` without those
+    """Effective section of a piece: arclengths from its anchor (n,), rows (n, 7) of `envelope_rows` without those
     that lie too deep or fold back; empty where the piece does not exist."""
 
     arc: Array
@@ -174,7 +174,7 @@ def _effective(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
     found = []
     for piece in surface.pieces:
         rows = np.zeros((piece.spline.c.shape[2], 8))
-        felt_rows(piece.spline.c, piece.spline.x, np.array(piece.open_ends, dtype=float), s, radius, REACH, rows)
+        envelope_rows(piece.spline.c, piece.spline.x, np.array(piece.open_ends, dtype=float), s, radius, REACH, rows)
         found.append(rows)
     lowest = max(float(rows[:, 1].max()) for rows in found) - DEEP
     if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 7] == 0.0)).any() for rows in found):

@@ -116,7 +116,7 @@ def kind_of(segment: Segment) -> str:
     return type(segment).__name__.lower()
 
 
-def check(segments: Sequence[Segment], gauge: float) -> None:
+def check_segments(segments: Sequence[Segment], gauge: float) -> None:
     """Refuse segments that are no track, each with its number, key and value. Raises InputError."""
     if not segments:
         raise InputError("track.segments is empty; allowed: at least one straight, transition or arc")
@@ -148,7 +148,7 @@ def check(segments: Sequence[Segment], gauge: float) -> None:
         for key, value in vars(segment).items():
             most = LARGEST.get(key.removesuffix("_start").removesuffix("_end"))
             if most is not None:
-                within(where, f"{key}_mm", _number(where, f"{key}_mm", value), -most, most, 1e3)
+                check_range(where, f"{key}_mm", _number(where, f"{key}_mm", value), -most, most, 1e3)
         before = segment
 
 
@@ -159,7 +159,7 @@ def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
     rail is a beam and has no kinks; without this the rails' tangents would jump at the ends of linear ramps.
     Raises InputError for wrong values and for jumps of cant or gauge.
     """
-    check(segments, gauge)
+    check_segments(segments, gauge)
     edges = np.concatenate(([0.0], np.cumsum([float(s.length) for s in segments])))
     rows: tuple[list, list, list] = ([], [], [])
     hands = _hands(segments)
@@ -221,7 +221,7 @@ def _hand(arc: Arc) -> float:
     return math.copysign(1.0, arc.radius)
 
 
-def within(where: str, key: str, value: float, low: float, high: float, scale: float = 1.0) -> None:
+def check_range(where: str, key: str, value: float, low: float, high: float, scale: float = 1.0) -> None:
     """Refuse a value outside of [low, high], or not a number; the message shows it times ``scale``."""
     if not low <= value <= high:
         raise InputError(f"{where}: {key} = {scale * value:g}; allowed: {scale * low:g} to {scale * high:g}")
@@ -293,5 +293,5 @@ def _check(number: int, grade: Grade, before: float | None, length: float) -> No
     if not (low if before is None else low + 1e-9) <= grade.start < length:
         after = "0" if before is None else f"above {before:g} (the grade before)"
         raise InputError(f"{where}: from_m = {grade.start:g}; allowed: {after} to {length:g}, on the track and rising")
-    within(where, "grade_permille", grade.slope, -STEEPEST, STEEPEST, 1e3)
-    within(where, "vertical_radius_m", grade.radius, TIGHTEST, 1e7)
+    check_range(where, "grade_permille", grade.slope, -STEEPEST, STEEPEST, 1e3)
+    check_range(where, "vertical_radius_m", grade.radius, TIGHTEST, 1e7)

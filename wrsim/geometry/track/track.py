@@ -37,10 +37,10 @@ from wrsim.geometry.track.segments import (
     Laws,
     Segment,
     Transition,
+    check_range,
     kind_of,
     laws,
     pitch_law,
-    within,
 )
 
 
@@ -144,8 +144,8 @@ class Track:
         >>> track = Track.build([Straight(30.0), Transition(40.0), Arc(120.0, radius=300.0, cant=0.06)])
         >>> track.curvature([0.0, 100.0])
         """
-        within("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
-        within("track", "rounding_m", rounding, 1e-3, 20.0)
+        check_range("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
+        check_range("track", "rounding_m", rounding, 1e-3, 20.0)
         segments = tuple(segments)
         return cls.lay(laws(segments, gauge, rounding), gauge, segments=segments, **options)
 
@@ -175,14 +175,14 @@ class Track:
         on the rails what their irregularities need. start, heading: point [m] and direction [rad] at s = 0.
         elasticity: of the rails, None for rigid ones.
         """
-        within("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
+        check_range("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
         base = gauge + RAIL_HEAD_WIDTH if cant_base is None else cant_base
-        within("track", "cant_base_mm", base, gauge, gauge + 0.5, 1e3)
+        check_range("track", "cant_base_mm", base, gauge, gauge + 0.5, 1e3)
         if step is not None:
-            within("track", "step_m", step, 1e-3, 10.0)
+            check_range("track", "step_m", step, 1e-3, 10.0)
         for key, offset in (("left_offset", left_offset), ("right_offset", right_offset)):
             for value in offset:
-                within("track", f"{key} (o, b)", value, -MAX_OFFSET, MAX_OFFSET)
+                check_range("track", f"{key} (o, b)", value, -MAX_OFFSET, MAX_OFFSET)
         for value in (*start, heading):
             if not math.isfinite(value):
                 raise InputError(f"start or heading of the track = {value}; allowed: finite numbers")

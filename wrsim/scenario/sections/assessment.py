@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, Literal, get_args
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number
 from wrsim.results.assessment import Influence
-from wrsim.scenario.sections.table import Table
+from wrsim.scenario.sections.table import AnalysisTable
 
 Kind = Literal["passenger", "locomotive", "freight"]
 
@@ -37,7 +37,7 @@ class AssessmentSettings:
     estimate_at: Mapping[Influence, float] = field(default_factory=dict)
 
 
-class AssessmentSection(Table, header="[assessment]"):
+class AssessmentSection(AnalysisTable, header="[assessment]"):
     """What an assessment rests on, where that is not to come from the result."""
 
     aliases: ClassVar[dict[str, str]] = {

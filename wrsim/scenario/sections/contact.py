@@ -22,7 +22,7 @@ from wrsim.contact.settings import (
     TractionBound,
 )
 from wrsim.inputs.section import Fault, Section, both_or_sides
-from wrsim.inputs.values import List, number, plain, positive, text
+from wrsim.inputs.values import List, number, plain_number, positive, text
 from wrsim.scenario.sections.friction import FrictionPlaceSection, FrictionSection, FrictionValue
 
 CreepCoefficient = Annotated[float, positive(1e6, "kN per creepage of one wheel, such as 10000")]
@@ -224,7 +224,7 @@ class ContactSection(Section, header="[contact]"):
                 end = before.from_m + before.transition_m
                 if now.from_m < end * (1.0 - 1e-12) and i not in said:
                     said.add(i)
-                    message = f"must be {plain(end)} or more, where its rail has reached the section before"
+                    message = f"must be {plain_number(end)} or more, where its rail has reached the section before"
                     yield Fault(("friction_sections", i, "from_m"), message)
 
     def settings(self) -> ContactSettings:

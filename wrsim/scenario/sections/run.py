@@ -14,14 +14,14 @@ from wrsim.geometry.track.track import Track
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number, positive
-from wrsim.scenario.sections.table import Given, PlanTable, Table
+from wrsim.scenario.sections.table import AnalysisTable, Given, PlanTable
 from wrsim.simulation.implicit import DEFAULT_INTEGRATOR, Integrator
 from wrsim.vehicle.speed import SpeedProfile
 
 Place = Annotated[float, number(-1e6, 1e6, "m along the centre line")]
 
 
-class StretchTable(Table):
+class StretchTable(AnalysisTable):
     """Base of tables that count over a stretch of the run."""
 
     from_m: Place | None = None
@@ -219,7 +219,7 @@ def _middle_of_arcs(track: Track, start: float, end: float) -> tuple[float, ...]
     return tuple(s for s in middles if start <= s <= end)
 
 
-class OutputSection(Table, header="[output]"):
+class OutputSection(AnalysisTable, header="[output]"):
     """What is kept besides the channels."""
 
     aliases: ClassVar[dict[str, str]] = {"patches_at_m": "snapshots_m patches"}

@@ -17,7 +17,7 @@ from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.speed import SpeedProfile
 from wrsim.vehicle.vehicle import Vehicle
 
-T = TypeVar("T", bound="Table")
+T = TypeVar("T", bound="AnalysisTable")
 
 
 class FindTable(Protocol):
@@ -66,7 +66,7 @@ class Given:
         return SpeedProfile.constant(speed)
 
 
-class Table(Section):
+class AnalysisTable(Section):
     """Base of these tables."""
 
     @classmethod
@@ -75,7 +75,7 @@ class Table(Section):
         yield from ()
 
 
-class PlanTable(Table):
+class PlanTable(AnalysisTable):
     """Base of the first table of an analysis, which makes its plan."""
 
     def plan(self, given: Given) -> Any:

@@ -15,7 +15,7 @@ from wrsim.geometry.profile.profile import GAUGE_DEPTH
 from wrsim.geometry.track import segments
 from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.section import Choice, Fault, Section, both_or_sides
-from wrsim.inputs.values import List, limits_of, number, plain, positive, refuse, text, unpacked, words
+from wrsim.inputs.values import List, number, number_limits, plain_number, positive, refuse, text, unpacked, words
 from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection, grades_in_order
 
 Length = Annotated[float, number(0.01, 1e5, "m")]
@@ -68,7 +68,7 @@ class SegmentTable(Choice, header="[[track.segments]]"):
         return self.to_si(self.geometry)
 
 
-class Straight(SegmentTable, kind="straight"):
+class StraightSegment(SegmentTable, kind="straight"):
     """A straight piece; cant and gauge may run from one value to another along it."""
 
     geometry: ClassVar[type[segments.Segment]] = segments.Straight
@@ -87,7 +87,7 @@ class Straight(SegmentTable, kind="straight"):
     """By how much the gauge is wider than gauge_mm where the piece ends."""
 
 
-class Transition(SegmentTable, kind="transition"):
+class TransitionSegment(SegmentTable, kind="transition"):
     """From the curvature and cant of the segment before to those of the segment after."""
 
     geometry: ClassVar[type[segments.Segment]] = segments.Transition
@@ -100,7 +100,7 @@ class Transition(SegmentTable, kind="transition"):
     """How curvature, cant and gauge lead over: linearly, or by Bloss's polynomial."""
 
 
-class Arc(SegmentTable, kind="arc"):
+class ArcSegment(SegmentTable, kind="arc"):
     """A circular arc: radius (positive: curves to the left), length or angle, cant, gauge widening."""
 
     also_called: ClassVar[str] = "curve circle circular radius"
@@ -125,7 +125,7 @@ class Arc(SegmentTable, kind="arc"):
 
     def consistency(self) -> Iterator[Fault]:
         """An angle may be right and its arc too short or too long."""
-        low, high, _ = limits_of(unpacked(Length).limits)
+        low, high, _ = number_limits(unpacked(Length).limits)
         if not low <= self.length <= high:
             yield Fault("angle_deg", f"makes an arc of {self.length:g} m; its length must be {words(Length)}")
 
@@ -141,7 +141,7 @@ class Arc(SegmentTable, kind="arc"):
         return self.to_si(segments.Arc, length=self.length)
 
 
-Segment = Straight | Transition | Arc
+Segment = StraightSegment | TransitionSegment | ArcSegment
 
 
 class RailSectionSection(Section, header="[[track.rail_sections]]"):
@@ -270,7 +270,7 @@ class TrackSection(Section, header="[track]"):
     def consistency(self) -> Iterator[Fault]:
         """Cant is measured between the rail tops, which lie outside of the gauge."""
         if not self.gauge_mm <= self.cant_base * 1000.0 <= self.gauge_mm + 500.0:
-            allowed = f"{plain(self.gauge_mm)} to {plain(self.gauge_mm + 500.0)}"
+            allowed = f"{plain_number(self.gauge_mm)} to {plain_number(self.gauge_mm + 500.0)}"
             yield Fault("cant_base_mm", f"must be from the gauge to 500 mm more ({allowed})")
         said: set[int] = set()
         for side in ("left", "right"):
@@ -281,7 +281,7 @@ class TrackSection(Section, header="[track]"):
             for (_, before), (i, now) in pairwise(own):
                 if now.at_m <= before.at_m and i not in said:
                     said.add(i)
-                    message = f"must be more than {plain(before.at_m)}, where its rail has the section before"
+                    message = f"must be more than {plain_number(before.at_m)}, where its rail has the section before"
                     yield Fault(("rail_sections", i, "at_m"), message)
 
     @property

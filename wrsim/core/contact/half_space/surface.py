@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 from wrsim.core.contact.patch import pair
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.rail import rail_point
-from wrsim.core.contact.records import Pose, Rail, Wheel
+from wrsim.core.contact.records import PlacedWheel, Rail, WheelPose
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.jit.arena import Array, Ints, Record, Records, record
 from wrsim.core.jit.compiling import inlined, kernel
@@ -40,7 +40,7 @@ LONGEST_STEP = 2.5e-4  # of the walk along the axis [m]
 
 
 @inlined
-def _offset(wheel: Wheel, rail: Rail, arc_wheel: float, arc_rail: float) -> tuple[float, float]:
+def _offset(wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float) -> tuple[float, float]:
     """How far the wheel's point lies ahead of the rail's, along the mean tangent [m], and the wheel's shrink."""
     w, r = locus_point(wheel, arc_wheel), rail_point(rail, arc_rail)
     to = 0.5 * (r.tu - w.nb)
@@ -50,7 +50,7 @@ def _offset(wheel: Wheel, rail: Rail, arc_wheel: float, arc_rail: float) -> tupl
 
 
 @kernel
-def _beside(wheel: Wheel, rail: Rail, arc_wheel: float, arc_rail: float) -> float:
+def _beside(wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float) -> float:
     """Arclength on the wheel of the outline's point at the same lateral place as the rail's."""
     u = rail_point(rail, arc_rail).u
     for _ in range(20):
@@ -61,7 +61,14 @@ def _beside(wheel: Wheel, rail: Rail, arc_wheel: float, arc_rail: float) -> floa
 
 @kernel
 def lay_axis(
-    wheel: Wheel, rail: Rail, arc_wheel: float, arc_rail: float, level: bool, start: float, step: float, axis: Records
+    wheel: PlacedWheel,
+    rail: Rail,
+    arc_wheel: float,
+    arc_rail: float,
+    level: bool,
+    start: float,
+    step: float,
+    axis: Records,
 ) -> None:
     """Rows at s = start, start + step, ... from a pair of opposite points at s = 0.
 
@@ -120,7 +127,7 @@ def _meet_rail(rail: Rail, row: Record) -> tuple[float, bool]:
 
 
 @inlined
-def _meet_wheel(wheel: Wheel, point: Vec, normal: Vec, arc: float, t: float) -> tuple[float, float, bool]:
+def _meet_wheel(wheel: PlacedWheel, point: Vec, normal: Vec, arc: float, t: float) -> tuple[float, float, bool]:
     """Distance along a normal from a point, relative to the wheel's origin, to the surface of revolution.
 
     Returns it, the arclength on the profile, and whether the normal gets there.
@@ -197,7 +204,7 @@ def _within(section: Array, i: int, centre: Vec, no: float, nb: float, share: fl
 
 
 @inlined
-def _meet_along(wheel: Wheel, row: Record, incline: Incline, x0: float, dx: float, place: Array) -> None:
+def _meet_along(wheel: PlacedWheel, row: Record, incline: Incline, x0: float, dx: float, place: Array) -> None:
     """Distance along a row's normal from the reference to the wheel at columns x0 + i dx, to ``place``; infinite where
     the normal does not get there."""
     normal = Vec(0.0, row.no, row.nb)
@@ -225,7 +232,7 @@ def _meet_along(wheel: Wheel, row: Record, incline: Incline, x0: float, dx: floa
 
 @kernel
 def fill_gap_along(
-    wheel: Wheel,
+    wheel: PlacedWheel,
     sections: Array,
     parts: Ints,
     incline: Incline,
@@ -255,7 +262,7 @@ def fill_gap_along(
 
 
 @kernel
-def fill_gap(wheel: Wheel, rail: Rail, axis: Records, x0: float, dx: float, pen: Array, place: Array) -> None:
+def fill_gap(wheel: PlacedWheel, rail: Rail, axis: Records, x0: float, dx: float, pen: Array, place: Array) -> None:
     """Interpenetration of the undeformed bodies along the rows' normals.
 
     axis: from lay_axis; columns at x0 + i dx; pen: (rows, columns) [m], negative where a gap is open; place: the same
@@ -275,7 +282,7 @@ def fill_gap(wheel: Wheel, rail: Rail, axis: Records, x0: float, dx: float, pen:
 
 @kernel
 def rigid_slip(
-    pose: Pose, least_speed: float, axis: Records, incline: Incline, x0: float, dx: float, place: Array, w: Array
+    pose: WheelPose, least_speed: float, axis: Records, incline: Incline, x0: float, dx: float, place: Array, w: Array
 ) -> None:
     """Write the rigid slip w (2, rows, columns) at x0 + i dx on the surface that ``fill_gap`` has found.
 

@@ -23,7 +23,7 @@ from math import ceil, log, pi, sqrt
 
 from wrsim.core.contact.normal.elliptic import strip_potential
 from wrsim.core.contact.patch import fill_strips, find_edge, first_step
-from wrsim.core.contact.records import STATUS_PROFILE_END, Pose, Rail, Wheel
+from wrsim.core.contact.records import STATUS_PROFILE_END, PlacedWheel, Rail, WheelPose
 from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.dense import factorise, solve_factorised
 from wrsim.core.jit.arena import Array, Record, Records
@@ -32,7 +32,7 @@ from wrsim.core.jit.compiling import kernel
 
 @kernel
 def bound_lobe(
-    wheel: Wheel, rail: Rail, settings: Record, found: Records, i: int, left: float, right: float, lobes: Records
+    wheel: PlacedWheel, rail: Rail, settings: Record, found: Records, i: int, left: float, right: float, lobes: Records
 ) -> int:
     """Recess and edges of lobe i, at most ``left`` and ``right`` of the main point.
 
@@ -53,7 +53,9 @@ def bound_lobe(
 
 
 @kernel
-def lay_lobe(wheel: Wheel, rail: Rail, settings: Record, lobes: Records, count: int, i: int, strips: Records) -> None:
+def lay_lobe(
+    wheel: PlacedWheel, rail: Rail, settings: Record, lobes: Records, count: int, i: int, strips: Records
+) -> None:
     """Strips of one lobe: by their width, or by their number.
 
     Where the model's patches are joint the lobes of a patch share the number by their widths; else every lobe has all
@@ -85,7 +87,7 @@ def lay_lobe(wheel: Wheel, rail: Rail, settings: Record, lobes: Records, count: 
 
 
 @kernel
-def press_lobes(settings: Record, pose: Pose, lobes: Records, strips: Records, count: int, work: Array) -> None:
+def press_lobes(settings: Record, pose: WheelPose, lobes: Records, strips: Records, count: int, work: Array) -> None:
     """Pressures of all lobes from the displacements at their main points, with damping. work: (12, >= 8) scratch."""
     matrix = work[:3]
     rows = work[3:6]

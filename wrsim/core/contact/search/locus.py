@@ -21,8 +21,8 @@ the outline has a cusp. k_t is held at ``LEAST_ROLLING_CURVATURE`` k1 there; no 
 from math import sqrt
 from typing import NamedTuple
 
-from wrsim.core.contact.profile import Point, profile_point
-from wrsim.core.contact.records import Pose, Profile, Wheel, read_pose
+from wrsim.core.contact.profile import ProfilePoint, profile_point
+from wrsim.core.contact.records import PlacedWheel, ProfileTable, WheelPose, read_pose
 from wrsim.core.jit.arena import Array
 from wrsim.core.jit.compiling import inlined, kernel
 
@@ -58,10 +58,10 @@ class Node(NamedTuple):
 
 
 @inlined
-def placed(profile: Profile, radius: float, pose: Pose) -> Wheel:
+def placed(profile: ProfileTable, radius: float, pose: WheelPose) -> PlacedWheel:
     """The wheel of that profile and radius in that pose."""
     e_t = pose.axle.x
-    return Wheel(profile, radius, pose.origin, pose.axle, sqrt(1.0 - e_t * e_t))
+    return PlacedWheel(profile, radius, pose.origin, pose.axle, sqrt(1.0 - e_t * e_t))
 
 
 @inlined
@@ -71,7 +71,7 @@ def _cosine(s2: float) -> float:
 
 
 @inlined
-def locus_point(wheel: Wheel, arc: float) -> Locus:
+def locus_point(wheel: PlacedWheel, arc: float) -> Locus:
     """Point of the locus at profile arclength ``arc``."""
     origin, e, q = wheel.origin, wheel.axle, wheel.q
     at = profile_point(wheel.profile, arc)
@@ -120,7 +120,7 @@ def locus_point(wheel: Wheel, arc: float) -> Locus:
 
 
 @inlined
-def locus_node(wheel: Wheel, at: Point, largest: float) -> Node:
+def locus_node(wheel: PlacedWheel, at: ProfilePoint, largest: float) -> Node:
     """The outline at a point of the profile, without its curvature.
 
     Where abs(sine) is not below ``largest`` the locus has no point (a nearly vertical flank of a yawed wheel touches
@@ -149,7 +149,7 @@ def outline(table: Array, step: float, radius: float, pose: Array, arc: Array, o
 
     pose: (POSE,).
     """
-    wheel = placed(Profile(table, step), radius, read_pose(pose))
+    wheel = placed(ProfileTable(table, step), radius, read_pose(pose))
     for i in range(arc.shape[0]):
         at = locus_node(wheel, profile_point(wheel.profile, arc[i]), DRAWN_SINE)
         out[0, i] = at.o

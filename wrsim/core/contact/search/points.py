@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from wrsim.core.contact.profile import node
 from wrsim.core.contact.rail import rail_chord, rail_length, rail_point
-from wrsim.core.contact.records import Field, Rail, Wheel
+from wrsim.core.contact.records import Field, PlacedWheel, Rail
 from wrsim.core.contact.search.locus import LARGEST_SINE, locus_node, locus_point
 from wrsim.core.jit.arena import Record, Records
 from wrsim.core.jit.compiling import inlined, kernel
@@ -127,7 +127,7 @@ def _near(rail: Rail, o: float, b: float, foot: float, no: float, nb: float) -> 
 
 
 @kernel
-def refine(wheel: Wheel, rail: Rail, lo: float, hi: float, arc: float, foot: float, kind: float) -> Stationary:
+def refine(wheel: PlacedWheel, rail: Rail, lo: float, hi: float, arc: float, foot: float, kind: float) -> Stationary:
     """A stationary point of the distance between two wheel arclengths: safeguarded Newton on its slope.
 
     Where curvatures jump, at joins of arcs, they give the rate of the slope wrongly: where a step has not brought it
@@ -192,7 +192,7 @@ def _rail_slope(rail: Rail, foot: float, no: float, nb: float) -> float:
 
 
 @inlined
-def _set_saddle(wheel: Wheel, rail: Rail, before: Record, met: Stationary, top: float) -> None:
+def _set_saddle(wheel: PlacedWheel, rail: Rail, before: Record, met: Stationary, top: float) -> None:
     """The place between two contacts where the distance is largest, if it is in the rail; top: about where on the
     wheel."""
     span = met.arc_wheel - before.arc_wheel
@@ -238,7 +238,7 @@ def _passed(last: Sample, i: int) -> Sample:
 
 @kernel
 def find_contacts(
-    wheel: Wheel, rail: Rail, field: Field, stride: int, hollow: float, found: Records
+    wheel: PlacedWheel, rail: Rail, field: Field, stride: int, hollow: float, found: Records
 ) -> tuple[int, float, int]:
     """All local maxima of the interpenetration, in order along the wheel profile.
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from wrsim.core.contact.patch import bisector
 from wrsim.core.contact.profile import length
-from wrsim.core.contact.rail import along, parting, rail_and_felt, rail_length, tilted
+from wrsim.core.contact.rail import along, parting, rail_and_envelope, rail_length, tilted
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.contact.strips.records import FACTORS, ROWS
 from wrsim.core.jit.compiling import inlined, kernel
@@ -47,13 +47,13 @@ def opposite(wheel, rail, arc_wheel, arc_rail):
     """The pair at these arclengths; what the wheel's point is ahead along the mean tangent is taken back along its own
     tangent."""
     w = locus_point(wheel, arc_wheel)
-    r, felt = rail_and_felt(rail, arc_rail)
+    r, envelope = rail_and_envelope(rail, arc_rail)
     no, nb = bisector(w, r)
     ahead = (w.o - r.u) * nb - (w.b - r.w) * no
     wo = w.o + ahead * w.nb
     wb = w.b - ahead * w.no
     d = -((wo - r.u) * no + (wb - r.w) * nb)
-    at = along(rail, felt, r, w.x, w.to_axle)
+    at = along(rail, envelope, r, w.x, w.to_axle)
     return Opposite(
         d * tilted(at), w.x + at.ahead, 0.5 * (wo + r.u), 0.5 * (wb + r.w) + at.drop, no, nb, w.shrink,
         parting(w.r_t, at), ahead, at.slope,
