@@ -218,7 +218,7 @@ def test_a_second_run_into_a_folder_in_use_changes_nothing_there(scenario: Path,
     assert call("run", other, "-o", out, "--no-pictures").exit_code == 0, "the lock is gone with its holder"
 
 
-@pytest.mark.parametrize("place", ["wrsim.results.write_run", "wrsim.plots.standard_figures"])
+@pytest.mark.parametrize("place", ["wrsim.report.output_folder.write_run", "wrsim.plots.standard_figures"])
 def test_tables_and_pictures_belong_to_the_run_until_they_are_there(
     scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, analysed: list[str]
 ) -> None:
