@@ -108,7 +108,8 @@ def sections_of(
         edges = np.linspace(start, end, pieces + 1)
         for a, b in pairwise(edges):
             part = slice(*np.searchsorted(distance, [a, b]))
-            bend = _bend(curvature[part] if part.stop > part.start else curvature[first : first + 1], zone)
+            own = curvature[part] if part.stop > part.start else curvature[first : first + 1]
+            bend = float(own[np.argmax(np.abs(own))] if zone == TRANSITION else own.mean())
             hand = np.sign(bend) if abs(bend) > 1e-9 else 1.0
             found.append(
                 AssessedSection(
@@ -141,11 +142,6 @@ def _track_passed(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array]:
     order = np.argsort(flat, kind="stable")
     order = order[np.concatenate(([True], np.diff(flat[order]) > CLOSE))]
     return flat[order], curvature.ravel()[order], cant.ravel()[order], speed.ravel()[order]
-
-
-def _bend(curvature: Array, zone: str) -> float:
-    """Mean curvature of a section, the sharpest one of a transition [1/m]."""
-    return float(curvature[np.argmax(np.abs(curvature))] if zone == TRANSITION else curvature.mean())
 
 
 def _stretches(

@@ -80,6 +80,7 @@ def _qualities(raster: Array, waves: dict[str, Array], sections: Sequence[Assess
         kmh = 3.6 * section.speed - 1e-6
         for direction, signal in waves.items():
             *usual, first, second = _row(QN[direction], QN_SPEEDS, kmh)
+            low, high = _row(TL90[direction], TL90_SPEEDS, kmh)
             deviation = float(signal[inside].std(axis=0).max())
             largest = float(np.abs(signal[inside]).max())
             yield TrackQuality(
@@ -89,7 +90,7 @@ def _qualities(raster: Array, waves: dict[str, Array], sections: Sequence[Assess
                 largest,
                 _step(1e3 * deviation, usual),
                 _step(1e3 * largest, (first, second, QN3 * second)),
-                _band(1e3 * deviation, _row(TL90[direction], TL90_SPEEDS, kmh)),
+                "below" if 1e3 * deviation < low else "within" if 1e3 * deviation <= high else "above",
             )
 
 
@@ -101,8 +102,3 @@ def _row(table: Sequence[Sequence[float]], speeds: Sequence[float], kmh: float) 
 def _step(value: float, most: Sequence[float]) -> str:
     """The first step that holds a value."""
     return next((f"QN{i + 1}" for i, limit in enumerate(most) if value <= limit), f"above QN{len(most)}")
-
-
-def _band(value: float, ends: Sequence[float]) -> str:
-    """Where a value lies beside a band."""
-    return "below" if value < ends[0] else "within" if value <= ends[1] else "above"

@@ -42,19 +42,24 @@ def numbers_at_rest(
         ],
     }
     if vehicle.loads:
-        found["under_loads"] = _or_problem(_under_loads, vehicle)
+        found["under_loads"] = _or_problem(lambda: _under_loads(vehicle))
     if cant_deficiency is not None:
         angle = asin(cant_deficiency / 1e3 / CANT_BASE)
-        found["leaning"] = {"cant_deficiency_mm": cant_deficiency} | _or_problem(_leaning, trimmed, level, angle)
+        found["leaning"] = {"cant_deficiency_mm": cant_deficiency} | _or_problem(
+            lambda: _leaning(trimmed, level, angle)
+        )
     if twist is not None:
-        found["twisted"] = {"twist_permille": twist} | _or_problem(_twisted, trimmed, level, twist / 1e3 / CANT_BASE)
+        turned = twist / 1e3 / CANT_BASE
+        found["twisted"] = {"twist_permille": twist} | _or_problem(
+            lambda: _unloading(trimmed, level, static_state(trimmed, turned))
+        )
     return found
 
 
-def _or_problem(numbers: Callable[..., dict[str, Any]], *arguments: Any) -> dict[str, Any]:
+def _or_problem(numbers: Callable[[], dict[str, Any]]) -> dict[str, Any]:
     """Numbers of a vehicle at rest, or why it does not come to rest."""
     try:
-        return numbers(*arguments)
+        return numbers()
     except SimulationError as error:
         return {"problem": str(error)}
 
@@ -84,11 +89,6 @@ def _leaning(vehicle: Vehicle, level: StaticState, angle: float) -> dict[str, An
         "roll_deg": {name: degrees(roll) for name, roll in rolls.items()},
     }
     return _unloading(vehicle, level, rest) | sway
-
-
-def _twisted(vehicle: Vehicle, level: StaticState, twist: float) -> dict[str, Any]:
-    """Wheel loads on a track of this twist [rad/m]; see `_leaning`."""
-    return _unloading(vehicle, level, static_state(vehicle, twist))
 
 
 def _unloading(vehicle: Vehicle, level: StaticState, rest: StaticState) -> dict[str, Any]:
