@@ -208,10 +208,8 @@ def _surfaces(scenario: Scenario, track: Track, files: list[Path]) -> tuple[Rail
                     message = f"{which}must be on the track, which is {track.length:g} m long"
                     raise scenario.fault(("track", "rail_sections", i, "at_m"), message)
                 own.append(replace(one, distance=float(curve.arclength(place))))
-        try:
+        with scenario.faults_at(("track", "rail_sections")):
             found.append(RailSurface(f"{side} rail", tuple(own)) if own else None)
-        except InputError as error:
-            raise scenario.fault(("track", "rail_sections"), str(error)) from None
     return found[0], found[1]
 
 

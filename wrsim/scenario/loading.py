@@ -82,12 +82,18 @@ class Scenario:
             value = None  # the key is not given: its default does not fit
         return InputError(fault_line(path, message, self.locate, value))
 
-    def find(self, path: KeyPath, name: str) -> Path:
-        """Return the model file of this name; InputError names the key at ``path`` that asks for it."""
+    @contextmanager
+    def faults_at(self, path: KeyPath) -> Iterator[None]:
+        """Whatever is refused meanwhile is a fault of the key at ``path``."""
         try:
-            return self.finder.find(name)
+            yield
         except InputError as error:
             raise self.fault(path, str(error)) from None
+
+    def find(self, path: KeyPath, name: str) -> Path:
+        """Return the model file of this name; InputError names the key at ``path`` that asks for it."""
+        with self.faults_at(path):
+            return self.finder.find(name)
 
     @contextmanager
     def naming(self, path: KeyPath) -> Iterator[None]:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
-from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.irregularities import Disturbance
 from wrsim.geometry.track.segments import Laws, Segment, Straight, laws
 from wrsim.geometry.track.table import IRREGULARITIES, TrackTable
 from wrsim.geometry.track.track import ROUNDING, Track
-from wrsim.inputs.lines import KeyPath
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.irregularities import TableSection
 
@@ -33,7 +29,7 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile], files: list[Pat
     gauge = section.gauge_mm / 1e3
     row: tuple[Segment, ...] = tuple(s.to_geometry() for s in section.segments)
     uneven: list[Disturbance] = []
-    with _faults_at(scenario, ("track",)):
+    with scenario.faults_at(("track",)):
         if section.table is not None:
             files.append(scenario.find(("track", "table"), section.table))
             table = TrackTable.read(files[-1])
@@ -47,9 +43,9 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile], files: list[Pat
         key = ("track", "irregularities", i)
         if isinstance(entry, TableSection):
             files.append(scenario.find((*key, "file"), entry.file))
-        with _faults_at(scenario, key):
+        with scenario.faults_at(key):
             uneven += entry.disturbances(law.curvature.end, files[-1])
-    with _faults_at(scenario, ("track",)):
+    with scenario.faults_at(("track",)):
         offsets = [(0.0, 0.0)] * 2  # of the profiles' origins, from half the gauge and from the track's plane
         if section.gauge_between == "gauge points":
             offsets = [(-rail.gauge_point()[0], -rail.top[1]) for rail in rails]
@@ -65,14 +61,6 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile], files: list[Pat
             step=section.row_distance_m,
             elasticity=None if section.elasticity is None else section.elasticity.to_geometry(),
         )
-
-
-@contextmanager
-def _faults_at(scenario: Scenario, key: KeyPath) -> Iterator[None]:
-    try:
-        yield
-    except InputError as error:
-        raise scenario.fault(key, str(error)) from None
 
 
 def gauge_extremes(track: Track) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from functools import partial
 from operator import methodcaller
 from pathlib import Path
 
-from wrsim.errors import InputError, suggest
+from wrsim.errors import suggest
 from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.lookup import model_file, usual_finder
 from wrsim.scenario.loading import Scenario
@@ -92,10 +92,8 @@ def _with_loads(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
             raise scenario.fault(("vehicle", "payloads", i, "on"), NO_BALLAST)
         else:
             masses.append(found)
-    try:
+    with scenario.faults_at(("vehicle", "payloads")):
         vehicle = with_ballast(vehicle, masses)
         vehicle = replace(vehicle, loads=(*vehicle.loads, *loads), payloads=(*vehicle.payloads, *forces))
         preloads(vehicle)
-    except InputError as error:
-        raise scenario.fault(("vehicle", "payloads"), str(error)) from None
     return vehicle
