@@ -326,7 +326,7 @@ def test_a_faulty_table_is_told_with_its_line(tmp_path: Path, text: str, message
 def test_a_band_finer_than_the_table_is_refused(tmp_path: Path) -> None:
     s = np.arange(0.0, 100.0, 1.0)
     file = write_table(tmp_path / "t.csv", {"distance_m": s, "level_mm": np.sin(s / 5.0)})
-    with pytest.raises(InputError, match="rows are up to 1 m apart and tell no waves shorter than 2 m"):
+    with pytest.raises(InputError, match="rows are up to 1 m apart and resolve no waves shorter than 2 m"):
         TrackTable.read(file).disturbances(0.0, 10.0, band=(1.0, 50.0))
     with pytest.raises(InputError, match="has no geometry"):
         TrackTable.read(file).laws(1.435)

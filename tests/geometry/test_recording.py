@@ -412,7 +412,7 @@ def test_recordings_that_are_too_short_or_too_coarse_are_refused(tmp_path: Path)
     read = read_recording(tmp_path / "line.csv", band="D1")
     with pytest.raises(InputError, match=r"is 99\.75 m long; must be two of the longest waves wanted, 70 m each"):
         restore(read, BAND, AMPLIFICATION)
-    with pytest.raises(InputError, match=r"rows 0\.25 m apart tell no waves shorter than 1 m"):
+    with pytest.raises(InputError, match=r"rows 0\.25 m apart resolve no waves shorter than 1 m"):
         restore(read, (0.5, 25.0), AMPLIFICATION)
 
 

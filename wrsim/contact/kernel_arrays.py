@@ -67,7 +67,7 @@ class KernelArrays:
         return self._substitutes.item()
 
     def follow(self, on: bool) -> None:
-        """From now on the strip model starts from the contact asked for last (in runs), or afresh each time.
+        """From now on the strip model starts from the contact asked for last (in runs), or cold each time.
 
         Its answer is the same to its tolerance.
         """

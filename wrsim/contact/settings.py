@@ -38,7 +38,7 @@ USUAL: dict[Normal, Usual] = {
 }
 """Defaults that depend on another choice. Such a key is None in ContactSettings until it is asked for."""
 
-DRY = 0.35  # coefficient of friction unless told otherwise
+DRY = 0.35  # coefficient of friction unless given
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class HalfSpaceSettings:
 
     element: size of the elements (along x, along s) [m]; None: so that the smallest patch that matters gets about
     ``resolution`` elements over its length and its width, across not larger than about 0.2 mm, and halved across until
-    no peak of pressure is sharper than the rows can tell. influence: of a plane half-space, or turned by the angle
+    no peak of pressure is sharper than the rows can resolve. influence: of a plane half-space, or turned by the angle
     between the normals.
     tolerance: of the gap over the approach; tractions are solved to ten times that over the largest bound.
     together, apart: distances of two zones of overlap up to which they press each other down fully, and from which on

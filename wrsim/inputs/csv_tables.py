@@ -89,7 +89,7 @@ def _header_faults(header: list[str], where: str, columns: Mapping[str, Any], ne
     guessed: set[str | None] = set()
     for name in header:
         if name not in columns:
-            near = nearest(name, list(columns)) if len(faults) < MOST_FAULTS else None  # more are not told
+            near = nearest(name, list(columns)) if len(faults) < MOST_FAULTS else None  # more are not listed
             guessed.add(near)
             hint = f"did you mean '{near}'?" if near else f"the columns are {', '.join(columns)}"
             faults.append(f"{where}: column {shown_value(name)}: unknown; {hint}")
@@ -118,8 +118,8 @@ def _row_by_row(path: Path, rows: list[Row], header: list[str], columns: Mapping
             if value is None or (columns[name] is not str and not _allowed(columns[name], np.array(value))):
                 comma = "," in cell and _number(cell.replace(",", ".")) is not None
                 hint = f"; decimals need a point: {cell.replace(',', '.')}" if comma else ""
-                told = shown_value(cell) if value is None else cell
-                faults.append(f"{path}:{number}: {name} = {told}: must be {words(columns[name])}{hint}")
+                found = shown_value(cell) if value is None else cell
+                faults.append(f"{path}:{number}: {name} = {found}: must be {words(columns[name])}{hint}")
             column.append(value)
     _refuse(path, faults)
     return list(table)

@@ -1,4 +1,4 @@
-"""What a file may hold, told from its sections: tables of keys for people, and a JSON schema for editors."""
+"""What a file may hold, by its sections: tables of keys for people, and a JSON schema for editors."""
 
 from __future__ import annotations
 

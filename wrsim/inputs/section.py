@@ -1,4 +1,4 @@
-"""A table of a file: strict, frozen, and able to tell all its faults at once.
+"""A table of a file: strict, frozen, and able to report all its faults at once.
 
 pydantic checks the fields; on top of it a Section
 
@@ -27,7 +27,7 @@ STRICT = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=Fals
 FAULT, ABSENT = "fault", "absent"
 """Our kinds of faults; all others are pydantic's and not yet in our words."""
 MOST_FAULTS = 50
-"""Faults of one file that are told; more are counted."""
+"""Faults of one file that are listed; more are counted."""
 UNITS = {
     "m": "m", "mm": "mm", "km": "km", "in": "inches", "ft": "feet", "kmh": "km/h", "mps": "m/s",
     "s": "s", "ms": "ms", "us": "microseconds", "N": "N", "kN": "kN", "kg": "kg", "t": "t", "kg_m2": "kg m2",
@@ -77,7 +77,7 @@ class Section(BaseModel):
     goes_with: ClassVar[dict[str, str]] = {}
     """Key -> the key or keys, of which one is enough, without which it means nothing."""
     also_called: ClassVar[str] = ""
-    """What entries of this kind are called elsewhere, with spaces between; of tables that are told apart by a key."""
+    """Names of this kind elsewhere, with spaces between; of tables that are distinguished by a key."""
 
     def __init_subclass__(cls, header: str = "", **rest: Any) -> None:
         super().__init_subclass__(**rest)
@@ -150,17 +150,17 @@ class Section(BaseModel):
         except ValidationError as error:
             found = error.errors(include_url=False)
             inside = {e["loc"][0] for e in found if len(e["loc"]) > 1}
-            told = {f["loc"] for f in faults}
+            known = {f["loc"] for f in faults}
             for e in found:
                 key = str(e["loc"][0])
                 if key not in data or key in guessed:
                     continue  # named above
                 if e["type"] == "too_short" and e["loc"] == (key,) and key in inside:
-                    continue  # pydantic counts good entries only, and the bad ones are told
+                    continue  # pydantic counts good entries only, and the bad ones are reported
                 fault = _in_our_words(fields(cls)[key], e, data[key])
-                if e["type"] in (FAULT, ABSENT) or fault["loc"] not in told:
+                if e["type"] in (FAULT, ABSENT) or fault["loc"] not in known:
                     faults.append(fault)
-                    told.add(fault["loc"])
+                    known.add(fault["loc"])
         named = {f["loc"] for f in faults}
         combinations = [*cls._ways(data), *cls.rules(data)]
         if kept is not None and not faults and not combinations:
@@ -176,7 +176,7 @@ class Section(BaseModel):
 
     @classmethod
     def _translate(cls, raw: dict[str, Any]) -> tuple[dict[str, Any], list[InitErrorDetails], set[str]]:
-        """Return the table with slips put right, the faults that tell of them, and the keys so guessed."""
+        """Return the table with slips put right, the faults that report them, and the keys so guessed."""
         data: dict[str, Any] = {}
         faults: list[InitErrorDetails] = []
         guessed: set[str] = set()
@@ -184,7 +184,7 @@ class Section(BaseModel):
             if key in cls.model_fields:
                 data[key] = value
                 continue
-            few = len(faults) < MOST_FAULTS  # more are not told
+            few = len(faults) < MOST_FAULTS  # more are not listed
             message, meant = cls._unknown(str(key), raw) if few else ("unknown key", None)
             faults.append(_detail(FAULT, message, (str(key),), value))
             if meant is not None and meant not in raw:
@@ -220,7 +220,7 @@ class Section(BaseModel):
 
 
 class Choice(Section):
-    """Base of tables of several kinds, told apart by the value of one key; a subclass names its own: ``kind="arc"``."""
+    """Base of tables of several kinds, by the value of one key; a subclass names its own: ``kind="arc"``."""
 
     tag: ClassVar[str] = "kind"
 

@@ -78,7 +78,7 @@ class ChannelSection(Section, header="[[channels]]"):
     base_m: Annotated[float, number(0.5, 30, "m")] | None = None
     """Base of twist, 3 m unless given, or length over which curvature was measured."""
     with_curvature: Switch | None = None
-    """Whether alignment holds the curve itself; left out: the record tells."""
+    """Whether alignment holds the curve itself; left out: by the record."""
 
     def consistency(self) -> Iterator[Fault]:
         """Unit and sign fit the quantity, and the measuring system fits it."""

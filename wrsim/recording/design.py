@@ -35,7 +35,7 @@ LONGEST_PIECE = 2000.0
 PRICE = 120.0
 """Price of a piece in squares of the records' noise."""
 LAG = 20.0
-"""Distance over which the noise is told from the records' bends [m]."""
+"""Distance over which the noise is separated from the records' bends [m]."""
 LEAST_CURVATURE, LEAST_CANT = 4e-5, 6e-3
 """What is no change of curvature [1/m] and cant [m], however quiet the records are: a radius of 25 km is straight."""
 QUIETEST = (2e-6, 2e-4)

@@ -27,7 +27,7 @@ FEWEST = 40
 @dataclass(frozen=True, eq=False)
 class TrackRecording:
     """start: distance of the first row [m]; step: between rows [m]; channels with their records (n,), in SI units and
-    with our signs (`docs/recording.md`); lines: of the rows in the file; guessed: columns whose meaning was told from
+    with our signs (`docs/recording.md`); lines: of the rows in the file; guessed: columns whose meaning comes from
     their names; unused: the other columns.
     """
 
@@ -64,7 +64,7 @@ def read_recording(
 ) -> TrackRecording:
     """Read a recording (CSV: commas, or semicolons with decimal points or commas).
 
-    columns: the column map; without one the columns' names have to tell. chord, band: see `columns.guessed`. part: from
+    columns: the column map; without one the columns' names decide. chord, band: see `columns.guessed`. part: from
     and to which distance of the file [m]. Raises InputError that names file, line and column: for cells that are no
     numbers, gaps, distances that repeat or run backward, and columns that are not there.
     """

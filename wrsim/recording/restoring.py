@@ -2,7 +2,7 @@
 
 What the design alone would leave in a record is taken off before the record is undone: the versine of a curve, the
 ramps of cant under one rail's level. Alignment of many cars is freed of the curve already; whether it is, the record
-itself tells."""
+itself shows."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ Array = NDArray[np.float64]
 SIDES = {"_left": 1.0, "_right": -1.0}
 LEAST_WIDENING = 1.5e-3
 """Mean gauge of an arc beyond the nominal one that counts as designed [m]."""
-TOLD = 0.15
+LARGEST_SPREAD = 0.15
 """Largest standard deviation of a curve's share in a record of alignment with which that says if it is there."""
 UNDECIDED = (0.3, 0.7)
-"""Shares between which nobody can tell."""
+"""Shares that decide nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +62,14 @@ def restore(
     """Design and irregularities; band: wavelengths of these [m]; amplification: see `InverseFilter`;
     forms: of transitions that may be.
 
-    Raises InputError for a band that the rows do not tell, a recording shorter than two of the longest waves, and a
+    Raises InputError for a band that the rows do not resolve, a recording shorter than two of the longest waves, and a
     sign of alignment that is opposite to that of curvature.
     """
     step, s = recording.step, recording.distance
     if band[0] < 4.0 * step:
         raise InputError(
-            f"{recording.path}: rows {step:g} m apart tell no waves shorter than {4.0 * step:g} m; the shortest wanted "
-            f"is {band[0]:g} m (--wavelength-m)"
+            f"{recording.path}: rows {step:g} m apart resolve no waves shorter than {4.0 * step:g} m; the shortest "
+            f"wanted is {band[0]:g} m (--wavelength-m)"
         )
     if recording.length < 2.0 * band[1]:
         raise InputError(
@@ -254,7 +254,7 @@ def _holds_curve(work: _Work, channel: ChannelSection, record: Array, curve: Arr
     share = float(curve @ record) / size if size > 0.0 else 1.0
     # irregularities are alike over a quarter of the longest wave or so
     alike = 0.25 * work.band[1] / work.recording.step
-    if size == 0.0 or _rms(record - share * curve) * np.sqrt(alike / size) > TOLD:
+    if size == 0.0 or _rms(record - share * curve) * np.sqrt(alike / size) > LARGEST_SPREAD:
         return True
     name, key = f"column '{channel.column}'", "with_curvature = true or false in its [[channels]] says it"
     if share < -UNDECIDED[0]:

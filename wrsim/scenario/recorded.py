@@ -32,7 +32,7 @@ ROOM = 40.0
 FALL = 20.0
 """Length over which the irregularities end [m]."""
 DEFICIENCY = 0.1
-"""Cant deficiency of the speed unless told otherwise [m]."""
+"""Cant deficiency of the speed unless given [m]."""
 FASTEST, SLOWEST = 160.0, 20.0
 """Limits of that speed [km/h]."""
 

@@ -117,7 +117,7 @@ def _with_all_tables() -> type[ScenarioSpec]:
     return create_model("ScenarioFile", __base__=ScenarioSpec, **tables)
 
 
-def _tell_tables_of_each_other() -> None:
+def _link_tables() -> None:
     """Let every table say where a key belongs that it does not know."""
     tables = tuple(dict.fromkeys(tables_in(ScenarioFile)))
     for table in tables:
@@ -130,4 +130,4 @@ def _tell_tables_of_each_other() -> None:
 
 
 ScenarioFile = _with_all_tables()
-_tell_tables_of_each_other()
+_link_tables()

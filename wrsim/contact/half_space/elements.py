@@ -50,7 +50,7 @@ class Pressed:
 def press(
     footprint: Footprint, settings: HalfSpaceSettings, compliance: Compliance, start: Array | None
 ) -> Pressed | None:
-    """The normal problem on a grid that holds the contact and tells its peaks; None with too many elements.
+    """The normal problem on a grid that holds the contact and resolves its peaks; None with too many elements.
 
     start: pressures to begin with, of use on the same elements.
     """

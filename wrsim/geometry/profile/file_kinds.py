@@ -153,7 +153,7 @@ class ChainArc(PieceTable, kind="arc"):
     radius_mm: Length
     """Radius of the circle."""
     to_angle_deg: Annotated[float, number(-180.0, 180.0)]
-    """Angle of the tangent at its end, positive where the curve rises outward; it tells which way the arc bends."""
+    """Angle of the tangent at its end, positive where the curve rises outward; it decides which way the arc bends."""
 
 
 class ProfileFile(Choice, header="a profile file"):
@@ -299,7 +299,7 @@ class PointsFile(ProfileFile, kind="points"):
     file: Annotated[str, text("the name of a file of points, relative to this file,")]
     """The points: two columns, SIMPACK or MiniProf."""
     format: Literal[*PROFILE_FILES] | None = None  # type: ignore[valid-type]
-    """How the file is to be read; left out, its suffix tells."""
+    """How the file is to be read; left out, its suffix decides."""
     measured: Switch | None = None
     """Whether points are measured, so smoothed, or exact, so interpolated; left out: MiniProf is measured."""
     cutoff_mm: Annotated[float, positive(100.0)] | None = None
@@ -318,7 +318,7 @@ class PointsFile(ProfileFile, kind="points"):
     """Moves the profile outward and up, last of all."""
 
     def consistency(self) -> Iterator[Fault]:
-        """Suffix or format tell what stands where; a cut-off is for measurements; a clip goes from left to right."""
+        """Suffix or format give the layout; a cut-off is for measurements; a clip goes from left to right."""
         if self.format is None and (fault := suffix_fault(Path(self.file))):
             yield Fault("file", f"{fault}, or name the format")
         if self.measured is False and self.cutoff_mm is not None:

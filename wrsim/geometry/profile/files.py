@@ -149,7 +149,7 @@ def _one_of(path: Path, key: str, value: str | None, allowed: Sequence[str]) -> 
 
 
 def suffix_fault(path: Path) -> str | None:
-    """What is wrong with the suffix of a file of points, in words; None where it tells a format."""
+    """What is wrong with the suffix of a file of points, in words; None where it names a format."""
     known = [s for layout in PROFILE_FILES.values() for s in layout.suffixes]
     if path.suffix.lower() in known:
         return None

@@ -5,7 +5,7 @@ A `Scan` holds what the file says in the file's own units and axes; `profile_fil
 two columns
     Numbers separated by blanks, tabs, commas or semicolons (with semicolons, decimals may have commas). Lines
     that start with # ! % " ' // or * are comments, as is the rest of a line after # or !. A first line of two
-    names is a header; ``u_mm,w_mm`` and the like tell the unit, the names u and w our axes (outward, up).
+    names is a header; ``u_mm,w_mm`` and the like give the unit, the names u and w our axes (outward, up).
 SIMPACK
     Sections header and spline with ``key = value``, points between point.begin and point.end: y (field side
     positive), z (down), optional weight (ignored). Done in this order, as comments in such files number it:
@@ -13,7 +13,7 @@ SIMPACK
     (l[user]/l[m]). ``inversion`` needs no attention, the order follows from the points. ``rotate`` is refused
     unless 0, its sign being nowhere stated.
 MiniProf
-    ``Key=Value`` lines, an empty line, rows of columns as told by ColumnDef (X,Y,...), in mm; XOffset and
+    ``Key=Value`` lines, an empty line, rows of columns as in ColumnDef (X,Y,...), in mm; XOffset and
     YOffset are added. Comments start with # ! % or ".
 """
 
@@ -119,12 +119,12 @@ def _last_digit(word: str) -> float:
 def parse_columns(lines: list[str], file: str) -> Scan:
     """Read two columns of numbers, with or without a header line."""
     scan = Scan(file)
-    said: dict[str, str] = {}
+    head: dict[str, str] = {}
     headed = False
     for number, text in enumerate(lines, 1):
-        told = re.match(r"\s*[#!%]\s*(name|kind|source)\s*[:=]\s*(.*\S)", text)
-        if told and not scan.line:
-            said[told[1]] = told[2]
+        stated = re.match(r"\s*[#!%]\s*(name|kind|source)\s*[:=]\s*(.*\S)", text)
+        if stated and not scan.line:
+            head[stated[1]] = stated[2]
         text = re.split(r"[#!]", text)[0].strip()
         if not text.strip(",;") or text[0] in "%\"'*" or text.startswith("//"):
             continue
@@ -139,9 +139,9 @@ def parse_columns(lines: list[str], file: str) -> Scan:
         if len(row) != 2:
             raise InputError(f"{file}:{number}: {len(row)} columns; allowed: 2, lateral coordinate and height")
         scan.add(row[0], row[1], number)
-    scan.name, scan.source = said.get("name", ""), said.get("source", "")
-    if said.get("kind") in ("wheel", "rail"):
-        scan.kind = said["kind"]  # type: ignore[assignment]
+    scan.name, scan.source = head.get("name", ""), head.get("source", "")
+    if head.get("kind") in ("wheel", "rail"):
+        scan.kind = head["kind"]  # type: ignore[assignment]
     return scan
 
 
@@ -151,7 +151,7 @@ def _starts_numbers(row: list[str]) -> bool:
 
 
 def _columns_header(row: list[str], scan: Scan) -> None:
-    """Take unit and axes from the column names, if they tell."""
+    """Take unit and axes from the column names, if they give them."""
     units = {m[1] for w in row if (m := re.search(r"[_\s(\[](mm|m|in)[)\]]?$", w))}
     if len(units) == 1:
         scan.unit = METRES[units.pop()]

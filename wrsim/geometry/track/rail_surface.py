@@ -6,7 +6,7 @@ every section, so that corner is joined to corner. A feature that lies deeper th
 rail on both sides of it, is a gap: it parts the rail into pieces, as the nose of a crossing and its wing rail. A piece
 that has no length in a section does not exist there.
 
-Along s the points of a piece and their tangents are joined by cubic splines, which part where sections tell of a step
+Along s the points of a piece and their tangents are joined by cubic splines, which part where sections show a step
 or a bend. Before the first and behind the last section the rail stays as it is there; a piece that begins or ends
 between sections falls off steeply."""
 
@@ -42,7 +42,7 @@ FALLING = 0.5
 STEEPEST_OVER = 3.0
 """Largest slope over the smaller secant beside it: a cubic between two numbers does not overshoot then."""
 AS_FAR = 0.5
-"""Of the slope that neighbours tell: the slope of smooth cubics may differ so far from it."""
+"""Of the slope by neighbours: the slope of smooth cubics may differ so far from it."""
 PARTS = ("arclength", "u", "w", "angle", "curvature_before", "curvature_after")
 """Arrays that make a profile."""
 
@@ -261,7 +261,7 @@ def _joined(s: Array, rows: Array, open_ends: tuple[bool, bool]) -> PPoly:
     """Cubics through rows (sections, n, 4) at s; level at the ends where the rail goes on as it is.
 
     The rail's curvature along the track enters the contact, so cubics meet with the same second derivative. Not so at a
-    section where that would lead far off the slope that its neighbours tell, as where a stretch that is planed begins:
+    section where that would lead far off the slope by its neighbours, as where a stretch that is planed begins:
     it takes theirs. All rows have the same weights: so what lies between sections is a sum of shares of them, and the
     tangents that are joined are its own tangents.
     """

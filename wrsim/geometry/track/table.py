@@ -56,7 +56,7 @@ COLUMNS = {
 } | dict.fromkeys(IRREGULARITIES, Annotated[float, number(-200, 200, "mm")])
 
 ROWS_A_WAVE = 2.0
-"""Fewest rows of a table within a wave that it can tell (Nyquist)."""
+"""Fewest rows of a table within a wave that it can resolve (Nyquist)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +120,7 @@ class TrackTable:
 
         fade: length over which they begin and end [m]; band: shortest and longest wavelength that are kept [m] (two
         Butterworth filters of fourth order, run forward and back so that nothing moves).
-        Raises InputError when there is no such column, or the band asks for more than the rows tell.
+        Raises InputError when there is no such column, or the band asks for more than the rows resolve.
         """
         names = [name for name in IRREGULARITIES if name in self.columns]
         if not names:
@@ -128,7 +128,7 @@ class TrackTable:
         shortest = ROWS_A_WAVE * float(np.median(np.diff(self.distance)))
         if band is not None and band[0] < ROWS_A_WAVE * self.spacing:
             raise InputError(
-                f"{self.path}: its rows are up to {self.spacing:g} m apart and tell no waves shorter than "
+                f"{self.path}: its rows are up to {self.spacing:g} m apart and resolve no waves shorter than "
                 f"{ROWS_A_WAVE * self.spacing:g} m; wavelength_m begins at {band[0]:g}"
             )
         found = []

@@ -60,7 +60,7 @@ class WearSection(StretchTable, header="[wear]"):
     shear_yield_MPa: Annotated[float, number(50, 2000, "of the rail's steel")] = 300.0
     """Yield stress of the rail in shear, of the surface fatigue index and the shakedown map."""
     place_step_mm: Annotated[float, number(0.05, 5)] = 0.25
-    """Distance of the places on the profiles at which depths are told."""
+    """Distance of the places on the profiles at which depths are given."""
 
     def consistency(self) -> Iterator[Fault]:
         """A stretch has a length, each law is named once."""
@@ -132,7 +132,7 @@ class RunPlan:
 
     @property
     def limited(self) -> bool:
-        """Whether the step that the file asks for may be too long for its integrator: its start has to tell."""
+        """Whether the step that the file asks for may be too long for its integrator: its start decides."""
         return self.integrator == "rk44" and self.step is not None and self.speed > 0.0
 
     def facts(self) -> dict[str, Any]:
