@@ -9,8 +9,18 @@ import pytest
 from support.contacts import bench, pair_model, settle
 
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.wear.fatigue import damage, fatigue_index, traction_coefficient
-from wrsim.contact.wear.laws import DENSITY, LawName, WearSettings, brr, slip_along, usfd, wear_coefficient
+from wrsim.contact.wear.laws import (
+    DENSITY,
+    LawName,
+    WearSettings,
+    brr,
+    damage,
+    fatigue_index,
+    slip_along,
+    traction_coefficient,
+    usfd,
+    wear_coefficient,
+)
 from wrsim.contact.wear.losses import Losses, ways
 
 PAIR = "S1002/60E1 1:40"

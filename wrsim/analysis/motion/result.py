@@ -26,7 +26,7 @@ from wrsim.analysis.motion.body_channels import (
 )
 from wrsim.analysis.motion.messages import event_words
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, patch_wear_numbers, wheel_channels
-from wrsim.contact.wear.fatigue import fatigue_channels
+from wrsim.contact.wear.laws import fatigue_channels
 from wrsim.contact.wear.losses import ZONES, Losses, ways
 from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble

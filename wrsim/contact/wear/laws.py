@@ -1,7 +1,7 @@
-"""Laws of wear, each for one of two steel bodies that roll on each other; arrays in, arrays out, SI units.
+"""Laws of wear, each for one of two steel bodies that roll on each other, and of rolling contact fatigue of a patch.
 
-All of them give what is lost for every metre rolled. They agree at mild wear: 5.3e-9 kg per metre and newton of T-gamma
-(USFD), 6.2e-9 (BRR), 4.0e-9 (Archard, friction .35), none of which was fitted to the other.
+Arrays in, arrays out, SI units. All laws of wear give what is lost for every metre rolled. They agree at mild wear:
+5.3e-9 kg per metre and newton of T-gamma (USFD), 6.2e-9 (BRR), 4.0e-9 (Archard, friction .35), none of which was fitted to the other.
 
 ========  =================================================================================================
 usfd      Lewis and Dwyer-Joyce 2004; Braghin et al. 2006: R8T wheel on 900A rail in a twin-disc machine
@@ -12,6 +12,7 @@ brr       Pearce and Sherratt 1991 (British Rail Research) [recalled, not read i
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
 from typing import Literal
@@ -109,3 +110,43 @@ def slip_along(full: ArrayLike, columns: int) -> Array:
     # next to no slip: all of it in the last part
     slips = np.where(largest > 0.0, slips, (np.arange(columns) == 0).astype(float))
     return np.asarray(slips / np.where(largest > 0.0, largest, 1.0))
+
+
+# --- rolling contact fatigue ---------------------------------------------------------------------------------------
+
+DAMAGE = (15.0, 0.0), (65.0, 1e-5), (175.0, 0.0)
+"""T-gamma [N] and damage at the corners of the function; before the first it is 0, behind the last it falls on."""
+
+
+def damage(wear_number: ArrayLike) -> Array:
+    """Damage of one passage of a patch [1]; 1 is a crack that can be seen, below 0 wear takes cracks away.
+
+    wear_number: T-gamma of the patch [N]. Burstow 2003 (RSSB T115), for rails of grade 220 [recalled, not read].
+    """
+    t = np.asarray(wear_number, dtype=float)
+    (first, _), (peak, most), (last, _) = DAMAGE
+    rising, falling = (t - first) * most / (peak - first), (last - t) * most / (last - peak)
+    return np.where(t <= first, 0.0, np.minimum(rising, falling))
+
+
+def fatigue_channels(patches: Mapping[str, Array], wear_number: Array, shear_yield: float) -> dict[str, Array]:
+    """Channels of patches from others of them; wear_number: T-gamma [N], shear_yield: k of the rail [Pa]."""
+    used = traction_coefficient(patches["Fx"], patches["Fy"], patches["N"])
+    index = fatigue_index(used, patches["N"], patches["area"], shear_yield)
+    return {"T_gamma_patch": wear_number, "traction_coefficient": used, "fatigue_index": index}
+
+
+def traction_coefficient(fx: ArrayLike, fy: ArrayLike, normal: ArrayLike) -> Array:
+    """Friction that is used: creep force over normal force of a patch [1]; not-a-number without contact."""
+    n = np.asarray(normal, dtype=float)
+    return np.hypot(fx, fy) / np.where(n > 0.0, n, np.nan)
+
+
+def fatigue_index(used: ArrayLike, normal: ArrayLike, area: ArrayLike, shear_yield: float) -> Array:
+    """Surface fatigue index [1]: above 0 the surface shakes down no more; Ekberg, Kabo and Andersson 2002.
+
+    ``used - 2 pi a b k / (3 N)``: how far, along the traction coefficient, a patch lies beyond the limit p0 / k = 1 /
+    mu of the shakedown map. used: friction that is used; normal [N]; area: pi a b [m2]; shear_yield: k [Pa].
+    """
+    n = np.asarray(normal, dtype=float)
+    return np.asarray(used) - 2.0 * np.asarray(area) * shear_yield / (3.0 * np.where(n > 0.0, n, np.nan))

@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.kernel_arrays import Records
 from wrsim.contact.model import ContactModel
-from wrsim.contact.wear.fatigue import damage
-from wrsim.contact.wear.laws import DENSITY, LawName, WearSettings, brr, slip_along, usfd, wear_coefficient
+from wrsim.contact.wear.laws import DENSITY, LawName, WearSettings, brr, damage, slip_along, usfd, wear_coefficient
 from wrsim.core.contact.records import LOBE, POSE, STRIP
 from wrsim.geometry.profile.profile import Profile
 
