@@ -24,7 +24,7 @@ from wrsim.results import write_atomically
 from wrsim.study.plan import PLAN, Plan
 from wrsim.study.service.service import read_service
 from wrsim.study.service.stages import STAGES
-from wrsim.study.service.steps import steps_of
+from wrsim.study.service.steps import wear_steps
 from wrsim.study.task import run_case
 
 ROOT = Path(__file__).parents[1]
@@ -67,7 +67,7 @@ def of_step(name: str) -> dict[str, float]:
         for number in range(2):  # the first compiles
             one = replace(service, digest=f"{number}")
             spent[0], began = 0.0, time.process_time()
-            next(steps_of(one, Path(folder) / str(number), work))
+            next(wear_steps(one, Path(folder) / str(number), work))
             whole = time.process_time() - began
     cases = STAGES * len(service.shares)
     return {"step_s": whole, "cases": cases, "case_s": spent[0] / cases, "between_s": whole - spent[0]}

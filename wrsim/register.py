@@ -69,7 +69,7 @@ def _shown_by(room: str) -> dict[str, Any]:
     return {
         "summary": f"wrsim.results.{room}:summarise_{room}",
         "csv_files": f"wrsim.results.{room}:csv_of_{room}",
-        "pictures": f"wrsim.plots.{room}:figures",
+        "pictures": f"wrsim.plots.{room}:{room}_figures",
         "numbers": f"wrsim.results.{room}:{room}_tables",
     }
 

@@ -23,7 +23,7 @@ from support.synthetic_result import curve_run, static_poses
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.charts import charts_of, envelope, pieces_of
 from wrsim.report.page import report_page
-from wrsim.report.tables import cards, limits_of
+from wrsim.report.tables import cards, chart_limits
 from wrsim.report.view_data import needed
 from wrsim.results import Result
 from wrsim.results.wheelsets import wheelsets
@@ -345,5 +345,5 @@ def test_limits_of_wheelsets_of_nearly_one_load_are_one_line() -> None:
             for value in limits
         ]
     )
-    drawn = [value for _, value in limits_of([found])["sum_Y"]]  # type: ignore[list-item]
+    drawn = [value for _, value in chart_limits([found])["sum_Y"]]  # type: ignore[list-item]
     assert drawn == pytest.approx([46.1, 60.0, -46.1, -60.0])

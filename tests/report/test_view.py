@@ -24,7 +24,7 @@ from wrsim.contact.status import WORDS
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.errors import InputError
 from wrsim.report.page import report_page
-from wrsim.report.view_data import PATH_STEP, packed, setup_of, steps_of, view_data, view_page
+from wrsim.report.view_data import PATH_STEP, packed, packed_steps, setup_of, view_data, view_page
 from wrsim.results import CHANNELS, Result
 from wrsim.results.moments import sample_of
 from wrsim.results.wheelsets import wheelsets
@@ -109,7 +109,7 @@ def test_packing_keeps_numbers() -> None:
     rng = np.random.default_rng(3)
     values = rng.normal(size=(40, 7))
     assert np.array_equal(unpacked(packed(values, "f8")), values)
-    steps = unpacked(own := steps_of(20.0 * values, 0.005)).astype(np.int64)
+    steps = unpacked(own := packed_steps(20.0 * values, 0.005)).astype(np.int64)
     whole = (np.cumsum(steps, axis=0) + 32768) % 65536 - 32768
     assert np.abs(whole * own["unit"] - 20.0 * values).max() <= 0.0025 + 1e-9
 

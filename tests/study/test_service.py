@@ -28,7 +28,7 @@ from wrsim.study.plan import PLAN, Plan
 from wrsim.study.service.history import NUMBERS, read_history, wear_history, write_history
 from wrsim.study.service.service import Service, read_service
 from wrsim.study.service.stages import STAGES, tableau
-from wrsim.study.service.steps import STEP, Step, folder_of, read_step, steps_of
+from wrsim.study.service.steps import STEP, Step, folder_of, read_step, wear_steps
 from wrsim.study.task import run_case
 
 BASE = """
@@ -91,7 +91,7 @@ def service(folder: Path) -> Service:
 
 @pytest.fixture(scope="module")
 def steps(service: Service, folder: Path) -> list[Step]:
-    return list(steps_of(service, folder / "out", work))
+    return list(wear_steps(service, folder / "out", work))
 
 
 def test_steps_follow_each_other_up_to_the_mileage(service: Service, steps: list[Step]) -> None:
@@ -129,7 +129,7 @@ def test_a_service_that_was_killed_gives_the_same_to_the_bit(
         raise Killed
 
     with pytest.raises(Killed):
-        list(steps_of(service, tmp_path, killed))
+        list(wear_steps(service, tmp_path, killed))
     assert not (folder_of(tmp_path, 1) / STEP).exists()
     ran: list[int] = []
 
@@ -144,7 +144,7 @@ def test_a_service_that_was_killed_gives_the_same_to_the_bit(
             return cls(day.year, day.month, day.day)
 
     monkeypatch.setattr("wrsim.study.service.steps.date", Tomorrow)
-    again = list(steps_of(service, tmp_path, rest))
+    again = list(wear_steps(service, tmp_path, rest))
     assert again == steps
     assert ran == [1] + [2] * (STAGES * (len(steps) - 1) - 1)
     for i in range(len(steps)):
@@ -153,14 +153,14 @@ def test_a_service_that_was_killed_gives_the_same_to_the_bit(
     def nothing(plan: Plan, todo: Sequence[int]) -> None:
         raise AssertionError("all was done")
 
-    assert list(steps_of(service, tmp_path, nothing)) == steps
+    assert list(wear_steps(service, tmp_path, nothing)) == steps
 
 
 @pytest.mark.campaign  # in the suite: the order of the stages, and the mass that is lost
 def test_half_the_step_gives_the_same_depth(service: Service, steps: list[Step], tmp_path: Path) -> None:
     """The first step in two halves: mass and depth everywhere, of the deepest."""
     half = service_in(tmp_path, text=SERVICE.replace("= 20", "= 10").replace("= 40", "= 20"))
-    finer = list(steps_of(half, tmp_path / "out", work))
+    finer = list(wear_steps(half, tmp_path / "out", work))
     assert [step.way for step in finer] == pytest.approx([10e3, 10e3])
     one, other = (smoothed_table(np.array(own.areas), float(service.places[1]), 5e-3) for own in (steps[0], finer[-1]))
     assert other.sum() == pytest.approx(one.sum(), rel=1e-3)
@@ -241,7 +241,7 @@ def test_the_command_tells_a_finished_service_again(steps: list[Step], folder: P
 def test_another_service_does_not_go_on_with_these_steps(folder: Path, steps: list[Step], tmp_path: Path) -> None:
     other = service_in(tmp_path, cases=CASES.replace("20000,80", "20000,85"))
     with pytest.raises(InputError, match="was computed from another service"):
-        next(steps_of(other, folder / "out", work))
+        next(wear_steps(other, folder / "out", work))
 
 
 ODD_STEPS = [
@@ -280,7 +280,7 @@ def test_a_case_without_a_result_stops_the_service(tmp_path: Path) -> None:
         pass
 
     with pytest.raises(SimulationError, match="case case left: no result"):
-        list(steps_of(service, tmp_path / "out", idle))
+        list(wear_steps(service, tmp_path / "out", idle))
     assert not (folder_of(tmp_path / "out", 0) / STEP).exists()
 
 
@@ -301,7 +301,7 @@ def test_a_service_ends_where_its_wheel_would_overlap_itself(tmp_path: Path, mon
     monkeypatch.setattr("wrsim.study.service.steps._lost", lambda service, plan: (1e-6 * tip, 0.0, 0.0))
     monkeypatch.setattr("wrsim.study.service.steps.missing", lambda plan: [])
     with pytest.raises(InputError) as caught:
-        list(steps_of(service, tmp_path, work))
+        list(wear_steps(service, tmp_path, work))
     assert "service.toml: step 1, from 20 to 2" in str(caught.value)
     assert "the removed material makes the profile overlap itself at u = -5" in str(caught.value)
     assert not (folder_of(tmp_path, 1) / STEP).exists()
@@ -336,4 +336,4 @@ def test_wrong_input_is_one_clear_error(given: dict[str, str], words: str, tmp_p
 def test_a_key_that_no_scenario_has_is_an_error_of_its_row(tmp_path: Path) -> None:
     service = service_in(tmp_path, cases=CASES.replace("vehicle.speed_kmh", "vehicle.sped_kmh"))
     with pytest.raises(InputError, match="sped_kmh"):
-        list(steps_of(service, tmp_path / "out", work))
+        list(wear_steps(service, tmp_path / "out", work))

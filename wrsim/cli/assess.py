@@ -12,7 +12,7 @@ from wrsim.cli.errors import reporting_errors
 from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Pictures, SectionsOf
 
 
-def assess(
+def assess_command(
     results: Annotated[
         list[Path],
         typer.Argument(metavar="RESULT...", help="Runs: files, folders, cut off or not. Several count as one test."),
@@ -27,7 +27,7 @@ def assess(
 
     Sections of several runs of one vehicle count together; they need a folder to write to (-o).
     """
-    from wrsim.report.output_folder import beside, read, writing
+    from wrsim.report.output_folder import folder_of_result, read, writing
 
     with reporting_errors(as_json), writing(force, *results[1:], of=results[0]):
         from wrsim.analysis.assessment import assess as assessed
@@ -42,7 +42,7 @@ def assess(
         loaded = [read(path) for path in results]
         with naming(*results):
             found = assessed(loaded, settings, names)
-        directory = output or beside(results[0])
+        directory = output or folder_of_result(results[0])
         files = write_assessment(found, directory, pictures)
         print_found(as_json, assessment_dict(found), assessment_numbers(found), files, directory)
 
@@ -56,7 +56,7 @@ def ride(
     as_json: Json = False,
 ) -> None:
     """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
-    from wrsim.report.output_folder import beside, read, writing
+    from wrsim.report.output_folder import folder_of_result, read, writing
 
     with reporting_errors(as_json), writing(force, of=result):
         from wrsim.analysis.ride import evaluate_ride
@@ -68,6 +68,6 @@ def ride(
         loaded, section = read(result), None if scenario is None else load(scenario).table(RideSection)
         with naming(result):
             found = evaluate_ride(loaded, section)
-        directory = output or beside(result)
+        directory = output or folder_of_result(result)
         files = write_ride(found, directory, pictures)
         print_found(as_json, found.as_dict(), [found.table()], files, directory)

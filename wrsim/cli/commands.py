@@ -12,9 +12,9 @@ from typing import Annotated
 import typer
 
 from wrsim import __version__
-from wrsim.cli.assess import assess, ride
-from wrsim.cli.compare import compare, resolve
-from wrsim.cli.conicity import conicity
+from wrsim.cli.assess import assess_command, ride
+from wrsim.cli.compare import compare_command, resolve_command
+from wrsim.cli.conicity import conicity_command
 from wrsim.cli.console import say, show_progress
 from wrsim.cli.diff import diff
 from wrsim.cli.errors import INTERRUPTED, any_output, usage_as_json
@@ -22,7 +22,7 @@ from wrsim.cli.keys import keys, new
 from wrsim.cli.pictures import plot, profile, track
 from wrsim.cli.recording import recording
 from wrsim.cli.report import export, report, view
-from wrsim.cli.run import check, run, show, warm
+from wrsim.cli.run import check_command, run_command, show, warm_command
 from wrsim.cli.study import study, wear
 from wrsim.cli.vehicle import vehicle
 
@@ -34,15 +34,15 @@ app = typer.Typer(
 )
 
 PANELS = {
-    "Start": (new, check, keys, warm),
-    "Run": (run, study, wear, compare, resolve),
+    "Start": (new, check_command, keys, warm_command),
+    "Run": (run_command, study, wear, compare_command, resolve_command),
     "Inspect": (show, plot, report, view, diff),
-    "Assess": (assess, ride, conicity, vehicle),
+    "Assess": (assess_command, ride, conicity_command, vehicle),
     "Data": (profile, track, recording, export),
 }
 for panel, commands in PANELS.items():
     for command in commands:
-        app.command(rich_help_panel=panel)(command)
+        app.command(command.__name__.removesuffix("_command"), rich_help_panel=panel)(command)
 
 
 def main() -> None:

@@ -12,7 +12,7 @@ from wrsim.cli.errors import exit_code, reporting_errors
 from wrsim.cli.options import Force, Json, Models, Pictures, Quiet, ResultFile, ScenarioFile, into
 
 
-def compare(
+def compare_command(
     file: ScenarioFile,
     contact: Annotated[
         str,
@@ -60,7 +60,7 @@ def compare(
             raise typer.Exit(code)
 
 
-def resolve(
+def resolve_command(
     result: ResultFile,
     contact: Annotated[
         str, typer.Option("--contact", metavar="NAME", help="Contact model, such as half-space+fastsim.")
@@ -87,13 +87,13 @@ def resolve(
     """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model."""
     with reporting_errors(as_json):
         from wrsim.analysis.resolve import resolve as solve
-        from wrsim.report.output_folder import beside, claimed, naming, read, write_resolved
+        from wrsim.report.output_folder import claimed, folder_of_result, naming, read, write_resolved
         from wrsim.report.outputs import file_name
         from wrsim.results.moments import moments_at, resolved_tables
         from wrsim.scenario.loading import load_text
 
         before = read(result)
-        folder = beside(result)
+        folder = folder_of_result(result)
         with naming(result), progress_bar(not (quiet or as_json)) as progress:
             moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
             scenario = load_text(before.dataset.attrs["scenario_text"], folder, models or (), closed=True)

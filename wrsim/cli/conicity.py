@@ -13,7 +13,7 @@ from wrsim.cli.options import Force, Json, Models, Pictures, into
 from wrsim.errors import InputError
 
 
-def conicity(
+def conicity_command(
     wheel: Annotated[
         str, typer.Argument(metavar="WHEEL", help="Wheel profile, such as wheels/S1002.toml, or a folder of them.")
     ],

@@ -63,7 +63,7 @@ def print_error(message: str) -> None:
 
 
 def say_files(count: int, directory: Path, removed: int = 0) -> None:
-    """Say where the files of a command stand, how many of an earlier one are gone, and how to look at them."""
+    """State where the files of a command are, how many of an earlier one are gone, and how to look at them."""
     say(f"{count} files in {directory}")
     if removed:
         say(f"{removed} files of the result before are gone from there")
@@ -77,7 +77,7 @@ def say(*lines: str) -> None:
 
 
 class _Telling(logging.Handler):
-    """A line on a terminal that says what is at work before a run; its bar has room for it. An empty one clears it."""
+    """A line on a terminal that shows what is at work before a run; its bar has room for it. An empty one clears it."""
 
     bar: Callable[[str], None] | None = None
 

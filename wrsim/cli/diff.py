@@ -1,4 +1,4 @@
-"""``wrsim diff``: two results side by side; for regression tests, its exit code says whether they are alike."""
+"""``wrsim diff``: two results side by side; for regression tests, its exit code shows whether they are alike."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def any_output() -> None:
 
 @contextmanager
 def usage_as_json(as_json: bool) -> Iterator[bool]:
-    """Tell wrong options and arguments as JSON too. Gives whether the command line may tell them itself."""
+    """Report wrong options and arguments as JSON too. Gives whether the command line may report them itself."""
     try:
         yield not as_json
     except Exception as error:

@@ -30,14 +30,14 @@ def plot(
     as_json: Json = False,
 ) -> None:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
-    from wrsim.report.output_folder import beside, read, writing
+    from wrsim.report.output_folder import folder_of_result, read, writing
 
     with reporting_errors(as_json), writing(force, of=result):
         from wrsim.report.outputs import draw_patches, draw_result
         from wrsim.results.wheelsets import wheelset_folder, wheelsets, worst_wheelset
 
         loaded = read(result)
-        dataset, directory = loaded.dataset, output or beside(result)
+        dataset, directory = loaded.dataset, output or folder_of_result(result)
         if wheelset is not None or at:
             dataset = loaded.wheelset(wheelset or worst_wheelset(dataset))
             if output is None:

@@ -31,20 +31,20 @@ def report(
 
     It holds identity, verdict, assessment, histories, contacts and wear; of a study outputs, pictures and cases.
     """
-    from wrsim.report.output_folder import beside, writing
+    from wrsim.report.output_folder import folder_of_result, writing
 
     with reporting_errors(as_json), writing(force, *results[1:], of=results[0]):
         from wrsim.results import write_atomically
 
         check_ending("-o", output, ".html")
         page = _page_of(results, with_view, models or ())
-        file = write_atomically(output or beside(results[0]) / "report.html", page.encode())
+        file = write_atomically(output or folder_of_result(results[0]) / "report.html", page.encode())
         print_found(as_json, {}, [], [file])
 
 
 def _page_of(paths: Sequence[Path], with_view: bool, models: Sequence[Path]) -> str:
     """The page about results of runs, one study, or one service; with_view: with the viewer of each result inside."""
-    from wrsim.report.output_folder import beside, read
+    from wrsim.report.output_folder import folder_of_result, read
     from wrsim.report.page import report_page
     from wrsim.report.study import service_page, study_page
     from wrsim.report.view_data import view_page
@@ -65,7 +65,7 @@ def _page_of(paths: Sequence[Path], with_view: bool, models: Sequence[Path]) -> 
             return service_page(dataset, str(path), history.mileage_table(dataset))
     results = [read(path) for path in paths]
     pairs = zip(results, paths, strict=True)
-    viewers = [view_page(result, beside(path), models) for result, path in pairs] if with_view else []
+    viewers = [view_page(result, folder_of_result(path), models) for result, path in pairs] if with_view else []
     return report_page(results, list(map(str, paths)), viewers=viewers)
 
 
@@ -77,15 +77,15 @@ def view(
     as_json: Json = False,
 ) -> None:
     """Write a page to look at a run: wheels on their rails, the vehicle on its track, modes of a stability analysis."""
-    from wrsim.report.output_folder import beside, read, writing
+    from wrsim.report.output_folder import folder_of_result, read, writing
 
     with reporting_errors(as_json), writing(force, of=result):
         from wrsim.report.view_data import view_page
         from wrsim.results import write_atomically
 
         check_ending("-o", output, ".html")
-        page = view_page(read(result), beside(result), models or ())
-        file = write_atomically(output or beside(result) / "view.html", page.encode())
+        page = view_page(read(result), folder_of_result(result), models or ())
+        file = write_atomically(output or folder_of_result(result) / "view.html", page.encode())
         print_found(as_json, {}, [], [file])
 
 
@@ -99,12 +99,12 @@ def export(
     as_json: Json = False,
 ) -> None:
     """Write a result for other programs: MATLAB, CSV, Parquet or MDF (result.mat, .csv, .parquet, .mf4)."""
-    from wrsim.report.output_folder import beside, read, writing
+    from wrsim.report.output_folder import folder_of_result, read, writing
 
     with reporting_errors(as_json), writing(force, of=result):
         from wrsim.results.exports import ENDINGS, export_result, formats
 
         asked = formats(to)
-        loaded, directory = read(result), output or beside(result)
+        loaded, directory = read(result), output or folder_of_result(result)
         files = [export_result(loaded, name, directory / f"result.{ENDINGS.get(name, name)}") for name in asked]
         print_found(as_json, {}, [], files)

@@ -13,7 +13,7 @@ from wrsim.cli.errors import exit_code, reporting_errors
 from wrsim.cli.options import Force, Json, Models, Output, Quiet, ResultFile, ScenarioFile, Set
 
 
-def check(file: ScenarioFile, values: Set = None, models: Models = None, as_json: Json = False) -> None:
+def check_command(file: ScenarioFile, values: Set = None, models: Models = None, as_json: Json = False) -> None:
     """Check a scenario and all the files it names, without running it."""
     with reporting_errors(as_json):
         from wrsim.analysis import check_step
@@ -33,7 +33,7 @@ def check(file: ScenarioFile, values: Set = None, models: Models = None, as_json
             warn(file, setup)
 
 
-def run(
+def run_command(
     file: ScenarioFile,
     output: Output = None,
     values: Set = None,
@@ -106,7 +106,7 @@ def show(result: ResultFile, as_json: Json = False) -> None:
             say(f"stopped: {loaded.stop_reason}")
 
 
-def warm(quiet: Quiet = False) -> None:
+def warm_command(quiet: Quiet = False) -> None:
     """Compile ahead what runs and poses need, so that the first of them starts at once."""
     with reporting_errors(False):
         from wrsim.analysis.warming import warm_up

@@ -98,7 +98,7 @@ def wear(
         from wrsim.study.crew import check_crew, crew, kept_folder
         from wrsim.study.service.history import OUTPUTS, evolution_report, mileage_table, write_history
         from wrsim.study.service.service import read_service
-        from wrsim.study.service.steps import Step, steps_of
+        from wrsim.study.service.steps import Step, wear_steps
 
         for warning in check_crew(workers, scheduler, slurm, tls):
             print_error(warning)
@@ -112,7 +112,7 @@ def wear(
             crew(workers, scheduler, slurm, tls, len(service.shares), bar) as work,
         ):
             try:
-                for step in steps_of(service, directory, work):
+                for step in wear_steps(service, directory, work):
                     steps.append(step)
                     if not silent:
                         say(step.words(service.mileage))

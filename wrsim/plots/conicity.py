@@ -33,7 +33,7 @@ ROLL_WORDS = {
 }
 
 
-def figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+def conicity_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Maker of the picture of a conicity analysis, by file name without ending."""
     return {"conicity": partial(conicity_figure, of_wheelset(dataset, wheelsets(dataset)[0]))}
 
@@ -43,13 +43,13 @@ def conicity_figure(dataset: xr.Dataset) -> Figure:
     attributes = dataset.attrs
     radii = [2e3 * float(attributes[f"radius_{side}_m"]) for side in ("left", "right")]
     diameters = f"{radii[0]:.6g}" if radii[0] == radii[1] else f"{radii[0]:.6g} / {radii[1]:.6g}"
-    facts = (
+    setting = (
         f"gauge {1e3 * float(attributes['gauge_m']):.6g} mm, profile origins "
         f"{1e3 * float(attributes['profile_spacing_m']):.6g} mm apart, wheels {diameters} mm, "
         f"{ROLL_WORDS.get(str(attributes['roll']), '')}"
     )
     draws = [partial(draw, dataset=dataset) for draw in (radius_difference, conicity_curve, contact_points, angles)]
-    return panels(f"{attributes['title']}\n{facts}", draws, 132.0, columns=2, share=False)
+    return panels(f"{attributes['title']}\n{setting}", draws, 132.0, columns=2, share=False)
 
 
 def radius_difference(axes: Axes, dataset: xr.Dataset) -> None:

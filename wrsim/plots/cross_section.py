@@ -70,7 +70,7 @@ def patch_on_section(
 ) -> None:
     """Draw a patch as a band of ``thickness`` mm along the curved axis, coloured by pressure.
 
-    With ``fan`` > 0 the pressure also stands on the patch along the strips' normals, into the wheel: the
+    With ``fan`` > 0 the pressure is also drawn on the patch along the strips' normals, into the wheel: the
     largest pressure of the scale is ``fan`` mm long.
     """
     for run in touching_runs(select(dataset, where)):

@@ -89,7 +89,7 @@ def _share(figures: Makers, paint: Paint, taken: Any) -> dict[str, bytes]:
 
 
 def _second(figures: Makers, paint: Paint, taken: Any, sender: Any, receiver: Any, first: int) -> None:
-    """What the second process does; it says nothing, and leaves what goes wrong to the first.
+    """What the second process does; it reports nothing, and leaves what goes wrong to the first.
 
     It must not outlive the first one: it has inherited the lock of the folder, and would keep others out of it.
     """

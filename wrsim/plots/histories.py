@@ -48,7 +48,7 @@ SNAPSHOT: Any = {"color": QUIET, "linewidth": 0.5, "linestyle": DOTS, "zorder": 
 CROWDED = 60
 """How often a line goes through its whole range before it is drawn thin and lets lines behind it through."""
 SEEN = 2.5
-"""A limit is drawn as a line up to so many times the largest value; beyond that it is told in words."""
+"""A limit is drawn as a line up to so many times the largest value; beyond that it is given in words."""
 
 HEAD, FOOT, GAP = 10.0, 17.0, 3.4
 """Room over the first panel, beneath the last one, and between two, mm."""
@@ -166,7 +166,7 @@ def _limits_with_zero(axes: Axes, values: NDArray[Any], least: float, margin: fl
 def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> Axes:
     """Fine dotted lines at the snapshots, with the letters that name them in the pictures of patches.
 
-    Letters of snapshots close together stand as one word over their middle.
+    Letters of snapshots close together are one word over their middle.
     """
     if "snapshot" not in dataset.dims:
         return axes

@@ -75,7 +75,7 @@ def panels(
 
 
 @style()
-def beside(
+def large_and_small(
     title: str, large: Callable[[Axes], object], small: Sequence[Callable[[Axes], object]], height: float, width: float
 ) -> Figure:
     """A figure of so many mm height with a large panel, so many times as wide as some small ones to its right, which

@@ -109,7 +109,7 @@ def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
     if runs:
         place = f"{shown(dataset, 'snapshot_distance')[moment]:.1f} m"
         label = str(dataset["snapshot_label"].values[moment]) if "snapshot_label" in dataset else ""
-        label = "" if label.startswith("at ") else label  # says no more than the place
+        label = "" if label.startswith("at ") else label  # no more than the place
         return f"{letter}{place}\n{label}" if label else letter + place
     forms = {"lateral_shift": r"$\Delta y$ = {:.3g} mm", "yaw": r"$\psi$ = {:.3g} mrad", "load": "{:.4g} kN"}
     varied = [n for n in forms if n in dataset and (n == "lateral_shift" or np.ptp(dataset[n].values) > 0.0)]
@@ -118,7 +118,7 @@ def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
 
 
 ABSCISSAE = ("lateral_shift", "yaw", "load")
-"""Channels of a pose that may stand on the horizontal axis, in order of preference."""
+"""Channels of a pose that may be on the horizontal axis, in order of preference."""
 
 
 def pose_abscissa(dataset: xr.Dataset) -> str:

@@ -28,13 +28,13 @@ HISTORIES: dict[str, tuple[str, ...]] = {
     "forces": ("Q", "Y", "sum_Y", "guide_force_y"),
     "contact": ("p0", "area", "T_gamma", "rail_friction", "rail_friction_corner"),
 }
-"""Pictures of a run beside its overview, and the channels in them; none stands in two: every panel costs time."""
+"""Pictures of a run beside its overview, and the channels in them; none is in two: every panel costs time."""
 
 
 def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures that suit the dataset, by file name without ending.
 
-    The register says which; those of runs and poses: ``of_contacts``.
+    The register names them; those of runs and poses: ``of_contacts``.
     """
     figures: dict[str, Callable[[], Figure]] = resolved(ANALYSES[str(dataset.attrs["analysis"])].pictures)(dataset)
     return figures

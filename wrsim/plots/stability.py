@@ -14,7 +14,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from wrsim.plots.colours import INK, QUIET, SERIES_COLOURS, STOP_COLOUR
-from wrsim.plots.marks import beside, note, panels
+from wrsim.plots.marks import large_and_small, note, panels
 from wrsim.plots.style import pressure_map, shown, style
 from wrsim.results import CHANNELS
 
@@ -25,7 +25,7 @@ NAMED = 5
 BRANCHES = {"from above": (STOP_COLOUR, "v"), "from below": ("#0072B2", "^")}
 
 
-def figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+def stability_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of a stability analysis, by file name without ending: modes, bifurcation."""
     makers = {"modes": modes_figure} | ({"bifurcation": bifurcation_figure} if "cycle" in dataset.dims else {})
     return {name: partial(make, dataset) for name, make in makers.items()}
@@ -35,7 +35,7 @@ def figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
 def modes_figure(dataset: xr.Dataset) -> Figure:
     """Root locus on the left; damping and frequency over speed on the right."""
     curves = [partial(over_speed, dataset=dataset, name=f"mode_{name}") for name in ("damping", "frequency")]
-    figure = beside(_title(dataset), partial(root_locus, dataset=dataset), curves, 118.0, 1.15)
+    figure = large_and_small(_title(dataset), partial(root_locus, dataset=dataset), curves, 118.0, 1.15)
     named = figure.axes[-2].get_legend_handles_labels()
     figure.legend(*named, loc="outside lower right", ncols=2, fontsize=6.5)
     return figure

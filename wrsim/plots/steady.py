@@ -25,7 +25,7 @@ FEW = 1.25
 LINES = GROUP_LINE[:4]
 
 
-def figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+def steady_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Maker of the picture of a steady analysis, by file name without ending."""
     return {"steady": partial(steady_figure, dataset)}
 

@@ -35,7 +35,7 @@ LETTERS = 30
 PANEL = 46.0
 """Height of a panel [mm]."""
 ENOUGH = 8
-"""Completed cases from which a distribution says something."""
+"""Completed cases from which a distribution is drawn."""
 PERCENTILES = (5, 50, 95)
 COMPLETED, DERAILED = "completed", "derailed"
 

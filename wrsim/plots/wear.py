@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from wrsim.plots.colours import GROUP_LINE, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, WHEEL_COLOUR
-from wrsim.plots.marks import beside, panels
+from wrsim.plots.marks import large_and_small, panels
 from wrsim.plots.style import shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.table import with_unit
@@ -48,7 +48,7 @@ def wear_figure(dataset: xr.Dataset) -> Figure:
 def fatigue_figure(dataset: xr.Dataset) -> Figure:
     """Shakedown map of all patches of the run; T-gamma and damage over the rails by one passage."""
     small = [partial(_passage, dataset=dataset, name=name) for name in PASSAGE]
-    figure = beside(dataset.attrs["title"], partial(shakedown_map, dataset=dataset), small, 100.0, 0.87)
+    figure = large_and_small(dataset.attrs["title"], partial(shakedown_map, dataset=dataset), small, 100.0, 0.87)
     figure.legend(handles=_legend([]), loc="outside lower center", ncols=2)
     return figure
 

@@ -21,10 +21,10 @@ PIECES = 400
 """Pieces that a history is cut into; each gives two points."""
 
 NAMED = ("body", "point", "coupling")
-"""Dimensions, besides that of wheelsets, whose labels tell the curves of a chart."""
+"""Dimensions, besides that of wheelsets, whose labels name the curves of a chart."""
 
 DASHES = ("", "5 3", "1 3", "8 3 2 3", "12 4")
-"""Of the left and the right wheel; of several results those of ``NAMED``, whose colours tell the results."""
+"""Of the left and the right wheel; of several results those of ``NAMED``, whose colours distinguish the results."""
 
 LEFT = "positive to the left"
 OF_TWO = f"of two vehicles: that ahead against that behind, {LEFT}"
@@ -127,7 +127,7 @@ def _curves(
     parts = [str(p) for p in np.atleast_1d(dataset[of].values)] if of else [""]
     wheels = [str(w) for w in dataset["wheel"].values] if "wheel" in data.dims else [""]
     values = data.values.astype(float).reshape(data.sizes["time"], len(parts), len(wheels), -1)
-    if on_track := key in ("curvature", "cant"):  # that of one wheelset says it all
+    if on_track := key in ("curvature", "cant"):  # that of one wheelset is enough
         parts = parts[:1]
     patches = np.flatnonzero(np.isfinite(values).any(axis=(0, 1, 2))).tolist() if "patch" in data.dims else [0]
     lone = not several and len(parts) == 1

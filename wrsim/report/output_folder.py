@@ -35,7 +35,7 @@ OUTPUTS = (RESULT, RECORD, "summary.json", "vehicle.csv", "history.csv", "patche
 """Names of files that an analysis writes; pictures and further tables are looked at when they are written."""
 
 
-def beside(result: Path) -> Path:
+def folder_of_result(result: Path) -> Path:
     """The folder of a result that is named by its file or by that folder."""
     return result if result.is_dir() else result.parent
 
@@ -46,7 +46,7 @@ def writing(force: bool, *reads: Path, of: Path | None = None) -> Iterator[None]
 
     of: the result that is reported on.
     """
-    with keeping(Keeper(reads if of is None else (*reads, of), force, None if of is None else beside(of))):
+    with keeping(Keeper(reads if of is None else (*reads, of), force, None if of is None else folder_of_result(of))):
         yield
 
 
@@ -67,7 +67,7 @@ def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path 
         yield keeper
 
 
-def begin(directory: Path, scenario: Scenario) -> None:
+def begin_run(directory: Path, scenario: Scenario) -> None:
     """Put the scenario's text into the folder: the record of the run, and proof that it may be written to."""
     Manifest(directory).note(begin=digest_of(scenario.text.encode()))
     if not _is_record(directory, scenario.path):
@@ -83,7 +83,7 @@ def _is_record(directory: Path, scenario: Path | None) -> bool:
 def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
     """Numbers first, pictures last: what fails late costs least. A second process begins to draw at once.
 
-    Only when all files stand has the run's own file done its work, unless the user may want to go on with it.
+    Only when all files are there has the run's own file done its work, unless the user may want to go on with it.
     """
     record = directory / RECORD
     if not record.exists():  # somebody has deleted the folder of a run: it is made anew
@@ -229,7 +229,7 @@ def run_into(
     """Run a scenario and write all of its files; while it lasts, the run is kept in ``result.nc.part``.
 
     file: the scenario's own; progress: a context that gives the callback of `wrsim.run`. Raises InputError,
-    SimulationError; KeyboardInterrupt says where an interrupted run is kept.
+    SimulationError; KeyboardInterrupt reports where an interrupted run is kept.
     """
     from wrsim.analysis import run
     from wrsim.core.jit.compiling import COUNT, use_threads
@@ -243,7 +243,7 @@ def run_into(
         if resume and result is None and not record.exists():
             LOGGER.warning("there is no run in %s to resume; it starts from the beginning", directory)
             resume = False
-        begin(directory, scenario)
+        begin_run(directory, scenario)
         started, before = time.perf_counter(), COUNT.seconds
         try:
             if result is None:

@@ -118,7 +118,7 @@ def write_conicity_map(found: ConicityMap, directory: Path, pictures: bool) -> l
 def write_recording(
     restored: Restored, directory: Path, vehicle: str, speed: float | None, models: Iterable[Path], pictures: bool
 ) -> list[Path]:
-    """All files of a restored track, none of them before it is sure that no file of the user's stands in the way."""
+    """All files of a restored track, none of them before it is sure that no file of the user's is in the way."""
     from wrsim.plots.recording import recording_figure
     from wrsim.scenario import recorded
     from wrsim.scenario.build import build

@@ -62,7 +62,7 @@ def report_page(results: Sequence[Result], sources: Sequence[str], *, viewers: S
     names = _names(sources)
     both = [tables.assessed(r) for r in results]
     found = [assessment for assessment, _ in both]
-    charts = charts_of([r.dataset for r in results], names, tables.limits_of(found))
+    charts = charts_of([r.dataset for r in results], names, tables.chart_limits(found))
     rides = [tables.ridden(r) for r in results]
     ridden = {name: ride for name, (ride, _) in zip(names, rides, strict=True) if ride}
     histories = _histories(results, names, found) if charts else {}
@@ -104,7 +104,7 @@ def report_page(results: Sequence[Result], sources: Sequence[str], *, viewers: S
             "histories": list(histories),
         }
         page["drawn"] = {name: _address("webp", _as_webp(content)) for name, content in finish().items()}
-    return template("report.html").render(page)
+    return page_template("report.html").render(page)
 
 
 @cache
@@ -119,13 +119,13 @@ def _environment() -> jinja2.Environment:
     return own
 
 
-def template(name: str) -> jinja2.Template:
+def page_template(name: str) -> jinja2.Template:
     """A template of this package; everything that it is given is escaped."""
     return _environment().get_template(name)
 
 
 def text_of(name: str) -> Markup:
-    """A script or a style sheet of this package, to stand in a page as it is."""
+    """A script or a style sheet of this package, for a page as it is."""
     return Markup(files("wrsim.report").joinpath(name).read_text(encoding="utf-8"))
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wrsim import __version__
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, numbers_in, of_cases, study_figures
 from wrsim.plots.wear import service_figures
-from wrsim.report.page import as_picture, last_part, template
+from wrsim.report.page import as_picture, last_part, page_template
 from wrsim.report.tables import BAD, OPEN, Verdict
 from wrsim.results.table import Column, Table, formatted, quantity
 
@@ -55,7 +55,7 @@ def study_page(dataset: xr.Dataset, source: str) -> str:
         "study_text": dataset.attrs.get("study_text", ""),
         "scenario_text": dataset.attrs.get("scenario_text", ""),
     }
-    return template("study.html").render(page)
+    return page_template("study.html").render(page)
 
 
 def _versions(dataset: xr.Dataset) -> list[tuple[str, str]]:
@@ -142,4 +142,4 @@ def service_page(dataset: xr.Dataset, source: str, numbers: Table) -> str:
         "command": f"wrsim wear service.toml -o {shlex.quote(last_part(source) or 'service')}",
         "texts": {words: str(about[key]) for key, words in OF_SERVICE.items() if about.get(key)},
     }
-    return template("service.html").render(page)
+    return page_template("service.html").render(page)

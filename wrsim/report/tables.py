@@ -165,7 +165,7 @@ def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, 
     return rows, {letter: source for source, letter in letters.items()}
 
 
-def limits_of(found: Sequence[Assessment | None]) -> dict[str, list[tuple[str, float]]]:
+def chart_limits(found: Sequence[Assessment | None]) -> dict[str, list[tuple[str, float]]]:
     """Limits to draw across histories: of the track shifting force both ways, of Y/Q and Q.
 
     Of limits that lie as near each other as those of wheelsets of nearly one load, the least.

@@ -21,7 +21,7 @@ from wrsim.plots.cross_section import has_outlines, pressed_curve
 from wrsim.plots.moments import patches_of, select, touching_runs
 from wrsim.plots.style import pressure_map
 from wrsim.plots.wear import LAW_WORDS
-from wrsim.report.page import template
+from wrsim.report.page import page_template
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import PATCHES
 from wrsim.results.moments import has_patches, moment_dim, sample_of
@@ -64,7 +64,7 @@ def packed(values: NDArray[Any], kind: str) -> dict[str, Any]:
     }
 
 
-def steps_of(values: Array, unit: float) -> dict[str, Any]:
+def packed_steps(values: Array, unit: float) -> dict[str, Any]:
     """The same of numbers in whole units; along the first dimension differences are kept, which compress well."""
     whole = np.clip(np.rint(np.nan_to_num(values) / unit), -32767, 32767).astype(np.int32)
     steps = np.diff(whole, axis=0, prepend=np.zeros_like(whole[:1]))
@@ -79,7 +79,7 @@ def view_page(result: Result, folder: Path, models: Sequence[Path] = ()) -> str:
     """
     data = view_data(result, *setup_of(result, folder, models))
     page = {"title": result.title, "version": __version__, "numbers": "run" in data, "data": data}
-    return template("view.html").render(page)
+    return page_template("view.html").render(page)
 
 
 def setup_of(result: Result, folder: Path, models: Sequence[Path] = ()) -> tuple[Setup[Any] | None, str]:
@@ -355,11 +355,11 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
                 numbers.append((float(weight.sum()) * 1e-3, float(np.degrees(mean)), float(p.max())))
     found = {"wear": worn_outlines(mine, on_wheel, on_rail)} if worn else {}
     return found | {
-        "rail": steps_of(rail, 0.005),
-        "outline": steps_of(outline, 0.005),
+        "rail": packed_steps(rail, 0.005),
+        "outline": packed_steps(outline, 0.005),
         "missing": [int(m) for m in range(count) if m not in set(finite.tolist())],
         "patch_moment": moments,
-        "patch": steps_of(np.array(shapes).reshape(-1, NODES, 4), 0.002),
+        "patch": packed_steps(np.array(shapes).reshape(-1, NODES, 4), 0.002),
         "patch_numbers": packed(np.array(numbers).reshape(-1, 3), "f4"),
     }
 

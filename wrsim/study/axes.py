@@ -24,7 +24,7 @@ class AxisPoints:
     """The points of one axis.
 
     name: of its dimension; keys: groups of dotted keys, those of one group take the same value; columns: names of the
-    groups; values (n, groups); labels: names of the points, where they have some; places: where each stands, for
+    groups; values (n, groups); labels: names of the points, where they have some; places: where each is, for
     messages.
     """
 

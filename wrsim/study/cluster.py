@@ -26,10 +26,10 @@ from wrsim.study.nodes import QuietScheduler, QuietWorker
 ONE_THREAD = {name: "1" for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
 """Environment of a worker: it computes one case at a time, on one processor."""
 QUIET = {"DASK_LOGGING__DISTRIBUTED": "critical"}
-"""What becomes of a worker is told by the study."""
+"""What becomes of a worker is reported by the study."""
 
 MEMORY = "2GB"
-"""Asked of SLURM for a worker where the user's dask-jobqueue configuration says nothing."""
+"""Asked of SLURM for a worker where the user's dask-jobqueue configuration sets nothing."""
 
 
 CA, CERT, KEY = "ca.pem", "cert.pem", "key.pem"
@@ -70,8 +70,8 @@ def local_workers(count: int) -> Iterator[Client]:
     security = Security.temporary()
     here: dict[str, Any] = {"host": LOOPBACK, "protocol": "tls://", "security": security, "dashboard": False}
     own = {"worker_class": QuietWorker, "nthreads": 1, "memory_limit": MEMORY_LIMIT // count}
-    told = {"env": ONE_THREAD | QUIET, "silence_logs": logging.CRITICAL}
-    worker = {"cls": Nanny, "options": here | own | told}
+    quiet = {"env": ONE_THREAD | QUIET, "silence_logs": logging.CRITICAL}
+    worker = {"cls": Nanny, "options": here | own | quiet}
     with (
         _settings(),
         SpecCluster(

@@ -13,7 +13,17 @@ from wrsim.errors import InputError, WrsimError
 from wrsim.results.manifest import digest_of
 from wrsim.study.cluster import ATTEMPTS, check_threads
 from wrsim.study.plan import Plan, texts_in
-from wrsim.study.task import COMPLETED, DERAILED, FAILED, MARKER, Marker, read_marker, run_case, warm, write_marker
+from wrsim.study.task import (
+    COMPLETED,
+    DERAILED,
+    FAILED,
+    MARKER,
+    Marker,
+    read_marker,
+    run_case,
+    warm_cases,
+    write_marker,
+)
 
 AT_HAND = 2
 """Cases that a worker has: the one it runs, and the next."""
@@ -60,7 +70,7 @@ def warm_remotely(client: Client, plan: Plan, digest: str, cases: Sequence[int])
     for address, worker in client.scheduler_info(n_workers=-1)["workers"].items():
         by_host.setdefault(worker["host"], address)
     for address in by_host.values():
-        future = client.submit(warm, plan.folder, digest, list(cases), workers=[address], pure=False)
+        future = client.submit(warm_cases, plan.folder, digest, list(cases), workers=[address], pure=False)
         try:
             future.result()
         except Exception as error:

@@ -1,4 +1,4 @@
-"""Scheduler and workers of dask without their web pages, which tell about a study whoever asks."""
+"""Scheduler and workers of dask without their web pages, which show a study to whoever asks."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Plan:
-    """A study in full, as it stands in ``plan.json``.
+    """A study in full, as in ``plan.json``.
 
     folder: of the study; source: the study file; text, folders: the base scenario and where its models are looked up;
     files: sets of files, by path with digest, that cases read; axes: name, columns and values of each; outputs, hook:

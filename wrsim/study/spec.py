@@ -85,7 +85,7 @@ class CsvAxis(Section, header='[[vary]] with kind = "csv"'):
     """Name of the axis in the results."""
 
     def varied(self) -> tuple[str, ...]:
-        """What is varied stands in the file."""
+        """What is varied is in the file."""
         return ()
 
 
@@ -123,7 +123,7 @@ class SampledKey(Section, header="[[vary.over]]"):
         if not given:
             yield Fault("low", "must be a finite number (and high; or give mean and deviation)", missing=True)
         elif len(given) == 2:
-            yield Fault(given[1][0] if given[1][0] in raw else given[1][1], "cannot stand next to low and high")
+            yield Fault(given[1][0] if given[1][0] in raw else given[1][1], "cannot be given with low and high")
         else:
             for one, other in (given[0], given[0][::-1]):
                 if one not in raw:
@@ -227,7 +227,7 @@ class ChannelOutput(Section, header="[[outputs.channels]]"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A percentile says which one; labels belong to the channel."""
+        """A percentile has its number; labels belong to the channel."""
         if (raw.get("reduce") == "percentile") != ("percentile" in raw):
             if "percentile" in raw:
                 yield Fault("percentile", 'is for reduce = "percentile"')

@@ -1,6 +1,6 @@
 """What a worker does with one case: it runs it in the folder of the case and leaves a marker there.
 
-A case is done when its marker (``case.json``) stands, which is written last and moved into place. So a worker may die
+A case is done when its marker (``case.json``) is there, which is written last and moved into place. So a worker may die
 at any instant, and a case may be handed out twice: who comes second waits for the lock of the folder and finds the
 marker. A run that was cut off goes on from its part file.
 
@@ -157,7 +157,7 @@ def _marker(plan: Plan, case: Case) -> Marker:
 
 
 def _has_hung(plan: Plan, case: Case, folder: Path) -> bool:
-    """True if the watchdog ended the process that had this case: its marker says so then."""
+    """True if the watchdog ended the process that had this case: its marker reports it then."""
     hung = folder / HUNG
     if not hung.exists() or hung.stat().st_size == 0:
         return False
@@ -254,7 +254,7 @@ def _reduce_again(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
     write_marker(folder, marker)
 
 
-def warm(study: str, digest: str, indices: list[int]) -> str:
+def warm_cases(study: str, digest: str, indices: list[int]) -> str:
     """Compile the kernels that these cases need, by the first steps of each; gives the host's name."""
     plan = plan_in(study, digest)
     base = plan.base()

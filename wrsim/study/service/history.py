@@ -173,7 +173,7 @@ def mileage_table(dataset: xr.Dataset) -> Table:
 
 
 def evolution_report(dataset: xr.Dataset) -> dict[str, Any]:
-    """What stands in ``wear.json``: title, law, the numbers at the start and at the end."""
+    """Content of ``wear.json``: title, law, the numbers at the start and at the end."""
     records = as_records(mileage_table(dataset))
     ends = {"new": records[0], "worn": records[-1]}
     return {"title": dataset.attrs["title"], "law": dataset.attrs["law"], "steps": dataset.sizes["point"] - 1} | ends

@@ -42,7 +42,7 @@ class ServiceFile(Section, header="a service"):
     smoothing_mm: Annotated[float, number(0.5, 50)] = 5.0
     """Wavelength along the profile at which smoothing halves what was worn off."""
     conicity_amplitude_mm: Annotated[float, number(0.5, 10)] = 3.0
-    """Amplitude of the equivalent conicity that is told against the mileage."""
+    """Amplitude of the equivalent conicity that is reported against the mileage."""
     flange_back_mm: Annotated[float, number(20, 150)] = 70.0
     """Distance of the flange back from the tape circle, for the flange's thickness Sd."""
     time_limit_s: Annotated[float, number(1, 1e7, "s of one case")] = 3600.0

@@ -9,7 +9,7 @@ A step lies in its folder ``steps/000``, ``001``, ...: its wheel (``wheel.toml``
 the unworn profile itself), its cases as those of a study, the same for the profiles on its way in ``look1``, ``look2``,
 ..., and ``step.json``, which is written last. A service that was killed begins with the first step without one, whose
 cases go on by their markers.
-All that a step hands to the next stands in ``step.json``, and is read from there also in a service that was not
+All that a step hands to the next is in ``step.json``, and is read from there also in a service that was not
 interrupted, so that both are the same to the bit.
 
 All wheels wear alike: by the mean over all wheels of the vehicle and over the cases by their shares, as if the vehicle
@@ -106,7 +106,7 @@ def read_step(service: Service, folder: Path) -> Step | None:
     return step
 
 
-def steps_of(service: Service, directory: Path, work: Work) -> Iterator[Step]:
+def wear_steps(service: Service, directory: Path, work: Work) -> Iterator[Step]:
     """All steps up to the mileage, those that are done already from their files.
 
     Raises SimulationError when a case did not come to its end, InputError when the profile would overlap itself.
