@@ -1,7 +1,8 @@
 """Laws of wear, each for one of two steel bodies that roll on each other, and of rolling contact fatigue of a patch.
 
 Arrays in, arrays out, SI units. All laws of wear give what is lost for every metre rolled. They agree at mild wear:
-5.3e-9 kg per metre and newton of T-gamma (USFD), 6.2e-9 (BRR), 4.0e-9 (Archard, friction .35), none of which was fitted to the other.
+5.3e-9 kg per metre and newton of T-gamma (USFD), 6.2e-9 (BRR), 4.0e-9 (Archard, friction .35), none of which was fitted
+to the others.
 
 ========  =================================================================================================
 usfd      Lewis and Dwyer-Joyce 2004; Braghin et al. 2006: R8T wheel on 900A rail in a twin-disc machine
