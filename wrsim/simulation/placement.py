@@ -60,10 +60,6 @@ class TrackPoses(NamedTuple):
     roll: Array
     spin_rate: Array
 
-    def first(self, n: int) -> TrackPoses:
-        """The first n of them."""
-        return TrackPoses(*(values[:n] for values in self))
-
 
 def poses_as_far(path: Path, q: Array, q_t: Array, start: float = 0.0) -> TrackPoses:
     """Poses of sampled states (n, 6) along a centre line, up to the first one that has no place on the track.

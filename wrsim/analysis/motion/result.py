@@ -240,7 +240,7 @@ def _placed(motion: Motion, law: VehicleOnTrack) -> tuple[Motion, list[TrackPose
             n -= 1
         else:
             cut = replace(motion, times=motion.times[:n], q=motion.q[:n], q_t=motion.q_t[:n])
-            return cut, [p.first(n) for p in poses]
+            return cut, [TrackPoses(*(values[:n] for values in p)) for p in poses]
 
 
 def choose_snapshots(setup: Setup[RunPlan], distance: Array, wheel: dict[str, Array], stopped: bool) -> dict[int, str]:
