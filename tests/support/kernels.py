@@ -229,7 +229,7 @@ def vehicle_cases() -> dict[str, list[float]]:
     found["kinetic energy"] = list(energy)
     found["finite"] = [float(first_not_finite(q, q_t))]
     poses = poses_on_track(law.track.centre, q[None, :6], q_t[None, :6], 50.0)
-    found["poses"] = [float(np.ravel(value)[0]) for value in vars(poses).values()]
+    found["poses"] = [float(np.ravel(value)[0]) for value in poses]
     steady = SteadyMotion(law)
     found["steady"] = list(steady.residual(steady.unknowns(q, q_t)))
     path = law.track.centre

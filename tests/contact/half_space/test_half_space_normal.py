@@ -5,8 +5,9 @@ import pytest
 from support.contacts import STEEL
 from support.hertz import COMPLIANCE, Ellipse, EllipseGrid
 
+from wrsim.contact.half_space.elements import Pressed
 from wrsim.contact.half_space.influence import Operator
-from wrsim.contact.half_space.normal import solve_normal
+from wrsim.contact.half_space.normal import Pressure, solve_normal
 from wrsim.core.contact.half_space.patch import measure
 
 ELLIPSES = {"circle": Ellipse(4e-3, 4e-3), "wide": Ellipse(2e-3, 7e-3), "long": Ellipse(9e-3, 1.5e-3)}
@@ -110,3 +111,13 @@ def test_a_neighbour_presses_down():
     lift = alone / (np.pi * COMPLIANCE.modulus * 8e-3) / ball.approach
     assert far / alone == pytest.approx(1.0 - 1.5 * lift, abs=0.03)
     assert STEEL.poisson_ratio == 0.28
+
+
+@pytest.mark.parametrize(
+    ("element", "reaches"), [((0, 2), True), ((-1, 2), True), ((2, 0), True), ((2, -1), True), ((1, 1), False)]
+)
+def test_contact_reaches_the_edge_in_the_outermost_elements_only(element, reaches):
+    grid = EllipseGrid(ELLIPSES["circle"], 4)
+    p = np.zeros((5, 5))
+    p[element] = 1e6
+    assert Pressed(grid, grid.operator(), Pressure(p, p, 1, 0.0, True)).reaches_edge is reaches
