@@ -14,8 +14,10 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,13 +28,16 @@ from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.pose import Pose
 from wrsim.contact.settings import ContactSettings
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+from support.sweeps import steepest
+
 STEEPEST = 12  # steps looked into
-HALVINGS = 12
 KNOTS = 31  # of the load over the approach
 LOADS = np.arange(5e3, 150e3 + 1.0, 5e3)  # [N]
 
 
-Path = Callable[[float], tuple[float, float, float, float]]
+Way = Callable[[float], tuple[float, float, float, float]]
 """Lateral shift, height, yaw [m, rad] and the load that stands for the force [N] at a place of a sweep."""
 
 
@@ -76,7 +81,7 @@ def downwards(both: Stand, lateral: float, yaw: float):  # type: ignore[no-untyp
     return path, 1e-6, touching - lowest
 
 
-def largest_jump(bench: PoseSolver, path: Path, start: float, end: float, step: float) -> tuple[float, str]:
+def largest_jump(bench: PoseSolver, path: Way, start: float, end: float, step: float) -> tuple[float, str]:
     """The largest jump of a sweep over the load there; also in words."""
 
     def forces_at(x: float) -> np.ndarray:
@@ -90,22 +95,8 @@ def largest_jump(bench: PoseSolver, path: Path, start: float, end: float, step: 
     for i, x in enumerate(xs):
         forces[i] = forces_at(x)
     cost = 1e6 * (time.perf_counter() - began) / len(xs)
-    change = np.abs(np.diff(forces, axis=0)).max(axis=1)
-    usual = np.array([np.median(change[max(0, i - 4) : i + 5]) for i in range(len(change))])
-    worst, where = 0.0, 0.0
-    for i in np.argsort(usual - change)[:STEEPEST]:
-        left, right = xs[i], xs[i + 1]
-        at_left, at_right = forces_at(left), forces_at(right)
-        for _ in range(HALVINGS):
-            middle = 0.5 * (left + right)
-            between = forces_at(middle)
-            if np.abs(between - at_left).max() > np.abs(at_right - between).max():
-                right, at_right = middle, between
-            else:
-                left, at_left = middle, between
-        jump = float(np.abs(at_right - at_left).max())
-        if jump > worst:
-            worst, where = jump, left
+    jumps = steepest(forces_at, xs, STEEPEST, forces)
+    where, worst = jumps[jumps[:, 1].argmax()].tolist()
     return worst, f"{worst:9.4f} at {1e3 * where:8.4f}{len(xs):8d} poses{cost:8.0f} us"
 
 
