@@ -6,7 +6,7 @@ evaluations and FASTSIM cells in a plain loop as one patch needs, once with the 
 strip ("scalar") and once as the kernel does it, all strips side by side ("side by side"). A second table holds the
 tangential models: the time of each, what a strip more costs and what a cell more costs. A third one holds the strip
 model with FaStrip: afresh as in static analyses, and from the last contact as in runs, at rest and moving sideways by
-up to 0.6 um from call to call. Grids: humps and their tails (docs/strip_model.md), the latter only at large yaw.
+up to 0.6 um from call to call. Grids: docs/strip_model.md.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ from wrsim.geometry.profile.profile import Profile
 MODELS = Path(__file__).parents[1] / "models"
 POSES = (("tread, two lobes", 0.0, 0.002), ("tread", 3e-3, 0.002), ("tread and root", 5.06e-3, 0.001),
          ("gauge corner", 6.5e-3, 0.005), ("flange", 8e-3, 0.01))  # fmt: skip
-YAWED = (("flange, slanted", 8e-3, 0.02), ("hump and tail", 6.7e-3, 0.016), ("two humps, a tail", 6.6e-3, 0.016),
-         ("two humps, two tails", 6.5e-3, 0.02))  # fmt: skip
+YAWED = (("flange, slanted", 8e-3, 0.02), ("bent locus, 6.7 mm", 6.7e-3, 0.016), ("6.6 mm", 6.6e-3, 0.016),
+         ("6.5 mm", 6.5e-3, 0.02))  # fmt: skip
 
 
 def microseconds(function: Callable[[], object], calls: int = 200, repeats: int = 60) -> float:
@@ -118,7 +118,7 @@ def ladder(wheel: Profile, rail: Profile) -> None:
 
 def strip_model(wheel: Profile, rail: Profile) -> None:
     """Print the time of the strip model, and how it grows with the strips."""
-    heads = "".join(f"{head:>9s}" for head in ("strips", "grids", "tails", "afresh", "at rest", "moving", "a strip"))
+    heads = "".join(f"{head:>9s}" for head in ("strips", "grids", "afresh", "at rest", "moving", "a strip"))
     print(f"\n{'strip model, us':24s}{heads}")
     origin = (0.7175 - rail.gauge_point()[0], -rail.top[1])
     for name, lateral, yaw in POSES + YAWED:
@@ -142,8 +142,7 @@ def strip_model(wheel: Profile, rail: Profile) -> None:
             moving = microseconds(move, 50, 30)
             more = f"{(moving - last[1]) / (strips - last[0]):9.2f}" if last else ""
             count = int(a.rows.memo[0]["grids"])
-            tails = np.count_nonzero(a.rows.grids["tail"][:count])
-            print(f"  {name:22s}{strips:9d}{count:9d}{tails:9d}{afresh:9.1f}{at_rest:9.1f}{moving:9.1f}{more}")
+            print(f"  {name:22s}{strips:9d}{count:9d}{afresh:9.1f}{at_rest:9.1f}{moving:9.1f}{more}")
             last = strips, moving
 
 

@@ -37,9 +37,10 @@ from wrsim.contact.settings import (
 )
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.core.body.rigid_body import kinetic_energies
+from wrsim.core.contact.arrays import bodies
 from wrsim.core.contact.rail import unfold
 from wrsim.core.contact.strips.changes import leave
-from wrsim.core.contact.strips.records import FACTORS, System, X
+from wrsim.core.contact.strips.records import OF_A_STRIP, System, X
 from wrsim.core.contact.strips.solution import substitute
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
@@ -161,10 +162,11 @@ def branches_that_cross(count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
 def _unsettled(model: ContactModel) -> list[float]:
     """What the strip model does where it finds no solution, in the state of its last call."""
     a = model.arrays.rows
-    system = System(a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
+    wheel, rail, _pose = bodies(a)
+    system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
     n = int(model.arrays.settings.strips)
     substitute(system, n)
-    found = list(a.vectors[X, : n + FACTORS])
+    found = list(a.vectors[X, : OF_A_STRIP * n])
     leave(system, n, 0)
     return found
 

@@ -38,7 +38,7 @@ Array = NDArray[np.float64]
 SEARCH_REACH = 0.75e-3  # distance of the search's samples near the rail [m]
 EPSILON = 0.55  # [S 23]
 MOST_STRIPS = 2000
-TAILS = 2  # grids of the strip model beyond one for each lobe: what there is no room for is no tail, at once
+SHOULDERS = 2  # grids of the strip model beyond one for each lobe
 TANGENTIAL: dict[Tangential, int] = {
     "none": k.NO_CREEP_FORCES,
     "fastsim": k.FASTSIM,
@@ -246,7 +246,7 @@ def _inputs(model: ContactModel) -> Arrays:
     n.stride = max(1, round(SEARCH_REACH / wheel_step))
     n.hollow = max(1.5 * hollows, 1.0)
     lobes, most = settings.patch_count, normal.rows(settings.strip_count)
-    grids = lobes + TAILS if normal.solves_for_strips else 0
+    grids = lobes + SHOULDERS if normal.solves_for_strips else 0
     of_a_lobe = most * max(grids, 1)
     unknowns = grids * block_of(most)
     return Arrays(

@@ -9,10 +9,10 @@ from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ellipe, ellipkm1
+from scipy.linalg import solve_banded
 
 from wrsim.contact.settings import ContactSettings
-from wrsim.core.contact.strips.influence import CUTS, LOWEST, PIECES
+from wrsim.core.contact.strips.influence import HIGHEST, INNER, LOWEST, OUTER, SHARP, STEPS, STEPS_BESIDE
 from wrsim.geometry.profile.distance_field import DistanceField, distance_field
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rolled_rail import RolledRail, station_fields
@@ -20,7 +20,6 @@ from wrsim.geometry.track.rolled_rail import RolledRail, station_fields
 Array = NDArray[np.float64]
 
 TABLE_STEP = 0.1e-3  # of the profile tables [m]
-CANCELS = 40.0  # beyond, K - E loses digits and the asymptotic series has them all
 
 
 @dataclass(frozen=True)
@@ -111,30 +110,35 @@ def creep_coefficients(poisson_ratio: float) -> Array:
     return np.ascontiguousarray(1.0 / sum(w * inverse[:, i] for i, w in enumerate(weights)))
 
 
-def unit_potential(t: Array) -> Array:
-    """f(1, t) = 2 sqrt(1 + t^2) (K - E) of the parameter 1/(1 + t^2), t > 0."""
-    t = np.asarray(t, dtype=np.float64)
-    complement = t * t / (1.0 + t * t)
-    near = 2.0 * np.sqrt(1.0 + t * t) * (ellipkm1(complement) - ellipe(1.0 - complement))
-    far = 0.5 * np.pi / t * (1.0 - 1.0 / (8.0 * t**2) + 3.0 / (64.0 * t**4))
-    return np.where(t > CANCELS, far, near)
-
-
 @cache
 def influence_table() -> Array:
-    """(PIECES, 8), see `core.contact.strips.influence`: cubics through values and slopes at the ends of the pieces."""
-    number = np.arange(PIECES + 1)
-    t = np.ldexp(1.0 + (number & ((1 << CUTS) - 1)) / 2.0**CUTS, LOWEST + (number >> CUTS))
-    x, w = np.polynomial.legendre.leggauss(8)
-    half = 0.5 * np.diff(t)
-    at = t[:-1, None] + half[:, None] * (1.0 + x)
-    f, first = unit_potential(at), t[0] * 2.0 * np.log(4.0 / t[0])  # f(1, t) = 2 ln(4/t) - 2 for small t
-    table = []
-    for integral, slope in (
-        (f @ w * half, unit_potential(t)),
-        (f / (1.0 + at**2) @ w * half, unit_potential(t) / (1.0 + t**2)),
-    ):
-        value = np.concatenate([[first], first + np.cumsum(integral)])
-        rise = 2.0 * half * slope[:-1], 2.0 * half * slope[1:]
-        table += [value[:-1], rise[0], 3.0 * integral - 2.0 * rise[0] - rise[1], rise[0] + rise[1] - 2.0 * integral]
-    return np.ascontiguousarray(np.transpose(table))
+    """Coefficients of the cubic spline of PHI/t, see `core.contact.strips.influence`: (places of xi + 2, of t + 2).
+
+    PHI is the integral of sqrt(1 - x^2) asinh(t/|x - xi|) over x; its pieces begin and end where that is singular.
+    """
+    octave = INNER + np.arange((OUTER - INNER) * STEPS_BESIDE + 1) / STEPS_BESIDE
+    xi = np.sqrt(np.maximum(1.0 + np.sinh(octave * np.log(2.0)) / SHARP, 0.0))
+    t = 2.0 ** (LOWEST + np.arange((HIGHEST - LOWEST) * STEPS + 1) / STEPS)
+    z, w = np.polynomial.legendre.leggauss(40)
+    z, w = 0.5 * (1.0 + z), 0.5 * w
+    # flat at both ends of a piece: takes the singularities off
+    share, w = z**3 * (10.0 - 15.0 * z + 6.0 * z * z), w * 30.0 * z**2 * (1.0 - z) ** 2
+    value = np.zeros((xi.size, t.size))
+    for i, middle in enumerate(xi):
+        for lo, hi in ((-1.0, min(middle, 1.0)), (min(middle, 1.0), 1.0)):
+            x = lo + (hi - lo) * share
+            weights = (hi - lo) * w * np.sqrt(1.0 - x * x)
+            value[i] += weights @ np.arcsinh(t / np.maximum(np.abs(x - middle), 1e-300)[:, None])
+    return np.ascontiguousarray(_spline(_spline(value / t).T).T)
+
+
+def _spline(values: Array) -> Array:
+    """Coefficients of cubic B-splines through values at whole numbers, along the first axis; third differences of the
+    coefficients vanish at both ends."""
+    n = len(values)
+    bands = np.repeat([[0.0], [1.0], [4.0], [1.0], [0.0]], n, axis=1)
+    bands[0, 2] = bands[4, -3] = 1.0
+    bands[1, 1] = bands[3, -2] = -2.0
+    bands[2, [0, -1]] = 7.0
+    c = solve_banded((2, 2), bands, 6.0 * values)
+    return np.concatenate([[3.0 * (c[0] - c[1]) + c[2]], c, [3.0 * (c[-1] - c[-2]) + c[-3]]])

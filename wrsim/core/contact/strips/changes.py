@@ -1,8 +1,7 @@
 """Strips, edges and grids of the strip model that come into contact and leave it: what changes the equations."""
 
-from wrsim.core.contact.strips.equations import block_of, edge_wish, gap_and_curvature, lay_strips, pressed
-from wrsim.core.contact.strips.records import FACTORS, ROWS, STEP, X
-from wrsim.core.contact.strips.tails import has_tail
+from wrsim.core.contact.strips.equations import block_of, edge_wish, lay_strips, pressed, set_conditions
+from wrsim.core.contact.strips.records import EDGES, OF_A_STRIP, ROWS, STEP, X
 from wrsim.core.jit.compiling import inlined, kernel
 
 ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
@@ -15,15 +14,9 @@ HUMP = 0.45  # closing, over its largest, up to which the contact of a new grid 
 
 @kernel
 def leave(system, n, g):
-    """Take a grid out of contact, its tails with it."""
-    base = g * block_of(n)
+    """Take a grid out of contact."""
     system.grids[g].on = 0
-    system.vectors[X, base : base + n] = 0.0
-    for side in range(2):
-        if has_tail(system.grids[: system.memo[0].grids], g, side):
-            tail = g - 1 + 2 * side
-            system.grids[tail].on = 0
-            system.vectors[X, tail * block_of(n) : tail * block_of(n) + n] = 0.0
+    system.vectors[X, g * block_of(n) : g * block_of(n) + n] = 0.0
 
 
 @kernel
@@ -48,11 +41,7 @@ def trim(system, n, g):
     memo, grid, places = system.memo[0], system.grids[g], system.places[g * n : (g + 1) * n]
     base = g * block_of(n)
     x = system.vectors[X]
-    if grid.tail != 0:
-        return False  # stays as it is
     first, last, count = in_contact(x[base : base + n])
-    first = 0 if grid.start_held and _goes_on(system, n, g, 0) else first
-    last = n - 1 if grid.end_held and _goes_on(system, n, g, 1) else last
     highest = 0.0
     for j in range(n):
         highest = max(highest, x[base + j] * places[j].bend)
@@ -69,15 +58,17 @@ def trim(system, n, g):
 
 @kernel
 def move_edges(system, n, g, start, end):
-    """New edges for a grid; half lengths stay where they are, ground that is new has none."""
+    """New edges for a grid; half lengths, factors and distances from the locus stay where they are, ground that is new
+    has half of the half lengths beside it."""
     grid, places = system.grids[g], system.places[g * n : (g + 1) * n]
     base = g * block_of(n)
     x, saved = system.vectors[X], system.vectors[STEP]
+    fill_factors(system, n, g)
     for j in range(n):
         places[j].gap = places[j].s
-        saved[j] = x[base + j]
+    saved[: OF_A_STRIP * n] = x[base : base + OF_A_STRIP * n]
     grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
-    x[base + n + FACTORS], x[base + n + FACTORS + 1] = max(start, grid.least), min(end, grid.most)
+    x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1] = max(start, grid.least), min(end, grid.most)
     lay_strips(system, n)
     for j in range(n):
         s = places[j].s
@@ -85,11 +76,29 @@ def move_edges(system, n, g, start, end):
         while c < n - 2 and places[c + 1].gap < s:
             c += 1
         r = min(max((s - places[c].gap) / (places[c + 1].gap - places[c].gap), 0.0), 1.0)
-        y = saved[c] * (1.0 - r) + saved[c + 1] * r
-        # outside of the old strips
+        for kind in range(OF_A_STRIP):
+            x[base + kind * n + j] = saved[kind * n + c] * (1.0 - r) + saved[kind * n + c + 1] * r
         if s < places[0].gap or s > places[n - 1].gap:
-            y *= 0.5
-        x[base + j] = y
+            x[base + j] *= 0.5
+
+
+@kernel
+def fill_factors(system, n, g):
+    """Strips out of contact take factors and distances from the locus from the nearest ones in it."""
+    x, base = system.vectors[X], g * block_of(n)
+    for j in range(n):
+        if x[base + j] > 0.0:
+            continue
+        for away in range(1, n):
+            before, after = j - away, j + away
+            if before >= 0 and x[base + before] > 0.0:
+                near = before
+            elif after < n and x[base + after] > 0.0:
+                near = after
+            else:
+                continue
+            x[base + n + j], x[base + 2 * n + j] = x[base + n + near], x[base + 2 * n + near]
+            break
 
 
 @kernel
@@ -101,56 +110,41 @@ def enter(system, n, held):
     changed = False
     for g in range(memo.grids):
         grid, base = system.grids[g], g * block
-        for j in range(n if grid.on else 0):
+        if not grid.on:
+            continue
+        fill_factors(system, n, g)
+        for j in range(n):
             place = places[g * n + j]
             if x[base + j] > 0.0:
                 continue
-            place.gap, _c = gap_and_curvature(system, n, g, place)
+            set_conditions(system, n, g, j, 1)
             if place.gap < -ENTRY:
                 x[base + j] = -place.gap * memo.deepest / place.bend
                 if 0 < j < n - 1:
                     x[base + j] = max(x[base + j], 0.5 * min(x[base + j - 1], x[base + j + 1]))
                 changed = True
-        if held or grid.tail != 0 or not grid.on:
+        if held:
             continue
         changed = _reach_out(system, n, g) or changed
-        for side in range(2):
-            goes_on = _goes_on(system, n, g, side)
-            if grid.start_held if side == 0 else grid.end_held:
-                free = not goes_on or has_tail(system.grids[: memo.grids], g, side)
-                if free and edge_wish(places, g * n, n, side) < 0.0:
-                    if side == 0:
-                        grid.start_held = 0
-                    else:
-                        grid.end_held = 0
-                    changed = True
-            elif goes_on and not has_tail(system.grids[: memo.grids], g, side):
-                move_edges(system, n, g, grid.least if side == 0 else grid.start, grid.end if side == 0 else grid.most)
+        for side in range(EDGES):
+            if (grid.start_held if side == 0 else grid.end_held) and edge_wish(places, g * n, n, side) < 0.0:
+                if side == 0:
+                    grid.start_held = 0
+                else:
+                    grid.end_held = 0
                 changed = True
     for g in range(memo.grids):
-        if system.grids[g].tail == 0 and not system.grids[g].on:
+        if not system.grids[g].on:
             changed = _grid_enters(system, n, g) or changed
     return changed
-
-
-@kernel
-def _goes_on(system, n, g, side):
-    """Whether the contact goes on in a tail beyond the end of a grid's ground, its own or another's."""
-    k = g - 1 if side == 0 else g + 1
-    if not 0 <= k < system.memo[0].grids or system.grids[k].tail == 0:
-        return False
-    beside = k * block_of(n) + (n - 1 if side == 0 else 0)
-    grid, tail = system.grids[g], system.grids[k]
-    between = grid.least - tail.most if side == 0 else tail.least - grid.most
-    return abs(between) < 1e-9 and system.vectors[X, beside] > 0.0
 
 
 @inlined
 def _closing(system, n, g, r):
     """How far the bodies would overlap at a row, over what all strips press them down there [m]."""
     row = system.rows[g, r]
-    u, _c = pressed(system, n, g, row.s, row.x)
-    return row.d - u / system.memo[0].stiffness
+    x = row.x if system.memo[0].shifted else system.grids[g].x
+    return row.d - pressed(system, n, g, row.s, x, 0.0, 1).middle
 
 
 @kernel
@@ -238,13 +232,13 @@ def _reach_out(system, n, g):
         if before[0] <= place.s <= before[1]:
             continue
         # what presses down still are the strips as they lay before
-        u, _c = pressed(system, n, g, place.s, place.x)
-        x[base + j] = max(place.d - u / memo.stiffness, 0.0) / place.bend
+        u = pressed(system, n, g, place.s, place.x if memo.shifted else grid.x, 0.0, 1)
+        x[base + j] = max(place.d - u.middle, 0.0) / place.bend
         touch += int(x[base + j] > 0.0)
     if touch < 2:
         # an edge takes two: one strip alone would be drawn in again
-        x[base : base + n] = system.vectors[STEP, :n]
-        x[base + n + FACTORS], x[base + n + FACTORS + 1] = before
+        x[base : base + OF_A_STRIP * n] = system.vectors[STEP, : OF_A_STRIP * n]
+        x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1] = before
         grid.start_held, grid.end_held = held
         lay_strips(system, n)
         return False
@@ -259,29 +253,15 @@ def hertz_factor(ratio):
 
 
 @kernel
-def lay_tail(system, n, g, factor):
-    """A tail comes on, all of it, no strip in contact."""
-    grid, x = system.grids[g], system.vectors[X]
-    base = g * block_of(n)
-    grid.on = grid.start_held = grid.end_held = 1
-    x[base : base + n] = 0.0
-    x[base + n : base + n + FACTORS] = factor
-    x[base + n + FACTORS], x[base + n + FACTORS + 1] = grid.least, grid.most
-
-
-@kernel
 def begin(system, n, g, start, end, depth, bend):
-    """First guess of a grid: a hump of this depth between these edges, nothing on its tails. bend: 1/R_x [1/m]."""
+    """First guess of a grid: a hump of this depth between these edges. bend: 1/R_x [1/m]."""
     grid, x = system.grids[g], system.vectors[X]
     base = g * block_of(n)
     grid.on = 1
-    grid.start_held = grid.end_held = 0
-    factor = hertz_factor(depth / (bend * (0.5 * (end - start)) ** 2))
-    for side in range(2):
-        if has_tail(system.grids[: system.memo[0].grids], g, side):
-            lay_tail(system, n, g - 1 + 2 * side, factor)
+    grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
     for j in range(n):
         z = 2.0 * (j + 0.5) / n - 1.0
         x[base + j] = depth / bend * (1.0 - z * z)
-    x[base + n : base + n + FACTORS] = factor
-    x[base + n + FACTORS], x[base + n + FACTORS + 1] = start, end
+    x[base + n : base + 2 * n] = hertz_factor(depth / (bend * (0.5 * (end - start)) ** 2))
+    x[base + 2 * n : base + 3 * n] = 0.0
+    x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1] = start, end

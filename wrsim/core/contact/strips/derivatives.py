@@ -2,190 +2,136 @@
 
 from math import sqrt
 
-from wrsim.core.contact.strips.equations import (
-    EDGE_RATIO,
-    LEAST_DEPTH,
-    LEAST_FACTOR,
-    THIRD,
-    block_of,
-    evenness,
-    factor_of,
-    fading,
-    joint,
-)
-from wrsim.core.contact.strips.influence import (
-    find_presses,
-    find_terms,
-    put_beside,
-    put_presses_beside,
-)
-from wrsim.core.contact.strips.records import (
-    FACTORS,
-    FROM,
-    INVERSE,
-    MIDDLE,
-    SOLVED,
-    TERMS,
-    TO,
-    F,
-    X,
-)
+from wrsim.core.contact.strips.equations import EDGE_RATIO, EVENNESS, REACH, THIRD, bending, block_of, fading
+from wrsim.core.contact.strips.influence import find_terms
+from wrsim.core.contact.strips.records import EDGES, MIDDLE, OF_A_POINT, OF_A_STRIP, SOLVED, TERMS
 from wrsim.core.jit.compiling import inlined, kernel
 
 
-@kernel
-def _calm_rows(grid, places, deepest, matrix):
-    """Derivatives of ``_calm`` by a^2; matrix: a grid's own rows and columns."""
-    n = places.size
-    weight = grid.calm * places[n // 2].bend / deepest
-    for j in range(n - 3):
-        if min(min(places[j].y, places[j + 1].y), min(places[j + 2].y, places[j + 3].y)) > 0.0:
-            for p in range(4):
-                for q in range(4):
-                    matrix[j + p, j + q] += weight * THIRD[p] * THIRD[q]
+@inlined
+def _point(system, n, g, i, h, point, x):
+    """The terms of the strips of grid h at a point x of strip i of grid g."""
+    v, t = system.vectors, TERMS + OF_A_POINT * point
+    first, last = h * n, (h + 1) * n
+    find_terms(
+        system.table, v, first, last, system.places[g * n + i].s, x, v[t], v[t + 1], v[t + 2], v[t + 3], v[t + 4]
+    )
 
 
 @kernel
 def _press_held(system, n, g, i):
-    """Derivatives of the displacement at strip i of grid g by a^2 of all strips, to ``matrix``."""
+    """Derivatives of the displacement in the middle of strip i of grid g by a^2 of all strips, to ``matrix``."""
     memo, vectors, m = system.memo[0], system.vectors, system.matrix
-    u, du = vectors[TERMS], vectors[TERMS + 1]
     unit = 1.0 / (memo.stiffness * memo.deepest)
-    at = system.places[g * n + i]
+    row, x = g * block_of(n) + i, vectors[MIDDLE, g * n + i]
+    p, p_xi, turn = vectors[TERMS], vectors[TERMS + 1], vectors[TERMS + 2]
     for h in range(memo.grids):
         part = unit * fading(system, h, g)
         if part == 0.0:
             continue
+        _point(system, n, g, i, h, 0, x)
         column = h * (block_of(n) - n)
-        first, last = h * n + system.grids[h].pressing, h * n + system.grids[h].beyond
-        begin, end, inverse = vectors[FROM], vectors[TO], vectors[INVERSE]
-        find_presses(system.table, begin, end, inverse, first, last, at.s, u, du)
-        if memo.shifted:
-            put_presses_beside(begin, end, inverse, vectors[MIDDLE], first, last, at.s, at.x + at.off, u, du)
-        for j in range(first, last):
+        for j in range(h * n, (h + 1) * n):
             place = system.places[j]
             if place.y > 0.0:
-                less = 0.0 if place.over > 1.0 else 0.5 * du[j]
-                m[g * block_of(n) + i, column + j] = part * place.q * (u[j] - less) / place.over
+                xi = (x - vectors[MIDDLE, j]) / place.root
+                m[row, column + j] = part * place.q * (p[j] - 0.5 * (xi * p_xi[j] + turn[j]))
 
 
 @kernel
 def _press_row(system, n, g, i):
-    """Derivatives of displacement and curvature at strip i of grid g by all unknowns, through the strips, to
-    ``matrix``."""
+    """Derivatives of the displacements at all points of strip i of grid g, through the strips, to ``matrix``."""
     memo, places, vectors, m = system.memo[0], system.places, system.vectors, system.matrix
-    grids = system.grids
-    u, c, du, dc = vectors[TERMS], vectors[TERMS + 1], vectors[TERMS + 2], vectors[TERMS + 3]
-    f0, f1, g0, g1 = vectors[TERMS + 4], vectors[TERMS + 5], vectors[TERMS + 6], vectors[TERMS + 7]
-    t, cx, shifted = vectors[TERMS + 8], vectors[TERMS + 9], memo.shifted
-    begin, finish, inverse = vectors[FROM], vectors[TO], vectors[INVERSE]
     block = block_of(n)
     unit = 1.0 / (memo.stiffness * memo.deepest)
     at = places[g * n + i]
-    row = g * block + i
-    f, r = factor_of(at)
-    w = g * block + n + f
-    scale = at.weight / (memo.stiffness * at.bend)
-    s0, s1 = (1.0 - r) * scale, r * scale
-    by_s_u = by_s_c = 0.0
-    turn = (1.0 + grids[g].stretch) * at.x_s  # of the place along x
-    for h in range(memo.grids):
-        part = fading(system, h, g)
-        if part == 0.0:
-            continue
-        base, before = h * block, h * (block - n)
-        first, last = h * n + grids[h].pressing, h * n + grids[h].beyond
-        find_terms(system.table, begin, finish, inverse, first, last, at.s, u, c, du, dc, f0, f1, g0, g1)
-        if shifted:
-            put_beside(
-                begin, finish, inverse, vectors[MIDDLE], first, last, at.s, at.x + at.off,
-                u, c, du, dc, f0, f1, g0, g1, t, cx,
-            )  # fmt: skip
-        start_u = start_c = end_u = end_c = 0.0
-        stretch = 1.0 + grids[h].stretch
-        for j in range(first, last):
-            place = places[j]
-            if place.y <= 0.0:
+    row, e = g * block + i, g * block + OF_A_STRIP * n
+    middle, r = vectors[MIDDLE, g * n + i], REACH * at.root
+    points = 3 if memo.shifted else 2
+    for point in range(points):
+        arm = r if point == 1 else -r if point == 2 else 0.0
+        x = middle + arm
+        # its shares of the three equations
+        level = 1.0 if point == 0 else 0.0
+        bow = 1.0 if point == 0 else -0.5 if points == 3 else -1.0
+        turn = 0.0 if point == 0 or points == 2 else 1.0 if point == 1 else -1.0
+        t = TERMS + OF_A_POINT * point
+        p, p_xi, lever, f0, f1 = vectors[t], vectors[t + 1], vectors[t + 2], vectors[t + 3], vectors[t + 4]
+        by_x = by_s = 0.0
+        for h in range(memo.grids):
+            part = unit * fading(system, h, g)
+            if part == 0.0:
                 continue
-            full, bent = place.over > 1.0, place.bent
-            # by a^2, or by the amplitude where a^2 is as large as can be
-            q = part * place.q
-            column = before + j
-            m[row, column] = unit * q * (u[j] if full else u[j] - 0.5 * du[j]) / place.over
-            by_y = bent * q * (c[j] if full else place.bent_y * c[j] - 0.5 * dc[j]) / (place.y * place.over)
-            m[w, column] += s0 * by_y
-            m[w + 1, column] += s1 * by_y
-            fj, rj = factor_of(place)
-            k = base + n + fj
-            by_u, by_c = part * unit * place.half * place.y * u[j], bent * part * place.half * c[j]
-            m[row, k] += (1.0 - rj) * by_u
-            m[row, k + 1] += rj * by_u
-            m[w, k] += s0 * (1.0 - rj) * by_c
-            m[w, k + 1] += s0 * rj * by_c
-            m[w + 1, k] += s1 * (1.0 - rj) * by_c
-            m[w + 1, k + 1] += s1 * rj * by_c
-            # by the ends of the strip, over pi E*, and by its middle
-            qa, qc = q * place.root, q / place.root
-            u0, u1, v0, v1 = qa * f0[j], qa * f1[j], bent * qc * g0[j], bent * qc * g1[j]
-            mid_u = q * place.y * (u[j] * place.lean - 0.5 * place.growing * du[j])
-            mid_c = bent * q * (c[j] * place.lean - place.growing * (c[j] + 0.5 * dc[j]))
-            start_u += u1 * place.hi_start - u0 * place.lo_start + mid_u * place.mid_start
-            start_c += v1 * place.hi_start - v0 * place.lo_start + mid_c * place.mid_start
-            end_u += u1 * place.hi_end - u0 * place.lo_end + mid_u * place.mid_end
-            end_c += v1 * place.hi_end - v0 * place.lo_end + mid_c * place.mid_end
-            by_s_u += u0 - u1
-            by_s_c += v0 - v1
-            if not shifted:
-                continue
-            # by this strip's middle along x against the one here
-            x_u, x_c = qa * t[j], bent * qc * cx[j]
-            moved = stretch * place.x_s
-            start_u -= x_u * moved * place.mid_start
-            end_u -= x_u * moved * place.mid_end
-            start_c -= x_c * moved * place.mid_start
-            end_c -= x_c * moved * place.mid_end
-            by_s_u += x_u * turn
-            by_s_c += x_c * turn
-        e = base + n + FACTORS
-        _add_edges(m, row, e, unit * start_u, unit * end_u)
-        _add_edges(m, w, e, s0 * start_c, s0 * end_c)
-        _add_edges(m, w + 1, e, s1 * start_c, s1 * end_c)
-    e = g * block + n + FACTORS
-    _add_edges(m, row, e, unit * by_s_u * at.mid_start, unit * by_s_u * at.mid_end)
-    _add_edges(m, w, e, s0 * by_s_c * at.mid_start, s0 * by_s_c * at.mid_end)
-    _add_edges(m, w + 1, e, s1 * by_s_c * at.mid_start, s1 * by_s_c * at.mid_end)
+            _point(system, n, g, i, h, point, x)
+            base = h * block
+            by_start = by_end = 0.0
+            for j in range(h * n, (h + 1) * n):
+                place = places[j]
+                if place.y <= 0.0:
+                    continue
+                column = base + j - h * n
+                q, a = part * place.q, place.root
+                xi = (x - vectors[MIDDLE, j]) / a
+                by_y = q * (p[j] - 0.5 * (xi * p_xi[j] + lever[j]))
+                by_k = part * place.half * place.y * p[j]
+                shift = q * a * p_xi[j]
+                lo, hi = q * a * f0[j], q * a * f1[j]
+                by_x += shift
+                by_s += lo - hi
+                by_middle = q * place.y * p[j] * place.lean - (shift * place.x_s if memo.shifted else 0.0)
+                by_start += hi * place.hi_start - lo * place.lo_start + by_middle * place.mid_start
+                by_end += hi * place.hi_end - lo * place.lo_end + by_middle * place.mid_end
+                m[row, column] += level * by_y
+                m[row, column + n] += level * by_k
+                m[row + n, column] += bow * by_y
+                m[row + n, column + n] += bow * by_k
+                if points == 3:
+                    m[row, column + 2 * n] -= level * shift
+                    m[row + n, column + 2 * n] -= bow * shift
+                    m[row + 2 * n, column] += turn * by_y
+                    m[row + 2 * n, column + n] += turn * by_k
+                    m[row + 2 * n, column + 2 * n] -= turn * shift
+            edge = base + OF_A_STRIP * n
+            _add_edges(m, row, n, edge, level, bow, turn, by_start, by_end)
+        # the point moves with the strip's own middle, half length and place
+        own_y = by_x * arm / (2.0 * at.y)
+        m[row + n, row] += bow * own_y
+        along = by_s + (by_x * at.x_s if points == 3 else 0.0)
+        _add_edges(m, row, n, e, level, bow, turn, along * at.mid_start, along * at.mid_end)
+        if points == 3:
+            m[row + 2 * n, row] += turn * own_y
+            m[row, row + 2 * n] += level * by_x
+            m[row + n, row + 2 * n] += bow * by_x
+            m[row + 2 * n, row + 2 * n] += turn * by_x
 
 
 @inlined
-def _add_edges(m, row, e, by_start, by_end):
-    """Add derivatives by both edges to a row."""
-    m[row, e] += by_start
-    m[row, e + 1] += by_end
+def _add_edges(m, row, n, e, level, bow, turn, by_start, by_end):
+    """Add what a displacement does by both edges to the equations of a strip."""
+    m[row, e] += level * by_start
+    m[row, e + 1] += level * by_end
+    m[row + n, e] += bow * by_start
+    m[row + n, e + 1] += bow * by_end
+    m[row + 2 * n, e] += turn * by_start
+    m[row + 2 * n, e + 1] += turn * by_end
 
 
 @kernel
 def _own_row(system, n, g, i):
-    """Derivatives of the geometry at strip i of grid g, and of its weight in the means of the curvature, to
-    ``matrix``."""
-    m, at = system.matrix, system.places[g * n + i]
-    row = g * block_of(n) + i
-    e = g * block_of(n) + n + FACTORS
-    f, r = factor_of(at)
-    w = g * block_of(n) + n + f
-    moment, width, deepest = at.weight * at.miss, at.hi - at.lo, system.memo[0].deepest
-    # what lies off the locus is less deep
-    slope = at.d_s - at.bend * at.off * system.grids[g].stretch * at.x_s - 0.5 * at.bend_s * at.off * at.off
-    _add_edges(m, row, e, -slope * at.mid_start / deepest, -slope * at.mid_end / deepest)
-    lean = (moment - at.weight * (at.miss + 1.0)) * at.lean
-    start = lean * at.mid_start + moment * (at.hi_start - at.lo_start) / width
-    end = lean * at.mid_end + moment * (at.hi_end - at.lo_end) / width
-    share = at.half / at.q
-    for b in range(2):
-        part = 1.0 - r if b == 0 else r
-        _add_edges(m, w + b, e, part * start, part * end)
-        m[w + b, row] += part * moment / (at.y * at.over)
-        m[w + b, w] += part * moment * share * (1.0 - r)
-        m[w + b, w + 1] += part * moment * share * r
+    """Derivatives of the geometry at strip i of grid g, to ``matrix``."""
+    m, at, deepest = system.matrix, system.places[g * n + i], system.memo[0].deepest
+    row, e = g * block_of(n) + i, g * block_of(n) + OF_A_STRIP * n
+    r, off = REACH * at.root, at.off
+    # u - d + off^2/(2 R);  -r^2/(2 R);  2 r off/R
+    slopes = -at.d_s + 0.5 * at.bend_s * off * off, -0.5 * at.bend_s * r * r, 2.0 * at.bend_s * r * off
+    for equation in range(OF_A_STRIP if system.memo[0].shifted else 2):
+        m[row + equation * n, e] += slopes[equation] * at.mid_start / deepest
+        m[row + equation * n, e + 1] += slopes[equation] * at.mid_end / deepest
+    m[row + n, row] -= 0.5 * at.bend * REACH * REACH / deepest
+    if system.memo[0].shifted:
+        m[row, row + 2 * n] += at.bend * off / deepest
+        m[row + 2 * n, row] += at.bend * REACH * off / (at.root * deepest)
+        m[row + 2 * n, row + 2 * n] += 2.0 * at.bend * r / deepest
 
 
 @kernel
@@ -193,8 +139,7 @@ def jacobian(system, n, held):
     """Derivatives of the equations by the unknowns that are solved for, to ``matrix``, for the state of the last
     ``residuals``; the numbers of these unknowns to ``vectors[SOLVED]``, how many there are to the memo.
 
-    Strips out of contact, edges that are held and grids that are not on stay as they are, the factors of tails are
-    those at their joints; held: all factors and edges stay.
+    Strips out of contact, edges that are held and grids that are not on stay as they are; held: only half lengths move.
     """
     memo, places, grids = system.memo[0], system.places, system.grids
     m = system.matrix
@@ -204,20 +149,13 @@ def jacobian(system, n, held):
     for g in range(memo.grids):
         for j in range(n if grids[g].on else 0):
             place = places[g * n + j]
-            if place.y <= 0.0:
-                continue
             place.root = sqrt(place.y)
-            place.half = 0.5 * memo.modulus * place.bend * place.over
+            place.half = 0.5 * memo.modulus * place.bend
             place.lean = place.bend_s / place.bend
-            place.growing = 0.0
-            if place.over > 1.0:
-                place.growing = place.d_s / max(place.d, LEAST_DEPTH) - place.lean
             place.mid_start = 0.5 * (place.lo_start + place.hi_start)
             place.mid_end = 0.5 * (place.lo_end + place.hi_end)
     for g in range(memo.grids):
-        if not grids[g].on:
-            continue
-        for i in range(n):
+        for i in range(n if grids[g].on else 0):
             if places[g * n + i].y <= 0.0:
                 continue
             if held:
@@ -225,79 +163,82 @@ def jacobian(system, n, held):
             else:
                 _press_row(system, n, g, i)
                 _own_row(system, n, g, i)
-        if memo.shifted:
-            base = g * block
-            _calm_rows(grids[g], places[g * n : (g + 1) * n], memo.deepest, m[base : base + n, base : base + n])
-    for g in range(memo.grids):
-        if grids[g].on and grids[g].tail == 0 and not held:
-            _factor_and_edge_rows(system, n, g)
+        if grids[g].on and not held:
+            _even_rows(system, n, g)
+            _edge_rows(system, n, g)
     _gather(system, n, held)
 
 
 @kernel
-def _factor_and_edge_rows(system, n, g):
-    """What holds the factors of a grid together, and the derivatives of the edges' misfits."""
-    memo, places, grids, m = system.memo[0], system.places, system.grids, system.matrix
-    grid, block = grids[g], block_of(n)
-    own = g * block + n
-    even = evenness(memo, grid)
-    for f in range(FACTORS):
-        r = own + f
-        if f > 0:
-            m[r, r] += even
-            m[r, r - 1] -= even
-        if f < FACTORS - 1:
-            m[r, r] += even
-            m[r, r + 1] -= even
-    if grid.link > 0.0 and grids[grid.linked].on:
-        one, other = own + FACTORS - 1, grid.linked * block + n
-        m[one, one] += grid.link
-        m[one, other] -= grid.link
-        m[other, other] += grid.link
-        m[other, one] -= grid.link
-    for side in range(2):
-        r = own + FACTORS + side
-        outer, inner = (g * n, g * n + 1) if side == 0 else (g * n + n - 1, g * n + n - 2)
-        one, two = places[outer], places[inner]
-        y1 = max(two.y * two.over, 1e-30)
-        m[r, g * block + outer - g * n] = 1.0 / y1
-        m[r, g * block + inner - g * n] = -one.y * one.over / (y1 * y1)
+def _even_rows(system, n, g):
+    """What holds neighbouring strips alike."""
+    places, m, base = system.places, system.matrix, g * block_of(n)
+    for j in range(1, n):
+        if places[g * n + j].y <= 0.0 or places[g * n + j - 1].y <= 0.0:
+            continue
+        r = base + n + j
+        m[r, r] += EVENNESS
+        m[r, r - 1] -= EVENNESS
+        m[r - 1, r - 1] += EVENNESS
+        m[r - 1, r] -= EVENNESS
+    for j in range(1, n - 1 if system.memo[0].shifted else 1):
+        ratio = bending(places, g * n + j)
+        if j < n - 2 and min(ratio, bending(places, g * n + j + 1)) > 0.0:
+            weight, r = system.grids[g].calm * places[g * n + j].bend / system.memo[0].deepest, base + j - 1
+            for p in range(4):
+                for q in range(4):
+                    m[r + p, r + q] += weight * THIRD[p] * THIRD[q]
+        if ratio > 0.0:
+            weight, r = EVENNESS / system.grids[g].reach, base + 2 * n + j
+            parts = ratio, -1.0 - ratio, 1.0
+            for p in range(3):
+                for q in range(3):
+                    m[r + p - 1, r + q - 1] += weight * parts[p] * parts[q]
+
+
+@kernel
+def _edge_rows(system, n, g):
+    """Derivatives of the edges' residuals."""
+    places, m, base = system.places, system.matrix, g * block_of(n)
+    for side in range(EDGES):
+        r = base + OF_A_STRIP * n + side
+        outer, inner = (0, 1) if side == 0 else (n - 1, n - 2)
+        one, two = places[g * n + outer], places[g * n + inner]
+        ratio = one.q * one.q * one.y / max(two.q * two.q * two.y, 1e-30)
+        m[r, base + outer] = ratio / max(one.y, 1e-30)
+        m[r, base + inner] = -ratio / max(two.y, 1e-30)
+        m[r, base + n + outer] = 2.0 * ratio / one.k
+        m[r, base + n + inner] = -2.0 * ratio / two.k
+        by_start = 2.0 * ratio * (one.lean * one.mid_start - two.lean * two.mid_start)
+        by_end = 2.0 * ratio * (one.lean * one.mid_end - two.lean * two.mid_end)
         w0, w1 = one.hi - one.lo, two.hi - two.lo
         rate = -EDGE_RATIO / (2.0 * w0 + w1) ** 2
-        by_start = (one.hi_start - one.lo_start) * w1 - (two.hi_start - two.lo_start) * w0
-        by_end = (one.hi_end - one.lo_end) * w1 - (two.hi_end - two.lo_end) * w0
-        _add_edges(m, r, own + FACTORS, rate * by_start, rate * by_end)
+        m[r, base + OF_A_STRIP * n] = by_start + rate * (
+            (one.hi_start - one.lo_start) * w1 - (two.hi_start - two.lo_start) * w0
+        )
+        m[r, base + OF_A_STRIP * n + 1] = by_end + rate * (
+            (one.hi_end - one.lo_end) * w1 - (two.hi_end - two.lo_end) * w0
+        )
 
 
 @kernel
 def _gather(system, n, held):
     """Bring what is solved for to the first rows and columns of ``matrix``."""
     memo, grids, m, solved = system.memo[0], system.grids, system.matrix, system.vectors[SOLVED]
-    block = block_of(n)
     size = 0
     for g in range(memo.grids):
-        grid, base = grids[g], g * block
-        for j in range(n if grid.on else 0):
-            if system.places[g * n + j].y > 0.0:
-                solved[size] = base + j
-                size += 1
-        if not grid.on or grid.tail != 0 or held:
-            continue
-        for j in range(n, block):
-            kept = grid.start_held if j == block - 2 else grid.end_held if j == block - 1 else 0
-            if j < n + FACTORS:
-                # at its least value, and its equation asks for less (``residuals``)
-                kept = system.vectors[X, base + j] <= LEAST_FACTOR and system.vectors[F, base + j] == 0.0
-            if not kept:
-                solved[size] = base + j
+        grid, base = grids[g], g * block_of(n)
+        for kind in range(1 if held else OF_A_STRIP if memo.shifted else 2):
+            for j in range(n if grid.on else 0):
+                if system.places[g * n + j].y > 0.0:
+                    solved[size] = base + kind * n + j
+                    size += 1
+        for side in range(EDGES if grid.on and not held else 0):
+            if not (grid.start_held if side == 0 else grid.end_held):
+                solved[size] = base + OF_A_STRIP * n + side
                 size += 1
     memo.unknowns = size
     for i in range(size):
         row = int(solved[i])
-        for g in range(memo.grids):
-            if grids[g].on and grids[g].tail != 0:
-                at_joint, own = joint(g, grids[g], n), g * block + n
-                for f in range(own, own + FACTORS):
-                    m[row, at_joint] += m[row, f]
         for j in range(size):
             m[i, j] = m[row, int(solved[j])]

@@ -14,13 +14,12 @@ from wrsim.core.contact.patch import bisector
 from wrsim.core.contact.profile import length
 from wrsim.core.contact.rail import along, parting, rail_and_envelope, rail_length, tilted
 from wrsim.core.contact.search.locus import locus_point
-from wrsim.core.contact.strips.records import FACTORS, ROWS
+from wrsim.core.contact.strips.records import ROWS
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.root import Bracket, crossing, narrowed
 
 LEVEL = 0.1  # of a lobe's depth: rows reach so far
 FLOOR = 0.3  # share of even density
-LEAST_SHARE = 0.2  # of the penetration at its joint up to which the strips of a tail are the denser the deeper it lies
 NEAR = 0.01  # of the rows' distance: how far ahead a point may be for the shift along the rail to be read there
 LEAST_FACING = 2.5e-3  # square of the sine between axle and normal, held above
 
@@ -159,21 +158,19 @@ def grade_rows(grid, rows, axle):
     """
     h = grid.spacing
     total = 0.0
-    unit = 0.5 / (h * sqrt(grid.deepest))
+    unit = 1.0 / (h * sqrt(grid.deepest))
     skew = 0.7 * abs(axle.x) / h
     for r in range(ROWS):
-        c = min(max(r, 2), ROWS - 3)
-        rows[r].xi = unit * sqrt(abs(rows[c - 2].d - 2.0 * rows[c].d + rows[c + 2].d))
+        c = min(max(r, 1), ROWS - 2)
+        rows[r].xi = unit * sqrt(abs(rows[c - 1].d - 2.0 * rows[c].d + rows[c + 1].d))
         total += rows[r].xi
     floor = FLOOR * total / ROWS
     for r in range(ROWS):
         row = rows[r]
         near = 0.0
-        for q in range(-2, 3):
+        for q in range(-1, 2):
             near += rows[min(max(r + q, 0), ROWS - 1)].xi
-        row.density = 0.2 * near + floor
-        if grid.tail != 0:
-            row.density *= max(row.d / rows[0 if grid.tail < 0 else ROWS - 1].d, LEAST_SHARE)
+        row.density = near / 3.0 + floor
         lean = row.no * axle.y + row.nb * axle.z
         reach = skew * skew * 2.0 * row.r_t * max(row.d, 0.0) / max(1.0 - lean * lean, LEAST_FACING)
         if reach <= 1.0:
@@ -205,8 +202,8 @@ def _integral(grid, rows, s):
 
 
 @kernel
-def place_strips(grid, rows, places):
-    """Lay the strips of a grid between its edges and read the geometry there. places: its own."""
+def place_strips(wheel, rail, grid, rows, places):
+    """Lay the strips of a grid between its edges and find the geometry there. places: its own."""
     n = places.size
     h = grid.spacing
     first, density_start = _integral(grid, rows, grid.start)
@@ -232,18 +229,21 @@ def place_strips(grid, rows, places):
         x = (s - grid.least) / h
         c = min(max(int(x), 1), ROWS - 3)
         t = x - c
+        # profiles bend sharply within a row's distance: what lies between rows is computed, not read
+        arc = rows[c].arc + t * (rows[c + 1].arc - rows[c].arc)
+        at = opposite(wheel, rail, arc, s)
+        taken = at.ahead * at.shrink
+        if abs(taken) > NEAR * h:
+            at = opposite(wheel, rail, arc - taken, s)
+        place.d = at.d
         d0, d1, d2, d3 = rows[c - 1].d, rows[c].d, rows[c + 1].d, rows[c + 2].d
-        # cubic through four rows
-        k1 = -d0 / 3.0 - 0.5 * d1 + d2 - d3 / 6.0
-        k2 = 0.5 * (d0 + d2) - d1
-        k3 = (d3 - d0) / 6.0 + 0.5 * (d1 - d2)
-        place.d = d1 + t * (k1 + t * (k2 + t * k3))
-        place.d_s = (k1 + t * (2.0 * k2 + 3.0 * t * k3)) / h
+        place.d_s = (
+            -d0 / 3.0 - 0.5 * d1 + d2 - d3 / 6.0 + t * (d0 + d2 - 2.0 * d1 + t * (0.5 * (d3 - d0) + 1.5 * (d1 - d2)))
+        ) / h
         place.bend_s = (rows[c + 1].bend - rows[c].bend) / h
         place.bend = rows[c].bend + t * h * place.bend_s
         place.x_s = (rows[c + 1].x - rows[c].x) / h
         place.x = rows[c].x + t * h * place.x_s
-        place.at = min(max((j + 0.5) / n * FACTORS - 0.5, 0.0), FACTORS - 1.0)
 
 
 @inlined
@@ -260,29 +260,6 @@ def next_corner(rows, p, end, step):
 
 @kernel
 def make_room(grids, k, end):
-    """Bounds, bonds and tails of the grids from k to before ``end`` move on by one; those of k stand twice then."""
+    """Bounds of the grids from k to before ``end`` move on by one; those of k stand twice then."""
     for later in range(end, k, -1):
-        own, before = grids[later], grids[later - 1]
-        own.least, own.most, own.bond, own.tail = before.least, before.most, before.bond, before.tail
-        own.soft, own.waist = before.soft, before.waist
-
-
-class Neighbour(NamedTuple):
-    """The next hump of the same ground: its grid, -1 where there is none; least penetration over the concave hull
-    between both; how much of that counts, none across a tail that is wide."""
-
-    grid: int
-    bond: float
-    near: float
-
-
-@inlined
-def next_hump(grids, g, count):
-    """The hump beside a hump, tails between them or none."""
-    bond, near = grids[g].bond, 1.0
-    h = g + 1
-    while h < count and grids[h].tail != 0:
-        bond = max(bond, grids[h].bond)
-        near = min(near, 1.0 - grids[h].wide)
-        h += 1
-    return Neighbour(h if h < count and bond > 0.0 else -1, bond, near)
+        grids[later].least, grids[later].most = grids[later - 1].least, grids[later - 1].most

@@ -9,26 +9,18 @@ All this belongs to the pose alone.
 from math import sqrt
 
 from wrsim.core.contact.patch import first_step
-from wrsim.core.contact.rail import changes
 from wrsim.core.contact.records import STATUS_PROFILE_END
 from wrsim.core.contact.search.lobes import room_beside
 from wrsim.core.contact.strips.equations import set_fading
-from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, make_room, next_corner, next_hump
+from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, make_room, next_corner
 from wrsim.core.contact.strips.records import ROWS
 from wrsim.core.contact.strips.shifts import rise, set_shifts
-from wrsim.core.contact.strips.tails import cut_tails
 from wrsim.core.jit.compiling import inlined, kernel
 
 GATHERED = 0.5  # saddle over the depth of the shallower lobe from which on their ground is looked at as one
 MERGED = 0.9  # least d over the concave hull where equal humps share a grid
 LESS = 0.1  # by which it is less where the lower of two humps is far lower: it takes more to touch apart
 HUMP = 0.05  # of the deepest penetration: lower ground does not touch
-SOFT = 0.9, 1.0  # the same where humps share a grid: its factors are held as loosely as those of two, and as usual
-NOTABLE = 0.05, 0.3  # depth of the lower one over the deepest at which that does not count, and counts
-BESIDE = 0.0, 4.0  # rows of the lower one that are no tail, the same
-LINK = 0.05  # weight that holds the factors of neighbouring grids together
-LINKED = 0.5, 0.9  # d over the hull at which none and all of it counts
-ALIKE = 0.5, 0.8  # the same for the shallower depth over the other: a grid that leaves holds nothing
 CHAINED = 0.0, 0.2  # saddle over the shallower depth: none and all of what reaches one lobe reaches the other
 
 
@@ -41,7 +33,7 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
     gathered = GATHERED if parted else MERGED
     memo = system.memo[0]
     status = 0
-    memo.grids = memo.parted = memo.tails = 0
+    memo.grids = memo.parted = 0
     memo.deepest = 1e-12
     i = 0
     while i < count:
@@ -66,8 +58,7 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
         grid.arc, grid.place = found[i].arc_wheel, found[i].arc_rail
         lay_rows(wheel, rail, grid, system.rows[first])
         room = system.grids.size - first - (count - 1 - last)
-        grid.tail = 0
-        memo.grids += _part(system, rail, first, min(last - i + 2, room) if parted else 1, room)
+        memo.grids += _part(system, first, min(last - i + 2, room) if parted else 1)
         memo.parted = max(memo.parted, int(memo.grids > first + 1))
         for g in range(first, memo.grids):
             grid, rows = system.grids[g], system.rows[g]
@@ -79,22 +70,10 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
             _set_main_place(grid, rows)
             grid.chain = 1.0
         grid = system.grids[memo.grids - 1]
-        grid.bond = grid.chain = 0.0
+        grid.chain = 0.0
         if last < count - 1 and found[last].saddle > 0.0:
             grid.chain = rise(found[last].saddle / min(found[last].depth, found[last + 1].depth), CHAINED)
         i = last + 1
-    for g in range(memo.grids):
-        grid = system.grids[g]
-        grid.link = 0.0
-        memo.tails = 3 * memo.tails + grid.tail + 1
-        grid.linked = -1
-        if grid.tail != 0:
-            continue
-        beside = next_hump(system.grids, g, memo.grids)
-        if beside.grid > 0 and beside.near > 0.0:
-            one, other = grid.deepest, system.grids[beside.grid].deepest
-            grid.linked = beside.grid
-            grid.link = beside.near * LINK * rise(beside.bond, LINKED) * rise(min(one, other) / max(one, other), ALIKE)
     set_fading(system)
     set_shifts(system)
     return status
@@ -110,50 +89,36 @@ def _set_main_place(grid, rows):
 
 
 @kernel
-def _part(system, rail, first, most, room):
-    """Part the ground of a grid where it lies low between two humps, into ``most`` parts or fewer, and where tails
-    begin; bounds, a pair of opposite points and bonds to ``grids`` from it on. Returns the number of parts, ``room`` or
-    fewer."""
+def _part(system, first, most):
+    """Part the ground of a grid where it lies low between two humps, into ``most`` parts or fewer; bounds and a pair of
+    opposite points to ``grids`` from it on. Returns the number of parts."""
     grids, rows = system.grids, system.rows[first]
-    whole = grids[first]
-    least, h, deepest = whole.least, whole.spacing, whole.deepest
+    least, h, deepest = grids[first].least, grids[first].spacing, grids[first].deepest
     parts = 1
     k = first
-    grids[k].soft = 0.0
     while k < first + parts and parts < most:
         start = int((grids[k].least - least) / h + 0.999)
         end = min(int((grids[k].most - least) / h + 0.001), ROWS - 1)
-        at, bond, lower = _find_waist(rows, start, end, deepest)
-        grids[k].soft = 0.0
+        at, bond = _find_waist(rows, start, end, deepest)
         if bond >= MERGED:
-            grids[k].soft = (1.0 - rise(bond, SOFT)) * rise(lower, NOTABLE)
-            grids[k].waist = least + h * at
             k += 1
             continue
         make_room(grids, k, first + parts)
         grids[k + 1].least = grids[k].most = least + h * at
-        grids[k].bond = bond
         parts += 1
-    if most > 1 and not changes(rail):
-        parts = cut_tails(system, first, parts, room)
     for k in range(first, first + parts if parts > 1 else first):
-        # none of that where the waist lies in a tail
-        grid = grids[k]
-        grid.soft *= rise(min(grid.waist - grid.least, grid.most - grid.waist) / h, BESIDE)
-    if parts > 1:
-        for k in range(first, first + parts):
-            middle = min(max(int((0.5 * (grids[k].least + grids[k].most) - least) / h + 0.5), 0), ROWS - 1)
-            grids[k].arc, grids[k].place = rows[middle].arc, rows[middle].s
+        middle = min(max(int((0.5 * (grids[k].least + grids[k].most) - least) / h + 0.5), 0), ROWS - 1)
+        grids[k].arc, grids[k].place = rows[middle].arc, rows[middle].s
     return parts
 
 
 @kernel
 def _find_waist(rows, first, last, deepest):
     """Between two rows: where the penetration over its concave hull is least between two humps, in rows, and how much
-    it is, 1.0 where there are no two humps; the depth of the lower one over the deepest."""
-    least, at, lower = 1.0, 0.0, 0.0
+    it is, 1.0 where there are no two humps."""
+    least, at = 1.0, 0.0
     if not _may_have_two(rows, first, last, HUMP * deepest):
-        return at, least, lower
+        return at, least
     p = first
     while p < last:
         q, steep = next_corner(rows, p, last, 1)
@@ -166,9 +131,9 @@ def _find_waist(rows, first, last, deepest):
                     after = rows[r + 1].d / (rows[p].d + steep * (r + 1 - p)) + more
                     bend = before + after - 2.0 * ratio
                     at = r + min(max(0.5 * (before - after) / bend, -0.5), 0.5) if bend > 0.0 else float(r)
-                    least, lower = ratio, min(rows[p].d, rows[q].d) / deepest
+                    least = ratio
         p = q
-    return at, least, lower
+    return at, least
 
 
 @inlined

@@ -1,8 +1,8 @@
 """The last contact of a run as the first guess where the grids are others now."""
 
-from wrsim.core.contact.strips.changes import FEWEST, lay_tail
-from wrsim.core.contact.strips.equations import block_of, factor_of, joint, lay_strips
-from wrsim.core.contact.strips.records import FACTORS, NEXT, SAVED, STEP, TERMS, X
+from wrsim.core.contact.strips.changes import FEWEST, fill_factors
+from wrsim.core.contact.strips.equations import block_of, lay_strips
+from wrsim.core.contact.strips.records import LAST, NEXT, OF_A_STRIP, SAVED, STEP, TERMS, X
 from wrsim.core.jit.compiling import kernel
 
 
@@ -15,18 +15,17 @@ def carry_over(system, before, n):
     """
     memo, x, grids = system.memo[0], system.vectors[X], system.grids
     block = block_of(n)
-    old_s, old_y, old_k, old_w = (system.vectors[SAVED], system.vectors[STEP], system.vectors[NEXT],
-                                  system.vectors[TERMS])  # fmt: skip
+    old_s, old_w = system.vectors[SAVED], system.vectors[LAST]
+    old_y, old_k, old_off = system.vectors[STEP], system.vectors[NEXT], system.vectors[TERMS]
     count = 0
     for g in range(memo.known):
         own = g * block_of(before)
         for j in range(before):
             place = system.places[g * before + j]
-            y = x[own + j]
-            if grids[g].on and y > 0.0:
-                f, r = factor_of(place)
-                old_s[count], old_y[count], old_w[count] = place.s, y, place.hi - place.lo
-                old_k[count] = (1.0 - r) * x[own + before + f] + r * x[own + before + f + 1]
+            if grids[g].on and x[own + j] > 0.0:
+                old_s[count], old_w[count] = place.s, place.hi - place.lo
+                old_y[count], old_k[count] = x[own + j], x[own + before + j]
+                old_off[count] = x[own + 2 * before + j]
                 count += 1
     found = False
     for g in range(memo.grids):
@@ -38,28 +37,23 @@ def carry_over(system, before, n):
             if grid.least < old_s[i] < grid.most:
                 first = i if first < 0 else first
                 last = i
-        if grid.tail != 0 or first < 0 or last - first + 1 < FEWEST:
+        if first < 0 or last - first + 1 < FEWEST:
             continue
         found = True
         start = max(old_s[first] - 0.5 * old_w[first], grid.least)
         end = min(old_s[last] + 0.5 * old_w[last], grid.most)
         grid.on, grid.start_held, grid.end_held = 1, int(start <= grid.least), int(end >= grid.most)
-        x[base + n + FACTORS], x[base + n + FACTORS + 1] = start, end
-        for f in range(FACTORS):
-            s = start + (f + 0.5) / FACTORS * (end - start)
-            i = _before(old_s, count, s)
-            x[base + n + f] = _between(old_s, old_k, count, i, s)
-    for g in range(memo.grids):
-        grid = grids[g]
-        if grid.tail != 0 and grids[g + grid.tail].on:
-            lay_tail(system, n, g, x[joint(g, grid, n)])
+        x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1] = start, end
     lay_strips(system, n)
     for g in range(memo.grids):
         for j in range(n if grids[g].on else 0):
-            s = system.places[g * n + j].s
+            s, own = system.places[g * n + j].s, g * block + j
             i = _before(old_s, count, s)
             apart = old_s[min(i + 1, count - 1)] - old_s[i] > 0.75 * (old_w[i] + old_w[min(i + 1, count - 1)])
-            x[g * block + j] = 0.0 if apart else _between(old_s, old_y, count, i, s)
+            x[own] = 0.0 if apart else _between(old_s, old_y, count, i, s)
+            x[own + n], x[own + 2 * n] = _between(old_s, old_k, count, i, s), _between(old_s, old_off, count, i, s)
+        if grids[g].on:
+            fill_factors(system, n, g)
     return found
 
 

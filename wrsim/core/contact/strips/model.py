@@ -1,22 +1,20 @@
-"""Normal pressure on strips from two contact conditions each (docs/strip_model.md).
+"""Normal pressure on strips that follow the bodies at three points each (docs/strip_model.md).
 
-Every strip carries a semi-ellipse p = Q sqrt(a^2 - x^2), as in Kik-Piotrowski, but with an amplitude Q and a half
-length a of its own. At the centre of each strip in contact the elastic surfaces must follow the rigid ones to second
-order along x,
+Every strip carries a semi-ellipse p = Q sqrt(a^2 - x^2), as in Kik-Piotrowski, but with an amplitude Q, a half length a
+and a middle along the rail of its own. With f(a, x, s) of `core.contact.strips.influence` the displacement is
 
-    u = d,      d2u/dx2 = -1/R_x,
+    u = 1/(pi E*) sum_i Q_i int_i f ds,
 
-d the penetration of the undeformed profiles there, R_x the wheel's radius along the rail. With f(a, s) of
-`core.contact.strips.influence` the displacement is u = 1/(pi E*) sum_i Q_i int_i f ds, and because
-f_xx = -f_ss - f_s/s = -f/(a^2 + s^2),
+and in each strip in contact it is the gap of the undeformed bodies at three points, d the penetration on the contact
+locus, x counted from there, R_x the wheel's radius along the rail:
 
-    sum_i Q_i int_i f ds = pi E* d,      sum_i Q_i int_i f/(a_i^2 + s^2) ds = pi E* / R_x.
+    u = d - x^2/(2 R_x)    in the middle and sqrt(3)/2 a to both sides of it.
 
-A semi-ellipsoid over an ellipse satisfies both everywhere with Q = k E*/(2 R_x), so Hertz's solution is exact up to
-the width of the strips; nothing is fitted. In general k varies along a grid, linearly between FACTORS values: the first
-condition holds at every strip's centre, the second in the mean around each of those values. At either edge the ratio of
-a^2 of the outer strips is Hertz's. Strips that would have to pull carry nothing. s is the rail's arclength, and the
-distance of two strips is counted along it. Yaw shifts are left out of f.
+There the derivatives of the complementary energy by Q, a and the middle vanish, its integrals by the rule of Gauss and
+Chebyshev with three points. A semi-ellipsoid over an ellipse meets the conditions everywhere with Q = k E*/(2 R_x), so
+Hertz's solution is exact up to the width of the strips; nothing is fitted. At either edge the ratio of p^2 of the outer
+strips is Hertz's. Strips that would have to pull carry nothing. s is the rail's arclength, and the distance of two
+strips is counted along it.
 
 Lobes that are nearly one share a grid of strips, a lobe with a shoulder may have two (`ground`). After the solution
 grids are cut at the saddles, so every lobe has its strips and nothing that is reported jumps where grids merge.
@@ -30,8 +28,7 @@ from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.grid import opposite
 from wrsim.core.contact.strips.ground import set_grids
 from wrsim.core.contact.strips.last_contact import carry_over
-from wrsim.core.contact.strips.records import FACTORS, ROWS, System, X
-from wrsim.core.contact.strips.shifts import off_locus
+from wrsim.core.contact.strips.records import OF_A_STRIP, ROWS, System, X
 from wrsim.core.contact.strips.solution import RETRIED, ROUGH, UNSOLVED, solve, substitute
 from wrsim.core.jit.compiling import kernel
 
@@ -44,7 +41,7 @@ def press_strips(a, wheel, rail, pose, count):
     """Pressures of all lobes, with damping; a: Arrays of core.contact.arrays. Returns a status."""
     settings, lobes = a.settings[0], a.patches
     n = settings.strips
-    system = System(a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
+    system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
     memo = a.memo[0]
     if settings.start == AFRESH:
         memo.known = 0
@@ -55,7 +52,7 @@ def press_strips(a, wheel, rail, pose, count):
     memo.stiffness = pi * settings.E
     status = set_grids(system, a.found, wheel, rail, pose, count, True)
     known = memo.known > 0
-    if known and (memo.strips != n or memo.tails != memo.known_tails or not _same_grids(system, n, memo.known)):
+    if known and (memo.strips != n or not _same_grids(system, n, memo.known)):
         memo.inverted = 0
         known = carry_over(system, memo.strips, n)
     result = solve(system, n, known, memo.parted == 0)
@@ -63,7 +60,6 @@ def press_strips(a, wheel, rail, pose, count):
         set_grids(system, a.found, wheel, rail, pose, count, False)
         result = max(solve(system, n, False, True), RETRIED)
     memo.known = memo.grids if result != UNSOLVED else 0
-    memo.known_tails = memo.tails
     if result == UNSOLVED:
         substitute(system, n)
     if result >= ROUGH:
@@ -96,7 +92,7 @@ def _same_grids(system, n, before):
         grid = system.grids[g]
         if not grid.on:
             continue
-        e = g * block_of(n) + n + FACTORS
+        e = g * block_of(n) + OF_A_STRIP * n
         common = min(x[e + 1], grid.most) - max(x[e], grid.least)
         if common < OVERLAP * (x[e + 1] - x[e]):
             return False
@@ -104,7 +100,7 @@ def _same_grids(system, n, before):
         grid = system.grids[g]
         if not grid.on:
             continue
-        e = g * block_of(n) + n + FACTORS
+        e = g * block_of(n) + OF_A_STRIP * n
         if grid.start_held or x[e] < grid.least:
             x[e] = grid.least
             memo.inverted = memo.inverted if grid.start_held else 0
@@ -117,30 +113,11 @@ def _same_grids(system, n, before):
 
 
 @kernel
-def _middle(system, n, g):
-    """How far the strips of a grid stand off the locus in the mean [m].
-
-    Neither a straight rail pushed along itself nor a wheel turned about its axle changes the elastic energy: normal
-    forces have no moment about the axle, so in the mean, weighted with forces over radii, they act on the locus.
-    """
-    off = weights = 0.0
-    if system.memo[0].shifted:
-        for j in range(n):
-            place = system.places[g * n + j]
-            if place.y > 0.0:
-                weight = place.q * place.y * (place.hi - place.lo) * place.bend
-                off += weight * off_locus(system.grids[g], place.x)
-                weights += weight
-    return off / weights if weights > 0.0 else 0.0
-
-
-@kernel
 def _hand_out(system, n, g, found, lobes, strips):
     """The strips of a grid in contact to its lobes, cut at the saddles between them."""
     grid, rows = system.grids[g], system.rows[g]
     if not grid.on:
         return
-    middle = _middle(system, n, g)
     for i in range(grid.first, grid.last + 1):
         lobe = lobes[i]
         least = found[i - 1].saddle_arc if i > grid.first else grid.least
@@ -161,8 +138,7 @@ def _hand_out(system, n, g, found, lobes, strips):
             strip.ds = hi - lo
             strip.a = sqrt(place.y)
             strip.p = place.q
-            x = one.x + z * (other.x - one.x)
-            strip.x = x + (off_locus(grid, x) - middle if system.memo[0].shifted else 0.0)
+            strip.x = one.x + z * (other.x - one.x) + place.off
             strip.o = one.o + z * (other.o - one.o)
             strip.b = one.b + z * (other.b - one.b)
             no = one.no + z * (other.no - one.no)

@@ -9,18 +9,14 @@ from math import sqrt
 from wrsim.core.contact.strips.changes import ENTRY, enter, leave, trim
 from wrsim.core.contact.strips.derivatives import jacobian
 from wrsim.core.contact.strips.equations import (
-    LEAST_FACTOR,
-    MOST_FACTOR,
     block_of,
-    joint,
     lay_strips,
     residuals,
-    set_amplitudes,
 )
 from wrsim.core.contact.strips.records import (
-    FACTORS,
     LAST,
     NEXT,
+    OF_A_STRIP,
     PIVOT,
     ROWS,
     SAVED,
@@ -95,7 +91,6 @@ def newton(system, n, tolerance, most):
         changed, whole = _advance(system, n, False, share, misfit < CALM)
         if looked and whole and SURE * foretold < tolerance:
             lay_strips(system, n)
-            set_amplitudes(system, n)
             return True
         last = misfit
         misfit = residuals(system, n, False)
@@ -204,8 +199,9 @@ def _set_scale(system, n):
         grid, base = system.grids[g], g * block
         middle = system.rows[g, ROWS // 2]
         scale[base : base + n] = (0.5 * middle.bend / grid.deepest) ** 2
-        scale[base + n : base + n + FACTORS] = 1.0
-        scale[base + n + FACTORS : base + block] = 1.0 / (grid.most - grid.least) ** 2
+        scale[base + n : base + 2 * n] = 1.0
+        scale[base + 2 * n : base + 3 * n] = 0.5 * middle.bend / grid.deepest
+        scale[base + OF_A_STRIP * n : base + block] = 1.0 / (grid.most - grid.least) ** 2
 
 
 @kernel
@@ -246,15 +242,14 @@ def _longest_step(system, n):
         if not grid.on:
             continue
         highest = 0.0
-        hump = (g + grid.tail) * block
-        for j in range(hump, hump + n):
+        for j in range(base, base + n):
             highest = max(highest, x[j])
         for j in range(base, base + n):
             if x[j] > 0.0:
                 worst = max(worst, step[j] / (LARGEST_GROWTH * highest))
-        for f in range(base + n, base + n + FACTORS):
-            worst = max(worst, abs(step[f]) / (LARGEST_CHANGE * x[f]))
-        for e in range(base + n + FACTORS, base + block):
+                worst = max(worst, abs(step[j + n]) / (LARGEST_CHANGE * x[j + n]))
+                worst = max(worst, abs(step[j + 2 * n]) / (LARGEST_CHANGE * sqrt(highest)))
+        for e in range(base + OF_A_STRIP * n, base + block):
             worst = max(worst, n * abs(step[e]) / (FARTHEST * (grid.end - grid.start)))
     return 1.0 / worst
 
@@ -290,16 +285,12 @@ def _advance(system, n, held, share, calm):
                 whole = False
                 new = 0.0 if leaves else KEPT * y
             x[base + j] = new
+            if not held:
+                x[base + n + j] += share * step[base + n + j]
+                x[base + 2 * n + j] += share * step[base + 2 * n + j]
         if held:
             continue
-        if grid.tail != 0:
-            continue
-        for f in range(base + n, base + n + FACTORS):
-            k = x[f] + share * step[f]
-            changed = changed or k < LEAST_FACTOR < x[f]
-            x[f] = min(max(k, LEAST_FACTOR), MOST_FACTOR)
-            whole = whole and x[f] == k
-        e = base + n + FACTORS
+        e = base + OF_A_STRIP * n
         x[e] += share * step[e]
         x[e + 1] += share * step[e + 1]
         if x[e] < grid.least:
@@ -315,8 +306,4 @@ def _advance(system, n, held, share, calm):
             changed = True
         elif trim(system, n, g):
             changed = True
-    for g in range(memo.grids):
-        grid, own = system.grids[g], g * block + n
-        if grid.on and grid.tail != 0:
-            x[own : own + FACTORS] = x[joint(g, grid, n)]
     return changed, whole and not changed

@@ -1,50 +1,47 @@
 """First guesses, and what is done until the strip model has a solution.
 
-In a run the last contact is the first guess. Else: Hertz's ellipses where the penetration is large, then in turns half
-lengths for given factors and edges (a monotone problem: strips leave and enter as they like), edges from the outer
-strips, factors from the misfits of the curvatures; at last Newton's method for all at once. If that fails from all
-first guesses and with fewer strips too, strips count as not shifted along the rail. If that fails as well, the contact
-as it is before the last step stands for it: u = d in all strips, edges and factors roughly. Kik-Piotrowski's contact on
-the same rows is what is left if there is none."""
+In a run the last contact is the first guess. Else Hertz's slanted ellipses, and Newton's method for all at once. If that
+fails, half lengths for given factors and edges (a monotone problem: strips leave and enter as they like), edges from the
+outer strips, factors from the second condition in turns before it; the same from wider ellipses and with fewer strips;
+then strips count as not shifted along the rail. If that fails as well, the contact as it is before the last step stands
+for it: u = d in all strips, edges and factors roughly. Kik-Piotrowski's contact on the same rows is what is left if
+there is none."""
 
-from math import inf
+from math import inf, pi, sqrt
+from typing import NamedTuple
 
-from wrsim.core.contact.strips.changes import FEWEST, begin, in_contact, leave, move_edges
+from wrsim.core.contact.strips.changes import FEWEST, begin, fill_factors, in_contact, leave, move_edges
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
-    EVENNESS,
-    LEAST_FACTOR,
-    MOST_FACTOR,
+    REACH,
     block_of,
-    evenness,
-    factor_of,
-    joint,
     lay_strips,
+    points_of,
     residuals,
-    set_amplitudes,
+    set_conditions,
 )
 from wrsim.core.contact.strips.newton import NEAR, descend, newton
-from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, NEXT, ROWS, SAVED, STEP, X
-from wrsim.core.contact.strips.shifts import hertz_ellipse, hump_of, slanted
+from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS, OF_A_STRIP, ROWS, X
 from wrsim.core.jit.compiling import inlined, kernel
 
 # Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
 WARM_TOLERANCE, TOLERANCE = 1e-8, 1e-9
 ROUGHLY, FAIRLY = 5e-3, 5e-4  # the same with given factors and edges: in turns of the first attempt, and else
-WARM_STEPS, HELD_STEPS, COLD_STEPS = 25, 15, 40
+WARM_STEPS, HELD_STEPS, DIRECT_STEPS, COLD_STEPS = 25, 15, 20, 40
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 FEWER = (0, 2, 3, 5)  # strips than asked for: edges on a shoulder may have no place with some numbers
-LEVELS = (0.42, 0.15)  # of a grid's depth: where first guesses begin
+LEVELS = (0.0, 0.15)  # of a grid's depth: where first guesses begin; none: where Hertz's ellipse does
 ROUGH_LEVEL = LEVELS[1]
+HUMP = 0.45  # of the depth: about where contact ends
+EXCENTRIC = 1.27  # power of the gap's ratio of curvatures that gives the ellipse's
 ROUNDS = 8  # of half lengths, edges and factors in turn
 ENTRIES = 3  # times that this begins anew because grids have come into contact
 CALM_EDGES, CALM_FACTORS = 0.5, 0.15  # moves in a round, in widths of strips and over themselves, that end the turns
 PUSH, FAR = 0.6, 6.0  # ratio of a^2 of the outer strips from which on an edge is moved far out, in mean widths
-OVERLAP, MOST_OVER = 1e-3, 2.0  # penetration [m]; a^2 asked for over the largest that it has room for
+OVERLAP = 1e-3  # penetration [m]
 PUSHES = 3  # first turns in which that is done
 SOFT, HARD = 0.8, 2.0  # exponent of the factors' relaxation; largest ratio it acts on
-EVEN = 0.01  # weight of evenness in it
-FIRMER = 3.0  # power of how much more it counts in slanted contacts: factors would zigzag with the half lengths there
+LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0  # in the turns
 RECESS = 0.45  # of the deepest penetration, in the substitute, as in Kik-Piotrowski
 SETTLED, RETRIED, STRAIGHT, ROUGH, UNSOLVED = range(5)
 """How a solution was found: at once, from another first guess or with fewer strips, as if no strip were shifted along
@@ -72,9 +69,9 @@ def solve(system, n, known, whole):
                 break
             memo.strips = n - fewer
             for level in LEVELS:
-                held = ROUGHLY if result == SETTLED else FAIRLY
-                if _afresh(system, memo.strips, level, True, held) and _sound(system, memo.strips):
-                    return result if attempt == 0 else STRAIGHT
+                for turns in (0, ROUNDS):
+                    if _afresh(system, memo.strips, level, turns) and _sound(system, memo.strips):
+                        return result if attempt == 0 else STRAIGHT
                 result = RETRIED
         if not memo.shifted or not whole:
             break
@@ -82,13 +79,12 @@ def solve(system, n, known, whole):
     memo.strips = n
     if not whole:
         return UNSOLVED
-    return ROUGH if _afresh(system, n, ROUGH_LEVEL, False, FAIRLY) and _sound(system, n) else UNSOLVED
+    return ROUGH if _roughly(system, n, ROUGH_LEVEL, ROUNDS) and _sound(system, n) else UNSOLVED
 
 
 @kernel
 def _sound(system, n):
-    """Whether all unknowns are numbers, and in an overlap some strip is in contact and none asks for a half length far
-    beyond its own: there Newton's method may end in what is no contact, with a hundred times the force or none."""
+    """Whether all unknowns are numbers, and in an overlap some strip is in contact."""
     memo, x, block = system.memo[0], system.vectors[X], block_of(n)
     touches = memo.deepest < OVERLAP
     for g in range(memo.grids):
@@ -96,50 +92,121 @@ def _sound(system, n):
             if not abs(x[g * block + j]) < inf:
                 return False
         for j in range(n if system.grids[g].on and memo.deepest >= OVERLAP else 0):
-            place = system.places[g * n + j]
-            if place.over > MOST_OVER:
-                return False
-            touches = touches or place.y > 0.0
+            touches = touches or system.places[g * n + j].y > 0.0
     return touches
+
+
+class Hump(NamedTuple):
+    """The ground of a grid, weighted with the penetration beyond a level: means of place s, shift x and 1/R_x; ratio of
+    its curvature across to that along; slope of its ridge's place along the rail."""
+
+    s: float
+    x: float
+    bend: float
+    ratio: float
+    slope: float
+
+
+@kernel
+def _hump_of(grid, rows):
+    """Where a parabola is more than a level deep the square of its half width is five times the mean square."""
+    level = HUMP * grid.deepest
+    total = s_mean = x_mean = bend = ss = sx = 0.0
+    for r in range(ROWS):
+        d = max(rows[r].d - level, 1e-12)
+        total += d
+        s_mean += d * rows[r].s
+        x_mean += d * rows[r].x
+        bend += d / rows[r].r_t
+    s_mean, x_mean, bend = s_mean / total, x_mean / total, bend / total
+    for r in range(ROWS):
+        d, s = max(rows[r].d - level, 1e-12) / total, rows[r].s - s_mean
+        ss += d * s * s
+        sx += d * s * (rows[r].x - x_mean)
+    return Hump(s_mean, x_mean, bend, 0.4 * (1.0 - HUMP) * grid.deepest / (bend * ss), sx / ss)
+
+
+class Ellipse(NamedTuple):
+    """Contact of a slanted parabolic ground: half length [m] of the strip in its middle, half of its width [m], factor
+    k, and how much farther apart along x the middles of its strips lie than the ridge."""
+
+    half_length: float
+    half_width: float
+    factor: float
+    stretch: float
+
+
+@kernel
+def _hertz_ellipse(ratio, slope, depth, bend):
+    """Hertz's ellipse over a ground this deep whose ridge is bent ``ratio`` times as much across as along, and leans.
+
+    slope: of the ridge's place along x; bend: curvature along [1/m]. With both principal curvatures of the gap, c1
+    along the longer axis: b/a by a power of their ratio, a^2 = 2 d/c1 (K - E)/(e^2 K), p0 = E* d/(b K) (Johnson,
+    Contact Mechanics, 4.2), the integrals by the arithmetic-geometric mean (Abramowitz and Stegun 17.6).
+    """
+    across = ratio + slope * slope
+    apart = sqrt((across - 1.0) ** 2 + 4.0 * slope * slope)
+    most, least = 0.5 * (1.0 + across + apart), 0.5 * (1.0 + across - apart)
+    thin = (least / most) ** (0.5 * EXCENTRIC)
+    p, q, power, part = 1.0, thin, 1.0, 0.5
+    excentric = max(1.0 - thin * thin, 1e-12)
+    for _ in range(8):
+        c = 0.5 * (p - q)
+        p, q = 0.5 * (p + q), sqrt(p * q)
+        part += power * c * c / excentric
+        power *= 2.0
+    integral = 0.5 * pi / p
+    long = 2.0 * depth / (least * bend) * part  # squares of both half axes
+    short = long * thin * thin
+    lean = (1.0 - least) / apart if apart > 0.0 else 0.0  # square of the cosine between x and the shorter axis
+    in_x = 1.0 / long + (1.0 / short - 1.0 / long) * lean
+    half_length = 1.0 / sqrt(in_x)
+    more = (1.0 / (thin * thin) - 1.0) / max(apart, 1e-9)
+    return Ellipse(
+        half_length, sqrt(in_x * long * short), 2.0 * depth / (bend * sqrt(short) * integral * half_length),
+        more / (1.0 + more * (1.0 - least)),
+    )  # fmt: skip
 
 
 @kernel
 def _guess(system, n, g, level):
-    """A grid's contact where its penetration is more than a level of its depth: Hertz's ellipse."""
-    grid, rows = system.grids[g], system.rows[g]
-    x = system.vectors[X]
-    base = g * block_of(n)
-    depth = grid.deepest
-    main = 0
+    """A grid's contact: Hertz's ellipse, where the penetration is more than at the ellipse's edges, or than a level of
+    its depth, if there is one."""
+    grid, rows, x = system.grids[g], system.rows[g], system.vectors[X]
+    base, depth = g * block_of(n), grid.deepest
+    hump = _hump_of(grid, rows)
+    ellipse = _hertz_ellipse(hump.ratio, hump.slope, depth, hump.bend)
+    edge = 1.0 - ellipse.half_width**2 * hump.ratio * hump.bend / (2.0 * depth)
+    level = level if level > 0.0 else max(edge, 0.0)
     first, last = ROWS - 1, 0
     for r in range(ROWS):
-        d = rows[r].d
-        if d >= depth:
-            main = r
-        if d > level * depth:
+        if rows[r].d > level * depth:
             first, last = min(first, r), max(last, r)
-    bend = rows[main].bend
     start = max(rows[first].s - 0.5 * grid.spacing, grid.least)
     end = min(rows[last].s + 0.5 * grid.spacing, grid.most)
-    begin(system, n, g, start, end, depth, bend)
-    grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
-    ratio, slope = slanted(hump_of(grid, rows, depth))
-    ellipse = hertz_ellipse(ratio, slope, depth, bend)
-    # of the depth: where the ellipse ends, and its half length
-    edge = 1.0 - ellipse.half_width**2 * ratio * bend / (2.0 * depth)
-    most = ellipse.half_length**2 * bend / (2.0 * depth)
-    x[base + n : base + n + FACTORS] = min(max(ellipse.factor, LEAST_FACTOR), MOST_FACTOR)
+    begin(system, n, g, start, end, depth, hump.bend)
+    x[base + n : base + 2 * n] = min(max(ellipse.factor, LEAST_FACTOR), MOST_FACTOR)
     lay_strips(system, n)
+    most = ellipse.half_length**2 * hump.bend / (2.0 * depth)
     for j in range(n):
         place = system.places[g * n + j]
         share = max((place.d / depth - edge) / (1.0 - edge), 0.02)
         x[base + j] = 2.0 * most * depth / place.bend * share
+        if system.memo[0].shifted and level == edge:
+            x[base + 2 * n + j] = (ellipse.stretch - 1.0) * hump.slope * (place.s - hump.s)
 
 
 @kernel
-def _afresh(system, n, level, whole, held):
-    """Solve from Hertz's ellipses. whole: for edges and factors as well; held: tolerance of turns in which these are
-    given. True if that works."""
+def _afresh(system, n, level, turns):
+    """Solve from Hertz's ellipses, by Newton's method at once or after turns. True if that works."""
+    _roughly(system, n, level, turns)
+    steps = COLD_STEPS if turns > 0 else DIRECT_STEPS
+    return descend(system, n, False, NEAR, steps) and newton(system, n, TOLERANCE, WARM_STEPS)
+
+
+@kernel
+def _roughly(system, n, level, turns):
+    """Half lengths, edges and factors from Hertz's ellipses in turns. True if u = d in all strips in the end."""
     memo = system.memo[0]
     memo.inverted = 0
     for g in range(memo.grids):
@@ -147,18 +214,17 @@ def _afresh(system, n, level, whole, held):
         base = g * block_of(n)
         system.vectors[X, base : base + block_of(n)] = 0.0
     for g in range(memo.grids):
-        if system.grids[g].tail == 0 and system.grids[g].deepest >= SURELY * memo.deepest:
+        if system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
-    for _ in range(ENTRIES):
+    fairly = False
+    for _ in range(ENTRIES if turns > 0 else 0):
         before = _grids_on(system)
-        _take_turns(system, n, held)
+        _take_turns(system, n, turns)
         fairly = descend(system, n, True, FAIRLY, HELD_STEPS)
         if _grids_on(system) <= before:
             break
         # edges and factors of those that have come are first guesses, too
-    if not whole:
-        return fairly
-    return descend(system, n, False, NEAR, COLD_STEPS) and newton(system, n, TOLERANCE, WARM_STEPS)
+    return fairly
 
 
 @inlined
@@ -171,24 +237,20 @@ def _grids_on(system):
 
 
 @kernel
-def _take_turns(system, n, held):
-    """Half lengths, edges and factors in turns, until they are calm; held: tolerance of the half lengths."""
+def _take_turns(system, n, turns):
+    """Half lengths, edges and factors in turns, until they are calm."""
     memo = system.memo[0]
-    for turn in range(ROUNDS):
-        descend(system, n, True, held, HELD_STEPS)
+    for turn in range(turns):
+        descend(system, n, True, ROUGHLY, HELD_STEPS)
         moved = 0.0
         for g in range(memo.grids):
-            if system.grids[g].on and system.grids[g].tail == 0:
+            if system.grids[g].on:
                 moved = max(moved, _draw_edges(system, n, g, turn))
-        residuals(system, n, False)
+        residuals(system, n, True)
         changed = 0.0
         for g in range(memo.grids):
-            if system.grids[g].on and system.grids[g].tail == 0:
+            if system.grids[g].on:
                 changed = max(changed, _relax_factors(system, n, g))
-        for g in range(memo.grids):
-            grid, own = system.grids[g], g * block_of(n) + n
-            if grid.on and grid.tail != 0:
-                system.vectors[X, own : own + FACTORS] = system.vectors[X, joint(g, grid, n)]
         if turn > 0 and moved < CALM_EDGES and changed < CALM_FACTORS:
             break
 
@@ -212,7 +274,8 @@ def _draw_edges(system, n, g, turn):
     for side in range(2):
         outer, inner = (0, 1) if side == 0 else (n - 1, n - 2)
         w0, w1 = places[outer].hi - places[outer].lo, places[inner].hi - places[inner].lo
-        ratio = min(x[base + outer] / max(x[base + inner], 1e-30) / EDGE_RATIO, 0.7)
+        weights = x[base + n + outer] ** 2 * x[base + outer], x[base + n + inner] ** 2 * x[base + inner]
+        ratio = min(weights[0] / max(weights[1], 1e-30) / EDGE_RATIO, 0.7)
         out = (ratio * (w0 + 0.5 * w1) - 0.5 * w0) / (1.0 - ratio)
         if first > 0 if side == 0 else last < n - 1:
             # strips have just left
@@ -228,41 +291,21 @@ def _draw_edges(system, n, g, turn):
 
 @kernel
 def _relax_factors(system, n, g):
-    """Bring the factors of a grid nearer to what the misfits of the curvatures ask for. Returns the largest change.
-
-    The curvature under the strips is about in proportion to the factors there; nodes without force follow the others.
-    """
-    x, base = system.vectors[X], g * block_of(n) + n
-    load, wish = system.vectors[STEP], system.vectors[SAVED]
-    load[:FACTORS] = 0.0
-    wish[:FACTORS] = 0.0
-    for j in range(g * n, (g + 1) * n):
-        place = system.places[j]
-        if place.y > 0.0:
-            f, r = factor_of(place)
-            load[f] += (1.0 - r) * place.weight
-            load[f + 1] += r * place.weight
-            wish[f] += (1.0 - r) * place.weight * (place.miss + 1.0)
-            wish[f + 1] += r * place.weight * (place.miss + 1.0)
-    even = EVEN * (evenness(system.memo[0], system.grids[g]) / EVENNESS) ** FIRMER
-    # (load + even * bend) ratio = wish: three diagonals
-    above = system.vectors[NEXT]
-    for f in range(FACTORS):
-        ends = 1.0 if f == 0 or f == FACTORS - 1 else 2.0
-        diagonal = load[f] + even * ends + 1e-9
-        if f > 0:
-            diagonal += even * above[f - 1]
-            wish[f] += even * wish[f - 1]
-        above[f] = -even / diagonal
-        wish[f] /= diagonal
-    for f in range(FACTORS - 2, -1, -1):
-        wish[f] -= above[f] * wish[f + 1]
+    """Bring the factors of a grid nearer to what the conditions at the ends ask for. Returns the largest change."""
+    memo, x, base = system.memo[0], system.vectors[X], g * block_of(n) + n
     largest = 0.0
-    for f in range(FACTORS):
-        ratio = min(max(wish[f], 1.0 / HARD), HARD)
-        k = min(max(x[base + f] / ratio**SOFT, LEAST_FACTOR), MOST_FACTOR)
-        largest = max(largest, abs(k / x[base + f] - 1.0))
-        x[base + f] = k
+    for j in range(n):
+        place = system.places[g * n + j]
+        if place.y <= 0.0:
+            continue
+        set_conditions(system, n, g, j, points_of(memo))
+        # how far the surface bends away over the strip, over how far it should
+        should = 0.5 * place.bend * REACH * REACH * place.y / memo.deepest
+        ratio = min(max(1.0 + place.bow / should, 1.0 / HARD), HARD)
+        k = min(max(x[base + j] / ratio**SOFT, LEAST_FACTOR), MOST_FACTOR)
+        largest = max(largest, abs(k / x[base + j] - 1.0))
+        x[base + j] = k
+    fill_factors(system, n, g)
     return largest
 
 
@@ -288,8 +331,8 @@ def substitute(system, n):
             start -= grid.spacing * (rows[first].d - level) / (rows[first].d - rows[first - 1].d)
         if last < ROWS - 1:
             end += grid.spacing * (rows[last].d - level) / (rows[last].d - rows[last + 1].d)
-        x[base + n : base + n + FACTORS] = 1.0
-        x[base + n + FACTORS], x[base + n + FACTORS + 1] = start, end
+        x[base + n : base + 2 * n] = 1.0
+        x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1] = start, end
     lay_strips(system, n)
     for g in range(memo.grids):
         for j in range(n if system.grids[g].on else 0):
@@ -305,5 +348,5 @@ def substitute(system, n):
             displacement += weight * (place.gap * memo.deepest + place.d)
     for g in range(memo.grids):
         base = g * block_of(n) + n
-        x[base : base + FACTORS] = min(max(penetration / max(displacement, 1e-30), LEAST_FACTOR), MOST_FACTOR)
-    set_amplitudes(system, n)
+        x[base : base + n] = min(max(penetration / max(displacement, 1e-30), LEAST_FACTOR), MOST_FACTOR)
+    lay_strips(system, n)

@@ -3,11 +3,11 @@
 from typing import NamedTuple
 
 from wrsim.core.contact.records import FASTRIP, FASTSIM, POLACH, SHEN_HEDRICK_ELKINS
-from wrsim.core.contact.strips.shifts import Ellipse
 from wrsim.core.contact.tangential.fastrip import fastrip
 from wrsim.core.contact.tangential.fastsim import PARABOLA_PEAK, fastsim, fastsim_blended
 from wrsim.core.contact.tangential.flexibility import (
     Creepages,
+    Ellipse,
     Flexibilities,
     ellipse_of,
     flexibilities,

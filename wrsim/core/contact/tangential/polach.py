@@ -15,8 +15,7 @@ as it takes that creep does no positive work.
 
 from math import atan, exp, pi, sqrt
 
-from wrsim.core.contact.strips.shifts import Ellipse
-from wrsim.core.contact.tangential.flexibility import Coefficients, Creepages
+from wrsim.core.contact.tangential.flexibility import Coefficients, Creepages, Ellipse
 from wrsim.core.contact.tangential.linear import restrain
 from wrsim.core.jit.compiling import kernel
 
