@@ -1,11 +1,11 @@
 """First guesses, and what is done until the strip model has a solution.
 
-In a run the last contact is the first guess. Else Hertz's slanted ellipses, and Newton's method for all at once. If that
-fails, half lengths for given factors and edges (a monotone problem: strips leave and enter as they like), edges from the
-outer strips, factors from the second condition in turns before it; the same from wider ellipses and with fewer strips;
-then strips count as not shifted along the rail. If that fails as well, the contact as it is before the last step stands
-for it: u = d in all strips, edges and factors roughly. Kik-Piotrowski's contact on the same rows is what is left if
-there is none."""
+In a run the last contact is the first guess. Else Hertz's slanted ellipses, and Newton's method for all at once. If
+that fails, half lengths for given factors and edges (a monotone problem: strips leave and enter as they like), edges
+from the outer strips, factors from the second condition in turns before it; the same from wider ellipses and with fewer
+strips; then strips count as not shifted along the rail. If that fails as well, the contact as it is before the last
+step stands for it: u = d in all strips, edges and factors roughly. Kik-Piotrowski's contact on the same rows is what is
+left if there is none."""
 
 from math import inf, pi, sqrt
 from typing import NamedTuple
