@@ -132,7 +132,7 @@ def lay_rows(wheel, rail, grid, rows):
 @inlined
 def _lay_row(wheel, rail, walk, grid, row, s):
     """Write the row at s, the next one of a walk; returns where that has come to."""
-    # how far the pair drifts apart in a step is foretold from the last one
+    # how far the pair drifts apart in a step is predicted from the last one
     arc = walk.arc + (s - walk.s) * (1.5 * walk.shrink - 0.5 * walk.last - walk.drift)
     at = opposite(wheel, rail, arc, s)
     taken = at.ahead * at.shrink

@@ -1,6 +1,7 @@
 """Newton's method for all unknowns of the strip model at once, with an inverse of the Jacobian that is kept.
 
-The inverse serves from call to call as long as it brings the misfit down; Broyden's updates of rank one keep it young.
+The inverse serves from call to call as long as it brings the residual down; updates of rank one by Broyden keep it
+young.
 What changes the equations (strips that leave and enter, edges that come to their bounds and go) needs a new one.
 """
 
@@ -30,8 +31,8 @@ from wrsim.core.contact.strips.records import (
 from wrsim.core.dense import factorise, invert, multiply, solve_factorised
 from wrsim.core.jit.compiling import kernel
 
-SLOW = 0.3  # misfit over the last one that asks for a new inverse
-LEAST_RATE = 0.03  # of what a step leaves of the misfit, when the next one is foretold
+SLOW = 0.3  # residual over the last one that asks for a new inverse
+LEAST_RATE = 0.03  # of what a step leaves of the residual, when the next one is predicted
 KEPT_RATE = 0.95  # of the slowest of the last steps, when the next one is faster
 LEAST_REST = 0.2  # of a step that has to be left of it along itself for the inverse to learn from it
 OVERSHOOT, KEPT = -0.5, 0.1  # of a^2 after a step, over itself: below the first the strip leaves; what it keeps else
@@ -41,16 +42,16 @@ FARTHEST = 1.5  # move of an edge in a step, in mean widths of strips
 TURNS = 12  # changes of strips and edges in one solution
 HALVINGS = 6  # of a step, at most
 STUCK = 4  # steps that stay long all the same, after which a solution is given up
-CALM = 0.05  # misfit below which strips may leave
-SPENT = 1e-4  # a^2/R_x over the deepest penetration below which they may at any misfit: it may be theirs
-NEAR = 1e-3  # misfit at which strips and edges are looked after
+CALM = 0.05  # residual below which strips may leave
+SPENT = 1e-4  # a^2/R_x over the deepest penetration below which they may at any residual: it may be theirs
+NEAR = 1e-3  # residual at which strips and edges are looked after
 LOOK = 3e-5  # the same from the last contact: what seems to touch while it is larger often does not
-SURE = 2.0  # safety of the foretold misfit
+SURE = 2.0  # safety of the predicted residual
 
 
 @kernel
 def newton(system, n, tolerance, most):
-    """Solve for all unknowns from near a solution, with a kept inverse. Returns True if the misfit has come below the
+    """Solve for all unknowns from near a solution, with a kept inverse. Returns True if the residual has come below the
     tolerance. n: strips of a grid; most: steps.
     """
     memo, vectors = system.memo[0], system.vectors
@@ -59,20 +60,20 @@ def newton(system, n, tolerance, most):
     turns = 0
     last = 1e9
     looked = whole = False  # whole: the last step was one by the kept inverse, of full length
-    misfit = residuals(system, n, False)
+    residual = residuals(system, n, False)
     for _ in range(most):
-        if misfit < LOOK and not looked:
+        if residual < LOOK and not looked:
             looked = True
             turns += 1
             if turns <= TURNS and enter(system, n, False):
                 looked = whole = False
                 memo.inverted = 0
                 last = 1e9
-                misfit = residuals(system, n, False)
+                residual = residuals(system, n, False)
                 continue
-        if misfit < tolerance:
+        if residual < tolerance:
             return True
-        if memo.inverted == 0 or misfit > SLOW * last:
+        if memo.inverted == 0 or residual > SLOW * last:
             jacobian(system, n, False)
             invert(system.matrix, memo.unknowns, vectors[PIVOT])
             memo.factorisations += 1
@@ -86,14 +87,14 @@ def newton(system, n, tolerance, most):
             _learn(system)
         vectors[LAST, : memo.unknowns] = vectors[NEXT, : memo.unknowns]
         _scatter(system, size)
-        foretold = misfit * max(memo.rate, misfit / last if again else 0.0)
+        predicted = residual * max(memo.rate, residual / last if again else 0.0)
         share = _longest_step(system, n)
-        changed, whole = _advance(system, n, False, share, misfit < CALM)
-        if looked and whole and SURE * foretold < tolerance:
+        changed, whole = _advance(system, n, False, share, residual < CALM)
+        if looked and whole and SURE * predicted < tolerance:
             lay_strips(system, n)
             return True
-        last = misfit
-        misfit = residuals(system, n, False)
+        last = residual
+        residual = residuals(system, n, False)
         if changed:
             memo.inverted = 0
             looked = False
@@ -102,7 +103,7 @@ def newton(system, n, tolerance, most):
         elif again:
             # first steps of calls go where the ones before went, and say nothing of others
             memo.rate = max(
-                min(misfit / last, 1.0), KEPT_RATE * memo.rate if memo.rate < 1.0 else LEAST_RATE, LEAST_RATE
+                min(residual / last, 1.0), KEPT_RATE * memo.rate if memo.rate < 1.0 else LEAST_RATE, LEAST_RATE
             )
     return False
 
@@ -120,16 +121,16 @@ def descend(system, n, held, tolerance, most):
     _set_scale(system, n)
     memo.inverted = turns = stuck = 0
     looked = False
-    misfit = residuals(system, n, held)
+    residual = residuals(system, n, held)
     for _ in range(most):
-        if misfit < NEAR and not looked:
+        if residual < NEAR and not looked:
             looked = True
             turns += 1
             if turns <= TURNS and enter(system, n, held):
                 looked = False
-                misfit = residuals(system, n, held)
+                residual = residuals(system, n, held)
                 continue
-        if misfit < tolerance:
+        if residual < tolerance:
             return True
         jacobian(system, n, held)
         factorise(system.matrix, memo.unknowns, vectors[PIVOT])
@@ -139,7 +140,7 @@ def descend(system, n, held, tolerance, most):
         vectors[SAVED, :size] = vectors[X, :size]
         share = 1.0 if held else _longest_step(system, n)
         for halving in range(HALVINGS + 1):
-            changed, _whole = _advance(system, n, held, share, misfit < CALM)
+            changed, _whole = _advance(system, n, held, share, residual < CALM)
             after = residuals(system, n, held)
             if changed:
                 looked = False
@@ -151,7 +152,7 @@ def descend(system, n, held, tolerance, most):
                 break
             share *= 0.5
             vectors[X, :size] = vectors[SAVED, :size]
-        misfit = after
+        residual = after
         if stuck == STUCK:
             break
     return False
@@ -159,7 +160,7 @@ def descend(system, n, held, tolerance, most):
 
 @kernel
 def _multiply_inverse(system):
-    """The step of the unknowns that are solved for by the inverse as it is, from the misfits."""
+    """The step of the unknowns that are solved for by the inverse as it is, from the residuals."""
     vectors, size = system.vectors, system.memo[0].unknowns
     wish = vectors[WISH]
     for i in range(size):
@@ -207,7 +208,7 @@ def _set_scale(system, n):
 @kernel
 def _learn(system):
     """Broyden's update of the inverse, and of the next step by it, from what the last step was short of: the change of
-    the misfits comes to be mapped to the step that made it (Kelley, Solving Nonlinear Equations with Newton's Method,
+    the residuals comes to be mapped to the step that made it (Kelley, Solving Nonlinear Equations with Newton's Method,
     2003, section 4.1)."""
     inverse, vectors, size = system.matrix, system.vectors, system.memo[0].unknowns
     step, missing, weighed, row = vectors[LAST], vectors[NEXT], vectors[WISH], vectors[SAVED]

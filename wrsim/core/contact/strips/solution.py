@@ -24,7 +24,7 @@ from wrsim.core.contact.strips.newton import NEAR, descend, newton
 from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS, OF_A_STRIP, ROWS, X
 from wrsim.core.jit.compiling import inlined, kernel
 
-# Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
+# Residuals, over the deepest penetration: from the last contact, and from a cold start
 WARM_TOLERANCE, TOLERANCE = 1e-8, 1e-9
 ROUGHLY, FAIRLY = 5e-3, 5e-4  # the same with given factors and edges: in turns of the first attempt, and else
 WARM_STEPS, HELD_STEPS, DIRECT_STEPS, COLD_STEPS = 25, 15, 20, 40
@@ -70,7 +70,7 @@ def solve(system, n, known, whole):
             memo.strips = n - fewer
             for level in LEVELS:
                 for turns in (0, ROUNDS):
-                    if _afresh(system, memo.strips, level, turns) and _sound(system, memo.strips):
+                    if _cold_start(system, memo.strips, level, turns) and _sound(system, memo.strips):
                         return result if attempt == 0 else STRAIGHT
                 result = RETRIED
         if not memo.shifted or not whole:
@@ -197,7 +197,7 @@ def _guess(system, n, g, level):
 
 
 @kernel
-def _afresh(system, n, level, turns):
+def _cold_start(system, n, level, turns):
     """Solve from Hertz's ellipses, by Newton's method at once or after turns. True if that works."""
     _roughly(system, n, level, turns)
     steps = COLD_STEPS if turns > 0 else DIRECT_STEPS
