@@ -1,7 +1,5 @@
 """The names of the package itself: they are documented, quick to import, and do what the page says."""
 
-from __future__ import annotations
-
 import ast
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """EN 14363 quantities from runs with known forces: filters, sliding values, percentiles, sections, limits."""
 
-from __future__ import annotations
-
 import csv
 import json
 from math import pi, sqrt, tan

@@ -1,7 +1,5 @@
 """What rings between two samples is told, and is what finer samples show."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 

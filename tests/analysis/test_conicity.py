@@ -1,7 +1,5 @@
 """Equivalent conicity: EN 15302's tables, cones, mirrored and unequal wheels, the command."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 from pathlib import Path

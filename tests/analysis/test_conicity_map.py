@@ -1,7 +1,5 @@
 """Maps of the equivalent conicity over gauge and profiles: cones, what gauge and spacing mean together, folders."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

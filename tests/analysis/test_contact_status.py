@@ -1,7 +1,5 @@
 """Whatever the kernels have to say of a contact, every analysis that can meet it says."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 

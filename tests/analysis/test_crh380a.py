@@ -1,7 +1,5 @@
 """The CRH380A: weights, its yaw dampers, and two ends of one speed; on cones, for which no contact has to be solved."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

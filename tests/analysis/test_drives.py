@@ -1,7 +1,5 @@
 """Speed along the line, motors and brakes: where the frame is, what the energy becomes, what adhesion lets through."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Energy of runs: work of drive and pull is motion, height, creep and what dampers and friction take."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Estimated values by regression: known coefficients, bounds that hold as often as they say."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

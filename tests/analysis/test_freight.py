@@ -1,7 +1,5 @@
 """The shipped freight wagon, empty and laden: loads by hand, friction at rest and in a curve, events."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

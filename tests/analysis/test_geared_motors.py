@@ -1,7 +1,5 @@
 """Motors with gears and hollow axles: moments that close, energy, torsion, reactions on bogie and wheels, bad files."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from math import pi, sqrt

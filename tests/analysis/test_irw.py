@@ -1,7 +1,5 @@
 """The light rail vehicle with independent wheels in its curve of 300 m: laws that hold with any profiles."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Loads at rest, in runs, in steady motion and in stability: balances of forces and moments, a gust, resuming."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Iterator
 from pathlib import Path

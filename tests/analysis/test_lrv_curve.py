@@ -1,7 +1,5 @@
 """The light rail wheelset in its tram curve, as far as the beginning of the arc: tread, flange root, flank."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Radial steering index: cones by hand, sides that differ, what is asked for wrongly."""
 
-from __future__ import annotations
-
 import json
 from math import atan, degrees, inf
 

@@ -1,7 +1,5 @@
 """Elastic rails: a mass on spring and damper under each wheel of a vehicle."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

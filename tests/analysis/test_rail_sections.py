@@ -1,7 +1,5 @@
 """Rails that change along the track, in scenarios and runs."""
 
-from __future__ import annotations
-
 import base64
 import re
 import zlib

@@ -1,7 +1,5 @@
 """A run that dies leaves what it has computed, and goes on with the same numbers to the bit."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

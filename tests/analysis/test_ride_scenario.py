@@ -1,7 +1,5 @@
 """The shipped ride of the coach, in short: from even track onto ERRI low."""
 
-from __future__ import annotations
-
 import numpy as np
 from support.runs import SCENARIOS
 from support.vehicles import COARSE, manchester

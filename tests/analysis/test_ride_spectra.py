@@ -1,7 +1,5 @@
 """Spectra, third-octaves and frequency weightings against closed forms and published values."""
 
-from __future__ import annotations
-
 import csv
 import json
 from math import pi, sqrt

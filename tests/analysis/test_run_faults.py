@@ -1,7 +1,5 @@
 """What happens to a run that cannot go on: it says when, where and why, and keeps what it has computed."""
 
-from __future__ import annotations
-
 import errno
 import os
 import re

@@ -6,8 +6,6 @@ pressures, widths, angles and T-gamma those of the half-space solver at the same
 Better numerics move them by less than the tolerances; what moves them by more has changed the physics.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A single wheelset is a vehicle: every analysis, elastic rails, drives, bump stops and points serve it too."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Stability of vehicles: published critical speeds, growth rates two ways, limit cycles from above and from below."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

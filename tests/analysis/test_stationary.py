@@ -1,7 +1,5 @@
 """Stationary tests of EN 14363: loops on twisted track and on a turntable against moments by hand."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from math import radians

@@ -1,7 +1,5 @@
 """Steady curving against time integration, closed forms and symmetry."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

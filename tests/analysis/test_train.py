@@ -1,8 +1,6 @@
 """Trains on rails: each vehicle alone is what it is without a train, ends of vehicles swing as chords do, forces along
 the train, a run that is cut off."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A tram's wheelset on grooved rails in a curve of 25 m: flange, guard face, and how they share."""
 
-from __future__ import annotations
-
 from functools import cache
 from math import radians, sin
 

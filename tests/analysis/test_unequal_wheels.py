@@ -1,7 +1,5 @@
 """Unequal wheels on straight track: the wheelset runs towards the smaller one, to its flange root if need be."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from typing import Any

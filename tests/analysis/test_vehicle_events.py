@@ -1,7 +1,5 @@
 """What a whole vehicle's run tells of on the way: lifted wheels, stops at their end, derailment; its pictures."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A run of a whole vehicle: its result has every wheelset, and each reads like a lone one."""
 
-from __future__ import annotations
-
 import logging
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Wear and fatigue of a run: what is gathered from its samples."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

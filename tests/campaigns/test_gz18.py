@@ -4,8 +4,6 @@ The figures are those of ORVD 4706df9 for the leading wheelset in the full curve
 curves published for SIMPACK to the width of a line. Forces of a contact are taken apart at the contact angle.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from support.hertz import COMPLIANCE, Ellipse

@@ -3,8 +3,6 @@
 Kills are sampled by tests/analysis/test_resume.py (a run) and tests/cli/test_users_files.py (tables, pictures).
 """
 
-from __future__ import annotations
-
 import json
 import random
 import struct

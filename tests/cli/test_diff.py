@@ -1,7 +1,5 @@
 """Two results side by side, and keys that are set on the command line."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

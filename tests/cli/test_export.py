@@ -1,7 +1,5 @@
 """Exported files hold the numbers of the result, all of them, as the programs they are made for read them."""
 
-from __future__ import annotations
-
 import math
 from itertools import product
 from pathlib import Path

@@ -4,8 +4,6 @@ Words are compared to the letter, spaces between them and the last digits of num
 meant: WRSIM_GOLDEN=write python -m pytest tests/cli/test_golden.py, and read what ``git diff`` says.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The reference of keys, the schemas and the templates follow the code."""
 
-from __future__ import annotations
-
 import json
 import runpy
 import tomllib

@@ -1,7 +1,5 @@
 """What reaches the terminal, whatever it is, and whoever wrote the text."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Nothing of the user's is written over, no command gets in another one's way, a run is whole when its files are."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path

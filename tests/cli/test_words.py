@@ -1,7 +1,5 @@
 """What commands say: peaks with their signs, medians, times, help that is whole, one meaning of every option."""
 
-from __future__ import annotations
-
 import json
 import re
 import time

@@ -1,7 +1,5 @@
 """A wheel on a rail that changes along the track: laws of inclined planes and steps, a potential."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import atan, cos, sin, sqrt
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A wheel on a crossing, real and artificial, beside CONTACT's numbers (shared reference, crossing_56e1)."""
 
-from __future__ import annotations
-
 import csv
 from dataclasses import replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Friction that changes along the track: what a wheel feels is the law of its place, everywhere it is used."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 from typing import Any

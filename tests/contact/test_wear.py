@@ -1,7 +1,5 @@
 """Laws of wear and fatigue, and what they take off a wheel and its rail in single poses."""
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

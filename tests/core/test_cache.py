@@ -1,7 +1,5 @@
 """Compiled kernels are loaded from no folder that somebody else could have written to."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

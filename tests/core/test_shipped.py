@@ -1,7 +1,5 @@
 """Kernels that come with the package are taken where all that they depend on is the same, and only there."""
 
-from __future__ import annotations
-
 import json
 import os
 import runpy

@@ -1,7 +1,5 @@
 """What the pages name exists: channels, modules, files, commands, scenarios, links."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from pydoc import locate

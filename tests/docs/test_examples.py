@@ -1,7 +1,5 @@
 """The examples of the pages: Python runs, command lines are understood, keys exist, every page is on the site."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import tomllib

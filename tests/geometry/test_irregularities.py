@@ -1,7 +1,5 @@
 """Grades, irregularities, spectra and measured tables: where the rails really lie."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Losses on a profile, place by place: mass, smoothing, overlap; dimensions of the flange."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

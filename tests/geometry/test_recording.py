@@ -1,7 +1,5 @@
 """Track from the recording car: what chords and inertial systems measured comes back, and the design with it."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Two processes draw what one draws, whatever happens to the second."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

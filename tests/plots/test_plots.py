@@ -1,7 +1,5 @@
 """Pictures draw the data they are given. Artists are inspected; nobody compares pixels."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

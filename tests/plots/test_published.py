@@ -1,7 +1,5 @@
 """Pictures that can be published: nothing overlaps, nothing is hidden, cut short or left unexplained."""
 
-from __future__ import annotations
-
 import io
 from itertools import pairwise
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """The report: what stands in it, that it needs nothing else, and what it does in a browser."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re

@@ -1,7 +1,5 @@
 """The viewer: its numbers are those of the dataset, its contacts those of the run, its pictures are not blank."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

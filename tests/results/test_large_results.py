@@ -1,7 +1,5 @@
 """The numbers of a long run stand on disk: the same numbers, the same files, and memory that does not go with them."""
 
-from __future__ import annotations
-
 import importlib
 import tracemalloc
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Register, dataset, file, tables and summary of a result."""
 
-from __future__ import annotations
-
 import csv
 import errno
 import io

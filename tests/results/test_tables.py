@@ -1,7 +1,5 @@
 """Tables for people: one formatting of numbers on the terminal, in pages, in CSV and JSON files."""
 
-from __future__ import annotations
-
 import csv
 import io
 

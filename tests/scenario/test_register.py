@@ -1,7 +1,5 @@
 """The register of analyses: what it names is there, and a scenario takes the tables that it says."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 
 import pytest

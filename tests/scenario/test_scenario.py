@@ -1,7 +1,5 @@
 """One fault in a scenario file is one sentence that its author understands; files merge and are found in order."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A scenario becomes a wheelset on a track: SI units, poses, a place for every wheel on its rail."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Whatever is thrown at the readers, the answer is a scenario or an InputError."""
 
-from __future__ import annotations
-
 import math
 import tempfile
 import tomllib

@@ -1,7 +1,5 @@
 """Where the search for a steady motion begins: bodies on the wheelsets that carry them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from support.vehicles import shipped

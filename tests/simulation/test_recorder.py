@@ -1,7 +1,5 @@
 """Samples of a run are safe whatever happens to the file that keeps them."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Wheels that wear in service: steps, mass, what a killed service does, wrong input."""
 
-from __future__ import annotations
-
 import datetime
 import json
 import os
@@ -139,7 +137,7 @@ def test_a_service_that_was_killed_gives_the_same_to_the_bit(
 
     class Tomorrow(datetime.date):
         @classmethod
-        def today(cls) -> Tomorrow:
+        def today(cls) -> "Tomorrow":
             day = datetime.date.today() + datetime.timedelta(days=1)
             return cls(day.year, day.month, day.day)
 

@@ -1,7 +1,5 @@
 """A study survives the death of its workers and of itself, and comes to the same numbers whoever computes them."""
 
-from __future__ import annotations
-
 import json
 import os
 import random

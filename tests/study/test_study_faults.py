@@ -1,7 +1,5 @@
 """Bad study files: one clear error each, with file, key, value, what is allowed and the nearest guess."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

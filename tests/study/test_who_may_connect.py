@@ -1,7 +1,5 @@
 """A study answers nobody but its own processes: whoever can talk to a scheduler lets it execute what they like."""
 
-from __future__ import annotations
-
 import os
 import socket
 import ssl

@@ -1,7 +1,5 @@
 """A box on elements of its own over a wheelset that is held, and any vehicle on its springs alone."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """The command in this process, or in one that is forked from it, which imports nothing anew."""
 
-from __future__ import annotations
-
 import os
 import pty
 import subprocess

@@ -1,7 +1,5 @@
 """Wheels on rails for the tests of the contact model: shipped and synthetic profiles, one model for each choice."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Rails that change along the track: the crossing 56E1-R245-1:9.25 of the reference folder, and simple shapes."""
 
-from __future__ import annotations
-
 import csv
 import gzip
 from dataclasses import replace

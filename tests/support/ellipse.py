@@ -1,7 +1,5 @@
 """Strips over a Hertzian ellipse with given creepages, for tests of the tangential models alone."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Where the energy of a run goes, from the forces at its samples."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

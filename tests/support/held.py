@@ -1,7 +1,5 @@
 """Steady motion of a single wheelset with some of its coordinates held, which no analysis asks for."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

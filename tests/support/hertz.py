@@ -1,7 +1,5 @@
 """Half-space problems with known solutions: ellipses of Hertz on grids of elements."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

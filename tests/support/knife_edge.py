@@ -13,8 +13,6 @@ straight below the axle; the contact frame is the wheelset's own, tilted by the 
 how deep that point lies below the edge.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import atan, cos, sin, sqrt

@@ -1,7 +1,5 @@
 """A recording car by geometry alone: points of the swept rails, chords between them, noise, a CSV."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

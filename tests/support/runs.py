@@ -1,7 +1,5 @@
 """Short runs of shipped wheelsets and of conical ones, with the full contact model in the loop."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Small valid scenarios, and what is said about them after an edit."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from wrsim.errors import InputError

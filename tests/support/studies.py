@@ -1,7 +1,5 @@
 """Short studies of a wheelset that runs into a curve."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from support.runs import SCENARIOS

@@ -1,7 +1,5 @@
 """Contact forces along a way of the wheel, and their jumps."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 

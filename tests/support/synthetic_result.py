@@ -3,8 +3,6 @@
 S1002 rolls on 60E1 (1:40) by Kik-Piotrowski; the motion through the curve is invented.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Runs with invented forces of known mean, spread and frequency, to test assessments against closed forms."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

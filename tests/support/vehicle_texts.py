@@ -1,7 +1,5 @@
 """A vehicle's file in short, and what is said of it when it is changed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from support.vehicles import read_vehicle

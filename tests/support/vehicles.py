@@ -1,7 +1,5 @@
 """Whole vehicles on track, ready to be asked for forces, states and motions."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass

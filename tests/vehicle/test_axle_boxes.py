@@ -1,7 +1,5 @@
 """Axle boxes: bodies that turn freely about their axle. Laws of one arm, and of a whole car on eight."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

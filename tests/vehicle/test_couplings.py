@@ -1,7 +1,5 @@
 """Couplings: impacts in closed form, slack, loops of friction, forces along a train, momentum; no rails needed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Friction elements: Coulomb's law in closed forms, the circle in a plane, energy, both integrators, bad input."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Leaf springs, rubber, air springs, nested springs and play: their loops against closed forms."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """What an acceptance measures on a vehicle that stands still: sway on canted rails, wheel unloading on twisted ones."""
 
-from __future__ import annotations
-
 import json
 from math import asin, cos, degrees, sin
 

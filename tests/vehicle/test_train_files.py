@@ -1,7 +1,5 @@
 """Train files: names, places, what the vehicles share, and one clear message for each that cannot be used."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Wheels that turn against each other: independent ones, and axles that twist."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache

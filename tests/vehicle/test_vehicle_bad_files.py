@@ -1,7 +1,5 @@
 """Files of whole vehicles that cannot be used: one clear message each, with file, line, key and what was meant."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

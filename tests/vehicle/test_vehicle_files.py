@@ -1,7 +1,5 @@
 """Vehicle files: published numbers arrive in SI units, faults are told with file, line, key and what is allowed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

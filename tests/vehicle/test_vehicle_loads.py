@@ -1,7 +1,5 @@
 """Loads and payloads of a vehicle: hand calculations of tilt and wheel loads, balances of momentum."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

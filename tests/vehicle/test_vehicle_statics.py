@@ -1,7 +1,5 @@
 """A vehicle at rest and in steady motion: weight, symmetry, load transfer."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

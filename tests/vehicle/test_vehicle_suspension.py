@@ -1,7 +1,5 @@
 """Suspension elements: laws that hold for every one of them, closed forms of simple systems; no rails needed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
