@@ -9,21 +9,18 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from wrsim.analysis.motion.record import RunRecord, recorded_setup
 from wrsim.analysis.motion.run import StepTooLong, refuse_step
 from wrsim.analysis.progress import Progress
 from wrsim.errors import InputError
 from wrsim.register import ANALYSES, resolved
+from wrsim.results import Result
 from wrsim.results.table import duration
-from wrsim.scenario.build import build
+from wrsim.scenario.build import Setup, build
+from wrsim.scenario.loading import Scenario
 from wrsim.simulation.step import evaluations_for
-
-if TYPE_CHECKING:
-    from wrsim.results import Result
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.loading import Scenario
 
 
 def run(

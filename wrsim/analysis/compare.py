@@ -11,32 +11,26 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from wrsim.analysis import run
 from wrsim.analysis.contacts import contact_models
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import POSE_CHANNELS
+from wrsim.contact.settings import Array
 from wrsim.errors import InputError, SimulationError, suggest
 from wrsim.register import ANALYSES
-from wrsim.results import CHANNELS
+from wrsim.results import CHANNELS, Result
 from wrsim.results.summary_tables import first_lines, happened, remarks
 from wrsim.results.table import MISSING, Cell, Column, Table, formatted
 from wrsim.results.tables import channel_cells, number_cells, rows_of
 from wrsim.results.wheelsets import of_wheelset, wheelsets
-from wrsim.scenario.build import build
+from wrsim.scenario.build import Setup, build
 from wrsim.scenario.contact_choice import with_contact_model
-
-if TYPE_CHECKING:
-    from wrsim.results import Result
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.loading import Scenario
-
-Array = NDArray[np.float64]
+from wrsim.scenario.loading import Scenario
 
 
 class Measure(NamedTuple):

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
 from wrsim.contact.settings import Array, ContactSettings, Friction, FrictionAlong
+from wrsim.scenario.build import Setup
+from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.static import StaticPlan
 from wrsim.simulation.law import SIDES, VehicleOnTrack, placed_on_rails
-
-if TYPE_CHECKING:
-    from wrsim.contact.channels import WheelOnRail
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.sections.run import RunPlan
-    from wrsim.vehicle.loads import Drive
-    from wrsim.vehicle.wheelset import Wheelset
+from wrsim.vehicle.loads import Drive
+from wrsim.vehicle.wheelset import Wheelset
 
 
 def contact_models(setup: Setup, wheelset: Wheelset | None = None) -> tuple[ContactModel, ContactModel]:

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import contact_words, wheels_of
@@ -21,13 +21,9 @@ from wrsim.contact.channels import StripRecorder
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import CHANNELS
 from wrsim.results.wheelsets import wheelsets
+from wrsim.scenario.build import Setup
+from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.placement import design_state, state_on_track
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.sections.run import RunPlan
 
 NEEDED = ("wheelset_distance", "lateral_shift", "vertical_shift", "yaw", "roll", "spin_rate")
 RAILS = ("rail_displacement_y", "rail_displacement_z")

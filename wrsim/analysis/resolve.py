@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,11 +32,7 @@ from wrsim.results import CHANNELS, Result, assemble
 from wrsim.results.moments import sample_of
 from wrsim.scenario.build import build
 from wrsim.scenario.contact_choice import with_contact_model
-
-if TYPE_CHECKING:
-    from wrsim.scenario.loading import Scenario
-
-Array = NDArray[np.float64]
+from wrsim.scenario.loading import Scenario
 
 TOLERANCE = 1e-5  # of the vertical force
 DEEPEST = 1e-3  # farthest a wheel is moved [m]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,16 +23,14 @@ from wrsim.contact.channels import RawContacts, patch_channels, remarks_channel,
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
 from wrsim.results import Result, assemble
+from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.steady import SteadyPoint
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import carried_over, poses_on_track
 from wrsim.simulation.state import Equilibrium, SteadyMotion, steady_state
+from wrsim.simulation.system import Array
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
-
-if TYPE_CHECKING:
-    from wrsim.scenario.build import Setup
-    from wrsim.simulation.law import VehicleOnTrack
-    from wrsim.simulation.system import Array
 
 MARGIN = 20.0
 """The arc goes on so far before and behind the vehicle [m]."""

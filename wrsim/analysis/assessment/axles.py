@@ -6,16 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from wrsim.analysis.assessment import limits
 from wrsim.analysis.assessment.filters import Hunting, extreme, low_pass, sampling_rate, sliding_mean, windows
 from wrsim.analysis.assessment.nadal import longest_stretch
 from wrsim.errors import InputError
-from wrsim.results.assessment import AssessedSection, Limit, Value
+from wrsim.results.assessment import Array, AssessedSection, Limit, Value
 from wrsim.scenario.sections.assessment import AssessmentSettings
-
-Array = NDArray[np.float64]
 
 SIDES = (("left", 0), ("right", 1))
 

@@ -15,14 +15,11 @@ from math import atan, pi, tan
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt, welch
 
 from wrsim.analysis.assessment import limits
 from wrsim.errors import InputError
-from wrsim.results.assessment import AssessedSection
-
-Array = NDArray[np.float64]
+from wrsim.results.assessment import Array, AssessedSection
 
 LEAST_SAMPLES = 30
 """Samples that a signal needs before filtering means anything."""

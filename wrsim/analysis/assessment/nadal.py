@@ -7,14 +7,11 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from wrsim.contact.settings import ContactSettings
-from wrsim.results.assessment import Limit
+from wrsim.results.assessment import Array, Limit
 from wrsim.results.dataset import table_of_scenario
 from wrsim.scenario.sections.assessment import AssessmentSettings
-
-Array = NDArray[np.float64]
 
 
 def nadal_limit(flange_angle: float, friction: float) -> float:

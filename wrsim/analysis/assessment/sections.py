@@ -28,12 +28,9 @@ from itertools import groupby, pairwise
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from wrsim.results.assessment import TRANSITION, AssessedSection
+from wrsim.results.assessment import TRANSITION, Array, AssessedSection
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
-
-Array = NDArray[np.float64]
 
 STRAIGHT = "straight"
 LARGE = "large radius"

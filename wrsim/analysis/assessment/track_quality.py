@@ -11,12 +11,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from wrsim.analysis.assessment.filters import band_pass
-from wrsim.results.assessment import AssessedSection, TrackQuality
-
-Array = NDArray[np.float64]
+from wrsim.results.assessment import Array, AssessedSection, TrackQuality
 
 WAVES = 3.0, 25.0
 """Wavelengths that count [m]."""

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.analysis.conicity.equivalent import equivalent_conicity
 from wrsim.analysis.conicity.rigid import RigidContact, rigid_contact
 from wrsim.analysis.progress import Progress, Report
 from wrsim.errors import InputError
+from wrsim.geometry.profile.profile import Profile
 from wrsim.results import Result, assemble
+from wrsim.results.conicity import Array
+from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.conicity import ConicityPlan
-
-if TYPE_CHECKING:
-    from wrsim.geometry.profile.profile import Profile
-    from wrsim.scenario.build import Setup
-    from wrsim.vehicle.wheelset import Wheelset
-
-Array = NDArray[np.float64]
+from wrsim.vehicle.wheelset import Wheelset
 
 STEP = 5e-5
 """Distance of the shifts at which the contact is found [m]."""

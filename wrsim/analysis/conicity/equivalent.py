@@ -25,9 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from wrsim.results.conicity import CONTACT_DISTANCE
-
-Array = NDArray[np.float64]
+from wrsim.results.conicity import CONTACT_DISTANCE, Array
 
 POINTS = 2000
 """Of the quadrature over a swing."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import radians
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -15,17 +15,15 @@ from wrsim.errors import InputError
 from wrsim.geometry.profile.files import PROFILE_FILES
 from wrsim.geometry.profile.flange import BACK
 from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.inputs.checking import check_value
 from wrsim.inputs.lookup import model_file
 from wrsim.inputs.values import number
+from wrsim.results import Result
 from wrsim.results.conicity import ConicityMap, conicity_summary
 from wrsim.scenario.sections.conicity import AMPLITUDES, ConicityPlan, CurveRadius, FlangeAngle, Roll
 from wrsim.scenario.sections.track import Inclination
 from wrsim.vehicle.wheelset import Wheel, Wheelset
-
-if TYPE_CHECKING:
-    from wrsim.geometry.profile.profile import Kind, Profile
-    from wrsim.results import Result
 
 Models = Sequence[str | Path]
 Gauge = Annotated[float, number(400, 2000)]

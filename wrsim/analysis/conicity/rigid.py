@@ -25,8 +25,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Profile
-
-Array = NDArray[np.float64]
+from wrsim.results.conicity import Array
 
 NODE_DISTANCE = 1e-4
 """Distance of the places on a wheel at which the gap is sampled [m]; between them a parabola gives its minimum."""

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from wrsim.core.body import vehicle_forces
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.rigid_body import kinetic_energies, pitched
 from wrsim.core.track import path as path_kernels
+from wrsim.geometry.track.track import Track
 from wrsim.simulation.bodies import accelerations, inertia_table
 from wrsim.simulation.law import SIDES, VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
-from wrsim.simulation.system import COORDINATES
+from wrsim.simulation.system import COORDINATES, Array
 from wrsim.vehicle.elements import GUIDE, TRACK
-
-if TYPE_CHECKING:
-    from wrsim.geometry.track.track import Track
-    from wrsim.simulation.system import Array
 
 
 def body_channels(law: VehicleOnTrack, q: Array, q_t: Array, near: Array) -> dict[str, Array]:

@@ -10,25 +10,21 @@ And what acts on a vehicle as a whole: how hard it is pushed aside, and whether 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wrsim.analysis.motion.messages import NoSteadyMotion, OffRail, Overlap, Overturned, Side, wheel_words
+from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.status import status_words
 from wrsim.core.contact.records import STATUS_TOO_DEEP
 from wrsim.errors import InputError
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from wrsim.contact.channels import WheelOnRail
-    from wrsim.geometry.profile.profile import Profile
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.sections.run import RunPlan
-    from wrsim.simulation.law import VehicleOnTrack
-    from wrsim.vehicle.vehicle import Vehicle
+from wrsim.geometry.profile.profile import Profile
+from wrsim.scenario.build import Setup
+from wrsim.scenario.sections.run import RunPlan
+from wrsim.simulation.law import VehicleOnTrack
+from wrsim.vehicle.vehicle import Vehicle
 
 DROP = 15e-3
 """Depth of the tape circle below the top of its rail at which a wheel has left the rail's head [m]."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,20 +15,17 @@ from wrsim.analysis.motion.start import EXACT, PLAY, first_steady, on_the_rails,
 from wrsim.analysis.progress import Progress, Report
 from wrsim.core.body.kinematics import X, Y
 from wrsim.errors import SimulationError
+from wrsim.results import Result
+from wrsim.scenario.build import Setup
+from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.integrate import Motion
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import bracket, damped_newton
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import GOAL, TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails, steady_state
+from wrsim.simulation.system import Array
 from wrsim.vehicle.loads import Load
-from wrsim.vehicle.vehicle import single_wheelset
-
-if TYPE_CHECKING:
-    from wrsim.results import Result
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.sections.run import RunPlan
-    from wrsim.simulation.law import VehicleOnTrack
-    from wrsim.simulation.system import Array
-    from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 
 ENOUGH = 1e-5
 """Force left over, as a part of the weight, that is accepted where patches that appear and vanish stop the search."""

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from wrsim.contact.status import WORDS
 from wrsim.core.contact.wheel_rail import DEEPEST
 from wrsim.errors import SimulationError
+from wrsim.scenario.build import Setup
+from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.state import Unbalanced
-
-if TYPE_CHECKING:
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.sections.run import RunPlan
-    from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle import Vehicle
 
 Side = Literal["left", "right", "outer", "inner"]
 """Of the track; of a curve."""

@@ -9,25 +9,19 @@ a step.
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wrsim.analysis.motion.derailment import WatchedWheel, overlap, wheels_of
 from wrsim.analysis.motion.messages import Event, EventKind, OffRail, Overlap, stop_words
+from wrsim.contact.model import ContactModel
 from wrsim.contact.status import bits_of
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_TOO_DEEP
 from wrsim.simulation.integrate import EXPLICIT_PARTS
-from wrsim.simulation.system import Work
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from wrsim.contact.model import ContactModel
-    from wrsim.simulation.law import VehicleOnTrack
-    from wrsim.simulation.system import Array
+from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.system import Array, Work
 
 log = logging.getLogger(__name__)
 

@@ -11,7 +11,7 @@ import hashlib
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,12 +21,9 @@ from wrsim.inputs.lookup import VARIABLE
 from wrsim.inputs.toml_files import parse_toml, read_bytes, shown_value
 from wrsim.results import versions
 from wrsim.results.run_file import run_header
-from wrsim.scenario.loading import load_text
+from wrsim.scenario.build import Setup
+from wrsim.scenario.loading import Scenario, load_text
 from wrsim.simulation.recorder import Recorder
-
-if TYPE_CHECKING:
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.loading import Scenario
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,10 @@ largest Y/Q of each wheel.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +26,7 @@ from wrsim.analysis.motion.body_channels import (
     twist_channels,
     uneven,
 )
-from wrsim.analysis.motion.messages import event_words
+from wrsim.analysis.motion.messages import Event, event_words
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, patch_wear_numbers, wheel_channels
 from wrsim.contact.wear.laws import fatigue_channels
 from wrsim.contact.wear.losses import ZONES, Losses, ways
@@ -32,22 +34,13 @@ from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble
 from wrsim.results.dataset import typed, with_derived
 from wrsim.results.netcdf import Channels
+from wrsim.scenario.build import Setup
+from wrsim.scenario.sections.run import RunPlan
+from wrsim.simulation.integrate import Motion
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import TrackPoses, poses_as_far
+from wrsim.simulation.system import Array
 from wrsim.vehicle.bogies import bogie_mass, level_of
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from wrsim.analysis.motion.messages import Event
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.sections.run import RunPlan
-    from wrsim.simulation.integrate import Motion
-    from wrsim.simulation.law import VehicleOnTrack
-
-    Array = NDArray[np.float64]
 
 RAIL_CHANNELS = ("rail_displacement_y", "rail_displacement_z")
 

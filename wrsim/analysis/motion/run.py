@@ -7,20 +7,24 @@ from contextlib import closing, nullcontext, suppress
 from dataclasses import replace
 from math import ceil
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wrsim.analysis.contacts import contact_at, force_law
 from wrsim.analysis.motion.messages import NoSteadyMotion, start_words
 from wrsim.analysis.motion.monitor import Monitor
+from wrsim.analysis.motion.record import RunRecord
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.progress import Progress
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.segments import Straight
+from wrsim.results import Result
 from wrsim.results.run_file import run_header
+from wrsim.scenario.build import Setup
+from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.step import (
     LARGEST_STEP,
     LARGEST_STEP_UNEVEN,
@@ -30,16 +34,7 @@ from wrsim.simulation.step import (
     stable_step,
     step_for_speed,
 )
-from wrsim.simulation.system import BodySystem
-
-if TYPE_CHECKING:
-    from wrsim.analysis.motion.record import RunRecord
-    from wrsim.results import Result
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.sections.run import RunPlan
-    from wrsim.simulation.law import VehicleOnTrack
-    from wrsim.simulation.system import Array
-
+from wrsim.simulation.system import Array, BodySystem
 
 log = logging.getLogger(__name__)
 

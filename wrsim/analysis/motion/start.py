@@ -10,7 +10,6 @@ import logging
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,7 +19,10 @@ from wrsim.analysis.motion.messages import NoSteadyMotion
 from wrsim.core.track import path as path_kernels
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc, Straight, Transition
+from wrsim.scenario.build import Setup
+from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.integrate import Integration
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import (
     TOLERANCE,
@@ -31,16 +33,10 @@ from wrsim.simulation.state import (
     steady_state,
 )
 from wrsim.simulation.step import implicit_step
-from wrsim.simulation.system import BodySystem
+from wrsim.simulation.system import Array, BodySystem
+from wrsim.vehicle.vehicle import Vehicle
 
-if TYPE_CHECKING:
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.sections.run import RunPlan
-    from wrsim.simulation.law import VehicleOnTrack
-    from wrsim.simulation.system import Array
-    from wrsim.vehicle.vehicle import Vehicle
-
-    State = tuple[Array, Array]
+State = tuple[Array, Array]
 
 LOGGER = logging.getLogger("wrsim.start")
 """Says at level INFO how the search for the motion at the start goes; an empty line at the end."""

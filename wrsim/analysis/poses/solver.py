@@ -13,7 +13,6 @@ from math import sin
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from wrsim.contact.channels import ElementField, WheelOnRail
@@ -22,8 +21,6 @@ from wrsim.contact.status import REMARKS, status_words
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_pose import set_pose, wheel_wrench
 from wrsim.core.linalg import Frame, Vec
-
-Array = NDArray[np.float64]
 
 ROLLING_SPEED = 2.0  # of the quasi-static rolling [m/s]; creepages do not depend on it
 DEEPEST = 5e-3  # approach at which the search for the load is given up [m]

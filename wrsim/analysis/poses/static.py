@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from wrsim.analysis.contacts import wheels_on_rails
 from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
@@ -25,13 +26,9 @@ from wrsim.contact.pose import Pose
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.track import STANDARD_GAUGE
 from wrsim.results import Result, assemble
+from wrsim.scenario.build import Setup
 from wrsim.scenario.cases import named
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.sections.static import StaticPlan
+from wrsim.scenario.sections.static import StaticPlan
 
 STEEP = np.radians(60.0)
 """Steepest direction of a wheel's force, from the vertical, that passes without a word: to carry a vertical load on a

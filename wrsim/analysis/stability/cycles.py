@@ -11,20 +11,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from wrsim.analysis.motion.derailment import contact_words
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.stability.rolling import PLACE, RollingVehicle
+from wrsim.scenario.sections.stability import CyclePlan
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.step import implicit_step
-from wrsim.simulation.system import BodySystem
-
-if TYPE_CHECKING:
-    from wrsim.scenario.sections.stability import CyclePlan
-    from wrsim.simulation.system import Array
+from wrsim.simulation.system import Array, BodySystem
 
 Branch = Literal["from above", "from below"]
 Ending = Literal["cycle", "rest", "not converged", "derailed"]

@@ -9,16 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-if TYPE_CHECKING:
-    from wrsim.simulation.modes import Linearised
-
-Array = NDArray[np.float64]
+from wrsim.simulation.modes import Linearised
+from wrsim.simulation.system import Array
 
 SLOWEST = 0.05
 """Frequency below which nothing is called an oscillation [Hz]."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import contact_words, overlap, pushed, wheels_of
@@ -14,17 +13,14 @@ from wrsim.analysis.stability.modes import Modes, modes_of
 from wrsim.core.contact.records import STATUS_TOO_DEEP
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
+from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
+from wrsim.scenario.sections.stability import StabilityPlan
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise, mode_name
-from wrsim.simulation.state import steady_state
-
-if TYPE_CHECKING:
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.sections.stability import StabilityPlan
-    from wrsim.simulation.law import VehicleOnTrack
-    from wrsim.simulation.state import Equilibrium
-    from wrsim.simulation.system import Array
+from wrsim.simulation.state import Equilibrium, steady_state
+from wrsim.simulation.system import Array
 
 LENGTH, PLACE = 400.0, 200.0
 """Straight track, and where on it the vehicle starts [m]; behind its end it goes on straight."""

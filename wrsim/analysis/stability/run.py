@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,12 +12,10 @@ from wrsim.analysis.stability.modes import Modes, critical, follow
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.contact.channels import remarks_channel
 from wrsim.results import Result, assemble
+from wrsim.scenario.build import Setup
+from wrsim.scenario.sections.stability import StabilityPlan
 from wrsim.simulation.modes import mode_name
-
-if TYPE_CHECKING:
-    from wrsim.scenario.build import Setup
-    from wrsim.scenario.sections.stability import StabilityPlan
-    from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle import Vehicle
 
 SHARE_OF_MODES = 0.3
 """What the modes count for in the progress when limit cycles follow."""

@@ -10,15 +10,13 @@ from dataclasses import dataclass, replace
 from math import asin, radians
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.analysis.stationary.statics import SupportedVehicle
 from wrsim.errors import InputError
+from wrsim.simulation.system import Array
 from wrsim.vehicle.bogies import Bogie, bogies_of
 from wrsim.vehicle.elements import Element, Strut
 from wrsim.vehicle.vehicle import Vehicle
-
-Array = NDArray[np.float64]
 
 RADIUS = 150.0
 """Of the curve whose rotation is tried [m] [mem]."""

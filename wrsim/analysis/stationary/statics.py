@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import cos, sin
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.core.linalg import Vec
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
@@ -22,12 +22,9 @@ from wrsim.simulation.newton import damped_newton
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import TOLERANCE, SteadyMotion
 from wrsim.simulation.system import COORDINATES, Array
+from wrsim.vehicle.bogies import Bogie
 from wrsim.vehicle.loads import Load
-
-if TYPE_CHECKING:
-    from wrsim.core.linalg import Vec
-    from wrsim.vehicle.bogies import Bogie
-    from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle import Vehicle
 
 SUPPORT = 1e10
 """Stiffness of a support [N/m]."""

@@ -8,14 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.analysis.assessment.sections import CANT_BASE
 from wrsim.analysis.stationary.statics import SupportedVehicle
+from wrsim.simulation.system import Array
 from wrsim.vehicle.bogies import bogies_of
 from wrsim.vehicle.vehicle import Vehicle
-
-Array = NDArray[np.float64]
 
 UNLOADING_LIMIT = 0.6
 """Largest Delta Q / Q0 [mem]."""
