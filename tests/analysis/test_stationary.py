@@ -180,7 +180,7 @@ def test_options_without_their_test_are_refused(asked, said):
 
 
 def test_a_train_is_tested_vehicle_by_vehicle():
-    train = replace(manchester(), members=(Member("coach", 4, 3, 0.0),))
+    train = replace(manchester(), members=(Member("coach", 4, 3),))
     with pytest.raises(InputError, match="is a train: its vehicles are tested one by one"):
         twist.twist_test(train)
 

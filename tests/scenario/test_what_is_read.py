@@ -26,7 +26,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.cases import read_cases
 from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.merging import MOST_BASES
-from wrsim.vehicle.elements.kinds import DamperTable
+from wrsim.vehicle.element_tables import DamperTable
 from wrsim.vehicle.vehicle_files import load_vehicle
 
 CURVE = (SCENARIOS / "curve_r300.toml").read_text()

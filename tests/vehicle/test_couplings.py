@@ -50,7 +50,7 @@ def wagons(coupling: CouplingTable, masses: tuple[float, ...] = (MASS, MASS), la
     ]
     return replace(
         manchester(), wheelsets=manchester().wheelsets[:1], bodies=tuple(bodies), elements=(*rails, *joints), points=(),
-        gravity=0.0, members=tuple(Member(body.name, int(k == 0), 1, body.centre[0]) for k, body in enumerate(bodies)),
+        gravity=0.0, members=tuple(Member(body.name, int(k == 0), 1) for k, body in enumerate(bodies)),
     )  # fmt: skip
 
 

@@ -14,8 +14,8 @@ from wrsim.errors import InputError
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.placement import design_state
-from wrsim.vehicle.elements import KINDS, TRACK, BilinearSpring, Slider, Strut
-from wrsim.vehicle.elements.keys import VEHICLE_AXES, Joint
+from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Joint
+from wrsim.vehicle.elements import TRACK, BilinearSpring, Slider, Strut
 
 Z, X = 6, 7
 """Places of the box in the state."""

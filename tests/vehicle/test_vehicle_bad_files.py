@@ -120,7 +120,10 @@ BAD = {
         (("3000, 800]", "3000, 0]"),),
         "the preload cannot be found: nothing holds body 'body' vertically",
     ),
-    "names twice": ((('name = "damper"', 'name = "primary"'),), "these stand for more than one: primary front left"),
+    "names twice": (
+        (('name = "damper"', 'name = "primary"'),),
+        "duplicate names of elements; must be different for each: primary front left",
+    ),
     "no wheelset": (
         (("[wheelsets]\nfront.x_mm = 2000\nrear.x_mm = -2000\n", ""), ('to = ["front", "rear"]', 'to = "track"')),
         "is no body",
@@ -161,7 +164,7 @@ BAD = {
         before(PUSH.replace("force_kN = [0, 9, 0]", "distance_m_force_kN = [[0, 1, 2]]")),
         "four numbers [distance m, x kN, y kN, z kN]",
     ),
-    "loads of one name": (before(PUSH + PUSH), "stand for more than one: push"),
+    "loads of one name": (before(PUSH + PUSH), "duplicate names of loads; must be different for each: push"),
     "payload of nothing": (
         (
             (

@@ -16,7 +16,8 @@ from wrsim.plots.colours import FAINT, INK, QUIET, RAIL_FILL, WHEEL_FILL
 from wrsim.plots.marks import panels
 from wrsim.plots.style import FULL_WIDTH, mm_axes, new_figure, style
 from wrsim.vehicle.couplings import GLYPHS
-from wrsim.vehicle.elements import KINDS, Element, Glyph
+from wrsim.vehicle.element_tables import KINDS, Glyph
+from wrsim.vehicle.elements import Element
 from wrsim.vehicle.vehicle import Vehicle
 
 MARGIN, GAP, TITLE, FOOT = 14.0, 9.0, 12.0, 14.0

@@ -12,7 +12,7 @@ from wrsim.errors import suggest
 from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.lookup import model_file, usual_finder
 from wrsim.scenario.loading import Scenario
-from wrsim.vehicle.elements.keys import VEHICLE_AXES
+from wrsim.vehicle.element_tables import VEHICLE_AXES
 from wrsim.vehicle.loads import CarriedMass, Effort, Payload
 from wrsim.vehicle.preload import preloads, with_ballast
 from wrsim.vehicle.vehicle import Vehicle

@@ -13,8 +13,8 @@ from wrsim.errors import InputError, suggest
 from wrsim.inputs.checking import Locate, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.vehicle import vehicle_sections as sections
-from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, Triple
-from wrsim.vehicle.elements.keys import VEHICLE_AXES, Axes, Joint
+from wrsim.vehicle.element_tables import VEHICLE_AXES, Axes, ElementTable, Joint
+from wrsim.vehicle.elements import TRACK, ZERO, Element, Triple
 from wrsim.vehicle.loads import GearedMotor, Load, Payload
 from wrsim.vehicle.preload import Ballast
 from wrsim.vehicle.vehicle import AxleBox, Body, MeasuringPoint, MountedWheelset

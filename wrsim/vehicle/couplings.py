@@ -13,10 +13,9 @@ import numpy as np
 from pydantic import Field
 
 from wrsim.inputs.section import Choice, Fault, Section
-from wrsim.inputs.values import List, fields, number, positive, words
-from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut, Triple
-from wrsim.vehicle.elements.element import Table
-from wrsim.vehicle.elements.keys import ForceOfTravel, Glyph
+from wrsim.inputs.values import fields, number, positive, words
+from wrsim.vehicle.element_tables import ForceOfTravel, Glyph
+from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut, Table, Triple
 
 RISE = 1e-3
 """Stroke of one gear over which its preload builds up [m]."""
@@ -229,4 +228,3 @@ class CentreCouplerTable(CouplingTable, kind="centre"):
 
 
 AnyCouplingTable = Annotated[ScrewCouplingTable | CentreCouplerTable, Field(discriminator="kind")]
-Couplings = List[AnyCouplingTable]

@@ -7,7 +7,7 @@ of all its vehicles, from front to rear, and the elements of the couplings; its 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -24,22 +24,19 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Member:
-    """A vehicle of a train: its name, how many wheelsets and bodies it has, where its origin lies along the train [m],
-    and whether its own drive holds its speed, or its couplings alone take it along.
-    """
+    """A vehicle of a train: its name, numbers of its wheelsets and bodies, and whether a drive of its own holds its
+    speed; if not, its couplings alone pull it."""
 
     name: str
     wheelsets: int
     bodies: int
-    x: float
     driven: bool = True
 
 
 @dataclass(frozen=True)
 class Coupling:
-    """What joins two neighbours: the bodies that it holds on to, ahead and behind, the middle of the plane in which
-    the vehicles meet in the design position [m], and the names of its elements.
-    """
+    """What joins two neighbours: the bodies ahead and behind, the middle of the gap in the design position [m], and the
+    names of its elements."""
 
     name: str
     ahead: str
@@ -50,10 +47,8 @@ class Coupling:
 
 @dataclass(frozen=True)
 class Unit:
-    """A vehicle among the parts of a train, or on its own: numbers of its wheelsets and bodies in the order of the
-    state, the part whose place is taken for its own, and what its drive moves: mass, with the inertia of what
-    turns [kg].
-    """
+    """A vehicle of a train, or one on its own: places of its wheelsets and bodies in the state, its reference part,
+    whether it is driven, and the mass that its drive moves, without and with the inertia of what turns [kg]."""
 
     wheelsets: range
     bodies: range
@@ -64,34 +59,8 @@ class Unit:
 
     @property
     def parts(self) -> tuple[int, ...]:
-        """Numbers of all its parts."""
+        """Places of all its parts."""
         return (*self.wheelsets, *self.bodies)
-
-
-def units_of(members: Sequence[Member], masses: Sequence[float], turning: Sequence[float]) -> tuple[Unit, ...]:
-    """The vehicles of a train; driven ones share the masses of those that are not.
-
-    masses: of all parts, wheelsets first [kg]; turning: of every wheelset, its inertia about the axle over the square
-    of its radius [kg].
-    """
-    first, body = 0, len(turning)
-    found: list[Unit] = []
-    for member in members:
-        wheelsets, bodies = range(first, first + member.wheelsets), range(body, body + member.bodies)
-        own = [masses[i] for i in bodies]
-        mass = sum(masses[i] for i in (*wheelsets, *bodies))
-        reference = bodies[own.index(max(own))] if own else first
-        found.append(Unit(wheelsets, bodies, reference, member.driven, mass, mass + sum(turning[i] for i in wheelsets)))
-        first, body = wheelsets.stop, bodies.stop
-    driven = [unit for unit in found if unit.driven]
-    if len(driven) == len(found) or not driven:
-        return tuple(found)
-    share = sum(unit.pulled_mass for unit in found) / sum(unit.pulled_mass for unit in driven)
-    inertia = sum(unit.pulled_inertia for unit in found) / sum(unit.pulled_inertia for unit in driven)
-    return tuple(
-        replace(unit, pulled_mass=share * unit.pulled_mass, pulled_inertia=inertia * unit.pulled_inertia)
-        for unit in found
-    )
 
 
 @dataclass(frozen=True)
@@ -155,7 +124,7 @@ class MountedWheelset:
 
 @dataclass(frozen=True)
 class MeasuringPoint:
-    """A point [m] of a body whose motion is kept in results."""
+    """A point [m] of a body whose motion is among the results."""
 
     name: str
     body: str
@@ -192,12 +161,8 @@ class Vehicle:
     couplings: tuple[Coupling, ...] = ()
 
     def __repr__(self) -> str:
-        counted = ", ".join(
-            f"{len(things)} {word}{'s' * (len(things) != 1)}"
-            for things, word in ((self.wheelsets, "wheelset"), (self.bodies, "bodie"), (self.elements, "element"))
-            if things
-        )
-        return f"Vehicle({self.name!r}, {counted.replace('bodie,', 'body,')}, {self.mass / 1e3:.4g} t)"
+        counted = f"{len(self.wheelsets)} wheelsets, {len(self.bodies)} bodies, {len(self.elements)} elements"
+        return f"Vehicle({self.name!r}, {counted}, {self.mass / 1e3:.4g} t)"
 
     @property
     def parts(self) -> tuple[MountedWheelset | Body, ...]:
@@ -248,15 +213,32 @@ class Vehicle:
 
     @property
     def reference(self) -> int:
-        """The part whose place on the track is taken for the vehicle's: the heaviest body, or the first wheelset; of a
-        train that of its first vehicle."""
+        """Place of the reference part of the (first) vehicle: its heaviest body, or its first wheelset; its distance is
+        that of the vehicle."""
         return self.units[0].reference
 
     @cached_property
     def units(self) -> tuple[Unit, ...]:
-        """The vehicles of a train, from front to rear; else this one."""
-        members = self.members or (Member(self.name, len(self.wheelsets), len(self.bodies), 0.0),)
-        return units_of(members, [part.mass for part in self.parts], self._turning)
+        """The vehicles of a train, from front to rear, else this one; driven ones share the masses of the others."""
+        masses, turning = [part.mass for part in self.parts], self._turning
+        first, body = 0, len(turning)
+        found: list[Unit] = []
+        for member in self.members or (Member(self.name, len(self.wheelsets), len(self.bodies)),):
+            wheelsets, bodies = range(first, first + member.wheelsets), range(body, body + member.bodies)
+            reference = max(bodies, key=masses.__getitem__, default=first)
+            mass = sum(masses[i] for i in (*wheelsets, *bodies))
+            moved = mass + sum(turning[i] for i in wheelsets)
+            found.append(Unit(wheelsets, bodies, reference, member.driven, mass, moved))
+            first, body = wheelsets.stop, bodies.stop
+        driven = [unit for unit in found if unit.driven]
+        if len(driven) == len(found) or not driven:
+            return tuple(found)
+        share = sum(unit.pulled_mass for unit in found) / sum(unit.pulled_mass for unit in driven)
+        inertia = sum(unit.pulled_inertia for unit in found) / sum(unit.pulled_inertia for unit in driven)
+        return tuple(
+            replace(unit, pulled_mass=share * unit.pulled_mass, pulled_inertia=inertia * unit.pulled_inertia)
+            for unit in found
+        )
 
     @property
     def runs_with_frame(self) -> bool:
@@ -291,17 +273,12 @@ class Vehicle:
         return [(m.inertia[1] + geared.get(m.name, 0.0)) / r**2 for m, r in zip(self.wheelsets, radii, strict=True)]
 
     def acceleration(self, time: float, distance: float) -> float:
-        """What the efforts do to the vehicle at a time [s], its origin at a distance [m], without losses [m/s2]."""
+        """Acceleration by the efforts at a time [s], the vehicle's origin at a distance [m], without losses [m/s2]."""
         radii = {mounted.name: mounted.wheelset.mean_radius for mounted in self.wheelsets}
         return sum(e.moment(time, distance) / radii[e.wheelset] for e in self.efforts) / self.moved_mass
 
-    @property
-    def coasting(self) -> Vehicle:
-        """The vehicle without efforts and slip control."""
-        return replace(self, efforts=(), slip_control=None)
-
     def loaded_as_at(self, distance: float) -> Vehicle:
-        """The vehicle with the loads that it has at time 0 with its origin at a distance [m], kept so."""
+        """The vehicle with the loads that it has at time 0 with its origin at a distance [m], as constant ones."""
         return self.loaded_as(lambda load: load.force(0.0, distance + load.at[0]))
 
     def alone(self, k: int) -> Vehicle:
@@ -318,9 +295,9 @@ class Vehicle:
             bodies=tuple(body for body in self.bodies if body.name in own),
             elements=tuple(of_unit),
             **on_own,
+            drives=tuple(drive for drive in self.drives if drive.wheelset in own),
             efforts=(),
             slip_control=None,
-            drives=tuple(drive for drive in self.drives if drive.wheelset in own),
             members=(),
             couplings=(),
         )

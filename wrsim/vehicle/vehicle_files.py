@@ -1,6 +1,6 @@
-"""Vehicle files (``models/vehicles/*.toml``) to plain data in SI units.
+"""Vehicle files (``models/vehicles/*.toml``) and train files (``models/trains/*.toml``) to plain data in SI units.
 
-A file with bodies, parts, elements or [wheelsets] is put together from its parts; one with nothing but [wheelset],
+A file with bodies, parts, elements or [wheelsets] is assembled from its parts; one with nothing but [wheelset],
 [suspension] and [sprung] is a single wheelset that its bogie guides, one with [[vehicles]] a train. See
 docs/vehicles.md and docs/trains.md for the formats.
 """
@@ -10,53 +10,24 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Any
 
-from pydantic import Field
-
-from wrsim.errors import InputError
+from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.checking import Locate, check_section, fault_line, opened
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, model_file, usual_finder
-from wrsim.inputs.values import number
 from wrsim.vehicle.assembly import Assembly, Place
-from wrsim.vehicle.elements import GUIDE, TRACK
-from wrsim.vehicle.elements.keys import scaled
+from wrsim.vehicle.couplings import Gap
+from wrsim.vehicle.element_tables import Axes, scaled
+from wrsim.vehicle.elements import GUIDE, TRACK, Element
 from wrsim.vehicle.preload import Ballast, normal_loads, preloads, with_ballast
-from wrsim.vehicle.train_files import TrainFile, train_of
-from wrsim.vehicle.vehicle import Vehicle, single_wheelset
-from wrsim.vehicle.vehicle_sections import ModelFile, PartTable, SprungTable, SuspensionTable, WheelsetTable
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset
+from wrsim.vehicle.vehicle import Coupling, Member, Vehicle, single_wheelset
+from wrsim.vehicle.vehicle_sections import MemberTable, TrainFile, VehicleFile, WheelsetFile, WheelsetTable
+from wrsim.vehicle.wheelset import Wheel, Wheelset
 
 OF_PARTS = ("bodies", "wheelsets", "elements", "drives", "parts", "places", "wheelset_types")
-"""Tables of a file that puts a vehicle together from parts."""
-
-
-class WheelsetFile(ModelFile):
-    """The file of a single wheelset."""
-
-    aliases: ClassVar[dict[str, str]] = {**ModelFile.aliases, "wheelset": "vehicle", "sprung": "sprung_mass"}
-
-    wheelset: WheelsetTable
-    """The rigid body and its wheels."""
-    suspension: SuspensionTable = SuspensionTable()
-    """Springs and dampers to the frame that follows the track."""
-    sprung: SprungTable = SprungTable()
-    """The share of the vehicle that the wheelset carries."""
-
-
-class VehicleFile(ModelFile, PartTable):
-    """The file of a vehicle of parts: the outermost one, and what the parts share."""
-
-    gravity_m_per_s2: Annotated[float, number(9, 10)] = STANDARD_GRAVITY
-    """Gravity with which the source has its loads from."""
-    wheelset: WheelsetTable | None = None
-    """The wheelset of all mounts that name no type."""
-    wheelset_types: dict[str, WheelsetTable] = Field(default_factory=dict)
-    """Other wheelsets, by the names of their types."""
-    parts: dict[str, PartTable] = Field(default_factory=dict)
-    """Parts that are described once and placed as often as needed."""
+"""Tables of a file that assembles a vehicle from parts."""
 
 
 def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
@@ -83,33 +54,21 @@ def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
     data, locate = opened(path, "vehicle file")
     finder = (find or usual_finder()).beside(path)
     if "vehicles" in data:
-        return _checked(train_of(check_section(TrainFile, data, locate), finder, locate, _member), path)
+        return _checked(_train(check_section(TrainFile, data, locate), finder, locate), path)
     if any(key in data for key in OF_PARTS):
         return _of_parts(check_section(VehicleFile, data, locate), path, finder, locate, Place())
     if "wheelset" not in data and "body" in data:
         raise InputError(f"{path}: is a profile file; a vehicle file with a table [wheelset] is needed here")
-    return _of_one_wheelset(check_section(WheelsetFile, data, locate), finder, locate)
-
-
-def _of_one_wheelset(file: WheelsetFile, finder: Finder, locate: Locate) -> Vehicle:
-    suspension = file.suspension
+    file = check_section(WheelsetFile, data, locate)
     return single_wheelset(
         _wheelset(file.wheelset, ("wheelset",), file, finder, locate),
-        stiffness=scaled(suspension.stiffness_kN_per_m),
-        damping=scaled(suspension.damping_kNs_per_m),
-        half_spacing=suspension.half_spacing_mm / 1000.0,
-        ahead=suspension.ahead_of_bogie_centre_mm / 1000.0,
+        stiffness=scaled(file.suspension.stiffness_kN_per_m),
+        damping=scaled(file.suspension.damping_kNs_per_m),
+        half_spacing=file.suspension.half_spacing_mm / 1000.0,
+        ahead=file.suspension.ahead_of_bogie_centre_mm / 1000.0,
         carried_mass=file.sprung.mass_kg,
         carried_height=file.sprung.height_above_axle_mm / 1000.0,
     )
-
-
-def _member(path: Path, find: Finder, place: Place) -> Vehicle:
-    """A vehicle of a train. Raises InputError."""
-    data, locate = opened(path, "vehicle file")
-    if not any(key in data for key in OF_PARTS):
-        raise InputError(f"{path}: is no vehicle of parts; a train takes vehicles with bodies")
-    return _of_parts(check_section(VehicleFile, data, locate), path, find.beside(path), locate, place)
 
 
 def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate, place: Place) -> Vehicle:
@@ -126,47 +85,6 @@ def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate, pla
     bodies = tuple(assembly.bodies.values())
     vehicle = Vehicle(file.name, wheelsets, bodies, source=file.source, gravity=file.gravity_m_per_s2, **parts)
     return _checked(vehicle, path, assembly.ballast)
-
-
-def _checked(vehicle: Vehicle, path: Path, ballast: Sequence[Ballast] = ()) -> Vehicle:
-    """The vehicle of a file, with what it carries. Raises InputError where its springs cannot hold it."""
-    try:
-        check_connected(vehicle)
-        vehicle = with_ballast(vehicle, ballast)
-        normal_loads(vehicle, preloads(vehicle))
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-    return vehicle
-
-
-def check_connected(vehicle: Vehicle) -> None:
-    """Refuse a vehicle without wheelsets, elements of one name, and bodies that no chain of elements joins to a
-    wheelset.
-
-    Raises InputError.
-    """
-    if not vehicle.wheelsets:
-        raise InputError("the vehicle has no wheelset: a table [wheelsets.NAME] is needed")
-    for what, named in (("elements", vehicle.elements), ("loads", vehicle.loads)):
-        names = [each.name for each in named]
-        twice = sorted(name for name, times in Counter(names).items() if times > 1)
-        if twice:
-            raise InputError(f"{what} need names of their own; these stand for more than one: {', '.join(twice)}")
-    held = {TRACK, GUIDE, *(mounted.name for mounted in vehicle.wheelsets), *vehicle.boxes}
-    while True:
-        more = {
-            end
-            for element in vehicle.elements
-            for end in (element.first, element.second)
-            if (element.first in held) != (element.second in held)
-        } - held
-        if not more:
-            break
-        held |= more
-    loose = [body.name for body in vehicle.bodies if body.name not in held]
-    if loose:
-        which = f"{'body' if len(loose) == 1 else 'bodies'} {', '.join(loose)} hang on nothing"
-        raise InputError(f"{which}: no element joins them to a wheelset, not even by way of other bodies")
 
 
 def _wheelset(
@@ -190,3 +108,121 @@ def _wheelset(
         source=file.source,
         torsion=table.torsion,
     )
+
+
+def _checked(vehicle: Vehicle, path: Path, ballast: Sequence[Ballast] = ()) -> Vehicle:
+    """The vehicle of a file, with what it carries. Raises InputError where its springs cannot hold it."""
+    try:
+        _check_connected(vehicle)
+        vehicle = with_ballast(vehicle, ballast)
+        normal_loads(vehicle, preloads(vehicle))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    return vehicle
+
+
+def _check_connected(vehicle: Vehicle) -> None:
+    """A vehicle has wheelsets, names of its own, and elements that join every body to a wheelset, perhaps by way of
+    other bodies. Raises InputError."""
+    if not vehicle.wheelsets:
+        raise InputError("the vehicle has no wheelset: a table [wheelsets.NAME] is needed")
+    for what, named in (("elements", vehicle.elements), ("loads", vehicle.loads)):
+        twice = sorted(name for name, times in Counter(each.name for each in named).items() if times > 1)
+        if twice:
+            raise InputError(f"duplicate names of {what}; must be different for each: {', '.join(twice)}")
+    held = {TRACK, GUIDE, *(mounted.name for mounted in vehicle.wheelsets), *vehicle.boxes}
+    joints = [{element.first, element.second} for element in vehicle.elements]
+    while more := set().union(*(ends for ends in joints if ends & held)) - held:
+        held |= more
+    loose = [body.name for body in vehicle.bodies if body.name not in held]
+    if loose:
+        which = f"{'body' if len(loose) == 1 else 'bodies'} {', '.join(loose)} hang on nothing"
+        raise InputError(f"{which}: no element joins them to a wheelset, not even by way of other bodies")
+
+
+def _train(file: TrainFile, finder: Finder, locate: Locate) -> Vehicle:
+    """The vehicles of a train, one behind the other, as one vehicle whose origin is that of the first one."""
+
+    def fault(path: KeyPath, message: str, value: object = None) -> InputError:
+        return InputError(fault_line(path, message, locate, value))
+
+    named = [(i, table, name) for i, table in enumerate(file.vehicles) for name in table.names]
+    for k, (i, _, name) in enumerate(named):
+        if "." in name or name in (TRACK, GUIDE):
+            words = f"'{name}' cannot be the name of a vehicle: points stand before the names of its bodies"
+            raise fault(("vehicles", i, "name"), words)
+        if name in [other for _, _, other in named[:k]]:
+            raise fault(("vehicles", i, "name"), f"'{name}' is the name of another vehicle; names need be different")
+    gaps = len(named) - 1
+    if gaps < 1:
+        raise fault(("vehicles",), "is one vehicle: a train has at least two (or count = 2)")
+    if len(file.couplings) not in (1, gaps):
+        words = f"there are {len(file.couplings)} for {gaps} gaps between vehicles: give one for all, or one for each"
+        raise fault(("couplings",), words)
+    tables = file.couplings if len(file.couplings) == gaps else file.couplings * gaps
+    vehicles: list[Vehicle] = []
+    couplings: list[Coupling] = []
+    between: list[Element] = []
+    rear, ahead = 0.0, ("", "")
+    for k, (i, table, name) in enumerate(named):
+        half, sign = 0.5 * table.length_mm / 1e3, -1.0 if table.reversed else 1.0
+        nose = half + sign * table.middle_mm / 1e3  # of its front end before its origin
+        front = rear - tables[k - 1].gap if k else nose
+        place = Place(f"{name}.", Axes((front - nose, 0.0, 0.0), (sign, sign, 1.0)))
+        try:
+            vehicle = _member(finder.find(table.model), finder, place)
+        except InputError as error:
+            raise fault(("vehicles", i, "model"), str(error)) from None
+        vehicles.append(vehicle)
+        if wrong := _misfit(vehicle, name, table, vehicles[0].gravity, front, front - 2.0 * half):
+            raise fault(("vehicles", i, wrong[0]), wrong[1], getattr(table, wrong[0]))
+        behind = (name, f"{name}.{table.body}" if table.body else vehicle.names[vehicle.reference])
+        if k:
+            coupling = tables[k - 1]
+            gap = Gap(f"{ahead[0]}-{name}", ahead[1], behind[1], 0.5 * (rear + front))
+            new = tuple(coupling.elements(gap))
+            at = (gap.x, 0.0, coupling.height_mm / 1e3)
+            couplings.append(Coupling(gap.name, gap.ahead, gap.behind, at, tuple(element.name for element in new)))
+            between += new
+        rear, ahead = front - 2.0 * half, behind
+    lists = ("wheelsets", "bodies", "elements", "loads", "payloads", "points", "drives")
+    parts: dict[str, Any] = {key: tuple(part for v in vehicles for part in getattr(v, key)) for key in lists}
+    parts["elements"] += tuple(between)
+    members = tuple(
+        Member(name, len(vehicle.wheelsets), len(vehicle.bodies), table.driven)
+        for (_, table, name), vehicle in zip(named, vehicles, strict=True)
+    )
+    return Vehicle(
+        file.name, source=file.source, gravity=vehicles[0].gravity, members=members, couplings=tuple(couplings), **parts
+    )
+
+
+def _member(path: Path, find: Finder, place: Place) -> Vehicle:
+    """A vehicle of a train. Raises InputError."""
+    data, locate = opened(path, "vehicle file")
+    if not any(key in data for key in OF_PARTS):
+        raise InputError(f"{path}: is no vehicle of parts; a train takes vehicles with bodies")
+    return _of_parts(check_section(VehicleFile, data, locate), path, find.beside(path), locate, place)
+
+
+def _misfit(
+    vehicle: Vehicle, name: str, table: MemberTable, gravity: float, front: float, rear: float
+) -> tuple[str, str] | None:
+    """Key and message where a vehicle does not fit into its train, between its ends [m]."""
+    if vehicle.gravity != gravity:
+        words = f"has a gravity of {vehicle.gravity:g} m/s2 in its file, the first vehicle has {gravity:g}"
+        return "model", words
+    framed = [e.name for e in vehicle.elements if {e.first, e.second} & {TRACK, GUIDE}]
+    if framed:
+        return "model", f"has elements to the frame of the track ('{framed[0]}'), which a train has not"
+    for mounted in vehicle.wheelsets:
+        if not rear < mounted.x < front:
+            far = abs(mounted.x - 0.5 * (front + rear))
+            return "length_mm", f"is too short: '{mounted.name}' lies {far:.4g} m from the middle"
+    bodies = [body.name.removeprefix(f"{name}.") for body in vehicle.bodies]
+    if not bodies:
+        return "model", "has no body that couplings can hold on to"
+    if table.body is not None and table.body not in bodies:
+        words = f"is no body of that vehicle; there is {', '.join(bodies)}{suggest(table.body, bodies)}"
+        return "body", words
+    return None

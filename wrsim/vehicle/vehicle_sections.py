@@ -1,4 +1,4 @@
-"""Tables of a vehicle file: bodies, wheelsets, elements, parts and their places, in the user's units."""
+"""Tables of vehicle and train files: bodies, wheelsets, elements, parts and their places, in the user's units."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from pydantic import AfterValidator, Field
 
 from wrsim.inputs.section import Fault, Section, both_or_sides, given
 from wrsim.inputs.values import Day, List, RisingRows, Source, Switch, Three, number, positive, refuse, text, words
-from wrsim.vehicle.elements import ZERO, AnyElementTable
-from wrsim.vehicle.elements.keys import Axes, Metre, Name, Place
+from wrsim.vehicle.couplings import AnyCouplingTable
+from wrsim.vehicle.element_tables import AnyElementTable, Axes, Metre, Name, Place
+from wrsim.vehicle.elements import ZERO
 from wrsim.vehicle.loads import Load, LoadAxes, Over, Payload
 from wrsim.vehicle.preload import Ballast
-from wrsim.vehicle.wheelset import Torsion
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Torsion
 
 Radius = Annotated[float, number(100, 1500, "radius at the tape circle in mm, such as 460")]
 WheelName = Annotated[str, text('a wheel profile file such as "wheels/S1002.toml"')]
@@ -365,3 +366,70 @@ class PartTable(Section, header="[parts.NAME]"):
     """Points at which accelerations are kept."""
     places: List[PlaceTable] = ()
     """Parts put at their places."""
+
+
+class WheelsetFile(ModelFile):
+    """The file of a single wheelset."""
+
+    aliases: ClassVar[dict[str, str]] = {**ModelFile.aliases, "wheelset": "vehicle", "sprung": "sprung_mass"}
+
+    wheelset: WheelsetTable
+    """The rigid body and its wheels."""
+    suspension: SuspensionTable = SuspensionTable()
+    """Springs and dampers to the frame that follows the track."""
+    sprung: SprungTable = SprungTable()
+    """The share of the vehicle that the wheelset carries."""
+
+
+class VehicleFile(ModelFile, PartTable):
+    """The file of a vehicle of parts: the outermost one, and what the parts share."""
+
+    gravity_m_per_s2: Annotated[float, number(9, 10)] = STANDARD_GRAVITY
+    """Gravity with which the source has its loads from."""
+    wheelset: WheelsetTable | None = None
+    """The wheelset of all mounts that name no type."""
+    wheelset_types: dict[str, WheelsetTable] = Field(default_factory=dict)
+    """Other wheelsets, by the names of their types."""
+    parts: dict[str, PartTable] = Field(default_factory=dict)
+    """Parts that are described once and placed as often as needed."""
+
+
+class MemberTable(Section, header="[[vehicles]]"):
+    """[[vehicles]]: a vehicle of a train, or several alike, one behind the other."""
+
+    aliases: ClassVar[dict[str, str]] = {"model": "file vehicle", "count": "number times", "length_mm": "length_m"}
+
+    model: Annotated[str, text('a vehicle file such as "vehicles/manchester_1.toml"')]
+    """File of the vehicle."""
+    name: Name
+    """Its name; names of its bodies follow behind a dot, and several alike are numbered: coach1, coach2."""
+    count: Annotated[int, number(1, 100)] = 1
+    """How many of them run one behind the other."""
+    length_mm: Annotated[float, positive(200_000, "mm over buffers or couplers, as coupled")]
+    """Its length between the planes in which it meets its neighbours."""
+    middle_mm: Annotated[float, number(-100_000, 100_000, "mm, positive forward")] = 0.0
+    """Where the middle of that length lies, from the origin of its file."""
+    body: Name | None = None
+    """Body that its couplings hold on to; the heaviest unless given."""
+    reversed: Switch = False
+    """Whether it runs the other way round."""
+    driven: Switch = True
+    """Whether a drive of its own holds its speed; if not, its couplings alone take it along."""
+
+    @property
+    def names(self) -> list[str]:
+        """Names of its vehicles."""
+        return [self.name] if self.count == 1 else [f"{self.name}{k + 1}" for k in range(self.count)]
+
+
+class TrainFile(ModelFile, header="a train file"):
+    """The file of a train: vehicles from front to rear, and what couples them."""
+
+    aliases: ClassVar[dict[str, str]] = {**ModelFile.aliases, "vehicles": "vehicle", "couplings": "coupling"}
+
+    name: Annotated[str, text("the train's name")]
+    """Name of the train."""
+    vehicles: Annotated[List[MemberTable], Field(min_length=1)]
+    """Its vehicles, from front to rear."""
+    couplings: Annotated[List[AnyCouplingTable], Field(min_length=1)]
+    """One for all gaps between them, or one for each gap from front to rear."""

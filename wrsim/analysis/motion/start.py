@@ -114,7 +114,7 @@ def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
     goes on from what a fast model finds. Motors and brakes do nothing yet. Raises NoSteadyMotion.
     """
     try:
-        return _start_state(replace(setup, vehicle=setup.vehicle.coasting), law)
+        return _start_state(replace(setup, vehicle=replace(setup.vehicle, efforts=(), slip_control=None)), law)
     finally:
         LOGGER.info("")
 

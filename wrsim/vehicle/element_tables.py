@@ -1,18 +1,24 @@
-"""The kinds of elements that a vehicle file may name: the keys of each, how it is drawn, and its law in SI units."""
+"""The kinds of suspension elements that a vehicle file may name: keys, glyph in drawings, and law in SI units.
+
+A new kind is a subclass of `ElementTable` and an entry in ``AnyElementTable``. Its ``element`` gives one of the laws of
+``vehicle.elements`` (`Spring`: along and about three axes; `Strut`: in one direction), or an `Element` with a
+function in ``core.body.suspension``.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, TypeVar
 
 import numpy as np
-from pydantic import Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
-from wrsim.inputs.section import Fault, kinds_in
-from wrsim.inputs.values import Switch, Three, number, positive, text
-from wrsim.vehicle.elements.element import (
+from wrsim.inputs.section import Choice, Fault, kinds_in
+from wrsim.inputs.values import Switch, Three, Two, number, positive, refuse, text
+from wrsim.vehicle.elements import (
     ZERO,
     BilinearSpring,
     Element,
@@ -22,22 +28,129 @@ from wrsim.vehicle.elements.element import (
     Spring,
     Strut,
     Table,
+    Triple,
 )
-from wrsim.vehicle.elements.keys import (
-    AXIS,
-    Along,
-    Axes,
-    AxialTable,
-    Damping,
-    ElementTable,
-    ForceOfTravel,
-    ForceOfVelocity,
-    Glyph,
-    Joint,
-    Place,
-    Stiffness,
-    scaled,
-)
+
+
+def _rising(rows: Table) -> Table:
+    for position, (before, row) in enumerate(pairwise(rows), 1):
+        if row[0] <= before[0] or row[1] < before[1]:
+            raise refuse(f"row [{position}] must not lie below the row before it, and further on: both rise")
+    return rows
+
+
+Row = TypeVar("Row")
+Rising = Annotated[
+    tuple[Row, ...],
+    Field(strict=False, min_length=2, description="a list of at least two rows, both rising; each {each}"),
+    AfterValidator(_rising),
+]
+"""A table of rows [x, y] with rising x, y that does not fall."""
+ForceOfTravel = Rising[Annotated[Two[float], Field(description="two numbers [travel mm, force kN]")]]
+ForceOfVelocity = Rising[Annotated[Two[float], Field(description="two numbers [velocity m/s, force kN]")]]
+Metre = Annotated[float, number(-200_000, 200_000, "mm")]
+Place = Three[Metre]
+Stiffness = Three[Annotated[float, number(0, 1e7, "kN/m")]]
+Damping = Three[Annotated[float, number(0, 1e5, "kN s/m")]]
+Name = Annotated[str, text("a name")]
+Names = Annotated[
+    tuple[Annotated[str, text("a name")], ...],
+    Field(strict=False, min_length=1, description="the name of a body or wheelset, or a list of such names"),
+    BeforeValidator(lambda value: value if isinstance(value, (list, tuple)) else (value,)),
+]
+Along = Literal["x", "y", "z"]
+AXIS: dict[Along, Literal[0, 1, 2]] = {"x": 0, "y": 1, "z": 2}
+
+
+@dataclass(frozen=True)
+class Axes:
+    """Axes of a part in the vehicle's: origin [m], signs of x, y, z."""
+
+    origin: Triple = ZERO
+    signs: Triple = (1.0, 1.0, 1.0)
+
+    def point(self, point_mm: Triple) -> Triple:
+        """A point of the part in the vehicle's axes [m]."""
+        x, y, z = (o + s * p / 1000.0 for o, s, p in zip(self.origin, self.signs, point_mm, strict=True))
+        return x, y, z
+
+    def vector(self, values: Triple) -> Triple:
+        """A vector of the part, in kilo-units, in the vehicle's axes and plain ones."""
+        x, y, z = (1e3 * s * v for s, v in zip(self.signs, values, strict=True))
+        return x, y, z
+
+
+VEHICLE_AXES = Axes()
+
+
+def scaled(values: Triple) -> Triple:
+    """Values in kilo-units as plain ones."""
+    x, y, z = values
+    return 1e3 * x, 1e3 * y, 1e3 * z
+
+
+class Joint(NamedTuple):
+    """What every element has, in the order of `Element`: its full name, its kind, the names of its two bodies."""
+
+    name: str
+    kind: str
+    first: str
+    second: str
+
+
+class Glyph(NamedTuple):
+    """How an element is drawn: matplotlib's mark, colour, and whether the mark is hollow."""
+
+    mark: str
+    colour: str
+    hollow: bool = False
+
+
+class ElementTable(Choice, header="[[elements]]"):
+    """What all elements have: a name, the body whose axes they follow, the one (or each of those) they lead to."""
+
+    aliases: ClassVar[dict[str, str]] = {"kind": "type", "body": "from", "both_sides": "mirror", "body_mm": "from_mm"}
+    glyph: ClassVar[Glyph | None] = None
+    """How its kind is drawn; None: not at all."""
+
+    kind: str
+    """Kind of element."""
+    name: Name
+    """Name of the element; inside of parts it follows those of the places."""
+    body: Annotated[str, text("the name of a body")]
+    """Body whose axes the element follows."""
+    to: Names
+    """Body or bodies that it leads to; forces in results are those on it."""
+    origin: Literal["part", "body", "to"] = "part"
+    """What the points of the element are measured from: the part's origin or the centre of a body."""
+    both_sides: Switch = False
+    """Whether the element has a twin at -y."""
+
+    def points(self) -> Iterator[Triple]:
+        """The points that are given [mm]."""
+        for key in ("at_mm", "body_mm", "to_mm"):
+            point = getattr(self, key, None)
+            if point is not None:
+                yield point
+
+    def element(self, joint: Joint, axes: Axes) -> Element:
+        """The element in SI units, its points in these axes."""
+        raise NotImplementedError
+
+
+class AxialTable(ElementTable):
+    """An element that acts at a point along an axis of the body."""
+
+    at_mm: Place
+    """Point at which it acts."""
+    direction: Along
+    """Axis of the body along which it acts."""
+
+    def placed(self, joint: Joint, axes: Axes) -> tuple[str, str, str, str, tuple[Triple, Triple], Literal[0, 1, 2]]:
+        """What a `Strut` begins with: the joint, its ends, its axis."""
+        at = axes.point(self.at_mm)
+        return (*joint, (at, at), AXIS[self.direction])
+
 
 BLUE = "#0072B2"
 
@@ -97,7 +210,7 @@ class ShearSpringTable(ElementTable, kind="shear-spring"):
     def consistency(self) -> Iterator[Fault]:
         """Its axis is vertical."""
         if self.body_mm[:2] != self.to_mm[:2] or self.body_mm[2] == self.to_mm[2]:
-            yield Fault("to_mm", "must lie straight above or below body_mm: the column stands upright")
+            yield Fault("to_mm", "must lie straight above or below body_mm: the column is vertical")
 
     def element(self, joint: Joint, axes: Axes) -> Spring:
         x, y, z = (0.5 * (a + b) for a, b in zip(self.body_mm, self.to_mm, strict=True))
@@ -184,7 +297,7 @@ class DamperTable(ElementTable, kind="damper"):
             yield Fault("at_mm", needed, missing=True)
 
     def consistency(self) -> Iterator[Fault]:
-        """A line has a length; a table of a damper behind a spring is read backwards."""
+        """A line has a length; the table of a damper in series with a spring has an inverse."""
         if self.body_mm is not None and self.to_mm is not None and math.dist(self.body_mm, self.to_mm) < 1e-3:
             yield Fault("to_mm", "is the same point as body_mm: a damper along a line needs a length")
         table = self.velocity_m_per_s_force_kN or ()
@@ -194,12 +307,10 @@ class DamperTable(ElementTable, kind="damper"):
 
     def element(self, joint: Joint, axes: Axes) -> Strut:
         points = [axes.point(point) for point in self.points()]  # one on an axis, two on a line
-        series = self.series_stiffness_kN_per_m
         rows = tuple((v, 1e3 * f) for v, f in self.velocity_m_per_s_force_kN or ())
         return Strut(
-            *joint, (points[0], points[-1]), None if self.direction is None else AXIS[self.direction],
-            damping=1e3 * (self.damping_kNs_per_m or 0.0),
-            series=None if series is None else 1e3 * series,
+            *joint, (points[0], points[-1]), None if self.direction is None else AXIS[self.direction], 0.0,
+            1e3 * (self.damping_kNs_per_m or 0.0), kilo(self.series_stiffness_kN_per_m),
             damper_table=both_ways(rows) if rows and rows[0][0] >= 0.0 else rows,
         )  # fmt: skip
 
@@ -239,8 +350,7 @@ class AntiRollBarTable(ElementTable, kind="anti-roll-bar"):
     """Moment over the difference of the roll of both bodies."""
 
     def element(self, joint: Joint, axes: Axes) -> Spring:
-        stiffness = (1e3 * self.stiffness_kNm_per_rad, 0.0, 0.0)
-        return Spring(*joint, axes.point(ZERO), turning_stiffness=stiffness)
+        return Spring(*joint, axes.point(ZERO), turning_stiffness=(1e3 * self.stiffness_kNm_per_rad, 0.0, 0.0))
 
 
 class FrictionTable(ElementTable, kind="friction"):
@@ -307,8 +417,8 @@ class LeafSpringTable(AxialTable, kind="leaf-spring"):
         distance, force = 1e-3 * self.friction_travel_mm, 1e3 * (self.friction_force_kN or 0.0)
         normal = None if self.friction_share is None else Normal("")
         slider = Slider("fancher", distance=distance, bound=force, friction=self.friction_share or 0.0, normal=normal)
-        stiffness, damping = 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m
-        return Strut(*self.placed(joint, axes), stiffness, damping, slider=slider)
+        place = self.placed(joint, axes)
+        return Strut(*place, 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m, slider=slider)
 
 
 class RubberSpringTable(AxialTable, kind="rubber-spring"):
@@ -329,12 +439,9 @@ class RubberSpringTable(AxialTable, kind="rubber-spring"):
     """Viscous part: its damping; goes with series_stiffness_kN_per_m."""
 
     def element(self, joint: Joint, axes: Axes) -> Element:
-        series = self.series_stiffness_kN_per_m
         return Strut(
-            *self.placed(joint, axes), 1e3 * self.stiffness_kN_per_m,
-            1e3 * (self.damping_kNs_per_m or 0.0),
-            series=None if series is None else 1e3 * series,
-            slider=friction_part(self.friction_force_kN, self.friction_travel_mm),
+            *self.placed(joint, axes), 1e3 * self.stiffness_kN_per_m, 1e3 * (self.damping_kNs_per_m or 0.0),
+            kilo(self.series_stiffness_kN_per_m), slider=friction_part(self.friction_force_kN, self.friction_travel_mm),
         )  # fmt: skip
 
 
@@ -358,22 +465,24 @@ class AirSpringTable(AxialTable, kind="air-spring"):
     """Travel from rest over which friction comes to half of its largest force (Berg's x2)."""
 
     def element(self, joint: Joint, axes: Axes) -> Element:
-        series = self.series_stiffness_kN_per_m
-        table: Table = ()
-        if self.orifice_damping is not None:
-            table = orifice(1e3 * self.orifice_damping, self.orifice_exponent)
+        force = self.orifice_damping
         return Strut(
-            *self.placed(joint, axes), 1e3 * self.stiffness_kN_per_m,
-            series=None if series is None else 1e3 * series, damper_table=table,
+            *self.placed(joint, axes), 1e3 * self.stiffness_kN_per_m, series=kilo(self.series_stiffness_kN_per_m),
+            damper_table=() if force is None else orifice(1e3 * force, self.orifice_exponent),
             slider=friction_part(self.friction_force_kN, self.friction_travel_mm),
         )  # fmt: skip
 
 
 def friction_part(force_kN: float | None, travel_mm: float | None) -> Slider | None:
-    """Berg's friction."""
+    """Berg's friction, where it is given."""
     if force_kN is None or travel_mm is None:
         return None
     return Slider("berg", bound=1e3 * force_kN, distance=1e-3 * travel_mm)
+
+
+def kilo(value: float | None) -> float | None:
+    """A value in kilo-units in plain ones, where it is given."""
+    return None if value is None else 1e3 * value
 
 
 def orifice(force: float, exponent: float) -> Table:

@@ -1,8 +1,8 @@
-"""Suspension elements and their laws, plain data in SI units: along and about three axes, in one direction, in a plane.
+"""Suspension elements and their laws, plain data in SI units.
 
 Each joins a ``first`` body to a ``second`` one, by their names, at points given in the vehicle's axes in its design
 position: x forward, y left, z up above the rails. The axes of an element are those of its first body; forces are those
-on the second one.
+on the second one. The keys of vehicle files: ``element_tables``; the forces: ``core.body.suspension``.
 """
 
 from __future__ import annotations
@@ -26,23 +26,22 @@ GUIDE = "guide frame"
 """Name of the bogie that a single wheelset leads, as a body: the track frame turned by -ahead kappa about b."""
 ZERO: Triple = (0.0, 0.0, 0.0)
 FAR = 1.0
-"""How far its table goes beyond its bends [m]; it goes on evenly there."""
+"""How far the table of a bilinear spring extends beyond its kinks [m]; beyond, it is extrapolated."""
 
 
 @dataclass
 class Tables:
-    """The tables of all elements in one, as the kernel takes them, and the number of unknowns that elements bring."""
+    """Tables of all elements in one array, as the kernel takes them; number of inner unknowns (``unknowns``), and the
+    numbers of those that belong to sliders (``slips``)."""
 
     rows: list[tuple[float, float]] = field(default_factory=list)
     unknowns: int = 0
     slips: list[int] = field(default_factory=list)
-    """Numbers of the unknowns that belong to sliders."""
 
     def store(self, table: Table) -> tuple[int, int]:
         """Add a table; returns its first row and the number of rows."""
-        start = len(self.rows)
         self.rows.extend(table)
-        return start, len(table)
+        return len(self.rows) - len(table), len(table)
 
     def unknown(self) -> int:
         """Number of one more unknown."""
@@ -58,10 +57,10 @@ class Tables:
 
 @dataclass(frozen=True)
 class Normal:
-    """The normal force of a slider: that of an element ``of`` (its full name; "": its own spring), times a factor.
+    """Normal force of a slider: the force of the element ``of`` (its full name; "": the slider's own), times a factor.
 
-    axis: the component that counts where the element has three, 0, 1, 2; other elements have but one. sense: the sign
-    of the force that presses, of surfaces that may be apart; None: that at rest, which they are not.
+    axis: its component, 0, 1, 2, where that element has three. sense: sign of the force that presses, of surfaces that
+    may separate; None: the sign at rest.
     """
 
     of: str
@@ -72,11 +71,10 @@ class Normal:
 
 @dataclass(frozen=True)
 class Slider:
-    """A spring behind a surface that slips, see ``core.body.friction``.
+    """A spring in series with a sliding surface, see ``core.body.friction``.
 
-    stiffness [N/m], damping [N s/m] where it sticks; instead of the stiffness the distance [m] over which the largest
-    force at rest builds up. bound: constant part of the largest force [N]; friction: times the normal force is the rest
-    of it.
+    stiffness [N/m], damping [N s/m] while it sticks; or, in place of the stiffness, the distance [m] over which the
+    largest force at rest builds up. Largest force: bound [N] + friction times the normal force.
     """
 
     law: Friction
@@ -92,7 +90,7 @@ class Slider:
         return replace(self, normal=None if self.normal is None else replace(self.normal, of=name))
 
     def write(self, row: Any, tables: Tables, directions: int = 1, at_rest: float = 0.0) -> None:
-        """Write its law to a record ELEMENT; how many directions it slips in; at_rest: its element's own force [N]."""
+        """Write its law to a record ELEMENT; directions: in which it slips; at_rest: its element's own force [N]."""
         from wrsim.core.body import friction as kernel
 
         row.slider = {"coulomb": kernel.COULOMB, "fancher": kernel.FANCHER, "berg": kernel.BERG}[self.law]
@@ -104,10 +102,10 @@ class Slider:
 
 @dataclass(frozen=True)
 class Element(ABC):
-    """A suspension element; kind: as the file names it.
+    """A suspension element; kind: as in the vehicle file.
 
-    preload [N]: along its directions, if it is not to be solved for. limits: travel that its table
-    covers [m]; None without such limits. slider: its friction.
+    preload [N]: along its directions, where it is prescribed. limits: travel that its table covers [m]; None without
+    such limits. slider: its friction.
     """
 
     name: str
@@ -119,6 +117,15 @@ class Element(ABC):
     limits: tuple[float, float] | None = None
     slider: Slider | None = None
 
+    turns_with_first = True
+    """Whether its axes are those of its first body."""
+    travel_place = 3
+    """Place of its travel among the six numbers of a reading (``core.body.suspension``)."""
+    resists_turning = False
+    """Whether moments hold its bodies against each other."""
+    turning_stiffness = ZERO
+    """Stiffness about x, y, z at rest [N m/rad]."""
+
     @property
     @abstractmethod
     def points(self) -> tuple[Triple, Triple]:
@@ -126,13 +133,13 @@ class Element(ABC):
 
     @property
     def directions(self) -> Array:
-        """Unit vectors along which it pushes in the design position, (m, 3)."""
+        """Unit vectors of its forces in the design position, (m, 3)."""
         return np.eye(3)
 
     @property
-    @abstractmethod
     def stiffness_at_rest(self) -> Array:
         """Stiffness along its directions, (m,) [N/m]."""
+        return np.zeros(len(self.directions))
 
     @abstractmethod
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
@@ -141,33 +148,13 @@ class Element(ABC):
         preload: force on the second body along its directions in the design position, (m,) [N].
         """
 
-    @property
-    def turning_stiffness(self) -> Triple:
-        """Stiffness about x, y, z at rest [N m/rad]."""
-        return ZERO
-
-    @property
-    def resists_turning(self) -> bool:
-        """True if moments hold its bodies against each other."""
-        return False
-
-    @property
-    def turns_with_first(self) -> bool:
-        """True if its axes are those of its first body."""
-        return True
-
-    @abstractmethod
     def reading_at_rest(self, preload: Array) -> Array:
-        """Its reading's force (3,) in the design position [N]; preload: as ``write`` takes it."""
+        """Force (3,) of its reading in the design position [N]; preload: as for ``write``."""
+        return np.asarray(preload @ self.directions)
 
     def force_on_second(self, readings: Array) -> Array:
         """Force on the second body along the axes of the first one, (n, 3), from its readings (n, 6)."""
         return readings[:, :3]
-
-    @property
-    def travel_place(self) -> int:
-        """Place of its travel among the six numbers of a reading (``core.body.suspension``)."""
-        return 3
 
 
 @dataclass(frozen=True)
@@ -194,11 +181,8 @@ class Spring(Element):
     def stiffness_at_rest(self) -> Array:
         return np.array(self.stiffness)
 
-    def reading_at_rest(self, preload: Array) -> Array:
-        return preload
-
     @property
-    def resists_turning(self) -> bool:
+    def resists_turning(self) -> bool:  # type: ignore[override]
         return any(self.turning_stiffness) or any(self.turning_damping)
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
@@ -214,10 +198,9 @@ class Strut(Element):
     """A spring and a damper in one direction: along an axis of the first body, or along the line between two points.
 
     ends: on the first and on the second body, one point where ``axis`` is given; axis: 0, 1, 2 or None for the line.
-    stiffness [N/m] or spring_table: rows (travel [m], force [N]) that pushes back; damping [N s/m] or damper_table:
-    rows (velocity [m/s], force [N]). series: stiffness behind the damper [N/m], None for a stiff one; with it the
-    extension of the damping part is an unknown of its own. limits: travel that the spring's table
-    covers [m]. slider: friction beside them. Travel counts from the design position, positive when the second body
+    stiffness [N/m] or spring_table: rows (travel [m], restoring force [N]); damping [N s/m] or damper_table: rows
+    (velocity [m/s], force [N]). series: stiffness in series with the damper [N/m], None for a rigid mounting; with it
+    the extension of the damper is an unknown. Travel counts from the design position, positive when the second body
     moves along the axis, or when the line grows.
     """
 
@@ -248,18 +231,18 @@ class Strut(Element):
         return np.array([(table[i + 1][1] - table[i][1]) / (table[i + 1][0] - table[i][0])])
 
     @property
-    def turns_with_first(self) -> bool:
+    def turns_with_first(self) -> bool:  # type: ignore[override]
         return self.axis is not None
+
+    @property
+    def travel_place(self) -> int:  # type: ignore[override]
+        return 3 + (self.axis or 0)
 
     def force_on_second(self, readings: Array) -> Array:
         return readings[:, :3] if self.axis is not None else -readings[:, :1] * self.directions
 
     def reading_at_rest(self, preload: Array) -> Array:
-        return preload[0] * self.directions[0] if self.axis is not None else np.array([-preload[0], 0.0, 0.0])
-
-    @property
-    def travel_place(self) -> int:
-        return 3 + (self.axis or 0)
+        return super().reading_at_rest(preload) if self.axis is not None else np.array([-preload[0], 0.0, 0.0])
 
     @property
     def _line(self) -> Array:
@@ -276,12 +259,11 @@ class Strut(Element):
         if self.spring_table:
             row.force_0 += np.interp(0.0, *np.transpose(self.spring_table))
         row.spring_start, row.spring_rows = tables.store(self.spring_table)
-        if self.series is None:
-            row.damper_start, row.damper_rows = tables.store(self.damper_table)
-        else:
+        damper = self.damper_table
+        if self.series is not None:
             row.series, row.state = self.series, tables.unknown()
-            velocity_of_force = tuple((force, velocity) for velocity, force in self.damper_table)
-            row.damper_start, row.damper_rows = tables.store(velocity_of_force)
+            damper = tuple((force, velocity) for velocity, force in damper)  # read backwards
+        row.damper_start, row.damper_rows = tables.store(damper)
         if self.slider is not None:
             self.slider.write(row, tables, at_rest=abs(float(preload[0])))
 
@@ -289,7 +271,7 @@ class Strut(Element):
 @dataclass(frozen=True)
 class BilinearSpring(Strut):
     """A strut along an axis that pushes with ``stiffness`` up to the force ``inner_from`` [N], and with ``inner``
-    [N/m] more beyond it. It never pulls. Where it is on this line at rest follows from the load that it carries there.
+    [N/m] more beyond it. It never pulls. Its travel at rest follows from its load there.
     """
 
     inner: float = 0.0
@@ -297,14 +279,11 @@ class BilinearSpring(Strut):
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
         super().write(row, preload, tables)
-        table = self.table(float(preload[0]))
         row.k, row.force_0 = 0.0, preload[0]
-        row.spring_start, row.spring_rows = tables.store(table)
+        row.spring_start, row.spring_rows = tables.store(self.table(float(preload[0])))
 
-    def table(self, at_rest: float) -> tuple[tuple[float, float], ...]:
-        """Rows (travel, what it takes from the force at rest) about the design position; at_rest [N]: its force there
-        on the second body.
-        """
+    def table(self, at_rest: float) -> Table:
+        """Rows (travel [m], restoring force less that at rest [N]); at_rest: force on the second body there [N]."""
         k, both, sign = self.stiffness, self.stiffness + self.inner, np.sign(at_rest)
         load = abs(at_rest)
         bend = (self.inner_from - load) / (k if load < self.inner_from else both)
@@ -315,8 +294,7 @@ class BilinearSpring(Strut):
             (bend, self.inner_from),
             (bend + FAR, self.inner_from + both * FAR),
         )
-        rows = [(float(-sign * c), float(at_rest - sign * force)) for c, force in compressed]
-        return tuple(sorted(rows))
+        return tuple(sorted((float(-sign * c), float(at_rest - sign * force)) for c, force in compressed))
 
 
 @dataclass(frozen=True)
@@ -333,13 +311,6 @@ class PlaneFriction(Element):
     @property
     def directions(self) -> Array:
         return np.delete(np.eye(3), self.across, axis=0)
-
-    @property
-    def stiffness_at_rest(self) -> Array:
-        return np.zeros(2)
-
-    def reading_at_rest(self, preload: Array) -> Array:
-        return np.zeros(3)
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
         from wrsim.core.body import suspension as kernel
