@@ -307,8 +307,10 @@ def test_rows_that_are_no_track_are_told_with_their_file(car: Car, tmp_path: Pat
 
 def test_twist_alone_tells_the_cross_level(car: Car, tmp_path: Path) -> None:
     s = car.distance
-    cross = car.track.cross_level(s)
-    columns = {"twist_mm": cross - car.track.cross_level(s - 3.0)}
+    cross, back = (
+        car.track.irregularity("right", at)[1] - car.track.irregularity("left", at)[1] for at in (s, s - 3.0)
+    )
+    columns = {"twist_mm": cross - back}
     found = restored(tmp_path, car, columns, "")
     inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
     ours = found.vertical[1] - found.vertical[0]

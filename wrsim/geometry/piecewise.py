@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PPoly
 
 Array = NDArray[np.float64]
-Jet = tuple[Array, Array, Array]
-"""Value, slope and second derivative."""
+Jet = tuple[Array, Array, Array]  # value, slope and second derivative
 
 
 def linear(start: float, end: float) -> tuple[float, float, float, float]:

@@ -38,8 +38,7 @@ SIGNS: dict[str, tuple[Positive, Positive]] = {
     "twist": ("right rail higher", "left rail higher"),
 }
 """What may be positive; ours first."""
-BASE = 3.0
-"""Usual base of twist [m]."""
+BASE = 3.0  # usual base of twist [m]
 
 _Length = Annotated[float, number(0.2, 30, "m")]
 

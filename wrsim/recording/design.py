@@ -26,27 +26,19 @@ Array = NDArray[np.float64]
 Form = Literal["clothoid", "bloss"]
 FORMS: tuple[Form, ...] = ("clothoid", "bloss")
 
-SMOOTHING = 6.0
-"""Deviation of the Gaussian that records are smoothed with [m]: irregularities are not the design."""
-NODE = 5.0
-"""Distance of the rows that pieces are laid through [m]."""
-LONGEST_PIECE = 2000.0
-"""[m]; longer straights and arcs are put together from several."""
-PRICE = 120.0
-"""Price of a piece in squares of the records' noise."""
-LAG = 20.0
-"""Distance over which the noise is separated from the records' bends [m]."""
+SMOOTHING = 6.0  # deviation of the Gaussian that records are smoothed with [m]: irregularities are not the design
+NODE = 5.0  # distance of the rows that pieces are laid through [m]
+LONGEST_PIECE = 2000.0  # [m]; longer straights and arcs are put together from several
+PRICE = 120.0  # price of a piece in squares of the records' noise
+LAG = 20.0  # distance over which the noise is separated from the records' bends [m]
 LEAST_CURVATURE, LEAST_CANT = 4e-5, 6e-3
 """What is no change of curvature [1/m] and cant [m], however quiet the records are: a radius of 25 km is straight."""
-QUIETEST = (2e-6, 2e-4)
-"""Least noise that is believed [1/m, m]."""
-SHORTEST = 2.0
-"""Shortest transition, straight or arc [m]."""
+QUIETEST = (2e-6, 2e-4)  # least noise that is believed [1/m, m]
+SHORTEST = 2.0  # shortest transition, straight or arc [m]
 CHANGE = 30.0
 """Price of another form than that of the transition before, in half squares of the records' noise: on one line forms
 change seldom."""
-REACH = 200.0
-"""How far before and behind a transition the records are fitted [m]."""
+REACH = 200.0  # how far before and behind a transition the records are fitted [m]
 
 
 @dataclass(frozen=True)
@@ -262,8 +254,7 @@ def _transition(
     return _Fit(form, float(best.x[0]), float(best.x[1]), before, behind, float(best.cost))
 
 
-HERMITE = np.polynomial.hermite_e.hermegauss(12)
-"""Places and weights of a mean over a Gaussian."""
+HERMITE = np.polynomial.hermite_e.hermegauss(12)  # places and weights of a mean over a Gaussian
 
 
 def _part(x: Array, length: float, form: Form) -> Array:

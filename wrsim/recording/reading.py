@@ -18,10 +18,8 @@ from wrsim.recording.columns import ChannelSection, ColumnsFile, guessed, read_c
 
 Array = NDArray[np.float64]
 
-GAP = 1.5
-"""A distance between rows that is so many times the usual one is a gap."""
-FEWEST = 40
-"""Rows that a recording has at least."""
+GAP = 1.5  # A distance between rows that is so many times the usual one is a gap
+FEWEST = 40  # rows that a recording has at least
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,12 +23,10 @@ from wrsim.recording.systems import SKIRTS, Chord, InverseFilter, Plain, ShapeSy
 Array = NDArray[np.float64]
 
 SIDES = {"_left": 1.0, "_right": -1.0}
-LEAST_WIDENING = 1.5e-3
-"""Mean gauge of an arc beyond the nominal one that counts as designed [m]."""
+LEAST_WIDENING = 1.5e-3  # mean gauge of an arc beyond the nominal one that counts as designed [m]
 LARGEST_SPREAD = 0.15
 """Largest standard deviation of a curve's share in a record of alignment with which that says if it is there."""
-UNDECIDED = (0.3, 0.7)
-"""Shares that decide nothing."""
+UNDECIDED = (0.3, 0.7)  # shares that decide nothing
 
 
 @dataclass(frozen=True, eq=False)

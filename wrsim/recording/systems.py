@@ -30,18 +30,13 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Response = Callable[[Array], Complex]
 
-SKIRTS = (1.25, 1.6)
-"""Ratios of wavelengths over which a band fades to nothing, at its short and at its long end."""
-FADE = 3.0
-"""Ratio of |H| over which an inverse fades to nothing."""
-SPARE = 1.1
-"""Keeps the fading inverse below the largest amplification, too."""
+SKIRTS = (1.25, 1.6)  # ratios of wavelengths over which a band fades to nothing, at its short and at its long end
+FADE = 3.0  # ratio of |H| over which an inverse fades to nothing
+SPARE = 1.1  # keeps the fading inverse below the largest amplification, too
 BANDS = {"D1": (3.0, 25.0), "D2": (25.0, 70.0), "D3": (70.0, 150.0)}
 """Wavelengths of EN 13848-1 [m]; D3 for lateral shapes to 200 m."""
-PADDING = 4.0
-"""How far a record is continued at its ends for filtering, in longest wavelengths."""
-COUNTED = 4000
-"""Wavelengths at which an inverse is looked at for what it does."""
+PADDING = 4.0  # how far a record is continued at its ends for filtering, in longest wavelengths
+COUNTED = 4000  # wavelengths at which an inverse is looked at for what it does
 
 
 class MeasuringSystem(Protocol):

@@ -171,7 +171,7 @@ def _named(scenario: Scenario, file: Path) -> str:
 @lru_cache(maxsize=16)
 def _laid(rail: Profile, inclination: float, gauge_depth: float) -> Profile:
     """A rail as it lies. The same object for both sides, and for what is built again: it has its tables made once."""
-    return rail.inclined(inclination).gauged(gauge_depth)
+    return replace(rail.inclined(inclination), gauge_depth=gauge_depth)
 
 
 def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:

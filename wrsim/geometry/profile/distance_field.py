@@ -1,7 +1,7 @@
 """Signed distances around a rail, on a grid: where the search for contact begins.
 
-The field is a guide, not a measure: the search corrects every point that matters to round-off. Negative inside the
-steel. Each grid point also knows the arclength of the rail point nearest to it.
+The field is a guide, not a measure: the search corrects every point that matters to round-off. It is negative inside
+the steel, and holds the arclength of the nearest rail point as well.
 """
 
 from __future__ import annotations

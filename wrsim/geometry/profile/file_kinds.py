@@ -1,4 +1,4 @@
-"""What the TOML file of a profile holds, by its kind: shapes by formula with their tables, and files of points.
+"""The TOML file of a profile, by its kind: shapes by formula, and files of points.
 
 The kind that starts from another profile is in `wrsim.geometry.profile.models`, which reads all of them.
 """
@@ -13,19 +13,9 @@ import numpy as np
 from pydantic import Field
 
 from wrsim.errors import InputError
+from wrsim.geometry.profile import sections as shapes
 from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, suffix_fault
 from wrsim.geometry.profile.profile import Kind, Profile
-from wrsim.geometry.profile.sections import (
-    ProfileArc,
-    ProfileLine,
-    ProfilePolynomial,
-    arc_between,
-    circle,
-    cone,
-    profile_from_sections,
-    rail_head,
-)
-from wrsim.geometry.profile.sections import ProfileSection as Piece
 from wrsim.inputs.section import Choice, Fault
 from wrsim.inputs.values import Day, List, Source, Switch, Two, number, positive, text
 
@@ -34,20 +24,19 @@ MM = 1e-3
 Length = Annotated[float, number(1e-3, 1e4)]
 Coordinate = Annotated[float, number(-1000.0, 1000.0)]
 
-
 Pair = Annotated[Two[Annotated[float, number(-1e5, 1e5)]], Field(description="two numbers: [u, height]")]
 
 
 class SectionTable(Choice, header="[[sections]]"):
-    """A section of a profile; `piece` gives it in metres, up positive."""
+    """A section of a profile."""
 
     tag: ClassVar[str] = "shape"
 
     shape: str
     """Shape of the section."""
 
-    def piece(self, down: bool) -> Piece:
-        """The section in metres, up positive; down: its heights grow downward."""
+    def piece(self, down: bool) -> shapes.ProfileSection:
+        """The section in metres, up positive; down: heights of the file grow downward."""
         raise NotImplementedError
 
 
@@ -62,11 +51,9 @@ class SpanTable(SectionTable):
     @property
     def span(self) -> tuple[float, float]:
         """Its ends from left to right [m]."""
-        low, high = sorted((self.from_mm, self.to_mm))
-        return low * MM, high * MM
+        return min(self.from_mm, self.to_mm) * MM, max(self.from_mm, self.to_mm) * MM
 
     def consistency(self) -> Iterator[Fault]:
-        """A section has an extent."""
         if self.from_mm == self.to_mm:
             yield Fault("to_mm", "must differ from from_mm")
 
@@ -77,13 +64,12 @@ class PolynomialSection(SpanTable, kind="polynomial"):
     coefficients_mm: List[Annotated[float, number()]]
     """c0, c1, c2, ... of height = c0 + c1 u + c2 u^2 + ..., all in mm."""
 
-    def piece(self, down: bool) -> Piece:
+    def piece(self, down: bool) -> shapes.ProfileSection:
         sign = -1.0 if down else 1.0
         c = tuple(sign * c * 1000.0 ** (k - 1) for k, c in enumerate(self.coefficients_mm))
-        return ProfilePolynomial(c, *self.span)
+        return shapes.ProfilePolynomial(c, *self.span)
 
     def consistency(self) -> Iterator[Fault]:
-        """A section has an extent and at least one coefficient."""
         yield from super().consistency()
         if not self.coefficients_mm:
             yield Fault("coefficients_mm", "must hold at least one number")
@@ -93,18 +79,17 @@ class ArcSection(SpanTable, kind="arc"):
     """Part of a circle, above or below its centre."""
 
     centre_mm: Pair
-    """Centre of the circle; its height grows as `heights` of the file says."""
+    """Centre of the circle; its height grows as `heights` of the file."""
     radius_mm: Length
     """Radius of the circle."""
     half: Literal["upper", "lower"]
-    """Which half of the circle as it stands in space, up being up whatever `heights` says."""
+    """Which half of the circle in space, whichever way the file's heights grow."""
 
-    def piece(self, down: bool) -> Piece:
-        u, w = self.centre_mm
-        return arc_between(u * MM, (-w if down else w) * MM, self.radius_mm * MM, self.half == "upper", *self.span)
+    def piece(self, down: bool) -> shapes.ProfileSection:
+        u, w = self.centre_mm[0], -self.centre_mm[1] if down else self.centre_mm[1]
+        return shapes.arc_between(u * MM, w * MM, self.radius_mm * MM, self.half == "upper", *self.span)
 
     def consistency(self) -> Iterator[Fault]:
-        """The arc reaches as far as the section."""
         yield from super().consistency()
         for key, end in (("from_mm", self.from_mm), ("to_mm", self.to_mm)):
             u, reach = self.centre_mm[0], self.radius_mm
@@ -120,13 +105,12 @@ class LineSection(SectionTable, kind="line"):
     end_mm: Pair
     """The other end."""
 
-    def piece(self, down: bool) -> Piece:
+    def piece(self, down: bool) -> shapes.ProfileSection:
         sign = -MM if down else MM
         (u0, w0), (u1, w1) = sorted((self.start_mm, self.end_mm))
-        return ProfileLine(u0 * MM, sign * w0, u1 * MM, sign * w1)
+        return shapes.ProfileLine(u0 * MM, sign * w0, u1 * MM, sign * w1)
 
     def consistency(self) -> Iterator[Fault]:
-        """Two points are two points."""
         if self.start_mm == self.end_mm:
             yield Fault("end_mm", "must differ from start_mm")
 
@@ -157,12 +141,12 @@ class ChainArc(PieceTable, kind="arc"):
 
 
 class ProfileFile(Choice, header="a profile file"):
-    """What every profile file says; `AnyProfileFile` lists the kinds."""
+    """A profile file."""
 
     aliases: ClassVar[dict[str, str]] = {"kind": "type", "name": "title", "source": "reference"}
 
     name: Annotated[str, text("the profile's name")]
-    """Name of the profile; it stands in pictures and messages."""
+    """Name of the profile, for pictures and messages."""
     body: Kind
     """Whose profile it is."""
     kind: str
@@ -173,7 +157,7 @@ class ProfileFile(Choice, header="a profile file"):
     """Where the shape comes from."""
 
     def build(self, path: Path) -> Profile:
-        """Make the profile; `path` is the file, for names relative to it."""
+        """The profile; path: of the file, for names relative to it."""
         raise NotImplementedError
 
 
@@ -193,7 +177,7 @@ class SectionsFile(ProfileFile, kind="sections"):
         if not pieces:
             raise InputError("sections is empty; at least one [[sections]] table is needed")
         pieces.sort(key=lambda s: float(s.evaluate(np.array([s.start]))[0][0, 0]))
-        return profile_from_sections(self.name, self.body, pieces, self.source)
+        return shapes.profile_from_sections(self.name, self.body, pieces, self.source)
 
 
 class ChainFile(ProfileFile, kind="chain"):
@@ -210,11 +194,11 @@ class ChainFile(ProfileFile, kind="chain"):
         if not self.pieces:
             raise InputError("pieces is empty; at least one [[pieces]] table is needed")
         place, angle = np.array([self.start_mm * MM, 0.0]), np.radians(self.start_angle_deg)
-        chain: list[Piece] = []
+        chain: list[shapes.ProfileSection] = []
         for i, piece in enumerate(self.pieces):
             if isinstance(piece, ChainLine):
                 end = place + piece.length_mm * MM * np.array([np.cos(angle), np.sin(angle)])
-                chain.append(ProfileLine(place[0], place[1], end[0], end[1]))
+                chain.append(shapes.ProfileLine(place[0], place[1], end[0], end[1]))
             else:
                 last = np.radians(piece.to_angle_deg)
                 if abs(last - angle) < 1e-9:
@@ -222,10 +206,10 @@ class ChainFile(ProfileFile, kind="chain"):
                     raise InputError(f"{key}: the curve has this angle already; must differ, or the piece be a line")
                 radius = piece.radius_mm * MM
                 side = np.sign(last - angle) * radius * np.array([-np.sin(angle), np.cos(angle)])
-                chain.append(ProfileArc(place[0] + side[0], place[1] + side[1], radius, angle, last))
+                chain.append(shapes.ProfileArc(place[0] + side[0], place[1] + side[1], radius, angle, last))
                 end, angle = chain[-1].evaluate(np.array([chain[-1].end]))[0][0], last
             place = end
-        profile = profile_from_sections(self.name, self.body, chain, self.source)
+        profile = shapes.profile_from_sections(self.name, self.body, chain, self.source)
         return profile.shifted(dw=-float(profile.at(profile.arclength_of(0.0))[1]))
 
 
@@ -242,19 +226,16 @@ class RailHeadFile(ProfileFile, kind="rail-head"):
     """How far the sides reach below the top."""
 
     def consistency(self) -> Iterator[Fault]:
-        """One half width for every radius but the last."""
         if not self.radii_mm:
             yield Fault("radii_mm", "must hold at least one radius, from the crown outward")
-        elif len(self.half_widths_mm) != len(self.radii_mm) - 1:
-            count = len(self.radii_mm) - 1
+        elif len(self.half_widths_mm) != (count := len(self.radii_mm) - 1):
             yield Fault("half_widths_mm", f"must hold {count} numbers, where each arc of radii_mm but the last ends")
         if self.body != "rail":
             yield Fault("body", 'must be "rail" for this kind')
 
     def build(self, path: Path) -> Profile:
-        radii = [r * MM for r in self.radii_mm]
-        widths = [b * MM for b in self.half_widths_mm]
-        return rail_head(self.name, radii, widths, self.side_slope, self.depth_mm * MM, self.source)
+        radii, widths = [r * MM for r in self.radii_mm], [b * MM for b in self.half_widths_mm]
+        return shapes.rail_head(self.name, radii, widths, self.side_slope, self.depth_mm * MM, self.source)
 
 
 class ConeFile(ProfileFile, kind="cone"):
@@ -268,12 +249,11 @@ class ConeFile(ProfileFile, kind="cone"):
     """Where it ends."""
 
     def consistency(self) -> Iterator[Fault]:
-        """From left to right."""
         if self.to_mm <= self.from_mm:
             yield Fault("to_mm", f"must be above from_mm = {self.from_mm:g}")
 
     def build(self, path: Path) -> Profile:
-        return cone(self.name, self.body, self.conicity, self.from_mm * MM, self.to_mm * MM, self.source)
+        return shapes.cone(self.name, self.body, self.conicity, self.from_mm * MM, self.to_mm * MM, self.source)
 
 
 class CircleFile(ProfileFile, kind="circle"):
@@ -285,12 +265,14 @@ class CircleFile(ProfileFile, kind="circle"):
     """How far the arc reaches on either side of the origin."""
 
     def consistency(self) -> Iterator[Fault]:
-        """Less than half a circle."""
         if not self.half_width_mm < abs(self.radius_mm):
             yield Fault("half_width_mm", f"must be a number below the radius, {abs(self.radius_mm):g}")
 
     def build(self, path: Path) -> Profile:
-        return circle(self.name, self.body, self.radius_mm * MM, self.half_width_mm * MM, self.source)
+        return shapes.circle(self.name, self.body, self.radius_mm * MM, self.half_width_mm * MM, self.source)
+
+
+ShapeFile = SectionsFile | ChainFile | RailHeadFile | ConeFile | CircleFile
 
 
 class PointsFile(ProfileFile, kind="points"):
@@ -318,7 +300,6 @@ class PointsFile(ProfileFile, kind="points"):
     """Moves the profile outward and up, last of all."""
 
     def consistency(self) -> Iterator[Fault]:
-        """Suffix or format give the layout; a cut-off is for measurements; a clip goes from left to right."""
         if self.format is None and (fault := suffix_fault(Path(self.file))):
             yield Fault("file", f"{fault}, or name the format")
         if self.measured is False and self.cutoff_mm is not None:

@@ -1,15 +1,15 @@
 """Files of profile points: from any format and orientation to a `Profile`.
 
-Exact points (designs, exported splines) are interpolated, measured ones smoothed. Nothing is repaired that
-could change the shape: steps back, zig-zags, gaps and crossings are refused with the line they stand on.
+Exact points (designs, exported splines) are interpolated, measured ones smoothed. Nothing is repaired that could change
+the shape: steps back, zig-zags, gaps and crossings are refused with their line.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -28,34 +28,27 @@ from wrsim.geometry.profile.points import (
 from wrsim.geometry.profile.profile import KINDS, Kind, Profile
 
 HEIGHTS = ("up", "down")
-SIDES = ("positive", "negative")
-"""Sign that a file's lateral coordinate has on the field side."""
-FARTHEST = 1e3
-"""Largest coordinate of a point, m."""
+SIDES = ("positive", "negative")  # sign that a file's lateral coordinate has on the field side
+FARTHEST = 1e3  # largest coordinate of a point, m
 
 
-@dataclass(frozen=True)
-class Format:
-    """A file format: its suffixes, each with the body that it stands for, if any, and its reader."""
+class Format(NamedTuple):
+    """A file format: its reader, and its suffixes with the body that each stands for, if any."""
 
-    suffixes: dict[str, Kind | None]
     parse: Callable[[list[str], str], Scan]
+    suffixes: dict[str, Kind | None]
 
 
-PROFILE_FILES = {
-    "columns": Format({".csv": None, ".txt": None, ".dat": None}, formats.parse_columns),
-    "simpack": Format({".prr": "rail", ".prw": "wheel"}, formats.parse_simpack),
-    "miniprof": Format({".ban": "rail", ".whl": "wheel"}, formats.parse_miniprof),
+PROFILE_FILES = {  # by the name that files use in their key ``format``
+    "columns": Format(formats.parse_columns, {".csv": None, ".txt": None, ".dat": None}),
+    "simpack": Format(formats.parse_simpack, {".prr": "rail", ".prw": "wheel"}),
+    "miniprof": Format(formats.parse_miniprof, {".ban": "rail", ".whl": "wheel"}),
 }
-"""Formats by the name that files use in their key ``format``."""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """Points of a file, upright, in order and checked, and what is to become of them.
-
-    measured: smoothed, not interpolated; cutoff: wavelength at which smoothing halves a wave [m].
-    """
+    """Points of a file, upright, in order and checked; measured: smoothed with the cut-off [m], not interpolated."""
 
     points: ProfilePoints
     kind: Kind
@@ -65,7 +58,7 @@ class Reading:
     cutoff: float = CUTOFF
 
     def profile(self) -> Profile:
-        """The profile through the points, smoothed or interpolated. Raises InputError where that cannot be."""
+        """The profile through the points. Raises InputError where they are too far apart or scatter."""
         if not self.measured:
             return interpolated(self.points, self.name, self.kind, self.source)
         source = f"{self.source}; smoothed, cut-off {1e3 * self.cutoff:g} mm"
@@ -95,34 +88,47 @@ def read_points(
 ) -> Reading:
     """Read a file of points.
 
-    kind: ``"wheel"`` or ``"rail"``; None: from the file or its suffix. format: a key of `PROFILE_FILES`; None: by
-    the suffix. name, source: for messages and figures; None: from the file. measured: smooth the points (True) or
-    interpolate them (False); None: smooth MiniProf measurements, interpolate the rest, which is refused where the
-    points scatter. cutoff: wavelength at which smoothing halves a wave [m]; None: 5 mm. unit: ``"mm"``, ``"m"`` or
-    ``"in"``; None: from the file, or mm. heights: whether the file's heights grow ``"up"`` or ``"down"``; None:
-    from format or header, or by the shape (a flange points down, the sides of a rail head hang down).
-    field_side: sign of the file's lateral coordinate on the field side, ``"positive"`` or ``"negative"``; None: for a
-    wheel with a flange by the shape, otherwise positive. clip: keep only the points between these u [m], after all of
-    the above. turn: of the profile about its origin [rad], positive: top towards the gauge side (u negative). shift:
-    outward and up [m], last of all.
+    kind, name, source, unit (``"mm"``, ``"m"``, ``"in"``) and heights (which grow ``"up"`` or ``"down"``): None takes
+    them from the file, its suffix or its shape (a flange points down, the sides of a rail head hang down; mm unless
+    stated). format: a key of `PROFILE_FILES`; None: by the suffix. measured: smooth the points (True) or interpolate
+    them (False); None: smooth MiniProf measurements, interpolate the rest, which is refused where the points scatter.
+    cutoff: wavelength at which smoothing halves a wave [m]; None: 5 mm. field_side: sign of the file's lateral
+    coordinate on the field side, ``"positive"`` or ``"negative"``; None: for a wheel with a flange by the shape,
+    otherwise positive. Then, in this order, clip: only the points between these u [m]; turn: about the origin [rad],
+    positive: top towards the gauge side (u negative); shift: outward and up [m].
 
     Raises InputError with file, line and what is allowed.
     """
     path = Path(path)
-    _one_of(path, "kind", kind, KINDS)
-    _one_of(path, "unit", unit, tuple(METRES))
-    _one_of(path, "heights", heights, HEIGHTS)
-    _one_of(path, "field_side", field_side, SIDES)
-    layout = _layout(path, format)
+    choices = {
+        "kind": (kind, KINDS),
+        "unit": (unit, tuple(METRES)),
+        "heights": (heights, HEIGHTS),
+        "field_side": (field_side, SIDES),
+        "format": (format, tuple(PROFILE_FILES)),
+    }
+    for key, (value, allowed) in choices.items():
+        if value is not None and value not in allowed:
+            raise InputError(f"{path}: {key} = '{value}'; allowed: {', '.join(allowed)}{suggest(value, allowed)}")
+    suffix = path.suffix.lower()
+    if format is None and (fault := suffix_fault(path)):
+        raise InputError(f"{path}: {fault}")
+    layout = PROFILE_FILES[format or next(name for name, f in PROFILE_FILES.items() if suffix in f.suffixes)]
     scan = layout.parse(formats.read_lines(path), str(path))
-    body = _body(path, kind, scan.kind or layout.suffixes.get(path.suffix.lower()))
+    stated = scan.kind or layout.suffixes.get(suffix)
+    body = kind or stated
+    if body is None:
+        raise InputError(f"{path}: unknown whether this is a wheel or a rail; give kind")
+    if stated not in (None, body):
+        raise InputError(f"{path}: this is a {stated} profile; a {kind} is needed here")
 
     metres = METRES[unit] if unit else scan.unit or METRES["mm"]
-    lateral, height = (metres * a for a in scan.arrays())
+    lateral, height = metres * np.array(scan.lateral), metres * np.array(scan.height)
     far = np.flatnonzero(np.maximum(np.abs(lateral), np.abs(height)) > FARTHEST)
     if far.size:
-        far_off = f"{np.hypot(lateral[far[0]], height[far[0]]):.4g} m from the origin; allowed: {FARTHEST:g} m"
-        raise InputError(f"{path}:{scan.line[far[0]]}: this point lies {far_off}. Is the unit right?")
+        i = far[0]
+        far_off = f"{np.hypot(lateral[i], height[i]):.4g} m from the origin; allowed: {FARTHEST:g} m"
+        raise InputError(f"{path}:{scan.line[i]}: this point lies {far_off}. Is the unit right?")
     points = ProfilePoints(str(path), lateral, height, np.array(scan.line, dtype=np.intp))
     points = points.without_duplicates(metres * scan.resolution, metres * scan.least_distance)
     check_count(points)
@@ -143,36 +149,12 @@ def read_points(
     )
 
 
-def _one_of(path: Path, key: str, value: str | None, allowed: Sequence[str]) -> None:
-    if value is not None and value not in allowed:
-        raise InputError(f"{path}: {key} = '{value}'; allowed: {', '.join(allowed)}{suggest(value, allowed)}")
-
-
 def suffix_fault(path: Path) -> str | None:
     """What is wrong with the suffix of a file of points, in words; None where it names a format."""
     known = [s for layout in PROFILE_FILES.values() for s in layout.suffixes]
     if path.suffix.lower() in known:
         return None
     return f"no profile format has the suffix '{path.suffix}'; allowed: {', '.join(known)}"
-
-
-def _layout(path: Path, format: str | None) -> Format:
-    """The format by name or by suffix."""
-    _one_of(path, "format", format, tuple(PROFILE_FILES))
-    if format is not None:
-        return PROFILE_FILES[format]
-    if fault := suffix_fault(path):
-        raise InputError(f"{path}: {fault}")
-    return next(layout for layout in PROFILE_FILES.values() if path.suffix.lower() in layout.suffixes)
-
-
-def _body(path: Path, wanted: Kind | None, stated: Kind | None) -> Kind:
-    """Wheel or rail, by the caller and by the file, which must agree."""
-    if wanted is None and stated is None:
-        raise InputError(f"{path}: unknown whether this is a wheel or a rail; give kind")
-    if wanted is not None and stated is not None and wanted != stated:
-        raise InputError(f"{path}: this is a {stated} profile; a {wanted} is needed here")
-    return wanted or stated  # type: ignore[return-value]
 
 
 def _oriented(points: ProfilePoints, body: Kind, heights: str | None, field_side: str | None) -> ProfilePoints:
@@ -192,7 +174,7 @@ def _oriented(points: ProfilePoints, body: Kind, heights: str | None, field_side
         sign_u = out or 1.0
     elif out and out != sign_u:
         raise InputError(f"{file}: the flange is on the field side with field_side '{field_side}'")
-    return ProfilePoints(file, sign_u * points.u, sign_w * points.w, points.line)
+    return replace(points, u=sign_u * points.u, w=sign_w * points.w)
 
 
 def _shape(points: ProfilePoints, body: Kind) -> tuple[float, float]:

@@ -9,12 +9,9 @@ import numpy as np
 from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Profile
 
-LEVEL = 10e-3
-"""Depth below the tread at the tape circle at which thickness is measured [m]."""
-TIP = 2e-3
-"""Height above the tip of the flange of the other point of qR [m]."""
-BACK = 70e-3
-"""Distance of the flange back from the tape circle [m], EN 13715."""
+LEVEL = 10e-3  # depth below the tread at the tape circle at which thickness is measured [m]
+TIP = 2e-3  # height above the tip of the flange of the other point of qR [m]
+BACK = 70e-3  # distance of the flange back from the tape circle [m], EN 13715
 
 
 @dataclass(frozen=True)
@@ -47,7 +44,5 @@ def _face_at(wheel: Profile, tip: int, level: float) -> float:
     beyond = np.flatnonzero(wheel.w[tip:] >= level)
     if not beyond.size:
         raise InputError(f"profile '{wheel.name}': its flange has no face at {1e3 * level:.4g} mm")
-    high = tip + int(beyond[0])
-    low = high - 1
-    arc = wheel.root_in_interval(1, np.array(level), np.array(low))
+    arc = wheel.root_in_interval(1, np.array(level), np.array(tip + int(beyond[0]) - 1))
     return float(wheel.at(arc)[0])

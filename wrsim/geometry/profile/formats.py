@@ -27,13 +27,10 @@ from typing import Any, Literal
 import numpy as np
 
 from wrsim.errors import InputError, suggest
-from wrsim.geometry.profile.profile import Array, Kind
+from wrsim.geometry.profile.profile import Kind
 from wrsim.inputs.toml_files import read_bytes
 
-Direction = Literal["up", "down"]
-
-METRES = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
-"""Units of length that files may use, in m."""
+METRES = {"m": 1.0, "mm": 1e-3, "in": 0.0254}  # units of length that files may use, in m
 
 
 @dataclass
@@ -51,7 +48,7 @@ class Scan:
     height: list[float] = field(default_factory=list)
     line: list[int] = field(default_factory=list)
     unit: float | None = None
-    heights: Direction | None = None
+    heights: Literal["up", "down"] | None = None
     field_side: Literal["positive", "negative"] | None = None
     kind: Kind | None = None
     name: str = ""
@@ -72,10 +69,6 @@ class Scan:
         """Last digit of its heights, in its unit."""
         return float(np.median(self.digits)) if self.digits else 0.0
 
-    def arrays(self) -> tuple[Array, Array]:
-        """The coordinates as arrays (n,)."""
-        return np.array(self.lateral), np.array(self.height)
-
 
 def read_lines(path: Path) -> list[str]:
     """Lines of a text file in UTF-8 or, as older programs write, Latin-1. InputError if it cannot be read."""
@@ -83,14 +76,9 @@ def read_lines(path: Path) -> list[str]:
     if b"\0" in data:
         raise InputError(f"{path}: not a text file; allowed: points as text")
     try:
-        text = data.decode("utf-8-sig")
+        return data.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError:
-        text = data.decode("latin-1")
-    return text.splitlines()
-
-
-LARGEST_EXPONENT = 300
-"""Of a digit's value; 0e473 is a number, its last digit is worth nothing that is one."""
+        return data.decode("latin-1").splitlines()
 
 
 def _number(word: str, file: str, line: int) -> float:
@@ -110,21 +98,17 @@ def _last_digit(word: str) -> float:
     if match is None:
         return 0.0
     exponent = int(match[2] or 0) - len(match[1] or "")
-    return 10.0**exponent if abs(exponent) < LARGEST_EXPONENT else 0.0
-
-
-# --- two columns --------------------------------------------------------------------------------------
+    return 10.0**exponent if abs(exponent) < 300 else 0.0  # 0e473 is a number
 
 
 def parse_columns(lines: list[str], file: str) -> Scan:
     """Read two columns of numbers, with or without a header line."""
     scan = Scan(file)
-    head: dict[str, str] = {}
     headed = False
     for number, text in enumerate(lines, 1):
-        stated = re.match(r"\s*[#!%]\s*(name|kind|source)\s*[:=]\s*(.*\S)", text)
+        stated = re.match(r"\s*[#!%]\s*(name|source|kind(?=\s*[:=]\s*(wheel|rail)\s*$))\s*[:=]\s*(.*\S)", text)
         if stated and not scan.line:
-            head[stated[1]] = stated[2]
+            setattr(scan, stated[1], stated[3])
         text = re.split(r"[#!]", text)[0].strip()
         if not text.strip(",;") or text[0] in "%\"'*" or text.startswith("//"):
             continue
@@ -133,15 +117,16 @@ def parse_columns(lines: list[str], file: str) -> Scan:
         else:
             row = text.replace(",", " ").split()
         if not headed and not scan.line and not _starts_numbers(row):
-            _columns_header(row, scan)
             headed = True
+            units = {m[1] for w in row if (m := re.search(r"[_\s(\[](mm|m|in)[)\]]?$", w))}
+            if len(units) == 1:
+                scan.unit = METRES[units.pop()]
+            if [re.split(r"[_\s(\[]", w)[0] for w in row[:2]] == ["u", "w"]:
+                scan.heights, scan.field_side = "up", "positive"
             continue
         if len(row) != 2:
             raise InputError(f"{file}:{number}: {len(row)} columns; allowed: 2, lateral coordinate and height")
         scan.add(row[0], row[1], number)
-    scan.name, scan.source = head.get("name", ""), head.get("source", "")
-    if head.get("kind") in ("wheel", "rail"):
-        scan.kind = head["kind"]  # type: ignore[assignment]
     return scan
 
 
@@ -149,17 +134,6 @@ def _starts_numbers(row: list[str]) -> bool:
     """True for a row of values, good or bad; False for a row of words."""
     return bool(re.match(r"[-+.\d]|nan\b|inf\b", row[0], re.IGNORECASE))
 
-
-def _columns_header(row: list[str], scan: Scan) -> None:
-    """Take unit and axes from the column names, if they give them."""
-    units = {m[1] for w in row if (m := re.search(r"[_\s(\[](mm|m|in)[)\]]?$", w))}
-    if len(units) == 1:
-        scan.unit = METRES[units.pop()]
-    if [re.split(r"[_\s(\[]", w)[0] for w in row[:2]] == ["u", "w"]:
-        scan.heights, scan.field_side = "up", "positive"
-
-
-# --- SIMPACK ------------------------------------------------------------------------------------------
 
 SIMPACK_KEYS = {
     "header": ("version", "type"),
@@ -169,8 +143,7 @@ SIMPACK_KEYS = {
         "inversion", "units.len", "units.ang", "units.len.f", "units.ang.f",
     ),
 }  # fmt: skip
-
-_SIMPACK_TEXTS = ("file", "comment", "units.len", "units.ang")
+SIMPACK_TEXTS = ("file", "comment", "units.len", "units.ang")
 
 
 def parse_simpack(lines: list[str], file: str) -> Scan:
@@ -184,8 +157,14 @@ def parse_simpack(lines: list[str], file: str) -> Scan:
         if not text:
             continue
         mark = re.fullmatch(r"(header|spline|point)\.(begin|end)", text)
-        if mark:
-            _nest(where, mark[1], mark[2], f"{file}:{number}: {text}")
+        if mark and mark[2] == "begin":
+            if where != (["spline"] if mark[1] == "point" else []):
+                inside = f" inside {where[-1]}" if where else ""
+                raise InputError(f"{file}:{number}: {text} is out of place{inside}")
+            where.append(mark[1])
+        elif mark:
+            if not where or where.pop() != mark[1]:
+                raise InputError(f"{file}:{number}: {text} without {mark[1]}.begin")
             ended = ended or text == "spline.end"
         elif where[-1:] == ["point"]:
             row = text.split()
@@ -197,7 +176,7 @@ def parse_simpack(lines: list[str], file: str) -> Scan:
             allowed = SIMPACK_KEYS[where[-1]]
             if key not in allowed:
                 raise InputError(f"{file}:{number}: unknown key '{key}' in {where[-1]}{suggest(key, allowed)}")
-            text_value = where[-1] == "spline" and key in _SIMPACK_TEXTS
+            text_value = where[-1] == "spline" and key in SIMPACK_TEXTS
             values[f"{where[-1]}.{key}"] = value.strip("'\"") if text_value else _number(value, file, number)
         else:
             raise InputError(f"{file}:{number}: '{text}' is out of place; is this a SIMPACK profile?")
@@ -207,18 +186,8 @@ def parse_simpack(lines: list[str], file: str) -> Scan:
     return scan
 
 
-def _nest(where: list[str], section: str, edge: str, here: str) -> None:
-    """Open or close a section; InputError where the nesting is wrong."""
-    if edge == "begin":
-        if where != (["spline"] if section == "point" else []):
-            raise InputError(f"{here} is out of place" + (f" inside {where[-1]}" if where else ""))
-        where.append(section)
-    elif not where or where.pop() != section:
-        raise InputError(f"{here} without {section}.begin")
-
-
 def _simpack_values(scan: Scan, values: dict[str, Any]) -> None:
-    """Apply what the keys of the spline section order."""
+    """Apply the keys of the sections header and spline to the points."""
 
     def get(key: str, default: float = 0.0) -> float:
         return float(values.get("spline." + key, default))
@@ -237,24 +206,22 @@ def _simpack_values(scan: Scan, values: dict[str, Any]) -> None:
     scan.name = str(values.get("spline.comment", ""))
     scan.least_distance = get("point.dist.min")
     scan.measured = True if get("approx.smooth") > 0.0 else None
-    y, z = (a + get(f"shift.{axis}") for a, axis in zip(scan.arrays(), "yz", strict=True))
-    keep = np.ones(y.size, dtype=bool)
-    for a, axis in ((y, "y"), (z, "z")):
+    keep = np.ones(len(scan.line), dtype=bool)
+    axes = {}
+    for axis, values_of in (("y", scan.lateral), ("z", scan.height)):
+        a = np.array(values_of) + get(f"shift.{axis}")
         low, high = get(f"bound.{axis}.min", 1.0), get(f"bound.{axis}.max")
         if low < high:
             keep &= (a >= low) & (a <= high)
-    y, z = (-a if get(f"mirror.{axis}") == 1.0 else a for a, axis in ((y, "y"), (z, "z")))
-    scan.lateral, scan.height = y[keep].tolist(), z[keep].tolist()
-    scan.line = [n for n, k in zip(scan.line, keep, strict=True) if k]
-
-
-# --- MiniProf -----------------------------------------------------------------------------------------
+        axes[axis] = -a if get(f"mirror.{axis}") == 1.0 else a
+    scan.lateral, scan.height = axes["y"][keep].tolist(), axes["z"][keep].tolist()
+    scan.line = np.array(scan.line)[keep].tolist()
 
 
 def parse_miniprof(lines: list[str], file: str) -> Scan:
     """Read a MiniProf rail or wheel profile."""
     scan = Scan(file, unit=METRES["mm"], measured=True)
-    head: dict[str, tuple[str, int]] = {}
+    head: dict[str, tuple[str, int]] = {"XOffset": ("", 0), "YOffset": ("", 0), "ID": ("", 0), "ProgramName": ("", 0)}
     columns = ["X", "Y"]
     for number, text in enumerate(lines, 1):
         text = text.strip()
@@ -262,7 +229,7 @@ def parse_miniprof(lines: list[str], file: str) -> Scan:
             continue
         if "=" in text and not scan.line:
             key, value = (part.strip() for part in text.split("=", 1))
-            head[key] = value, number
+            head[key.replace("offset", "Offset")] = value, number
             if key == "ColumnDef":
                 columns = [c.strip() for c in value.split(",")]
                 if not {"X", "Y"} <= set(columns):
@@ -275,17 +242,13 @@ def parse_miniprof(lines: list[str], file: str) -> Scan:
             needed = f"ColumnDef needs {len(columns)}: {','.join(columns)}"
             raise InputError(f"{file}:{number}: {len(row)} columns; {needed}")
         scan.add(row[columns.index("X")], row[columns.index("Y")], number)
-    offset = {}
-    for axis in "XY":
-        value, number = head.get(f"{axis}Offset") or head.get(f"{axis}offset") or ("0", 0)
-        offset[axis] = _number(value or "0", file, number)
-    scan.lateral = [x + offset["X"] for x in scan.lateral]
-    scan.height = [y + offset["Y"] for y in scan.height]
+    x, y = (_number(value or "0", file, number) for value, number in (head["XOffset"], head["YOffset"]))
+    scan.lateral, scan.height = [u + x for u in scan.lateral], [w + y for w in scan.height]
     if "XYPoints" in head:
         value, number = head["XYPoints"]
         if _number(value, file, number) != len(scan.line):
             raise InputError(f"{file}:{number}: XYPoints={value}, but the file has {len(scan.line)} points")
-    scan.name = head.get("ID", ("", 0))[0]
-    if head.get("ProgramName", ("", 0))[0] == "wrsim":
+    scan.name = head["ID"][0]
+    if head["ProgramName"][0] == "wrsim":
         scan.measured, scan.heights = None, "up"
     return scan

@@ -12,7 +12,7 @@ worn       another profile with material taken off, by bells or a table, see `wr
 points     a file of points beside it, read by `wrsim.geometry.profile.files` (measured or exported)
 ========== ==========================================================================================
 
-`wrsim.geometry.profile.file_kinds` says what stands in each.
+Their keys: `wrsim.geometry.profile.file_kinds`.
 """
 
 from __future__ import annotations
@@ -25,18 +25,8 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile.file_kinds import (
-    MM,
-    ChainFile,
-    CircleFile,
-    ConeFile,
-    Coordinate,
-    PointsFile,
-    ProfileFile,
-    RailHeadFile,
-    SectionsFile,
-)
-from wrsim.geometry.profile.files import Reading, read_points, read_profile
+from wrsim.geometry.profile.file_kinds import MM, Coordinate, PointsFile, ProfileFile, ShapeFile
+from wrsim.geometry.profile.files import Reading, read_points
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.geometry.profile.wear import AnyRemoval, DepthTable, Direction, Removal, worn
 from wrsim.inputs.checking import check_section, opened
@@ -45,12 +35,8 @@ from wrsim.inputs.lookup import Finder, model_file, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section, kinds_in
 from wrsim.inputs.values import List, number, text
 
-SHORTEST = 5e-3
-"""Arclength that a profile needs [m]: tables of it stand at 0.1 mm, contacts are some millimetres wide."""
-
-
-MOST_BASES = 20
-"""Longest row of worn profiles that start from each other."""
+SHORTEST = 5e-3  # arclength that a profile needs [m]: its tables have rows every 0.1 mm, contacts are some mm wide
+MOST_BASES = 20  # longest row of worn profiles that start from each other
 
 
 class BellOfWear(Section, header="[[removals]]"):
@@ -65,33 +51,24 @@ class BellOfWear(Section, header="[[removals]]"):
     half_width_mm: Annotated[float, number(0.5, 500.0)]
     """From the middle of the bell to where it ends."""
 
-    def removal(self) -> Removal:
-        """The same in metres."""
-        return Removal(self.direction, self.depth_mm * MM, self.middle_mm * MM, self.half_width_mm * MM)
 
-
-PLACE, DEPTH = "place_mm", "depth_mm"
-"""Columns of a table of depths."""
+PLACE, DEPTH = "place_mm", "depth_mm"  # columns of a table of depths
 
 
 def read_depths(path: Path) -> DepthTable:
     """A table of depths: arclength from the origin and depth along the normal, in mm. Raises InputError."""
     columns = {PLACE: Coordinate, DEPTH: Annotated[float, number(-20.0, 20.0)]}
     table, lines = read_columns(path, columns, (PLACE, DEPTH), "places")
-    places = table[PLACE]
-    if places.size < 4:
+    if lines.size < 4:
         raise InputError(f"{path}: needs at least 4 places")
-    check_rising(path, PLACE, places, lines)
-    return DepthTable(MM * places, MM * table[DEPTH])
+    check_rising(path, PLACE, table[PLACE], lines)
+    return DepthTable(MM * table[PLACE], MM * table[DEPTH])
 
 
 def write_depths(table: DepthTable) -> str:
-    """The text of a table of depths: read back it is the same to the bit, but for the millimetres."""
-    rows = (
-        f"{1e3 * place!r},{1e3 * depth!r}"
-        for place, depth in zip(table.places.tolist(), table.depths.tolist(), strict=True)
-    )
-    return "\n".join((f"{PLACE},{DEPTH}", *rows)) + "\n"
+    """The text of a table of depths, every number with all its digits."""
+    pairs = zip((1e3 * table.places).tolist(), (1e3 * table.depths).tolist(), strict=True)
+    return "\n".join((f"{PLACE},{DEPTH}", *(f"{place!r},{depth!r}" for place, depth in pairs))) + "\n"
 
 
 class WornFile(ProfileFile, kind="worn"):
@@ -107,12 +84,10 @@ class WornFile(ProfileFile, kind="worn"):
     """Table of `place_mm` (arclength from the origin) and `depth_mm` (along the normal), with bells or without."""
 
     def consistency(self) -> Iterator[Fault]:
-        """Something is taken off."""
         if not self.removals and self.depths is None:
             yield Fault("removals", "must hold at least one [[removals]] table (or give depths)", missing=True)
 
     def build(self, path: Path) -> Profile:
-        """See `ProfileFile`. The base is looked up beside the file, then among the models."""
         folders = (path.parent, *user_folders(), shipped_models(), shipped_models() / f"{self.body}s")
         try:
             base = Finder(folders).find(self.base)
@@ -128,7 +103,10 @@ class WornFile(ProfileFile, kind="worn"):
             new = load_profile(base, self.body)
         finally:
             _building.reset(token)
-        removals: list[AnyRemoval] = [bell.removal() for bell in self.removals]
+        removals: list[AnyRemoval] = [
+            Removal(bell.direction, bell.depth_mm * MM, bell.middle_mm * MM, bell.half_width_mm * MM)
+            for bell in self.removals
+        ]
         if self.depths is not None:
             removals.append(read_depths(path.parent / self.depths))
         return worn(new, removals, self.name, self.source)
@@ -136,12 +114,8 @@ class WornFile(ProfileFile, kind="worn"):
 
 _building: ContextVar[tuple[Path, ...]] = ContextVar("profile files that are being built", default=())
 
-
-AnyProfileFile = Annotated[
-    SectionsFile | ChainFile | RailHeadFile | ConeFile | CircleFile | WornFile | PointsFile, Field(discriminator="kind")
-]
+AnyProfileFile = Annotated[ShapeFile | WornFile | PointsFile, Field(discriminator="kind")]
 FILE_KINDS: dict[str, type[ProfileFile]] = kinds_in(AnyProfileFile)
-"""What stands in files of each kind."""
 
 
 class _AnyFile(Section, header="a profile file"):
@@ -157,16 +131,14 @@ def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
     ----------
     path : str or Path
         A TOML file of one of the kinds of docs/profiles.md, or a file of points
-        (``.prw .prr .whl .ban .csv .txt .dat``); a name that is not found as it stands is looked up among the models:
-        ``"rails/60E1.toml"``.
+        (``.prw .prr .whl .ban .csv .txt .dat``), here or among the models: ``"rails/60E1.toml"``.
     kind : {"wheel", "rail"}, optional
-        A TOML file says it itself, most files of points by their suffix (any other answer is then an error); two
-        columns need it unless wrsim wrote them.
+        Only two columns without a header of wrsim need it; where a file has it, it must be the same.
 
     Returns
     -------
     Profile
-        A rail stands upright: ``inclined(1 / 40)`` inclines it.
+        A rail is upright: ``inclined(1 / 40)`` inclines it.
 
     Raises
     ------
@@ -175,7 +147,7 @@ def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
     """
     path = model_file(path)
     if path.suffix.lower() != ".toml":
-        return read_profile(path, kind)
+        return read_points(path, kind).profile()
     model = _read_toml(path, kind)
     try:
         profile = model.build(path)
@@ -201,7 +173,6 @@ def load_points(path: str | Path, kind: Kind | None = None) -> Reading | None:
 
 
 def _read_toml(path: Path, kind: Kind | None) -> ProfileFile:
-    """The checked content of a TOML profile file."""
     data, locate = opened(path, "profile file")
     file_kind = check_section(_AnyFile, {k: v for k, v in data.items() if k == "kind"}, locate).kind
     model = check_section(FILE_KINDS[file_kind], data, locate)

@@ -1,6 +1,6 @@
 """Points of a file on their way to a profile: ordered, checked, joined by a spline over arclength [S 12].
 
-Every point keeps the number of its line, so that a refusal can say where to look. Exact points are interpolated,
+Every point has the number of its line, for messages. Exact points are interpolated,
 measured ones smoothed with a fixed cut-off wavelength over arclength: interpolated noise has no meaningful curvature
 (5 um of scatter at points 0.1 mm apart are 1000 1/m). The smoothing spline f of the points p_i minimises
 
@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -30,23 +31,20 @@ from wrsim.geometry.piecewise import arclengths, subdivided
 from wrsim.geometry.profile.profile import Array, Kind, Profile, curvature_of, plane_cross
 
 FEWEST_POINTS = 10
-SAME_POINT = 1e-10
-"""Neighbours closer than this are one point, m."""
-LARGEST_GAP = 1.0 / 25.0
-"""Largest distance of neighbours, as a part of the curve's length."""
+SAME_POINT = 1e-10  # neighbours closer than this are one point, m
+LARGEST_GAP = 1.0 / 25.0  # largest distance of neighbours, as a part of the curve's length
 LARGEST_TURN = np.radians(20.0)
 """Largest turn at a point of a profile that is to be interpolated, rad: 4 mm on the 13 mm arc of a rail."""
 LARGEST_CURVATURE_SCATTER = 2.0
 """Largest scatter of curvature that rounding or measuring may leave in interpolated points, 1/m."""
-SHORTEST, LONGEST = 0.005, 1.0
-"""Length of a profile, m: outside of this the unit is probably wrong."""
+SHORTEST, LONGEST = 0.005, 1.0  # length of a profile, m: outside of this the unit is probably wrong
 NODE_DISTANCE = 1e-4
 """Largest distance of nodes along a profile, m. The curve between nodes is a quintic; 0.1 mm leaves 1e-15 m."""
 
 
 @dataclass(frozen=True)
 class ProfilePoints:
-    """Points of a file: outward coordinate u and height w, m, and the lines they stand on; all (n,)."""
+    """Points of a file: outward coordinate u and height w, m, and their lines; all (n,)."""
 
     file: str
     u: Array
@@ -66,9 +64,8 @@ class ProfilePoints:
         """Distances of neighbours, (n - 1,)."""
         return np.hypot(np.diff(self.u), np.diff(self.w))
 
-    def kept(self, keep: NDArray[Any] | slice) -> ProfilePoints:
-        """Only some of the points."""
-        return replace(self, u=self.u[keep], w=self.w[keep], line=self.line[keep])
+    def __getitem__(self, chosen: NDArray[Any] | slice) -> ProfilePoints:
+        return replace(self, u=self.u[chosen], w=self.w[chosen], line=self.line[chosen])
 
     def turned(self, angle: float) -> ProfilePoints:
         """Turned about the origin, positive from u towards w."""
@@ -77,14 +74,13 @@ class ProfilePoints:
 
     def in_order(self) -> ProfilePoints:
         """In the order of increasing u (overall)."""
-        return self.kept(slice(None, None, -1)) if len(self) and self.u[-1] < self.u[0] else self
+        return self[::-1] if len(self) and self.u[-1] < self.u[0] else self
 
     def without_duplicates(self, resolution: float = 0.0, least: float = 0.0) -> ProfilePoints:
-        """Without neighbours that are one point, or too close for the digits of the file.
+        """Without neighbours closer than ``least`` [m], or too close for the last digit of the file's numbers [m].
 
-        resolution: last digit of the file's numbers [m]; points closer than its square root (in metres) give a
-        curvature that is off by more than 1/m, and of those the ones far closer than usual are dropped. least: drop
-        points closer than this in any case [m].
+        Points closer than the square root of that digit (in metres) give a curvature that is off by more than 1/m; of
+        those the ones far closer than usual are dropped.
         """
         if len(self) < 2:
             return self
@@ -96,7 +92,7 @@ class ProfilePoints:
                 keep.append(i)
         if len(keep) > 1:
             keep[-1] = len(self) - 1  # the end stays where it is
-        return self.kept(np.array(keep))
+        return self[np.array(keep)]
 
     def clipped(self, first: float, last: float) -> ProfilePoints:
         """The longest run of points with first <= u <= last, m."""
@@ -105,9 +101,8 @@ class ProfilePoints:
         if not edges.size:
             reach = f"the points go from {1e3 * self.u.min():.6g} to {1e3 * self.u.max():.6g} mm"
             raise InputError(f"{self.file}: clip from {1e3 * first:g} to {1e3 * last:g} mm leaves no point; {reach}")
-        starts, stops = edges[::2], edges[1::2]
-        best = int(np.argmax(stops - starts))
-        return self.kept(slice(int(starts[best]), int(stops[best])))
+        best = 2 * int(np.argmax(edges[1::2] - edges[::2]))
+        return self[edges[best] : edges[best + 1]]
 
 
 def check_count(points: ProfilePoints) -> None:
@@ -127,8 +122,7 @@ def check_points(points: ProfilePoints) -> None:
         angle = f"it turns by {np.degrees(turn[i]):.0f} degrees"
         raise InputError(f"{file}:{line[i + 1]}: the curve goes back on itself here ({angle}): {reason}")
     chords = points.chords
-    length = float(chords.sum())
-    i = int(np.argmax(chords))
+    length, i = float(chords.sum()), int(np.argmax(chords))
     if chords[i] > LARGEST_GAP * length:
         allowed = f"allowed: {1e3 * LARGEST_GAP * length:.4g} mm (1/{1 / LARGEST_GAP:.0f} of the profile's length)"
         far = f"{1e3 * chords[i]:.4g} mm from the point of line {line[i]}"
@@ -136,8 +130,7 @@ def check_points(points: ProfilePoints) -> None:
     if not SHORTEST <= length <= LONGEST:
         allowed = f"allowed: {1e3 * SHORTEST:g} to {1e3 * LONGEST:g} mm. Is the unit right?"
         raise InputError(f"{file}: the profile is {1e3 * length:.4g} mm long; {allowed}")
-    crossing = first_crossing(points)
-    if crossing is not None:
+    if crossing := first_crossing(points):
         i, j = crossing
         pair = f"lines {line[i]}-{line[i + 1]} and {line[j]}-{line[j + 1]} intersect"
         raise InputError(f"{file}:{line[j]}: the curve crosses itself: {pair}")
@@ -175,10 +168,8 @@ def scatter(points: ProfilePoints) -> float:
     s = np.concatenate([[0.0], np.cumsum(points.chords)])
     x = np.stack([s[:-4], s[1:-3], s[3:-1], s[4:]]) - s[2:-2]
     weight = np.ones_like(x)
-    for a in range(4):
-        for b in range(4):
-            if a != b:
-                weight[a] *= -x[b] / (x[a] - x[b])
+    for a, b in permutations(range(4), 2):
+        weight[a] *= -x[b] / (x[a] - x[b])
     p = points.places
     left = p[2:-2] - np.einsum("an,anc->nc", weight, np.stack([p[:-4], p[1:-3], p[3:-1], p[4:]]))
     left /= np.sqrt(1.0 + (weight**2).sum(axis=0))[:, None]
@@ -190,8 +181,7 @@ def scatter(points: ProfilePoints) -> float:
 def interpolated(points: ProfilePoints, name: str, kind: Kind, source: str = "") -> Profile:
     """Profile through the points: cubic spline, its parameter iterated until it is arclength [S 12].
 
-    For exact points: designed shapes, exported splines. Points that scatter are refused, because their
-    curvature would be noise; smooth them instead (`wrsim.geometry.profile.points`).
+    For exact points: designed shapes, exported splines. Points that scatter are refused: their curvature is noise.
     """
     turn = turns(points)
     i = int(np.argmax(np.abs(turn)))
@@ -204,8 +194,8 @@ def interpolated(points: ProfilePoints, name: str, kind: Kind, source: str = "")
     if bend > LARGEST_CURVATURE_SCATTER:
         raise InputError(
             f"{points.file}: the points scatter by {1e6 * noise:.3g} um, so their curvature would be off by "
-            f"{bend:.3g} 1/m; allowed: {LARGEST_CURVATURE_SCATTER:g}. Give more digits, or say that the "
-            "profile is measured (measured = true): it is then smoothed"
+            f"{bend:.3g} 1/m; allowed: {LARGEST_CURVATURE_SCATTER:g}. Give more digits, or smooth them with "
+            "measured = true"
         )
     p = points.places
     s = np.concatenate([[0.0], np.cumsum(points.chords)])
@@ -223,21 +213,14 @@ def profile_from_curve(curve: Callable[..., Array], t: Array, name: str, kind: K
     """Profile of a spline curve(t, nu) -> (n, 2), smooth between the parameters t, roughly arclength."""
     t = subdivided(t, np.ceil(np.diff(t) / NODE_DISTANCE - 1e-6))
     r, v, a = (curve(t, nu) for nu in range(3))
-    curvature = curvature_of(v, a)
-    angle = np.unwrap(np.arctan2(v[:, 1], v[:, 0]))
-    return Profile(
-        name, kind, arclengths(lambda x: curve(x, 1), t), r[:, 0], r[:, 1], angle, curvature, curvature, source
-    )
+    bend, angle = curvature_of(v, a), np.unwrap(np.arctan2(v[:, 1], v[:, 0]))
+    return Profile(name, kind, arclengths(lambda x: curve(x, 1), t), r[:, 0], r[:, 1], angle, bend, bend, source)
 
 
-# --- smoothing of measured points -----------------------------------------------------------------------------------
-
-CUTOFF = 5e-3
-"""Usual cut-off wavelength, m. A jump of curvature (arc to straight) spreads over about this length."""
+CUTOFF = 5e-3  # usual cut-off wavelength, m. A jump of curvature (arc to straight) spreads over about this length.
 DEGREE = 5
 KNOTS_PER_CUTOFF = 16
-ROUNDS = 6
-"""Rounds of smoothing and measuring arclength anew: a noisy polygon is longer than its curve."""
+ROUNDS = 6  # rounds of smoothing and measuring arclength anew: a noisy polygon is longer than its curve
 
 
 def smoothed(points: ProfilePoints, name: str, kind: Kind, source: str = "", cutoff: float = CUTOFF) -> Profile:

@@ -4,10 +4,10 @@ A profile is a curve (u, w)(L), not a function w(u): flanks may be vertical. u p
 positive, flange and gauge side negative), w up; L runs from the first node in the direction of increasing u.
 The wheel's material lies above its curve, the rail's below. The wheel's radius is not in here: f = w - R.
 
-The curve is kept as nodes with tangent angle and curvature; between two nodes it is the quintic that meets
-position, tangent and curvature at both. With nodes 0.1 mm apart on a 13 mm arc it leaves the arc by less than
-1e-15 m, and |dr/dL| differs from 1 by less than 1e-12: the parameter is true arclength. Curvature may jump at
-a node (where two arcs meet), so both of its limits are kept.
+The curve has nodes with tangent angle and curvature; between two nodes it is the quintic that meets position, tangent
+and curvature at both. With nodes 0.1 mm apart on a 13 mm arc it leaves the arc by less than 1e-15 m, and |dr/dL|
+differs from 1 by less than 1e-12: the parameter is true arclength. Curvature may jump at a node (where two arcs meet),
+so both of its limits are given.
 """
 
 from __future__ import annotations
@@ -26,9 +26,8 @@ Array = NDArray[np.float64]
 Kind = Literal["wheel", "rail"]
 
 KINDS: tuple[Kind, ...] = ("wheel", "rail")
-GAUGE_DEPTH = 0.014
-"""Depth below the running surface at which the track gauge is measured unless a track says otherwise, m (EN
-13848-1)."""
+CURVE = ("arclength", "u", "w", "angle", "curvature_before", "curvature_after")  # arrays of a profile
+GAUGE_DEPTH = 0.014  # usual depth below the running surface at which the track gauge is measured [m], EN 13848-1
 
 
 def plane_cross(a: Array, b: Array) -> Array:
@@ -68,7 +67,7 @@ class Profile:
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise self._fault(f"kind is {self.kind!r}; allowed: 'wheel', 'rail'")
-        for field in ("arclength", "u", "w", "angle", "curvature_before", "curvature_after"):
+        for field in CURVE:
             array = np.array(getattr(self, field), dtype=float)
             if array.ndim != 1 or array.shape != np.shape(self.arclength) or array.size < 2:
                 raise ValueError(f"profile '{self.name}': {field} must be (n,) like arclength, with n >= 2")
@@ -156,9 +155,8 @@ class Profile:
 
     def slope_angle(self, L: ArrayLike) -> Array:
         """Tangent angle atan2(dw, du) at arclength L, rad, continuous along the curve."""
-        _, i = self._locate(L)
         tu, tw = self.tangent(L)
-        near = self.angle[i]
+        near = self.angle[self._locate(L)[1]]
         return near + (np.arctan2(tw, tu) - near + np.pi) % (2.0 * np.pi) - np.pi
 
     def table(self, step: float) -> tuple[Array, float]:
@@ -228,19 +226,19 @@ class Profile:
         def climb(L: float) -> float:
             return float(self._evaluate(L)[1][1])
 
-        if climb(lo) > 0.0 > climb(hi):
-            return float(brentq(climb, lo, hi, xtol=1e-16))
-        return float(self.arclength[i])
+        return float(brentq(climb, lo, hi, xtol=1e-16) if climb(lo) > 0.0 > climb(hi) else self.arclength[i])
 
     @property
     def top(self) -> tuple[float, float]:
         """Highest point (u, w), m."""
-        u, w = self.at(self.top_arclength)
+        return self._point(self.top_arclength)
+
+    def _point(self, L: float | Array) -> tuple[float, float]:
+        u, w = self.at(L)
         return float(u), float(w)
 
     def gauge_point(self, depth: float | None = None) -> tuple[float, float]:
-        """Point (u, w) of a rail's gauge side, `depth` below its top (its own unless given), m. InputError if there is
-        none."""
+        """Point (u, w) of a rail's gauge side, ``depth`` below its top (`gauge_depth` by default), m."""
         depth = self.gauge_depth if depth is None else depth
         if self.kind != "rail":
             raise self._fault(f"is of a {self.kind}; only rails have a gauge point")
@@ -250,19 +248,9 @@ class Profile:
             reach = self.top[1] - self.w[self.arclength <= self.top_arclength].min()
             deep = f"its gauge side (negative u) goes {1e3 * reach:.4g} mm deep"
             raise self._fault(f"no gauge point {1e3 * depth:g} mm below the top; {deep}")
-        L = self.root_in_interval(1, np.array(level), np.array(below[-1]))
-        u, w = self.at(L)
-        return float(u), float(w)
+        return self._point(self.root_in_interval(1, np.array(level), np.array(below[-1])))
 
     # --- changes ----------------------------------------------------------------------------------
-
-    def gauged(self, depth: float) -> Profile:
-        """The same rail with its gauge point at another depth below the top [m]."""
-        return replace(self, gauge_depth=depth)
-
-    def renamed(self, name: str) -> Profile:
-        """The same curve under another name."""
-        return replace(self, name=name)
 
     def shifted(self, du: float = 0.0, dw: float = 0.0) -> Profile:
         """Moved by du outward and dw up, m."""
@@ -274,7 +262,7 @@ class Profile:
         return replace(self, u=c * self.u - s * self.w, w=s * self.u + c * self.w, angle=self.angle + angle)
 
     def inclined(self, slope: float) -> Profile:
-        """Inclined rail: top turned towards the track centre (negative u) by atan(slope), slope e.g. 1/40."""
+        """Rail inclined towards the track centre (negative u) by atan(slope), slope e.g. 1/40."""
         return self.rotated(float(np.arctan(slope)))
 
     def mirrored(self) -> Profile:
@@ -297,21 +285,9 @@ class Profile:
         ends = np.clip([first, last], 0.0, self.length)
         # An end within a nanometre of a node is that node: tiny intervals would spoil the quintics.
         inner = (self.arclength > ends[0] + 1e-9) & (self.arclength < ends[1] - 1e-9)
-        (u0, u1), (w0, w1) = self.at(ends)
-        a0, a1 = self.slope_angle(ends)
-        k0, k1 = self.curvature(ends)
+        bends = self.curvature(ends)
         if ends[1] >= self.length:
-            k1 = self.curvature_before[-1]
-
-        def joined(start: float, middle: Array, end: float) -> Array:
-            return np.concatenate([[start], middle[inner], [end]])
-
-        return replace(
-            self,
-            arclength=joined(ends[0], self.arclength, ends[1]) - ends[0],
-            u=joined(u0, self.u, u1),
-            w=joined(w0, self.w, w1),
-            angle=joined(a0, self.angle, a1),
-            curvature_before=joined(k0, self.curvature_before, k1),
-            curvature_after=joined(k0, self.curvature_after, k1),
-        )
+            bends[1] = self.curvature_before[-1]
+        at_ends = zip(CURVE, (ends, *self.at(ends), self.slope_angle(ends), bends, bends), strict=True)
+        arrays = {f: np.concatenate([x[:1], getattr(self, f)[inner], x[1:]]) for f, x in at_ends}
+        return replace(self, **arrays | {"arclength": arrays["arclength"] - ends[0]})

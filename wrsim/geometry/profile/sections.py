@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -21,16 +22,12 @@ from wrsim.geometry.profile.points import NODE_DISTANCE
 from wrsim.geometry.profile.profile import Array, Kind, Profile, curvature_of, plane_cross
 
 NEAREST_NODE = 5e-6
-"""Distance of the first node from a join, m; from there nodes spread by a factor of three. So even a spline
-through bare points (a file of two columns) follows the jump of curvature to below 1e-9 m."""
-FADE = 2e-3
-"""Length over which a section gives in to its neighbour's rounded coefficients, m."""
-LARGEST_GAP = 1e-6
-"""Largest distance between the ends of two sections that is taken for rounding, m."""
-MOST_SECTIONS = 500
-"""Sections of one profile; a standard's has some ten."""
-LARGEST_CORNER = 1e-4
-"""Largest angle between two sections that is taken for rounding, rad. Contact needs a tangent everywhere."""
+"""Distance of the first node from a join [m]; from there nodes spread by a factor of three, so that a spline through
+the bare points follows the jump of curvature to below 1e-9 m."""
+FADE = 2e-3  # length over which a section gives in to its neighbour's rounded coefficients, m
+LARGEST_GAP = 1e-6  # largest distance between the ends of two sections that is taken for rounding, m
+MOST_SECTIONS = 500  # sections of one profile; a standard's has some ten
+LARGEST_CORNER = 1e-4  # largest angle between two sections that is taken for rounding [rad]
 
 
 class ProfileSection(Protocol):
@@ -59,7 +56,6 @@ class ProfileLine:
     end: float = 1.0
 
     def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
-        """See `ProfileSection`; t runs from 0 to 1."""
         v = np.array([self.u1 - self.u0, self.w1 - self.w0])
         r = np.array([self.u0, self.w0]) + np.outer(t, v)
         return r, np.broadcast_to(v, r.shape), np.zeros_like(r)
@@ -74,7 +70,6 @@ class ProfilePolynomial:
     end: float
 
     def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
-        """See `ProfileSection`; t is u."""
         w = polynomial.Polynomial(self.coefficients)
         r, v = np.column_stack([t, w(t)]), np.column_stack([np.ones_like(t), w.deriv()(t)])
         return r, v, np.column_stack([np.zeros_like(t), w.deriv(2)(t)])
@@ -84,8 +79,8 @@ class ProfilePolynomial:
 class ProfileArc:
     """Circle about (u, w) of given radius from tangent angle `first` to tangent angle `last`, m and rad.
 
-    The tangent angle is atan2(dw, du) in the direction of travel. Falling angles make a convex arc (rail
-    head), rising angles a concave one (flange fillet).
+    The tangent angle is atan2(dw, du) along the curve: it falls on a convex arc (rail head), and rises on a concave one
+    (flange fillet).
     """
 
     u: float
@@ -97,11 +92,10 @@ class ProfileArc:
 
     @property
     def end(self) -> float:
-        """Parameter: length travelled."""
+        """Length travelled, the parameter of the arc."""
         return self.radius * abs(self.last - self.first)
 
     def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
-        """See `ProfileSection`; t is the length travelled."""
         k = np.sign(self.last - self.first) / self.radius
         start = np.array([self.u, self.w]) - np.array([-np.sin(self.first), np.cos(self.first)]) / k
         angle, middle = self.first + k * t, self.first + 0.5 * k * t
@@ -135,7 +129,6 @@ def profile_from_sections(name: str, kind: Kind, sections: Sequence[ProfileSecti
 
 @lru_cache(maxsize=64)
 def _joined(name: str, kind: Kind, sections: tuple[ProfileSection, ...], source: str) -> Profile:
-    """See `profile_from_sections`."""
     ends = [s.evaluate(np.array([s.start, s.end])) for s in sections]
     speed = [np.hypot(v[:, 0], v[:, 1]) for _, v, _ in ends]
     # Half of each join's disagreement, to be added to both neighbours: position, and direction per length.
@@ -153,17 +146,12 @@ def _joined(name: str, kind: Kind, sections: tuple[ProfileSection, ...], source:
         shift[i, 1] = 0.5 * np.array([gap, after - before])
         shift[i + 1, 0] = -shift[i, 1]
 
-    parts = []
-    length = 0.0
-    for i, section in enumerate(sections):
-        part = _nodes(section, shift[i])
-        part[:, 0] += length
-        length = part[-1, 0]
-        parts.append(part)
-    rows = np.concatenate([parts[0][:1]] + [part[1:] for part in parts])
-    before = np.concatenate([parts[0][:1, 4]] + [part[1:, 4] for part in parts])
-    after = np.concatenate([part[:-1, 4] for part in parts] + [parts[-1][-1:, 4]])
-    return Profile(name, kind, rows[:, 0], rows[:, 1], rows[:, 2], np.unwrap(rows[:, 3]), before, after, source)
+    parts = [_nodes(section, move) for section, move in zip(sections, shift, strict=True)]
+    for before, part in pairwise(parts):
+        part[:, 0] += before[-1, 0]
+    L, u, w, angle, before = np.concatenate([parts[0][:1], *(part[1:] for part in parts)]).T
+    after = np.concatenate([*(part[:-1, 4] for part in parts), parts[-1][-1:, 4]])
+    return Profile(name, kind, L, u, w, np.unwrap(angle), before, after, source)
 
 
 def _nodes(section: ProfileSection, shift: Array) -> Array:
@@ -180,23 +168,23 @@ def _nodes(section: ProfileSection, shift: Array) -> Array:
     t[0], t[-1] = section.start, section.end
 
     fade = min(FADE, 0.5 * total)
-    ends = [e for e in (0, 1) if np.abs(shift[e]).max() > 0.0]
+    ends = np.array([section.start, section.end])
+    rates = np.hypot(*section.evaluate(ends)[1].T)
+    shifted = [e for e in (0, 1) if np.abs(shift[e]).max() > 0.0]
 
     def moved(t: Array) -> tuple[Array, Array, Array]:
         r, v, a = (np.array(x) for x in section.evaluate(t))
-        for e in ends:
-            sign = 1.0 if e == 0 else -1.0
-            rate = np.hypot(*section.evaluate(np.array([section.start, section.end]))[1][e])
-            x = sign * (t - (section.start, section.end)[e]) * rate / fade  # 0 at the join, 1 where it ends
+        for e in shifted:
+            sign, rate = (1.0, -1.0)[e], rates[e]
+            x = sign * (t - ends[e]) * rate / fade  # 0 at the join, 1 where it ends
             near = x < 1.0
             # (1 - x)^3 (p + (3p + q) x + (6p + 3q) x^2): value p, slope q, no curvature at 0; all zero at 1.
             p, q = shift[e, 0], sign * fade * shift[e, 1]
             for axis in (0, 1):
                 start = [p[axis], 3.0 * p[axis] + q[axis], 6.0 * p[axis] + 3.0 * q[axis]]
                 c = polynomial.polymul([1.0, -3.0, 3.0, -1.0], start)
-                for out, k in ((r, 0), (v, 1), (a, 2)):
-                    d = polynomial.polyder(c, k) if k else c
-                    out[near, axis] += polynomial.polyval(x[near], d) * (sign * rate / fade) ** k
+                for k, out in enumerate((r, v, a)):
+                    out[near, axis] += polynomial.polyval(x[near], polynomial.polyder(c, k)) * (sign * rate / fade) ** k
         return r, v, a
 
     r, v, a = moved(t)
@@ -224,20 +212,18 @@ def rail_head(
         else:
             end = 0.5 * np.pi - float(np.arctan(side_slope))
         if end <= steepness:
-            slope = f"it starts at a slope of {np.degrees(steepness):.4g} degrees"
-            words = f"the arc of radius {1e3 * radius:g} mm has no room: {slope}"
+            words = f"the arc of radius {1e3 * radius:g} mm starts at a slope of {np.degrees(steepness):.4g} degrees"
             raise InputError(f"profile '{name}': {words}; its half width or the radius before it does not fit")
         right.append(ProfileArc(centre[0], centre[1], radius, -steepness if i else end, -end))
         steepness = end
-    u = centre[0] + radii[-1] * np.sin(steepness)
-    w = centre[1] + radii[-1] * np.cos(steepness)
+    u, w = centre + radii[-1] * np.array([np.sin(steepness), np.cos(steepness)])
     if w <= -depth:
         words = f"depth {1e3 * depth:g} mm ends before the straight sides begin"
         raise InputError(f"profile '{name}': {words}; allowed: above {-1e3 * w:.5g} mm")
     low = u + side_slope * (w + depth)
     left = [ProfileArc(-s.u, s.w, s.radius, -s.last, -s.first) for s in reversed(right[1:])]
-    sides = ProfileLine(-low, -depth, -u, w), ProfileLine(u, w, low, -depth)
-    return profile_from_sections(name, "rail", [sides[0], *left, *right, sides[1]], source)
+    row: list[ProfileSection] = [ProfileLine(-low, -depth, -u, w), *left, *right, ProfileLine(u, w, low, -depth)]
+    return profile_from_sections(name, "rail", row, source)
 
 
 def cone(name: str, kind: Kind, conicity: float, first: float, last: float, source: str = "") -> Profile:

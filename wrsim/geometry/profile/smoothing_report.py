@@ -22,60 +22,27 @@ from wrsim.geometry.profile.profile import Array, Profile, curvature_of, plane_c
 class SmoothingReport:
     """Measured points beside the profile smoothed from them.
 
-    reading: the points; profile: smoothed; bare_curvature (n,): of the cubic spline through the bare points [1/m];
-    change (n,): distance of every point from the smoothed curve, positive to its left (up on a
-    rail's crown) [m].
+    points: measured; cutoff: wavelength that smoothing halves [m]; profile: smoothed; bare_curvature (n,): of the cubic
+    spline through the bare points [1/m]; change (n,): distance of every point from the smoothed curve, positive to its
+    left (up on a rail's crown) [m]. Largest curvatures before and after, without sign [1/m]; sharpest: u of the latter
+    [m]; scatter: of neighbouring points across the curve, as of independent errors [m]; rms_change [m]; largest_change:
+    its size [m], u [m] and line of the file.
     """
 
-    reading: Reading
+    points: ProfilePoints
+    cutoff: float
     profile: Profile
     bare_curvature: Array
     change: Array
-
-    @property
-    def points(self) -> ProfilePoints:
-        """The measured points."""
-        return self.reading.points
-
-    @property
-    def cutoff(self) -> float:
-        """Wavelength that smoothing halves [m]."""
-        return self.reading.cutoff
-
-    @property
-    def curvature_before(self) -> float:
-        """Largest curvature of the spline through the bare points, without sign [1/m]."""
-        return float(np.abs(self.bare_curvature).max())
-
-    @property
-    def curvature_after(self) -> float:
-        """Largest curvature of the smoothed profile, without sign [1/m]."""
-        p = self.profile
-        return float(max(np.abs(p.curvature_before).max(), np.abs(p.curvature_after).max()))
-
-    @property
-    def sharpest(self) -> float:
-        """u of the largest curvature of the smoothed profile [m]."""
-        return float(self.profile.u[int(np.argmax(np.abs(self.profile.curvature_after)))])
-
-    @property
-    def scatter(self) -> float:
-        """Scatter of neighbouring points across the curve, as of independent errors [m]."""
-        return scatter(self.points)
-
-    @property
-    def rms_change(self) -> float:
-        """Root mean square of the change [m]."""
-        return float(np.sqrt(np.mean(self.change**2)))
-
-    @property
-    def largest_change(self) -> tuple[float, float, int]:
-        """Largest change [m], without sign, where it is (u) [m], and the line of the file."""
-        i = int(np.argmax(np.abs(self.change)))
-        return float(abs(self.change[i])), float(self.points.u[i]), int(self.points.line[i])
+    curvature_before: float
+    curvature_after: float
+    sharpest: float
+    scatter: float
+    rms_change: float
+    largest_change: tuple[float, float, int]
 
     def numbers(self) -> dict[str, float]:
-        """The figures in the units people read."""
+        """The figures in the units of the table."""
         most, where, line = self.largest_change
         return {
             "cutoff_mm": 1e3 * self.cutoff,
@@ -93,20 +60,26 @@ class SmoothingReport:
 
 def report_smoothing(reading: Reading) -> SmoothingReport:
     """Smooth a reading's points and compare. Raises InputError where they are too far apart for the cut-off."""
-    points = reading.points
-    profile = reading.profile()
-    s = np.concatenate([[0.0], np.cumsum(points.chords)])
-    spline = CubicSpline(s, points.places)
-    return SmoothingReport(reading, profile, curvature_of(spline(s, 1), spline(s, 2)), _change(profile, points))
-
-
-def _change(profile: Profile, points: ProfilePoints) -> Array:
-    """Signed distance of points from a profile (n,), positive to the left of the curve."""
+    points, profile = reading.points, reading.profile()
     p = points.places
+    spline = CubicSpline(np.concatenate([[0.0], np.cumsum(points.chords)]), p)
+    bare = curvature_of(spline(spline.x, 1), spline(spline.x, 2))
     L = profile.arclength[cKDTree(np.column_stack([profile.u, profile.w])).query(p)[1]]
     for _ in range(3):  # to the foot: nodes are 0.1 mm apart and nearly there
         t = np.stack(profile.tangent(L), axis=-1)
         L = np.clip(L + ((p - np.stack(profile.at(L), axis=-1)) * t).sum(axis=1), 0.0, profile.length)
-    t = np.stack(profile.tangent(L), axis=-1)
-    away = p - np.stack(profile.at(L), axis=-1)
-    return plane_cross(t, away)
+    change = plane_cross(np.stack(profile.tangent(L), axis=-1), p - np.stack(profile.at(L), axis=-1))
+    after, most = np.abs(profile.curvature_after), int(np.argmax(np.abs(change)))
+    return SmoothingReport(
+        points=points,
+        cutoff=reading.cutoff,
+        profile=profile,
+        bare_curvature=bare,
+        change=change,
+        curvature_before=float(np.abs(bare).max()),
+        curvature_after=float(max(np.abs(profile.curvature_before).max(), after.max())),
+        sharpest=float(profile.u[int(np.argmax(after))]),
+        scatter=scatter(points),
+        rms_change=float(np.sqrt(np.mean(change**2))),
+        largest_change=(float(abs(change[most])), float(points.u[most]), int(points.line[most])),
+    )

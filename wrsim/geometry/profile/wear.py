@@ -43,21 +43,17 @@ Direction = Literal["vertical", "normal"]
 
 OVERLAP = "the removed material makes the profile overlap itself"
 
-BRIDGE = 1e-4
-"""Reach of the quintic on either side of a corner, m."""
-SMALLEST_CORNER = 1e-6
-"""Turns at a node below this are rounding, rad."""
-LARGEST_CORNER = 0.1
-"""Largest corner that is bridged, rad."""
-NEAREST_NODE = 5e-6
-"""Least distance of the ends of a bell from the nodes of the unworn profile that stay, m."""
+BRIDGE = 1e-4  # reach of the quintic on either side of a corner, m
+SMALLEST_CORNER = 1e-6  # turns at a node below this are rounding, rad
+LARGEST_CORNER = 0.1  # largest corner that is bridged, rad
+NEAREST_NODE = 5e-6  # least distance of the ends of a bell from the nodes of the unworn profile that stay, m
 INSIDE = 1e-7
 """Distance from a node of the nearest of three points from which its angle and curvature are extrapolated, m."""
 
 
 @dataclass(frozen=True)
 class Removal:
-    """One bell of removed material: depth, middle and half width [m]; see the module for what they count along."""
+    """One bell of removed material: depth, middle and half width [m] along u (vertical) or the arclength (normal)."""
 
     direction: Direction
     depth: float
@@ -66,7 +62,7 @@ class Removal:
 
     @property
     def edges(self) -> tuple[float, float]:
-        """Where it begins and ends."""
+        """Where it begins and ends [m]."""
         return self.middle - self.half_width, self.middle + self.half_width
 
     def at(self, place: Array) -> tuple[Array, Array]:
@@ -88,7 +84,7 @@ class DepthTable:
 
     @property
     def edges(self) -> tuple[float, float]:
-        """Where it begins and ends."""
+        """Where it begins and ends [m]."""
         return float(self.places[0]), float(self.places[-1])
 
     @cached_property
@@ -96,7 +92,7 @@ class DepthTable:
         return CubicSpline(self.places, self.depths)
 
     def at(self, place: Array) -> tuple[Array, Array]:
-        """Removed depth [m] and its slope at places of any shape."""
+        """Removed depth [m] and its slope at places of any shape; constant outside."""
         inside = np.clip(place, *self.edges)
         return self._spline(inside), np.where(inside == place, self._spline(inside, 1), 0.0)
 
@@ -107,8 +103,7 @@ AnyRemoval = Removal | DepthTable
 def worn(new: Profile, removals: Sequence[AnyRemoval], name: str, source: str = "") -> Profile:
     """The profile that is left of ``new``.
 
-    Raises InputError where nothing sensible is left: the curve turns back, crosses itself or gets a corner of more
-    than 0.1 rad.
+    Raises InputError where the curve turns back, crosses itself or gets a corner of more than 0.1 rad.
     """
     bells = _Bells(new, tuple(removals))
     corners = bells.corners()
@@ -122,16 +117,10 @@ def worn(new: Profile, removals: Sequence[AnyRemoval], name: str, source: str = 
     curvatures = np.append(after[0], before), np.append(after, before[-1])
     profile = Profile(name, new.kind, lengths, r[:, 0], r[:, 1], angles, *curvatures, source)
     profile = _true_lengths(profile, np.searchsorted(nodes, corners) - 1)
-    crossing = first_crossing(ProfilePoints(name, profile.u, profile.w, np.arange(profile.u.size)))
-    if crossing is not None:
+    if crossing := first_crossing(ProfilePoints(name, profile.u, profile.w, np.arange(profile.u.size))):
         u = 1e3 * profile.u[crossing[0]]
         raise InputError(f"{OVERLAP}: it crosses itself at u = {u:.4g} mm; allowed: less depth, or a wider bell")
     return profile
-
-
-def lengths_along(new: Profile, removals: Sequence[AnyRemoval], L: Array) -> Array:
-    """Arclengths of the worn curve at rising arclengths (n,) of the unworn one, from the first on [m]."""
-    return arclengths(lambda at: _Bells(new, tuple(removals)).curve(at)[1], L)
 
 
 @dataclass(frozen=True)
@@ -192,23 +181,19 @@ class _Bells:
     def direction(self, L: Array, h: Array) -> tuple[Array, Array]:
         """Tangent angle and curvature at L (n,), from the side of L + h: extrapolated from three points there."""
         v = self.curve(L[:, None] + h[:, None] * np.array([1.0, 2.0, 3.0]))[1]
-        turned = np.unwrap(np.arctan2(v[..., 1], v[..., 0]), axis=1)
-        a, b, c = turned.T
-        speed = np.hypot(*v[:, 0].T)
-        return 3.0 * a - 3.0 * b + c, (-2.5 * a + 4.0 * b - 1.5 * c) / (h * speed)
+        a, b, c = np.unwrap(np.arctan2(v[..., 1], v[..., 0]), axis=1).T
+        return 3.0 * a - 3.0 * b + c, (-2.5 * a + 4.0 * b - 1.5 * c) / (h * np.hypot(*v[:, 0].T))
 
 
 def _nodes(new: Profile, bells: _Bells, corners: Array) -> Array:
     """Arclengths of the unworn curve at which the worn one has nodes: its nodes, ends of bells, edges of bridges."""
     extra = [corners - BRIDGE, corners + BRIDGE]
-    for removal in bells.removals:
-        for edge in removal.edges:
-            if removal.direction == "normal":
-                extra.append(np.array([edge + bells.origin]))
-            else:  # everywhere that the curve passes this u
-                side = new.u >= edge
-                i = np.flatnonzero(side[1:] != side[:-1])
-                extra.append(new.root_in_interval(0, np.full(i.size, edge), i))
+    for removal, edge in ((own, edge) for own in bells.removals for edge in own.edges):
+        if removal.direction == "normal":
+            extra.append(np.array([edge + bells.origin]))
+        else:  # everywhere that the curve passes this u
+            i = np.flatnonzero(np.diff(new.u >= edge))
+            extra.append(new.root_in_interval(0, np.full(i.size, edge), i))
     added = np.concatenate(extra)
     added = added[(added > NEAREST_NODE) & (added < new.length - NEAREST_NODE)]
     far = np.abs(new.arclength[1:-1, None] - added).min(axis=1, initial=np.inf) > NEAREST_NODE
@@ -228,14 +213,9 @@ def _true_lengths(profile: Profile, bridges: NDArray[np.intp]) -> Profile:
     return profile
 
 
-# --- depths from lost areas -----------------------------------------------------------------------------------------
-
-HALVING = sqrt(0.5 * np.log(2.0)) / np.pi
-"""Standard deviation of the Gaussian over the wavelength that passes with half its amplitude."""
-REACH = 6.0
-"""Where it ends, over the deviation."""
-PARTS = 5
-"""Gauss points between two places, for areas."""
+HALVING = sqrt(0.5 * np.log(2.0)) / np.pi  # deviation of the Gaussian that halves a wave, over its wavelength
+REACH = 6.0  # of the Gaussian, over its deviation
+PARTS = 5  # Gauss points between two places, for areas
 
 
 def bin_edges(profile: Profile, step: float) -> Array:
@@ -245,7 +225,7 @@ def bin_edges(profile: Profile, step: float) -> Array:
 
 def smoothed_table(values: Array, width: float, cutoff: float) -> Array:
     """Values at places a width apart, smoothed; cutoff: wavelength that passes with half its amplitude [m]."""
-    from scipy.ndimage import gaussian_filter1d  # runs that wear nothing do not wait for it
+    from scipy.ndimage import gaussian_filter1d  # only wear needs it
 
     return np.asarray(gaussian_filter1d(values, HALVING * cutoff / width, mode="reflect", truncate=REACH))
 
@@ -265,15 +245,14 @@ def depths_of(profile: Profile, areas: Array, cutoff: float) -> DepthTable:
         u = 1e3 * float(profile.at(middles[int(np.argmin(root))])[0])
         raise InputError(f"{OVERLAP} at u = {u:.4g} mm; allowed: less depth")
     table = DepthTable(
-        np.asarray(middles - float(profile.arclength_of(0.0))),
-        np.asarray(2.0 * smooth / (1.0 + np.sqrt(root)), dtype=float),
+        middles - float(profile.arclength_of(0.0)), np.asarray(2.0 * smooth / (1.0 + np.sqrt(root)), dtype=float)
     )
     plain, bent = area_off(profile, table)
     if not plain > 0.0:
         return table
     lost = float(areas.sum()) * width
     factor = 2.0 * lost / (plain + sqrt(max(plain**2 + 4.0 * bent * lost, 0.0)))
-    return DepthTable(table.places, factor * table.depths)
+    return replace(table, depths=factor * table.depths)
 
 
 def on_unworn(profile: Profile, table: DepthTable | None, length: float, lost: Array, count: int) -> Array:
@@ -282,7 +261,7 @@ def on_unworn(profile: Profile, table: DepthTable | None, length: float, lost: A
     table: what wore it so far, if anything; length: of the worn profile; areas over bin widths [m].
     """
     edges = np.linspace(0.0, profile.length, count + 1)
-    places = edges if table is None else lengths_along(profile, [table], edges)
+    places = edges if table is None else arclengths(lambda at: _Bells(profile, (table,)).curve(at)[1], edges)
     places = places * (length / places[-1])
     own = np.linspace(0.0, length, lost.size + 1)
     gone = np.concatenate([[0.0], np.cumsum(lost * (own[1] - own[0]))])

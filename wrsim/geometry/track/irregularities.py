@@ -1,6 +1,6 @@
 """Irregularities of a track: how far each rail lies beside its designed place, over the distance along the centre line.
 
-Four channels, as track recording cars give them, and what they do to the rails (left | right):
+Four channels, as of track recording cars, and their weights on the rails (left | right):
 
 =========== ============================================= ==================== ====================
 alignment   both rails to the left                        lateral +1           lateral +1
@@ -10,7 +10,7 @@ gauge       rails apart                                   lateral +1/2         l
 =========== ============================================= ==================== ====================
 
 A disturbance is one shape over the distance, times a weight on each rail's lateral (n) and vertical (b) offset. Shapes
-give value, slope and second derivative, so that the rail's tangent and curvature follow exactly.
+have value, slope and second derivative, so that the rail's tangent and curvature follow exactly.
 """
 
 from __future__ import annotations
@@ -62,18 +62,14 @@ class Disturbance:
 
     @classmethod
     def of(cls, shape: Shape, channel: Channel, rail: Rail = "both") -> Disturbance:
-        """The shape in a channel; of alignment and level one rail alone may be meant."""
-        weights = WEIGHTS[channel]
-        if rail == "left":
-            weights = (*weights[:2], 0.0, 0.0)
-        elif rail == "right":
-            weights = (0.0, 0.0, *weights[2:])
-        return cls(shape, weights)
+        """The shape in a channel, of both rails or one."""
+        a, b, c, d = WEIGHTS[channel]
+        return cls(shape, {"both": (a, b, c, d), "left": (a, b, 0.0, 0.0), "right": (0.0, 0.0, c, d)}[rail])
 
 
 @dataclass(frozen=True)
 class RailIrregularity:
-    """What disturbs one rail: pairs of weight and shape."""
+    """Irregularity of one rail: pairs of weight and shape."""
 
     lateral_parts: tuple[tuple[float, Shape], ...] = ()
     vertical_parts: tuple[tuple[float, Shape], ...] = ()
@@ -93,18 +89,21 @@ class RailIrregularity:
         return cls(*(tuple((d.weights[k], d.shape) for d in disturbances if d.weights[k]) for k in (first, first + 1)))
 
     @property
+    def shapes(self) -> list[Shape]:
+        """All its shapes."""
+        return [shape for _, shape in (*self.lateral_parts, *self.vertical_parts)]
+
+    @property
     def resolution(self) -> float:
         """Largest distance of a path's rows that follows it [m]."""
-        return min((shape.resolution for _, shape in (*self.lateral_parts, *self.vertical_parts)), default=np.inf)
+        return min((shape.resolution for shape in self.shapes), default=np.inf)
 
     def breaks(self, length: float) -> Array:
         """Distances between 0 and length at which slope or curvature may jump [m]."""
-        parts = [shape.breaks() for _, shape in (*self.lateral_parts, *self.vertical_parts)]
-        return np.unique(np.clip(np.concatenate([np.zeros(1), *parts]), 0.0, length))
+        return np.unique(np.clip(np.concatenate([np.zeros(1), *(s.breaks() for s in self.shapes)]), 0.0, length))
 
 
-SMOOTH = RailIrregularity()
-"""A rail exactly in its place."""
+SMOOTH = RailIrregularity()  # A rail exactly in its place
 
 
 def _sum(parts: Sequence[tuple[float, Shape]], s: ArrayLike) -> Jet:
@@ -113,12 +112,9 @@ def _sum(parts: Sequence[tuple[float, Shape]], s: ArrayLike) -> Jet:
     return value, slope, bend
 
 
-# --- shapes -------------------------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """A cubic spline through samples, zero beyond them. resolution: see `Shape`."""
+    """A cubic spline through samples, zero beyond them."""
 
     spline: CubicSpline
     resolution: float
@@ -153,7 +149,7 @@ class Bump:
 
     @property
     def resolution(self) -> float:
-        """See `Shape`: its curvature begins with a jump."""
+        """Fine, for its curvature begins with a jump [m]."""
         return self.length / 16.0
 
     def jet(self, s: Array) -> Jet:

@@ -70,17 +70,14 @@ class Path:
         return out.reshape(s.shape)
 
     def locate(self, points: ArrayLike, guess: ArrayLike) -> NDArray[np.float64]:
-        """Arclength of the cross-sections that hold the points (..., 3), each the nearest root to its guess
-        [m].
+        """Arclength of the cross-sections through points (..., 3), each the root nearest to its guess [m].
 
         Not-a-number where the search does not converge.
         """
         points = np.asarray(points, dtype=np.float64)
         shape = points.shape[:-1]
-        points = np.ascontiguousarray(points.reshape((-1, 3)))
-        guess = np.ascontiguousarray(np.broadcast_to(np.asarray(guess, dtype=np.float64), shape)).ravel()
-        out = np.empty(points.shape[0])
-        status = np.empty(points.shape[0], dtype=np.int64)
-        core.locate_many(self.curve, points.view(VECTOR).reshape(-1), guess, out, status)
+        flat = np.ascontiguousarray(points).reshape(-1, 3).view(VECTOR).reshape(-1)
+        out, status = np.empty(flat.size), np.empty(flat.size, dtype=np.int64)
+        core.locate_many(self.curve, flat, np.broadcast_to(guess, shape).astype(np.float64).ravel(), out, status)
         out[status != core.LOCATE_OK] = np.nan
         return out.reshape(shape)

@@ -4,7 +4,7 @@ The horizontal projection of the centre line r(s) turns by psi' = kappa, and it 
 
     psi = psi0 + int kappa ds,    r = r0 + int (cos theta cos psi, cos theta sin psi, sin theta) ds.
 
-The heading psi, a polynomial of fourth degree, is not wrapped. With the horizontal left h, v = t x h and the
+The heading psi is not wrapped. With the horizontal left h, v = t x h and the
 cross-section rolled by phi,
 
     n = cos(phi) h + sin(phi) v,    b = -sin(phi) h + cos(phi) v,
@@ -38,10 +38,8 @@ from wrsim.geometry.track.path import COLUMNS, Path
 HEADING_POINTS, GAUSS_POINTS = 16, 6
 """Of the quadratures of position, on pieces that turn by at most half a radian (its error is below rounding), and of
 arclength."""
-MAX_TURN = 0.5
-"""Largest change of heading within one piece of the quadrature [rad]."""
-MAX_PIECE = 0.5
-"""Longest piece of the quadrature of arclength [m]."""
+MAX_TURN = 0.5  # largest change of heading within one piece of the quadrature [rad]
+MAX_PIECE = 0.5  # longest piece of the quadrature of arclength [m]
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,25 +26,18 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 from wrsim.core.contact.rail import FALL
 from wrsim.errors import InputError
 from wrsim.geometry.profile.points import ProfilePoints, check_count, check_points, interpolated, smoothed
-from wrsim.geometry.profile.profile import Array, Profile
+from wrsim.geometry.profile.profile import CURVE, Array, Profile
 from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.toml_files import shown_value
 from wrsim.inputs.values import number
 
-STEP = 0.2e-3
-"""Distance of the points of a section [m]."""
-DEEP = 0.038
-"""No wheel comes deeper below the highest point [m]."""
-SHORTEST = 1e-4
-"""A piece below this length [m] does not exist."""
-FALLING = 0.5
-"""Sine of the slope from which on a section that is cut off goes on straight."""
+STEP = 0.2e-3  # distance of the points of a section [m]
+DEEP = 0.038  # no wheel comes deeper below the highest point [m]
+SHORTEST = 1e-4  # A piece below this length [m] does not exist
+FALLING = 0.5  # sine of the slope from which on a section that is cut off goes on straight
 STEEPEST_OVER = 3.0
 """Largest slope over the smaller secant beside it: a cubic between two numbers does not overshoot then."""
-AS_FAR = 0.5
-"""Of the slope by neighbours: the slope of smooth cubics may differ so far from it."""
-PARTS = ("arclength", "u", "w", "angle", "curvature_before", "curvature_after")
-"""Arrays that make a profile."""
+AS_FAR = 0.5  # of the slope by neighbours: the slope of smooth cubics may differ so far from it
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +105,7 @@ class RailSurface:
         digest = sha256(self.name.encode())
         for own in self.sections:
             digest.update(np.array([own.distance, *own.edges]).tobytes())
-            for part in PARTS:
+            for part in CURVE:
                 digest.update(getattr(own.profile, part).tobytes())
         return digest.digest()
 
@@ -136,7 +129,7 @@ class RailSurface:
         """The profile of all sections, if they are alike."""
         first = self.sections[0].profile
         alike = all(
-            np.array_equal(getattr(own.profile, part), getattr(first, part)) for own in self.sections for part in PARTS
+            np.array_equal(getattr(own.profile, part), getattr(first, part)) for own in self.sections for part in CURVE
         )
         return first if alike else None
 

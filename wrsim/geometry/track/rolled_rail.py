@@ -33,24 +33,16 @@ from wrsim.geometry.profile.distance_field import SPACING, DistanceField, field_
 from wrsim.geometry.profile.profile import Array
 from wrsim.geometry.track.rail_surface import DEEP, Piece, RailSurface
 
-REACH = 0.2
-"""How far ahead of the axle and behind it a contact is looked for [m]."""
-SHALLOW = 0.025
-"""What lies deeper below the highest point does not decide where stations stand [m]."""
+REACH = 0.2  # how far ahead of the axle and behind it a contact is looked for [m]
+SHALLOW = 0.025  # what lies deeper below the highest point does not decide where stations stand [m]
 LEVEL = 0.6
 """Cosine of the slope across up to which a row must be touched within REACH; on steeper sides it may be farther."""
-TOLERANCE = 1e-6
-"""Of the cubics between stations, along the normal [m]."""
-SLOPE_TOLERANCE = 3e-5
-"""Of how they rise along the track, and of the slope in the tables."""
-ROWS = 0.2e-3
-"""Distance of the rows of a table [m]."""
-CLOSEST = 1e-3
-"""Least distance of stations [m]."""
-FIELD_APART = 0.5e-3
-"""Sections farther from each other have distance fields of their own [m]."""
-NOWHERE = 0.1
-"""How deep rows lie of a piece that does not exist [m]."""
+TOLERANCE = 1e-6  # of the cubics between stations, along the normal [m]
+SLOPE_TOLERANCE = 3e-5  # of how they rise along the track, and of the slope in the tables
+ROWS = 0.2e-3  # distance of the rows of a table [m]
+CLOSEST = 1e-3  # least distance of stations [m]
+FIELD_APART = 0.5e-3  # sections farther from each other have distance fields of their own [m]
+NOWHERE = 0.1  # how deep rows lie of a piece that does not exist [m]
 COLUMNS = ("u", "w", "tu", "tw", "k", "ahead", "slope", "bend")
 """Of a table: point [m], tangent, curvature [1/m]; how far ahead of the axle the rail is touched there [m], its slope
 along the track (normal to the section) and its curvature along the track, positive upwards [1/m]."""

@@ -4,7 +4,8 @@ Cant of a segment is positive when it leans the vehicle to the inside, in curves
 library cant is signed like the curvature: positive when the right rail is the higher one, as a left curve
 needs it. A transition joins whatever lies before and behind it: curvature, cant and gauge run from the end of
 the segment before to the start of the segment behind (level straight track at nominal gauge where there is
-none).
+none). Without one the curvature jumps, as in the branch of a turnout: position, tangent and frame are continuous there,
+and path tables spread the jump over one step.
 
 Grades: each holds from its point of change on. Around that point a circular curve of the vertical radius leads from one
 grade to the next, half of its length before the point and half behind: the angle of slope runs linearly over |change of
@@ -25,13 +26,10 @@ import numpy as np
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.piecewise import Piecewise, bloss, linear
 
-MAX_CANT = 0.25
-"""Largest cant [m]; railways use up to 0.18 m."""
-MAX_WIDENING = 0.1
-"""Largest change of the gauge [m]; railways use up to 0.03 m."""
+MAX_CANT = 0.25  # largest cant [m]; railways use up to 0.18 m
+MAX_WIDENING = 0.1  # largest change of the gauge [m]; railways use up to 0.03 m
 LARGEST = {"cant": MAX_CANT, "gauge_widening": MAX_WIDENING}
-SHORTEST = 1e-9
-"""Shortest segment [m]."""
+SHORTEST = 1e-9  # shortest segment [m]
 FORMS = ("clothoid", "bloss")
 
 
@@ -76,19 +74,6 @@ class Transition:
 Segment = Straight | Arc | Transition
 
 
-@dataclass(frozen=True)
-class CurvatureJump:
-    """A joint without a transition: distance [m], curvature [1/m] before and behind it.
-
-    Allowed, as in the branch of a turnout. Position, tangent and frame are continuous there; the path tables
-    spread the jump over one step.
-    """
-
-    distance: float
-    before: float
-    behind: float
-
-
 @dataclass(frozen=True, eq=False)
 class Laws:
     """Curvature [1/m], signed cant [m] and gauge widening [m] over the distance along the centre line; angle of slope
@@ -97,7 +82,6 @@ class Laws:
     curvature: Piecewise
     cant: Piecewise
     widening: Piecewise
-    jumps: tuple[CurvatureJump, ...]
     pitch: Piecewise | None = None
 
 
@@ -178,9 +162,7 @@ def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
                     "equal values at a joint (put a transition between, or a straight with "
                     f"{key}_start_mm and {key}_end_mm)"
                 )
-    joints = zip(edges[1:-1].tolist(), *(values.tolist() for values in curvature.joints()), strict=True)
-    jumps = tuple(CurvatureJump(*joint) for joint in joints if abs(joint[2] - joint[1]) > 1e-15)
-    return Laws(curvature, cant.rounded(rounding), widening.rounded(rounding), jumps)
+    return Laws(curvature, cant.rounded(rounding), widening.rounded(rounding))
 
 
 State = tuple[float, float, float]
@@ -236,10 +218,8 @@ def _number(where: str, key: str, value: object) -> float:
 
 # --- grades ---------------------------------------------------------------------------------------------------------
 
-STEEPEST = 0.15
-"""Largest grade: 150 per thousand; adhesion railways use up to 80."""
-TIGHTEST = 200.0
-"""Smallest vertical radius [m]; light rail goes down to 350 m, marshalling humps to 250 m."""
+STEEPEST = 0.15  # largest grade: 150 per thousand; adhesion railways use up to 80
+TIGHTEST = 200.0  # smallest vertical radius [m]; light rail goes down to 350 m, marshalling humps to 250 m
 
 
 @dataclass(frozen=True)

@@ -55,8 +55,7 @@ COLUMNS = {
     "grade_permille": Annotated[float, number(-150, 150, "positive: uphill")],
 } | dict.fromkeys(IRREGULARITIES, Annotated[float, number(-200, 200, "mm")])
 
-ROWS_A_WAVE = 2.0
-"""Fewest rows of a table within a wave that it can resolve (Nyquist)."""
+ROWS_A_WAVE = 2.0  # fewest rows of a table within a wave that it can resolve (Nyquist)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,18 +84,12 @@ class TrackTable:
         """From the first to the last row [m]."""
         return float(self.distance[-1])
 
-    @property
-    def spacing(self) -> float:
-        """Largest distance of neighbouring rows [m]."""
-        return float(np.diff(self.distance).max())
-
     def laws(self, gauge: float) -> Laws:
         """Curvature, cant, gauge and grade; what has no column is straight, level, at the nominal gauge [m].
 
         Raises InputError when there is no column of geometry, or the gauge strays too far.
         """
-        found = [name for name in GEOMETRY if name in self.columns]
-        if not found:
+        if not set(GEOMETRY) & set(self.columns):
             raise InputError(f"{self.path}: has no geometry; a track needs one of the columns {', '.join(GEOMETRY)}")
         zero = np.zeros(self.distance.size)
         widening = self.columns.get("gauge_mm", 1e3 * gauge + zero) / 1e3 - gauge
@@ -109,7 +102,6 @@ class TrackTable:
             curvature=Piecewise.through(self.distance, self.columns.get("curvature_per_km", zero) / 1e3),
             cant=Piecewise(CubicSpline(self.distance, self.columns.get("cant_mm", zero) / 1e3)),
             widening=Piecewise(CubicSpline(self.distance, widening)),
-            jumps=(),
             pitch=Piecewise.through(self.distance, np.arctan(grade)),
         )
 
@@ -118,18 +110,19 @@ class TrackTable:
     ) -> tuple[Disturbance, ...]:
         """The irregularities, with the table's first row at ``start`` [m].
 
-        fade: length over which they begin and end [m]; band: shortest and longest wavelength that are kept [m] (two
-        Butterworth filters of fourth order, run forward and back so that nothing moves).
-        Raises InputError when there is no such column, or the band asks for more than the rows resolve.
+        fade: length over which they begin and end [m]; band: shortest and longest wavelength that pass [m] (two
+        Butterworth filters of fourth order, run forward and back for zero phase).
+        Raises InputError when there is no such column, or the rows do not resolve the band.
         """
         names = [name for name in IRREGULARITIES if name in self.columns]
         if not names:
             raise InputError(f"{self.path}: has no irregularities; columns: {', '.join(IRREGULARITIES)}")
-        shortest = ROWS_A_WAVE * float(np.median(np.diff(self.distance)))
-        if band is not None and band[0] < ROWS_A_WAVE * self.spacing:
+        steps = np.diff(self.distance)
+        shortest, widest = ROWS_A_WAVE * float(np.median(steps)), float(steps.max())
+        if band is not None and band[0] < ROWS_A_WAVE * widest:
             raise InputError(
-                f"{self.path}: its rows are up to {self.spacing:g} m apart and resolve no waves shorter than "
-                f"{ROWS_A_WAVE * self.spacing:g} m; wavelength_m begins at {band[0]:g}"
+                f"{self.path}: its rows are up to {widest:g} m apart and resolve no waves shorter than "
+                f"{ROWS_A_WAVE * widest:g} m; wavelength_m begins at {band[0]:g}"
             )
         found = []
         for name in names:
@@ -150,10 +143,6 @@ def _filtered(distance: Array, values: Array, band: tuple[float, float]) -> tupl
     values = CubicSpline(distance, values)(even)
     per_metre = (count - 1) / (distance[-1] - distance[0])
     high = min(1.0 / band[0], 0.499 * per_metre)
-    sections = np.concatenate(
-        [
-            butter(4, 1.0 / band[1], "highpass", fs=per_metre, output="sos"),
-            butter(4, high, "lowpass", fs=per_metre, output="sos"),
-        ]
-    )
+    filters = ((1.0 / band[1], "highpass"), (high, "lowpass"))
+    sections = np.concatenate([butter(4, edge, kind, fs=per_metre, output="sos") for edge, kind in filters])
     return even, np.asarray(sosfiltfilt(sections, values, padlen=min(count - 1, int(3.0 * band[1] * per_metre))))

@@ -5,8 +5,7 @@ turns the cross-section about the centre line, which itself stays in its place: 
 other falls by half the cant. Distance is counted along the centre line, also where it climbs. Gauge widening
 moves each rail outward by half of it. The origin of each rail profile sits at the outward distance gauge(s)/2 + o
 and the height b in the canted cross-section; (o, b) come from the inclined rail profile (o = -u of its gauge point,
-b = -w of its highest point). Irregularities move the rails along the axes of the cross-section; the centre line
-knows nothing of them.
+b = -w of its highest point). Irregularities move the rails along the axes of the cross-section, not the centre line.
 
 Signs. ``cant(s)`` is signed like the curvature: positive when the right rail is the higher one, which leans a
 vehicle to the inside of a left curve. ``roll(s)`` = -asin(cant / cant_base) is the rotation about t, positive
@@ -15,7 +14,6 @@ with the left rail up.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -30,27 +28,15 @@ from wrsim.geometry.piecewise import Array
 from wrsim.geometry.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.geometry.track.path import Path
 from wrsim.geometry.track.rail import CentreLine, SweptCurve
-from wrsim.geometry.track.segments import (
-    Arc,
-    CurvatureJump,
-    Grade,
-    Laws,
-    Segment,
-    Transition,
-    check_range,
-    kind_of,
-    laws,
-    pitch_law,
-)
+from wrsim.geometry.track.segments import Arc, Grade, Laws, Segment, Transition, check_range, kind_of, laws, pitch_law
 
 
 @dataclass(frozen=True)
 class RailElasticity:
     """A mass on a spring and a damper under each wheel, that moves along with it; lateral, then vertical.
 
-    stiffness [N/m], damping [N s/m], mass [kg] of the rail, and of what moves with it, as one wheel meets it. The
-    pieces of two wheels, and of two rails, know nothing of each other; what a wheel has pushed down is forgotten when
-    it has passed.
+    stiffness [N/m], damping [N s/m], mass [kg] of the rail and its supports, as one wheel meets them. Wheels and rails
+    are not coupled, and a rail springs back at once behind a wheel.
     """
 
     stiffness: tuple[float, float]
@@ -58,21 +44,16 @@ class RailElasticity:
     mass: tuple[float, float]
 
 
-STANDARD_GAUGE = 1.435
-"""Standard gauge [m]."""
-RAIL_HEAD_WIDTH = 0.065
-"""Difference of cant base and gauge when no cant base is given [m]: 1.5 m for standard gauge."""
+STANDARD_GAUGE = 1.435  # standard gauge [m]
+RAIL_HEAD_WIDTH = 0.065  # difference of cant base and gauge when no cant base is given [m]: 1.5 m for standard gauge
 ROUNDING = 1.0
 """Half length of the rounding of kinks in cant and gauge [m].
 
 About the elastic length (4 E I / k)^(1/4) of a rail: 0.75 to 0.85 m for 60E1 (E I = 6.4 MN m2) on a support
 of 50 to 80 MN/m2."""
-ROWS = 0.25
-"""Distance of the rows of a path unless irregularities need less [m]."""
-MAX_OFFSET = 0.5
-"""Farthest gauge point and top of a rail profile from its origin [m]."""
-MAX_ROWS = 4_000_000
-"""Largest table of a path."""
+ROWS = 0.25  # distance of the rows of a path unless irregularities need less [m]
+MAX_OFFSET = 0.5  # farthest gauge point and top of a rail profile from its origin [m]
+MAX_ROWS = 4_000_000  # largest table of a path
 
 
 @dataclass(frozen=True)
@@ -87,18 +68,15 @@ class Feature:
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Centre line and two rails as path tables, made when they are asked for, and the laws behind them over the
-    distance s along the centre line.
+    """Centre line and two rails, as laws over the distance s along the centre line and as tables (made on first use).
 
-    Build it with `Track.build`. All functions of s are vectorised; outside of [0, length] the track is
-    continued straight with the cant and the gauge of its end.
+    Build it with `Track.build`. All functions of s take arrays; outside of [0, length] the track is continued straight
+    with the cant and the gauge of its end.
     """
 
     segments: tuple[Segment, ...]
     nominal_gauge: float
     cant_base: float
-    jumps: tuple[CurvatureJump, ...]
-    """Joints where the curvature jumps (no transition)."""
     centre_line: CentreLine
     left_curve: SweptCurve
     right_curve: SweptCurve
@@ -168,8 +146,8 @@ class Track:
     ) -> Track:
         """A track of given laws of curvature, cant and gauge.
 
-        segments: those that the laws come from, if any; without them the track is one measured piece. grades: vertical
-        alignment, in place of that of the laws. irregularities: of the rails. left_offset, right_offset: (o, b) of the
+        segments: of the laws; without them the track is one measured piece. grades: vertical alignment, in place of
+        that of the laws. irregularities: of the rails. left_offset, right_offset: (o, b) of the
         rail profile's origin [m], outward of the gauge point and above the rail tops. cant_base: distance over which
         cant is measured [m], default gauge + 0.065 m. step: largest distance of the tables' rows [m]; None: 0.25 m, and
         on the rails what their irregularities need. start, heading: point [m] and direction [rad] at s = 0.
@@ -183,23 +161,19 @@ class Track:
         for key, offset in (("left_offset", left_offset), ("right_offset", right_offset)):
             for value in offset:
                 check_range("track", f"{key} (o, b)", value, -MAX_OFFSET, MAX_OFFSET)
-        for value in (*start, heading):
-            if not math.isfinite(value):
-                raise InputError(f"start or heading of the track = {value}; allowed: finite numbers")
+        if not np.isfinite((*start, heading)).all():
+            raise InputError(f"start or heading of the track = {(*start, heading)}; allowed: finite numbers")
 
         uneven = {side: RailIrregularity.of(irregularities, side) for side in (1, -1)}
         finest = min(rail.resolution for rail in uneven.values())
         if step is not None and step > finest * (1.0 + 1e-9):
-            needed = f"{finest:g} (a quarter of the shortest wavelength)"
-            allowed = "allowed: a smaller one, or longer waves"
-            raise InputError(
-                f"row_distance_m = {step:g} is too coarse for the irregularities, which need {needed}; {allowed}"
-            )
+            needed = f"{finest:g} (a quarter of the shortest wavelength); allowed: a smaller one, or longer waves"
+            raise InputError(f"row_distance_m = {step:g} is too coarse for the irregularities, which need {needed}")
         rows = min(ROWS, finest) if step is None else step
         length = law.curvature.end
         if length / rows > MAX_ROWS:
-            words = f"track of {length:g} m with rows every {rows:g} m"
-            raise InputError(f"{words}; allowed: {MAX_ROWS} rows (is length_m in metres?)")
+            far = f"track of {length:g} m with rows every {rows:g} m"
+            raise InputError(f"{far}; allowed: {MAX_ROWS} rows (is length_m in metres?)")
         pitch = pitch_law(grades, length) if grades or law.pitch is None else law.pitch
         line = CentreLine(law.curvature, pitch, start, heading)
         swept = partial(SweptCurve, line, law.cant, law.widening, gauge, base)
@@ -207,7 +181,6 @@ class Track:
             segments=segments,
             nominal_gauge=gauge,
             cant_base=base,
-            jumps=law.jumps,
             centre_line=line,
             left_curve=swept(1, *left_offset, uneven[1]),
             right_curve=swept(-1, *right_offset, uneven[-1]),
@@ -229,7 +202,7 @@ class Track:
 
     @cached_property
     def left(self) -> Path:
-        """The left rail as a table, made when it is first asked for: a long track takes seconds."""
+        """The left rail as a table; made on first use, for a long track takes seconds."""
         return self.left_curve.path(self.rail_rows)
 
     @cached_property
@@ -276,10 +249,6 @@ class Track:
         """Designed gauge beyond the nominal one [m]."""
         return self.left_curve.widening(s)
 
-    def cross_level(self, s: ArrayLike) -> Array:
-        """Height of the right rail above the left one, of the irregularities alone: cant not counted [m]."""
-        return np.asarray(self.irregularity("right", s)[1] - self.irregularity("left", s)[1])
-
     @property
     def is_uneven(self) -> bool:
         """True when a rail has irregularities."""
@@ -288,10 +257,6 @@ class Track:
     def rail_distance(self, side: Literal["left", "right"], s: ArrayLike) -> Array:
         """Own arclength of a rail [m] in the cross-section at centre-line distance s."""
         return self._curve(side).arclength(s)
-
-    def centre_distance(self, side: Literal["left", "right"], arclength: ArrayLike) -> Array:
-        """Centre-line distance [m] at a rail's own arclength: the inverse of `rail_distance`."""
-        return self._curve(side).distance(arclength)
 
     @property
     def rail_origins(self) -> tuple[tuple[float, float], tuple[float, float]]:
