@@ -369,7 +369,7 @@ def rows(**changed: Any) -> str:
             "every one; take a part without gaps: --from-m 4.75 --to-m 99.75",
         ),
         (rows().replace("1,0.1\n", "1,0.1,7\n", 1), BY_BAND, "line.csv:6: has 3 cells; must have 2 like the header"),
-        (rows(), "", "line.toml:4: channels[1]: does not say how it was measured: must be one of chord_m = [4, 6]"),
+        (rows(), "", "line.toml:4: channels[1]: has no measuring system: must be one of chord_m = [4, 6]"),
         (rows(), f'{BY_BAND}\nunit = "ft"', 'line.toml:8: channels[1].unit = "ft": must be'),
         (rows(), f'{BY_BAND}\nunit = "km"', "line.toml:8: channels[1].unit = \"km\": is none of level: must be mm"),
         (rows(), f'{BY_BAND}\npositive = "left"', 'channels[1].positive = "left": must be "up" or "down"'),

@@ -1,4 +1,4 @@
-"""What the columns of a recording are: a TOML file beside the CSV says it, or their names do."""
+"""The columns of a recording: given by a TOML file beside the CSV, or guessed from their names."""
 
 from __future__ import annotations
 
@@ -40,8 +40,6 @@ SIGNS: dict[str, tuple[Positive, Positive]] = {
 """What may be positive; ours first."""
 BASE = 3.0  # usual base of twist [m]
 
-_Length = Annotated[float, number(0.2, 30, "m")]
-
 
 def quantity_kind(quantity: str) -> str:
     """A quantity without its rail."""
@@ -65,7 +63,8 @@ class ChannelSection(Section, header="[[channels]]"):
     positive: Positive | None = None
     """Which side is positive; left out: left, up, right rail higher."""
     chord_m: Annotated[
-        Two[_Length] | None, Field(description="two lengths in m, behind and ahead of the measuring point: [4, 6]")
+        Two[Annotated[float, number(0.2, 30, "m")]] | None,
+        Field(description="two lengths in m, behind and ahead of the measuring point: [4, 6]"),
     ] = None
     """Chord that alignment or level was measured with."""
     band: Literal["D1", "D2", "D3"] | None = None
@@ -80,12 +79,9 @@ class ChannelSection(Section, header="[[channels]]"):
     """Whether alignment holds the curve itself; left out: by the record."""
 
     def consistency(self) -> Iterator[Fault]:
-        """Unit and sign fit the quantity, and the measuring system fits it."""
-        kind = quantity_kind(self.quantity)
-        units = UNITS.get(kind, LENGTHS)
-        if self.unit is not None and self.unit not in units:
-            yield Fault("unit", f"is none of {self.quantity}: must be {', '.join(units)}")
-        signs: tuple[str, ...] = SIGNS.get(kind, ())
+        kind, signs = self.kind, SIGNS.get(self.kind, ())
+        if self.unit is not None and self.unit not in self.units:
+            yield Fault("unit", f"is none of {self.quantity}: must be {', '.join(self.units)}")
         if self.positive is not None and self.positive not in signs:
             allowed = " or ".join(f'"{s}"' for s in signs)
             yield Fault("positive", f"must be {allowed}" if signs else f"has no place: {self.quantity} has one sign")
@@ -94,7 +90,7 @@ class ChannelSection(Section, header="[[channels]]"):
             for key in given:
                 yield Fault(key, "is for alignment and level only")
         elif len(given) != 1:
-            which = f"has {' and '.join(given)}" if given else "does not say how it was measured"
+            which = f"has {' and '.join(given)}" if given else "has no measuring system"
             yield Fault((), f'{which}: must be one of chord_m = [4, 6], band = "D1" or band_m = [3, 25]')
         if self.band_m is not None and not self.band_m[0] < self.band_m[1]:
             yield Fault("band_m", "must be two rising wavelengths")
@@ -104,13 +100,21 @@ class ChannelSection(Section, header="[[channels]]"):
             yield Fault("with_curvature", "is for alignment only")
 
     @property
+    def kind(self) -> str:
+        """The quantity without its rail."""
+        return quantity_kind(self.quantity)
+
+    @property
+    def units(self) -> dict[str, float]:
+        """Units that the column may have and their size, the usual one first."""
+        return UNITS.get(self.kind, LENGTHS)
+
+    @property
     def factor(self) -> float:
         """From the column's numbers to SI units and our signs."""
-        kind = quantity_kind(self.quantity)
-        units = UNITS.get(kind, LENGTHS)
-        unit: str = self.unit or next(iter(units))
-        factor = units[unit] * (self.base if kind == "twist" and unit in SLOPES else 1.0)
-        return -factor if kind in SIGNS and self.positive == SIGNS[kind][1] else factor
+        unit: str = self.unit or next(iter(self.units))
+        factor = self.units[unit] * (self.base if self.kind == "twist" and unit in SLOPES else 1.0)
+        return -factor if self.kind in SIGNS and self.positive == SIGNS[self.kind][1] else factor
 
     @property
     def base(self) -> float:
@@ -127,17 +131,14 @@ class ChannelSection(Section, header="[[channels]]"):
         """What measured alignment or level; None of the other quantities."""
         if self.chord_m is not None:
             return Chord(*self.chord_m)
-        if self.band is not None or self.band_m is not None:
-            return Inertial(*(BANDS[self.band] if self.band is not None else self.band_m or (0.0, 0.0)))
-        return None
+        band = self.band_m if self.band is None else BANDS[self.band]
+        return None if band is None else Inertial(*band)
 
     def words(self) -> str:
-        """What it is, in words."""
-        units = UNITS.get(quantity_kind(self.quantity), LENGTHS)
-        parts = [self.quantity.replace("_", " "), f"in {self.unit or next(iter(units))}"]
-        signs = SIGNS.get(quantity_kind(self.quantity))
-        if signs:
-            parts.append(f"positive: {self.positive or signs[0]}")
+        """Quantity, unit, sign and measuring system, for tables."""
+        parts = [self.quantity.replace("_", " "), f"in {self.unit or next(iter(self.units))}"]
+        if self.kind in SIGNS:
+            parts.append(f"positive: {self.positive or SIGNS[self.kind][0]}")
         if self.chord_m is not None:
             parts.append(f"chord {self.chord_m[0]:g} + {self.chord_m[1]:g} m")
         elif isinstance(self.system, Inertial):
@@ -160,7 +161,6 @@ class ColumnsFile(Section, header="a column map"):
     """The columns that are used."""
 
     def consistency(self) -> Iterator[Fault]:
-        """A distance, something to lay a track of, nothing twice."""
         seen: dict[tuple[str, MeasuringSystem], int] = {}
         for i, c in enumerate(self.channels):
             other = seen.setdefault((c.quantity, c.system), i)
@@ -179,7 +179,7 @@ class ColumnsFile(Section, header="a column map"):
 
 
 def read_columns_file(path: Path) -> ColumnsFile:
-    """A column map. Raises InputError with file, line and key."""
+    """Read a column map. Raises InputError with file, line and key."""
     return check_section(ColumnsFile, *opened(path, "column map"))
 
 
@@ -192,12 +192,14 @@ GUESSES: tuple[tuple[str, str], ...] = (
     ("alignment", r"align|richtung|dressage|lateral"),
     ("level", r"level|vertical|profile|l(ae|ä)ngsh|nivell|surface|^top"),
 )
-"""Quantities and what their columns are called; the first that fits."""
+"""Quantities and patterns of their columns' names; the first that fits."""
 
 
 def guessed(header: Sequence[str], where: str, chord: Sequence[float] | None, band: str | None) -> list[dict[str, Any]]:
-    """Channels (tables of a column map) from the names of columns; chord [m] and band: of alignment and level, where
-    their names do not say it. where: file and line of the header. Raises InputError for a unit that is unknown.
+    """Channels (tables of a column map) from the names of columns.
+
+    chord [m], band: of alignment and level without a band in their names; where: file and line of the header. Raises
+    InputError for an unknown unit.
     """
     found: list[dict[str, Any]] = []
     for name in header:
@@ -221,10 +223,8 @@ def guessed(header: Sequence[str], where: str, chord: Sequence[float] | None, ba
         if unit is not None:
             units = UNITS.get(quantity, LENGTHS)
             if unit not in units:
-                allowed = f"{', '.join(units)}{suggest(unit, list(units))}"
-                raise InputError(
-                    f"{where}: column '{name}': unit '{unit}' is unknown for {quantity}: must be {allowed}"
-                )
+                must = f"must be {', '.join(units)}{suggest(unit, list(units))}"
+                raise InputError(f"{where}: column '{name}': unit '{unit}' is unknown for {quantity}: {must}")
             own["unit"] = unit
         found.append(own)
     return found

@@ -1,12 +1,11 @@
-"""What was designed: straights, transitions and arcs that come nearest to recorded curvature and cant.
+"""The design of a recorded line: straights, transitions and arcs nearest to recorded curvature and cant.
 
 Transitions are clothoids, on which both run straight, or Bloss curves, 3 x^2 - 2 x^3. First pieces of straight lines
 are laid through the smoothed records so that the sum of their squared distances and a price for each piece is least
 (dynamic programming). Steep pieces are transitions, the rest straights and arcs. Then the ends of every transition, and
-the values before and behind it, are fitted by least squares (`scipy.optimize.least_squares`) to the smoothed records,
-with the corners smoothed alike, so that the smoothing moves nothing: a ramp x > 0 under a Gaussian of deviation w is x
-Phi(x/w) + w phi(x/w). Of both forms those are taken
-that come nearest, where a change of form along the line has its price.
+the values before and behind it, are fitted by least squares to the smoothed records, with the corners smoothed alike,
+so that the smoothing moves nothing: a ramp x > 0 under a Gaussian of deviation w is x Phi(x/w) + w phi(x/w). The forms
+of all transitions are those nearest to the records, where a change of form along the line has its price.
 """
 
 from __future__ import annotations
@@ -31,13 +30,10 @@ NODE = 5.0  # distance of the rows that pieces are laid through [m]
 LONGEST_PIECE = 2000.0  # [m]; longer straights and arcs are put together from several
 PRICE = 120.0  # price of a piece in squares of the records' noise
 LAG = 20.0  # distance over which the noise is separated from the records' bends [m]
-LEAST_CURVATURE, LEAST_CANT = 4e-5, 6e-3
-"""What is no change of curvature [1/m] and cant [m], however quiet the records are: a radius of 25 km is straight."""
+LEAST_CURVATURE, LEAST_CANT = 4e-5, 6e-3  # least change of curvature [1/m] and cant [m]: a radius of 25 km is straight
 QUIETEST = (2e-6, 2e-4)  # least noise that is believed [1/m, m]
 SHORTEST = 2.0  # shortest transition, straight or arc [m]
-CHANGE = 30.0
-"""Price of another form than that of the transition before, in half squares of the records' noise: on one line forms
-change seldom."""
+CHANGE = 30.0  # price of another form than that of the transition before, in half squares of the records' noise
 REACH = 200.0  # how far before and behind a transition the records are fitted [m]
 
 
@@ -96,9 +92,8 @@ def _pieces(nodes: Array, rows: Array) -> list[tuple[int, int]]:
     n, x = nodes.size, nodes - nodes[0]
     most = max(3, round(LONGEST_PIECE / (nodes[1] - nodes[0]))) if n > 1 else 1
     sums = [np.concatenate(([0.0], np.cumsum(v))) for v in (np.ones(n), x, x * x)]
-    own = [
-        [np.concatenate(([0.0], np.cumsum(v))) for v in (r, r * x, r * r)] for r in rows - rows.mean(axis=1)[:, None]
-    ]
+    centred = rows - rows.mean(axis=1)[:, None]
+    own = [[np.concatenate(([0.0], np.cumsum(v))) for v in (r, r * x, r * r)] for r in centred]
     best, before = np.full(n + 1, np.inf), np.zeros(n + 1, dtype=int)
     best[0] = 0.0
     for j in range(1, n + 1):
@@ -121,7 +116,7 @@ def _pieces(nodes: Array, rows: Array) -> list[tuple[int, int]]:
 
 
 def _plateaus(distance: Array, records: Array, noise: Array, pieces: list[tuple[float, float]]) -> list[Plateau]:
-    """The level ones of the pieces; neighbours that differ by nothing are one."""
+    """The level ones of the pieces; equal neighbours are one."""
     enough = np.maximum(5.0 * noise, (LEAST_CURVATURE, LEAST_CANT))
     found: list[Plateau] = []
     hand = 0.0
@@ -160,7 +155,7 @@ def _plateaus(distance: Array, records: Array, noise: Array, pieces: list[tuple[
 def _refined(
     found: list[Plateau], distance: Array, records: Array, noise: Array, forms: Sequence[Form]
 ) -> list[Plateau]:
-    """The same with the ends of its transitions and the values beside them by least squares."""
+    """The same with the ends of transitions and the values beside them fitted by least squares."""
     windows = [
         (max(0.5 * (p.start + p.end), p.end - REACH), min(0.5 * (q.start + q.end), q.start + REACH))
         for p, q in pairwise(found)
@@ -169,24 +164,20 @@ def _refined(
         [_transition(p, q, distance, records, noise, window, form) for form in forms]
         for (p, q), window in zip(pairwise(found), windows, strict=True)
     ]
-    chosen = [
-        own[i] for own, i in zip(fits, _likeliest(np.array([[fit.off for fit in own] for own in fits])), strict=True)
-    ]
-    ends: list[tuple[float, float]] = []
+    likeliest = _likeliest(np.array([[fit.off for fit in own] for own in fits]))
+    chosen = [own[i] for own, i in zip(fits, likeliest, strict=True)]
+    edges = [0.0]
     levels: list[list[tuple[Array, float]]] = [[] for _ in found]
-    free = 0.0
     for i, (fit, (low, high)) in enumerate(zip(chosen, windows, strict=True)):
-        begin = min(max(fit.begin, free + SHORTEST), distance[-1] - 2.0 * SHORTEST)
+        begin = min(max(fit.begin, edges[-1] + SHORTEST), distance[-1] - 2.0 * SHORTEST)
         end = min(max(begin + fit.length, begin + SHORTEST), distance[-1] - SHORTEST)
-        ends.append((begin, end))
         levels[i].append((fit.before, begin - low))
         levels[i + 1].append((fit.behind, high - end))
-        free = end
+        edges += [begin, end]
+    edges.append(float(distance[-1]))
     taken: list[Form] = ["clothoid", *(fit.form for fit in chosen)]
-    edges = [0.0, *(e for pair in ends for e in pair), float(distance[-1])]
     done = []
-    spans = zip(edges[::2], edges[1::2], strict=True)
-    for p, (start, end), own, form in zip(found, spans, levels, taken, strict=True):
+    for p, start, end, own, form in zip(found, edges[::2], edges[1::2], levels, taken, strict=True):
         weight = np.array([max(w, 1.0) for _, w in own])
         curvature, cant = (weight @ np.array([v for v, _ in own])) / weight.sum()
         level = (0.0, 0.0) if p.is_straight else (float(curvature), float(cant))
@@ -195,10 +186,7 @@ def _refined(
 
 
 def _likeliest(off: Array) -> list[int]:
-    """The form of each transition: of all rows of forms the one that is off least, (transitions, forms).
-
-    Each change from one transition to the next has its price.
-    """
+    """The forms of all transitions with the least sum of ``off`` (transitions, forms) and prices of changes."""
     count = off.shape[1]
     change = CHANGE * (1.0 - np.eye(count))
     total, before = off[0], []
@@ -213,7 +201,7 @@ def _likeliest(off: Array) -> list[int]:
 
 
 class _Fit(NamedTuple):
-    """A transition: start and length [m], values (curvature, cant) before and behind it, sum of the squares left."""
+    """A transition: start and length [m], values (curvature, cant) before and behind it, sum of squared residuals."""
 
     form: Form
     begin: float
@@ -236,7 +224,6 @@ def _transition(
         return _Fit(form, p.end, length, own[0], own[1], np.inf)
 
     def levels(x: Array) -> Array:
-        """(2, channels), of straights nothing."""
         return np.asarray(x[2:].reshape(2, 2) * held[:, None])
 
     def off(x: Array) -> Array:
@@ -245,10 +232,9 @@ def _transition(
         return np.asarray((before[:, None] + (behind - before)[:, None] * part - rows).ravel())
 
     start = np.concatenate(([p.end, length], (own / noise).ravel()))
-    low = np.concatenate(([window[0] - SMOOTHING, SHORTEST], np.full(4, -np.inf)))
-    high = np.concatenate(
-        ([window[1] + SMOOTHING, max(window[1] - window[0], SHORTEST) + SHORTEST], np.full(4, np.inf))
-    )
+    longest = max(window[1] - window[0], SHORTEST) + SHORTEST
+    low = np.array([window[0] - SMOOTHING, SHORTEST, *[-np.inf] * 4])
+    high = np.array([window[1] + SMOOTHING, longest, *[np.inf] * 4])
     best = least_squares(off, np.clip(start, low + 1e-6, high - 1e-6), bounds=(low, high))
     before, behind = levels(best.x) * noise
     return _Fit(form, float(best.x[0]), float(best.x[1]), before, behind, float(best.cost))
@@ -258,15 +244,14 @@ HERMITE = np.polynomial.hermite_e.hermegauss(12)  # places and weights of a mean
 
 
 def _part(x: Array, length: float, form: Form) -> Array:
-    """How far a transition from 0 to its length [m] has gone over at x, under the Gaussian."""
-    if form == "clothoid":
-        return np.asarray((_ramp(x) - _ramp(x - length)) / length)
-    places, weights = HERMITE
-    u = np.clip((x[:, None] + SMOOTHING * places) / length, 0.0, 1.0)
-    return np.asarray(u * u * (3.0 - 2.0 * u) @ weights / weights.sum())
+    """Share of a transition from 0 to its length [m] at x, smoothed by the Gaussian."""
+    if form == "bloss":
+        places, weights = HERMITE
+        u = np.clip((x[:, None] + SMOOTHING * places) / length, 0.0, 1.0)
+        return np.asarray(u * u * (3.0 - 2.0 * u) @ weights / weights.sum())
 
+    def ramp(x: Array) -> Array:
+        z = x / SMOOTHING
+        return np.asarray(x * ndtr(z) + SMOOTHING * np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi))
 
-def _ramp(x: Array) -> Array:
-    """max(x, 0) under the Gaussian."""
-    z = x / SMOOTHING
-    return np.asarray(x * ndtr(z) + SMOOTHING * np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi))
+    return np.asarray((ramp(x) - ramp(x - length)) / length)

@@ -24,9 +24,9 @@ FEWEST = 40  # rows that a recording has at least
 
 @dataclass(frozen=True, eq=False)
 class TrackRecording:
-    """start: distance of the first row [m]; step: between rows [m]; channels with their records (n,), in SI units and
-    with our signs (`docs/recording.md`); lines: of the rows in the file; guessed: columns whose meaning comes from
-    their names; unused: the other columns.
+    """start: distance of the first row [m]; step: between rows [m]; records: channels with their values (n,) in SI
+    units and our signs (`docs/recording.md`); guessed: whether the columns' meaning comes from their names; unused:
+    the other columns.
     """
 
     path: Path
@@ -44,7 +44,7 @@ class TrackRecording:
 
     @property
     def length(self) -> float:
-        """[m]."""
+        """From the first to the last row [m]."""
         return float(self.distance[-1])
 
     def of(self, quantity: str) -> list[tuple[ChannelSection, Array]]:
@@ -78,26 +78,31 @@ def read_recording(
         found = guessed(header, where, chord, band)
         if not any(c["quantity"] == "distance" for c in found):
             raise InputError(
-                f"{where}: no column looks like a distance; a column map says which is ({path.stem}.toml beside it, or "
-                f"--columns): {', '.join(header)}"
+                f"{where}: no column looks like a distance; write a column map ({path.stem}.toml beside it, or "
+                f"--columns) for: {', '.join(header)}"
             )
         for guess in found:
             if guess["quantity"].startswith(("alignment", "level")) and not {"band", "chord_m"} & set(guess):
                 raise InputError(
-                    f"{where}: column '{guess['column']}': measured by a chord or inertially? Say "
+                    f"{where}: column '{guess['column']}': measured by a chord or inertially? Give "
                     "--chord-m BEHIND AHEAD or --band D1, or write a column map"
                 )
-        chosen = check_section(ColumnsFile, {"channels": found}, lambda key: _place(where, found, key))
+
+        def place(key: tuple[str | int, ...]) -> str:
+            number = next((k for k in key if isinstance(k, int)), None)
+            return where if number is None else f"{where}: column '{found[number]['column']}'"
+
+        chosen = check_section(ColumnsFile, {"channels": found}, place)
     values = {
         c.column: _numbers(path, header.index(c.column), c.column, rows, numbers, decimal) for c in chosen.channels
     }
     along = next(c for c in chosen.channels if c.quantity == "distance")
     distance = values[along.column] * along.factor
-    low, high = (-np.inf if part[0] is None else part[0]), (np.inf if part[1] is None else part[1])
+    low, high = (end if own is None else own for own, end in zip(part, (-np.inf, np.inf), strict=True))
     inside = np.flatnonzero((distance >= low) & (distance <= high))
     if inside.size < FEWEST:
-        asked = "" if part == (None, None) else f" from {low:g} to {high:g} m"
-        few = f"the table ends after {inside.size} rows{asked}; needs at least {FEWEST}"
+        within = "" if part == (None, None) else f" from {low:g} to {high:g} m"
+        few = f"the table ends after {inside.size} rows{within}; needs at least {FEWEST}"
         raise InputError(f"{path}:{numbers[-1]}: {few}")
     first, last = int(inside[0]), int(inside[-1]) + 1
     distance, lines = distance[first:last], numbers[1:][first:last]
@@ -106,7 +111,7 @@ def read_recording(
     for c in measured:
         bad = np.flatnonzero(~np.isfinite(values[c.column][first:last]))
         if bad.size:
-            at = int(bad[0])
+            at = bad[0]
             raise InputError(
                 f"{path}:{lines[at]}: column '{c.column}': is empty, a gap at {distance[at]:g} m: filters need "
                 f"every row; take a part without gaps{_longest(distance, values, measured, first, last)}"
@@ -114,21 +119,10 @@ def read_recording(
     step = (distance[-1] - distance[0]) / (distance.size - 1)
     even = distance[0] + step * np.arange(distance.size)
     uneven = np.abs(even - distance).max() > 1e-3 * step
-    records = []
-    for c in measured:
-        record = values[c.column][first:last] * c.factor
-        records.append((c, np.asarray(CubicSpline(distance, record)(even)) if uneven else record))
-    used = {c.column for c in chosen.channels}
-    return TrackRecording(
-        path, chosen, float(distance[0]), float(step), tuple(records), columns is None,
-        tuple(name for name in header if name not in used),
-    )  # fmt: skip
-
-
-def _place(where: str, found: list[dict[str, object]], key: tuple[str | int, ...]) -> str:
-    """File and line of the header, and the column that a fault of a guess is about."""
-    number = next((k for k in key if isinstance(k, int)), None)
-    return where if number is None else f"{where}: column '{found[number]['column']}'"
+    si = [(c, values[c.column][first:last] * c.factor) for c in measured]
+    records = tuple((c, np.asarray(CubicSpline(distance, r)(even)) if uneven else r) for c, r in si)
+    unused = tuple(name for name in header if name not in values)
+    return TrackRecording(path, chosen, float(distance[0]), float(step), records, columns is None, unused)
 
 
 def _table(path: Path) -> tuple[list[str], list[list[str]], list[int], str]:

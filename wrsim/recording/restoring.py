@@ -1,8 +1,8 @@
 """From a recording to the track: its design, and where each rail lies beside it.
 
-What the design alone would leave in a record is taken off before the record is undone: the versine of a curve, the
-ramps of cant under one rail's level. Alignment of many cars is freed of the curve already; whether it is, the record
-itself shows."""
+The share of the design in a record is taken off before the record is inverted: the versine of a curve, the ramps of
+cant under one rail's level. Alignment of many cars is free of the curve already; the record itself shows whether it is.
+"""
 
 from __future__ import annotations
 
@@ -15,17 +15,16 @@ from numpy.typing import NDArray
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc, Laws, Segment, Straight, Transition, laws
 from wrsim.geometry.track.track import RAIL_HEAD_WIDTH, ROUNDING
-from wrsim.recording.columns import ChannelSection, quantity_kind
+from wrsim.recording.columns import ChannelSection
 from wrsim.recording.design import FORMS, Form, Plateau, fit_design
 from wrsim.recording.reading import TrackRecording
-from wrsim.recording.systems import SKIRTS, Chord, InverseFilter, Plain, ShapeSystem, filtered
+from wrsim.recording.systems import SKIRTS, Chord, Complex, InverseFilter, Plain, ShapeSystem, filtered
 
 Array = NDArray[np.float64]
 
 SIDES = {"_left": 1.0, "_right": -1.0}
 LEAST_WIDENING = 1.5e-3  # mean gauge of an arc beyond the nominal one that counts as designed [m]
-LARGEST_SPREAD = 0.15
-"""Largest standard deviation of a curve's share in a record of alignment with which that says if it is there."""
+LARGEST_SPREAD = 0.15  # largest standard deviation of a curve's share in a record of alignment that decides
 UNDECIDED = (0.3, 0.7)  # shares that decide nothing
 
 
@@ -33,8 +32,8 @@ UNDECIDED = (0.3, 0.7)  # shares that decide nothing
 class Restored:
     """A recorded track.
 
-    plateaus: straights and arcs; segments, law: the design as it is laid; lateral, vertical: of the left and right rail
-    beside it, to the left and up, (2, n) [m]; inverses: how each record was undone; notes: what a user should know.
+    plateaus: straights and arcs; segments, law: the design as laid; lateral, vertical: of the left and right rail
+    beside it, to the left and up, (2, n) [m]; inverses: filters of the records; notes: for the user.
     """
 
     recording: TrackRecording
@@ -48,10 +47,9 @@ class Restored:
 
     @property
     def longest(self) -> float:
-        """Longest finite wavelength that any record was undone to [m]: so far its ends reach into it."""
-        return max(
-            (float(i.kept()[-1, 1]) for _, i in self.inverses if len(i.kept()) and np.isfinite(i.band[1])), default=0.0
-        )
+        """Longest finite wavelength of the inverted records [m]: so far their ends reach inward."""
+        bands = [i.kept() for _, i in self.inverses if np.isfinite(i.band[1])]
+        return max((float(kept[-1, 1]) for kept in bands if len(kept)), default=0.0)
 
 
 def restore(
@@ -60,8 +58,8 @@ def restore(
     """Design and irregularities; band: wavelengths of these [m]; amplification: see `InverseFilter`;
     forms: of transitions that may be.
 
-    Raises InputError for a band that the rows do not resolve, a recording shorter than two of the longest waves, and a
-    sign of alignment that is opposite to that of curvature.
+    Raises InputError for a band that the rows do not resolve, a recording shorter than two of the longest waves, and
+    opposite signs of alignment and curvature.
     """
     step, s = recording.step, recording.distance
     if band[0] < 4.0 * step:
@@ -76,23 +74,26 @@ def restore(
         )
     work = _Work(recording, band, amplification, [], [])
     gauge = recording.columns.gauge_mm / 1e3
-    off_gauge = work.first("gauge", -gauge)
-    if off_gauge is None:
-        off_gauge = work.first("gauge_deviation")
+    off_gauge = work.first("gauge_deviation") if work.first("gauge") is None else work.first("gauge") - gauge
     curvature, spread = work.curvature()
     cant = work.first("cant")
     plateaus = fit_design(s, curvature, np.zeros(s.size) if cant is None else cant, spread, forms)
     segments = _segments(plateaus, s, off_gauge)
     try:
         law = laws(segments, gauge, ROUNDING)
-    except InputError as error:  # rows that are no track's
+    except InputError as error:
         ends = f"{s[0]:g} to {s[-1]:g} m"
         raise InputError(f"{recording.path}: {ends}: no track's design follows from these rows: {error}") from None
     design = _Design(law.curvature(s), law.cant(s), law.widening(s))
-    _check_hands(plateaus, work.notes)
+    arcs = [p for p in plateaus if not p.is_straight and abs(p.cant) > 0.01]
+    outward = sum(p.cant * p.curvature < 0.0 for p in arcs)
+    if 2 * outward > len(arcs):
+        work.notes.append(
+            f"the cant leans outward in {outward} of {len(arcs)} curves: is the sign of curvature or cant another?"
+        )
 
-    wide = None if off_gauge is None else work.undone_plain(off_gauge - design.widening, ("gauge", "gauge_deviation"))
-    cross = None if cant is None else work.undone_plain(cant - design.cant, ("cant",))
+    wide = None if off_gauge is None else work.undone_plain(off_gauge - design.widening, "gauge", "gauge_deviation")
+    cross = None if cant is None else work.undone_plain(cant - design.cant, "cant")
     twist = recording.of("twist")
     if twist and cant is not None:
         base = twist[0][0].base
@@ -117,7 +118,7 @@ class _Design:
 
 @dataclass(frozen=True)
 class _Work:
-    """What records are undone with, and what is said about it."""
+    """Settings of the inversion, and its filters and notes so far."""
 
     recording: TrackRecording
     band: tuple[float, float]
@@ -125,10 +126,10 @@ class _Work:
     inverses: list[tuple[ChannelSection, InverseFilter]]
     notes: list[str]
 
-    def first(self, quantity: str, add: float = 0.0) -> Array | None:
+    def first(self, quantity: str) -> Array | None:
         """The record of a quantity that is measured as it is."""
         found = self.recording.of(quantity)
-        return found[0][1] + add if found else None
+        return found[0][1] if found else None
 
     def curvature(self) -> tuple[Array, float]:
         """The recorded curvature, or that of the alignment's versines, and the deviation over which it was measured."""
@@ -155,21 +156,17 @@ class _Work:
         return record[ends : record.size - ends]
 
     def undone(self, channel: ChannelSection, record: Array, design: Array) -> Array:
-        """The shape that a record is of; design: what the design leaves in it."""
-        inverse = self._inverse(channel)
+        """The shape that a record is of; design: its share in the record."""
+        inverse = InverseFilter(channel.system, self.band, self.amplification)
+        self.inverses.append((channel, inverse))
         return filtered(record - design, self.recording.step, inverse.response, SKIRTS[1] * self.band[1])
 
-    def undone_plain(self, record: Array, quantities: tuple[str, ...]) -> Array:
-        """What is left of gauge and cant: all waves but the shortest."""
+    def undone_plain(self, record: Array, *quantities: str) -> Array:
+        """Gauge and cant: all waves but the shortest."""
         channel = next(c for c, _ in self.recording.records if c.quantity in quantities)
         inverse = InverseFilter(Plain(), (self.band[0], np.inf), self.amplification)
         self.inverses.append((channel, inverse))
         return filtered(record, self.recording.step, inverse.response, 4.0 * self.band[0])
-
-    def _inverse(self, channel: ChannelSection) -> InverseFilter:
-        found = InverseFilter(channel.system, self.band, self.amplification)
-        self.inverses.append((channel, found))
-        return found
 
 
 def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights: tuple[float, float]) -> Array:
@@ -216,25 +213,23 @@ def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights
 
 
 def _in_band(work: _Work, kind: str, record: Array) -> Array:
-    """What the systems of alignment or level would know of a record."""
-    inverses = {i.system: i for c, i in work.inverses if quantity_kind(c.quantity) == kind}
-    response = [(i, i.system) for i in inverses.values()]
-    return filtered(
-        record,
-        work.recording.step,
-        lambda k: np.sum([i.response(k) * system.response(k) for i, system in response], axis=0),
-        SKIRTS[1] * work.band[1],
-    )
+    """The share of a record that the systems of alignment or level measure and their inverses return."""
+    inverses = {i.system: i for c, i in work.inverses if c.kind == kind}.values()
+
+    def response(k: Array) -> Complex:
+        return np.asarray(np.sum([i.response(k) * i.system.response(k) for i in inverses], axis=0))
+
+    return filtered(record, work.recording.step, response, SKIRTS[1] * work.band[1])
 
 
 def _left_by_design(work: _Work, channel: ChannelSection, system: ShapeSystem, record: Array, design: _Design) -> Array:
-    """What the design leaves in a record of alignment or level, which this system measured."""
+    """The share of the design in a record of alignment or level of this system."""
     reach, step = system.reach, work.recording.step
     side = next((sign for end, sign in SIDES.items() if channel.quantity.endswith(end)), 0.0)
     # systems measure in the plane of the rails and across it: cant turns a share of the curve upward
     base = (work.recording.columns.cant_base_mm or work.recording.columns.gauge_mm + 1e3 * RAIL_HEAD_WIDTH) / 1e3
     roll = np.arcsin(design.cant / base)
-    if quantity_kind(channel.quantity) == "level":
+    if channel.kind == "level":
         up = filtered(design.curvature * np.sin(roll), step, system.of_curvature, reach, held=True)
         return up + side * filtered(-0.5 * design.cant, step, system.response, reach, held=True)
     left = side * filtered(0.5 * design.widening, step, system.response, reach, held=True)
@@ -254,7 +249,7 @@ def _holds_curve(work: _Work, channel: ChannelSection, record: Array, curve: Arr
     alike = 0.25 * work.band[1] / work.recording.step
     if size == 0.0 or _rms(record - share * curve) * np.sqrt(alike / size) > LARGEST_SPREAD:
         return True
-    name, key = f"column '{channel.column}'", "with_curvature = true or false in its [[channels]] says it"
+    name, key = f"column '{channel.column}'", "give with_curvature = true or false in its [[channels]]"
     if share < -UNDECIDED[0]:
         raise InputError(
             f"{work.recording.path}: {name} holds {share:.2f} of the versine of its curves: the sign of alignment, or "
@@ -280,15 +275,6 @@ def _segments(plateaus: tuple[Plateau, ...], s: Array, off_gauge: Array | None) 
         widening = widening if widening > LEAST_WIDENING else 0.0
         found.append(Arc(p.end - p.start, 1.0 / p.curvature, float(p.cant * np.sign(p.curvature)), widening))
     return tuple(found)
-
-
-def _check_hands(plateaus: tuple[Plateau, ...], notes: list[str]) -> None:
-    arcs = [p for p in plateaus if not p.is_straight and abs(p.cant) > 0.01]
-    outward = [p for p in arcs if p.cant * p.curvature < 0.0]
-    if arcs and 2 * len(outward) > len(arcs):
-        notes.append(
-            f"the cant leans outward in {len(outward)} of {len(arcs)} curves: is the sign of curvature or cant another?"
-        )
 
 
 def _rms(values: Array) -> float:

@@ -1,4 +1,4 @@
-"""What a recording car's systems make of the shape of a rail, over its wavelengths, and how that is undone.
+"""The transfer functions of a recording car's systems over the wavelength, and their inverse.
 
 A system is linear: a wave of wave number k [rad/m] in the shape y(s) has in the record the amplitude H(k), a complex
 number. A chord from s - a to s + b measures the versine
@@ -8,17 +8,15 @@ number. A chord from s - a to s + b measures the versine
 Waves of which a and b are both whole multiples have no versine at all (H = 0): they are lost. A difference over a base
 l (twist) has H = 1 - exp(-i k l). An inertial system gives the shape itself within a band of wavelengths.
 
-Undone is a record by 1 / H, where 1.1 / |H| is not above the largest amplification that is allowed; where |H| is less,
-down to a third, the inverse fades to nothing. So no wave of the record, and none of its noise, is enlarged by more than
-that. The slower something fades over the wavelengths, the shorter is what it makes of the record's unknown
-continuation.
+A record is inverted by 1 / H, where 1.1 / |H| is not above the largest amplification allowed; where |H| is less, down
+to a third, the inverse fades to nothing. So no wave of the record, and none of its noise, is enlarged by more. The
+slower a filter fades over the wavelengths, the less far reaches the record's unknown continuation.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,24 +37,6 @@ PADDING = 4.0  # how far a record is continued at its ends for filtering, in lon
 COUNTED = 4000  # wavelengths at which an inverse is looked at for what it does
 
 
-class MeasuringSystem(Protocol):
-    """A measuring system."""
-
-    def response(self, k: Array) -> Complex:
-        """H(k) at wave numbers [rad/m]."""
-
-
-class ShapeSystem(MeasuringSystem, Protocol):
-    """A system that measures the shape of a rail."""
-
-    @property
-    def reach(self) -> float:
-        """How far the track reaches into its record [m]."""
-
-    def of_curvature(self, k: Array) -> Complex:
-        """What it makes of a curvature y'' [1/m]: -H(k) / k^2 [m2], at k = 0 its limit."""
-
-
 @dataclass(frozen=True)
 class Chord:
     """A chord that reaches a behind the measuring point and b ahead of it [m]."""
@@ -66,13 +46,16 @@ class Chord:
 
     @property
     def reach(self) -> float:
+        """How far the track reaches into its record [m]."""
         return self.behind + self.ahead
 
     def response(self, k: Array) -> Complex:
+        """H(k) at wave numbers [rad/m]."""
         a, b = self.behind, self.ahead
         return np.asarray(1.0 - (b * np.exp(-1j * k * a) + a * np.exp(1j * k * b)) / (a + b))
 
     def of_curvature(self, k: Array) -> Complex:
+        """Response to a curvature y'' [1/m]: -H(k) / k^2 [m2], at k = 0 its limit."""
         a, b = self.behind, self.ahead
         series = -0.5 * a * b + 1j * k * a * b * (a - b) / 6.0  # of long waves, where the difference loses its digits
         short = k * (a + b) > 1e-3
@@ -93,8 +76,8 @@ class BaseDifference:
 class Inertial:
     """The shape within a band of wavelengths [m].
 
-    By two Butterworth filters of fourth order, run forward and back so that nothing moves: half of it at the borders.
-    Other cars' filters differ beyond the borders, where curves leave most of theirs.
+    By two Butterworth filters of fourth order, run forward and back for zero phase: half of it at the borders. Other
+    cars' filters differ beyond the borders, where most of the curves' share lies.
     """
 
     short: float
@@ -120,9 +103,13 @@ class Plain:
         return np.ones(k.shape, dtype=complex)
 
 
+ShapeSystem = Chord | Inertial  # measures the shape of a rail
+MeasuringSystem = ShapeSystem | BaseDifference | Plain
+
+
 @dataclass(frozen=True)
 class InverseFilter:
-    """How the record of a system becomes the shape of the rail.
+    """From the record of a system to the shape of the rail.
 
     band: wavelengths wanted [m], the longer may be infinite; amplification: largest factor of a wave of the record.
     """
@@ -132,7 +119,7 @@ class InverseFilter:
     amplification: float
 
     def response(self, k: Array) -> Complex:
-        """What it makes of a wave of the record."""
+        """Factor of a wave of the record at wave numbers [rad/m]."""
         wanted = band_window(k, self.band)
         if isinstance(self.system, Inertial | Plain):
             return wanted.astype(complex)
@@ -142,12 +129,13 @@ class InverseFilter:
         return np.where(size > 0.0, wanted * known / np.where(size > 0.0, h, 1.0), 0.0)
 
     def kept(self) -> Array:
-        """Ranges of wavelengths that come back as they are, (n, 2) [m], the shortest first."""
+        """Ranges of wavelengths that come back unchanged, (n, 2) [m], the shortest first."""
         lengths = self._wavelengths()
-        k = 2.0 * np.pi / lengths
-        whole = np.abs(self.response(k) * self.system.response(k)) > 1.0 - 1e-9
         if isinstance(self.system, Inertial):
             whole = (lengths >= self.system.short) & (lengths <= self.system.long)
+        else:
+            k = 2.0 * np.pi / lengths
+            whole = np.abs(self.response(k) * self.system.response(k)) > 1.0 - 1e-9
         edges = np.flatnonzero(np.diff(np.concatenate(([False], whole, [False])).astype(int)))
         return np.array([(lengths[i], lengths[j - 1]) for i, j in edges.reshape(-1, 2)]).reshape(-1, 2)
 

@@ -212,7 +212,8 @@ def rail_head(
         else:
             end = 0.5 * np.pi - float(np.arctan(side_slope))
         if end <= steepness:
-            words = f"the arc of radius {1e3 * radius:g} mm starts at a slope of {np.degrees(steepness):.4g} degrees"
+            slope = f"it starts at a slope of {np.degrees(steepness):.4g} degrees"
+            words = f"the arc of radius {1e3 * radius:g} mm has no room: {slope}"
             raise InputError(f"profile '{name}': {words}; its half width or the radius before it does not fit")
         right.append(ProfileArc(centre[0], centre[1], radius, -steepness if i else end, -end))
         steepness = end
