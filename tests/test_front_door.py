@@ -140,10 +140,7 @@ def test_a_patch_of_a_run_is_the_one_of_the_nearest_kept_moment(curve: Result) -
         (lambda r: r.patch(60.0), "choose a wheel: left, right"),
         (lambda r: r.patch(60.0, "rigth"), r"wheel = 'rigth': .*did you mean 'right'.*: left, right"),
         (lambda r: r.patch("here", "left"), "must be a distance in m"),
-        (
-            lambda r: r.patch(FIRST, "left", number=9),
-            "number = 9: the left wheel has",
-        ),
+        (lambda r: r.patch(FIRST, "left", number=9), "number = 9: the left wheel has"),
         (lambda r: r.wheelset("front"), "no wheelset is called 'front'.*there are wheelset"),
         (lambda r: r.plot("Yq"), "neither a picture nor a channel.*pictures: overview.*channels: .*Y"),
         (lambda r: r.to_dataframe("front"), "no wheelset is called 'front'"),

@@ -6,7 +6,7 @@ from math import pi, sqrt, tan
 
 import numpy as np
 import pytest
-from support.commands import call
+from support.commands import ok, refusal
 from support.scenario_texts import CURVE
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 from support.vehicles import shipped
@@ -36,8 +36,6 @@ def gain(filtered, frequency: float) -> float:
 
 
 # --- filters ------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("cut_off", [6.0, 20.0, 100.0])
 def test_a_low_pass_is_down_3_dB_at_its_cut_off_and_falls_24_dB_an_octave(cut_off):
     def filtered(signal):
@@ -75,8 +73,6 @@ def test_a_result_sampled_too_slowly_for_a_filter_is_told_how_fast():
 
 
 # --- sliding values -----------------------------------------------------------------------------------------
-
-
 def test_a_sliding_mean_is_the_integral_of_the_line_through_the_samples():
     distance = np.cumsum(np.linspace(0.01, 0.05, 2000))  # not uniform
     middles = windows(distance, 2.0, 0.5)
@@ -98,8 +94,6 @@ def test_the_rms_of_a_sine_over_whole_waves_is_its_amplitude_over_root_2():
 
 
 # --- sections -----------------------------------------------------------------------------------------------
-
-
 def test_track_is_cut_into_sections_of_its_classes():
     found = sections_of(run(900.0, curvature=curve(-500.0)).dataset)
     assert [s.zone for s in found] == [
@@ -124,8 +118,6 @@ def test_classes_of_curves(radius, zone):
 
 
 # --- quantities ---------------------------------------------------------------------------------------------
-
-
 def only(found: Assessment, key: str, wheel: str = "") -> float:
     """The value of a quantity that there is once."""
     (value,) = [v for v in found.of(key) if v.wheel == wheel]
@@ -361,8 +353,6 @@ def test_an_estimated_maximum_is_mean_plus_three_deviations_over_the_sections():
 
 
 # --- derailment ---------------------------------------------------------------------------------------------
-
-
 def test_nadals_limit_in_closed_form():
     assert nadal_limit(np.radians(70.0), 0.0) == pytest.approx(tan(np.radians(70.0)))
     assert nadal_limit(np.radians(70.0), 0.36) == pytest.approx(tan(np.radians(70.0) - np.arctan(0.36)))
@@ -423,8 +413,6 @@ def test_a_wheel_pushed_sideways_without_load_is_beyond_any_limit():
 
 
 # --- limits -------------------------------------------------------------------------------------------------
-
-
 def test_limits_are_those_of_the_standards():
     assert limits.track_shift(120e3, "passenger").value == pytest.approx(50e3)
     assert limits.track_shift(120e3, "freight").value == pytest.approx(42.5e3)
@@ -439,8 +427,6 @@ def test_limits_are_those_of_the_standards():
 
 
 # --- files, command, errors ---------------------------------------------------------------------------------
-
-
 def test_the_command_leaves_tables_and_pictures(tmp_path):
     run(
         400.0,
@@ -448,8 +434,7 @@ def test_the_command_leaves_tables_and_pictures(tmp_path):
         y=lambda s: (0.0 * s, 30e3 * curve(1.0, 100.0, 50.0, 100.0)(s)),
         attributes={"scenario_text": "no scenario of ours"},
     ).save(tmp_path / "result.nc")
-    done = call("assess", tmp_path)
-    assert done.exit_code == 0, done.output
+    ok("assess", tmp_path)
     rows = list(csv.DictReader((tmp_path / "assessment.csv").read_text().splitlines()))
     found = json.loads((tmp_path / "assessment.json").read_text())
     assert len(rows) == len(found["values"])
@@ -526,12 +511,9 @@ def test_the_command_assesses_several_runs_as_one(tmp_path):
         (tmp_path / name).mkdir()
         of_radius(radius, 30e3).save(tmp_path / name / "result.nc")
     folders = [str(tmp_path / "slow"), str(tmp_path / "fast" / "result.nc")]
-    refused = call("assess", *folders)
-    assert refused.exit_code == 2 and "-o DIR is missing" in refused.output
-    refused = call("assess", folders[0], tmp_path / "slow" / "result.nc", "-o", tmp_path)
-    assert refused.exit_code == 2 and "given twice" in refused.output
-    done = call("assess", *folders, "-o", tmp_path / "both")
-    assert done.exit_code == 0, done.output
+    assert "-o DIR is missing" in refusal("assess", *folders)
+    assert "given twice" in refusal("assess", folders[0], tmp_path / "slow" / "result.nc", "-o", tmp_path)
+    ok("assess", *folders, "-o", tmp_path / "both")
     found = json.loads((tmp_path / "both" / "assessment.json").read_text())
     assert found["runs"] == ["slow", "fast"] and {s["run"] for s in found["sections"]} == {"slow", "fast"}
     pictures = {p.name for p in (tmp_path / "both").glob("*.png")}

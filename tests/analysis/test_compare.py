@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support.commands import call
+from support.commands import call, ok
 from support.scenario_texts import CURVE, STATIC
 
 from wrsim.analysis.compare import compare, of_wheels, spread_of_differences
@@ -108,8 +108,7 @@ def test_wrong_names_are_one_clear_error(tmp_path, names, words):
 def test_the_command_leaves_tables_and_pictures(tmp_path):
     (tmp_path / "case.toml").write_text(POSES.replace(", -100", ""))
     models = ["--contact", "half-space,kik-piotrowski", "--reference", "half-space"]
-    ended = call("compare", tmp_path / "case.toml", *models, "-o", tmp_path / "out", "--json")
-    assert ended.exit_code == 0, ended.output
+    ended = ok("compare", tmp_path / "case.toml", *models, "-o", tmp_path / "out", "--json")
     report = json.loads(ended.stdout)
     assert report["reference"] == "half-space"
     assert report["models"]["kik-piotrowski"]["differences"]["p0_percent"]["median"] > 5.0

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.special import ellipk
-from support.commands import call
+from support.commands import call, ok
 from support.runs import ROOT
 
 from wrsim.analysis import run
@@ -175,8 +175,7 @@ def test_the_scenario_and_the_command_tell_the_same(tmp_path):
     assert result.summary()["wheelsets"]["wheelset"]["equivalent_conicity"]["3_mm"] == pytest.approx(0.174, abs=2e-3)
     assert len(tables(result.dataset)["conicity"]) == 1 + result.dataset.sizes["amplitude"]
     picture, table = tmp_path / "conicity.png", tmp_path / "conicity.csv"
-    told = call("conicity", "wheels/S1002.toml", "rails/60E1.toml", "--json", "-o", tmp_path)
-    assert told.exit_code == 0, told.output
+    told = ok("conicity", "wheels/S1002.toml", "rails/60E1.toml", "--json", "-o", tmp_path)
     answer = json.loads(told.output)
     values = result.wheelset()["equivalent_conicity"].values
     assert answer["tan_gamma_e"] == pytest.approx(values.tolist(), rel=1e-9)

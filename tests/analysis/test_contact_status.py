@@ -67,20 +67,13 @@ ANALYSES: dict[str, Callable[[], str]] = {
     "equilibrium": lambda: events(run(scenario("equilibrium_s1002.toml"))),
     "curving": lambda: events(run(wheelset("curve_r300.toml", run__distance_m=1.0, output__patches_at_m=[]))),
     "steady": lambda: messages(run(wheelset("steady_manchester.toml", steady__radius_m=600, steady__speed_kmh=80))),
-    "stability": lambda: remarks(
-        run(wheelset("stability_manchester.toml", stability__speed_kmh=60, stability__nonlinear=False))
-    ),
+    "stability": lambda: remarks(run(wheelset("stability_manchester.toml", stability__speed_kmh=60,
+     stability__nonlinear=False))),
     "resolve": lambda: remarks(resolve(solved(), poses(), "kik-piotrowski")),
-    "compare": lambda: " ".join(
-        comparison_report(
-            compare(
-                wheelset("curve_r300.toml", run__distance_m=0.5, output__patches_at_m=[]),
-                ["kik-piotrowski", "kik-piotrowski+polach"],
-            ),
-            "curve",
-        )["models"]["kik-piotrowski"]["remarks"]
-    ),
-}
+    "compare": lambda: " ".join(comparison_report(compare(wheelset("curve_r300.toml", run__distance_m=0.5,
+     output__patches_at_m=[]), ["kik-piotrowski", "kik-piotrowski+polach"]),
+     "curve")["models"]["kik-piotrowski"]["remarks"]),
+}  # fmt: skip
 
 
 def test_every_bit_of_the_kernels_has_words() -> None:

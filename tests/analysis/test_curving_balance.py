@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
-from support.runs import LEADING, STEERING, arc, setup_of, straight, transition
+from support.runs import LEADING, STEERING, arc, setup_of
 
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.scenario.build import Setup
@@ -180,21 +180,3 @@ def test_a_leading_axle_attacks_the_outer_rail_and_spreads_the_track(case):
     # the outer wheel runs on its flange root, whose contact is conformal: it spans many degrees
     assert np.degrees(np.nanmax(curve.both("contact_angle")[1])) > 25.0
     assert np.degrees(np.nanmax(curve.both("contact_angle_variation")[1])) > 25.0
-
-
-def test_a_run_through_a_transition_ends_in_the_steady_motion_found_directly():
-    # Kik-Piotrowski with FaStrip damps the wave of the transition; with FASTSIM this speed is at the stability limit,
-    # and a wave of 7 Hz stays, 0.07 mm wide with blended flexibilities; with strips 0.1 mm are left
-    vehicle, radius, cant, speed = DEFICIENCY
-    values = {"contact.normal": "kik-piotrowski", "contact.tangential": "fastrip"}
-    there, curve = (
-        run_in_time(setup_of(segments, speed, vehicle, start, values | more)).wheelset().isel(time=at)
-        for segments, start, more, at in (
-            ([straight(3.0), transition(20.0), arc(40.0, radius, cant)], 0.0, {}, -3),
-            ([arc(30.0, radius, cant)], 10.0, {"run.distance_m": 0.5}, 0),
-        )
-    )
-    for name in ("lateral_shift", "roll", "Q", "Y", "spin_rate"):
-        found = there[name].values
-        # the last of Klingel's wave is still dying
-        assert found == pytest.approx(curve[name].values, rel=1e-2, abs=1e-2 * np.abs(found).max()), name

@@ -32,8 +32,6 @@ def on_straight(**keys: object) -> Scenario:
 
 
 # --- the frame --------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     "profile",
     [
@@ -138,8 +136,6 @@ def test_without_a_moment_there_are_no_channels_of_drives():
 
 
 # --- runs -------------------------------------------------------------------------------------------------
-
-
 def test_a_run_follows_the_speed_of_its_table():
     rows = [[20, 60], [40, 72]]
     keys = {"vehicle.speed_kmh": {"distance_m_speed_kmh": rows}, "run.distance_m": 50, "vehicle.drive": "wheels"}
@@ -167,8 +163,6 @@ def test_motors_alone_accelerate_the_mass_and_the_turning_wheels():
 
 
 # --- what is refused --------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("line", "said"),
     [

@@ -42,8 +42,6 @@ def ride(*cases: str) -> Result:
 
 
 # --- runs -------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     "cases",
     [
@@ -82,8 +80,6 @@ def test_a_run_that_starts_on_a_grade_is_pulled_by_the_part_of_its_weight():
 
 
 # --- what dampers and friction take -----------------------------------------------------------------------
-
-
 def test_dampers_take_what_does_not_turn_round_with_the_velocities():
     """Springs take a power that changes its sign with all velocities, dampers one that does not."""
     law = on_springs(manchester())

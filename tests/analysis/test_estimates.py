@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from scipy import stats
-from support.commands import call
+from support.commands import ok
 from support.scenario_texts import CURVE, faults
 from support.synthetic_run import run
 
@@ -121,8 +121,7 @@ def test_the_command_tells_and_draws_what_values_depend_on(tmp_path):
     over = 'estimate_over = ["cant_deficiency", "speed"]\nestimate_cant_deficiency_mm = 150\n'
     file.write_text(f"{CURVE}\n[assessment]\n{over}")
     result = run(3000.0, **CANTED).save(tmp_path / "result.nc")
-    told = call("assess", result, "--scenario", file)
-    assert told.exit_code == 0, told.output
+    told = ok("assess", result, "--scenario", file)
     assert "estimated values by regression [mem]" in told.output and "at 150 mm" in told.output
     assert (tmp_path / "assessment_estimates.png").stat().st_size > 10_000
 

@@ -43,8 +43,6 @@ def scenario(**keys: object) -> Scenario:
 
 
 # --- moments ----------------------------------------------------------------------------------------------
-
-
 def test_what_motor_gear_and_axle_take_from_each_other_is_the_rate_of_what_turns():
     vehicle = shipped("manchester_motor")
     (drive, _), moment = vehicle.drives, 8e3
@@ -70,8 +68,6 @@ def test_what_motor_gear_and_axle_take_from_each_other_is_the_rate_of_what_turns
 
 
 # --- laws -------------------------------------------------------------------------------------------------
-
-
 def in_space(name: str, **drive: float) -> VehicleOnTrack:
     """The bodies of a vehicle with their geared motors, which nothing else holds or carries."""
     vehicle = shipped(name)
@@ -154,8 +150,6 @@ def test_between_held_wheelsets_and_a_torque_arm_case_and_hollow_axle_swing_toge
 
 
 # --- reactions --------------------------------------------------------------------------------------------
-
-
 @cache
 def pulling(moment: float) -> tuple[np.ndarray, dict[str, float]]:
     """Q of all wheels (4,) by wheelset and tension of the torque arms, at constant speed against a load at the
@@ -201,8 +195,6 @@ def test_pulling_unloads_the_leading_axle_of_the_bogie_by_the_height_of_its_rod(
 
 
 # --- energy -----------------------------------------------------------------------------------------------
-
-
 def test_work_of_the_motors_is_kinetic_energy_or_lost_in_creep():
     efforts = [
         {"on": [drive.wheelset for drive in shipped("manchester_motor").drives],
@@ -221,8 +213,6 @@ def test_work_of_the_motors_is_kinetic_energy_or_lost_in_creep():
 
 
 # --- runs -------------------------------------------------------------------------------------------------
-
-
 def test_a_run_tells_what_the_hollow_axles_carry():
     efforts = [{"on": ["front.bogie.outer"], "time_s_moment_kNm": [[0, 0], [0.2, 5]]}]
     result = run(scenario(vehicle__drive="free", vehicle__efforts=efforts, run__time_s=1.2))
@@ -238,8 +228,6 @@ def test_a_run_tells_what_the_hollow_axles_carry():
 
 
 # --- bad files --------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("line", "said"),
     [

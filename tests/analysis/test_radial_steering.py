@@ -90,10 +90,7 @@ def test_the_scenario_and_the_command_tell_the_same():
     [
         (["--curve-m", "3"], "--curve-m 3.0: must be"),
         (["--curve-m", "300", "--flange-from-deg", "95"], "--flange-from-deg 95.0: must be"),
-        (
-            ["--curve-m", "300", "--gauges-mm", "1430", "1435", "1"],
-            "no --diameters-mm, -right and --curve-m",
-        ),
+        (["--curve-m", "300", "--gauges-mm", "1430", "1435", "1"], "no --diameters-mm, -right and --curve-m"),
     ],
 )
 def test_curves_that_cannot_be_are_refused(arguments, said):

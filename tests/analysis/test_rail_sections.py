@@ -183,27 +183,17 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"track.rail_sections": [section(5.0, "wheels/S1002.toml"), section(6.0)]}, "a rail profile is needed here"),
     ({"track.rail_sections": [section(5.0, features_mm=[20]), section(6.0)]}, "the first section has 1"),
     ({"track.rail_sections": [section(5.0, features_mm=[900]), section(6.0, features_mm=[20])]}, "features must rise"),
-    (
-        {"track.rail_sections": [section(5.0, features_mm=[0.5]), *(section(s, features_mm=[0]) for s in (6.0, 7.0))]},
-        "is there in 1 sections; it must be there in two or more that follow each other",
-    ),
-    (
-        {"track.rail_sections": [section(s, features_mm=[f]) for s, f in ((4.0, END), (5.0, END), (5.3, 0), (7.0, 0))]},
-        "rail 'left rail': has a gap of 0.3 m from 5 to 5.3 m, where one side of feature 1 has ended",
-    ),
-    (
-        {
-            "track.rail_sections": [
-                section(s, features_mm=f, down_mm=50 if 5.05 < s < 5.25 else 0)
-                for s, f in ((4.0, [END, END]), (5.0, [END, END]), (5.1, [0, END]), (5.2, [0, END]), (5.3, [0, 0]))
-            ]
-        },
-        "rail 'left rail': has a gap of 0.1 m from 5 to 5.1 m",
-    ),
+    ({"track.rail_sections": [section(5.0, features_mm=[0.5]), *(section(s, features_mm=[0]) for s in (6.0, 7.0))]},
+     "is there in 1 sections; it must be there in two or more that follow each other"),
+    ({"track.rail_sections": [section(s, features_mm=[f]) for s, f in ((4.0, END), (5.0, END), (5.3, 0), (7.0, 0))]},
+     "rail 'left rail': has a gap of 0.3 m from 5 to 5.3 m, where one side of feature 1 has ended"),
+    ({"track.rail_sections": [section(s, features_mm=f, down_mm=50 if 5.05 < s < 5.25 else 0) for s, f in ((4.0, [END,
+     END]), (5.0, [END, END]), (5.1, [0, END]), (5.2, [0, END]), (5.3, [0, 0]))]},
+     "rail 'left rail': has a gap of 0.1 m from 5 to 5.1 m"),
     ({"track.rail_sections": [{"at_m": 5.0}, section(6.0)]}, "or give table"),
     ({"track.rail_sections": [section(5.0, table="a.csv"), section(6.0)]}, "cannot stand next to rail"),
     ({"analysis": "equilibrium"}, 'analysis = "equilibrium" knows one profile of each rail'),
-]
+]  # fmt: skip
 
 
 def test_a_fault_between_sections_names_the_file_of_the_scenario_first(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.commands import call
+from support.commands import call, ok, refusal
 from support.runs import SCENARIOS, straight
 from support.waiting import wait_until
 
@@ -287,8 +287,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of an uninterrupted run."""
     folder = tmp_path_factory.mktemp("whole")
     (folder / "short.toml").write_text(load(SCENARIOS / "curve_r300.toml").with_values(KEYS).text)
-    done = call("run", folder / "short.toml", "-o", folder, "-q", "--no-pictures")
-    assert done.exit_code == 0, done.output
+    ok("run", folder / "short.toml", "-o", folder, "-q", "--no-pictures")
     assert not (folder / "result.nc.part").exists()
     return folder
 
@@ -303,16 +302,14 @@ def test_kill_9_then_show_then_resume_gives_the_same_result(whole, tmp_path):
     child.wait()
     assert not (out / "result.nc").exists()
 
-    shown = call("show", out)
-    assert shown.exit_code == 0, shown.output
+    shown = ok("show", out)
     assert "stopped: the run was cut off, its process ended before it did; known up to t = 0." in shown.output
     part, there = recorded(record).dataset, Result.load(whole).dataset
     n = part.sizes["time"] - 1
     assert 10 < n < there.sizes["time"]
     assert np.array_equal(part["Q"].values[:n], there["Q"].values[:n])
 
-    again = call("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
-    assert again.exit_code == 0, again.output
+    ok("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
     assert Result.load(out).dataset.identical(there)
     assert not record.exists()
 
@@ -329,8 +326,7 @@ def test_ctrl_c_while_the_result_is_put_together_loses_nothing(whole, tmp_path, 
     assert done.exit_code == 130
     assert f"interrupted; the run is safe in {out / 'result.nc.part'}: go on with --resume" in done.stderr
     monkeypatch.setattr(BodySystem, "solve", None)  # everything is there
-    again = call("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
-    assert again.exit_code == 0, again.output
+    ok("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
     assert Result.load(out).dataset.identical(Result.load(whole).dataset)
 
 
@@ -351,12 +347,10 @@ def test_an_interrupted_run_goes_on_and_one_that_is_whole_does_not(whole, tmp_pa
     assert stopped.dataset.attrs["stop_cause"] == "interrupt"
     before = (out / "result.nc.part").stat().st_size
     assert json.dumps(recorded(out / "result.nc.part").summary()) == json.dumps(stopped.summary())
-    again = call("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
-    assert again.exit_code == 0, again.output
+    ok("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
     assert before > 1000
     assert Result.load(out).dataset.identical(Result.load(whole).dataset)
-    once_more = call("run", whole / "short.toml", "-o", out, "--no-pictures", "--resume")
-    assert once_more.exit_code == 0
+    once_more = ok("run", whole / "short.toml", "-o", out, "--no-pictures", "--resume")
     assert "holds the whole result of this scenario already" in once_more.stderr
 
 
@@ -374,25 +368,19 @@ def test_another_scenario_or_a_changed_model_does_not_go_on(whole, tmp_path, mon
     arguments = ("-o", out, "-q", "--no-pictures", "--resume")
     faster = tmp_path / "faster.toml"
     faster.write_text(load(file).with_values({"vehicle.speed_kmh": 60}).text)
-    refused = call("run", faster, *arguments)
-    assert refused.exit_code == 2
-    assert "is the run of another scenario: vehicle.speed_kmh was 54, here it is 60; run it without" in refused.stderr
+    refused = refusal("run", faster, *arguments)
+    assert "is the run of another scenario: vehicle.speed_kmh was 54, here it is 60; run it without" in refused
     commented = tmp_path / "commented.toml"
     commented.write_text("# the same\n" + file.read_text())
     text = rail.read_text()
     assert "[300.0, 80.0" in text
     rail.write_text(text.replace("[300.0, 80.0", "[301.0, 80.0", 1))
-    refused = call("run", file, *arguments)
-    assert refused.exit_code == 2
-    assert f"{rail} has changed since the run began; run it without --resume" in refused.stderr
-    refused = call("show", out)  # the folders that a file names may be anybody's words
-    assert refused.exit_code == 2
-    assert f"not found in {out}, " in refused.stderr
-    assert f'WRSIM_MODELS names more folders; the run had "{tmp_path}, ' in refused.stderr
+    assert f"{rail} has changed since the run began; run it without --resume" in refusal("run", file, *arguments)
+    refused = refusal("show", out)
+    assert f"not found in {out}, " in refused
+    assert f'WRSIM_MODELS names more folders; the run had "{tmp_path}, ' in refused
     monkeypatch.setenv("WRSIM_MODELS", str(tmp_path))
-    refused = call("show", out)
-    assert refused.exit_code == 2
-    assert f"{rail} has changed since the run began; what is in the file can no longer be read" in refused.stderr
+    assert f"{rail} has changed since the run began; what is in the file can no longer be read" in refusal("show", out)
     rail.write_text(text)
     assert call("run", commented, *arguments).exit_code == 0
 
@@ -404,14 +392,12 @@ def test_other_code_does_not_go_on_but_can_be_shown(whole, tmp_path, monkeypatch
         assert call("run", whole / "short.toml", "-o", out, "-q").exit_code == 130
     monkeypatch.setattr(record_module, "code_digest", lambda: "tomorrow's")
     monkeypatch.setattr(record_module, "numbers_digest", lambda setup: "other numbers from the same files")
-    refused = call("run", whole / "short.toml", "-o", out, "-q", "--resume")
-    assert refused.exit_code == 2
-    assert "another state of wrsim's code: the numbers may differ; run it without --resume" in refused.stderr
+    refused = refusal("run", whole / "short.toml", "-o", out, "-q", "--resume")
+    assert "another state of wrsim's code: the numbers may differ; run it without --resume" in refused
     assert call("show", out).exit_code == 0
 
 
 def test_a_static_analysis_has_nothing_to_resume(tmp_path):
     (tmp_path / "result.nc.part").write_bytes(b"")
-    refused = call("run", SCENARIOS / "static_s1002.toml", "-o", tmp_path, "--resume")
-    assert refused.exit_code == 2
-    assert "nothing is kept of it to resume" in refused.stderr
+    refused = refusal("run", SCENARIOS / "static_s1002.toml", "-o", tmp_path, "--resume")
+    assert "nothing is kept of it to resume" in refused

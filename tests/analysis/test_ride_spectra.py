@@ -7,7 +7,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 import xarray as xr
-from support.commands import call
+from support.commands import ok
 from support.runs import SCENARIOS
 from support.synthetic_run import run, with_points
 
@@ -112,8 +112,6 @@ def test_comfort_of_a_steady_vibration_is_six_times_its_weighted_sum():
 
 
 # --- the ride of a result -------------------------------------------------------------------------------------
-
-
 def ridden(seconds: float = 60.0, **attributes: str) -> Result:
     """A run at 20 m/s with sines of known amplitude at two points: 2 Hz lateral, 5 Hz vertical."""
     base = run(20.0 * seconds, speed=20.0, step=0.005, attributes=attributes)
@@ -153,8 +151,7 @@ def test_the_stretch_and_the_resolution_come_from_the_scenario():
 
 def test_the_command_leaves_tables_and_pictures_of_the_ride(tmp_path):
     ridden().save(tmp_path / "result.nc")
-    done = call("ride", tmp_path)
-    assert done.exit_code == 0, done.output
+    ok("ride", tmp_path)
     numbers = json.loads((tmp_path / "ride.json").read_text())
     assert numbers["points"]["rear"]["rms_m_s2"]["y"] == pytest.approx(1.0 / sqrt(2.0), rel=1e-3)
     assert numbers["weightings"] == {"x": "Wd", "y": "Wd", "z": "Wb"}

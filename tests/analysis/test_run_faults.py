@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.commands import call
+from support.commands import call, ok
 from support.runs import LEADING, SCENARIOS, STEERING, arc, ride, setup_of, straight, transition
 
 from wrsim.analysis import run
@@ -72,8 +72,6 @@ def derailed(name: str) -> Result:
 
 
 # --- derailment -------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("name", CASES)
 def test_a_derailment_says_what_when_and_where(name):
     result = derailed(name)
@@ -116,8 +114,7 @@ def test_a_derailed_run_can_be_saved_loaded_and_drawn_from_the_command_line(tmp_
     assert f"{file}: stopped: {REASONS['climb']}" in done.stderr
     assert {"result.nc", "summary.json", "history.csv"} <= {path.name for path in (tmp_path / "out").iterdir()}
     assert Result.load(tmp_path / "out").stop_reason == derailed("climb").stop_reason
-    drawn = call("plot", tmp_path / "out")
-    assert drawn.exit_code == 0, drawn.output
+    ok("plot", tmp_path / "out")
     assert {"overview.png", "patches.png", "sections.png"} <= {path.name for path in (tmp_path / "out").iterdir()}
 
 
@@ -182,8 +179,6 @@ def test_flange_tips_and_gauge_faces_are_where_the_standards_have_them():
 
 
 # --- a law that fails, a step that is too long, a start that is none --------------------------------------------
-
-
 def law_that(monkeypatch, does) -> None:
     """From 0.3 s on the force law does something else."""
     true = VehicleOnTrack.__call__
@@ -307,6 +302,5 @@ def test_a_full_disk_at_the_end_of_a_run_is_told_plainly(tmp_path, monkeypatch):
     # nothing half-written, and the run itself is safe
     assert {path.name for path in (tmp_path / "out").iterdir()} == {".wrsim", "scenario.toml", "result.nc.part"}
     monkeypatch.undo()
-    again = call("run", file, "-o", tmp_path / "out", "-q", "--no-pictures", "--resume")
-    assert again.exit_code == 0, again.output
+    ok("run", file, "-o", tmp_path / "out", "-q", "--no-pictures", "--resume")
     assert Result.load(tmp_path / "out").status == "completed"

@@ -106,21 +106,6 @@ def test_a_wheelset_hunts_from_its_critical_speed_on() -> None:
         assert (late > early) == (factor > 1.0), factor
 
 
-def test_a_wheelset_sinks_into_elastic_rails_by_its_load() -> None:
-    ways = {"lateral": 25, "vertical": 50}
-    elastic = {
-        f"track.elasticity.{way}_{key}": value
-        for way, stiffness in ways.items()
-        for key, value in (("stiffness_MN_per_m", stiffness), ("damping_kNs_per_m", 100), ("mass_kg", 200))
-    }
-    values = FAST | elastic | {"run.distance_m": 1.0}
-    result = run_in_time(setup_of([straight(30.0)], 20.0, STEERING, start=5.0, values=values))
-    dataset = result.wheelset()
-    assert result.status == "completed"
-    expected = dataset["Q"].values / 50e6
-    assert -dataset["rail_displacement_z"].values == pytest.approx(expected, rel=1e-3)
-
-
 @pytest.mark.parametrize("drive", ["train", "wheels"])
 def test_a_drive_holds_the_speed_of_a_wheelset_too(drive: str) -> None:
     keys = FAST | {"vehicle.drive": drive, "run.distance_m": 5.0}

@@ -27,8 +27,6 @@ def with_struts(kind: str, places: list[tuple[str, str, tuple[float, float, floa
 
 
 # --- twist ------------------------------------------------------------------------------------------------
-
-
 def test_the_twists_of_the_standard_join_where_their_formulas_meet():
     for length in (4.0, 20.0, 30.0):
         assert twist.lone_twist(length) == pytest.approx(twist.lone_twist(length * (1 + 1e-9)), rel=1e-6)
@@ -139,8 +137,6 @@ def test_bogies_at_either_end_are_alike(name):
 
 
 # --- which body holds what --------------------------------------------------------------------------------
-
-
 def test_an_axle_is_held_by_a_frame_and_not_by_its_own_bridge():
     vehicle = shipped("irw")
     assert [(b.frame, b.wheelsets) for b in bogies_of(vehicle)] == [("front.frame", (0, 1)), ("rear.frame", (2, 3))]
@@ -153,8 +149,6 @@ def test_an_axle_is_held_by_a_frame_and_not_by_its_own_bridge():
 
 
 # --- the command ------------------------------------------------------------------------------------------
-
-
 def test_the_command_makes_both_tests_and_draws_their_loops(tmp_path):
     loops = tmp_path / "loops.png"
     linear = ["vehicle", "vehicles/manchester_1.toml", "--twist-test", "--rotation-test", "--loops", str(loops)]

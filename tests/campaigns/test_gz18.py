@@ -95,8 +95,6 @@ def test_their_hertz_is_hertz():
 
 
 # --- the light rail vehicle with independent wheels ---------------------------------------------------------
-
-
 @needs_tables
 def test_independent_wheels_of_the_source_roll_on_straight_track_as_it_says(tmp_path):
     """49 287.489 N a wheel and 38.782287 rad/s at 60 km/h in its start state."""

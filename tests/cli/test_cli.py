@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from support.commands import call
-from support.scenario_texts import CURVE, STATIC, edited
+from support.commands import call, ok, refusal
+from support.scenario_texts import CURVE, edited
 from support.synthetic_result import curve_run, static_poses
 
 import wrsim.analysis
@@ -48,18 +48,11 @@ def stopped() -> Result:
 
 
 # --- check ---------------------------------------------------------------------------------------------
-
-
 def test_check_says_it_to_machines_as_json(scenario: Path) -> None:
     facts = json.loads(call("check", scenario, "--json").stdout)
     assert facts["status"] == "valid"
     assert facts["axle_load_kN"] == pytest.approx(109.05, abs=0.01)
     assert facts["to_m"] == pytest.approx(190.0)
-
-
-def test_check_counts_the_poses_of_a_static_analysis(tmp_path: Path) -> None:
-    (tmp_path / "poses.toml").write_text(edited(STATIC, "lateral_mm = 0", "lateral_mm = {from = 0, to = 9, step = 1}"))
-    assert json.loads(call("check", tmp_path / "poses.toml", "--json").stdout)["poses"] == 10
 
 
 def test_bad_input_is_one_message_on_stderr_and_exit_code_2(scenario: Path) -> None:
@@ -87,10 +80,7 @@ def test_bad_input_is_a_json_object_for_machines(scenario: Path) -> None:
 @pytest.mark.parametrize("name", ["nothing.toml", "."])
 def test_a_file_that_cannot_be_read_is_bad_input(tmp_path: Path, name: str) -> None:
     for command in ("check", "run", "profile", "plot"):
-        result = call(command, tmp_path / name)
-        assert result.exit_code == 2, command
-        assert str(tmp_path) in result.stderr
-        assert "Traceback" not in result.stderr
+        assert str(tmp_path) in refusal(command, tmp_path / name)
 
 
 def test_models_of_the_user_are_found(scenario: Path, tmp_path: Path) -> None:
@@ -102,15 +92,12 @@ def test_models_of_the_user_are_found(scenario: Path, tmp_path: Path) -> None:
 
 
 # --- run -----------------------------------------------------------------------------------------------
-
-
 @pytest.mark.usefixtures("unpainted")
 def test_a_run_leaves_dataset_tables_summary_pictures_and_its_scenario(
     scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls = analysis_that(monkeypatch, completed)
-    result = call("run", scenario, "-o", tmp_path / "out")
-    assert result.exit_code == 0, result.output
+    result = ok("run", scenario, "-o", tmp_path / "out")
     assert calls[0]["progress"] is None, "no bar where there is no terminal"
     names = {p.name for p in (tmp_path / "out").iterdir()}
     assert {"result.nc", "summary.json", "history.csv", "patches.csv", "scenario.toml", "overview.png"} <= names
@@ -223,8 +210,6 @@ def test_a_place_that_may_not_be_written_is_told_before_anything_is_computed(
 
 
 # --- plot and profile ----------------------------------------------------------------------------------
-
-
 @pytest.fixture(scope="module")
 def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("run")
@@ -234,20 +219,16 @@ def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.usefixtures("unpainted")
 def test_plot_draws_the_standard_pictures_beside_the_result(run_folder: Path) -> None:
-    result = call("plot", run_folder / "result.nc")
-    assert result.exit_code == 0, result.output
+    result = ok("plot", run_folder / "result.nc")
     assert str(run_folder / "overview.png") in result.stdout.split("\n")
     assert (run_folder / "overview.png").is_file()
 
 
 def test_plot_draws_patches_at_a_place_where_they_are_kept(run_folder: Path, tmp_path: Path) -> None:
     distances = completed().dataset["snapshot_distance"].values
-    result = call("plot", run_folder, "-o", tmp_path, "--at", f"{distances[0] + 0.2:.2f}")
-    assert result.exit_code == 0, result.output
+    ok("plot", run_folder, "-o", tmp_path, "--at", f"{distances[0] + 0.2:.2f}")
     assert [p.name.split("_")[0] for p in sorted(tmp_path.glob("*.png"))] == ["patches", "sections"]
-    result = call("plot", run_folder, "--at", "1e6")
-    assert result.exit_code == 2
-    assert f"there are {distances[0]:.1f}, " in result.stderr
+    assert f"there are {distances[0]:.1f}, " in refusal("plot", run_folder, "--at", "1e6")
     assert call("plot", run_folder, "--at", "there").exit_code == 2
 
 
@@ -255,15 +236,12 @@ def test_plot_draws_the_patches_of_a_pose(tmp_path: Path) -> None:
     result = Result(static_poses())
     result.save(tmp_path / "result.nc")
     name = str(result.dataset["pose"].values[0])
-    told = call("plot", tmp_path, "--at", name, "--json")
-    assert told.exit_code == 0, told.output
+    told = ok("plot", tmp_path, "--at", name, "--json")
     assert all(Path(f).is_file() for f in json.loads(told.stdout)["files"])
     assert "there is no such pose" in call("plot", tmp_path, "--at", "nowhere").stderr
 
 
 # --- the command itself --------------------------------------------------------------------------------
-
-
 def test_the_command_ends_quietly_when_the_reader_of_its_output_goes(scenario: Path) -> None:
     reading, writing = os.pipe()
     os.close(reading)

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 from scipy.io import loadmat
-from support.commands import call
+from support.commands import ok, refusal
 from support.runs import FAST, SCENARIOS
 from support.synthetic_result import static_poses
 
@@ -46,8 +46,7 @@ def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     folder = tmp_path_factory.mktemp("run")
     Result(request.param()).save(folder / "result.nc")
     formats = "mat,csv,parquet" + ("" if request.param is static_poses else ",mdf")
-    answer = call("export", folder, "--to", formats)
-    assert answer.exit_code == 0, answer.output
+    ok("export", folder, "--to", formats)
     return folder
 
 
@@ -140,10 +139,9 @@ def test_mdf_holds_every_signal_over_time(folder: Path) -> None:
 
 def test_what_cannot_be_exported_is_one_sentence(tmp_path: Path) -> None:
     Result(static_poses()).save(tmp_path / "result.nc")
-    answer = call("export", tmp_path, "--to", "matt")
-    assert answer.exit_code == 2 and "'matt' is none of mat, csv, parquet, mdf (did you mean 'mat'?)" in answer.output
-    answer = call("export", tmp_path, "--to", "mdf")
-    assert answer.exit_code == 2 and "MDF keeps signals over time" in answer.output
+    answer = refusal("export", tmp_path, "--to", "matt")
+    assert "'matt' is none of mat, csv, parquet, mdf (did you mean 'mat'?)" in answer
+    assert "MDF keeps signals over time" in refusal("export", tmp_path, "--to", "mdf")
 
 
 def test_words_in_an_exported_table_are_no_formulas(tmp_path: Path) -> None:

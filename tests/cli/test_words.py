@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from support.commands import call
+from support.commands import call, ok
 from support.scenario_texts import CURVE, edited
 from support.synthetic_result import curve_run, static_poses
 from typer.main import get_command
@@ -212,8 +212,7 @@ def test_kinds_of_segments_from_other_programs_are_understood(tmp_path: Path) ->
 
 def test_a_shortened_run_leaves_out_the_patches_that_it_does_not_reach(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(CURVE + "\n[output]\npatches_at_m = [40, 150]\n")
-    told = call("check", tmp_path / "case.toml", "--set", "run.distance_m=60")
-    assert told.exit_code == 0
+    told = ok("check", tmp_path / "case.toml", "--set", "run.distance_m=60")
     assert "150 m is not passed by the run" in told.stderr
     (tmp_path / "case.toml").write_text(CURVE + "\n[output]\npatches_at_m = [40, 5000]\n")
     told = call("check", tmp_path / "case.toml")

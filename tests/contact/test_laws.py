@@ -247,8 +247,6 @@ def test_a_turned_section_gives_turned_forces(normal, angle):
 
 
 # --- scales -------------------------------------------------------------------------------------------
-
-
 @cache
 def enlarged(profile: Profile, scale: float) -> Profile:
     """The same shape, larger."""

@@ -115,6 +115,8 @@ def test_at_standstill_everything_is_finite_and_still():
     assert finite(contact.patches)
     assert contact.force[0] == 0.0
     assert contact.wear_number == 0.0
+    for rows in (*contact.strips, contact.patches):
+        assert not np.any(columns(rows, "xi eta phi"))
 
 
 # --- damping ------------------------------------------------------------------------------------------
@@ -171,12 +173,3 @@ def test_the_drawn_wheel_is_its_profile_where_it_stands():
     seen = slice(int(np.argmax(w[: w.argmin() + 1])), None)
     np.testing.assert_allclose(across[seen] - origin[1], u[seen], atol=1e-7)
     np.testing.assert_allclose(up[seen] - origin[2] + RADIUS, w[seen], atol=1e-7)
-
-
-def test_a_wheel_at_rest_creeps_nowhere():
-    """Where no motion is given there is none."""
-    model = pair_model("S1002/60E1 1:40")
-    _, origin, _, _ = evaluate(model, *PLACES[1])
-    contact = model.evaluate(origin)
-    for rows in (*contact.strips, contact.patches):
-        assert not np.any(columns(rows, "xi eta phi"))

@@ -85,12 +85,6 @@ def test_velocity_of_a_material_point_is_its_change_of_place(turn, rates):
     assert velocity == pytest.approx(measured, abs=1e-8)
 
 
-def test_rolling_forward_the_lowest_point_of_the_wheel_rests():
-    q, q_t, body = body_of((0.0, 0.0, 0.46), (0.3, 0.0, 2.0), (9.2 * np.cos(0.3), 9.2 * np.sin(0.3), 0.0), (0, 0, 20))
-    at = body.position + 0.75 * body.left - 0.46 * body.up
-    assert point_velocity(wheelset.kinematics(q, q_t), Vec(*at)) == pytest.approx([0, 0, 0], abs=1e-14)
-
-
 @pytest.fixture(scope="module")
 def curve() -> Track:
     """A left curve of 300 m with 100 mm of cant behind a clothoid, started in an odd direction."""

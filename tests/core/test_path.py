@@ -63,16 +63,6 @@ def test_interpolation_converges_with_order_six_in_position_five_in_tangent_four
     assert order == pytest.approx([6.0, 5.0, 4.0], abs=0.15)
 
 
-def test_quarter_metre_rows_are_exact_to_rounding_in_the_tightest_curve() -> None:
-    path = helix(25.0, 0.0, 1.0, 0.25)
-    s = np.linspace(0.0, path.length, 5001)
-    a = s / 25.0
-    frame = path.frame(s)
-    assert np.abs(frame[:, 0, 0] - 25.0 * np.sin(a)).max() < 1e-13
-    assert np.abs(frame[:, 1, 1] - np.sin(a)).max() < 1e-12
-    assert np.abs(path.curvature(s) - 1.0 / 25.0).max() < 1e-9  # h^4 / 720 / R^5 = 6e-13, and rounding / h^2
-
-
 def test_position_tangent_and_curvature_are_continuous_at_every_row() -> None:
     """Also where the data of the rows do not fit together, as at a joint: here they are noise on a line."""
     rng = np.random.default_rng(3)
@@ -122,19 +112,6 @@ def test_locate_is_the_inverse_of_frame_and_does_not_care_for_the_guess(spiral: 
     assert np.abs(found - s).max() < 1e-12 * 400.0
     again = spiral.locate(points, s + rng.uniform(-1e-3, 1e-3, 400))
     assert np.abs(found - again).max() < 1e-12 * 400.0
-
-
-def test_locate_stays_on_its_turn_of_a_closed_circle() -> None:
-    radius = 30.0
-    path = helix(radius, 0.0, 4.0, 0.25)
-    assert path.length > 2.0 * np.pi * radius * 3.9
-    s = 0.0
-    for k in range(1, 3000):  # follow a point that runs round the circle at 0.25 m a step, 1.2 m inside
-        a = 0.25 * k / radius
-        point = Vec((radius - 1.2) * np.sin(a), radius - (radius - 1.2) * np.cos(a), 0.4)
-        s, status = core.locate(path.curve, point, s)
-        assert status == core.LOCATE_OK
-        assert abs(s - 0.25 * k) < 1e-10
 
 
 def test_locate_says_when_it_has_no_answer(spiral: Path) -> None:

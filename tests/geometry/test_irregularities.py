@@ -33,8 +33,6 @@ def offsets(track: Track, side: str, s: np.ndarray) -> np.ndarray:
 
 
 # --- grades ---------------------------------------------------------------------------------------------------------
-
-
 def test_a_track_on_a_grade_climbs_by_its_sine_and_is_as_long_as_itself() -> None:
     track = Track.build(CURVE, grades=[Grade(0.0, 0.04)], **OFFSETS)
     angle = math.atan(0.04)
@@ -117,8 +115,6 @@ def test_a_grade_that_cannot_be_is_named(grades: list[Grade], message: str) -> N
 
 
 # --- what irregularities do to the rails ----------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     "channel, rail, left, right",
     [
@@ -179,8 +175,6 @@ def test_the_rows_of_a_rail_follow_waves_of_a_metre() -> None:
 
 
 # --- spectra --------------------------------------------------------------------------------------------------------
-
-
 @pytest.fixture(scope="module")
 def long_track() -> Track:
     """10 km on ERRI B176 high, waves of 1 to 100 m."""
@@ -252,8 +246,6 @@ def test_rows_too_coarse_for_the_waves_are_refused() -> None:
 
 
 # --- tables ---------------------------------------------------------------------------------------------------------
-
-
 def write_table(path: Path, columns: dict[str, np.ndarray]) -> Path:
     rows = np.column_stack(list(columns.values()))
     path.write_text(",".join(columns) + "\n" + "\n".join(",".join(f"{v:.9g}" for v in row) for row in rows) + "\n")

@@ -79,8 +79,6 @@ def test_a_profile_that_is_read_is_the_one_written_to_a_nanometre(profile, forma
 
 
 # --- orientation, order, unit -------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("order", [1, -1])
 @pytest.mark.parametrize("heights", ["up", "down"])
 @pytest.mark.parametrize("side", ["positive", "negative"])
@@ -147,8 +145,6 @@ def test_turning_undoes_an_inclination(write):
 
 
 # --- SIMPACK ------------------------------------------------------------------------------------------
-
-
 def simpack(points: str, keys: str = "", kind: int = 1) -> str:
     """A SIMPACK profile with the comments and the alignment that such files have."""
     return f"""! ***   Rail-Wheel Profile   ***
@@ -217,8 +213,6 @@ def test_simpack_files_with_faults_are_refused(write, change, message):
 
 
 # --- MiniProf -----------------------------------------------------------------------------------------
-
-
 def miniprof(points: str, keys: str = "") -> str:
     """A MiniProf measurement: head, an empty line, rows."""
     return f"ProgramName=MiniProf\nDate=31-01-2026\nFlangeWidth=32,5\n{keys}\n\n{points}"
@@ -258,8 +252,6 @@ def test_miniprof_files_with_faults_are_refused(write, keys, message):
 
 
 # --- bad points ---------------------------------------------------------------------------------------
-
-
 def spoilt(line: int, text: str) -> str:
     """Rows of the rail with line `line` (from 1) replaced."""
     lines = rows(RAIL).splitlines(keepends=True)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from support.commands import call
+from support.commands import call, ok
 from support.contacts import bench, contact_model, rail_profile, settle, wheel_profile
 
 from wrsim.errors import InputError
@@ -100,13 +100,10 @@ def test_the_change_is_the_distance_from_the_curve(tmp_path):
 
 
 # --- the command --------------------------------------------------------------------------------------
-
-
 def test_the_command_compares_cutoffs(files, tmp_path):
-    result = call(
+    result = ok(
         "profile", files[1], "--kind", "rail", "--cutoff", 3.5, "--cutoff", 10, "-o", tmp_path / "rail.png", "--json"
     )
-    assert result.exit_code == 0, result.output
     found = json.loads(result.stdout)
     assert Path(found["files"][0]).read_bytes().startswith(b"\x89PNG")
     fine, coarse = found["smoothing"]
@@ -116,8 +113,7 @@ def test_the_command_compares_cutoffs(files, tmp_path):
 
 
 def test_a_scan_is_reported_without_being_asked(files, tmp_path):
-    result = call("profile", files[0], "-o", tmp_path / "wheel.png")
-    assert result.exit_code == 0
+    result = ok("profile", files[0], "-o", tmp_path / "wheel.png")
     assert "scatter by 10" in result.stdout and "5 mm" in result.stdout
     assert call("profile", files[0], "-o", tmp_path / "wheel.jpg").exit_code == 2
 

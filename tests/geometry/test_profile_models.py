@@ -68,8 +68,6 @@ def test_s1002_follows_the_formulas_of_its_standard(first, last, formula):
 
 
 # --- rails -------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("rail", "half_width", "depth"), [("60E1", 36.0, 14.3), ("54E1", 35.0, 14.1)], ids=["60E1", "54E1"]
 )
@@ -131,8 +129,6 @@ def test_rail_arcs_meet_where_published(rail, points):
 
 
 # --- the other kinds ---------------------------------------------------------------------------------
-
-
 def test_a_chain_of_tangent_pieces_passes_the_tape_circle(toml):
     profile = load_profile(
         toml("""
@@ -205,28 +201,19 @@ SLIPS = [
     ('kind = "cone"\nconicity = "0.05"\nfrom_mm = -1\nto_mm = 1\n', r'conicity = "0.05": must be a number'),
     ('kind = "cone"\nconicity = 0.05\nfrom_mm = 5\nto_mm = 1\n', r"to_mm = 1\S*: must be above from_mm = 5"),
     ('kind = "circle"\nradius_mm = 20\nhalf_width_mm = 30\n', r"half_width_mm = 30\S*: must be a number below"),
-    (
-        'kind = "rail-head"\nradii_mm = [300, 80]\nhalf_widths_mm = [10]\nside_slope = 0.05\ndepth_mm = 30\n',
-        r'body = "wheel": must be "rail"',
-    ),
+    ('kind = "rail-head"\nradii_mm = [300, 80]\nhalf_widths_mm = [10]\nside_slope = 0.05\ndepth_mm = 30\n',
+     r'body = "wheel": must be "rail"'),
     ('kind = "sections"\nsections = []\n', "at least one"),
     ('kind = "sections"\n[[sections]]\nshape = "ark"\n', r'shape = "ark": must be .*did you mean "arc"'),
-    (
-        'kind = "sections"\n[[sections]]\nshape = "arc"\nfrom_mm = 0\nto_mm = 20\ncentre_mm = [0, 0]\n'
-        'radius_mm = 10\nhalf = "upper"\n',
-        r"to_mm = 20.*beside the circle; must be a number from -10 to 10",
-    ),
+    ('kind = "sections"\n[[sections]]\nshape = "arc"\nfrom_mm = 0\nto_mm = 20\ncentre_mm = [0, 0]\n'
+     'radius_mm = 10\nhalf = "upper"\n', r"to_mm = 20.*beside the circle; must be a number from -10 to 10"),
     ('kind = "points"\nfile = "none.csv"\n', r"none.csv: no such profile file"),
-    (
-        'kind = "points"\nfile = "p.csv"\nmeasured = false\ncutoff_mm = 3\n',
-        r"cutoff_mm = 3\S*: is for measured profiles",
-    ),
-    (
-        'kind = "chain"\nstart_mm = -10\nstart_angle_deg = 5\n'
-        'pieces = [{shape = "arc", radius_mm = 5, to_angle_deg = 5}]\n',
-        r"pieces\[0\].to_angle_deg = 5: the curve has this angle already",
-    ),
-]
+    ('kind = "points"\nfile = "p.csv"\nmeasured = false\ncutoff_mm = 3\n',
+     r"cutoff_mm = 3\S*: is for measured profiles"),
+    ('kind = "chain"\nstart_mm = -10\nstart_angle_deg = 5\n'
+     'pieces = [{shape = "arc", radius_mm = 5, to_angle_deg = 5}]\n',
+     r"pieces\[0\].to_angle_deg = 5: the curve has this angle already"),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("text", "message"), SLIPS)

@@ -44,11 +44,7 @@ def test_a_wave_passes_with_the_stated_amplitude(ratio):
 
 
 @settings(max_examples=20, deadline=None)
-@given(
-    coefficients=st.tuples(*[st.floats(-1.0, 1.0)] * 3),
-    cutoff=st.floats(1e-3, 0.1),
-    seed=st.integers(0, 100),
-)
+@given(coefficients=st.tuples(*[st.floats(-1.0, 1.0)] * 3), cutoff=st.floats(1e-3, 0.1), seed=st.integers(0, 100))
 def test_parabolas_pass_unchanged_to_their_very_ends(coefficients, cutoff, seed):
     s = np.sort(np.random.default_rng(seed).uniform(0.0, 0.1, 400))
     p = np.polynomial.polynomial.polyval(s, coefficients)

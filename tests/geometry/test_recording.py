@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
-from support.commands import call
+from support.commands import call, ok, refusal
 from support.recording_car import Car, shipped_line
 from support.runs import FAST, SCENARIOS
 
@@ -426,8 +426,7 @@ def test_one_command_leads_from_a_recording_to_a_run(car: Car, by_chord: Restore
 
     folder, out = by_chord.recording.path, tmp_path / "out"
     asked = ["recording", str(folder), "-o", str(out), "--vehicle", "vehicles/wheelset_s1002.toml", "--no-pictures"]
-    ended = call(*asked)
-    assert ended.exit_code == 0, ended.output
+    ended = ok(*asked)
     assert "3 to 57.9" in ended.output and "R 600" in ended.output
     scenario = load(out / "scenario.toml")
     track = build(scenario).track
@@ -438,6 +437,5 @@ def test_one_command_leads_from_a_recording_to_a_run(car: Car, by_chord: Restore
     assert result.status == "completed"
     assert call(*asked).exit_code == 0  # its own files may be written anew
     (out / "track.toml").write_text("mine")
-    refused = call(*asked)
-    assert refused.exit_code == 2 and "would be written over" in refused.output
+    assert "would be written over" in refusal(*asked)
     assert (out / "track.toml").read_text() == "mine"

@@ -41,8 +41,6 @@ def s_curve(radius: float = 300.0, shape: str = "clothoid") -> tuple[Segment, ..
 
 
 # ---- the centre line ----
-
-
 @pytest.mark.parametrize("radius", [25.0, 150.0, 300.0, -1000.0])
 def test_a_full_circle_closes_within_a_nanometre(radius: float) -> None:
     track = Track.build([Arc(2.0 * math.pi * abs(radius), radius)])
@@ -149,8 +147,7 @@ def test_a_transition_at_the_end_of_the_track_joins_level_straight_track() -> No
 def test_several_turns_are_followed_without_a_wrapped_angle() -> None:
     turns, radius = 3.25, 100.0
     track = Track.build(
-        [Straight(20.0), Transition(30.0), Arc(2.0 * math.pi * radius * turns, radius), Straight(50.0)],
-        heading=3.0,
+        [Straight(20.0), Transition(30.0), Arc(2.0 * math.pi * radius * turns, radius), Straight(50.0)], heading=3.0
     )
     assert track.heading(track.length) == pytest.approx(3.0 + 30.0 / 200.0 + 2.0 * math.pi * turns, abs=1e-12)
     s = np.arange(0.5, track.left.length, 0.25)
@@ -166,8 +163,6 @@ def test_several_turns_are_followed_without_a_wrapped_angle() -> None:
 
 
 # ---- cant and gauge ----
-
-
 def test_a_left_curve_has_its_right_rail_up_and_a_right_curve_its_left_rail() -> None:
     left, right = Track.build(curve(300.0)), Track.build(curve(-300.0))
     assert left.cant(110.0) == pytest.approx(0.1, abs=1e-15)
@@ -245,15 +240,12 @@ def test_gauge_widening_moves_each_rail_by_half() -> None:
 
 
 # ---- the rails ----
-
-
 @pytest.mark.parametrize("radius", [25.0, -300.0, 5000.0])
 def test_rails_of_an_arc_are_as_long_as_their_own_circle(radius: float) -> None:
     angle, o = 1.25, 0.043
     track = Track.build([Arc(angle * abs(radius), radius)], left_offset=(o, 0.0), right_offset=(0.0, 0.0))
     assert track.left.length == pytest.approx(
-        abs(angle * (radius - GAUGE / 2 - o)) if radius > 0 else angle * (abs(radius) + GAUGE / 2 + o),
-        rel=1e-13,
+        abs(angle * (radius - GAUGE / 2 - o)) if radius > 0 else angle * (abs(radius) + GAUGE / 2 + o), rel=1e-13
     )
     assert track.right.length == pytest.approx(
         angle * (radius + GAUGE / 2) if radius > 0 else angle * (abs(radius) - GAUGE / 2), rel=1e-13
@@ -349,16 +341,10 @@ RAMP = Transition(20.0)
             [Straight(10.0), Arc(10.0, 300.0, 0.06)],
             ["cant_mm jumps from 0 to 60", "segment 1", "segment 2", "transition", "cant_end_mm"],
         ),
-        (
-            [Straight(10.0), Arc(10.0, 300.0, 0.0, 0.01)],
-            ["gauge_widening_mm jumps from 0 to 10", "segment 2 (arc)"],
-        ),
+        ([Straight(10.0), Arc(10.0, 300.0, 0.0, 0.01)], ["gauge_widening_mm jumps from 0 to 10", "segment 2 (arc)"]),
         ([Arc(9.0, 300.0, 0.06), Arc(9.0, -300.0, 0.06)], ["cant_mm jumps from 60 to -60", "right rail"]),
         ([RAMP, RAMP, Arc(10.0, 300.0)], ["segment 2 (transition)", "another transition"]),
-        (
-            [Transition(10.0, "blos"), Arc(9.0, 300.0)],
-            ["segment 1", "form = 'blos'", "did you mean 'bloss'"],
-        ),
+        ([Transition(10.0, "blos"), Arc(9.0, 300.0)], ["segment 1", "form = 'blos'", "did you mean 'bloss'"]),
         (["straight"], ["segment 1", "str", "Straight, Transition, Arc"]),
         ([Straight(1e9)], ["track of 1e+09 m", "length_m in metres?"]),
     ],
@@ -396,8 +382,6 @@ def test_side_must_be_left_or_right() -> None:
 
 
 # ---- the picture ----
-
-
 def test_the_figure_shows_the_plan_and_three_panels() -> None:
     """Every curve of the picture holds the numbers of the track."""
     from wrsim.plots.track import track_figure

@@ -70,8 +70,6 @@ def one_pose() -> xr.Dataset:
 
 
 # histories ---------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(("name", "factor"), [("Q", 1e-3), ("Y", 1e-3), ("Y_over_Q", 1.0), ("T_gamma", 1.0)])
 def test_histories_of_wheels_are_drawn_in_their_units_and_colours(axes, name, factor):
     dataset = curve_run()
@@ -135,8 +133,7 @@ def test_a_resting_wheelset_is_drawn_against_time():
 
 
 @pytest.mark.parametrize(
-    "make",
-    [overview_figure, lambda d: channels_figure(d, ("Q",)), patch_gallery, section_gallery],
+    "make", [overview_figure, lambda d: channels_figure(d, ("Q",)), patch_gallery, section_gallery]
 )
 def test_a_stopped_run_says_on_every_picture_where_and_why(make):
     figure = make(curve_run(stopped=True))
@@ -152,8 +149,6 @@ def test_a_stopped_run_is_marked_where_it_ended():
 
 
 # patches -----------------------------------------------------------------------------------------------------------
-
-
 def test_a_patch_is_drawn_with_its_semi_ellipses_of_pressure(axes):
     dataset = curve_run()
     where = PatchAt(3, "right", 0)
@@ -227,8 +222,6 @@ def test_titles_tell_the_pose_as_far_as_it_varies():
 
 
 # cross-sections ----------------------------------------------------------------------------------------------------
-
-
 def test_the_section_shows_both_outlines_and_the_patch_on_them(axes):
     dataset = one_pose()
     where = PatchAt(0, "left", 0)
@@ -261,8 +254,6 @@ def test_pressure_lines_stand_on_the_normals_of_the_strips(axes):
 
 
 # static curves -----------------------------------------------------------------------------------------------------
-
-
 def test_static_curves_have_a_line_for_every_wheel_and_yaw(axes):
     dataset = static_poses()
     against_pose(axes, dataset, "p0")
@@ -288,8 +279,6 @@ def test_poses_without_a_solution_are_confessed_on_the_picture():
 
 
 # whole sets --------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("dataset", "names"),
     [

@@ -65,8 +65,6 @@ class Structure(HTMLParser):
 
 
 # --- envelopes ----------------------------------------------------------------------------------------------
-
-
 @given(st.integers(1, 3000), st.integers(0, 2**32 - 1))
 def test_no_peak_is_lost(samples: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -109,8 +107,6 @@ def test_a_drawn_line_passes_all_its_points(count: int, seed: int) -> None:
 
 
 # --- what stands in it --------------------------------------------------------------------------------------
-
-
 def test_a_report_says_who_it_is_and_how_it_went(page: str, coach: Result) -> None:
     assert f"<h1>{coach.title}</h1>" in page
     assert re.search(r'class="verdict (good|bad)">[^<]*worst margin -?\d+ %', page)
@@ -204,8 +200,6 @@ def test_the_bundles_can_stand_in_a_page() -> None:
 
 
 # --- the command --------------------------------------------------------------------------------------------
-
-
 @pytest.mark.usefixtures("unpainted")
 def test_the_command_writes_beside_the_result_and_over_nothing_of_the_users(tmp_path: Path) -> None:
     Result(curve_run(samples=40)).save(tmp_path / "run" / "result.nc")
@@ -219,8 +213,6 @@ def test_the_command_writes_beside_the_result_and_over_nothing_of_the_users(tmp_
 
 
 # --- in a browser -------------------------------------------------------------------------------------------
-
-
 def test_the_charts_answer_with_the_envelope_of_the_dataset(
     chromium: Browser, page: str, coach: Result, tmp_path: Path
 ) -> None:

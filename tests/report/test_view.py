@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support.browser import Browser
-from support.commands import call
+from support.commands import call, ok
 from support.runs import SCENARIOS
 from support.synthetic_result import curve_run, static_poses
 
@@ -60,8 +60,6 @@ def modes_page(stability: Result, tmp_path_factory: pytest.TempPathFactory) -> P
 
 
 # --- numbers ------------------------------------------------------------------------------------------------
-
-
 def test_contacts_solved_again_are_those_of_the_run(coach: Result) -> None:
     setup, why = setup_of(coach, Path())
     assert setup is not None, why
@@ -159,16 +157,13 @@ def test_there_must_be_something_to_see() -> None:
 
 def test_the_command_writes_beside_the_result(tmp_path: Path) -> None:
     Result(static_poses(shifts_mm=(0.0, 5.0), yaws_mrad=(0.0,))).save(tmp_path / "result.nc")
-    called = call("view", tmp_path)
-    assert called.exit_code == 0, called.output
+    ok("view", tmp_path)
     assert "</html>" in (tmp_path / "view.html").read_text()
     (tmp_path / "view.html").write_text("mine")
     assert call("view", tmp_path).exit_code == 2
 
 
 # --- in a browser -------------------------------------------------------------------------------------------
-
-
 def test_seek_gives_the_numbers_of_the_dataset(chromium: Browser, page: Path, coach: Result) -> None:
     chromium.open(page)
     own = coach.dataset

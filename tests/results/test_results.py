@@ -69,8 +69,6 @@ def documented_channels() -> dict[str, tuple[tuple[str, ...], str]]:
 
 
 # the register ------------------------------------------------------------------------------------------------------
-
-
 def test_the_conventions_page_lists_exactly_the_channels_of_the_register():
     documented = documented_channels()
     data = {name: c for name, c in CHANNELS.items() if not c.coordinate or name == "distance"}
@@ -103,8 +101,6 @@ def test_a_misspelt_channel_is_answered_with_the_nearest_name():
 
 
 # assembling --------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("kind", EVERY)
 def test_every_variable_carries_its_unit_and_its_long_name(kind):
     for name, variable in dataset_of(kind).variables.items():
@@ -171,8 +167,6 @@ def test_a_mistake_of_the_calling_code_is_named(coords, channels, attributes, wo
 
 
 # the file ----------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("kind", EVERY)
 def test_a_result_written_and_read_back_is_identical(kind, written):
     dataset = dataset_of(kind)
@@ -335,8 +329,6 @@ def test_a_place_that_is_no_directory_is_told(tmp_path):
 
 
 # tables ------------------------------------------------------------------------------------------------------------
-
-
 def read_table(path: Path) -> list[dict[str, str]]:
     with path.open(newline="") as stream:
         return list(csv.DictReader(stream))
@@ -417,8 +409,6 @@ def test_a_dataset_without_strips_or_patches_still_makes_tables():
 
 
 # summary -----------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("kind", EVERY)
 def test_the_summary_is_plain_json_and_matches_the_dataset(kind, written):
     dataset = dataset_of(kind)

@@ -16,12 +16,8 @@ SCENARIOS = shipped_models().parent / "scenarios"
 # --- one fault, one sentence ---------------------------------------------------------------------------
 
 ONE_FAULT = [
-    # (what stands in the file, what is written instead, what the message says)
-    (
-        "speed_kmh = 54",
-        "speed = 54",
-        "case.toml:5: vehicle.speed = 54: unknown key; did you mean 'speed_kmh' (in km/h)?",
-    ),
+    ("speed_kmh = 54", "speed = 54",
+     "case.toml:5: vehicle.speed = 54: unknown key; did you mean 'speed_kmh' (in km/h)?"),
     ("speed_kmh = 54", "spede_kmh = 54", "vehicle.spede_kmh = 54: unknown key; did you mean 'speed_kmh'?"),
     ("speed_kmh = 54", "", 'vehicle.speed_kmh is missing: analysis = "curving" needs a speed'),
     ("speed_kmh = 54", "speed_kmh = 0", "vehicle.speed_kmh = 0: must be a number from 1 to 500"),
@@ -30,85 +26,49 @@ ONE_FAULT = [
     ("speed_kmh = 54", "speed_kmh = nan", "vehicle.speed_kmh = nan: must be a number"),
     ("gauge_mm = 1435", "gauge_mm = -1435", "case.toml:7: track.gauge_mm = -1435: must be a number from 400 to 2000"),
     ("gauge_mm = 1435", "gauge_mm = 1435\ncant_base_mm = 1000", "track.cant_base_mm = 1000: must be from the gauge"),
-    (
-        'inclination = "1:40"',
-        "inclination = 40",
-        'must be "1:40", "1:20", "none" or a slope from 0 to 0.2; did you mean "1:40"?',
-    ),
+    ('inclination = "1:40"', "inclination = 40",
+     'must be "1:40", "1:20", "none" or a slope from 0 to 0.2; did you mean "1:40"?'),
     ('inclination = "1:40"', 'inclination = "1/40"', 'track.inclination = "1/40": must be'),
     ('rail = "rails/60E1.toml"', "", "track.rail is missing: must be a rail profile file"),
     ('rail = "rails/60E1.toml"', 'rail_left = "rails/60E1.toml"', "track.rail_right is missing"),
-    (
-        'rail = "rails/60E1.toml"',
-        'rail = "rails/60E1.toml"\nrail_left = "rails/54E1.toml"',
-        "cannot stand next to rail_left",
-    ),
+    ('rail = "rails/60E1.toml"', 'rail = "rails/60E1.toml"\nrail_left = "rails/54E1.toml"',
+     "cannot stand next to rail_left"),
     ('rail = "rails/60E1.toml"', "rail = 60", "track.rail = 60: must be a rail profile file"),
     ("radius_m = 300", "radius_m = 0", "case.toml:18: track.segments[2].radius_m = 0: must be a number of size 10 to"),
-    (
-        "radius_m = 300",
-        "radius_mm = 300",
-        "track.segments[2].radius_mm = 300: unknown key; did you mean 'radius_m' (in m)?",
-    ),
-    (
-        "length_m = 120",
-        "length_m = 120\nangle_deg = 20",
-        "track.segments[2].angle_deg = 20: cannot stand next to length_m",
-    ),
+    ("radius_m = 300", "radius_mm = 300",
+     "track.segments[2].radius_mm = 300: unknown key; did you mean 'radius_m' (in m)?"),
+    ("length_m = 120", "length_m = 120\nangle_deg = 20",
+     "track.segments[2].angle_deg = 20: cannot stand next to length_m"),
     ("length_m = 120", "length_m = 120\nform = 'bloss'", "'form' belongs in [[track.segments]] with kind = transition"),
-    (
-        'kind = "arc"',
-        'kind = "curve"',
-        'case.toml:17: track.segments[2].kind = "curve": must be "straight", "transition" or "arc"',
-    ),
+    ('kind = "arc"', 'kind = "curve"',
+     'case.toml:17: track.segments[2].kind = "curve": must be "straight", "transition" or "arc"'),
     ('kind = "straight"', 'kind = "transition"', "track.segments[1]: follows another transition"),
-    (
-        "length_m = 40",
-        "length_m = -40",
-        "case.toml:15: track.segments[1].length_m = -40: must be a number from 0.01 to 100000",
-    ),
+    ("length_m = 40", "length_m = -40",
+     "case.toml:15: track.segments[1].length_m = -40: must be a number from 0.01 to 100000"),
     ("length_m = 40", 'length_m = 40\nform = "klothoid"', 'must be "clothoid" or "bloss"; did you mean "clothoid"?'),
     ("friction = 0.35", "friction = 2.5", "contact.friction = 2.5: must be a number from 0 to 2"),
     ("friction = 0.35", "mu = 0.35", "contact.mu = 0.35: unknown key; did you mean 'friction'?"),
     ("friction = 0.35", 'normal = "hertz"', 'contact.normal = "hertz": must be "kik-piotrowski"'),
-    (
-        "friction = 0.35",
-        "strips = 40\nstrip_width_mm = 0.1",
-        'contact.strip_width_mm = 0.1: goes with normal = "kik-piotrowski" only',
-    ),
-    (
-        "friction = 0.35",
-        'normal = "kik-piotrowski"\nstrips = 40\nstrip_width_mm = 0.1',
-        "contact.strip_width_mm = 0.1: cannot stand next to strips",
-    ),
+    ("friction = 0.35", "strips = 40\nstrip_width_mm = 0.1",
+     'contact.strip_width_mm = 0.1: goes with normal = "kik-piotrowski" only'),
+    ("friction = 0.35", 'normal = "kik-piotrowski"\nstrips = 40\nstrip_width_mm = 0.1',
+     "contact.strip_width_mm = 0.1: cannot stand next to strips"),
     ("friction = 0.35", "strips = 40.0", "contact.strips = 40.0: must be a whole number from 5 to 1000"),
     ("friction = 0.35", "cant_mm = 60", "contact.cant_mm = 60: unknown key; 'cant_mm' belongs in [[track.segments]]"),
-    (
-        "friction = 0.35",
-        "[contact.material]\npoisson = 0.5",
-        "contact.material.poisson = 0.5: must be a number from 0 to 0.49",
-    ),
+    ("friction = 0.35", "[contact.material]\npoisson = 0.5",
+     "contact.material.poisson = 0.5: must be a number from 0 to 0.49"),
     ("output_interval_ms = 5", "step_us = 6000", "run.step_us = 6000: must be at most the output interval (5 ms)"),
     ("output_interval_ms = 5", "distance_m = 10\ntime_s = 1", "run.time_s = 1: cannot stand next to distance_m"),
-    (
-        "output_interval_ms = 5",
-        "distance_m = 500",
-        "run.distance_m = 500: ends at 500 m: must lie on the track, which is 190 m long",
-    ),
+    ("output_interval_ms = 5", "distance_m = 500",
+     "run.distance_m = 500: ends at 500 m: must lie on the track, which is 190 m long"),
     ("output_interval_ms = 5", "time_s = 60", "run.time_s = 60: ends at 900 m: must lie on the track"),
     ("output_interval_ms = 5", "start_distance_m = 190", "run.start_distance_m = 190: must lie on the track"),
     ("output_interval_ms = 5", "[output]\npatches_at_m = [10, 200]", "200 m is not on the track"),
     ("output_interval_ms = 5", "[output]\npatches_at_m = 10", "output.patches_at_m = 10: must be a list"),
-    (
-        "output_interval_ms = 5",
-        "[static]\ntarget = 'wheel'\nload_kN = 1",
-        'static: is not used by analysis = "curving"',
-    ),
-    (
-        'analysis = "curving"',
-        'analysis = "curve"',
-        'case.toml:2: analysis = "curve": must be "static", "equilibrium", "curving"',
-    ),
+    ("output_interval_ms = 5", "[static]\ntarget = 'wheel'\nload_kN = 1",
+     'static: is not used by analysis = "curving"'),
+    ('analysis = "curving"', 'analysis = "curve"',
+     'case.toml:2: analysis = "curve": must be "static", "equilibrium", "curving"'),
     ('analysis = "curving"', "", 'analysis is missing: must be "static", "equilibrium", "curving"'),
     ('title = "a curve"', "friction = 0.3", "friction = 0.3: unknown key; 'friction' belongs in [contact]"),
     ("[vehicle]", "[vehikle]", "vehikle: unknown key; did you mean 'vehicle'?"),
@@ -116,13 +76,11 @@ ONE_FAULT = [
     ("[vehicle]\n", "[[vehicle]]\n", "must be a table ([vehicle])"),
     ('"vehicles/wheelset_s1002.toml"', '"wheelset_s1002.toml"', 'did you mean "vehicles/wheelset_s1002.toml"?'),
     ('"rails/60E1.toml"', '"wheels/S1002.toml"', "a rail profile is needed here"),
-    (
-        '"vehicles/wheelset_s1002.toml"',
-        '"rails/60E1.toml"',
-        "is a profile file; a vehicle file with a table [wheelset]",
-    ),
+    ('"vehicles/wheelset_s1002.toml"', '"rails/60E1.toml"',
+     "is a profile file; a vehicle file with a table [wheelset]"),
     ('kind = "transition"', 'kind = "straight"', "track: cant_mm jumps from 0 to 60"),
-]
+]  # fmt: skip
+"""What the file has, what is written instead, what the message is."""
 
 
 @pytest.mark.parametrize(
@@ -182,8 +140,6 @@ def test_a_fault_of_the_base_file_is_told_with_the_name_of_the_base_file(tmp_pat
 
 
 # --- files that cannot be read -------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("line", "place", "hint"),
     [
@@ -241,8 +197,6 @@ def test_a_very_deep_nest_is_an_error_not_a_crash(tmp_path: Path) -> None:
 
 
 # --- base files ----------------------------------------------------------------------------------------
-
-
 def test_keys_override_those_of_the_base_and_lists_are_replaced(tmp_path: Path) -> None:
     (tmp_path / "base.toml").write_text(CURVE)
     (tmp_path / "case.toml").write_text(
@@ -292,8 +246,6 @@ def test_a_section_of_the_base_that_the_analysis_does_not_use_is_left_out(tmp_pa
 
 
 # --- where models are looked up ------------------------------------------------------------------------
-
-
 def test_models_are_looked_up_beside_the_scenario_then_with_the_user_then_among_the_shipped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -21,9 +21,8 @@ from wrsim.scenario.plausibility import facts, warnings
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
+
 # --- units end at the wall -----------------------------------------------------------------------------
-
-
 def test_everything_is_si_behind_build(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(CURVE + "step_us = 500\n")
     setup = build(load(tmp_path / "case.toml"))
@@ -99,8 +98,6 @@ def test_values_can_be_changed_from_python_and_are_checked_again(tmp_path: Path)
 
 
 # --- static poses --------------------------------------------------------------------------------------
-
-
 def test_a_grid_gives_every_combination_with_names_that_differ(tmp_path: Path) -> None:
     text = edited(STATIC, "lateral_mm = 0", "lateral_mm = {from = -1, to = 1, step = 0.1}\nyaw_mrad = [0, 12]")
     (tmp_path / "case.toml").write_text(text)
@@ -170,8 +167,6 @@ def test_a_table_with_many_faults_tells_the_first_and_counts_the_rest(tmp_path: 
 
 
 # --- a wheelset on its track ---------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("gauge_mm", "reason"),
     [
@@ -207,8 +202,6 @@ def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing(tmp_pat
 
 
 # --- what is shipped -----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
-from support.commands import call
+from support.commands import call, refusal
 from support.runs import SCENARIOS
 from support.scenario_texts import edited
 
@@ -229,9 +229,8 @@ def test_quotes_in_the_middle_of_a_cell_are_refused_in_words_of_ours(tmp_path):
 def test_a_folder_in_the_place_of_the_result_is_told_before_the_run(tmp_path):
     (tmp_path / "out/result.nc").mkdir(parents=True)
     for force in ((), ("--force",)):
-        refused = call("run", SCENARIOS / "static_s1002.toml", "-o", tmp_path / "out", *force)
-        assert refused.exit_code == 2
-        assert "result.nc: is a directory; a file of that name is written: move it away" in refused.stderr
+        refused = refusal("run", SCENARIOS / "static_s1002.toml", "-o", tmp_path / "out", *force)
+        assert "result.nc: is a directory; a file of that name is written: move it away" in refused
         assert not (tmp_path / "out/scenario.toml").exists()
 
 

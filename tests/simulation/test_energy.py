@@ -27,9 +27,8 @@ from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 PLAIN = ContactSettings("kik-piotrowski", tangential="none", damping=0.0, strips=8)
 """Frictionless and undamped; few strips, for their number does not matter to the energy."""
 
+
 # --- what is kept -----------------------------------------------------------------------------------------
-
-
 class Bouncing:
     """The loaded axle as one rigid body of 10.2 t on cones and crowns, free of springs, dampers and friction."""
 
@@ -84,10 +83,7 @@ def test_a_bouncing_wheelset_keeps_its_energy():
     assert np.abs(motion.q[:, 2:5]).max() < 1e-12  # straight up and down
 
 
-@pytest.mark.parametrize(
-    ("lateral", "roll", "rates"),
-    [(1e-3, 0.0, (0.0, 0.0)), (1e-3, 7e-5, (0.01, 0.01))],
-)
+@pytest.mark.parametrize(("lateral", "roll", "rates"), [(1e-3, 0.0, (0.0, 0.0)), (1e-3, 7e-5, (0.01, 0.01))])
 def test_lateral_and_roll_motion_waver_in_energy_and_hardly_drift(lateral, roll, rates):
     """What is measured: the energy wavers by up to 3e-4 and drifts by less than 3e-5 in a second.
 

@@ -49,11 +49,7 @@ def largest_differences(one: xr.Dataset, other: xr.Dataset) -> dict[str, float]:
 
 
 @pytest.mark.parametrize(
-    ("vehicle", "heading", "start"),
-    [
-        (STEERING, 15.0, (1000.0, 2000.0, 300.0)),
-        (LEADING, np.pi, (30.0, -40.0, 5.0)),
-    ],
+    ("vehicle", "heading", "start"), [(STEERING, 15.0, (1000.0, 2000.0, 300.0)), (LEADING, np.pi, (30.0, -40.0, 5.0))]
 )
 def test_a_run_does_not_depend_on_the_direction_and_the_place_of_the_track(vehicle, heading, start):
     laid = run_in_time(relaid(setup(vehicle), heading, start)).wheelset()

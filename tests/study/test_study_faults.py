@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 
 import pytest
-from support.commands import call
+from support.commands import ok, refusal
 from support.studies import AXES, study_file
 from support.synthetic_result import curve_run
 
@@ -20,65 +20,43 @@ GRID = '[[vary]]\nkind = "grid"\nkey = "{}"\nvalues = {}\n'
 OVER = '[[vary]]\nkind = "sobol"\nsamples = {}\n[[vary.over]]\nkey = "contact.friction"\n{}\n'
 
 
-@pytest.mark.parametrize(
-    ("axes", "message"),
-    [
-        ('[[vary]]\nkind = "gird"\n', r'study\.toml:4: vary\[0\]\.kind = "gird": must be "grid".*did you mean "grid"'),
-        ('[[vary]]\nkey = "a"\n', r"vary\[0\]\.kind is missing"),
-        ("", r"study\.toml: vary is missing"),
-        (
-            GRID.format("vehicle.speed_kmhh", "[40]"),
-            r"study\.toml:3: .*speed_kmhh = 40: unknown key; 'speed_kmh' .in km/h. is given already",
-        ),
-        (
-            GRID.format("vehicle.speed_kmh", "[40, 600]"),
-            r"study\.toml:3: vehicle\.speed_kmh = 600: must be a number from",
-        ),
-        (GRID.format("contact.friction", '["wet"]'), r'study\.toml:3: contact\.friction = "wet": must be'),
-        (GRID.format("track.segments[9].radius_m", "[300]"), r"study\.toml:3: track\.segments\[9\]: there is no such"),
-        (GRID.format("track..gauge", "[1]"), r'study\.toml:3: key "track\.\.gauge": must be written like'),
-        (GRID.format("vehicle.speed_kmh", "40"), r"vary\[0\]\.values = 40: must be a list of values"),
-        (GRID.format("vehicle.speed_kmh", "[]"), r"vary\[0\]\.values = \[\]: the list is empty"),
-        (GRID.format("vehicle.speed_kmh", "{ from = 1, to = 2 }"), r"a range needs exactly the keys from, to and step"),
-        (GRID.format("vehicle.wheel", '["wheels/S1003.toml"]'), r'study\.toml:3: .*did you mean "wheels/S1002\.toml"'),
-        (GRID.format("contact.friction", "[0.1]") * 2, r'two axes are called "friction"'),
-        (
-            GRID.format("contact.friction", "[0.1]") + OVER.format(4, "low = 0.1\nhigh = 0.2"),
-            "is varied by vary.0. and",
-        ),
-        (OVER.format(12, "low = 0.1\nhigh = 0.2"), r"samples = 12: must be a power of 2 \(8 or 16\)"),
-        (OVER.format(8, "low = 0.1"), r"vary\[0\]\.over\[0\]\.high is missing: goes with low: must be a finite number"),
-        (OVER.format(8, "low = 0.3\nhigh = 0.2"), r"high = 0\.2: must be above low"),
-        ('[[vary]]\nkind = "csv"\nfile = "rwos.csv"\n', r'study\.toml:3: vary\.file = "rwos\.csv": not found in'),
-        ('[[vary]]\nkind = "csv"\nfile = "bad.csv"\n', r"bad\.csv:3: has 1 cells; must have 2"),
-        ('[[vary]]\nkind = "csv"\nfile = "head.csv"\n', r"head\.csv:2: is all that is there; must have a header"),
-        (
-            '[[vary]]\nkind = "csv"\nfile = "key.csv"\n',
-            r"key\.csv:2: contact\.frction = 0\.2: unknown key; .friction. is given",
-        ),
-        (AXES + "[cases]\ntimeout = 5\n", r"cases\.timeout = 5: unknown key; did you mean 'time_limit_s' \(in s\)\?"),
-        (AXES + "[cases]\nkeep = 'al'\n", r'cases\.keep = "al": must be "results" or "numbers"'),
-        (AXES + "[outputs]\nassessment = ['Y_over_P']\n", r'outputs\.assessment.*did you mean "Y_over_Q"'),
-        (AXES + "[outputs]\nhook = 'no.py:f'\n", r"study\.toml:\d+: outputs\.hook = \"no\.py:f\": not found in"),
-        (AXES + "[outputs]\nhook = 'h.py:nmubers'\n", r"h\.py has no function 'nmubers' \(did you mean 'numbers'\?\)"),
-        (AXES + "[outputs]\nhook = 'bad.py:f'\n", r"outputs\.hook = .*bad\.py: is no Python: .*invalid syntax"),
-        (AXES + "[outputs]\nhook = 'h.py'\n", r"outputs\.hook = \"h\.py\": must be a file and a function"),
-        (
-            AXES + '[[outputs.channels]]\nchannel = "Yy"\nreduce = "max"\n',
-            r'channel = "Yy": must be .*did you mean "Y"',
-        ),
-        (
-            AXES + '[[outputs.channels]]\nchannel = "Y"\nreduce = "maxi"\n',
-            r'reduce = "maxi": must be .*did you mean "max"',
-        ),
-        (
-            AXES + '[[outputs.channels]]\nchannel = "Y"\nreduce = "max"\nbody = "car"\n',
-            r'channel "Y" has none: it belongs',
-        ),
-        (AXES + '[[outputs.channels]]\nchannel = "Y"\nreduce = "percentile"\n', r"percentile is missing"),
-        ("vary = 3\n", r"vary = 3: must be a list of tables"),
-    ],
-)
+@pytest.mark.parametrize(("axes", "message"), [
+    ('[[vary]]\nkind = "gird"\n', r'study\.toml:4: vary\[0\]\.kind = "gird": must be "grid".*did you mean "grid"'),
+    ('[[vary]]\nkey = "a"\n', r"vary\[0\]\.kind is missing"),
+    ("", r"study\.toml: vary is missing"),
+    (GRID.format("vehicle.speed_kmhh", "[40]"),
+     r"study\.toml:3: .*speed_kmhh = 40: unknown key; 'speed_kmh' .in km/h. is given already"),
+    (GRID.format("vehicle.speed_kmh", "[40, 600]"), r"study\.toml:3: vehicle\.speed_kmh = 600: must be a number from"),
+    (GRID.format("contact.friction", '["wet"]'), r'study\.toml:3: contact\.friction = "wet": must be'),
+    (GRID.format("track.segments[9].radius_m", "[300]"), r"study\.toml:3: track\.segments\[9\]: there is no such"),
+    (GRID.format("track..gauge", "[1]"), r'study\.toml:3: key "track\.\.gauge": must be written like'),
+    (GRID.format("vehicle.speed_kmh", "40"), r"vary\[0\]\.values = 40: must be a list of values"),
+    (GRID.format("vehicle.speed_kmh", "[]"), r"vary\[0\]\.values = \[\]: the list is empty"),
+    (GRID.format("vehicle.speed_kmh", "{ from = 1, to = 2 }"), r"a range needs exactly the keys from, to and step"),
+    (GRID.format("vehicle.wheel", '["wheels/S1003.toml"]'), r'study\.toml:3: .*did you mean "wheels/S1002\.toml"'),
+    (GRID.format("contact.friction", "[0.1]") * 2, r'two axes are called "friction"'),
+    (GRID.format("contact.friction", "[0.1]") + OVER.format(4, "low = 0.1\nhigh = 0.2"), "is varied by vary.0. and"),
+    (OVER.format(12, "low = 0.1\nhigh = 0.2"), r"samples = 12: must be a power of 2 \(8 or 16\)"),
+    (OVER.format(8, "low = 0.1"), r"vary\[0\]\.over\[0\]\.high is missing: goes with low: must be a finite number"),
+    (OVER.format(8, "low = 0.3\nhigh = 0.2"), r"high = 0\.2: must be above low"),
+    ('[[vary]]\nkind = "csv"\nfile = "rwos.csv"\n', r'study\.toml:3: vary\.file = "rwos\.csv": not found in'),
+    ('[[vary]]\nkind = "csv"\nfile = "bad.csv"\n', r"bad\.csv:3: has 1 cells; must have 2"),
+    ('[[vary]]\nkind = "csv"\nfile = "head.csv"\n', r"head\.csv:2: is all that is there; must have a header"),
+    ('[[vary]]\nkind = "csv"\nfile = "key.csv"\n',
+     r"key\.csv:2: contact\.frction = 0\.2: unknown key; .friction. is given"),
+    (AXES + "[cases]\ntimeout = 5\n", r"cases\.timeout = 5: unknown key; did you mean 'time_limit_s' \(in s\)\?"),
+    (AXES + "[cases]\nkeep = 'al'\n", r'cases\.keep = "al": must be "results" or "numbers"'),
+    (AXES + "[outputs]\nassessment = ['Y_over_P']\n", r'outputs\.assessment.*did you mean "Y_over_Q"'),
+    (AXES + "[outputs]\nhook = 'no.py:f'\n", r"study\.toml:\d+: outputs\.hook = \"no\.py:f\": not found in"),
+    (AXES + "[outputs]\nhook = 'h.py:nmubers'\n", r"h\.py has no function 'nmubers' \(did you mean 'numbers'\?\)"),
+    (AXES + "[outputs]\nhook = 'bad.py:f'\n", r"outputs\.hook = .*bad\.py: is no Python: .*invalid syntax"),
+    (AXES + "[outputs]\nhook = 'h.py'\n", r"outputs\.hook = \"h\.py\": must be a file and a function"),
+    (AXES + '[[outputs.channels]]\nchannel = "Yy"\nreduce = "max"\n', r'channel = "Yy": must be .*did you mean "Y"'),
+    (AXES + '[[outputs.channels]]\nchannel = "Y"\nreduce = "maxi"\n', r'reduce = "maxi": must be .*did you mean "max"'),
+    (AXES + '[[outputs.channels]]\nchannel = "Y"\nreduce = "max"\nbody = "car"\n', r'channel "Y" has none: it belongs'),
+    (AXES + '[[outputs.channels]]\nchannel = "Y"\nreduce = "percentile"\n', r"percentile is missing"),
+    ("vary = 3\n", r"vary = 3: must be a list of tables"),
+])  # fmt: skip
 def test_every_fault_of_a_study_file_is_one_clear_error(axes: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "bad.csv").write_text("contact.friction,vehicle.speed_kmh\n0.1,40\n0.2\n")
     (tmp_path / "head.csv").write_text("# keys\nvehicle.speed_kmh\n")
@@ -107,8 +85,7 @@ def test_files_of_the_user_are_not_written_over(tmp_path: Path) -> None:
     file = study_file(tmp_path)
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "study.csv").write_text("mine")
-    answer = call("study", file, "-o", tmp_path / "out")
-    assert answer.exit_code == 2 and "wrsim did not write it" in answer.output
+    assert "wrsim did not write it" in refusal("study", file, "-o", tmp_path / "out")
     assert (tmp_path / "out" / "study.csv").read_text() == "mine"
 
 
@@ -120,8 +97,8 @@ def test_planning_executes_nothing_of_a_hook(binding: str, tmp_path: Path) -> No
     mine = tmp_path / "executed"
     (tmp_path / "h.py").write_text(f"open({str(mine)!r}, 'w')\n{binding}\nraise SystemExit\n")
     file = study_file(tmp_path, AXES + "[outputs]\nhook = 'h.py:numbers'\n")
-    answer = call("study", file, "-o", tmp_path / "out", "--dry-run")
-    assert answer.exit_code == 0 and "6 cases, 6 to run" in answer.output
+    answer = ok("study", file, "-o", tmp_path / "out", "--dry-run")
+    assert "6 cases, 6 to run" in answer.output
     assert not mine.exists()
 
 

@@ -20,6 +20,20 @@ def call(*arguments: str | Path) -> Result:
     return CliRunner().invoke(app, [str(a) for a in arguments], env={"COLUMNS": "200"})
 
 
+def ok(*arguments: str | Path) -> Result:
+    """Call it in this process; it must end well."""
+    answer = call(*arguments)
+    assert answer.exit_code == 0, answer.output
+    return answer
+
+
+def refusal(*arguments: str | Path) -> str:
+    """What it prints when it refuses these arguments, or what they name."""
+    answer = call(*arguments)
+    assert answer.exit_code == 2 and "Traceback" not in answer.output, answer.output
+    return answer.output
+
+
 def forked(*arguments: str | Path, first: Callable[[], object] = bool) -> subprocess.CompletedProcess[str]:
     """Run ``wrsim`` with these arguments in a process of its own; first: what that does before."""
     words = [str(a) for a in arguments]

@@ -27,14 +27,7 @@ from support.vehicles import manchester, on_track, shipped
 from wrsim.contact.channels import WheelOnRail, wheel_outline
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
-from wrsim.contact.settings import (
-    ConicalWheels,
-    ContactSettings,
-    Friction,
-    FrictionAlong,
-    HalfSpaceSettings,
-    Material,
-)
+from wrsim.contact.settings import ConicalWheels, ContactSettings, Friction, FrictionAlong, HalfSpaceSettings, Material
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.core.body.rigid_body import kinetic_energies
 from wrsim.core.contact.arrays import bodies

@@ -36,12 +36,7 @@ ROOT = Path(__file__).parents[2]
 SCENARIOS = ROOT / "scenarios"
 STEERING = "vehicles/wheelset_s1002_steering.toml"
 LEADING = "vehicles/wheelset_s1002_leading.toml"
-FAST = {
-    "contact.normal": "kik-piotrowski",
-    "contact.tangential": "fastsim",
-    "contact.strips": 12,
-    "contact.cells": 6,
-}
+FAST = {"contact.normal": "kik-piotrowski", "contact.tangential": "fastsim", "contact.strips": 12, "contact.cells": 6}
 """The fastest contact with creep forces, for laws of the motion that hold with any."""
 
 
@@ -57,13 +52,7 @@ def transition(length: float) -> dict[str, Any]:
 
 def arc(length: float, radius: float, cant_mm: float = 0.0, widening_mm: float = 0.0) -> dict[str, Any]:
     """A segment as in a scenario file."""
-    return {
-        "kind": "arc",
-        "length_m": length,
-        "radius_m": radius,
-        "cant_mm": cant_mm,
-        "gauge_widening_mm": widening_mm,
-    }
+    return {"kind": "arc", "length_m": length, "radius_m": radius, "cant_mm": cant_mm, "gauge_widening_mm": widening_mm}
 
 
 def setup_of(

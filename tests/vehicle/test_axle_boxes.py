@@ -151,28 +151,15 @@ POINT = '[[points]]\nname = "p"\non = "box"\nat_mm = [0, 0, 0]\n[[elements]]'
 PRIMARY = 'to = ["front", "rear"]\norigin = "to"'
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (
-            ((BODY, BOXES.replace('"front"', '"frnt"') + BODY),),
-            "is no wheelset of this part; there is front, rear (did",
-        ),
-        (((BODY, BOXES + BODY),), "no spring keeps axle box 'box left' from turning about the axle"),
-        (
-            ((BODY, BOXES + BODY), (PRIMARY, 'to = ["box", "rear"]\norigin = "to"')),
-            "no spring keeps axle box 'box left' from turning about the axle",
-        ),
-        (
-            ((BODY, BOXES + BODY), (PRIMARY, 'to = ["box", "rear"]\norigin = "to"'), ("[0, 900, 0]", "[0, 0, 0]")),
-            "leads to an axle box and lies in the middle: give its points a y",
-        ),
-        (
-            ((BODY, BOXES + BODY), (PRIMARY, 'to = ["box", "rear"]\norigin = "to"'), ("[[elements]]", POINT)),
-            "is no body",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("changes", "message"), [
+    (((BODY, BOXES.replace('"front"', '"frnt"') + BODY),), "is no wheelset of this part; there is front, rear (did"),
+    (((BODY, BOXES + BODY),), "no spring keeps axle box 'box left' from turning about the axle"),
+    (((BODY, BOXES + BODY), (PRIMARY, 'to = ["box", "rear"]\norigin = "to"')),
+     "no spring keeps axle box 'box left' from turning about the axle"),
+    (((BODY, BOXES + BODY), (PRIMARY, 'to = ["box", "rear"]\norigin = "to"'), ("[0, 900, 0]", "[0, 0, 0]")),
+     "leads to an axle box and lies in the middle: give its points a y"),
+    (((BODY, BOXES + BODY), (PRIMARY, 'to = ["box", "rear"]\norigin = "to"'), ("[[elements]]", POINT)), "is no body"),
+])  # fmt: skip
 def test_axle_boxes_that_cannot_be(tmp_path, changes, message) -> None:
     assert message in fault(tmp_path, *changes)
 

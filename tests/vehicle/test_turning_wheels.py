@@ -68,8 +68,6 @@ def about_axle(law: VehicleOnTrack) -> Array:
 
 
 # --- independent wheels -----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("radius", [300.0, inf])
 def test_independent_wheels_in_steady_motion_are_not_driven(radius):
     law, _, _ = steady(INDEPENDENT, radius)
@@ -166,8 +164,6 @@ def test_a_moment_on_one_wheel_turns_that_wheel_alone():
 
 
 # --- axles that twist -------------------------------------------------------------------------------------
-
-
 def test_an_axle_twists_at_the_frequency_of_two_discs_on_a_shaft():
     stiffness = 5e6
     vehicle = with_axle(manchester(), Torsion(stiffness, 100.0))
@@ -191,8 +187,6 @@ def test_in_steady_motion_a_twisted_axle_is_a_rigid_one_and_carries_the_moment_o
 
 
 # --- runs -------------------------------------------------------------------------------------------------
-
-
 @cache
 def into_a_curve(torsion: Torsion | None) -> xr.Dataset:
     """The leading wheelset from straight track into a curve."""
@@ -221,8 +215,6 @@ def test_independent_wheels_run_into_a_curve_without_forces_lengthwise():
 
 
 # --- what is refused --------------------------------------------------------------------------------------
-
-
 def vehicle_text(tmp_path, more: str) -> str:
     """A scenario of a wheelset whose file has one line more, beside it."""
     text = (ROOT / "models" / LEADING).read_text(encoding="utf-8")
@@ -230,17 +222,11 @@ def vehicle_text(tmp_path, more: str) -> str:
     return "own.toml"
 
 
-@pytest.mark.parametrize(
-    ("more", "said"),
-    [
-        (
-            "independent_wheels = true\ntorsional_stiffness_kNm_per_rad = 5000",
-            "cannot stand next to independent_wheels",
-        ),
-        ("torsional_damping_kNms_per_rad = 5", "goes with torsional_stiffness_kNm_per_rad"),
-        ("torsional_stiffness_kNm_per_rad = 0", "above 0"),
-    ],
-)
+@pytest.mark.parametrize(("more", "said"), [
+    ("independent_wheels = true\ntorsional_stiffness_kNm_per_rad = 5000", "cannot stand next to independent_wheels"),
+    ("torsional_damping_kNms_per_rad = 5", "goes with torsional_stiffness_kNm_per_rad"),
+    ("torsional_stiffness_kNm_per_rad = 0", "above 0"),
+])  # fmt: skip
 def test_bad_axles_are_refused_with_file_and_key(tmp_path, more, said):
     found = faults(CURVE.replace("vehicles/wheelset_s1002.toml", vehicle_text(tmp_path, more)), tmp_path)
     assert len(found) == 1

@@ -110,44 +110,26 @@ def test_the_light_rail_wheelset_has_the_numbers_of_the_paper_and_its_wheel_load
 
 
 ONE_FAULT = [
-    (
-        "mass_kg = 1000",
-        "mass = 1000",
-        "car.toml:5: wheelset.mass = 1000: unknown key; did you mean 'mass_kg' (in kg)?",
-    ),
+    ("mass_kg = 1000", "mass = 1000", "car.toml:5: wheelset.mass = 1000: unknown key; did you mean 'mass_kg' (in kg)?"),
     ("mass_kg = 1000", "mass_kg = 0", "wheelset.mass_kg = 0: must be a number above 0"),
     ("roll_inertia_kg_m2 = 600", "ixx_kg_m2 = 600", "did you mean 'roll_inertia_kg_m2'?"),
-    (
-        "roll_inertia_kg_m2 = 600",
-        "roll_inertia_kg_m2 = 610",
-        "wheelset.roll_inertia_kg_m2 = 610: must equal yaw_inertia_kg_m2 = 600",
-    ),
+    ("roll_inertia_kg_m2 = 600", "roll_inertia_kg_m2 = 610",
+     "wheelset.roll_inertia_kg_m2 = 610: must equal yaw_inertia_kg_m2 = 600"),
     ("spin_inertia_kg_m2 = 100", "spin_inertia_kg_m2 = 1201", "must be at most twice yaw_inertia_kg_m2 = 600"),
     ("roll_inertia_kg_m2 = 600", "", "wheelset.roll_inertia_kg_m2 is missing: must be a number above 0"),
     ("flange_back_mm = 1360", "", "wheelset.profile_spacing_mm is missing: must be a number from 400"),
-    (
-        "flange_back_mm = 1360",
-        "flange_back_mm = 1360\nprofile_spacing_mm = 1500",
-        "cannot stand next to profile_spacing_mm",
-    ),
-    (
-        "flange_back_mm = 1360",
-        "profile_spacing_mm = 1500\nback_to_tape_circle_mm = 70",
-        "goes with flange_back_mm",
-    ),
+    ("flange_back_mm = 1360", "flange_back_mm = 1360\nprofile_spacing_mm = 1500",
+     "cannot stand next to profile_spacing_mm"),
+    ("flange_back_mm = 1360", "profile_spacing_mm = 1500\nback_to_tape_circle_mm = 70", "goes with flange_back_mm"),
     ("radius_mm = 450", "radius_mm = 0.45", "wheelset.radius_mm = 0.45: must be a number from 100 to 1500"),
     ("radius_mm = 450", "radius_left_mm = 450", "wheelset.radius_right_mm is missing: goes with radius_left_mm"),
     ('wheel = "wheels/S1002.toml"', "", "wheelset.wheel is missing: must be a wheel profile file"),
-    (
-        '"wheels/S1002.toml"',
-        '"wheels/S1003.toml"',
-        'car.toml:11: wheelset.wheel = "wheels/S1003.toml": not found in',
-    ),
+    ('"wheels/S1002.toml"', '"wheels/S1003.toml"', 'car.toml:11: wheelset.wheel = "wheels/S1003.toml": not found in'),
     ('"wheels/S1002.toml"', '"rails/60E1.toml"', "a wheel profile is needed here"),
     ("[1, 2, 3]", "[1, 2]", "suspension.stiffness_kN_per_m = [1, 2]: must be three numbers not below 0"),
     ("date = 2026-01-31", 'date = "2026-01-31"', "must be a date without quotes"),
     ("[sprung]", "[spring]", "spring: unknown key; did you mean 'sprung'?"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("old", "new", "message"), ONE_FAULT)

@@ -134,11 +134,7 @@ def test_load_transfer_in_a_canted_curve_is_that_of_the_closed_form() -> None:
 
 def test_smaller_wheels_lower_the_whole_vehicle() -> None:
     def turned(wheelset: Wheelset) -> Wheelset:
-        return replace(
-            wheelset,
-            left=replace(wheelset.left, radius=0.45),
-            right=replace(wheelset.right, radius=0.45),
-        )
+        return replace(wheelset, left=replace(wheelset.left, radius=0.45), right=replace(wheelset.right, radius=0.45))
 
     law = on_track(manchester().with_wheelsets(turned)).law
     found = steady_state(law)

@@ -4,18 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.boxes import (
-    HEIGHT,
-    INERTIA,
-    MASS,
-    box,
-    derivatives,
-    displaced,
-    moment_kept,
-    on_springs,
-    spring,
-    symmetric,
-)
+from support.boxes import HEIGHT, INERTIA, MASS, box, derivatives, displaced, moment_kept, on_springs, spring, symmetric
 from support.vehicles import manchester, shipped
 
 from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces

@@ -8,14 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from support.contacts import (
-    HALF_SPACING,
-    bench,
-    contact_model,
-    flat_rail,
-    pair_model,
-    round_wheel,
-)
+from support.contacts import HALF_SPACING, bench, contact_model, flat_rail, pair_model, round_wheel
 from support.hertz import Ellipse
 
 from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver

@@ -64,13 +64,7 @@ def dense(compliance, rows, columns, ds, dx, angles):
     at = (i[:, :, None, None] - i + columns - 1, j[:, :, None, None] - j + rows - 1)
     nn, xx, ss, xs, xn, sn = (table[k][at] for k in range(INTEGRALS))
     n, t, k = compliance.normal, compliance.tangential, compliance.coupling
-    flat = np.array(
-        [
-            [n * nn + t * xx, t * xs, k * xn],
-            [t * xs, n * nn + t * ss, k * sn],
-            [-k * xn, -k * sn, n * nn],
-        ]
-    )
+    flat = np.array([[n * nn + t * xx, t * xs, k * xn], [t * xs, n * nn + t * ss, k * sn], [-k * xn, -k * sn, n * nn]])
     alpha = (angles[None, :] - angles[:, None])[:, None, :, None]  # source minus receiver
     cos, sin = np.cos(alpha), np.sin(alpha)
     turned = flat.copy()

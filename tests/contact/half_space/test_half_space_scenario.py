@@ -5,12 +5,11 @@ from functools import cache
 import numpy as np
 import pytest
 from support.contacts import pair_model
-from support.scenario_texts import CURVE, STATIC, faults
+from support.scenario_texts import STATIC, faults
 
 from wrsim import run
 from wrsim.contact.settings import ContactSettings
 from wrsim.errors import SimulationError
-from wrsim.scenario.build import build
 from wrsim.scenario.loading import load_text
 
 POSES = "lateral_mm = [0, 5.06, 6.5]\nyaw_mrad = 5\nload_kN = 60\n"
@@ -124,19 +123,6 @@ def test_wrong_keys_are_told(tmp_path):
 def test_exact_creep_needs_exact_pressure():
     with pytest.raises(ValueError, match="half-space"):
         ContactSettings(tangential="half-space")
-
-
-def test_a_run_starts_in_balance_and_keeps_it():
-    # steady rolling on straight track: the exact forces carry the weight from the first stage to the last
-    run_keys = "[run]\nstart_distance_m = 20\ntime_s = 0.002\n"
-    text = CURVE.replace("[run]\n", run_keys).replace("_ms = 5", "_ms = 1").replace("friction", f"{EXACT}\nfriction")
-    d = run(load_text(text.replace("[contact]\n", "[contact]\nhalf_space = {resolution = 16}\n"))).wheelset()
-    load = d["Q"].values
-    assert d.attrs["status"] == "completed"
-    assert load == pytest.approx(load[0, 0], rel=1e-5)
-    weight = build(load_text(text)).vehicle.weight
-    assert load.sum(axis=1) == pytest.approx(weight, rel=1e-5)
-    assert np.nansum(d["strip_N"].values[-1], axis=(-1, -2)) == pytest.approx(d["N"].values[-1, :, 0], rel=1e-4)
 
 
 def test_damping_multiplies_the_pressure_by_the_rate_of_approach():
