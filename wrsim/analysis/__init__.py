@@ -83,8 +83,7 @@ def check_step(scenario: Scenario, setup: Setup[Any]) -> None:
         refuse_step(setup)
 
 
-EXACT_TIME = 0.06
-"""Of the exact solver, both wheels together, with creep forces [s]."""
+EXACT_TIME = 0.06  # of the exact solver, both wheels together, with creep forces [s]
 
 
 def exact_run_warning(setup: Setup[Any]) -> list[str]:

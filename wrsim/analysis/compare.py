@@ -59,10 +59,8 @@ DIFFERENCES = {
 }
 """Quantities that are compared, and what their difference is divided by."""
 
-SHOWN = ("p0", "area", "approach", "N", "contact_angle", "X", "Y", "T_gamma")
-"""Quantities in the table on the screen."""
-FEW = 4
-"""Poses and wheels of a small comparison, whose values are printed one by one."""
+SHOWN = ("p0", "area", "approach", "N", "contact_angle", "X", "Y", "T_gamma")  # quantities in the table on the screen
+FEW = 4  # poses and wheels of a small comparison, whose values are printed one by one
 
 TIMED_MOMENTS = 8
 TIMED = 0.02  # least time of one measurement [s]

@@ -32,23 +32,15 @@ from wrsim.simulation.state import Equilibrium, SteadyMotion, steady_state
 from wrsim.simulation.system import Array
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
-MARGIN = 20.0
-"""The arc goes on so far before and behind the vehicle [m]."""
-
-ALMOST_STRAIGHT = 2e4
-"""Radius of the curve that the way to others begins with [m]."""
-
-SMALLEST_STEP = 1.0 / 32.0
-"""Part of the way from curve to curve below which the search gives up."""
-
-BALANCED, NEARLY = 1e-8, 1e-4
-"""Forces left over, as parts of the weight: good; good enough not to look elsewhere."""
+MARGIN = 20.0  # the arc goes on so far before and behind the vehicle [m]
+ALMOST_STRAIGHT = 2e4  # radius of the curve that the way to others begins with [m]
+SMALLEST_STEP = 1.0 / 32.0  # part of the way from curve to curve below which the search gives up
+BALANCED, NEARLY = 1e-8, 1e-4  # forces left over, as parts of the weight: good; good enough not to look elsewhere
 
 NUDGES = (1e-5, -1e-5, 1e-4, -1e-4, 5e-4, -5e-4)
 """Lateral shifts of the wheelsets from which the search begins again where it has got stuck beside a jump [m]."""
 
-MOST_ITERATIONS = 15
-"""Of Newton's method on the way."""
+MOST_ITERATIONS = 15  # of Newton's method on the way
 
 
 def run_steady(setup: Setup, progress: Progress | None = None) -> Result:
@@ -146,7 +138,9 @@ def steady_in_curve(setup: Setup, point: SteadyPoint, solved: Sequence[Found] = 
     halved where the search loses the motion; what it does not reach so is run in (``analysis.motion.start``).
     Raises SimulationError when there is no steady motion.
     """
-    _upright(setup, point)
+    base, curvature = setup.track.cant_base, 1.0 / point.radius
+    tilt = float(np.copysign(np.arcsin(point.cant / base), point.cant * curvature))
+    check_upright(resultant(setup.vehicle, 0.0, curvature, tilt, point.speed), base, curvature)
     if any(mounted.wheelset.independent for mounted in setup.vehicle.wheelsets):
         return _from_design(setup, point)  # between flanges nothing leads from curve to curve
     same = [found for found in solved if found.point.radius * point.radius > 0.0]
@@ -164,23 +158,14 @@ def steady_in_curve(setup: Setup, point: SteadyPoint, solved: Sequence[Found] = 
             break
         q = found.q.copy()
         q[6 * np.arange(len(found.law.vehicle.wheelsets)) + 2] += nudge
-        try:
+        with suppress(SimulationError):
             again = steady_state(found.law, (q, found.q_t), tolerance=enough(setup))
-        except SimulationError:
-            continue
-        if again.residual < found.left:
-            found = replace(found, q=again.q, q_t=again.q_t, left=again.residual)
+            if again.residual < found.left:
+                found = replace(found, q=again.q, q_t=again.q_t, left=again.residual)
     if found.left > NEARLY:
         with suppress(SimulationError):
             found = min(found, _from_design(setup, point), key=lambda motion: motion.left)
     return found
-
-
-def _upright(setup: Setup, point: SteadyPoint) -> None:
-    """Raise NoSteadyMotion when what acts on the vehicle points beside the rails."""
-    base, curvature = setup.track.cant_base, 1.0 / point.radius
-    tilt = float(np.copysign(np.arcsin(point.cant / base), point.cant * curvature))
-    check_upright(resultant(setup.vehicle, 0.0, curvature, tilt, point.speed), base, curvature)
 
 
 def _apart(a: SteadyPoint, b: SteadyPoint) -> float:

@@ -11,35 +11,7 @@ from wrsim.errors import WrsimError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.results.table import quantity
 from wrsim.scenario.loading import load_text
-
-SCENARIO = """
-title = "what runs and poses need"
-analysis = "{analysis}"
-[vehicle]
-model = "vehicles/wheelset_s1002.toml"
-{speed}
-[track]
-gauge_mm = 1435
-rail = "rails/60E1.toml"
-inclination = "1:40"
-{rest}
-[contact]
-normal = "{normal}"
-"""
-OF_RUN = """
-[[track.segments]]
-kind = "straight"
-length_m = 3
-[run]
-distance_m = 0.2
-"""
-OF_POSES = """
-[static]
-target = "wheel"
-side = "right"
-load_kN = 60
-lateral_mm = 0
-"""
+from wrsim.scenario.templates import scenario_template
 
 
 def warm_up() -> str:
@@ -50,8 +22,8 @@ def warm_up() -> str:
     if CACHE is None:
         raise WrsimError("there is no place to keep compiled kernels in")
     begin = time.perf_counter()
-    normals = [name for name, model in NORMAL_MODELS.items() if model.solve is None]
-    for normal in normals:
-        for analysis, speed, rest in (("curving", "speed_kmh = 54", OF_RUN), ("static", "", OF_POSES)):
-            run(load_text(SCENARIO.format(analysis=analysis, speed=speed, rest=rest, normal=normal), shipped_models()))
+    for normal in (name for name, model in NORMAL_MODELS.items() if model.solve is None):
+        for analysis, values in (("curving", {"run.distance_m": 0.2}), ("static", {})):
+            scenario = load_text(scenario_template(analysis), shipped_models())
+            run(scenario.with_values({"contact.normal": normal, **values}))
     return f"kernels are compiled, in {CACHE} ({quantity(time.perf_counter() - begin, 's', '.0f')})"

@@ -9,7 +9,7 @@ import typer
 
 from wrsim.cli.console import print_found
 from wrsim.cli.errors import reporting_errors
-from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Pictures, SectionsOf
+from wrsim.cli.options import BesideResult, Force, Json, Pictures, ResultFile, SectionsOf
 
 
 def assess_command(
@@ -23,7 +23,7 @@ def assess_command(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Assess a run: EN 14363 quantities section by section, limits and margins; leaves tables and pictures.
+    """Assess a run: EN 14363 quantities section by section, limits and margins; writes tables and pictures.
 
     Sections of several runs of one vehicle count together; they need a folder to write to (-o).
     """
@@ -48,7 +48,7 @@ def assess_command(
 
 
 def ride(
-    result: AnyResult,
+    result: ResultFile,
     output: BesideResult = None,
     scenario: SectionsOf = None,
     pictures: Pictures = True,

@@ -15,7 +15,7 @@ from wrsim import __version__
 from wrsim.cli.assess import assess_command, ride
 from wrsim.cli.compare import compare_command, resolve_command
 from wrsim.cli.conicity import conicity_command
-from wrsim.cli.console import say, show_progress
+from wrsim.cli.console import print_lines, show_progress
 from wrsim.cli.diff import diff
 from wrsim.cli.errors import INTERRUPTED, any_output, usage_as_json
 from wrsim.cli.keys import keys, new
@@ -60,7 +60,7 @@ def main() -> None:
 
 def _version(asked: bool) -> None:
     if asked:
-        say(f"wrsim {__version__}")
+        print_lines(f"wrsim {__version__}")
         raise typer.Exit
 
 

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_found, progress_bar, warn_slow
+from wrsim.cli.console import print_error, print_found, progress_bar
 from wrsim.cli.errors import exit_code, reporting_errors
-from wrsim.cli.options import Force, Json, Models, Pictures, Quiet, ResultFile, ScenarioFile, into
+from wrsim.cli.options import At, Force, Json, Models, OneWheelset, Pictures, Quiet, ResultFile, ScenarioFile, into
 
 
 def compare_command(
@@ -17,7 +17,6 @@ def compare_command(
     contact: Annotated[
         str,
         typer.Option(
-            "--contact",
             metavar="A,B,...",
             help="Contact models: half-space, kik-piotrowski+polach, kik-piotrowski+strips=80; file: as in FILE.",
         ),
@@ -36,8 +35,8 @@ def compare_command(
     from wrsim.report.output_folder import writing
 
     with reporting_errors(as_json), writing(force, file):
-        from wrsim.analysis.compare import compare as analyse
-        from wrsim.analysis.compare import comparison_report, comparison_tables
+        from wrsim.analysis import exact_run_warning
+        from wrsim.analysis.compare import compare, comparison_report, comparison_tables
         from wrsim.report.outputs import write_comparison
         from wrsim.scenario.build import build
         from wrsim.scenario.contact_choice import split_names, with_contact_model
@@ -45,13 +44,12 @@ def compare_command(
 
         scenario = load(file, models or ())
         names = split_names(contact)
-        for name in names:
-            setup = build(with_contact_model(scenario, name))
+        for words in [w for name in names for w in exact_run_warning(build(with_contact_model(scenario, name)))]:
             if not quiet:
-                warn_slow(setup)
+                print_error(words)
         with progress_bar(not (quiet or as_json)) as progress:
-            found = analyse(scenario, names, reference, progress)
-        directory = output if output is not None else Path("results") / f"{file.stem}_compared"
+            found = compare(scenario, names, reference, progress)
+        directory = output or Path("results") / f"{file.stem}_compared"
         report = comparison_report(found, str(file))
         files = write_comparison(found, report, directory, pictures, scenario.title)
         if as_json or not quiet:
@@ -63,17 +61,10 @@ def compare_command(
 def resolve_command(
     result: ResultFile,
     contact: Annotated[
-        str, typer.Option("--contact", metavar="NAME", help="Contact model, such as half-space+fastsim.")
+        str, typer.Option(metavar="NAME", help="Contact model, such as half-space+fastsim.")
     ] = "half-space",
-    at: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--at", metavar="PLACE", help="Only where the wheelset is there, in m, or this pose; may be repeated."
-        ),
-    ] = None,
-    wheelset: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Where there are several: this one, or that number.")
-    ] = None,
+    at: At = None,
+    wheelset: OneWheelset = None,
     same: Annotated[
         str, typer.Option(metavar="load|pose", help="What every wheel keeps: its vertical force or its height.")
     ] = "load",
@@ -86,7 +77,7 @@ def resolve_command(
 ) -> None:
     """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model."""
     with reporting_errors(as_json):
-        from wrsim.analysis.resolve import resolve as solve
+        from wrsim.analysis.resolve import resolve
         from wrsim.report.output_folder import claimed, folder_of_result, naming, read, write_resolved
         from wrsim.report.outputs import file_name
         from wrsim.results.moments import moments_at, resolved_tables
@@ -97,7 +88,7 @@ def resolve_command(
         with naming(result), progress_bar(not (quiet or as_json)) as progress:
             moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
             scenario = load_text(before.dataset.attrs["scenario_text"], folder, models or (), closed=True)
-            after = solve(before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress)
+            after = resolve(before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress)
         directory = output or folder / file_name(contact)
         with claimed(directory, force, (result,)) as keeper:
             files = write_resolved(after, directory, pictures)

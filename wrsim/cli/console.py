@@ -15,29 +15,15 @@ from wrsim.errors import plain
 
 if TYPE_CHECKING:
     from wrsim.results.table import Table
-    from wrsim.scenario.build import Setup
 
 Progress = Callable[[float, float], None]
 
 
-def warn(file: Path, setup: Setup) -> None:
-    """Say what of a scenario is allowed, but looks like a slip."""
-    from wrsim.scenario.plausibility import warnings
-
-    for warning in warnings(setup):
-        print_error(f"{file}: warning: {warning}")
-
-
-def warn_slow(setup: Setup) -> None:
-    """Warn of a run whose forces all come from the exact contact solver."""
-    from wrsim.analysis import exact_run_warning
-
-    for words in exact_run_warning(setup):
-        print_error(words)
-
-
-def print_tables(tables: Iterable[Table]) -> None:
-    """Tables on the terminal."""
+def print_numbers(as_json: bool, numbers: dict[str, Any], tables: Iterable[Table]) -> None:
+    """Numbers as JSON, or tables on the terminal."""
+    if as_json:
+        print_json(numbers)
+        return
     from wrsim.results.render import on_terminal
 
     on_terminal(tables)
@@ -47,11 +33,9 @@ def print_found(
     as_json: bool, numbers: dict[str, Any], tables: Iterable[Table], files: Sequence[Path], folder: Path | None = None
 ) -> None:
     """Numbers with the names of files as JSON; or tables, and the files: how many in a folder, or each."""
-    if as_json:
-        print_json(numbers | {"files": [str(f) for f in files]})
-        return
-    print_tables(tables)
-    say(*(map(str, files) if folder is None else [f"{len(files)} files in {folder}"]))
+    print_numbers(as_json, numbers | {"files": [str(f) for f in files]}, tables)
+    if not as_json:
+        print_lines(*(map(str, files) if folder is None else [f"{len(files)} files in {folder}"]))
 
 
 def print_json(content: dict[str, Any]) -> None:
@@ -62,41 +46,40 @@ def print_error(message: str) -> None:
     print(plain(message), file=sys.stderr)
 
 
-def say_files(count: int, directory: Path, removed: int = 0) -> None:
-    """State where the files of a command are, how many of an earlier one are gone, and how to look at them."""
-    say(f"{count} files in {directory}")
+def print_files(count: int, directory: Path, removed: int = 0) -> None:
+    """Where the files of a command are, how many of an earlier result are removed, and how to look at them."""
+    print_lines(f"{count} files in {directory}")
     if removed:
-        say(f"{removed} files of the result before are gone from there")
-    say(f"a page about it for the browser: wrsim report {quote(str(directory))}")
+        print_lines(f"{removed} files of the earlier result are removed from there")
+    print_lines(f"a page about it for the browser: wrsim report {quote(str(directory))}")
 
 
-def say(*lines: str) -> None:
-    """Print lines of text."""
+def print_lines(*lines: str) -> None:
     for line in lines:
         print(plain(line))
 
 
-class _Telling(logging.Handler):
-    """A line on a terminal that shows what is at work before a run; its bar has room for it. An empty one clears it."""
+class _StatusLine(logging.Handler):
+    """A line on a terminal, or the text of the progress bar, for what precedes a run. An empty message clears it."""
 
     bar: Callable[[str], None] | None = None
 
     def emit(self, record: logging.LogRecord) -> None:
         words = record.getMessage()
-        if _Telling.bar is not None:
-            _Telling.bar(words or "running")
+        if _StatusLine.bar is not None:
+            _StatusLine.bar(words or "running")
         else:
             sys.stderr.write(f"\r{words}\x1b[K")
             sys.stderr.flush()
 
 
 def show_progress() -> None:
-    """From now on a terminal shows how far kernels are compiled (the logger ``wrsim.kernels``) and how the search for
-    the motion at the start of a run goes (``wrsim.start``)."""
+    """Show on a terminal the progress of compiling (the logger ``wrsim.kernels``) and of the search for the motion at
+    the start of a run (``wrsim.start``)."""
     if sys.stderr.isatty():
         for name in ("wrsim.kernels", "wrsim.start"):
             logger = logging.getLogger(name)
-            logger.addHandler(_Telling())
+            logger.addHandler(_StatusLine())
             logger.setLevel(logging.INFO)
             logger.propagate = False
 
@@ -113,7 +96,7 @@ def progress_bar(wanted: bool) -> Iterator[Progress | None]:
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[left]}"))
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("running", total=1.0, left="")
-        _Telling.bar = lambda words: bar.update(task, description=words, refresh=True)
+        _StatusLine.bar = lambda words: bar.update(task, description=words, refresh=True)
 
         def advance(fraction: float, seconds_left: float) -> None:
             bar.update(task, completed=fraction, left=time_left(seconds_left))
@@ -121,7 +104,7 @@ def progress_bar(wanted: bool) -> Iterator[Progress | None]:
         try:
             yield advance
         finally:
-            _Telling.bar = None
+            _StatusLine.bar = None
 
 
 def time_left(seconds: float) -> str:

@@ -9,12 +9,12 @@ import typer
 
 from wrsim.cli.console import print_found
 from wrsim.cli.errors import DIFFERENT, reporting_errors
-from wrsim.cli.options import AnyResult, Force, Json, into
+from wrsim.cli.options import Force, Json, ResultFile, into
 
 
 def diff(
-    first: AnyResult,
-    second: AnyResult,
+    first: ResultFile,
+    second: ResultFile,
     tolerance: Annotated[
         float,
         typer.Option(metavar="PART", help="Largest difference allowed, as a part of the quantity's largest value."),
@@ -22,7 +22,7 @@ def diff(
     only: Annotated[
         list[str] | None, typer.Option("--only", metavar="QUANTITY", help="Such as Y_over_Q_max; may be given again.")
     ] = None,
-    output: Annotated[Path | None, into(metavar="DIR", help="Leave a table and an overlay picture there.")] = None,
+    output: Annotated[Path | None, into(metavar="DIR", help="Write a table and an overlay picture there.")] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_json, say
+from wrsim.cli.console import print_json, print_lines
 from wrsim.cli.errors import reporting_errors
 from wrsim.cli.options import Force, Json, into
 from wrsim.register import ANALYSES, FILES
@@ -17,10 +17,7 @@ def keys(
     section: Annotated[
         str | None, typer.Argument(metavar="SECTION", help="A table such as contact or track.segments; default: all.")
     ] = None,
-    file: Annotated[
-        str,
-        typer.Option("--file", metavar="KIND", help=f"{', '.join(FILES)}."),
-    ] = "scenario",
+    file: Annotated[str, typer.Option("--file", metavar="KIND", help=f"{', '.join(FILES)}.")] = "scenario",
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of that kind of file, for editors.")
     ] = False,
@@ -34,7 +31,7 @@ def keys(
         if as_json and not schema:
             print_json(keys_numbers(file, section))
         else:
-            say(schema_text(file) if schema else keys_text(file, section))
+            print_lines(schema_text(file) if schema else keys_text(file, section))
 
 
 def new(
@@ -56,4 +53,4 @@ def new(
         if as_json:
             print_json({"files": [str(path)]})
         else:
-            say(f"{path}: run it with: wrsim run {path}; wrsim keys SECTION explains its keys")
+            print_lines(f"{path}: run it with: wrsim run {path}; wrsim keys SECTION explains its keys")

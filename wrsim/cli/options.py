@@ -41,16 +41,19 @@ Tls = Annotated[
 ]
 Slurm = Annotated[bool, typer.Option("--slurm", help="Run the workers as SLURM jobs (extra wrsim\\[cluster]).")]
 SectionsOf = Annotated[
-    Path | None,
-    typer.Option("--scenario", metavar="FILE", help="Take the settings from this scenario instead."),
+    Path | None, typer.Option("--scenario", metavar="FILE", help="Take the settings from this scenario instead.")
 ]
 ScenarioFile = Annotated[Path, typer.Argument(metavar="FILE", help="Scenario file (TOML).")]
 ResultFile = Annotated[
     Path,
     typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off (.part)."),
 ]
-AnyResult = Annotated[
-    Path, typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off.")
+At = Annotated[
+    list[str] | None,
+    typer.Option("--at", metavar="PLACE", help="Contacts where the wheelset is there, in m, or of this pose only."),
+]
+OneWheelset = Annotated[
+    str | None, typer.Option("--wheelset", metavar="NAME", help="This wheelset, or that number, alone.")
 ]
 into = partial(typer.Option, "--output", "-o")
 """Where to write."""

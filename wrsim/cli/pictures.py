@@ -9,23 +9,25 @@ import typer
 
 from wrsim.cli.console import print_found
 from wrsim.cli.errors import reporting_errors
-from wrsim.cli.options import BesideResult, Force, Json, Models, ResultFile, ScenarioFile, check_ending, into
+from wrsim.cli.options import (
+    At,
+    BesideResult,
+    Force,
+    Json,
+    Models,
+    OneWheelset,
+    ResultFile,
+    ScenarioFile,
+    check_ending,
+    into,
+)  # fmt: skip
 
 
 def plot(
     result: ResultFile,
     output: BesideResult = None,
-    at: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--at",
-            metavar="PLACE",
-            help="Patches where the wheelset is there, in m, or of this pose; may be repeated.",
-        ),
-    ] = None,
-    wheelset: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Pictures of this wheelset, or of that number, alone.")
-    ] = None,
+    at: At = None,
+    wheelset: OneWheelset = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -51,16 +53,10 @@ def profile(
         str, typer.Argument(metavar="FILE", help="Wheel or rail profile: TOML or points, such as wheels/S1002.toml.")
     ],
     output: Annotated[Path | None, into(metavar="PNG", help="Default: <name of FILE>.png here.")] = None,
-    kind: Annotated[
-        str | None, typer.Option(metavar="wheel|rail", help="Needed for a file of two columns only.")
-    ] = None,
+    kind: Annotated[str | None, typer.Option(metavar="wheel|rail", help="For a file of two columns only.")] = None,
     cutoff: Annotated[
         list[float] | None,
-        typer.Option(
-            "--cutoff",
-            metavar="MM",
-            help="Smooth the points as measured ones, halving waves of this length; up to four, to compare them.",
-        ),
+        typer.Option(metavar="MM", help="Smooth measured points, halving waves of this length; up to four to compare."),
     ] = None,
     models: Models = None,
     force: Force = False,

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_found, say
+from wrsim.cli.console import print_found, print_lines
 from wrsim.cli.errors import reporting_errors
 from wrsim.cli.options import Force, Json, Models, Pictures, into
 
@@ -21,10 +21,10 @@ def recording(
     ] = None,
     chord_m: Annotated[
         tuple[float, float] | None,
-        typer.Option(metavar="BEHIND AHEAD", help="Chord of alignment and level, where no map says it."),
+        typer.Option(metavar="BEHIND AHEAD", help="Chord of alignment and level, where no map gives it."),
     ] = None,
     band: Annotated[
-        str | None, typer.Option(metavar="D1|D2|D3", help="Inertial band of alignment and level, where no map says it.")
+        str | None, typer.Option(metavar="D1|D2|D3", help="Inertial band of alignment and level, if no map gives it.")
     ] = None,
     wavelength_m: Annotated[
         tuple[float, float], typer.Option(metavar="SHORT LONG", help="Waves of alignment and level that are wanted.")
@@ -61,4 +61,4 @@ def recording(
         files = write_recording(restored, directory, vehicle, speed_kmh, models or (), pictures)
         print_found(as_json, recording_numbers(restored), recording_tables(restored), files, directory)
         if not as_json:
-            say(f"run it with: wrsim run {directory / 'scenario.toml'}")
+            print_lines(f"run it with: wrsim run {directory / 'scenario.toml'}")

@@ -10,16 +10,14 @@ import typer
 
 from wrsim.cli.console import print_found
 from wrsim.cli.errors import reporting_errors
-from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Models, check_ending, into
+from wrsim.cli.options import BesideResult, Force, Json, Models, ResultFile, check_ending, into
 from wrsim.errors import InputError
 
 
 def report(
     results: Annotated[
         list[Path],
-        typer.Argument(
-            metavar="RESULT...", help="Results: files, folders, runs that were cut off; one study or service."
-        ),
+        typer.Argument(metavar="RESULT...", help="Results: files, folders, cut-off runs; or one study or service."),
     ],
     output: Annotated[Path | None, into(metavar="HTML", help="Default: report.html beside the first result.")] = None,
     with_view: Annotated[bool, typer.Option("--view", help="With the viewer of each result inside.")] = False,
@@ -54,15 +52,16 @@ def _page_of(paths: Sequence[Path], with_view: bool, models: Sequence[Path]) -> 
     for path in paths:
         kind = "study" if collect.holds(path, collect.NUMBERS) else ""
         kind = "service" if collect.holds(path, history.NUMBERS) else kind
-        if kind and len(paths) > 1:
+        if not kind:
+            continue
+        if len(paths) > 1:
             raise InputError(f"{path}: is a {kind}: a report takes one {kind}, or results of runs")
-        if kind and with_view:
+        if with_view:
             raise InputError(f"--view: {path} is a {kind}; it is for results of runs, as each case of a {kind} is")
         if kind == "study":
             return study_page(collect.read_study(path), str(path))
-        if kind == "service":
-            dataset = history.read_history(path)
-            return service_page(dataset, str(path), history.mileage_table(dataset))
+        dataset = history.read_history(path)
+        return service_page(dataset, str(path), history.mileage_table(dataset))
     results = [read(path) for path in paths]
     pairs = zip(results, paths, strict=True)
     viewers = [view_page(result, folder_of_result(path), models) for result, path in pairs] if with_view else []
@@ -70,7 +69,7 @@ def _page_of(paths: Sequence[Path], with_view: bool, models: Sequence[Path]) -> 
 
 
 def view(
-    result: AnyResult,
+    result: ResultFile,
     output: Annotated[Path | None, into(metavar="HTML", help="Default: view.html beside the result.")] = None,
     models: Models = None,
     force: Force = False,
@@ -90,7 +89,7 @@ def view(
 
 
 def export(
-    result: AnyResult,
+    result: ResultFile,
     to: Annotated[
         str, typer.Option("--to", metavar="FORMAT,...", help="mat, csv, parquet, mdf; several with commas between.")
     ],

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_error, print_json, print_tables, progress_bar, say, say_files, warn, warn_slow
+from wrsim.cli.console import print_error, print_files, print_json, print_lines, print_numbers, progress_bar
 from wrsim.cli.errors import exit_code, reporting_errors
 from wrsim.cli.options import Force, Json, Models, Output, Quiet, ResultFile, ScenarioFile, Set
 
@@ -25,12 +25,11 @@ def check_command(file: ScenarioFile, values: Set = None, models: Models = None,
         setup = build(scenario)
         if getattr(setup.plan, "limited", False):
             check_step(scenario, setup)
-        found = facts(setup)
-        if as_json:
-            print_json({"status": "valid", "scenario": str(file), "warnings": warnings(setup), **found})
-        else:
-            print_tables([facts_table(f"{file}: valid", found)])
-            warn(file, setup)
+        found, warned = facts(setup), warnings(setup)
+        numbers = {"status": "valid", "scenario": str(file), "warnings": warned, **found}
+        print_numbers(as_json, numbers, [facts_table(f"{file}: valid", found)])
+        for words in [] if as_json else warned:
+            print_error(f"{file}: warning: {words}")
 
 
 def run_command(
@@ -49,23 +48,25 @@ def run_command(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a scenario; leaves dataset, tables, summary and pictures in DIR.
+    """Run a scenario; writes dataset, tables, summary and pictures to DIR.
 
     While it lasts, a run is kept in DIR/result.nc.part, so that one that was cut off goes on with --resume.
     """
     with reporting_errors(as_json):
+        from wrsim.analysis import exact_run_warning
         from wrsim.report.output_folder import can_go_on, run_into
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
+        from wrsim.scenario.plausibility import warnings
 
         scenario = load(file, models or ()).with_set(values or ())
         setup = build(scenario)  # what cannot run leaves nothing behind
         if quiet:
             logging.getLogger("wrsim").setLevel(logging.ERROR)
         else:
-            warn(file, setup)
-            warn_slow(setup)
-        directory = output if output is not None else Path("results") / file.stem
+            for words in (*(f"{file}: warning: {w}" for w in warnings(setup)), *exact_run_warning(setup)):
+                print_error(words)
+        directory = output or Path("results") / file.stem
         written = run_into(
             directory, scenario, setup, file, resume=resume, threads=threads, pictures=pictures, force=force,
             progress=progress_bar(not (quiet or as_json)),
@@ -79,9 +80,9 @@ def run_command(
             print_error(written.note)
         else:
             if not quiet:
-                print_tables(result.numbers())
-                say(*written.wall_words())
-                say_files(len(written.files), directory, len(written.removed))
+                print_numbers(False, {}, result.numbers())
+                print_lines(*written.wall_words())
+                print_files(len(written.files), directory, len(written.removed))
             if code:
                 print_error(f"{file}: stopped: {result.stop_reason}")
             if code and not quiet:
@@ -98,12 +99,9 @@ def show(result: ResultFile, as_json: Json = False) -> None:
         from wrsim.report.output_folder import read
 
         loaded = read(result)
-        if as_json:
-            print_json(loaded.summary())
-            return
-        print_tables(loaded.numbers())
-        if loaded.stop_reason:
-            say(f"stopped: {loaded.stop_reason}")
+        print_numbers(as_json, loaded.summary(), loaded.numbers())
+        if loaded.stop_reason and not as_json:
+            print_lines(f"stopped: {loaded.stop_reason}")
 
 
 def warm_command(quiet: Quiet = False) -> None:
@@ -113,4 +111,4 @@ def warm_command(quiet: Quiet = False) -> None:
 
         words = warm_up()
         if not quiet:
-            say(words)
+            print_lines(words)

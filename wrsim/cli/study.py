@@ -1,5 +1,4 @@
-"""``wrsim study`` and ``wrsim wear``: a scenario run many times, wheels that wear in service, on as many workers as
-there are."""
+"""``wrsim study`` and ``wrsim wear``: a scenario run many times, wheels that wear in service, on many workers."""
 
 from __future__ import annotations
 
@@ -9,7 +8,15 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_error, print_found, print_json, print_tables, progress_bar, say, say_files
+from wrsim.cli.console import (
+    print_error,
+    print_files,
+    print_found,
+    print_json,
+    print_lines,
+    print_numbers,
+    progress_bar,
+)  # fmt: skip
 from wrsim.cli.errors import STOPPED, reporting_errors
 from wrsim.cli.options import Force, Json, Models, Output, Pictures, Quiet, Scheduler, Slurm, Tls, Workers
 
@@ -41,30 +48,25 @@ def study(
 
         for warning in check_crew(workers, scheduler, slurm, tls):
             print_error(warning)
-        silent = quiet or as_json
-        directory = output if output is not None else Path("results") / file.stem
+        bar = partial(progress_bar, not (quiet or as_json))
+        directory = output or Path("results") / file.stem
         plan, reads = planned(file, directory, models or ())
         if dry_run:
             expected = estimate(plan, workers)
-            if as_json:
-                print_json(expected.numbers())
-            else:
-                print_tables([expected.table()])
+            print_numbers(as_json, expected.numbers(), [expected.table()])
             return
         with kept_folder(directory, reads, force, OUTPUTS):
             todo = missing(plan, retry)
-            if not silent:
+            if not (quiet or as_json):
                 known = len(plan.cases) - len(todo)
-                say(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
+                print_lines(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
             try:
                 if todo:
-                    bar = partial(progress_bar, not silent)
                     with crew(workers, scheduler, slurm, tls, len(todo), bar) as work:
                         work(plan, todo)
             except KeyboardInterrupt:
                 write_study(plan, markers_of(plan), pictures=False)
-                again = "start the study again to go on"
-                raise KeyboardInterrupt(f"interrupted; what is done is safe in {directory}: {again}") from None
+                raise interrupted(directory) from None
             markers = markers_of(plan)
             files = write_study(plan, markers, pictures)
         report = study_report(plan, markers)
@@ -72,12 +74,17 @@ def study(
         if as_json:
             print_json(report | {"exit_code": code, "ran": len(todo), "files": [str(f) for f in files]})
         elif not quiet:
-            print_tables(study_tables(report))
-            say_files(len(files), directory)
+            print_numbers(False, report, study_tables(report))
+            print_files(len(files), directory)
         for words in [] if as_json else faults_of(report, markers, quiet):
             print_error(words)
         if code:
             raise typer.Exit(code)
+
+
+def interrupted(directory: Path) -> KeyboardInterrupt:
+    """With where the finished part is."""
+    return KeyboardInterrupt(f"interrupted; what is done is safe in {directory}: start the same command again to go on")
 
 
 def wear(
@@ -102,11 +109,10 @@ def wear(
 
         for warning in check_crew(workers, scheduler, slurm, tls):
             print_error(warning)
-        directory = output if output is not None else Path("results") / file.stem
+        directory = output or Path("results") / file.stem
         service, reads = read_service(file, models or ())
-        silent = quiet or as_json
         steps: list[Step] = []
-        bar = partial(progress_bar, not silent)
+        bar = partial(progress_bar, not (quiet or as_json))
         with (
             kept_folder(directory, reads, force, OUTPUTS),
             crew(workers, scheduler, slurm, tls, len(service.shares), bar) as work,
@@ -114,11 +120,10 @@ def wear(
             try:
                 for step in wear_steps(service, directory, work):
                     steps.append(step)
-                    if not silent:
-                        say(step.words(service.mileage))
+                    if not (quiet or as_json):
+                        print_lines(step.words(service.mileage))
             except KeyboardInterrupt:
-                again = "start the same command again to go on"
-                raise KeyboardInterrupt(f"interrupted; what is done is safe in {directory}: {again}") from None
+                raise interrupted(directory) from None
             dataset, files = write_history(service, steps, directory, pictures)
         if as_json or not quiet:
             numbers = evolution_report(dataset) | {"directory": str(directory)}

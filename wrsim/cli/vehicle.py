@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_json, print_tables, say
+from wrsim.cli.console import print_lines, print_numbers
 from wrsim.cli.errors import reporting_errors
 from wrsim.cli.options import Force, Json, Models, check_ending, into
 from wrsim.errors import InputError
@@ -43,11 +43,7 @@ def vehicle(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Print mass, centre, static wheel loads and natural modes of a vehicle; draw it.
-
-    With --cant-deficiency, --twist, --twist-test and --rotation-test also the stationary tests of an acceptance: sway,
-    wheel unloading and rotation resistance of the bogies.
-    """
+    """Print mass, centre, static wheel loads, natural modes and stationary tests of a vehicle; draw it."""
     from wrsim.report.output_folder import writing
 
     with reporting_errors(as_json), writing(force):
@@ -64,16 +60,13 @@ def vehicle(
         if loaded.members and (cant_deficiency or twist or twist_test or rotation_test):
             raise InputError(f"{file}: is a train; tests at rest are for one vehicle: give the file of one of them")
         found = at_rest.numbers_at_rest(loaded, cant_deficiency, twist)
-        twisted = at_rest.twist_loop(loaded, twists) if twist_test else None
-        turned = at_rest.rotation_loops(loaded, rotation_radius_m) if rotation_test else ()
+        twisted, turned = at_rest.stationary_tests(loaded, twist_test, twists, rotation_test, rotation_radius_m)
         found |= at_rest.numbers_of_tests(loaded, twisted, turned)
         if output is not None or loops is not None:
             from wrsim.report.outputs import draw_loops, draw_vehicle
 
             found |= {"picture": str(draw_vehicle(loaded, output))} if output else {}
             found |= {"loops": str(draw_loops(loaded, twisted, turned, loops))} if loops else {}
-        if as_json:
-            print_json(found)
-        else:
-            print_tables(at_rest.tables_at_rest(found))
-            say(*(found[key] for key in ("picture", "loops") if key in found))
+        print_numbers(as_json, found, at_rest.tables_at_rest(found))
+        if not as_json:
+            print_lines(*(found[key] for key in ("picture", "loops") if key in found))

@@ -14,7 +14,7 @@ from wrsim.analysis.assessment.axles import Axle, quasi_static
 from wrsim.analysis.assessment.estimates import zones_of
 from wrsim.analysis.assessment.filters import on_raster, sampling_rate
 from wrsim.analysis.assessment.nadal import limit_of_climbing
-from wrsim.analysis.assessment.points import assessed_points
+from wrsim.analysis.assessment.points import AssessedPoint, assessed_points
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, counts, sections_of
 from wrsim.analysis.assessment.track_quality import track_quality
 from wrsim.errors import InputError
@@ -61,12 +61,15 @@ def assess(
         except InputError as problem:
             raise (InputError(f"run {label}: {problem}") if len(several) > 1 else problem) from None
     _check_alike(runs)
-    if settings.axle_load is None:
-        _share_loads(runs)
-    values = [v for run in runs for v in run.values()]
-    radii = _mean_radii([s for run in runs for s in run.sections])
-    for i in range(len(runs[0].axles)):
-        values += quasi_static([(run.axles[i], run.sections) for run in runs], radii)
+    axles = list(zip(*(run.axles for run in runs), strict=True))
+    for each in axles if settings.axle_load is None else ():  # the mean over all runs, which have the same vehicle
+        load = float(np.average([axle.load for axle in each], weights=[axle.distance.size for axle in each]))
+        for axle in each:
+            axle.load = load
+    sections = tuple(s for run in runs for s in run.sections)
+    values, radii = [v for run in runs for v in run.values()], _mean_radii(sections)
+    for each in axles:
+        values += quasi_static([(axle, run.sections) for axle, run in zip(each, runs, strict=True)], radii)
     order = list(limits.QUANTITIES)
     values.sort(key=lambda v: order.index(v.quantity.key))
     notes = [f"run {run.name}: {words}" if run.name else words for run in runs for words in run.notes]
@@ -76,7 +79,7 @@ def assess(
     known |= {f"axle_load{f'_{a.name}' if a.name else ''}_kN": a.load / 1e3 for a in runs[0].axles}
     return Assessment(
         title=_title(several),
-        sections=tuple(s for run in runs for s in run.sections),
+        sections=sections,
         values=tuple(values),
         zones=tuple(zones_of(values, settings)),
         notes=tuple(notes),
@@ -103,10 +106,9 @@ class _Run:
             for s in sections_of(dataset, settings.section_length, settings.straight_deficiency)
         ]
         labels = numbered(wheelsets(dataset))
-        several = len(labels) > 1
+        named = labels if len(labels) > 1 else dict.fromkeys(labels, "")
         self.axles = [
-            Axle(axle if several else "", label if several else "", of_wheelset(dataset, axle), settings)
-            for axle, label in labels.items()
+            Axle(axle if label else "", label, of_wheelset(dataset, axle), settings) for axle, label in named.items()
         ]
         self.nadal = limit_of_climbing(dataset, settings, self.notes)
         if not any(axle.hunting.rms.size for axle in self.axles):
@@ -130,11 +132,9 @@ class _Run:
     def known(self) -> Iterator[tuple[str, float]]:
         """Numbers of this run that the assessment rests on."""
         ahead = f"run_{self.name}_" if self.name else ""
-        for axle in self.axles:
-            yield f"{ahead}instability_frequency{f'_{axle.name}' if axle.name else ''}_Hz", axle.hunting.frequency
-        for point in self.points:
-            if point.is_frame:
-                yield f"{ahead}instability_frequency_{point.name}_Hz", point.hunting.frequency
+        parts: list[Axle | AssessedPoint] = [*self.axles, *(point for point in self.points if point.is_frame)]
+        for part in parts:
+            yield f"{ahead}instability_frequency{f'_{part.name}' if part.name else ''}_Hz", part.hunting.frequency
         if self.nadal is not None:
             yield f"{ahead}nadal_limit", self.nadal.value
 
@@ -170,14 +170,6 @@ def _check_alike(runs: Sequence[_Run]) -> None:
                 )
 
 
-def _share_loads(runs: Sequence[_Run]) -> None:
-    """The static load of each wheelset is the mean over all runs, which have the same vehicle."""
-    for axles in zip(*(run.axles for run in runs), strict=True):
-        load = float(np.average([axle.load for axle in axles], weights=[axle.distance.size for axle in axles]))
-        for axle in axles:
-            axle.load = load
-
-
 def _title(results: Sequence[Result]) -> str:
     titles = list(dict.fromkeys(result.title for result in results))
     if len(results) == 1:
@@ -189,10 +181,9 @@ def _settings_of(dataset: xr.Dataset) -> AssessmentSettings:
     """[assessment] of the scenario that the result carries; the defaults where it has none."""
     try:
         text = str(dataset.attrs.get("scenario_text", ""))
-        section = load_text(text, shipped_models(), closed=True).table(AssessmentSection)
+        return load_text(text, shipped_models(), closed=True).table(AssessmentSection).settings()
     except InputError:  # a result without a scenario, or of an older wrsim
         return AssessmentSettings()
-    return section.settings()
 
 
 def _mean_radii(sections: Sequence[AssessedSection]) -> Mapping[str, float]:

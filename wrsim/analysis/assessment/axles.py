@@ -37,14 +37,15 @@ class Axle:
         self.load = settings.axle_load if settings.axle_load is not None else float(raw_q.sum(axis=1).mean())
         self.distance: Array = dataset["distance"].values
         self.y, self.q = (low_pass(values, rate, limits.CUT_OFF) for values in (raw_y, raw_q))
-        self.quotient = _quotient(self.y, self.q)
+        # beyond any limit where a wheel is pushed outward without load, 0 where it is without either
+        free = self.q <= 0.0
+        self.quotient = np.where(free, np.where(self.y > 1e3, np.inf, 0.0), self.y / np.where(free, 1.0, self.q))
         self.middles = windows(self.distance, limits.WINDOW, limits.STEP)
         self.sum_y_mean = self._mean(self.y[:, 0] - self.y[:, 1])
         lifted = ~np.isfinite(self.quotient)
         mean, touched = self._mean(np.where(lifted, 0.0, self.quotient)), self._mean(lifted.astype(float))
         self.quotient_mean = np.where(touched > 1e-12, np.inf, mean)
-        raw_sum = raw_y[:, 0] - raw_y[:, 1]
-        self.hunting = Hunting(self.distance, raw_sum, rate, settings.instability_frequency)
+        self.hunting = Hunting(self.distance, raw_y[:, 0] - raw_y[:, 1], rate, settings.instability_frequency)
         self.wear = of_wheels("T_gamma") if "T_gamma" in dataset else None
         self.wear_mean = None if self.wear is None else self._mean(self.wear)
         self.attack, self.shift = (dataset[n].values if n in dataset else None for n in ("yaw", "lateral_shift"))
@@ -68,7 +69,8 @@ class Axle:
         for wheel, side in SIDES:
             q, wheel_load = self.q[inside, side], 0.5 * self.load
             if within.any():
-                quotient = _high(self.quotient_mean[within, side])
+                means = self.quotient_mean[within, side]
+                quotient = np.percentile(means, limits.HIGH) if np.isfinite(means).all() else np.inf
                 yield self.value("Y_over_Q", section, quotient, limits.derailment(section.radius), wheel)
                 if nadal is not None:
                     yield self.value("Y_over_Q_nadal", section, quotient, nadal, wheel)
@@ -116,16 +118,5 @@ def quasi_static(runs: Sequence[tuple[Axle, Sequence[AssessedSection]]], radii: 
             yield axle.value("Y_qst", section, y, None if reduced else limit, wheel)
             if reduced:
                 yield axle.value("Y_qst_reduced", section, y - limits.LEAN_FORCE * (inner - limits.LEAN), limit, wheel)
-            yield axle.value("Q_qst", section, load, limits.quasi_static_vertical(), wheel)
+            yield axle.value("Q_qst", section, load, limits.QUASI_STATIC_VERTICAL, wheel)
             yield axle.value("B_qst", section, abs(y) + limits.Q_SHARE * load, limits.combined(radius), wheel)
-
-
-def _quotient(y: Array, load: Array) -> Array:
-    """Y/Q; beyond any limit where the wheel is pushed outward without load, 0 where it is without either."""
-    free = load <= 0.0
-    return np.where(free, np.where(y > 1e3, np.inf, 0.0), y / np.where(free, 1.0, load))
-
-
-def _high(values: Array) -> float:
-    """Percentile 99.85 %; infinite as soon as one value is."""
-    return float(np.percentile(values, limits.HIGH)) if np.isfinite(values).all() else np.inf

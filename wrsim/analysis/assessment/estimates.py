@@ -19,7 +19,7 @@ Analysis (1998), section 3.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import get_args
 
 import numpy as np
@@ -40,17 +40,13 @@ from wrsim.results.assessment import (
 )
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
-ENOUGH_SECTIONS = 10
-"""Sections of a zone from which an estimated maximum is given. The standard asks for more [mem]."""
+ENOUGH_SECTIONS = 10  # sections of a zone from which an estimated maximum is given. The standard asks for more [mem]
 
 K = {SAFETY: 3.0, LOADING: 2.2, RIDE: 2.2, INFORMATION: 2.2}
 """Estimated maximum: mean plus this times the standard deviation over the sections (EN 14363, one dimension [mem])."""
 
-SPREAD = 1e-6
-"""An influence that varies by less, as a part of its size, is none."""
-
-SPARE = 3
-"""So many sections more than coefficients are needed."""
+SPREAD = 1e-6  # an influence that varies by less, as a part of its size, is none
+SPARE = 3  # so many sections more than coefficients are needed
 
 
 def zones_of(values: Sequence[Value], settings: AssessmentSettings) -> list[ZoneValue]:
@@ -74,25 +70,18 @@ def _zone(values: Sequence[Value], settings: AssessmentSettings) -> ZoneValue:
     estimate, fitted = None, None
     if per_section.size >= ENOUGH_SECTIONS and np.isfinite(per_section).all():
         if settings.estimate_over and worst.section.zone != TRANSITION:
-            fitted = regression(per_section, _influences(largest), settings.estimate_over, settings.estimate_at, k)
+            # what sections differ in: cant deficiency [m], curvature without its hand [1/m], speed [m/s]
+            each = [(s.cant_deficiency, abs(1.0 / s.radius), s.speed) for s in largest]
+            known = dict(zip(get_args(Influence), np.array(each).T, strict=True))
+            fitted = regression(per_section, known, settings.estimate_over, settings.estimate_at, k)
             estimate = None if fitted is None else fitted.estimate
         elif k:
             estimate = mean + k * deviation
     return ZoneValue(worst, len({v.section for v in values}), per_section.size, mean, deviation, estimate, fitted)
 
 
-def _influences(sections: Iterable[AssessedSection]) -> dict[Influence, Array]:
-    """What sections differ in: cant deficiency [m], curvature without its hand [1/m], speed [m/s]."""
-    each = [(s.cant_deficiency, abs(1.0 / s.radius), s.speed) for s in sections]
-    return dict(zip(get_args(Influence), np.array(each).T, strict=True))
-
-
 def regression(
-    values: Array,
-    known: Mapping[Influence, Array],
-    over: Sequence[Influence],
-    at: Mapping[Influence, float],
-    k: float,
+    values: Array, known: Mapping[Influence, Array], over: Sequence[Influence], at: Mapping[Influence, float], k: float
 ) -> Regression | None:
     """Fit the values (n,) of sections, and estimate one at a place.
 

@@ -15,14 +15,14 @@ from math import atan, pi, tan
 
 import numpy as np
 import xarray as xr
+from scipy.interpolate import PPoly
 from scipy.signal import butter, sosfiltfilt, welch
 
 from wrsim.analysis.assessment import limits
 from wrsim.errors import InputError
 from wrsim.results.assessment import Array, AssessedSection
 
-LEAST_SAMPLES = 30
-"""Samples that a signal needs before filtering means anything."""
+LEAST_SAMPLES = 30  # samples that a signal needs before filtering means anything
 
 
 def sampling_rate(time: Array) -> float:
@@ -82,9 +82,9 @@ def windows(distance: Array, length: float, step: float) -> Array:
 
 def sliding_mean(distance: Array, signal: Array, middles: Array, length: float) -> Array:
     """Mean of a signal (n, ...) over windows of ``length`` [m] about ``middles``: (windows, ...)."""
-    ends = np.array([middles - 0.5 * length, middles + 0.5 * length])
-    low, high = _integral(distance, signal, ends)
-    return (high - low) / length
+    slope = np.diff(signal, axis=0) / np.diff(distance).reshape(-1, *(1,) * (signal.ndim - 1))
+    integral = PPoly(np.array([slope, signal[:-1]]), distance).antiderivative()
+    return np.asarray((integral(middles + 0.5 * length) - integral(middles - 0.5 * length)) / length)
 
 
 def sliding_rms(distance: Array, signal: Array, middles: Array, length: float) -> Array:
@@ -92,23 +92,8 @@ def sliding_rms(distance: Array, signal: Array, middles: Array, length: float) -
     return np.sqrt(np.maximum(sliding_mean(distance, signal * signal, middles, length), 0.0))
 
 
-def _integral(distance: Array, signal: Array, at: Array) -> Array:
-    """Integral over distance from the first sample to places ``at`` (...), of the signal linear between samples."""
-    steps = np.diff(distance)
-    rest = (1,) * (signal.ndim - 1)
-    pieces = 0.5 * (signal[1:] + signal[:-1]) * steps.reshape(-1, *rest)
-    whole = np.concatenate([np.zeros((1, *signal.shape[1:])), np.cumsum(pieces, axis=0)])
-    i = np.clip(np.searchsorted(distance, at, side="right") - 1, 0, distance.size - 2)
-    beyond = (at - distance[i]).reshape(*at.shape, *rest)
-    slope = (signal[i + 1] - signal[i]) / steps[i].reshape(*at.shape, *rest)
-    return np.asarray(whole[i] + beyond * (signal[i] + 0.5 * slope * beyond))
-
-
-BAND = (1.5, 10.0)
-"""Where the frequency of an instability is looked for [Hz]."""
-
-LOWEST = 0.4
-"""Least lower edge of the band [Hz]."""
+BAND = (1.5, 10.0)  # in which the frequency of an instability lies [Hz]
+LOWEST = 0.4  # least lower edge of the band [Hz]
 
 
 class Hunting:
@@ -137,9 +122,7 @@ def _highest_peak(signal: Array, rate: float) -> float:
     length = min(signal.size, max(256, int(4.0 * rate)))
     frequencies, power = welch(signal, rate, nperseg=length, detrend="linear")
     inside = (frequencies >= BAND[0]) & (frequencies <= BAND[1])
-    if not inside.any():
-        return 0.5 * sum(BAND)
-    return float(frequencies[inside][np.argmax(power[inside])])
+    return float(frequencies[inside][np.argmax(power[inside])]) if inside.any() else 0.5 * sum(BAND)
 
 
 def extreme(values: Array) -> float:

@@ -56,10 +56,7 @@ def combined(radius: float) -> Limit | None:
     return None if quasi_static_guiding(radius) is None else Limit(180e3, f"{EN}:2016", "mem")
 
 
-def quasi_static_vertical() -> Limit:
-    """Qqst: 145 kN."""
-    return Limit(145e3, EN, "mem")
-
+QUASI_STATIC_VERTICAL = Limit(145e3, EN, "mem")  # of Qqst
 
 CLIMB_DISTANCE = Limit(1.524, "49 CFR 213.333: Nadal's limit exceeded for no more than 5 ft", "mem")
 
@@ -85,24 +82,16 @@ def body(kind: Kind, what: str) -> Limit:
     return Limit(_BODY[kind][what], f"{EN}: ride characteristics, {kind}", "mem")
 
 
-CUT_OFF = 20.0
-"""Low-pass of the wheel's forces [Hz]."""
-WINDOW, STEP = 2.0, 0.5
-"""Sliding mean of Sum Y and Y/Q [m]."""
-LOW, HIGH = 0.15, 99.85
-"""Percentiles of largest values."""
-STABILITY_WINDOW, STABILITY_STEP = 100.0, 10.0
-"""Sliding rms of the instability criterion [m]."""
-STABILITY_HALF_BAND = 2.0
-"""f0 - 2 Hz to f0 + 2 Hz."""
+CUT_OFF = 20.0  # low-pass of the wheel's forces [Hz]
+WINDOW, STEP = 2.0, 0.5  # sliding mean of Sum Y and Y/Q [m]
+LOW, HIGH = 0.15, 99.85  # percentiles of largest values
+STABILITY_WINDOW, STABILITY_STEP = 100.0, 10.0  # sliding rms of the instability criterion [m]
+STABILITY_HALF_BAND = 2.0  # f0 - 2 Hz to f0 + 2 Hz
 
 LEAN, LEAN_FORCE = 0.4, 50e3
 """Mean Y/Q of the inner wheel from which Yqst may be reduced, and the force by which for one of it [N]."""
-Q_SHARE = 0.83
-"""Part of Qqst in Bqst."""
-
-RIDE_BAND = (0.4, 10.0)
-"""Band of the accelerations of a car body [Hz]."""
+Q_SHARE = 0.83  # part of Qqst in Bqst
+RIDE_BAND = (0.4, 10.0)  # band of the accelerations of a car body [Hz]
 
 QUANTITIES: dict[str, Quantity] = {
     row["key"]: Quantity(**row | {"shown": SHOWN[row["shown"]], "quasi_static": row["quasi_static"] == "yes"})

@@ -83,17 +83,13 @@ def _flange_angle_of(dataset: xr.Dataset) -> float | None:
     """
     if "wheel_profile_y" not in dataset:
         return None
-    y = dataset["wheel_profile_y"].values.reshape(-1, dataset.sizes["wheel_point"])
-    z = dataset["wheel_profile_z"].values.reshape(y.shape)
-    steepest = [_face(a, b) for a, b in zip(y, z, strict=True) if np.isfinite(a).all() and np.isfinite(b).all()]
-    steepest = [angle for angle in steepest if angle > np.radians(45.0)]
-    return float(np.median(steepest)) if steepest else None
-
-
-def _face(y: np.ndarray, z: np.ndarray) -> float:
-    """Steepest angle between the tip of the flange and the tread."""
-    tip = int(np.argmin(z))
-    outward = y[tip + 1 :] > y[tip]
-    dy, dz = np.diff(y[tip:]), np.diff(z[tip:])
-    rising = outward & (dy > 0.0) & (dz > 0.0)
-    return float(np.arctan2(dz[rising], dy[rising]).max(initial=0.0))
+    outlines = [dataset[f"wheel_profile_{c}"].values.reshape(-1, dataset.sizes["wheel_point"]) for c in "yz"]
+    steepest = []
+    for y, z in zip(*outlines, strict=True):
+        if np.isfinite(y).all() and np.isfinite(z).all():
+            tip = int(np.argmin(z))
+            dy, dz = np.diff(y[tip:]), np.diff(z[tip:])
+            rising = (y[tip + 1 :] > y[tip]) & (dy > 0.0) & (dz > 0.0)
+            steepest.append(float(np.arctan2(dz[rising], dy[rising]).max(initial=0.0)))
+    flanged = [angle for angle in steepest if angle > np.radians(45.0)]
+    return float(np.median(flanged)) if flanged else None

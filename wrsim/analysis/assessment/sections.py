@@ -44,24 +44,14 @@ CLASSES: dict[str, tuple[float, Mapping[float, float]]] = {
 """The radius [m] down to which each class reaches (the limit belongs to the class of smaller radii for straight track
 and of larger radii else), and the length of its sections [m] up to speeds [km/h]."""
 
-CHANGING = 1e-6
-"""Change of curvature [1/m2] from which track counts as a transition: 1/R = 1/3000 m over 330 m."""
-
-LEAST = 5.0
-"""Stretches shorter than this [m] are joined to the one before."""
-
-NEARLY = 0.01
-"""Part of its length that may be missing from a section, for samples seldom lie at its ends."""
-
-CLOSE = 1e-3
-"""Places nearer than this [m] are one."""
-
-CANT_BASE = 1.5
-"""Distance over which cant, cant deficiency and twist are counted, whatever the gauge [m]."""
+CHANGING = 1e-6  # change of curvature [1/m2] from which track counts as a transition: 1/R = 1/3000 m over 330 m
+LEAST = 5.0  # stretches shorter than this [m] are joined to the one before
+NEARLY = 0.01  # part of its length that may be missing from a section, for samples seldom lie at its ends
+CLOSE = 1e-3  # places nearer than this [m] are one
+CANT_BASE = 1.5  # distance over which cant, cant deficiency and twist are counted, whatever the gauge [m]
 
 
-TESTED = (0.75, 1.10)
-"""Cant deficiency of full curves that count in a test, over the admissible one (UIC 518 [mem])."""
+TESTED = (0.75, 1.10)  # cant deficiency of full curves that count in a test, over the admissible one (UIC 518 [mem])
 
 
 def counts(section: AssessedSection, admissible: float | None) -> bool:
@@ -105,21 +95,16 @@ def sections_of(
         edges = np.linspace(start, end, pieces + 1)
         for a, b in pairwise(edges):
             part = slice(*np.searchsorted(distance, [a, b]))
-            own = curvature[part] if part.stop > part.start else curvature[first : first + 1]
+            sampled = part.stop > part.start
+            own = curvature[part] if sampled else curvature[first : first + 1]
             bend = float(own[np.argmax(np.abs(own))] if zone == TRANSITION else own.mean())
             hand = np.sign(bend) if abs(bend) > 1e-9 else 1.0
-            found.append(
-                AssessedSection(
-                    number=len(found) + 1,
-                    zone=zone,
-                    start=float(a),
-                    end=float(b),
-                    radius=np.inf if zone == STRAIGHT and abs(bend) < 1e-6 else 1.0 / bend,
-                    speed=float(speed[part].mean()) if part.stop > part.start else mean_speed,
-                    cant_deficiency=float(hand * missing[part].mean()) if part.stop > part.start else 0.0,
-                    short=zone != TRANSITION and bool(b - a < wanted * (1.0 - NEARLY)),
-                )
-            )
+            radius = np.inf if zone == STRAIGHT and abs(bend) < 1e-6 else 1.0 / bend
+            own_speed = float(speed[part].mean()) if sampled else mean_speed
+            deficiency = float(hand * missing[part].mean()) if sampled else 0.0
+            short = zone != TRANSITION and bool(b - a < wanted * (1.0 - NEARLY))
+            section = AssessedSection(len(found) + 1, zone, float(a), float(b), radius, own_speed, deficiency, short)
+            found.append(section)
     return tuple(found)
 
 

@@ -15,14 +15,10 @@ import xarray as xr
 from wrsim.analysis.assessment.filters import band_pass
 from wrsim.results.assessment import Array, AssessedSection, TrackQuality
 
-WAVES = 3.0, 25.0
-"""Wavelengths that count [m]."""
-RASTER = 0.25
-"""Distance of the places at which the track is looked at [m]."""
-COARSEST = 1.0
-"""Distance of samples [m] from which the shortest waves are lost."""
-SHORTEST = 25.0
-"""Length of a section [m] below which its deviation means nothing."""
+WAVES = 3.0, 25.0  # wavelengths that count [m]
+RASTER = 0.25  # distance of the places at which the track is looked at [m]
+COARSEST = 1.0  # distance of samples [m] from which the shortest waves are lost
+SHORTEST = 25.0  # length of a section [m] below which its deviation means nothing
 
 QN_SPEEDS = 80.0, 120.0, 160.0, 200.0, 300.0
 QN: dict[str, tuple[tuple[float, float, float, float], ...]] = {
@@ -30,8 +26,7 @@ QN: dict[str, tuple[tuple[float, float, float, float], ...]] = {
     "vertical": ((2.3, 2.6, 12, 16), (1.8, 2.1, 8, 12), (1.4, 1.7, 6, 10), (1.2, 1.5, 5, 9), (1.0, 1.3, 4, 8)),
 }
 """By steps of speed [km/h]: deviation of QN1 and QN2, largest value of QN1 and QN2 [mm]."""
-QN3 = 1.3
-"""Largest value of QN3 over that of QN2."""
+QN3 = 1.3  # largest value of QN3 over that of QN2
 
 TL90_SPEEDS = 120.0, 160.0, 200.0, 230.0, 300.0
 TL90: dict[str, tuple[tuple[float, float], ...]] = {
@@ -55,21 +50,17 @@ def track_quality(
         notes.append(f"track quality: the samples are {apart:.2f} m apart; waves of {WAVES[0]:g} m need {COARSEST:g} m")
         return ()
     raster = np.arange(place[0], place[-1], RASTER)
-    return tuple(_qualities(raster, _waves(dataset, place, raster), sections))
-
-
-def _waves(dataset: xr.Dataset, place: Array, raster: Array) -> dict[str, Array]:
-    """Irregularity of both rails (places, 2) in the band, laterally and vertically [m]."""
-    found = {}
+    waves = {}
     for direction in ("lateral", "vertical"):
         channel = dataset[f"rail_{direction}"].transpose("time", ..., "wheel").values
         rails = channel.reshape(len(place), -1, channel.shape[-1])[:, 0]
         signal = np.column_stack([np.interp(raster, place, rail) for rail in rails.T])
-        found[direction] = band_pass(signal, 1.0 / RASTER, 1.0 / WAVES[1], 1.0 / WAVES[0])
-    return found
+        waves[direction] = band_pass(signal, 1.0 / RASTER, 1.0 / WAVES[1], 1.0 / WAVES[0])
+    return tuple(_qualities(raster, waves, sections))
 
 
 def _qualities(raster: Array, waves: dict[str, Array], sections: Sequence[AssessedSection]) -> Iterator[TrackQuality]:
+    """waves: irregularity of both rails (places, 2) in the band by direction [m]."""
     for section in sections:
         inside = (raster >= section.start) & (raster <= section.end)
         if inside.sum() * RASTER < SHORTEST:
@@ -78,17 +69,11 @@ def _qualities(raster: Array, waves: dict[str, Array], sections: Sequence[Assess
         for direction, signal in waves.items():
             *usual, first, second = _row(QN[direction], QN_SPEEDS, kmh)
             low, high = _row(TL90[direction], TL90_SPEEDS, kmh)
-            deviation = float(signal[inside].std(axis=0).max())
-            largest = float(np.abs(signal[inside]).max())
-            yield TrackQuality(
-                section,
-                direction,
-                deviation,
-                largest,
-                _step(1e3 * deviation, usual),
-                _step(1e3 * largest, (first, second, QN3 * second)),
-                "below" if 1e3 * deviation < low else "within" if 1e3 * deviation <= high else "above",
-            )
+            deviation, largest = float(signal[inside].std(axis=0).max()), float(np.abs(signal[inside]).max())
+            mm = 1e3 * deviation
+            steps = _step(mm, usual), _step(1e3 * largest, (first, second, QN3 * second))
+            band = "below" if mm < low else "within" if mm <= high else "above"
+            yield TrackQuality(section, direction, deviation, largest, *steps, band)
 
 
 def _row(table: Sequence[Sequence[float]], speeds: Sequence[float], kmh: float) -> tuple[float, ...]:

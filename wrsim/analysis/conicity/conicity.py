@@ -15,12 +15,10 @@ from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.vehicle.wheelset import Wheelset
 
-STEP = 5e-5
-"""Distance of the shifts at which the contact is found [m]."""
+STEP = 5e-5  # distance of the shifts at which the contact is found [m]
 REACH = 5e-3
 """The shifts go this far beyond the largest amplitude [m]: unequal diameters move the place it is counted from."""
-KEPT = 4
-"""One shift out of so many is kept in the result."""
+KEPT = 4  # one shift out of so many is kept in the result
 
 
 def run_conicity(setup: Setup[ConicityPlan], progress: Progress | None = None) -> Result:
@@ -41,9 +39,8 @@ def conicity(
     """
     reach = max(plan.amplitudes) + REACH
     shift = STEP * np.arange(-np.ceil(reach / STEP), np.ceil(reach / STEP) + 1.0)
-    wheels = (wheelset.left, wheelset.right)
-    radii = (wheels[0].radius, wheels[1].radius)
-    profiles = (wheels[0].profile, wheels[1].profile)
+    left, right = wheelset.left, wheelset.right
+    profiles, radii = (left.profile, right.profile), (left.radius, right.radius)
     contact = rigid_contact(profiles, radii, rails, wheelset.profile_spacing, gauge, shift, plan.roll != "none")
     place, difference = _counted(contact, plan.roll)
     found = equivalent_conicity(place, difference, wheelset.mean_radius, plan.amplitudes)

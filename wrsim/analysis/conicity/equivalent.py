@@ -22,13 +22,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from scipy.interpolate import PPoly
 from scipy.optimize import brentq
 
 from wrsim.results.conicity import CONTACT_DISTANCE, Array
 
-POINTS = 2000
-"""Of the quadrature over a swing."""
+POINTS = 2000  # of the quadrature over a swing
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,10 +56,11 @@ def equivalent_conicity(
     """
     amplitude = np.atleast_1d(np.asarray(amplitude, dtype=float))
     nothing = np.full(amplitude.shape, np.nan)
-    part = _around_middle(np.isfinite(radius_difference))
+    known = np.ma.flatnotmasked_contiguous(np.ma.masked_invalid(radius_difference))
+    part = max(known, key=lambda own: own.stop - own.start, default=slice(0, 0))
     y, rate = shift[part], radius_difference[part] / (contact_distance * mean_radius)
     if y.size < 3:
-        return EquivalentConicity(amplitude, nothing, nothing, float("nan"))
+        return EquivalentConicity(amplitude, nothing, nothing, np.nan)
     well = _Well(y, rate)
     wavelength = np.array([well.wavelength(a) for a in amplitude])
     conicity = (2.0 * np.pi / wavelength) ** 2 * 0.5 * contact_distance * mean_radius
@@ -70,45 +71,26 @@ class _Well:
     """The potential P of a piecewise linear restoring term."""
 
     def __init__(self, y: Array, rate: Array) -> None:
-        self.y, self.rate = y, rate
-        self.slope = np.diff(rate) / np.diff(y)
-        self.potential = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(y) * (rate[1:] + rate[:-1]))])
+        slope = np.diff(rate) / np.diff(y)
+        self.y, self.potential = y, PPoly(np.array([slope, rate[:-1]]), y).antiderivative()
         # P is lowest at an end of the range or where the rate crosses zero upwards
         crossing = np.flatnonzero((rate[:-1] <= 0.0) & (rate[1:] > 0.0))
-        places = y[crossing] - rate[crossing] / self.slope[crossing]
-        self.bottom = float(places[np.argmin(self(places))]) if places.size else float("nan")
-
-    def __call__(self, y: ArrayLike) -> Array:
-        y = np.asarray(y, dtype=float)
-        i = np.clip(np.searchsorted(self.y, y, side="right") - 1, 0, self.y.size - 2)
-        x = y - self.y[i]
-        return np.asarray(self.potential[i] + x * (self.rate[i] + 0.5 * x * self.slope[i]))
+        places = y[crossing] - rate[crossing] / slope[crossing]
+        self.bottom = float(places[np.argmin(self.potential(places))]) if places.size else np.nan
 
     def wavelength(self, amplitude: float) -> float:
         """Of the swing of this amplitude; not-a-number when there is none."""
         low = max(self.bottom - 2.0 * amplitude, float(self.y[0]))
         high = min(self.bottom, float(self.y[-1]) - 2.0 * amplitude)
-        if not low < high:
-            return float("nan")
 
         def unbalance(start: float) -> float:
-            return float(self(start + 2.0 * amplitude) - self(start))
+            return float(self.potential(start + 2.0 * amplitude) - self.potential(start))
 
-        if unbalance(low) > 0.0 or unbalance(high) < 0.0:
-            return float("nan")
+        if not low < high or unbalance(low) > 0.0 or unbalance(high) < 0.0:
+            return np.nan
         start = brentq(unbalance, low, high, xtol=1e-16)
         angle = (np.arange(POINTS) + 0.5) * np.pi / POINTS
-        left = 2.0 * (self(start) - self(start + amplitude * (1.0 - np.cos(angle))))
+        left = 2.0 * (self.potential(start) - self.potential(start + amplitude * (1.0 - np.cos(angle))))
         if (left <= 0.0).any():
-            return float("nan")
+            return np.nan
         return float(2.0 * np.pi / POINTS * np.sum(amplitude * np.sin(angle) / np.sqrt(left)))
-
-
-def _around_middle(known: NDArray[np.bool_]) -> slice:
-    """The longest run of known values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(int)))
-    if not edges.size:
-        return slice(0, 0)
-    starts, stops = edges[::2], edges[1::2]
-    best = int(np.argmax(stops - starts))
-    return slice(int(starts[best]), int(stops[best]))

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
 from math import radians
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 
@@ -31,22 +31,23 @@ Diameter = Annotated[float, number(200, 3000)]
 
 MOST_GAUGES = 200
 
-MAP_AMPLITUDES = (2e-3, 3e-3, 4e-3)
-"""At which the map and its nonlinearity parameter are taken [m]."""
+MAP_AMPLITUDES = (2e-3, 3e-3, 4e-3)  # at which the map and its nonlinearity parameter are taken [m]
 
 
-@dataclass(frozen=True)
 class Pairing:
-    """How wheels are placed on rails. flange_back: distance of the flange backs [m]; inclination: of the rails, as in a
-    scenario; roll: how the shift is counted, see `ConicityPlan`; models: folders in which profiles are looked up.
+    """How wheels are placed on rails."""
 
-    Raises InputError.
-    """
-
-    flange_back: float
-    inclination: str
-    roll: str
-    models: Models = ()
+    def __init__(self, flange_back: float, inclination: str, roll: str, models: Models = ()) -> None:
+        """flange_back: distance of the flange backs [m]; inclination: of the rails, as in a scenario; roll: how the
+        shift is counted, see `ConicityPlan`; models: folders in which profiles are looked up. Raises InputError.
+        """
+        slope: float | str = inclination
+        with suppress(ValueError):
+            slope = float(inclination)
+        self.slope: float = check_value(Inclination, slope, "--inclination")
+        self.roll: Roll = check_value(Roll, roll, "--roll")
+        self.spacing, self.models = flange_back + 2.0 * BACK, models
+        self.inclined = f", inclined {inclination}" if self.slope else ""
 
     def conicity(
         self, wheels: tuple[str, str], rails: tuple[str, str], gauge: float, diameters: tuple[float, float],
@@ -62,38 +63,20 @@ class Pairing:
             check_value(CurveRadius, radius, "--curve-m")
         check_value(FlangeAngle, flange_from_deg, "--flange-from-deg")
         profiles = [self._profile(name, "wheel") for name in wheels]
-        left, right = (self._profile(name, "rail").inclined(self._slope) for name in rails)
+        left, right = (self._profile(name, "rail").inclined(self.slope) for name in rails)
         mounted = [Wheel(profile, 0.5 * d) for profile, d in zip(profiles, diameters, strict=True)]
-        wheelset = Wheelset("wheelset", 0.0, (0.0, 0.0, 0.0), self._spacing, mounted[0], mounted[1])
-        names = [" / ".join(dict.fromkeys((p.name, q.name))) for p, q in (profiles, (left, right))]
+        wheelset = Wheelset("wheelset", 0.0, (0.0, 0.0, 0.0), self.spacing, mounted[0], mounted[1])
+        on = " on ".join(" / ".join(dict.fromkeys((p.name, q.name))) for p, q in (profiles, (left, right)))
         amplitudes = tuple(a / 1e3 for a in AMPLITUDES)
-        plan = ConicityPlan(amplitudes, self._roll, tuple(curves), radians(flange_from_deg))
-        return conicity(wheelset, (left, right), gauge, plan, self._title(*names))
+        plan = ConicityPlan(amplitudes, self.roll, tuple(curves), radians(flange_from_deg))
+        return conicity(wheelset, (left, right), gauge, plan, on + self.inclined)
 
     def map(self, wheel: str, rail: str, gauges_mm: tuple[float, float, float], radius: float) -> ConicityMap:
         """A map of profiles or folders of them over gauges (first, last, step) [mm]; radius at the tape circle [m]."""
-        rails = {name: p.inclined(self._slope) for name, p in self._profiles(rail, "rail").items()}
+        rails = {name: p.inclined(self.slope) for name, p in self._profiles(rail, "rail").items()}
         wheels, gauges = self._profiles(wheel, "wheel"), [g / 1e3 for g in _gauges(*gauges_mm)]
-        return conicity_map(wheels, rails, gauges, self._spacing, radius, self._roll, self._title(wheel, rail))
-
-    @property
-    def _spacing(self) -> float:
-        return self.flange_back + 2.0 * BACK
-
-    @property
-    def _roll(self) -> Roll:
-        return check_value(Roll, self.roll, "--roll")  # type: ignore[no-any-return]
-
-    @property
-    def _slope(self) -> float:
-        try:
-            slope: Any = float(self.inclination)
-        except ValueError:
-            slope = self.inclination
-        return check_value(Inclination, slope, "--inclination")  # type: ignore[no-any-return]
-
-    def _title(self, wheels: str, rails: str) -> str:
-        return f"{wheels} on {rails}" + (f", inclined {self.inclination}" if self._slope else "")
+        title = f"{wheel} on {rail}{self.inclined}"
+        return conicity_map(wheels, rails, gauges, self.spacing, radius, self.roll, title)
 
     def _profile(self, name: str, kind: Kind) -> Profile:
         return load_profile(model_file(name, self.models), kind)
@@ -115,14 +98,9 @@ def _gauges(low: float, high: float, step: float) -> list[float]:
 
 
 def conicity_map(
-    wheels: Mapping[str, Profile],
-    rails: Mapping[str, Profile],
-    gauges: Sequence[float],
-    spacing: float,
-    radius: float,
-    roll: Roll = "none",
-    title: str = "",
-) -> ConicityMap:
+    wheels: Mapping[str, Profile], rails: Mapping[str, Profile], gauges: Sequence[float], spacing: float, radius: float,
+    roll: Roll = "none", title: str = "",
+) -> ConicityMap:  # fmt: skip
     """The map of all pairs, both wheels and both rails alike.
 
     wheels, rails: profiles by the names they go by, rails inclined; gauges, spacing of the profiles' origins, rolling
@@ -143,8 +121,8 @@ def conicity_map(
                 text = str(error)
                 reasons[text if text.startswith(pair) else f"{pair}: {text}"] = None
                 continue
-            for k, value in enumerate((found["equivalent_conicity"]["3_mm"], found["nonlinearity_per_mm"])):
-                values[k, i, j] = np.nan if value is None else value
+            # None becomes not-a-number
+            values[:, i, j] = np.array([found["equivalent_conicity"]["3_mm"], found["nonlinearity_per_mm"]], float)
     return ConicityMap(pairs, tuple(gauges), values[0], values[1], tuple(reasons), title)
 
 
@@ -158,11 +136,8 @@ def profiles_of(folder: Path, kind: Kind) -> dict[str, Profile]:
     files = {f.stem: f for f in sorted(folder.iterdir()) if endings.get(f.suffix.lower(), kind) in (None, kind)}
     files = {stem: file for stem, file in files.items() if file.suffix.lower() in endings}
     files |= {f.stem: f for f in sorted(folder.glob("*.toml"))}
-    found = {}
-    for stem, file in sorted(files.items()):
-        profile = load_profile(file, None if file.suffix == ".toml" else kind)
-        if profile.kind == kind:
-            found[stem] = profile
+    loaded = {stem: load_profile(f, None if f.suffix == ".toml" else kind) for stem, f in sorted(files.items())}
+    found = {stem: profile for stem, profile in loaded.items() if profile.kind == kind}
     if not found:
         raise InputError(f"{folder}: has no {kind} profiles (files that end in .toml or {' '.join(sorted(endings))})")
     return found

@@ -29,36 +29,27 @@ from wrsim.results.conicity import Array
 
 NODE_DISTANCE = 1e-4
 """Distance of the places on a wheel at which the gap is sampled [m]; between them a parabola gives its minimum."""
-STEEPEST = np.radians(85.0)
-"""Slope up to which the sides of a profile take part."""
+STEEPEST = np.radians(85.0)  # slope up to which the sides of a profile take part
 LEVEL, LONGEST = 1e-12, 1e-3
 """Gaps that differ by less are the same [m]; where such a piece of a wheel is longer [m], it touches along a line."""
 ROLL_STEPS = 12
-ROLL_TOLERANCE = 1e-13
-"""Of the gap between both sides [m]."""
+ROLL_TOLERANCE = 1e-13  # of the gap between both sides [m]
 
 
 @dataclass(frozen=True, eq=False)
 class RigidContact:
-    """Contact points over the lateral shift; arrays (n,) or (n, 2) with the left wheel first. Not-a-number where a
-    wheel leaves its rail.
+    """Contact points over the lateral shift (n,), wheels (n, 2) with the left one first. Not-a-number where a wheel
+    leaves its rail."""
 
-    shift: of the wheelset at the height of the rail tops, to the left [m]; roll: left wheel up [rad]; lift: of the
-    wheelset over the height at which its tape circles are at the rail tops [m]; u_wheel, u_rail: contact points on
-    the profiles, outward [m]; lateral: contact points to the left of the track's centre line [m]; radius: rolling
-    radii [m]; angle: contact angles against the track plane [rad]; centre_shift: of the wheelset's centre on the
-    axle [m].
-    """
-
-    shift: Array
-    roll: Array
-    lift: Array
-    u_wheel: Array
+    shift: Array  # of the wheelset at the height of the rail tops, to the left [m]
+    roll: Array  # left wheel up [rad]
+    lift: Array  # of the wheelset over the height at which its tape circles are at the rail tops [m]
+    u_wheel: Array  # contact points on the profiles, outward [m]
     u_rail: Array
-    lateral: Array
-    radius: Array
-    angle: Array
-    centre_shift: Array
+    lateral: Array  # contact points to the left of the track's centre line [m]
+    radius: Array  # rolling radii [m]
+    angle: Array  # contact angles against the track plane [rad]
+    centre_shift: Array  # of the wheelset's centre on the axle [m]
 
     @property
     def radius_difference(self) -> Array:
@@ -75,11 +66,15 @@ class _Side:
         self.drop, self.rail_name = mean - radius, rail.name
         self.out, self.up = self.half_spacing + table[:, 0], table[:, 1] + self.drop
         self.origin = 0.5 * gauge - rail.gauge_point()[0]
-        u, w, angle = _graph(rail)
-        self.rail = CubicHermiteSpline(u + self.origin, w - rail.top[1], np.tan(angle))
+        # around the top, where the rail's height is a function of u
+        steep, top = np.abs(rail.angle) > STEEPEST, int(np.argmax(rail.w))
+        first = int(np.flatnonzero(np.append(True, steep[:top]))[-1])
+        part = slice(first, top + int(np.flatnonzero(np.append(steep[top:], True))[0]))
+        u, w = rail.u[part] + self.origin, rail.w[part] - rail.top[1]
+        self.rail = CubicHermiteSpline(u, w, np.tan(rail.angle[part]))
         self.slope = self.rail.derivative()
-        fine = np.linspace(self.rail.x[0], self.rail.x[-1], 8 * u.size)
-        self.fine, self.height = fine, self.rail(fine)
+        self.fine = np.linspace(self.rail.x[0], self.rail.x[-1], 8 * u.size)
+        self.height = self.rail(self.fine)
 
     def placed(self, out: Array, up: Array, shift: Array, roll: Array) -> tuple[Array, Array]:
         """Outward and upward coordinates of points of the wheelset."""
@@ -101,11 +96,9 @@ class _Side:
             dip = np.divide((after - before) ** 2, bend, out=np.zeros_like(bend), where=low & (bend > 0.0))
             lowest = np.where(low, at - dip, np.inf)
         node = np.argmin(np.where(np.isnan(lowest), np.inf, lowest), axis=1) + 1
-        row = np.arange(shift.size)
-        best = lowest[row, node - 1]
-        slope = self.slope(o[row, node])
-        out, up = self.out[node], self.up[node]
-        rate = out * np.cos(roll) - up * np.sin(roll) + slope * (out * np.sin(roll) + up * np.cos(roll))
+        row, c, s = np.arange(shift.size), np.cos(roll), np.sin(roll)
+        best, out, up = lowest[row, node - 1], self.out[node], self.up[node]
+        rate = out * c - up * s + self.slope(o[row, node]) * (out * s + up * c)
         return np.where(np.isfinite(best), best, np.nan), rate, node
 
     def check_point(self, shift: Array, roll: Array) -> None:
@@ -139,25 +132,10 @@ class _Side:
         return self.placed(self.half_spacing + u, w + self.drop, shift, roll)
 
 
-def _graph(rail: Profile) -> tuple[Array, Array, Array]:
-    """Nodes (u, w, angle) around a rail's top where its height is a function of u."""
-    steep = np.abs(rail.angle) > STEEPEST
-    top = int(np.argmax(rail.w))
-    first = int(np.flatnonzero(np.append(True, steep[:top]))[-1])
-    last = top + int(np.flatnonzero(np.append(steep[top:], True))[0])
-    part = slice(first, last)
-    return rail.u[part], rail.w[part], rail.angle[part]
-
-
 def rigid_contact(
-    wheels: tuple[Profile, Profile],
-    radii: tuple[float, float],
-    rails: tuple[Profile, Profile],
-    profile_spacing: float,
-    gauge: float,
-    shift: Array,
-    rolls: bool = True,
-) -> RigidContact:
+    wheels: tuple[Profile, Profile], radii: tuple[float, float], rails: tuple[Profile, Profile],
+    profile_spacing: float, gauge: float, shift: Array, rolls: bool = True,
+) -> RigidContact:  # fmt: skip
     """Contact points of a wheelset at the lateral shifts (n,) [m], rolled until both wheels touch or not rolled.
 
     wheels, rails: profiles of the left and the right side, rails already inclined; radii: at the tape circles [m];

@@ -26,8 +26,7 @@ from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.vehicle.vehicle import Vehicle
 
-DROP = 15e-3
-"""Depth of the tape circle below the top of its rail at which a wheel has left the rail's head [m]."""
+DROP = 15e-3  # depth of the tape circle below the top of its rail at which a wheel has left the rail's head [m]
 
 
 class WatchedWheel:

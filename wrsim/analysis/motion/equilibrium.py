@@ -119,7 +119,11 @@ def _seat(setup: Setup[RunPlan], i: int) -> Array:
     vehicle, run = setup.vehicle, setup.plan
     mounted = vehicle.wheelsets[i]
     share = (vehicle.mass - sum(m.mass for m in vehicle.wheelsets)) / len(vehicle.wheelsets)
-    alone = single_wheelset(mounted.wheelset, carried_mass=share, carried_height=_height(vehicle))
+    height, mass = 0.0, sum(body.mass for body in vehicle.bodies)
+    if mass > 0.0:  # of what the wheelsets carry, above their axles
+        axles = float(np.mean([m.height for m in vehicle.wheelsets]))
+        height = sum(body.mass * body.centre[2] for body in vehicle.bodies) / mass - axles
+    alone = single_wheelset(mounted.wheelset, carried_mass=share, carried_height=height)
     share_of_loads = _share_of_loads(vehicle, run.start, mounted.x, alone.names[0])
     alone = replace(alone, loads=share_of_loads, gravity=vehicle.gravity)
     there = replace(setup, vehicle=alone, plan=replace(run, start=run.start + mounted.x))
@@ -147,10 +151,3 @@ def _share_of_loads(vehicle: Vehicle, distance: float, x: float, wheelset: str) 
         Load.constant("tip left", wheelset, (0.0, 0.0, -0.5 * tipping), (0.0, 1.0, 0.0)),
         Load.constant("tip right", wheelset, (0.0, 0.0, 0.5 * tipping), (0.0, -1.0, 0.0)),
     )
-
-
-def _height(vehicle: Vehicle) -> float:
-    """Height of what the wheelsets carry above their axles [m]."""
-    mass = sum(body.mass for body in vehicle.bodies)
-    axles = float(np.mean([mounted.height for mounted in vehicle.wheelsets]))
-    return sum(body.mass * body.centre[2] for body in vehicle.bodies) / mass - axles if mass > 0.0 else 0.0

@@ -25,21 +25,14 @@ from wrsim.simulation.system import Array, Work
 
 log = logging.getLogger(__name__)
 
-LIFT_DISTANCE = 3.0
-"""Distance without contact on one side after which the wheelset counts as derailed [m] ..."""
-
-LIFT_TIME = 0.05
-"""... if the wheel has been in the air for this time as well [s]."""
-
-INTERVAL = 5e-3
-"""Longest time between two looks [s]; ..."""
+LIFT_DISTANCE = 3.0  # distance without contact on one side after which the wheelset counts as derailed [m] ...
+LIFT_TIME = 0.05  # ... if the wheel has been in the air for this time as well [s]
+INTERVAL = 5e-3  # longest time between two looks [s]; ...
+STRETCH = 0.25  # ... and the longest way [m]. Independent of the samples that are kept
 
 WITHIN = 1e-6
 """Change of the positions [m, rad] in the last iteration of a step within which a look takes the contacts as they were
 computed before it."""
-
-STRETCH = 0.25
-"""... and the longest way [m]. Independent of the samples that are kept."""
 
 LIFT, STOP, STEPS, SPINS, SLIDES, LOOSE = 0.0, -1.0, -2.0, -3.0, -4.0, -5.0
 """Kinds of events in the notes: a wheel without contact; a bump stop beyond the end of its table; steps that have been
@@ -50,25 +43,16 @@ KINDS: dict[float, EventKind] = {
     LIFT: "lift", STOP: "stop", STEPS: "steps", SPINS: "spins", SLIDES: "slides", LOOSE: "loose",
 }  # fmt: skip
 
-MANY = 20
-"""Looks in a row with steps cut, after which the run warns while it lasts: it takes many times as long."""
-
-SLOWEST = 4 * EXPLICIT_PARTS // 2
-"""Evaluations of the forces in a step taken by RK44 over those of a usual one."""
+MANY = 20  # looks in a row with steps cut, after which the run warns while it lasts: it takes many times as long
+SLOWEST = 4 * EXPLICIT_PARTS // 2  # evaluations of the forces in a step taken by RK44 over those of a usual one
 
 SLIP, GIVEN = 0.02, 0.99
 """An axle is driven or braked beyond adhesion where its slip is more than this part of the speed, creep forces are at
 their limit long before, or where slip control gives less than this part of the moment that is asked for; ..."""
 
-SLIP_DISTANCE = 1.0
-"""... and reported where that lasts for longer than this [m]."""
-
-SAME = 1.0
-"""Events of one kind and place of the vehicle that follow each other within this distance are one [m]."""
-
-
-MISSED = 0.05
-"""Part of the mean wheel load by which a force between samples goes beyond them where it is reported."""
+SLIP_DISTANCE = 1.0  # ... and reported where that lasts for longer than this [m]
+SAME = 1.0  # events of one kind and place of the vehicle that follow each other within this distance are one [m]
+MISSED = 0.05  # part of the mean wheel load by which a force between samples goes beyond them where it is reported
 
 
 class IntersamplePeaks:
@@ -155,9 +139,8 @@ class Monitor:
     def look(self, t: float, q: Array, q_t: Array) -> OffRail | Overlap | None:
         """What ends the run, if anything; notes what else there is."""
         self.law.at(t, q, q_t, WITHIN)
-        distance = self.law.distance
+        distance, too_deep = self.law.distance, 0
         ending: OffRail | Overlap | None = None
-        too_deep = 0
         for i, wheel in enumerate(self.wheels):
             ending = ending or self._look_at(i, wheel, t, distance)
             status, substitutes = wheel.status, wheel.model.arrays.substitutes
@@ -175,8 +158,10 @@ class Monitor:
             row = self.law.elements[i]
             if np.dot(row.load.tolist(), self.law.records[row.normal, :3]) <= 0.0:
                 self._note(LOOSE, i, t, distance)
-        if self.law.driven:
-            self._look_at_axles(t, distance)
+        for i, axle in enumerate(self.law.axles if self.law.driven else ()):
+            less = axle.asked != 0.0 and axle.moment / axle.asked < GIVEN
+            if less or (axle.asked != 0.0 and abs(axle.slip) > SLIP * abs(axle.speed)):
+                self._note(SPINS if axle.asked > 0.0 else SLIDES, i, t, distance)
         if self.work.cut_steps > self.cut_steps:
             self._note(STEPS, 0, t, distance)
             self._warn_of_cuts(t, distance)
@@ -186,13 +171,6 @@ class Monitor:
         if too_deep:
             ending = ending or overlap(self.wheels)
         return ending
-
-    def _look_at_axles(self, t: float, distance: float) -> None:
-        """Note axles that are driven or braked beyond adhesion."""
-        for i, axle in enumerate(self.law.axles):
-            less = axle.asked != 0.0 and axle.moment / axle.asked < GIVEN
-            if less or (axle.asked != 0.0 and abs(axle.slip) > SLIP * abs(axle.speed)):
-                self._note(SPINS if axle.asked > 0.0 else SLIDES, i, t, distance)
 
     def _warn_of_cuts(self, t: float, distance: float) -> None:
         """Warn once, while the run lasts, that its steps are cut again and again."""

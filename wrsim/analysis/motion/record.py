@@ -21,7 +21,7 @@ from wrsim.inputs.lookup import VARIABLE
 from wrsim.inputs.toml_files import parse_toml, read_bytes, shown_value
 from wrsim.results import versions
 from wrsim.results.run_file import run_header
-from wrsim.scenario.build import Setup
+from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario, load_text
 from wrsim.simulation.recorder import Recorder
 
@@ -42,10 +42,8 @@ class RunRecord:
             "analysis": scenario.analysis,
             "scenario_text": scenario.text,
             "folders": [str(folder.resolve()) for folder in scenario.directories],
-            "files": {str(file): _file_digest(file) for file in setup.files},
-            "numbers": numbers_digest(setup),
             "inputs": dict(setup.inputs),
-            "code": code_digest(),
+            **_digests(setup),
             **versions(),
         }
         if resume:
@@ -113,8 +111,6 @@ def recorded_setup(path: Path) -> Setup:
     Its models are looked up beside the file and among the models: the folders that it names may be anybody's words.
     Raises ``InputError`` when they are not there any more or have changed.
     """
-    from wrsim.scenario.build import build
-
     header = run_header(path)
     try:
         setup = build(load_text(header["scenario_text"], path.parent, closed=True))
@@ -122,14 +118,15 @@ def recorded_setup(path: Path) -> Setup:
         folders = shown_value(", ".join(map(str, header["folders"])), 300)
         why = f"{path}: {in_one_line(error)}; {VARIABLE} names more folders; the run had {folders}"
         raise InputError(why) from None
-    files = {str(file): _file_digest(file) for file in setup.files}
-    now = {"numbers": numbers_digest(setup), "files": files, "code": code_digest()}
-    _same_models(path, header, now, "what is in the file can no longer be read: run the scenario again")
+    again = "what is in the file can no longer be read: run the scenario again"
+    _same_models(path, header, _digests(setup), again)
     return replace(setup, inputs=header["inputs"])  # of the scenario's own file, too
 
 
-def _file_digest(file: Path) -> str:
-    return hashlib.sha256(read_bytes(file, "model file")).hexdigest()[:16]
+def _digests(setup: Setup) -> dict[str, Any]:
+    """Of every file that the scenario names, of all numbers of the set-up, of the code."""
+    files = {str(f): hashlib.sha256(read_bytes(f, "model file")).hexdigest()[:16] for f in setup.files}
+    return {"files": files, "numbers": numbers_digest(setup), "code": code_digest()}
 
 
 @lru_cache(maxsize=1)

@@ -7,7 +7,7 @@ largest Y/Q of each wheel.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -44,11 +44,8 @@ from wrsim.vehicle.bogies import bogie_mass, level_of
 
 RAIL_CHANNELS = ("rail_displacement_y", "rail_displacement_z")
 
-BLOCK = 500
-"""Samples whose contacts are in memory at once beside the channels."""
-
-NEAR = 1.0
-"""Distance within which the largest Y/Q of both wheels are one moment [m]."""
+BLOCK = 500  # samples whose contacts are in memory at once beside the channels
+NEAR = 1.0  # distance within which the largest Y/Q of both wheels are one moment [m]
 
 
 def result_of(
@@ -79,7 +76,9 @@ def result_of(
         from scipy.integrate import cumulative_trapezoid  # some 40 ms to import, for drives alone
 
         channels["drive_work"] = cumulative_trapezoid(channels["drive_power"], motion.times, axis=0, initial=0.0)
-    snapshots = choose_snapshots(setup, reference, _together(channels), motion.status == "stopped")
+    y, q = np.asarray(channels["Y"]), np.asarray(channels["Q"])
+    quotient = np.divide(y, q, out=np.full(q.shape, -np.inf), where=q > 1.0).max(axis=1)
+    snapshots = choose_snapshots(setup, reference, quotient, motion.status == "stopped")
     strips = [StripRecorder(pair) for pair in law.wheels]
     out = np.zeros(law.size)
     for sample in snapshots:
@@ -95,13 +94,15 @@ def result_of(
         "snapshot_label": np.array(list(snapshots.values())),
         **stack_wheelsets([recorder.channels() for recorder in strips]),
     }
-    coords: dict[str, Any] = {"time": motion.times, "wheelset": [m.name for m in vehicle.wheelsets]}
+    named: dict[str, Sequence[Any]] = {
+        "wheelset": vehicle.wheelsets, "body": vehicle.bodies, "point": vehicle.points, "suspension": vehicle.elements,
+        "coupling": vehicle.couplings, "external_load": vehicle.loads,
+    }  # fmt: skip
+    coords: dict[str, Any] = {"time": motion.times}
+    coords |= {dimension: [each.name for each in own] for dimension, own in named.items() if own}
     if losses is not None:
         channels |= losses.channels()
         coords |= {"wear_law": losses.settings.laws, "wear_zone": ZONES}
-    named: dict[str, Sequence[Any]] = {"body": vehicle.bodies, "point": vehicle.points, "suspension": vehicle.elements}
-    named |= {"coupling": vehicle.couplings, "external_load": vehicle.loads}
-    coords |= {dimension: [each.name for each in own] for dimension, own in named.items() if own}
     if vehicle.points:
         channels["point_level"] = np.array([level_of(vehicle, point.body) for point in vehicle.points])
         channels["point_bogie_mass"] = [bogie_mass(vehicle, point.body) for point in vehicle.points]
@@ -155,27 +156,25 @@ def _block(
     moved = np.zeros((n, count, 2, 2))  # rails under the wheels: left and right, lateral and up
     if law.rails:
         moved = q[:, law.size - law.rails :].reshape(moved.shape)
-    of_wheelsets = [
-        {
-            "wheelset_distance": p.distance[block],
-            **track_channels(track, p.distance[block]),
-            **friction_channels(setup, p.distance[block]),
+    of_wheelsets = []
+    for w, (mounted, whole, r, pair) in enumerate(zip(vehicle.wheelsets, poses, raw, law.wheels, strict=True)):
+        p = TrackPoses(*(values[block] for values in whole))
+        own = {
+            "wheelset_distance": p.distance,
+            **track_channels(track, p.distance),
+            **friction_channels(setup, p.distance),
             **(dict(zip(RAIL_CHANNELS, np.moveaxis(moved[:, w], -1, 0), strict=True)) if law.rails else {}),
-            "lateral_shift": p.lateral[block],
-            "vertical_shift": p.height[block] - mounted.wheelset.mean_radius,
-            "yaw": p.yaw[block],
-            "roll": p.roll[block],
-            "spin_rate": p.spin_rate[block],
+            "lateral_shift": p.lateral,
+            "vertical_shift": p.height - mounted.wheelset.mean_radius,
+            "yaw": p.yaw,
+            "roll": p.roll,
+            "spin_rate": p.spin_rate,
             **wheel_channels(r),
-            **patch_channels(
-                r, pair, track.widening(p.distance[block]), uneven(track, p.distance[block]) + moved[:, w]
-            ),
+            **patch_channels(r, pair, track.widening(p.distance), uneven(track, p.distance) + moved[:, w]),
         }
-        for w, (mounted, p, r, pair) in enumerate(zip(vehicle.wheelsets, poses, raw, law.wheels, strict=True))
-    ]
-    if losses is not None:
-        for own, r in zip(of_wheelsets, raw, strict=True):
+        if losses is not None:
             own |= fatigue_channels(own, patch_wear_numbers(r), losses.settings.shear_yield)
+        of_wheelsets.append(own)
     found = {name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]}
     found |= {"distance": reference, "drive_force": drive, **guide_channels(law, times, records)}
     if law.twists:
@@ -205,8 +204,7 @@ def _attributes(setup: Setup[RunPlan], motion: Motion, distance: Array) -> dict[
     attributes = setup.attributes(motion.reason)
     if motion.step > 0.0:
         steps = round(motion.end / motion.step)
-        attributes |= {"integrator": motion.integrator, "step_s": motion.step, "steps": steps}
-        attributes |= asdict(motion.work)
+        attributes |= {"integrator": motion.integrator, "step_s": motion.step, "steps": steps, **asdict(motion.work)}
     if motion.status == "stopped":
         # also where what stopped it had no words
         attributes |= {"status": motion.status, "stop_reason": motion.reason, "stop_cause": motion.cause}
@@ -236,15 +234,16 @@ def _placed(motion: Motion, law: VehicleOnTrack) -> tuple[Motion, list[TrackPose
             return cut, [TrackPoses(*(values[:n] for values in p)) for p in poses]
 
 
-def choose_snapshots(setup: Setup[RunPlan], distance: Array, wheel: dict[str, Array], stopped: bool) -> dict[int, str]:
-    """Samples whose strips are kept, and why: distances asked for, the largest Y/Q of either wheel, the stop if any."""
+def choose_snapshots(setup: Setup[RunPlan], distance: Array, quotient: Array, stopped: bool) -> dict[int, str]:
+    """Samples whose strips are kept, and why: distances asked for, the largest Y/Q of either side, the stop if any.
+
+    quotient: largest Y/Q of all wheelsets (samples, 2), minus infinity where no wheel has a load.
+    """
     chosen = {
         int(np.argmin(np.abs(distance - place))): f"at {place:g} m"
         for place in setup.plan.patches_at
         if distance[0] - 0.5 <= place <= distance[-1] + 0.5
     }
-    q = wheel["Q"]
-    quotient = np.divide(wheel["Y"], q, out=np.full(q.shape, -np.inf), where=q > 1.0)
     peaks = [int(np.argmax(quotient[:, side])) for side in (0, 1)]
     if abs(distance[peaks[0]] - distance[peaks[1]]) < NEAR:
         side = int(quotient[peaks[1], 1] > quotient[peaks[0], 0])
@@ -259,26 +258,13 @@ def choose_snapshots(setup: Setup[RunPlan], distance: Array, wheel: dict[str, Ar
     return dict(sorted(chosen.items()))
 
 
-def _together(channels: Mapping[str, Any]) -> dict[str, Array]:
-    """Y and Q (samples, 2) of the wheelset that has the largest Y/Q on either side, sample by sample."""
-    y, q = np.asarray(channels["Y"]), np.asarray(channels["Q"])
-    quotient = np.divide(y, q, out=np.full(q.shape, -np.inf), where=q > 1.0)
-    worst = np.argmax(quotient, axis=1)[:, None]
-    return {name: np.take_along_axis(v, worst, axis=1)[:, 0] for name, v in (("Y", y), ("Q", q))}
-
-
 def stack_wheelsets(each: list[dict[str, Array]]) -> dict[str, Array]:
     """Strip channels of all wheelsets in one, the wheelsets behind the first dimension."""
     found: dict[str, Array] = {}
     for name in each[0]:
         arrays = [own[name] for own in each]
-        if name.startswith(("strip_", "element_")):
-            arrays = [_padded(a, np.max([b.shape for b in arrays], axis=0)) for a in arrays]
+        if name.startswith(("strip_", "element_")):  # not-a-number behind the shorter ones
+            shape = np.max([a.shape for a in arrays], axis=0)
+            arrays = [np.pad(a, [(0, n) for n in shape - a.shape], constant_values=np.nan) for a in arrays]
         found[name] = np.stack(arrays, axis=1)
     return found
-
-
-def _padded(array: Array, shape: Sequence[int]) -> Array:
-    """The array in a larger one, with not-a-number behind it in every dimension."""
-    more = [(0, size - own) for size, own in zip(shape, array.shape, strict=True)]
-    return np.pad(array, more, constant_values=np.nan)

@@ -40,11 +40,8 @@ log = logging.getLogger(__name__)
 
 STEPS_OF_A_SECTION = 3
 """Least number of implicit steps between two neighbouring sections of a rail that changes along the track."""
-SHRUNK = 10.0
-"""By how much shorter than usual a chosen step of RK44 is reported."""
-
-SEGMENT_EXACT = 5
-"""Steps between two checkpoints with the exact contact solver; each takes a second or more."""
+SHRUNK = 10.0  # by how much shorter than usual a chosen step of RK44 is reported
+SEGMENT_EXACT = 5  # steps between two checkpoints with the exact contact solver; each takes a second or more
 
 
 class StepTooLong(InputError):

@@ -41,36 +41,20 @@ State = tuple[Array, Array]
 LOGGER = logging.getLogger("wrsim.start")
 """Says at level INFO how the search for the motion at the start goes; an empty line at the end."""
 
-PLAY = 12e-3
-"""Farthest lateral shift of the wheelsets at which a search begins, more by half the gauge widening [m]."""
-
-SHIFT = 1e-3
-"""Between two shifts at which a search begins [m]."""
+PLAY = 12e-3  # farthest lateral shift of the wheelsets at which a search begins, more by half the gauge widening [m]
+SHIFT = 1e-3  # between two shifts at which a search begins [m]
 
 STEADY_ENOUGH = 4e-3
 """Unbalanced part of the load of one wheelset with which a run may start after running in: patches that appear and
 vanish let forces jump, and a balance may lie inside of the jump."""
 
-EXACT = 1e-5
-"""Unbalanced part of the weight with the exact contact solver, which iterates."""
-
-EASE = 3.0
-"""Time in the transition, at least [s], ..."""
-
-SETTLE = 3.0
-"""... and in the full curve before the motion is taken as steady [s]."""
-
-MARGIN = 2.0
-"""Beyond the centres of the first and the last of a vehicle's parts [m]."""
-
-EVEN = 1e-9
-"""Curvature, and change of it, that does not count [1/m]."""
-
-APART = 1.0
-"""Between the places at which straight track is looked for [m]."""
-
-SAMPLES = 0.1
-"""Time between two samples of the run [s]."""
+EXACT = 1e-5  # unbalanced part of the weight with the exact contact solver, which iterates
+EASE = 3.0  # time in the transition, at least [s], ...
+SETTLE = 3.0  # ... and in the full curve before the motion is taken as steady [s]
+MARGIN = 2.0  # beyond the centres of the first and the last of a vehicle's parts [m]
+EVEN = 1e-9  # curvature, and change of it, that does not count [1/m]
+APART = 1.0  # between the places at which straight track is looked for [m]
+SAMPLES = 0.1  # time between two samples of the run [s]
 
 
 def shifts(setup: Setup[RunPlan], direction: float) -> list[Array]:
@@ -113,21 +97,17 @@ def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
     searches from other shifts; on straight track the best of them is taken. With the exact contact solver the search
     goes on from what a fast model finds. Motors and brakes do nothing yet. Raises NoSteadyMotion.
     """
-    try:
-        return _start_state(replace(setup, vehicle=replace(setup.vehicle, efforts=(), slip_control=None)), law)
-    finally:
-        LOGGER.info("")
-
-
-def _start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
-    """See ``start_state``; nothing drives or brakes the vehicle."""
+    setup = replace(setup, vehicle=replace(setup.vehicle, efforts=(), slip_control=None))
     near = replace(setup, contact=setup.contact.fast())
     fast = force_law(near, law.speed, held_by(setup))
-    found = _found(near, fast)
-    if near.contact != setup.contact:
-        held = force_law(setup, law.speed, held_by(setup))
-        with suppress(SimulationError):  # the fast model's state is near enough to start from
-            found = steady_state(held, (found.q, found.q_t), tolerance=EXACT, max_iterations=8, near=fast)
+    try:
+        found = _found(near, fast)
+        if near.contact != setup.contact:
+            held = force_law(setup, law.speed, held_by(setup))
+            with suppress(SimulationError):  # the fast model's state is near enough to start from
+                found = steady_state(held, (found.q, found.q_t), tolerance=EXACT, max_iterations=8, near=fast)
+    finally:
+        LOGGER.info("")
     law.look_near(law.start)
     return found.q, found.q_t
 
@@ -143,10 +123,9 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
         for shift in ways:
             LOGGER.info("steady motion at the start: from %.0f mm aside", 1e3 * float(np.abs(shift).max()))
             try:
-                found = on_the_rails(law, _from_shift(setup, law, shift))
-                if found.residual <= TOLERANCE:
-                    return found
-                near.append(found)
+                near.append(on_the_rails(law, _from_shift(setup, law, shift)))
+                if near[-1].residual <= TOLERANCE:
+                    return near[-1]
             except SimulationError as fault:
                 problems.append(fault)
         return None
@@ -197,12 +176,14 @@ def _relaxed(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
 
 
 def _reached(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float | None) -> Equilibrium:
-    """The motion that a vehicle has come to from straight track: into a curve as long as that of the start, and steady
-    there, or along the track from a straight place [m] into its transition."""
+    """The motion that a vehicle has come to from straight track: into a curve as that of the start, and steady there,
+    or along the track from a straight place [m] into its transition. Raises NoSteadyMotion where it does not arrive."""
     held = replace(setup, vehicle=setup.vehicle.loaded_as_at(setup.plan.start))
     if straight is None:
         return on_the_rails(law, steady_state(law, _run_in(held), tolerance=enough(setup)))
-    q, q_t = _run_up(held, straight)
+    # it ends some millimetres off the start: moved there as a whole, the vehicle would not suit the changing track
+    plan = replace(setup.plan, start=straight, end=setup.plan.start, profile=None)
+    _, q, q_t = _run(replace(held, plan=plan))
     return on_the_rails(law, Equilibrium(q, q_t, SteadyMotion(law).largest(q, q_t), 0))
 
 
@@ -216,10 +197,7 @@ def on_the_rails(law: VehicleOnTrack, found: Equilibrium) -> Equilibrium:
 
 
 def _run_in(setup: Setup[RunPlan]) -> State:
-    """State (q, q_t) at the start of a run in a full curve, reached through a long transition to its curvature.
-
-    Raises NoSteadyMotion when the run does not arrive.
-    """
+    """State (q, q_t) at the start of a run in a full curve, reached through a long transition to its curvature."""
     track, run, vehicle = setup.track, setup.plan, setup.vehicle
     behind, ahead = _reach(vehicle)
     curvature = float(track.curvature(run.start))
@@ -258,17 +236,6 @@ def _reach(vehicle: Vehicle) -> tuple[float, float]:
     """How far the track under a vehicle goes behind its origin and ahead of it, with some room [m]."""
     places = [part.centre[0] for part in vehicle.parts]
     return MARGIN - min(places), MARGIN + max(places)
-
-
-def _run_up(setup: Setup[RunPlan], straight: float) -> State:
-    """State (q, q_t) at the start of a run in a transition, reached along the track from a straight place [m] behind.
-
-    It may be some millimetres off the start: moved there as a whole, the vehicle would not suit the changing track.
-    Raises NoSteadyMotion when the run does not arrive.
-    """
-    run = setup.plan
-    there = replace(setup, plan=replace(run, start=straight, end=run.start, profile=None))
-    return _run(there)[1:]
 
 
 def _run(there: Setup[RunPlan]) -> tuple[VehicleOnTrack, Array, Array]:

@@ -111,8 +111,7 @@ class PoseSolver:
             self.evaluate(pose.lateral, height, pose.yaw, roll)
             if any(w.model.arrays.total["lobes"] > 0 for w in self.wheels):
                 return height
-            clearance = min(float(w.model.arrays.total["closest"]) for w in self.wheels)
-            height -= max(clearance, 1e-6)
+            height -= max(min(float(w.model.arrays.total["closest"]) for w in self.wheels), 1e-6)
             if height < lowest:
                 break
         raise LoadNotReached(
@@ -182,8 +181,7 @@ def height_for_load(
     """
     target = load ** (2.0 / 3.0)
     high, low = np.inf, -np.inf  # heights with too little and too much force
-    first = height
-    at = carried(height)
+    first, at = height, carried(height)
     excess = _power(at) - target
     # force^(2/3) is about proportional to the approach
     rate = -max(_power(at), 0.1 * target) / max(at.approach, 1e-7)

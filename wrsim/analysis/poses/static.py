@@ -35,8 +35,7 @@ STEEP = np.radians(60.0)
 steeper flank takes a lateral force beyond what any rail vehicle has, and pressures to match."""
 
 REPORT_INTERVAL = 0.1  # between two calls of the progress function [s]
-STANDARD_SPACING = 1.5
-"""Distance of the tape circles of wheelsets for standard gauge [m]."""
+STANDARD_SPACING = 1.5  # distance of the tape circles of wheelsets for standard gauge [m]
 
 
 def run_static(setup: Setup[StaticPlan], progress: Progress | None = None) -> Result:
@@ -124,13 +123,9 @@ def solve_poses(
 
 
 def _solved(
-    wheels: Sequence[WheelOnRail],
-    poses: Sequence[Pose],
-    rolling: bool,
-    radius: float,
-    attributes: dict[str, str | float | int],
-    progress: Progress | None,
-) -> Result:
+    wheels: Sequence[WheelOnRail], poses: Sequence[Pose], rolling: bool, radius: float,
+    attributes: dict[str, str | float | int], progress: Progress | None,
+) -> Result:  # fmt: skip
     """The result of poses; attributes: of the result, where it is not interrupted."""
     settings = wheels[0].model.settings
     exact = settings.normal == "half-space"

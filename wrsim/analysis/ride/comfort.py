@@ -26,8 +26,7 @@ from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 Array = NDArray[np.float64]
 Name = Literal["Wb", "Wc", "Wd", "We", "Wj", "Wk"]
 
-SETTLING = 10.0
-"""Seconds of nothing behind a signal, in which the weighting's slowest part (0.4 Hz) dies away."""
+SETTLING = 10.0  # seconds of nothing behind a signal, in which the weighting's slowest part (0.4 Hz) dies away
 
 
 @dataclass(frozen=True)
@@ -79,8 +78,7 @@ def weighted(signal: Array, rate: float, name: Name) -> Array:
     return np.asarray(irfft(rfft(signal, n, axis=0) * h, n, axis=0)[: signal.shape[0]])
 
 
-BLOCK = 5.0
-"""Length of a block [s]."""
+BLOCK = 5.0  # length of a block [s]
 AXES: dict[str, Name] = {"x": "Wd", "y": "Wd", "z": "Wb"}
 PERCENTILE = 95.0
 

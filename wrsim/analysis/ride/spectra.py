@@ -15,8 +15,7 @@ Array = NDArray[np.float64]
 RESOLUTION = 0.1
 """Frequency resolution asked for [Hz]; a run is cut into segments of 1/RESOLUTION seconds that overlap by half."""
 
-LEAST_SEGMENTS = 3
-"""Segments below which a spectrum is too uncertain; the resolution gives way instead."""
+LEAST_SEGMENTS = 3  # segments below which a spectrum is too uncertain; the resolution gives way instead
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,21 +26,15 @@ from wrsim.simulation.system import Array, BodySystem
 Branch = Literal["from above", "from below"]
 Ending = Literal["cycle", "rest", "not converged", "derailed"]
 
-SAME = 0.003
-"""Change of the amplitude from window to window, as a part of it, below which a cycle has settled ..."""
-
-CALM = 2
-"""... and how often in a row."""
+SAME = 0.003  # change of the amplitude from window to window, as a part of it, below which a cycle has settled ...
+CALM = 2  # ... and how often in a row
 
 DYING, FAST = 0.5, 0.03
 """A motion that has fallen to this part of what it was when the longest time is over, and in its last window has fallen
 by that part of itself, is on its way to rest. Not so one that beats, or goes over into a smaller cycle."""
 
-ABOVE = 1.1
-"""The first limit cycle is looked for at so many times the linear critical speed, unless the plan gives it."""
-
-SAMPLES = 1e-3
-"""Time between two samples of the motion [s]."""
+ABOVE = 1.1  # the first limit cycle is looked for at so many times the linear critical speed, unless the plan gives it
+SAMPLES = 1e-3  # time between two samples of the motion [s]
 
 
 @dataclass(frozen=True)

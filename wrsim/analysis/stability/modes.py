@@ -17,14 +17,9 @@ from scipy.optimize import linear_sum_assignment
 from wrsim.simulation.modes import Linearised
 from wrsim.simulation.system import Array
 
-SLOWEST = 0.05
-"""Frequency below which nothing is called an oscillation [Hz]."""
-
-SPEED_TOLERANCE = 1e-4
-"""The critical speed is found to this part of itself."""
-
-FAR = 0.7
-"""Cost of two modes from which on they are no longer one: see ``_costs``."""
+SLOWEST = 0.05  # frequency below which nothing is called an oscillation [Hz]
+SPEED_TOLERANCE = 1e-4  # the critical speed is found to this part of itself
+FAR = 0.7  # cost of two modes from which on they are no longer one: see ``_costs``
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,7 @@ from wrsim.scenario.sections.stability import StabilityPlan
 from wrsim.simulation.modes import mode_name
 from wrsim.vehicle.vehicle import Vehicle
 
-SHARE_OF_MODES = 0.3
-"""What the modes count for in the progress when limit cycles follow."""
+SHARE_OF_MODES = 0.3  # what the modes count for in the progress when limit cycles follow
 
 
 def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None) -> Result:

@@ -41,27 +41,21 @@ def numbers_at_rest(
             for mode in natural_modes(trimmed)
         ],
     }
+    tests: dict[str, tuple[dict[str, float], Callable[[], dict[str, Any]]]] = {}
     if vehicle.loads:
-        found["under_loads"] = _or_problem(lambda: _under_loads(vehicle))
+        tests["under_loads"] = {}, lambda: _under_loads(vehicle)
     if cant_deficiency is not None:
         angle = asin(cant_deficiency / 1e3 / CANT_BASE)
-        found["leaning"] = {"cant_deficiency_mm": cant_deficiency} | _or_problem(
-            lambda: _leaning(trimmed, level, angle)
-        )
+        tests["leaning"] = {"cant_deficiency_mm": cant_deficiency}, lambda: _leaning(trimmed, level, angle)
     if twist is not None:
         turned = twist / 1e3 / CANT_BASE
-        found["twisted"] = {"twist_permille": twist} | _or_problem(
-            lambda: _unloading(trimmed, level, static_state(trimmed, turned))
-        )
+        tests["twisted"] = {"twist_permille": twist}, lambda: _unloading(trimmed, level, static_state(trimmed, turned))
+    for name, (asked, test) in tests.items():
+        try:
+            found[name] = asked | test()
+        except SimulationError as error:  # it does not come to rest
+            found[name] = asked | {"problem": str(error)}
     return found
-
-
-def _or_problem(numbers: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """Numbers of a vehicle at rest, or why it does not come to rest."""
-    try:
-        return numbers()
-    except SimulationError as error:
-        return {"problem": str(error)}
 
 
 def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
@@ -109,17 +103,19 @@ def _by_wheel(vehicle: Vehicle, values: NDArray[np.float64]) -> dict[str, dict[s
     return {m.name: {"left": left, "right": right} for m, (left, right) in pairs}
 
 
-def twist_loop(vehicle: Vehicle, twists: tuple[float, float] | None) -> TwistTest:
-    """The twist test; twists [per mille] under body and bogie, those of the standard unless given."""
-    for twist in twists or ():
-        if not 0.0 <= twist <= 20.0:
-            raise InputError(f"--twists {twist:g}: must be from 0 to 20 per mille")
-    return twist_test(vehicle) if twists is None else twist_test(vehicle, *(1e-3 * t for t in twists))
+def stationary_tests(
+    vehicle: Vehicle, twist: bool, twists: tuple[float, float] | None, rotation: bool, radius: float
+) -> tuple[TwistTest | None, tuple[RotationTest, ...]]:
+    """The twist test, and the rotation test of every bogie at both rates, where asked for.
 
-
-def rotation_loops(vehicle: Vehicle, radius: float) -> tuple[RotationTest, ...]:
-    """The rotation test of every bogie at both rates."""
-    return tuple(rotation_test(vehicle, bogie, rate, radius) for bogie in turning_bogies(vehicle) for rate in RATES)
+    twists [per mille]: under body and bogie, those of the standard unless given; radius: of the curve [m].
+    """
+    for value in twists or ():
+        if not 0.0 <= value <= 20.0:
+            raise InputError(f"--twists {value:g}: must be from 0 to 20 per mille")
+    twisted = twist_test(vehicle, *(1e-3 * t for t in twists or ())) if twist else None
+    pairs = [(bogie, rate) for bogie in turning_bogies(vehicle) for rate in RATES] if rotation else []
+    return twisted, tuple(rotation_test(vehicle, bogie, rate, radius) for bogie, rate in pairs)
 
 
 def numbers_of_tests(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest]) -> dict[str, Any]:

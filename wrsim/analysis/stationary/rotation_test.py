@@ -18,17 +18,10 @@ from wrsim.vehicle.bogies import Bogie, bogies_of
 from wrsim.vehicle.elements import Element, Strut
 from wrsim.vehicle.vehicle import Vehicle
 
-RADIUS = 150.0
-"""Of the curve whose rotation is tried [m] [mem]."""
-
-RATES = (radians(0.2), radians(1.0))
-"""Of the turntable: slow, and as in a transition at speed [rad/s] [mem]."""
-
-LIMIT = 0.1
-"""Largest X factor [mem]."""
-
-QUARTER = 40
-"""Steps from the middle to the largest angle."""
+RADIUS = 150.0  # of the curve whose rotation is tried [m] [mem]
+RATES = (radians(0.2), radians(1.0))  # of the turntable: slow, and as in a transition at speed [rad/s] [mem]
+LIMIT = 0.1  # largest X factor [mem]
+QUARTER = 40  # steps from the middle to the largest angle
 
 
 @dataclass(frozen=True, eq=False)

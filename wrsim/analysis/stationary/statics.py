@@ -26,11 +26,8 @@ from wrsim.vehicle.bogies import Bogie
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle
 
-SUPPORT = 1e10
-"""Stiffness of a support [N/m]."""
-
-LENGTH, PLACE = 200.0, 100.0
-"""Level track, and where on it the vehicle is [m]."""
+SUPPORT = 1e10  # stiffness of a support [N/m]
+LENGTH, PLACE = 200.0, 100.0  # level track, and where on it the vehicle is [m]
 
 X, Y, Z, HEADING, ROLL, SPIN = (COORDINATES.index(name) for name in ("x", "y", "z", "heading", "roll", "spin"))
 

@@ -15,11 +15,8 @@ from wrsim.simulation.system import Array
 from wrsim.vehicle.bogies import bogies_of
 from wrsim.vehicle.vehicle import Vehicle
 
-UNLOADING_LIMIT = 0.6
-"""Largest Delta Q / Q0 [mem]."""
-
-QUARTER = 25
-"""Steps from level rails to the full twist."""
+UNLOADING_LIMIT = 0.6  # largest Delta Q / Q0 [mem]
+QUARTER = 25  # steps from level rails to the full twist
 
 
 def body_twist(length: float) -> float:
