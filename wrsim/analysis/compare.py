@@ -95,10 +95,7 @@ class Comparison:
 
 
 def compare(
-    scenario: Scenario,
-    names: Sequence[str],
-    reference: str | None = None,
-    progress: Progress | None = None,
+    scenario: Scenario, names: Sequence[str], reference: str | None = None, progress: Progress | None = None
 ) -> Comparison:
     """Analyse a scenario with several contact models (names as in `scenario.contact_choice`).
 
@@ -128,8 +125,7 @@ def compare(
             raise SimulationError(f'model "{name}": {error}') from None
         taken = time.perf_counter() - start
         models.append(Compared(name, result, taken, time_evaluation(setup, result.dataset)))
-    main = next(m for m in models if m.name == reference)
-    return Comparison(tuple(models), reference, _values(models, main))
+    return Comparison(tuple(models), reference, _values(models, reference))
 
 
 def of_wheels(dataset: xr.Dataset) -> xr.Dataset:
@@ -170,9 +166,9 @@ def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
     """Time of one contact of one wheel of the first wheelset [s]: median over some of the moments that the result
     keeps; nan without any."""
     dataset = of_wheelset(dataset, wheelsets(dataset)[0])
-    models = dict(zip(("left", "right"), contact_models(setup), strict=True))
     if not all(name in dataset for name in POSE_CHANNELS):
-        return float("nan")
+        return np.nan
+    models = dict(zip(("left", "right"), contact_models(setup), strict=True))
     poses = np.concatenate([dataset[name].values for name in POSE_CHANNELS], axis=-1)
     moments = np.flatnonzero(np.isfinite(poses).all(axis=(1, 2)))
     times = []
@@ -186,14 +182,13 @@ def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
                 model.solve()
                 count += 1
             times.append(taken / count)
-    return float(np.median(times)) if times else float("nan")
+    return float(np.median(times)) if times else np.nan
 
 
-def _values(models: Sequence[Compared], main: Compared) -> xr.Dataset:
+def _values(models: Sequence[Compared], reference: str) -> xr.Dataset:
     """Quantities and differences of all models at the samples of the reference."""
-    base = main.result.dataset
-    own = of_wheels(base)
-    sample = "time" if "time" in base.dims else "pose"
+    base = next(m for m in models if m.name == reference).result.dataset
+    own, sample = of_wheels(base), "time" if "time" in base.dims else "pose"
     names = xr.Variable("model", [m.name for m in models])
     values = xr.concat([_at_samples(m.result.dataset, own) for m in models], names, join="exact")
     for quantity, kind in DIFFERENCES.items():
@@ -246,7 +241,6 @@ def comparison_report(found: Comparison, scenario: str) -> dict[str, Any]:
 
 def rows_of_samples(found: Comparison) -> list[list[str]]:
     """One row per sample, wheel and model; the first is the header. Differences in per cent or degrees."""
-
     values = found.values
     sample = "time" if "time" in values.dims else "pose"
     i, j, m = (index.ravel() for index in np.indices([values.sizes[d] for d in (sample, "wheel", "model")]))
@@ -274,12 +268,12 @@ def comparison_tables(found: Comparison, report: dict[str, Any]) -> list[Table]:
                     rows.append([CHANNELS[q].column, *map(float, numbers)])
     rows.append(["difference, median / 95 %"])
     for q in SHOWN:
-        key = f"{q}_{DIFFERENCES[q].unit}"
-        cells = [
-            "reference" if name == found.reference else _spread(model["differences"].get(key))
-            for name, model in models.items()
+        cells = [model["differences"].get(f"{q}_{DIFFERENCES[q].unit}") for model in models.values()]
+        spread = [
+            MISSING if c is None else f"{formatted(c['median'], '.2g')} / {formatted(c['p95'], '.2g')}" for c in cells
         ]
-        rows.append([f"{q} ({DIFFERENCES[q].symbol})", *cells])
+        marked = ["reference" if name == found.reference else own for name, own in zip(models, spread, strict=True)]
+        rows.append([f"{q} ({DIFFERENCES[q].symbol})", *marked])
     rows += [["time"], ["one contact (µs)", *(model["evaluation_us"] for model in models.values())]]
     rows.append(["all (s)", *(model["run_s"] for model in models.values())])
     notes = []
@@ -288,10 +282,3 @@ def comparison_tables(found: Comparison, report: dict[str, Any]) -> list[Table]:
             notes.append(f"{name}: {model['unsolved_poses']} poses without a solution")
         notes += first_lines([f"{name}: {words}" for words in model["remarks"]], "remarks")
     return [Table("", (Column(), *(Column(name, "", ".5g") for name in models)), rows, tuple(notes))]
-
-
-def _spread(numbers: dict[str, float] | None) -> str:
-    """Median and 95 % of differences."""
-    if numbers is None:
-        return MISSING
-    return f"{formatted(numbers['median'], '.2g')} / {formatted(numbers['p95'], '.2g')}"

@@ -1,8 +1,8 @@
 """The contacts of a run at any of its samples, from the poses that its result holds.
 
-A result keeps strips and outlines at a few moments only. The pose of every wheelset is kept at every sample, and the
-normal contact follows from the pose: it is computed again by the model of the run. Rates of the pose are left out;
-they act through the contact damping alone, some thousandths of the force.
+Strips and outlines are in a result at its snapshots only. The normal contact follows from the pose of the wheelset at
+any other sample, by the model of the run. Rates of the pose are left out: they act through the contact damping alone,
+some thousandths of the force.
 """
 
 from __future__ import annotations
@@ -30,10 +30,9 @@ RAILS = ("rail_displacement_y", "rail_displacement_z")
 
 
 def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[int]) -> xr.Dataset:
-    """The dataset of a run whose kept moments are these samples, all of them solved again.
+    """The dataset of a run with snapshots at these samples, all of them solved again.
 
-    Its attribute ``contact_remark`` gives the remarks on the contacts and at how many of the moments; empty when all
-    is well.
+    Its attribute ``contact_remark``: remarks on the contacts, and at how many of the samples; empty without any.
     Raises InputError when the result does not hold what is needed, belongs to another vehicle, or was solved by the
     exact solver, which takes too long for this.
     """
@@ -82,8 +81,6 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
         name: (CHANNELS[name].dims_in("time"), values, {"units": CHANNELS[name].unit})
         for name, values in (found | coords).items()
     }
-    bare = dataset.drop_dims(
-        [d for d in ("snapshot", "strip", "column", "axis", "rail_point", "wheel_point") if d in dataset.dims]
-    )
+    dims = {"snapshot", "strip", "column", "axis", "rail_point", "wheel_point"}
     remarks = [f"{words} (at {count} of {len(kept)} places)" for words, count in found_remarks.items()]
-    return bare.assign(variables).assign_attrs(contact_remark="; ".join(remarks))
+    return dataset.drop_dims(dims & set(dataset.dims)).assign(variables).assign_attrs(contact_remark="; ".join(remarks))

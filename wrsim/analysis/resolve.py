@@ -15,16 +15,8 @@ from numpy.typing import NDArray
 from wrsim.analysis.contacts import wheels_on_rails
 from wrsim.analysis.poses.solver import Carried, LoadNotReached, height_for_load
 from wrsim.analysis.progress import Progress, Report
-from wrsim.contact.channels import (
-    POSE_CHANNELS,
-    ElementField,
-    RawContacts,
-    StripRecorder,
-    WheelOnRail,
-    patch_channels,
-    remarks_channel,
-    wheel_channels,
-)
+from wrsim.contact import channels
+from wrsim.contact.channels import POSE_CHANNELS, ElementField, WheelOnRail
 from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.contact.status import status_words
 from wrsim.errors import InputError
@@ -78,9 +70,9 @@ def resolve(
     if "distance" in dataset:
         where = dataset["distance"].values[samples]
         along = np.stack([setup.track.rail_distance("left" if w.side > 0 else "right", where) for w in wheels], axis=-1)
-    raw = RawContacts.empty(len(chosen), len(wheels), setup.contact.patch_count)
+    raw = channels.RawContacts.empty(len(chosen), len(wheels), setup.contact.patch_count)
     remarks = [""] * len(chosen)
-    strips, report = StripRecorder(wheels), Report(progress)
+    strips, report = channels.StripRecorder(wheels), Report(progress)
     for row, moment in enumerate(chosen):
         elements = []
         for j, wheel in enumerate(wheels):
@@ -109,9 +101,8 @@ def resolve(
         rails = np.stack([dataset[f"rail_{way}"].values[samples] for way in ("lateral", "vertical")], axis=-1)
         widening = widening - (rails[:, 0, 0] - rails[:, 1, 0])
     new = {
-        **remarks_channel(remarks),
-        **wheel_channels(raw),
-        **patch_channels(raw, wheels, widening, rails),
+        **channels.remarks_channel(remarks),
+        **channels.contact_channels(raw, wheels, widening, rails),
         **strips.channels(),
     }
     sample = "time" if "time" in dataset.dims else "pose"
@@ -126,9 +117,8 @@ def resolve(
     about = ("title", "analysis", "status", "step_s", "stop_reason", "stop_cause", "stop_time_s", "stop_distance_m")
     attributes = {key: dataset.attrs[key] for key in about if key in dataset.attrs}
     attributes |= {"scenario_text": own.text, "resolved_with": name, "resolved_at_same": keep}
-    return Result(
-        assemble({n: part[n].values for n in (sample, "wheel")} | {"wheelset": label}, kept | new, attributes)
-    )
+    coords = {n: part[n].values for n in (sample, "wheel")} | {"wheelset": label}
+    return Result(assemble(coords, kept | new, attributes))
 
 
 def _settle(wheel: WheelOnRail, load: float) -> tuple[list[ElementField], str]:

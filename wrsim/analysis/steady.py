@@ -17,9 +17,10 @@ import numpy as np
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import check_upright, contact_words, resultant, wheels_of
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
+from wrsim.analysis.motion.result import stack_wheelsets
 from wrsim.analysis.motion.start import enough, on_the_rails, start_state
 from wrsim.analysis.progress import Progress, Report
-from wrsim.contact.channels import RawContacts, patch_channels, remarks_channel, wheel_channels
+from wrsim.contact.channels import RawContacts, contact_channels, remarks_channel
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
 from wrsim.results import Result, assemble
@@ -81,10 +82,7 @@ def run_steady(setup: Setup, progress: Progress | None = None) -> Result:
     if not known:
         raise SimulationError(f"none of the {n} curves has a steady motion; the first: {messages[0]}")
     _, lateral, height, yaw, roll, spin = np.moveaxis(poses[:n], 2, 0)
-    of_wheelsets = [
-        {**wheel_channels(own.first(n)), **patch_channels(own.first(n), pair)}
-        for own, pair in zip(raw, known[-1].law.wheels, strict=True)
-    ]
+    of_wheelsets = [contact_channels(own.first(n), pair) for own, pair in zip(raw, known[-1].law.wheels, strict=True)]
     channels: dict[str, Any] = {
         **{f"pose_{name}": np.array([getattr(p, name) for p in points[:n]]) for name in ("speed", "radius", "cant")},
         "cant_deficiency": [cant_deficiency(p, base) for p in points[:n]],
@@ -96,7 +94,7 @@ def run_steady(setup: Setup, progress: Progress | None = None) -> Result:
         "yaw": yaw,
         "roll": roll,
         "spin_rate": spin,
-        **{name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]},
+        **stack_wheelsets(of_wheelsets),
     }
     reason = f"interrupted by the user after {n} of {len(points)} curves" if n < len(points) else ""
     coords: dict[str, Any] = {"pose": [p.name for p in points[:n]], "wheelset": [m.name for m in vehicle.wheelsets]}

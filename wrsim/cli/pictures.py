@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
+from wrsim.cli import options
 from wrsim.cli.console import print_found
 from wrsim.cli.errors import reporting_errors
-from wrsim.cli.options import (
+from wrsim.cli.options import (  # fmt: skip
     At,
     BesideResult,
     Force,
@@ -18,9 +19,8 @@ from wrsim.cli.options import (
     OneWheelset,
     ResultFile,
     ScenarioFile,
-    check_ending,
     into,
-)  # fmt: skip
+)
 
 
 def plot(
@@ -70,7 +70,7 @@ def profile(
         from wrsim.results.smoothing import profile_and_reports, smoothing_table
 
         picture = output or Path(Path(file).stem + ".png")
-        check_ending("-o", picture, ".png")
+        options.check_ending("-o", picture, ".png")
         loaded, reports = profile_and_reports(file, kind, cutoff or [], models)
         files = [draw_profile(loaded, picture, reports)]
         numbers = {"smoothing": [r.numbers() for r in reports]} if reports else {}
@@ -93,5 +93,5 @@ def track(
         from wrsim.scenario.loading import load
 
         picture = output or Path(f"{file.stem}_track.png")
-        check_ending("-o", picture, ".png")
+        options.check_ending("-o", picture, ".png")
         print_found(as_json, {}, [], [draw_track(build(load(file, models or ())).track, picture)])

@@ -8,15 +8,8 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import (
-    print_error,
-    print_files,
-    print_found,
-    print_json,
-    print_lines,
-    print_numbers,
-    progress_bar,
-)  # fmt: skip
+from wrsim.cli import console
+from wrsim.cli.console import print_error, progress_bar  # fmt: skip
 from wrsim.cli.errors import STOPPED, reporting_errors
 from wrsim.cli.options import Force, Json, Models, Output, Pictures, Quiet, Scheduler, Slurm, Tls, Workers
 
@@ -53,13 +46,13 @@ def study(
         plan, reads = planned(file, directory, models or ())
         if dry_run:
             expected = estimate(plan, workers)
-            print_numbers(as_json, expected.numbers(), [expected.table()])
+            console.print_numbers(as_json, expected.numbers(), [expected.table()])
             return
         with kept_folder(directory, reads, force, OUTPUTS):
             todo = missing(plan, retry)
             if not (quiet or as_json):
                 known = len(plan.cases) - len(todo)
-                print_lines(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
+                console.print_lines(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
             try:
                 if todo:
                     with crew(workers, scheduler, slurm, tls, len(todo), bar) as work:
@@ -72,10 +65,10 @@ def study(
         report = study_report(plan, markers)
         code = STOPPED if report["unfinished"] else 0
         if as_json:
-            print_json(report | {"exit_code": code, "ran": len(todo), "files": [str(f) for f in files]})
+            console.print_json(report | {"exit_code": code, "ran": len(todo), "files": [str(f) for f in files]})
         elif not quiet:
-            print_numbers(False, report, study_tables(report))
-            print_files(len(files), directory)
+            console.print_numbers(False, report, study_tables(report))
+            console.print_files(len(files), directory)
         for words in [] if as_json else faults_of(report, markers, quiet):
             print_error(words)
         if code:
@@ -121,10 +114,10 @@ def wear(
                 for step in wear_steps(service, directory, work):
                     steps.append(step)
                     if not (quiet or as_json):
-                        print_lines(step.words(service.mileage))
+                        console.print_lines(step.words(service.mileage))
             except KeyboardInterrupt:
                 raise interrupted(directory) from None
             dataset, files = write_history(service, steps, directory, pictures)
         if as_json or not quiet:
             numbers = evolution_report(dataset) | {"directory": str(directory)}
-            print_found(as_json, numbers, [mileage_table(dataset)], files, directory)
+            console.print_found(as_json, numbers, [mileage_table(dataset)], files, directory)

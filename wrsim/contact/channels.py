@@ -103,21 +103,15 @@ def _patches(raw: RawContacts) -> _Patches:
     return _Patches(member, depth.argmax(axis=-1), np.any(member, axis=-1))
 
 
-def wheel_channels(raw: RawContacts) -> dict[str, Array]:
-    """Channels with dimensions (sample, wheel): forces of the wheel on the rail, wear number, patches."""
-    t = raw.totals
-    return {"Y": -t["Fo"], "Q": t["Fb"], "X": -t["Ft"], "T_gamma": t["wear"], "n_patches": t["patches"].astype(float)}
-
-
 def remarks_channel(remarks: Sequence[str]) -> dict[str, NDArray[np.str_]]:
     """The channel ``contact_remark``, where contacts of solved samples have anything to say."""
     return {"contact_remark": np.array(remarks)} if any(remarks) else {}
 
 
-def patch_channels(
+def contact_channels(
     raw: RawContacts, wheels: Sequence[WheelOnRail], widening: Array | float = 0.0, uneven: Array | float = 0.0
 ) -> dict[str, Array]:
-    """Channels with dimensions (sample, wheel, patch).
+    """Channels of the wheels (sample, wheel), and of their patches (sample, wheel, patch).
 
     widening: designed gauge beyond the nominal one, (S,) or one [m]; uneven: irregularities under the wheels, to the
     left and up, (S, W, 2) or none [m].
@@ -150,7 +144,9 @@ def patch_channels(
     moments = over("Mz") + lever_x * over("Fy") - lever_s * over("Fx")
     channels["spin_moment"] = np.where(p.member, moments, 0.0).sum(axis=-1)
     channels |= _positions(raw, wheels, of_main, widening, uneven)
-    return {name: np.where(p.present, values, np.nan) for name, values in channels.items()}
+    t = raw.totals
+    wheel = {"Y": -t["Fo"], "Q": t["Fb"], "X": -t["Ft"], "T_gamma": t["wear"], "n_patches": t["patches"].astype(float)}
+    return wheel | {name: np.where(p.present, values, np.nan) for name, values in channels.items()}
 
 
 def patch_wear_numbers(raw: RawContacts) -> Array:

@@ -25,24 +25,13 @@ from typing import get_args
 import numpy as np
 from scipy.special import ndtr, stdtrit
 
-from wrsim.results.assessment import (
-    INFORMATION,
-    LOADING,
-    RIDE,
-    SAFETY,
-    TRANSITION,
-    Array,
-    AssessedSection,
-    Influence,
-    Regression,
-    Value,
-    ZoneValue,
-)
+from wrsim.results import assessment
+from wrsim.results.assessment import TRANSITION, Array, AssessedSection, Influence, Regression, Value, ZoneValue
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
 ENOUGH_SECTIONS = 10  # sections of a zone from which an estimated maximum is given. The standard asks for more [mem]
 
-K = {SAFETY: 3.0, LOADING: 2.2, RIDE: 2.2, INFORMATION: 2.2}
+K = {assessment.SAFETY: 3.0, assessment.LOADING: 2.2, assessment.RIDE: 2.2, assessment.INFORMATION: 2.2}
 """Estimated maximum: mean plus this times the standard deviation over the sections (EN 14363, one dimension [mem])."""
 
 SPREAD = 1e-6  # an influence that varies by less, as a part of its size, is none

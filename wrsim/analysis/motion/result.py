@@ -15,19 +15,10 @@ from typing import Any
 import numpy as np
 
 from wrsim.analysis.contacts import friction_channels
-from wrsim.analysis.motion.body_channels import (
-    PointMotion,
-    body_channels,
-    coupling_channels,
-    energy_channels,
-    guide_channels,
-    lost_at,
-    track_channels,
-    twist_channels,
-    uneven,
-)
+from wrsim.analysis.motion import body_channels as states
+from wrsim.analysis.motion.body_channels import uneven
 from wrsim.analysis.motion.messages import Event, event_words
-from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, patch_wear_numbers, wheel_channels
+from wrsim.contact.channels import RawContacts, StripRecorder, contact_channels, patch_wear_numbers
 from wrsim.contact.wear.laws import fatigue_channels
 from wrsim.contact.wear.losses import ZONES, Losses, ways
 from wrsim.errors import SimulationError
@@ -130,7 +121,7 @@ def _block(
     times, q, q_t = motion.times[block], motion.q[block], motion.q_t[block]
     n, count, out = len(times), len(vehicle.wheelsets), np.zeros(law.size)
     raw = [RawContacts.empty(n, 2, setup.contact.patch_count) for _ in range(count)]
-    points = PointMotion(law)
+    points = states.PointMotion(law)
     accelerations = np.zeros((n, len(vehicle.points), 3))
     records = np.zeros((n, *law.records.shape))
     reference, drive = np.zeros(n), np.zeros(n)
@@ -150,7 +141,7 @@ def _block(
         reference[i], drive[i] = law.distance, law.drive_force
         axles[:, i] = [law.axles[name] for name in ("moment", "power", "slip", "speed", "shaft")]
         if vehicle.bodies:
-            powers[:, i] = lost_at(law, q_t[i])
+            powers[:, i] = states.lost_at(law, q_t[i])
         if vehicle.points:
             accelerations[i] = points.at(q[i], q_t[i], out)
     moved = np.zeros((n, count, 2, 2))  # rails under the wheels: left and right, lateral and up
@@ -161,7 +152,7 @@ def _block(
         p = TrackPoses(*(values[block] for values in whole))
         own = {
             "wheelset_distance": p.distance,
-            **track_channels(track, p.distance),
+            **states.track_channels(track, p.distance),
             **friction_channels(setup, p.distance),
             **(dict(zip(RAIL_CHANNELS, np.moveaxis(moved[:, w], -1, 0), strict=True)) if law.rails else {}),
             "lateral_shift": p.lateral,
@@ -169,23 +160,22 @@ def _block(
             "yaw": p.yaw,
             "roll": p.roll,
             "spin_rate": p.spin_rate,
-            **wheel_channels(r),
-            **patch_channels(r, pair, track.widening(p.distance), uneven(track, p.distance) + moved[:, w]),
+            **contact_channels(r, pair, track.widening(p.distance), uneven(track, p.distance) + moved[:, w]),
         }
         if losses is not None:
             own |= fatigue_channels(own, patch_wear_numbers(r), losses.settings.shear_yield)
         of_wheelsets.append(own)
-    found = {name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]}
-    found |= {"distance": reference, "drive_force": drive, **guide_channels(law, times, records)}
+    found = stack_wheelsets(of_wheelsets)
+    found |= {"distance": reference, "drive_force": drive, **states.guide_channels(law, times, records)}
     if law.twists:
-        found |= twist_channels(law, q, q_t)
+        found |= states.twist_channels(law, q, q_t)
     if law.driven:
         moment, power, slip, speed, shaft = axles
         found |= {"drive_moment": moment, "drive_power": power, "axle_creepage": -slip / speed}
         if law.gears:
             found["shaft_moment"] = shaft
     if vehicle.bodies:
-        found |= body_channels(law, q, q_t, bodies) | energy_channels(law, q, q_t)
+        found |= states.body_channels(law, q, q_t, bodies) | states.energy_channels(law, q, q_t)
         found |= dict(zip(("creep_power", "damper_power", "pull_power"), powers, strict=True))
     if vehicle.points:
         found |= {f"point_a{axis}": accelerations[:, :, k] for k, axis in enumerate("xyz")}
@@ -193,7 +183,7 @@ def _block(
         found |= {f"suspension_f{axis}": records[:, :, k] for k, axis in enumerate("xyz")}
         found |= {f"suspension_d{axis}": records[:, :, 3 + k] for k, axis in enumerate("xyz")}
     if vehicle.couplings:
-        found |= coupling_channels(law, q, records)
+        found |= states.coupling_channels(law, q, records)
     if vehicle.loads:
         found |= {f"external_f{axis}": external[:, :, k] for k, axis in enumerate("xyz")}
     return found
@@ -259,7 +249,7 @@ def choose_snapshots(setup: Setup[RunPlan], distance: Array, quotient: Array, st
 
 
 def stack_wheelsets(each: list[dict[str, Array]]) -> dict[str, Array]:
-    """Strip channels of all wheelsets in one, the wheelsets behind the first dimension."""
+    """Channels of all wheelsets in one, the wheelsets behind the first dimension."""
     found: dict[str, Array] = {}
     for name in each[0]:
         arrays = [own[name] for own in each]

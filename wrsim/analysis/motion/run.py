@@ -23,17 +23,9 @@ from wrsim.results import Result
 from wrsim.results.run_file import run_header
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
+from wrsim.simulation import step as steps
 from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.step import (
-    LARGEST_STEP,
-    LARGEST_STEP_UNEVEN,
-    SAFETY,
-    implicit_step,
-    round_step,
-    stable_step,
-    step_for_speed,
-)
 from wrsim.simulation.system import Array, BodySystem
 
 log = logging.getLogger(__name__)
@@ -113,7 +105,7 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
     if plan.step:
         return plan.step
     fastest = plan.speeds[1]
-    step = implicit_step(fastest, plan.output_interval)
+    step = steps.implicit_step(fastest, plan.output_interval)
     gaps = [gap for surface in setup.surfaces if surface is not None for gap in surface.gaps]
     # sections that follow each other closely show how fast the rail changes
     return step / max(1, ceil(step * fastest * STEPS_OF_A_SECTION / min(gaps))) if gaps else step
@@ -131,7 +123,7 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
     near = replace(setup, contact=setup.contact.fast(), vehicle=setup.vehicle.loaded_as_at(plan.start))
     if near.contact != setup.contact:
         law = force_law(near)
-    limit = stable_step(BodySystem(law.bodies, law), q, q_t)
+    limit = steps.stable_step(BodySystem(law.bodies, law), q, q_t)
     if plan.step is not None:
         if plan.step > limit:
             raise StepTooLong(plan.step, limit, plan.speed)
@@ -141,10 +133,10 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
         straight, contact = setup.track.relaid([Straight(100.0)]), contact_at(near, plan.start)
         level = replace(near, track=straight, contact=contact, plan=replace(slowest, start=30.0))
         law = force_law(level)
-        limit = min(limit, stable_step(BodySystem(law.bodies, law), *start_state(level, law)))
-    largest = LARGEST_STEP_UNEVEN if setup.track.is_uneven else LARGEST_STEP
-    step = round_step(min(SAFETY * limit, plan.output_interval), largest)
-    usual = min(step_for_speed(slowest.speed), plan.output_interval)
+        limit = min(limit, steps.stable_step(BodySystem(law.bodies, law), *start_state(level, law)))
+    largest = steps.LARGEST_STEP_UNEVEN if setup.track.is_uneven else steps.LARGEST_STEP
+    step = steps.round_step(min(steps.SAFETY * limit, plan.output_interval), largest)
+    usual = min(steps.step_for_speed(slowest.speed), plan.output_interval)
     if step < usual / SHRUNK:
         log.warning(
             "rk44 is stable here with steps of %.3g us only, %.0f times shorter than usual at %.4g km/h: %.3g steps. A "

@@ -13,14 +13,7 @@ from wrsim.analysis.contacts import wheels_on_rails
 from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
 from wrsim.analysis.poses.solver import PoseSolver, Solved
 from wrsim.analysis.progress import Progress, Report
-from wrsim.contact.channels import (
-    RawContacts,
-    StripRecorder,
-    WheelOnRail,
-    patch_channels,
-    remarks_channel,
-    wheel_channels,
-)
+from wrsim.contact.channels import RawContacts, StripRecorder, WheelOnRail, contact_channels, remarks_channel
 from wrsim.contact.model import ContactModel
 from wrsim.contact.pose import Pose
 from wrsim.errors import InputError, SimulationError
@@ -152,8 +145,7 @@ def _solved(
     if all(np.isnan(solved.height) for solved in found):
         raise SimulationError(f"none of the {len(found)} poses has a solution; the first: {found[0].message}")
     poses = poses[: len(found)]
-    raw = raw.first(len(found))
-    of_wheels = wheel_channels(raw) | patch_channels(raw, wheels)
+    of_wheels = contact_channels(raw.first(len(found)), wheels)
     names = [w.name for w in wheels]
     remarks = []
     for i, solved in enumerate(found):

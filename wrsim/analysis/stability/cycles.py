@@ -135,13 +135,15 @@ class CycleSearch:
         law.set_speed(speed)
         q, q_t = state
         last = np.zeros(self.wheelsets)
-        first, calm = 0.0, 0
-        held = 0.0
+        first, calm, held = 0.0, 0, 0.0
         statuses = np.zeros(2 * self.wheelsets if law.wheels else 0, dtype=int)
         ending: Ending = "not converged"
         message = ""
         while held < plan.longest - 1e-9:
-            q = self._moved_back(q)
+            # the vehicle where it started: on straight track its place means nothing
+            reference, q = law.vehicle.reference, q.copy()
+            ahead = law.vehicle.parts[reference].centre[0]
+            q[6 * np.arange(len(self.system.bodies)) + 1] -= q[6 * reference + 1] - PLACE - ahead
             law.look_near(PLACE)
             monitor = Monitor(law, speed, self.system.work)
             motion = Integration(
@@ -181,15 +183,6 @@ class CycleSearch:
         self.report(min(len(self.found) / self.expected, 0.99))
         return cycle, (q, q_t)
 
-    def _moved_back(self, q: Array) -> Array:
-        """The state with the vehicle where it started: on straight track its place means nothing."""
-        law = self.rolling.law
-        reference = law.vehicle.reference
-        ahead = law.vehicle.parts[reference].centre[0]
-        q = q.copy()
-        q[6 * np.arange(len(self.system.bodies)) + 1] -= q[6 * reference + 1] - PLACE - ahead
-        return q
-
 
 def nonlinear_outcome(lowest: float, linear: float, end: float) -> dict[str, Any]:
     """What the lowest limit cycle found means, as attributes.
@@ -197,13 +190,13 @@ def nonlinear_outcome(lowest: float, linear: float, end: float) -> dict[str, Any
     lowest, linear, end: speeds of that cycle, of instability, and where the search ends [m/s]. Above the linear
     critical speed straight running is unstable anyway: a cycle found only there is no critical speed of its own.
     """
+    outcome: dict[str, Any] = {"nonlinear_critical_speed_m_s": np.nan if lowest > linear else lowest}
+    at = f"at {3.6 * lowest:.4g} km/h"
     if lowest > linear:
-        words = f"no limit cycle below the linear critical speed; the lowest one found is at {3.6 * lowest:.4g} km/h"
-        return {"nonlinear_critical_speed_m_s": np.nan, "nonlinear_note": words}
-    if lowest <= end:
-        words = f"the limit cycle is still there at {3.6 * lowest:.4g} km/h, where the search ends"
-        return {"nonlinear_critical_speed_m_s": lowest, "nonlinear_note": words}
-    return {"nonlinear_critical_speed_m_s": lowest}
+        outcome["nonlinear_note"] = f"no limit cycle below the linear critical speed; the lowest one found is {at}"
+    elif lowest <= end:
+        outcome["nonlinear_note"] = f"the limit cycle is still there {at}, where the search ends"
+    return outcome
 
 
 def _frequency(times: Array, values: Array) -> float:

@@ -27,8 +27,6 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
     first speed.
     """
     plan, vehicle = setup.plan, setup.vehicle
-    if plan is None:
-        raise ValueError("the set-up has no stability plan")
     report = Report(progress)
     found: list[Modes] = []
     remarks: list[str] = []
@@ -77,13 +75,9 @@ def _critical_words(worst: Modes | None, found: list[Modes], vehicle: Vehicle) -
 
 
 def _result(
-    setup: Setup[StabilityPlan],
-    found: list[Modes],
-    remarks: list[str],
-    cycles: list[Cycle],
-    outcome: dict[str, Any],
-    reason: str,
-) -> Result:
+    setup: Setup[StabilityPlan], found: list[Modes], remarks: list[str], cycles: list[Cycle],
+    outcome: dict[str, Any], reason: str,
+) -> Result:  # fmt: skip
     most = max(len(m.values) for m in found)
     growth, frequency, damping = (np.full((len(found), most), np.nan) for _ in range(3))
     branch = np.zeros((len(found), most))

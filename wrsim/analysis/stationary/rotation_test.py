@@ -15,7 +15,7 @@ from wrsim.analysis.stationary.statics import SupportedVehicle
 from wrsim.errors import InputError
 from wrsim.simulation.system import Array
 from wrsim.vehicle.bogies import Bogie, bogies_of
-from wrsim.vehicle.elements import Element, Strut
+from wrsim.vehicle.elements import Strut
 from wrsim.vehicle.vehicle import Vehicle
 
 RADIUS = 150.0  # of the curve whose rotation is tried [m] [mem]
@@ -58,9 +58,9 @@ def rotation_test(vehicle: Vehicle, bogie: Bogie, rate: float, radius: float = R
     if radius <= half:
         raise InputError(f"{vehicle.name}: a curve of {radius:g} m is no wider than half of its pivots' {2 * half:g} m")
     most = asin(half / radius)
-    supported = SupportedVehicle(
-        replace(vehicle, loads=(), elements=tuple(_without_series(e) for e in vehicle.elements))
-    )
+    # in slow steady motion a stiffness in series with a damper is rigid
+    elements = tuple(replace(e, series=None) if isinstance(e, Strut) else e for e in vehicle.elements)
+    supported = SupportedVehicle(replace(vehicle, loads=(), elements=elements))
     level = np.zeros(len(vehicle.wheelsets))
     static = supported.rest(level).wheel_loads
     up = np.arange(1, QUARTER + 1) / QUARTER
@@ -82,8 +82,3 @@ def turning_bogies(vehicle: Vehicle) -> tuple[Bogie, ...]:
             f"hold wheelsets: {frames}"
         )
     return bogies
-
-
-def _without_series(element: Element) -> Element:
-    """A damper whose stiffness in series is rigid: as it is in slow steady motion."""
-    return replace(element, series=None) if isinstance(element, Strut) and element.series is not None else element
