@@ -2,43 +2,69 @@
 
     python campaigns/mutants.py PACKAGE [--number 100] [--seed 1] [--folder build/mutants] -- TEST ...
 
-PACKAGE is a folder of modules, as wrsim/contact; the tests run until one fails. Works with cosmic-ray (extra
-``campaign``) in a copy of the sources, so run it from their root. Kernels compile anew for every mutant of wrsim/core:
-for these set NUMBA_DISABLE_JIT=1 and take tests that are quick without the compiler. Prints survivors as differences.
+PACKAGE is a folder of modules or one module, as wrsim/contact; the tests run until one fails. Works with cosmic-ray
+(extra ``campaign``) in a copy of the sources, so run it from their root. Each mutant is a fork of one process that has
+imported all but our own modules. Kernels compile anew for every mutant of wrsim/core: for these set NUMBA_DISABLE_JIT=1
+and take tests that are quick without the compiler. Prints survivors as differences.
 """
 
 from __future__ import annotations
 
 import argparse
+import difflib
+import importlib
 import os
 import random
 import re
+import resource
 import shutil
-import sqlite3
-import subprocess
 import sys
-from contextlib import closing
+from contextlib import suppress
 from pathlib import Path
+
+import pytest
+from cosmic_ray.ast import ast_nodes, get_ast
+from cosmic_ray.mutating import mutate_code
+from cosmic_ray.plugins import get_operator, operator_names
 
 LIKELY = re.compile(
     "NumberReplacer|AddNot|Mul_Div|Div_Mul|Add_Sub|Sub_Add|Delete_|TrueWithFalse|FalseWithTrue|AndWithOr|OrWithAnd|"
     "Comparison.*_(Eq_NotEq|NotEq_Eq|Lt_LtE|LtE_Lt|Gt_GtE|GtE_Gt|Lt_Gt|Gt_Lt)$|ZeroIteration|BreakWith|ContinueWith"
 )
 """Operators that stand for slips of a hand; those of unions in annotations would change nothing."""
-CONFIG = """[cosmic-ray]
-module-path = "{package}"
-timeout = 900.0
-excluded-modules = []
-test-command = "{command}"
-[cosmic-ray.distributor]
-name = "local"
-"""
+OPERATORS = {name: get_operator(name)() for name in operator_names() if LIKELY.search(name)}
+OWN = {"wrsim", "support", "conftest", "pytest", "_pytest", "hypothesis", "_hypothesis_pytestplugin", "xdist"}
+"""What each fork imports for itself: ours, and what pytest must rewrite."""
+
+
+def mutants_of(file: Path) -> list[tuple[Path, str, int]]:
+    """Each operator at each of its places in a file."""
+    nodes = list(ast_nodes(get_ast(file.read_text())))
+    places = {name: sum(len(list(what.mutation_positions(n))) for n in nodes) for name, what in OPERATORS.items()}
+    return [(file, name, occurrence) for name, count in places.items() for occurrence in range(count)]
+
+
+def run_tests(tests: list[str], cpu_seconds: int, modules: Path | None = None) -> tuple[bool, float]:
+    """Whether they pass in a fork that may take so long, and how long it took; notes imported modules in a file."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if (child := os.fork()) == 0:
+        resource.setrlimit(resource.RLIMIT_CPU, (cpu_seconds, cpu_seconds))
+        os.dup2(os.open("output", os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 1)
+        sys.dont_write_bytecode = modules is None
+        code = pytest.main(["-x", "-q", "-p", "no:cacheprovider", *tests])
+        if modules is not None:
+            others = [n for n, m in sys.modules.items() if "site-packages" in (getattr(m, "__file__", "") or "")]
+            modules.write_text("\n".join(n for n in others if n.split(".")[0] not in OWN))
+        os._exit(int(code))
+    _, status = os.waitpid(child, 0)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return status == 0, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def main() -> None:
     """Make, try and count them."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("package")
+    parser.add_argument("package", type=Path)
     parser.add_argument("--number", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--folder", type=Path, default=Path("build/mutants"))
@@ -49,35 +75,36 @@ def main() -> None:
     for name in ("wrsim", "tests", "models", "scenarios", "campaigns", "docs"):
         shutil.copytree(name, place / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy("pyproject.toml", place)
-    tests = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *options.tests]
-    (place / "config.toml").write_text(CONFIG.format(package=options.package, command=" ".join(tests)))
-
-    def run(words: list[str]) -> None:
-        paths = os.pathsep.join([str(place), os.environ.get("PYTHONPATH", "")])
-        subprocess.run(words, cwd=place, env=os.environ | {"PYTHONPATH": paths}, check=True)
-
-    def cosmic_ray(command: str) -> None:
-        run([sys.executable, "-m", "cosmic_ray.cli", command, "config.toml", "session"])
-
-    run(tests)  # they must pass where nothing is changed
-    cosmic_ray("init")
-    with closing(sqlite3.connect(place / "session")) as session:
-        every = session.execute("SELECT job_id, operator_name FROM mutation_specs ORDER BY module_path, start_pos_row")
-        likely = [job for job, operator in every if LIKELY.search(operator)]
-        kept = random.Random(options.seed).sample(likely, min(options.number, len(likely)))
-        for table in ("mutation_specs", "work_items"):
-            marks = ",".join("?" * len(kept))
-            session.execute(f"DELETE FROM {table} WHERE job_id NOT IN ({marks})", kept)
-        session.commit()
+    os.chdir(place)
+    sys.path.insert(0, str(place))
+    os.environ["PYTHONPATH"] = os.pathsep.join([str(place), os.environ.get("PYTHONPATH", "")])
+    passed, _ = run_tests(options.tests, 3600, place / "modules")
+    if not passed:
+        sys.exit(f"the tests must pass where nothing is changed: see {place / 'output'}")
+    for name in (place / "modules").read_text().split():
+        with suppress(ImportError):
+            importlib.import_module(name)
+    _, usual = run_tests(options.tests, 3600)
+    files = [options.package] if options.package.is_file() else sorted(options.package.rglob("*.py"))
+    every = [mutant for file in files for mutant in mutants_of(file)]
+    kept = random.Random(options.seed).sample(every, min(options.number, len(every)))
+    survivors = done = 0
     try:
-        cosmic_ray("exec")
+        for file, name, occurrence in kept:
+            code, times = file.read_text(), file.stat()
+            mutant = mutate_code(code, OPERATORS[name], occurrence)
+            file.write_text(mutant)  # its time is new: Python takes no compiled file of the old one
+            survived, _ = run_tests(options.tests, 10 + int(10 * usual))
+            file.write_text(code)
+            os.utime(file, (times.st_atime, times.st_mtime))
+            done += 1
+            if survived:
+                survivors += 1
+                lines = difflib.unified_diff(code.split("\n"), mutant.split("\n"), str(file), name, lineterm="")
+                print("\n".join(lines), flush=True)
     except KeyboardInterrupt:
         print("interrupted; so far:")
-    with closing(sqlite3.connect(place / "session")) as session:
-        found = session.execute("SELECT test_outcome, diff FROM work_results").fetchall()
-    survivors = [diff for outcome, diff in found if outcome == "SURVIVED"]
-    print("\n".join(survivors))
-    print(f"{len(found)} mutants of {len(likely)}, {len(found) - len(survivors)} killed")
+    print(f"{done} mutants of {len(every)}, {done - survivors} killed")
 
 
 if __name__ == "__main__":

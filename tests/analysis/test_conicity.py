@@ -1,7 +1,9 @@
 """Equivalent conicity: EN 15302's tables, cones, mirrored and unequal wheels, the command."""
 
 import json
+import shutil
 from functools import cache
+from math import atan, degrees, inf
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,7 @@ from support.runs import ROOT
 from wrsim.analysis import run
 from wrsim.analysis.conicity.conicity import conicity
 from wrsim.analysis.conicity.equivalent import equivalent_conicity
+from wrsim.analysis.conicity.pairs import conicity_map, profiles_of
 from wrsim.analysis.conicity.rigid import rigid_contact
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import read_profile
@@ -20,6 +23,7 @@ from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections
 from wrsim.results import Result
+from wrsim.results.conicity import FLANGE_FROM, radial_steering, steering_summary
 from wrsim.results.tables import tables
 from wrsim.scenario.loading import load
 from wrsim.scenario.sections.conicity import ConicityPlan
@@ -200,3 +204,153 @@ def test_the_command_refuses_what_it_cannot_use(arguments, message):
     told = call("conicity", *arguments)
     assert told.exit_code == 2
     assert message in " ".join(told.output.split())
+
+
+# Maps of the equivalent conicity over gauge and profiles: cones, what gauge and spacing mean together, folders.
+MODELS = ROOT / "models"
+SCANS = ROOT / "scenarios" / "measured"
+S1002 = {"S1002": load_profile(MODELS / "wheels/S1002.toml")}
+RAILS = {"60E1": load_profile(MODELS / "rails/60E1.toml").inclined(1 / 40)}
+
+
+def test_a_cone_has_its_conicity_at_any_gauge():
+    cones = {f"{c}": cone(f"cone {c}", "wheel", c, -0.04, 0.06) for c in (0.05, 0.1)}
+    found = conicity_map(cones, RAILS, [1.43, 1.435, 1.44], 1.5, 0.46)
+    assert found.pairs == (("0.05", "60E1"), ("0.1", "60E1"))
+    assert found.conicity == pytest.approx(np.tile([[0.05], [0.1]], 3), rel=0.02)  # a sixtieth of 1.5 m either way
+    assert found.nonlinearity == pytest.approx(np.zeros((2, 3)), abs=1e-3)
+
+
+def test_only_the_play_counts_not_gauge_and_spacing_by_themselves():
+    wide = conicity_map(S1002, RAILS, [1.433, 1.436], 1.5, 0.46)
+    moved = conicity_map(S1002, RAILS, [1.431, 1.434], 1.498, 0.46)
+    assert moved.conicity == pytest.approx(wide.conicity, rel=1e-9)
+    assert wide.conicity[0, 0] > 1.2 * wide.conicity[0, 1]  # S1002 on 60E1 falls with the gauge
+
+
+def test_a_folder_gives_its_profiles_of_a_kind(tmp_path):
+    assert list(profiles_of(SCANS, "wheel")) == ["wheel"]
+    assert list(profiles_of(SCANS, "rail")) == ["rail"]  # rail.toml describes rail.csv
+    with pytest.raises(InputError, match=r"has no wheel profiles \(files that end in \.toml or \.ban"):
+        profiles_of(tmp_path, "wheel")
+    (tmp_path / "broken.whl").write_text("no numbers\n")
+    with pytest.raises(InputError, match=r"broken\.whl"):
+        profiles_of(tmp_path, "wheel")
+
+
+def command(*words: str) -> tuple[int, str]:
+    found = call("conicity", *words)
+    return found.exit_code, found.output
+
+
+def test_the_command_leaves_a_table_and_a_picture_and_says_where_there_is_none(tmp_path):
+    wheels = tmp_path / "wheels"
+    wheels.mkdir()
+    for name in ("S1002", "lrv_standin"):
+        shutil.copy(MODELS / f"wheels/{name}.toml", wheels)
+    where = tmp_path / "out"
+    code, text = command(str(wheels), "rails/60E1.toml", "--gauges-mm", "1434", "1436", "1", "-o", str(where), "--json")
+    assert code == 0
+    found = json.loads(text)
+    assert [Path(f).name for f in found["files"]] == ["conicity_map.csv", "conicity_map.png"]
+    cells = {(c["wheel"], c["gauge_mm"]): c["equivalent_conicity_3_mm"] for c in found["map"]}
+    own = json.loads(command("wheels/S1002.toml", "rails/60E1.toml", "--gauge-mm", "1436", "--json")[1])
+    assert cells["S1002", 1436.0] == pytest.approx(own["equivalent_conicity"]["3_mm"], rel=1e-5)
+    assert len(cells) == 6
+    missing = sum(value is None for value in cells.values())
+    assert len(found["gaps"]) <= missing <= 3
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--gauges-mm", "1440", "1430", "1"), "must be FROM, a TO not below it"),
+        (("--gauges-mm", "1430", "1440", "0.001"), "at most 200"),
+        (("--gauges-mm", "1430", "1440", "1", "--diameters-mm", "920", "918"), "a map is of wheelsets with like"),
+    ],
+)
+def test_bad_input_is_answered_with_one_clear_line(words, message):
+    code, text = command("wheels/S1002.toml", "rails/60E1.toml", *words)
+    assert code == 2
+    assert message in text
+
+
+# Radial steering index: cones by hand, sides that differ, what is asked for wrongly.
+RAIL = circle("round rail", "rail", 0.02, 0.0199)
+GAUGE = 1.5 + 2.0 * RAIL.gauge_point()[0]
+"""Puts the tops of round rails 1.5 m apart."""
+
+
+def found(wheels, radii=(RADIUS, RADIUS), flange_from=FLANGE_FROM, rail=RAIL, gauge=GAUGE, curves=()):
+    wheelset = Wheelset("w", 1.0, (1.0, 1.0, 1.0), 1.5, *(Wheel(w, r) for w, r in zip(wheels, radii, strict=True)))
+    plan = ConicityPlan((3e-3, 7e-3), "none", curves, flange_from)
+    return conicity(wheelset, (rail, rail), gauge, plan, "test").wheelset()
+
+
+@pytest.mark.parametrize("slope", [0.025, 0.2])
+def test_a_cone_steers_radially_at_e_r0_over_r_times_its_slope(slope):
+    wheel = cone("cone", "wheel", slope, -0.06, 0.06)
+    dataset = found((wheel, wheel))
+    reach = float(dataset["lateral_shift"].max())
+    for radius in (300.0, 2000.0):
+        steering = radial_steering(dataset, radius)
+        assert steering.needed == pytest.approx(1.5 * RADIUS / radius)
+        assert steering.available == pytest.approx(2.0 * slope * reach, rel=1e-6)
+        assert steering.index == pytest.approx(0.75 * RADIUS / (radius * slope * reach), rel=1e-6)
+        by_hand = 0.75 * RADIUS / (radius * slope)
+        assert steering.shift == pytest.approx(by_hand if by_hand <= reach else np.nan, rel=1e-6, nan_ok=True)
+
+
+def test_a_cone_as_steep_as_a_flange_is_one():
+    wheel = cone("cone", "wheel", 0.2, -0.06, 0.06)
+    angle = atan(0.2)
+    assert radial_steering(found((wheel, wheel), flange_from=1.01 * angle), 300.0).available > 0.0
+    steering = radial_steering(found((wheel, wheel), flange_from=0.99 * angle), 300.0)
+    assert steering.available == 0.0 and steering.index == inf
+    summary = steering_summary(found((wheel, wheel), flange_from=0.99 * angle, curves=(300.0,)))
+    assert summary["radial_steering"][0]["q_E"] is None and summary["smallest_radial_curve_m"] is None
+
+
+def test_the_less_able_side_counts_and_mirrored_wheelsets_are_alike():
+    models = ROOT / "models"
+    wheel, rail = load_profile(models / "wheels/S1002.toml"), load_profile(models / "rails/60E1.toml").inclined(1 / 40)
+    worn = wheel.shifted(dw=1e-3)
+    both, one, other = (found(pair, rail=rail, gauge=1.435) for pair in ((wheel, wheel), (wheel, worn), (worn, wheel)))
+    first, second = radial_steering(one, 400.0), radial_steering(other, 400.0)
+    assert first.available == pytest.approx(second.available, abs=2e-5)
+    assert first.index > radial_steering(both, 400.0).index
+
+
+def test_a_later_flange_makes_more_available_and_the_smallest_curve_follows():
+    told = []
+    for angle in ("6", "15", "40"):
+        asked = ["conicity", "wheels/S1002.toml", "rails/60E1.toml", "--curve-m", "300", "--curve-m", "1200"]
+        told.append(json.loads(call(*asked, "--flange-from-deg", angle, "--json").stdout))
+    available = [t["radial_steering"][0]["available_mm"] for t in told]
+    assert available[0] < available[1] < available[2]
+    for answer in told:
+        steep, wide = answer["radial_steering"]
+        assert steep["q_E"] == pytest.approx(4.0 * wide["q_E"])
+        assert steep["q_E"] == pytest.approx(answer["smallest_radial_curve_m"] / 300.0)
+        assert (steep["shift_mm"] is None) == (steep["q_E"] > 1.0)
+
+
+def test_the_scenario_and_the_command_tell_the_same_of_steering():
+    scenario = load(ROOT / "scenarios/conicity_s1002.toml").with_values({"conicity.curve_radius_m": [300.0]})
+    own = run(scenario).summary()["wheelsets"]["wheelset"]["radial_steering"]
+    asked = ["conicity", "wheels/S1002.toml", "rails/60E1.toml", "--curve-m", "300"]
+    assert json.loads(call(*asked, "--json").stdout)["radial_steering"] == own
+    assert degrees(ConicityPlan((3e-3,)).flange_from) == pytest.approx(40.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--curve-m", "3"], "--curve-m 3.0: must be"),
+        (["--curve-m", "300", "--flange-from-deg", "95"], "--flange-from-deg 95.0: must be"),
+        (["--curve-m", "300", "--gauges-mm", "1430", "1435", "1"], "no --diameters-mm, -right and --curve-m"),
+    ],
+)
+def test_curves_that_cannot_be_are_refused(arguments, said):
+    told = call("conicity", "wheels/S1002.toml", "rails/60E1.toml", *arguments)
+    assert told.exit_code == 2 and said in " ".join(told.output.split())

@@ -1,6 +1,7 @@
 """A scenario becomes a wheelset on a track: SI units, poses, a place for every wheel on its rail."""
 
 import math
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +14,13 @@ from wrsim.contact.settings import USUAL
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check_value
 from wrsim.inputs.values import Series
+from wrsim.register import ANALYSES, TABLES, resolved
 from wrsim.scenario.build import build
 from wrsim.scenario.cases import read_cases
 from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.placement import stand
 from wrsim.scenario.plausibility import facts, warnings
+from wrsim.scenario.schema import ScenarioFile
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
@@ -245,3 +248,19 @@ def test_a_default_that_does_not_fit_the_rest_is_named_without_a_value() -> None
     given = scenario.with_values({"track.segments": [{"kind": "straight", "length_m": 9.0}]})
     with pytest.raises(InputError, match=r"run.start_distance_m: must lie on the track, which is 9 m long"):
         build(given)
+
+
+# The register of analyses: what it names is there, and a scenario takes the tables that it says.
+@pytest.mark.parametrize("name", ANALYSES)
+def test_every_function_that_the_register_names_is_there(name: str) -> None:
+    analysis = ANALYSES[name]
+    named = [getattr(analysis, field.name) for field in fields(analysis)]
+    dotted = [value for value in named if isinstance(value, str) and ":" in value]
+    assert len(dotted) >= 2
+    assert all(callable(resolved(value)) for value in dotted)
+
+
+def test_a_scenario_takes_the_tables_of_all_analyses() -> None:
+    assert set(TABLES) < set(ScenarioFile.model_fields)
+    for name, place in TABLES.items():
+        assert resolved(place).header == f"[{name}]"

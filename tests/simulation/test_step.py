@@ -1,11 +1,15 @@
 """The stable time step: what the creep forces and the contact springs allow, and what happens beyond."""
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, bare_wheelset, example_wheelset
 
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.integrate import Integration
+from wrsim.simulation.recorder import BLOCK, Checkpoint, Ending, Recorder
 from wrsim.simulation.step import RK44_LIMIT, SAFETY, creep_rate, eigenvalues, round_step, stable_step, step_for_speed
 from wrsim.simulation.system import BodySystem
 
@@ -85,3 +89,21 @@ def test_the_step_is_a_whole_part_of_a_millisecond_and_grows_with_the_speed():
 def test_a_heavier_load_takes_a_smaller_step():
     vehicle = example_wheelset(axle_load=200e3)
     assert step_for_speed(5.0, vehicle) < step_for_speed(5.0, example_wheelset(axle_load=50e3))
+
+
+# Samples of a run are safe whatever happens to the file that keeps them.
+def test_samples_survive_the_deletion_of_their_folder(tmp_path: Path) -> None:
+    """The descriptor still has what the folder has lost."""
+    recorder = Recorder.create(tmp_path / "out/result.nc.part", {"step_s": 1.0, "start_s": 0.0}, 2)
+    samples = 3 * BLOCK
+    for k in range(samples):
+        if k == BLOCK + 7:
+            shutil.rmtree(tmp_path / "out")
+        recorder.sample(float(k), np.array([k, -k], dtype=float), np.zeros(2))
+        if recorder.due():
+            recorder.flush(Checkpoint(k, np.zeros(2), np.zeros(2), np.zeros(0)))
+    recorder.end(Ending("", ""))
+    rows = recorder.rows()
+    assert np.array_equal(rows[:, 0], np.arange(samples))
+    assert np.array_equal(rows[:, 2], -np.arange(samples))
+    recorder.close()
