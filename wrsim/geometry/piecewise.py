@@ -15,20 +15,6 @@ Array = NDArray[np.float64]
 Jet = tuple[Array, Array, Array]  # value, slope and second derivative
 
 
-def linear(start: float, end: float) -> tuple[float, float, float, float]:
-    """Coefficients of a straight ramp in xi = 0..1."""
-    return (start, end - start, 0.0, 0.0)
-
-
-def bloss(start: float, end: float) -> tuple[float, float, float, float]:
-    """Coefficients of the Bloss ramp start + (end - start)(3 xi^2 - 2 xi^3): slope zero at both ends.
-
-    A. E. Bloss, Der Uebergangsbogen mit geschwungener Ueberhoehungsrampe, Organ fuer die Fortschritte des
-    Eisenbahnwesens 73 (1936) 319-320.
-    """
-    return (start, 0.0, 3.0 * (end - start), -2.0 * (end - start))
-
-
 @dataclass(frozen=True, eq=False)
 class Piecewise:
     """A polynomial in each piece from s = 0 [m] on.

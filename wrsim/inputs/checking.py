@@ -23,10 +23,9 @@ Locate = Callable[[KeyPath], str]
 def opened(path: Path, what: str) -> tuple[dict[str, Any], Locate]:
     """Tables of a TOML file, and where its keys stand. what: how such a file is called. Raises InputError."""
     text = read_text(path, what)
-    lines = key_lines(text)
 
     def locate(key: KeyPath) -> str:
-        line = line_of(lines, key)
+        line = line_of(key_lines(text), key)
         return f"{path}:{line}" if line else str(path)
 
     return parse_toml(text, str(path)), locate

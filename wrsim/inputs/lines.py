@@ -18,6 +18,7 @@ _TOKEN = re.compile(
 """What decides where a value ends: texts and comments, in which brackets mean nothing, brackets, ends of lines."""
 
 
+@lru_cache(maxsize=32)
 def key_lines(text: str) -> dict[KeyPath, int]:
     """Return the line (from 1) of every table header and key of a valid TOML text.
 

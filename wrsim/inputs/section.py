@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields as fields_of
+from functools import cache
 from math import radians
 from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeVar, get_args
 
@@ -125,13 +126,11 @@ class Section(BaseModel):
         A key that is not given leaves the field its default.
         """
         values: dict[str, Any] = {}
-        for key in type(self).model_fields:
-            unit = max((u for u in TO_SI if key.endswith(u)), key=len, default="")
+        for key, name, convert in _si_fields(type(self), target):
             value = getattr(self, key)
             if value is not None:
-                values[key.removesuffix(unit)] = TO_SI[unit](value) if unit and isinstance(value, float) else value
-        named = {f.name for f in fields_of(target)} & values.keys()  # type: ignore[arg-type]
-        return target(**{name: values[name] for name in named} | others)
+                values[name] = convert(value) if isinstance(value, float) else value
+        return target(**values | others)
 
     @model_validator(mode="wrap")
     @classmethod
@@ -235,6 +234,15 @@ def kinds_in(union: Any) -> dict[str, Any]:
     """Kinds of tables of a union by their names."""
     members = get_args(unpacked(union).base)
     return {get_args(fields(member)[member.tag])[0]: member for member in members}
+
+
+@cache
+def _si_fields(section: type[Section], target: type) -> list[tuple[str, str, Callable[[float], float]]]:
+    """Keys of a section for the fields of a dataclass, their names without unit, and the conversion to SI units."""
+    units = {key: max((u for u in TO_SI if key.endswith(u)), key=len, default="") for key in section.model_fields}
+    named = {f.name for f in fields_of(target)}
+    rows = ((key, key.removesuffix(unit), TO_SI.get(unit, float)) for key, unit in units.items())
+    return [row for row in rows if row[1] in named]
 
 
 def side_key(both: str, side: str) -> str:

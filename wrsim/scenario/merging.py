@@ -27,26 +27,26 @@ class Merged:
     """Tables of a scenario file and of those it starts from, laid over each other.
 
     files: the file itself first, then its base, the base of that, ...; text: TOML of the whole, the file as
-    written when it has no base.
+    written when it has no base; owners: file of every key; texts: of the files.
     """
 
     data: dict[str, Any]
     text: str
     files: tuple[Path, ...]
     owners: dict[KeyPath, str] = field(default_factory=dict)
-    lines: dict[str, dict[KeyPath, int]] = field(default_factory=dict)
+    texts: dict[str, str] = field(default_factory=dict)
 
     def locate(self, path: KeyPath) -> str:
         """Return file and line of a key: the file that set it last, or that has its table."""
         owners = (self.owners[path[:end]] for end in range(len(path), 0, -1) if path[:end] in self.owners)
         name = next(owners, str(self.files[0]) if self.files else "scenario")
-        line = line_of(self.lines.get(name, {}), path)
+        line = line_of(key_lines(self.texts.get(name, "")), path)
         return name if line is None else f"{name}:{line}"
 
 
 def of_tables(data: dict[str, Any], text: str, name: str, files: tuple[Path, ...]) -> Merged:
     """The tables of one text, all keys with the same owner: ``name``."""
-    return Merged(data, text, files, _owned(data, name), {name: key_lines(text)})
+    return Merged(data, text, files, _owned(data, name), {name: text})
 
 
 def from_text(text: str, name: str) -> Merged:
@@ -110,7 +110,7 @@ def laid_over(below: Merged, top: Merged) -> Merged:
     }
     merged = overlay(below.data, top.data)
     return Merged(
-        merged, write_toml(merged), (*top.files, *below.files), {**kept, **top.owners}, {**below.lines, **top.lines}
+        merged, write_toml(merged), (*top.files, *below.files), {**kept, **top.owners}, {**below.texts, **top.texts}
     )
 
 
@@ -121,16 +121,17 @@ def _same(a: Path, b: Path) -> bool:
         return False
 
 
-def _owned(data: Any, name: str, path: KeyPath = ()) -> dict[KeyPath, str]:
+def _owned(data: Any, name: str) -> dict[KeyPath, str]:
     """Every key of a tree, all with the same owner; plain lists count as one."""
-    items: list[tuple[str | int, Any]] = []
-    if isinstance(data, dict):
-        items = list(data.items())
-    elif isinstance(data, list) and any(isinstance(entry, dict) for entry in data):
-        items = list(enumerate(data))
     owners: dict[KeyPath, str] = {}
-    for key, value in items:
-        owners |= {(*path, key): name, **_owned(value, name, (*path, key))}
+    trees: list[tuple[KeyPath, Any]] = [((), data)]
+    while trees:
+        path, tree = trees.pop()
+        if isinstance(tree, list):
+            tree = dict(enumerate(tree)) if any(isinstance(entry, dict) for entry in tree) else {}
+        below = [((*path, key), value) for key, value in tree.items()]
+        owners.update((own, name) for own, _ in below)
+        trees += [(own, value) for own, value in below if isinstance(value, dict | list)]
     return owners
 
 
@@ -183,4 +184,4 @@ def with_track_file(merged: Merged, finder: Finder) -> Merged:
     below.data = {"track": inner}
     own: dict[str, Any] = {**merged.data, "track": {k: v for k, v in track.items() if k != FILE}}
     owners = {path: owner for path, owner in merged.owners.items() if path != key}
-    return laid_over(below, Merged(own, merged.text, merged.files, owners, merged.lines))
+    return laid_over(below, Merged(own, merged.text, merged.files, owners, merged.texts))

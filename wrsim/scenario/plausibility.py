@@ -11,6 +11,7 @@ from wrsim.results.table import Column, Table, formatted
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
 
+MOST_LISTED = 20  # segments that the terminal lists
 USUAL_WHEELSET = (100.0, 5_000.0)
 """Masses of wheelsets [kg], from trams to heavy haul with gears."""
 USUAL_BODY = (10.0, 150e3)
@@ -82,9 +83,12 @@ def facts(setup: Setup) -> dict[str, Any]:
 
 
 def facts_table(title: str, facts: dict[str, Any]) -> Table:
-    """Facts, one a line."""
+    """Facts, one a line; of a long list the first `MOST_LISTED`."""
 
     def text(value: object) -> str:
-        return ", ".join(map(text, value)) if isinstance(value, list) else formatted(value, ".6g")
+        if not isinstance(value, list):
+            return formatted(value, ".6g")
+        more = len(value) - MOST_LISTED
+        return ", ".join(map(text, value[:MOST_LISTED])) + (f" and {more} more" if more > 0 else "")
 
     return Table(title, (Column(), Column()), [(name, text(value)) for name, value in facts.items()])

@@ -24,7 +24,7 @@ from typing import Literal
 import numpy as np
 
 from wrsim.errors import InputError, suggest
-from wrsim.geometry.piecewise import Piecewise, bloss, linear
+from wrsim.geometry.piecewise import Piecewise
 
 MAX_CANT = 0.25  # largest cant [m]; railways use up to 0.18 m
 MAX_WIDENING = 0.1  # largest change of the gauge [m]; railways use up to 0.03 m
@@ -104,7 +104,6 @@ def check_segments(segments: Sequence[Segment], gauge: float) -> None:
     """Refuse segments that are no track, each with its number, key and value. Raises InputError."""
     if not segments:
         raise InputError("track.segments is empty; allowed: at least one straight, transition or arc")
-    before: Segment | None = None
     for number, segment in enumerate(segments, 1):
         if not isinstance(segment, Segment):
             raise InputError(f"segment {number} is a {type(segment).__name__}; allowed: Straight, Transition, Arc")
@@ -116,7 +115,7 @@ def check_segments(segments: Sequence[Segment], gauge: float) -> None:
             if segment.form not in FORMS:
                 hint = suggest(str(segment.form), FORMS)
                 raise InputError(f"{where}: form = {segment.form!r}; allowed: {', '.join(map(repr, FORMS))}{hint}")
-            if isinstance(before, Transition):
+            if number > 1 and isinstance(segments[number - 2], Transition):
                 allowed = "allowed: one transition between two arcs or straights (put an arc or a straight between)"
                 raise InputError(
                     f"{where} follows another transition, so the curvature between them is open; {allowed}"
@@ -130,38 +129,37 @@ def check_segments(segments: Sequence[Segment], gauge: float) -> None:
                 allowed = f"above the gauge ({gauge:g} m) in size; the inner rail of a tighter curve does not exist"
                 raise InputError(f"{where}: radius_m = {radius:g}; allowed: {allowed}")
         for key, value in vars(segment).items():
-            most = LARGEST.get(key.removesuffix("_start").removesuffix("_end"))
-            if most is not None:
+            if most := LARGEST.get(key.removesuffix("_start").removesuffix("_end")):
                 check_range(where, f"{key}_mm", _number(where, f"{key}_mm", value), -most, most, 1e3)
-        before = segment
 
 
 def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
     """Curvature, cant and widening over distance for a row of segments.
 
-    rounding: half length [m] over which kinks of cant and gauge are rounded (`Piecewise.rounded`): a
+    Ramps are linear in xi = 0..1 or, of Bloss, (end - start)(3 xi^2 - 2 xi^3), with slope zero at both ends (A. E.
+    Bloss, Der Uebergangsbogen mit geschwungener Ueberhoehungsrampe, Organ fuer die Fortschritte des Eisenbahnwesens 73
+    (1936) 319-320). rounding: half length [m] over which kinks of cant and gauge are rounded (`Piecewise.rounded`): a
     rail is a beam and has no kinks; without this the rails' tangents would jump at the ends of linear ramps.
     Raises InputError for wrong values and for jumps of cant or gauge.
     """
     check_segments(segments, gauge)
     edges = np.concatenate(([0.0], np.cumsum([float(s.length) for s in segments])))
-    rows: tuple[list, list, list] = ([], [], [])
     hands = _hands(segments)
-    for i, segment in enumerate(segments):
-        ramp = bloss if isinstance(segment, Transition) and segment.form == "bloss" else linear
-        for column, a, b in zip(rows, *_ends(segments, hands, i), strict=True):
-            column.append(ramp(a, b))
-    curvature, cant, widening = (Piecewise.of_rows(edges, column) for column in rows)
+    start, end = np.array([_ends(segments, hands, i) for i in range(len(segments))]).transpose(1, 2, 0)
+    bloss = np.array([isinstance(s, Transition) and s.form == "bloss" for s in segments])
+    rise, none = end - start, np.zeros(start.shape)
+    linear = np.stack((start, rise, none, none), axis=-1)
+    rows = np.where(bloss[:, None], np.stack((start, none, 3.0 * rise, -2.0 * rise), axis=-1), linear)
+    curvature, cant, widening = (Piecewise.of_rows(edges, own) for own in rows)
     for law, key in ((cant, "cant"), (widening, "gauge_widening")):
-        for i, (start, end) in enumerate(zip(*law.joints(), strict=True)):
-            if abs(end - start) > 1e-9:
-                signs = " (positive: right rail higher)" if key == "cant" else ""
-                raise InputError(
-                    f"{key}_mm jumps from {1e3 * start:g} to {1e3 * end:g}{signs} between segment {i + 1} "
-                    f"({kind_of(segments[i])}) and segment {i + 2} ({kind_of(segments[i + 1])}); allowed: "
-                    "equal values at a joint (put a transition between, or a straight with "
-                    f"{key}_start_mm and {key}_end_mm)"
-                )
+        before, behind = law.joints()
+        for i in np.flatnonzero(np.abs(behind - before) > 1e-9)[:1]:
+            signs = " (positive: right rail higher)" if key == "cant" else ""
+            raise InputError(
+                f"{key}_mm jumps from {1e3 * before[i]:g} to {1e3 * behind[i]:g}{signs} between segment {i + 1} "
+                f"({kind_of(segments[i])}) and segment {i + 2} ({kind_of(segments[i + 1])}); allowed: equal values at "
+                f"a joint (put a transition between, or a straight with {key}_start_mm and {key}_end_mm)"
+            )
     return Laws(curvature, cant.rounded(rounding), widening.rounded(rounding))
 
 
@@ -211,9 +209,10 @@ def check_range(where: str, key: str, value: float, low: float, high: float, sca
 
 def _number(where: str, key: str, value: object) -> float:
     """The value as a finite float, or an InputError."""
-    if not isinstance(value, Real) or isinstance(value, bool) or not math.isfinite(value):
+    plain = type(value) is float or (isinstance(value, Real) and not isinstance(value, bool))
+    if not plain or not math.isfinite(value):  # type: ignore[arg-type]
         raise InputError(f"{where}: {key} = {value!r}; allowed: a finite number")
-    return float(value)
+    return float(value)  # type: ignore[arg-type]
 
 
 # --- grades ---------------------------------------------------------------------------------------------------------

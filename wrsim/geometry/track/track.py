@@ -278,6 +278,10 @@ class Track:
 
     def features(self) -> tuple[Feature, ...]:
         """The segments in order, with labels and distances, for plots and reports."""
+        return self._features
+
+    @cached_property
+    def _features(self) -> tuple[Feature, ...]:
         if not self.segments:
             return (Feature("table", "measured", 0.0, self.length),)
         ends = pairwise(self.centre_line.curvature_law.breaks.tolist())

@@ -19,6 +19,7 @@ from wrsim.inputs.values import List, number, number_limits, plain_number, posit
 from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection, grades_in_order
 
 Length = Annotated[float, number(0.01, 1e5, "m")]
+LENGTHS = number_limits(unpacked(Length).limits)[:2]
 Cant = Annotated[float, number(-250, 250, "mm, positive leans to the inside of the curve")]
 Widening = Annotated[float, number(-100, 100, "mm")]
 CantBase = Annotated[float, number(400, 2200, "mm between the rail tops that cant is measured over, such as 1500")]
@@ -125,8 +126,7 @@ class ArcSegment(SegmentTable, kind="arc"):
 
     def consistency(self) -> Iterator[Fault]:
         """An angle may be right and its arc too short or too long."""
-        low, high, _ = number_limits(unpacked(Length).limits)
-        if not low <= self.length <= high:
+        if not LENGTHS[0] <= self.length <= LENGTHS[1]:
             yield Fault("angle_deg", f"makes an arc of {self.length:g} m; its length must be {words(Length)}")
 
     @property
