@@ -10,18 +10,11 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 
 from wrsim import load, run
-from wrsim.plots import (
-    PatchAt,
-    contact_angle,
-    contact_patch,
-    cross_section_zoom,
-    history,
-    new_figure,
-    pressure_scale,
-    save,
-    style,
-    track_layout,
-)
+from wrsim.plots import new_figure, save, style
+from wrsim.plots.cross_section import cross_section_zoom
+from wrsim.plots.histories import contact_angle, history, track_layout
+from wrsim.plots.moments import PatchAt
+from wrsim.plots.patches import contact_patch, pressure_scale
 from wrsim.plots.style import pressure_map
 
 HERE = Path(__file__).parent

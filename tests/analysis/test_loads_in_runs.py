@@ -12,7 +12,7 @@ from support.runs import FAST, SCENARIOS, arc, straight
 from wrsim.analysis import run
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.errors import SimulationError
-from wrsim.plots.vehicle_run import vehicle_figures
+from wrsim.plots.histories import vehicle_figures
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.modes import linearise

@@ -16,7 +16,7 @@ from wrsim.analysis import run
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.analysis.steady import run_steady
 from wrsim.geometry.track.segments import Arc, Straight
-from wrsim.plots.vehicle_run import vehicle_figures
+from wrsim.plots.histories import vehicle_figures
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation import recorder as recorders

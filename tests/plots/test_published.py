@@ -10,18 +10,12 @@ import xarray as xr
 from matplotlib.collections import QuadMesh
 from support import synthetic_result
 
-from wrsim.plots import (
-    channels_figure,
-    overview_figure,
-    patch_gallery,
-    section_gallery,
-    standard_figures,
-    static_figure,
-)
+from wrsim.plots import patch_gallery, section_gallery, standard_figures
 from wrsim.plots.colours import STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.histories import channels_figure, overview_figure, wheelsets_figure
 from wrsim.plots.ride import bands, ride_figure
 from wrsim.plots.stability import bifurcation_figure, modes_figure
-from wrsim.plots.vehicle_run import wheelsets_figure
+from wrsim.plots.static import static_figure
 from wrsim.results import Result
 
 

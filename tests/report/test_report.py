@@ -309,8 +309,8 @@ def test_cards_number_the_wheelsets_from_the_front() -> None:
     front = curve_run(samples=40).assign_coords(wheelset=["front.outer"])
     rear = front.assign_coords(wheelset=["rear.outer"])
     both = Result(xr.concat([front, rear], "wheelset", data_vars="minimal", coords="minimal", join="override"))
-    assert [name for name, _ in cards([both], ["A"])] == ["1 front.outer", "2 rear.outer"]
-    assert [name for name, _ in cards([Result(front)], ["A"])] == ["front.outer"]
+    assert [name for name, _ in cards([both.summary()], ["A"])] == ["1 front.outer", "2 rear.outer"]
+    assert [name for name, _ in cards([Result(front).summary()], ["A"])] == ["front.outer"]
 
 
 @pytest.mark.usefixtures("unpainted")

@@ -24,9 +24,10 @@ from wrsim.contact.settings import Array
 from wrsim.errors import InputError, SimulationError, suggest
 from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
+from wrsim.results.render import csv_numbers
 from wrsim.results.summary_tables import first_lines, happened, remarks
 from wrsim.results.table import MISSING, Cell, Column, Table, formatted
-from wrsim.results.tables import channel_cells, number_cells, rows_of
+from wrsim.results.tables import channel_cells, rows_of
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.contact_choice import with_contact_model
@@ -250,7 +251,7 @@ def rows_of_samples(found: Comparison) -> list[list[str]]:
     columns += [(CHANNELS[q].column, channel_cells(q, values[q].values[m, i, j])) for q in DIFFERENCES]
     for q, kind in DIFFERENCES.items():
         difference = values[f"{q}_difference"].values[m, i, j]
-        columns.append((f"{q}_difference_{kind.unit}", number_cells(kind.factor * difference)))
+        columns.append((f"{q}_difference_{kind.unit}", csv_numbers((kind.factor * difference).tolist())))
     return rows_of(columns)
 
 

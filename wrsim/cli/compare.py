@@ -80,7 +80,8 @@ def resolve_command(
         from wrsim.analysis.resolve import resolve
         from wrsim.report.output_folder import claimed, folder_of_result, naming, read, write_resolved
         from wrsim.report.outputs import file_name
-        from wrsim.results.moments import moments_at, resolved_tables
+        from wrsim.results.moments import moments_at, resolved_table
+        from wrsim.results.summary_tables import first_lines, remarks
         from wrsim.scenario.loading import load_text
 
         before = read(result)
@@ -94,6 +95,7 @@ def resolve_command(
             files = write_resolved(after, directory, pictures)
             keeper.clear(files)
         if as_json or not quiet:
-            tables = resolved_tables(before.wheelset(wheelset), after.wheelset(), after.summary())
+            notes = first_lines(remarks(after.summary()), "remarks")
+            tables = [resolved_table(before.wheelset(wheelset), after.wheelset(), notes)]
             numbers = {"directory": str(directory), "summary": after.summary()}
             print_found(as_json, numbers, tables, files, directory)

@@ -66,13 +66,13 @@ def profile(
     from wrsim.report.output_folder import writing
 
     with reporting_errors(as_json), writing(force, Path(file)):
-        from wrsim.report.outputs import draw_profile
+        from wrsim.report.outputs import draw_model
         from wrsim.results.smoothing import profile_and_reports, smoothing_table
 
         picture = output or Path(Path(file).stem + ".png")
         options.check_ending("-o", picture, ".png")
         loaded, reports = profile_and_reports(file, kind, cutoff or [], models)
-        files = [draw_profile(loaded, picture, reports)]
+        files = [draw_model("profile", picture, loaded, reports)]
         numbers = {"smoothing": [r.numbers() for r in reports]} if reports else {}
         print_found(as_json, numbers, [smoothing_table(reports)] if reports else [], files)
 
@@ -88,10 +88,10 @@ def track(
     from wrsim.report.output_folder import writing
 
     with reporting_errors(as_json), writing(force, file):
-        from wrsim.report.outputs import draw_track
+        from wrsim.report.outputs import draw_model
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
 
         picture = output or Path(f"{file.stem}_track.png")
         options.check_ending("-o", picture, ".png")
-        print_found(as_json, {}, [], [draw_track(build(load(file, models or ())).track, picture)])
+        print_found(as_json, {}, [], [draw_model("track", picture, build(load(file, models or ())).track)])

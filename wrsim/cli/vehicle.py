@@ -63,9 +63,9 @@ def vehicle(
         twisted, turned = at_rest.stationary_tests(loaded, twist_test, twists, rotation_test, rotation_radius_m)
         found |= at_rest.numbers_of_tests(loaded, twisted, turned)
         if output is not None or loops is not None:
-            from wrsim.report.outputs import draw_loops, draw_vehicle
+            from wrsim.report.outputs import draw_loops, draw_model
 
-            found |= {"picture": str(draw_vehicle(loaded, output))} if output else {}
+            found |= {"picture": str(draw_model("vehicle", output, loaded))} if output else {}
             found |= {"loops": str(draw_loops(loaded, twisted, turned, loops))} if loops else {}
         print_numbers(as_json, found, at_rest.tables_at_rest(found))
         if not as_json:

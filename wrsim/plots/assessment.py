@@ -1,17 +1,15 @@
-"""Pictures of an assessment: how much of each limit is used, the evaluated signals against distance, estimated values
-that go by influences."""
+"""Pictures of an assessment: used part of each limit, signals against distance, values estimated by influences."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from itertools import product
+from itertools import cycle, product
 from math import ceil
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -20,7 +18,7 @@ from wrsim.plots.colours import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEE
 from wrsim.plots.histories import mark_snapshots, track_layout
 from wrsim.plots.marks import mark_stop, note, note_above, panels, wheel_entries
 from wrsim.results.assessment import INFLUENCES, AssessedSection, Assessment, Value, ZoneValue
-from wrsim.results.table import quantity, with_unit
+from wrsim.results.table import formatted, quantity, with_unit
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 ZONE_SHADE = {
@@ -33,13 +31,11 @@ ZONE_SHADE = {
 }
 """Background of a class of track against distance."""
 WITHIN, BEYOND = "#0072B2", "#D55E00"
-MOST = 1.5
-"""Part of a limit at which bars and points are cut off."""
+MOST = 1.5  # part of a limit at which bars and points are cut off
 
 
 def assessment_figures(found: Assessment) -> dict[str, Callable[[], Figure]]:
-    """Makers of the pictures of an assessment by file name without ending: limits, histories (of several runs with
-    their numbers), values that are estimated by influences."""
+    """Makers of the pictures of an assessment, by file name without ending; histories of several runs are numbered."""
     figures: dict[str, Callable[[], Figure]] = {}
     if any(v.limit is not None for v in found.values):
         figures["assessment"] = partial(limits_figure, found)
@@ -52,41 +48,30 @@ def assessment_figures(found: Assessment) -> dict[str, Callable[[], Figure]]:
 
 def limits_figure(found: Assessment) -> Figure:
     """For every quantity with a limit and every class of track: all sections as points, the worst as a bar."""
-    rows = _rows(found)
+    rows = [(zone.worst, zone.worst.limit) for zone in found.zones if zone.worst.limit is not None]
 
     def draw(axes: Axes) -> None:
-        for i, (label, values) in enumerate(rows):
+        for i, (worst, limit) in enumerate(rows):
+            own, zone = worst.quantity.shown, worst.section.zone
+            values = [v for v in found.of(worst.quantity.key) if v.section.zone == zone]
             used = np.array([v.value / v.limit.value for v in values if v.limit is not None])
-            worst = float(np.nanmax(used))
-            fill, words = (BEYOND, STOP_COLOUR) if worst > 1.0 else (WITHIN, QUIET)
-            axes.barh(i, min(worst, MOST), height=0.62, color=fill, alpha=0.35, linewidth=0.0, zorder=2.0)
+            most = float(np.nanmax(used))
+            fill, words = (BEYOND, STOP_COLOUR) if most > 1.0 else (WITHIN, QUIET)
+            axes.barh(i, min(most, MOST), height=0.62, color=fill, alpha=0.35, linewidth=0.0, zorder=2.0)
             axes.plot(np.clip(used, 0.0, MOST), np.full(used.size, i), ".", color=fill, markersize=3.0, zorder=3.0)
+            label = (
+                f"{formatted(worst.value * own.factor, '.3g')} of {quantity(limit.value * own.factor, own.unit, '.3g')}"
+            )
+            label += f", {worst.where}"
             box = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
-            note(axes, label, (min(worst, MOST), i), (4.0, 0.0), va="center", fontsize=6.3, color=words, bbox=box)
-        names = [f"{values[0].quantity.symbol}   {values[0].section.zone}" for _, values in rows]
-        axes.set_yticks(range(len(rows)), names)
+            note(axes, label, (min(most, MOST), i), (4.0, 0.0), va="center", fontsize=6.3, color=words, bbox=box)
+        axes.set_yticks(range(len(rows)), [f"{worst.quantity.symbol}   {worst.section.zone}" for worst, _ in rows])
         axes.axvline(1.0, color=INK, linewidth=0.9, zorder=2.5)
         axes.set(xlim=(0.0, 1.75), ylim=(len(rows) - 0.4, -0.6), xlabel="Value over limit")
         axes.grid(axis="y", visible=False)
 
     words = "Part of the limit that is used: bar: worst; points: every section, wheelset and wheel"
     return panels(f"{found.title}\n{words}", [draw], 26.0 + 4.6 * len(rows))
-
-
-def _rows(found: Assessment) -> list[tuple[str, list[Value]]]:
-    """Label at the bar and all values of every quantity with a limit in every class of track."""
-    rows = []
-    for zone in found.zones:
-        worst = zone.worst
-        if worst.limit is None:
-            continue
-        shown = worst.quantity.shown
-        limit = quantity(worst.limit.value * shown.factor, shown.unit, ".3g")
-        label = f"{worst.value * shown.factor:z.3g} of {limit}, section {worst.section.number}"
-        own = found.of(worst.quantity.key)
-        values = [v for v in own if v.section.zone == worst.section.zone and v.limit is not None]
-        rows.append((label + (f": {worst.place}" if worst.place else ""), values))
-    return rows
 
 
 HISTORIES = {
@@ -119,9 +104,12 @@ def history_figure(found: Assessment, run: str = "") -> Figure:
             if (middle := 0.5 * (s.start + s.end)) - last >= 0.02 * whole:  # where they are narrow, every few only
                 note_above(axes, str(s.number), last := middle)
 
-    draws = [partial(draw, name=name) for name in HISTORIES]
+    legend, names = wheel_entries(), [str(name) for name in signals["wheelset"].values]
+    for label, line in zip(numbered(names).values() if len(names) > 1 else (), cycle(GROUP_LINE)):
+        legend.append(Line2D([], [], color=INK, linestyle=line, label=f"wheelset {label}"))
+    legend.append(Line2D([], [], color=STOP_COLOUR, linewidth=0.9, label="limit"))
     title = f"{found.title}\nrun {run}" if run else found.title
-    return panels(title, draws, 34.0 * len(draws) + 24.0, legend=_legend(signals))
+    return panels(title, [partial(draw, name=name) for name in HISTORIES], 34.0 * len(HISTORIES) + 24.0, legend=legend)
 
 
 def track_diagram(dataset: xr.Dataset, sections: Sequence[AssessedSection]) -> Figure:
@@ -133,7 +121,7 @@ def track_diagram(dataset: xr.Dataset, sections: Sequence[AssessedSection]) -> F
         shade_sections(axes, sections)
         for s in sections:
             share = (min(s.end, place[-1]) - max(s.start, place[0])) / np.ptp(place)
-            short = s.label if s.zone in ("straight", "transition") else f"R {abs(s.radius):.0f}"
+            short = s.label.partition(", ")[2].rpartition(" m ")[0] or s.label
             words = next((w for w in (s.label, short, str(s.number)) if 0.009 * len(w) < share), "")
             note_above(axes, words, 0.5 * (max(s.start, place[0]) + min(s.end, place[-1])), lift=8.0)
         track_layout(axes, first)
@@ -153,7 +141,7 @@ def _draw_limits(axes: Axes, values: Sequence[Value], factor: float, *, both: bo
     least = min((limit for _, limit in limits), default=0.0)
     if least > 6.0 * reach:
         corner: Any = {"xycoords": "axes fraction", "ha": "right", "va": "bottom", "color": STOP_COLOUR}
-        note(axes, f"limit {'±' if both else ''}{least:.3g}", (1.0, 1.0), (0.0, 1.5), **corner)
+        note(axes, f"limit {'±' if both else ''}{formatted(least, '.3g')}", (1.0, 1.0), (0.0, 1.5), **corner)
         return
     for section, limit in limits:
         for y in (limit, -limit) if both else (limit,):
@@ -168,18 +156,7 @@ def shade_sections(axes: Axes, sections: Sequence[AssessedSection]) -> None:
     axes.grid(axis="x", visible=False)
 
 
-def _legend(signals: xr.Dataset) -> list[Artist]:
-    entries = wheel_entries()
-    names = [str(name) for name in signals["wheelset"].values]
-    if len(names) > 1:
-        for i, label in enumerate(numbered(names).values()):
-            line = GROUP_LINE[i % len(GROUP_LINE)]
-            entries.append(Line2D([], [], color=INK, linestyle=line, label=f"wheelset {label}"))
-    return [*entries, Line2D([], [], color=STOP_COLOUR, linewidth=0.9, label="limit")]
-
-
-ESTIMATES, COLUMNS = 12, 3
-"""Panels of the picture of estimates."""
+ESTIMATES, COLUMNS = 12, 3  # panels of the picture of estimates
 
 
 def estimated(found: Assessment) -> list[ZoneValue]:
@@ -189,8 +166,7 @@ def estimated(found: Assessment) -> list[ZoneValue]:
 
 
 def estimates_figure(found: Assessment) -> Figure:
-    """A panel for each: largest value of every section over the first influence, as if the others were where the value
-    is estimated."""
+    """Largest value of every section over the first influence, moved to where the value is estimated in the others."""
     draws = [partial(_fit, row=row) for row in estimated(found)]
     words = "points: sections; line: fit; bar: from the fit to the estimated value; red: limit"
     height = 16.0 + 52.0 * ceil(len(draws) / COLUMNS)
@@ -199,10 +175,10 @@ def estimates_figure(found: Assessment) -> Figure:
 
 def _fit(axes: Axes, row: ZoneValue) -> None:
     """Sections, fit, estimated value and limit of one quantity in one class of track."""
-    r, drawn, limit = row.regression, row.worst.quantity, row.worst.limit
+    r, limit = row.regression, row.worst.limit
     if r is None or limit is None:
         return
-    unit, factor = INFLUENCES[r.over[0]].symbol, INFLUENCES[r.over[0]].factor
+    drawn, unit, factor = row.worst.quantity, INFLUENCES[r.over[0]].symbol, INFLUENCES[r.over[0]].factor
     x, y = factor * r.places, drawn.shown.factor * r.moved
     axes.plot(x, y, ".", color=INK)
     ends = [min(x.min(), factor * r.at[0]), max(x.max(), factor * r.at[0])]

@@ -1,7 +1,7 @@
 """Colours, dashes and marks of all pictures.
 
-Colours are from Okabe and Ito's set, told apart with any common colour vision deficiency and in grey. The
-left wheel is blue and the right one vermilion in every picture.
+Colours are from Okabe and Ito's set: they differ with any common colour vision deficiency and in grey. The left wheel
+is blue and the right one vermilion in every picture.
 """
 
 from __future__ import annotations
@@ -20,16 +20,9 @@ Dashes = tuple[float, tuple[float, ...]]
 
 DOTS: Dashes = (0, (1, 2))
 GROUP_LINE: tuple[Dashes | Literal["-"], ...] = (
-    "-",
-    (0, (4, 1.2)),
-    (0, (1, 1)),
-    (0, (5, 1, 1, 1)),
-    (0, (2, 2)),
-    (0, (7, 1, 1, 1, 1, 1)),
-)
-"""Line style of the first, second, ... yaw or load."""
-PATCH_LINE = GROUP_LINE
-"""Line style of patch 0, 1, 2, ..."""
+    "-", (0, (4, 1.2)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (2, 2)), (0, (7, 1, 1, 1, 1, 1)),
+)  # fmt: skip
+"""Line style of the first, second, ... patch, wheelset, yaw or load."""
 GROUP_MARK = ("o", "s", "^", "D", "v", "x")
 SERIES_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", CANT_COLOUR, QUIET)
 """Colours of the first, second, ... mode or wheelset."""

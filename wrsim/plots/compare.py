@@ -1,5 +1,4 @@
-"""Results side by side: patches of contact models at the same moments, their values with the differences beside them;
-histories of several results over each other."""
+"""Results side by side: patches of contact models, their values and differences; histories over each other."""
 
 from __future__ import annotations
 
@@ -15,6 +14,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from wrsim.errors import InputError
 from wrsim.plots.colours import GROUP_LINE, INK, QUIET, SERIES_COLOURS, WHEEL_COLOUR
 from wrsim.plots.gallery import GalleryColumn, GalleryRow, Page, draw_gallery
 from wrsim.plots.marks import draw_line, few_ticks, panels, wheel_entries
@@ -22,26 +22,20 @@ from wrsim.plots.moments import PatchAt, choose_moments, patches_of, pose_abscis
 from wrsim.plots.patches import contact_patch, extent_of_patches
 from wrsim.plots.style import abscissa, shown
 from wrsim.results import CHANNELS
-from wrsim.results.moments import moment_dim
-from wrsim.results.table import with_unit
+from wrsim.results.moments import moment_dim, moments_at
+from wrsim.results.table import quantity
 
-MODEL_COLOUR = (INK, *SERIES_COLOURS[:6])
-"""Colours of the models; more than seven begin again."""
+MODEL_COLOUR = (INK, *SERIES_COLOURS[:6])  # more than seven begin again
 HISTORIES = ("Q", "Y", "contact_angle", "p0", "T_gamma")
 STATIC = ("p0", "area", "approach", "contact_angle", "Y", "X")
 MOST_MOMENTS = 6
-NEAR = 1.0
-"""Distance within which snapshots of two runs are the same place [m]."""
-LEAST_DIFFERENCE = 0.2
-"""Least span of an axis of differences [%, degrees]."""
+LEAST_DIFFERENCE = 0.2  # least span of an axis of differences [%, degrees]
 
 
 def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Sequence[int] | None = None) -> Figure:
-    """Patches of every model (rows, by wheel) at the same moments (columns), to one scale.
-
-    results: datasets by the models' names, the reference first; a moment that one lacks stays empty. Across: the rail's
-    arclength from the reference's largest patch, so that shifts between models are seen.
-    """
+    """Patches of every model (rows, by wheel) at the same moments (columns), to one scale. results: datasets by the
+    models' names, the reference first; a moment that one lacks stays empty. Across: the rail's arclength from the
+    reference's largest patch, so that shifts between models are seen."""
     names = list(results)
     first = results[names[0]]
     columns = [GalleryColumn(m, i) for i, m in enumerate(moments or choose_moments(first, MOST_MOMENTS))]
@@ -64,7 +58,10 @@ def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Seque
         middle, half = np.mean(reaches[wheel][0]), 0.5 * page.panel / per_mm
         axes.set(xlim=(middle - half, middle + half), ylim=reaches[wheel][1])
         few_ticks(axes, 4, 5.6, 1.2)
-        axes.set_xlabel(_note(results[name], patches), fontsize=5.8, color=QUIET, labelpad=1.0)
+        strips = results[name].isel({moment_dim(first): patches[0][0].moment}).sel(wheel=wheel)
+        most, force = float(strips["strip_p"].max()) / 1e6, float(strips["strip_N"].sum()) / 1e3
+        note = f"{quantity(most, 'MPa', '.0f')}, {quantity(force, 'kN', '.1f')}"
+        axes.set_xlabel(note, fontsize=5.8, color=QUIET, labelpad=1.0)
 
     def row(wheel: str, name: str, colour: str) -> GalleryRow:
         label = name.replace("+", "\n+") + (f"\n{wheel} wheel" if len(wheels) > 1 else "")
@@ -79,9 +76,7 @@ def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Seque
 
 def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
     """Quantities of all models (left) and their differences from the reference (right), against distance or pose.
-
-    values: as `analysis.compare.Comparison.values`.
-    """
+    values: as `analysis.compare.Comparison.values`."""
     runs = "time" in values.dims
     names = [str(n) for n in values["model"].values]
     quantities = [q for q in (HISTORIES if runs else STATIC) if np.isfinite(values[q].values).any()]
@@ -93,25 +88,25 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
     lines = [(label, member, w, wheel) for label, member in groups for w, wheel in enumerate(wheels)]
     looks = dict(enumerate(islice(cycle(GROUP_LINE), len(lines))))
 
-    def draw(axes: Axes, quantity: str, differences: bool) -> None:
-        channel, of_load = CHANNELS[quantity], quantity in ("X", "Y", "Q")
-        factor, unit = (100.0, "[% of $N$]" if of_load else "[%]")
-        if quantity.startswith("contact_angle"):
+    def draw(axes: Axes, name: str, differences: bool) -> None:
+        channel = CHANNELS[name]
+        factor, unit = 100.0, "[% of $N$]" if name in ("X", "Y", "Q") else "[%]"
+        if name.startswith("contact_angle"):
             factor, unit = channel.shown.factor, "[°]"
-        y = factor * values[f"{quantity}_difference"].values if differences else shown(values, quantity)
-        for i, name in enumerate(names):
-            if differences and name == reference:
+        y = factor * values[f"{name}_difference"].values if differences else shown(values, name)
+        for i, model in enumerate(names):
+            if differences and model == reference:
                 continue
             for n, (_, member, w, _) in enumerate(lines):
-                look: Any = {"color": colours[name], "linestyle": looks[n], "lw": 0.9, "markersize": 1.8}
+                look: Any = {"color": colours[model], "linestyle": looks[n], "lw": 0.9, "markersize": 1.8}
                 draw_line(axes, x[member], y[i, member, w], marker="" if runs else "o", **look)
         axes.set_xlabel(CHANNELS[across].label)
         if differences:
             axes.set_ylabel(f"$\\Delta$ {unit}")
             axes.axhline(0.0, color=INK, lw=0.6)
-            axes.set_title(f'difference from "{reference}"' if quantity == quantities[0] else "", fontsize=7.0)
+            axes.set_title(f'difference from "{reference}"' if name == quantities[0] else "", fontsize=7.0)
         else:
-            axes.set_ylabel(f"${channel.symbol}$ [{channel.shown.symbol}]")
+            axes.set_ylabel(channel.short_label)
         low, high = axes.get_ylim()
         span = LEAST_DIFFERENCE if differences else 0.02 * max(abs(low), abs(high))
         if high - low < span:  # differences too small to matter look small
@@ -121,25 +116,18 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
     for n, (label, _, _, wheel) in enumerate(lines if len(lines) > 1 else ()):
         words = (label, f"{wheel} wheel".strip() if len(wheels) > 1 else "")
         legend.append(Line2D([], [], color=QUIET, linestyle=looks[n], label=", ".join(filter(None, words))))
-    draws = [partial(draw, quantity=q, differences=d) for q in quantities for d in (False, True)]
+    draws = [partial(draw, name=q, differences=d) for q in quantities for d in (False, True)]
     return panels(title, draws, 36.0 * len(quantities) + 24.0, columns=2, legend=legend)
 
 
-def _same_moment(dataset: xr.Dataset, first: xr.Dataset, moment: int) -> int | None:
-    """The pose of the same name, or the snapshot taken at the same place, of another dataset."""
-    if moment_dim(first) == "pose":
-        found = np.flatnonzero(dataset["pose"].values == first["pose"].values[moment])
-        return int(found[0]) if found.size else None
-    offsets = np.abs(dataset["snapshot_distance"].values - first["snapshot_distance"].values[moment])
-    return int(np.argmin(offsets)) if offsets.size and offsets.min() <= NEAR else None
-
-
 def _placed(dataset: xr.Dataset, first: xr.Dataset, reference: int, wheel: str) -> list[tuple[PatchAt, float]]:
-    """Patches of a wheel and what to add to their s, so that all lie on the arclength of the rail [mm].
-
-    reference: the moment in the dataset of the reference, whose main point is zero.
-    """
-    if (moment := _same_moment(dataset, first, reference)) is None:
+    """Patches of a wheel at the pose of the same name or the snapshot at the same place, and what to add to their s, so
+    that all lie on the arclength of the rail [mm]. reference: the moment in the dataset of the reference, whose main
+    point is zero."""
+    try:
+        place = first["pose"].values if moment_dim(first) == "pose" else first["snapshot_distance"].values
+        (moment,) = moments_at(dataset, [place[reference]], "at")
+    except InputError:
         return []
     origin = patches_of(first, reference, wheel)
     zero = _arc(first, origin[0]) if origin else 0.0
@@ -155,13 +143,6 @@ def _arc(dataset: xr.Dataset, where: PatchAt) -> float:
     at = int(np.argmin(np.abs(strips["strip_s"].values)))
     point = shown(strips, "strip_y")[at], shown(strips, "strip_z")[at]
     return float(arc[np.argmin(np.hypot(y - point[0], z - point[1]))] - shown(strips, "strip_s")[at])
-
-
-def _note(dataset: xr.Dataset, patches: Sequence[tuple[PatchAt, float]]) -> str:
-    """Largest pressure and force of the strips drawn."""
-    at = {moment_dim(dataset): patches[0][0].moment}
-    strips = dataset[["strip_p", "strip_N"]].isel(at).sel(wheel=patches[0][0].wheel)
-    return f"{float(strips['strip_p'].max()) / 1e6:.0f} MPa, {float(strips['strip_N'].sum()) / 1e3:.1f} kN"
 
 
 CHANNELS_DRAWN = ("Y", "Q", "Y_over_Q", "T_gamma", "lateral_shift", "yaw")
@@ -185,9 +166,8 @@ def overlay_figure(datasets: Sequence[xr.Dataset], names: Sequence[str]) -> Figu
             wheels = dataset["wheel"].values if "wheel" in dataset[name].dims else [""]
             for own, wheel in zip(values.T, wheels, strict=True):
                 axes.plot(x, own, color=WHEEL_COLOUR.get(str(wheel), INK), linestyle=line, linewidth=0.9)
-        channel = CHANNELS[name]
         axes.set_xlabel("Pose" if along == "pose" else CHANNELS[along].label)
-        axes.set_ylabel(with_unit(f"${channel.symbol}$", channel.shown.symbol) if channel.symbol else channel.label)
+        axes.set_ylabel(CHANNELS[name].short_label)
 
     present = [name for name in CHANNELS_DRAWN if all(name in dataset for dataset in datasets)]
     entries = [Line2D([], [], color=INK, linestyle=line, label=name) for line, name in zip(lines, names, strict=False)]

@@ -1,5 +1,5 @@
-"""Rolling radius difference, contact points and angles over the lateral shift; equivalent conicity over amplitude,
-and over the gauge: lines of a few pairs of profiles, a map of many."""
+"""Rolling radius difference, contact points and angles over the lateral shift; equivalent conicity over amplitude and
+gauge."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from wrsim.plots.marks import broken, minus, note, panels, remark
 from wrsim.plots.style import pressure_map, shown
 from wrsim.results import CHANNELS
 from wrsim.results.conicity import steering_summary
+from wrsim.results.table import formatted, quantity
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 if TYPE_CHECKING:
     from wrsim.results.conicity import ConicityMap
 
-LINES = 6
-"""As many pairs of profiles are drawn as lines over the gauge."""
+LINES = 6  # as many pairs of profiles are drawn as lines over the gauge
 JUMP = 1.5
 """Millimetres between two shifts beyond which a contact point has jumped elsewhere: the line is interrupted."""
 ROLL_WORDS = {
@@ -35,21 +35,17 @@ ROLL_WORDS = {
 
 def conicity_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Maker of the picture of a conicity analysis, by file name without ending."""
-    return {"conicity": partial(conicity_figure, of_wheelset(dataset, wheelsets(dataset)[0]))}
+    return {"conicity": partial(_figure, of_wheelset(dataset, wheelsets(dataset)[0]))}
 
 
-def conicity_figure(dataset: xr.Dataset) -> Figure:
-    """Four panels on one page."""
-    attributes = dataset.attrs
-    radii = [2e3 * float(attributes[f"radius_{side}_m"]) for side in ("left", "right")]
-    diameters = f"{radii[0]:.6g}" if radii[0] == radii[1] else f"{radii[0]:.6g} / {radii[1]:.6g}"
-    setting = (
-        f"gauge {1e3 * float(attributes['gauge_m']):.6g} mm, profile origins "
-        f"{1e3 * float(attributes['profile_spacing_m']):.6g} mm apart, wheels {diameters} mm, "
-        f"{ROLL_WORDS.get(str(attributes['roll']), '')}"
-    )
+def _figure(dataset: xr.Dataset) -> Figure:
+    about = dataset.attrs
+    gauge, apart = (quantity(1e3 * float(about[name]), "mm", ".6g") for name in ("gauge_m", "profile_spacing_m"))
+    wheels = [formatted(2e3 * float(about[f"radius_{side}_m"]), ".6g") for side in ("left", "right")]
+    setting = f"gauge {gauge}, profile origins {apart} apart, wheels {' / '.join(dict.fromkeys(wheels))} mm, "
+    setting += ROLL_WORDS.get(str(about["roll"]), "")
     draws = [partial(draw, dataset=dataset) for draw in (radius_difference, conicity_curve, contact_points, angles)]
-    return panels(f"{attributes['title']}\n{setting}", draws, 132.0, columns=2, share=False)
+    return panels(f"{about['title']}\n{setting}", draws, 132.0, columns=2, share=False)
 
 
 def radius_difference(axes: Axes, dataset: xr.Dataset) -> None:
@@ -60,7 +56,7 @@ def radius_difference(axes: Axes, dataset: xr.Dataset) -> None:
     place = 1e3 * float(dataset.attrs["equilibrium_shift_m"])
     axes.plot([place], [0.0], "o", markerfacecolor="white", markeredgecolor=INK, markersize=4.0, zorder=3.0)
     if abs(place) > 5e-3:
-        note(axes, f"{place:.2f} mm", (place, 0.0), (6.0, -10.0), color=INK)
+        note(axes, quantity(place, "mm", ".2f"), (place, 0.0), (6.0, -10.0), color=INK)
     for i, curve in enumerate(steering_summary(dataset).get("radial_steering", [])):
         at = y.min() + 0.17 * (i % 3) * np.ptp(y)
         for sign in (1.0, -1.0):
@@ -76,7 +72,8 @@ def conicity_curve(axes: Axes, dataset: xr.Dataset) -> None:
     axes.plot(amplitude, values, color=INK)
     for i in np.flatnonzero((np.abs(amplitude - 3.0) < 1e-6) & np.isfinite(values)):
         axes.plot([amplitude[i]], [values[i]], "o", color=INK, markersize=3.5)
-        note(axes, f"{values[i]:.3f}", (amplitude[i], values[i]), (0.0, 6.0), fontsize=7.0, ha="center", color=INK)
+        words = formatted(float(values[i]), ".3f")
+        note(axes, words, (amplitude[i], values[i]), (0.0, 6.0), fontsize=7.0, ha="center", color=INK)
     axes.set_ylim(0.0, 1.12 * max(float(np.nanmax(values, initial=0.0)), 1e-3))
     axes.set(xlabel=CHANNELS["amplitude"].label, ylabel=r"Equivalent conicity $\tan\gamma_e$")
 

@@ -31,14 +31,11 @@ from wrsim.plots.marks import few_ticks, stop_note
 from wrsim.plots.moments import PatchAt, choose_moments, patches_of, select, touching_runs
 from wrsim.plots.patches import NEAR_EDGE, Array, patch_note, pressure_scale, rounded
 from wrsim.plots.style import pressure_map, shown
-from wrsim.results import CHANNELS
 from wrsim.results.moments import moment_dim
 
 MOST_MOMENTS = 6
-OVERVIEW = (-88.0, 58.0, -42.0, 22.0)
-"""Window of the overview: o and b, mm."""
-FAN = 0.38
-"""Length of the longest pressure line over the height of the zoomed window."""
+OVERVIEW = (-88.0, 58.0, -42.0, 22.0)  # window of the overview: o and b, mm
+FAN = 0.38  # length of the longest pressure line over the height of the zoomed window
 
 
 def has_outlines(dataset: xr.Dataset) -> bool:
@@ -50,10 +47,8 @@ def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> None:
     """Draw the rail and the wheel of one moment as cut solids, in mm."""
     at = {"wheel": list(dataset["wheel"].values).index(wheel), moment_dim(dataset): moment}
     for part, fill, beyond, order in (("rail", RAIL_FILL, -300.0, 1.0), ("wheel", WHEEL_FILL, 300.0, 1.1)):
-        y, z = (
-            dataset.variables[name].isel(at, missing_dims="ignore").values * CHANNELS[name].shown.factor
-            for name in (f"{part}_profile_y", f"{part}_profile_z")
-        )
+        own = (dataset.variables[f"{part}_profile_{n}"] for n in "yz")
+        y, z = (1e3 * line.isel(at, missing_dims="ignore").values for line in own)
         finite = np.isfinite(y) & np.isfinite(z)
         if not finite.any():
             continue
@@ -68,11 +63,9 @@ def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> None:
 def patch_on_section(
     axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normalize, *, thickness: float, fan: float = 0.0
 ) -> None:
-    """Draw a patch as a band of ``thickness`` mm along the curved axis, coloured by pressure.
-
-    With ``fan`` > 0 the pressure is also drawn on the patch along the strips' normals, into the wheel: the
-    largest pressure of the scale is ``fan`` mm long.
-    """
+    """Draw a patch as a band of ``thickness`` mm along the curved axis, coloured by pressure. With ``fan`` > 0 the
+    pressure is also drawn on the patch along the strips' normals, into the wheel: the largest pressure of the scale is
+    ``fan`` mm long."""
     for run in touching_runs(select(dataset, where)):
         curve, normal, p = pressed_curve(run)
         band = np.stack((curve - 0.5 * thickness * normal, curve + 0.5 * thickness * normal))
@@ -89,10 +82,8 @@ def patch_on_section(
 
 
 def pressed_curve(strips: xr.Dataset) -> tuple[Array, Array, Array]:
-    """Points (n, 2) along an island from edge to edge in mm, normals (n, 2) and pressures (n,) in MPa.
-
-    Towards an edge the pressure falls with the square root of the distance, as in ``patches``.
-    """
+    """Points (n, 2) along an island from edge to edge in mm, normals (n, 2) and pressures (n,) in MPa. Towards an edge
+    the pressure falls with the square root of the distance, as in ``patches``."""
     y, z, angle, p, ds = (shown(strips, f"strip_{n}") for n in ("y", "z", "angle", "p", "ds"))
     slope = np.radians(angle)
     along = np.column_stack((np.cos(slope), np.sin(slope)))
@@ -142,58 +133,38 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
     flat = page.panel * (OVERVIEW[3] - OVERVIEW[2]) / (OVERVIEW[1] - OVERVIEW[0])
 
     def overview(axes: Axes, moment: int, wheel: str, first: bool) -> None:
-        _framed(axes, 3)
-        if first:
-            _label_axes(axes, first=True)
-        else:  # the window of the first one
-            axes.set(xticks=(), yticks=())
+        _framed(axes, 3, first)
+        if not first:  # the window of the first one
+            axes.set(xticks=(), yticks=(), xlabel="")
         cross_section(axes, dataset, moment, wheel, scale)
-        _mark_windows(axes, dataset, moment, wheel)
+        for o, b, half in (zoom_window(dataset, where) for where in patches_of(dataset, moment, wheel)):
+            look: Any = {"fill": False, "edgecolor": QUIET, "linewidth": 0.5, "zorder": 4.0}
+            axes.add_artist(Rectangle((o - half, b - half), 2 * half, 2 * half, **look))
 
     def close(axes: Axes, where: PatchAt, first: bool) -> None:
-        cross_section_zoom(_framed(axes, 4), dataset, where, scale)
-        _label_axes(axes, first=first, beneath=patch_note(dataset, where, force=page.panel > 28.0))
+        _framed(axes, 4, first, "\n" + patch_note(dataset, where, force=page.panel > 28.0))
+        cross_section_zoom(axes, dataset, where, scale)
 
     rows = []
     found = patches_in(dataset, columns)
     for wheel in [""] if any(c.wheel for c in columns) else [str(w) for w in dataset["wheel"].values]:
-        colour = WHEEL_COLOUR.get(wheel, INK)
-        wheels = {
-            j: partial(overview, moment=c.moment, wheel=wheel or c.wheel, first=j == 0) for j, c in enumerate(columns)
-        }
-        rows.append(GalleryRow(f"{wheel} wheel" if wheel else "", colour, flat, 8.5, wheels))
-        for (own, patch), places in found.items():
-            if own == wheel:
-                cells = {j: partial(close, where=where, first=j == min(places)) for j, where in places.items()}
-                rows.append(GalleryRow(PATCH_NAMES[patch], colour, page.panel, 15.0, cells))
+        colour, label = WHEEL_COLOUR.get(wheel, INK), f"{wheel} wheel" if wheel else ""
+        whole = [partial(overview, moment=c.moment, wheel=wheel or c.wheel, first=not j) for j, c in enumerate(columns)]
+        rows.append(GalleryRow(label, colour, flat, 8.5, dict(enumerate(whole))))
+        for (_, patch), places in (row for row in found.items() if row[0][0] == wheel):
+            cells = {j: partial(close, where=where, first=j == min(places)) for j, where in places.items()}
+            rows.append(GalleryRow(PATCH_NAMES[patch], colour, page.panel, 15.0, cells))
     reading = (
-        "Axes: outward o (field side to the right) and up b\n"
-        "from the rail's profile origin.\n"
+        "Axes: outward o (field side to the right) and up b\nfrom the rail's profile origin.\n"
         "Thin lines: pressure along the normals." + selection_words(dataset, chosen)
     )
     title = dataset.attrs.get("title", "")
     return draw_gallery(title, stop_note(dataset), dataset, page, [(columns, rows)], scale, reading)
 
 
-def _label_axes(axes: Axes, *, first: bool, beneath: str = "") -> None:
-    """Names of the axes, the upward one at the first panel of a row, and a note beneath."""
-    axes.set_xlabel("o [mm]" + (f"\n{beneath}" if beneath else ""), fontsize=6.0, color=QUIET, labelpad=1.0)
-    if first:
-        axes.set_ylabel("b [mm]", fontsize=6.0, color=QUIET, labelpad=1.0)
-
-
-def _framed(axes: Axes, ticks: int) -> Axes:
-    """Axes with a full frame and few ticks."""
+def _framed(axes: Axes, ticks: int, first: bool, beneath: str = "") -> None:
+    """A full frame, few ticks, names of the axes, the upward one at the first panel of a row; a note beneath."""
     few_ticks(axes, ticks, 6.0)
-    for spine in axes.spines.values():
-        spine.set_visible(True)
-    return axes
-
-
-def _mark_windows(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> None:
-    """Thin squares around what the close views show."""
-    for where in patches_of(dataset, moment, wheel):
-        o, b, half = zoom_window(dataset, where)
-        box = Rectangle((o - half, b - half), 2 * half, 2 * half, fill=False, edgecolor=QUIET, linewidth=0.5)
-        box.set_zorder(4.0)
-        axes.add_artist(box)
+    axes.spines[:].set_visible(True)
+    axes.set_xlabel(f"o [mm]{beneath}", fontsize=6.0, color=QUIET, labelpad=1.0)
+    axes.set_ylabel("b [mm]" if first else "", fontsize=6.0, color=QUIET, labelpad=1.0)

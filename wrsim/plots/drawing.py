@@ -23,9 +23,6 @@ from matplotlib.figure import Figure
 from wrsim.plots.style import rendered
 from wrsim.results import write_atomically
 
-DIE_WITH_PARENT = 1
-"""PR_SET_PDEATHSIG of Linux's prctl: the signal that a process gets when its parent has died."""
-
 Paint = Callable[[Figure], bytes]
 Makers = Mapping[str, Callable[[], Figure]]
 Finish = Callable[[], dict[str, bytes]]
@@ -34,8 +31,7 @@ Finish = Callable[[], dict[str, bytes]]
 
 @contextmanager
 def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
-    """Draw pictures while other work is done in the block, if there is a second processor. paint: what makes bytes of
-    a figure."""
+    """Draw pictures while other work is done in the block, if there is a second processor. paint: figure to bytes."""
     if not _worth_a_process(len(figures)):
         yield lambda: {name: paint(make()) for name, make in figures.items()}
         return
@@ -77,24 +73,22 @@ def _worth_a_process(pictures: int) -> bool:
 
 
 def _share(figures: Makers, paint: Paint, taken: Any) -> dict[str, bytes]:
-    """Draw one picture after the other that nobody has taken yet."""
-    names = list(figures)
+    """Draw one picture after the other that neither process has taken yet."""
     drawn: dict[str, bytes] = {}
-    while True:
+    for place, (name, make) in enumerate(figures.items()):
         with taken.get_lock():
-            place, taken.value = taken.value, taken.value + 1
-        if place >= len(names):
-            return drawn
-        drawn[names[place]] = paint(figures[names[place]]())
+            mine = taken.value == place
+            taken.value += mine
+        if mine:
+            drawn[name] = paint(make())
+    return drawn
 
 
 def _second(figures: Makers, paint: Paint, taken: Any, sender: Any, receiver: Any, first: int) -> None:
-    """What the second process does; it reports nothing, and leaves what goes wrong to the first.
-
-    It must not outlive the first one: it has inherited the lock of the folder, and would keep others out of it.
-    """
+    """What the second process does; it reports nothing, and leaves what goes wrong to the first. It must not outlive
+    the first one: it has inherited the lock of the folder, and would keep others out of it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    ctypes.CDLL(None).prctl(DIE_WITH_PARENT, signal.SIGKILL)
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG: killed when the parent dies
     if os.getppid() != first:
         os._exit(1)
     receiver.close()

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from textwrap import fill
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,10 +25,8 @@ from wrsim.results.channels import PATCHES
 from wrsim.results.moments import moment_dim, with_patches
 
 PATCH_NAMES = tuple(f"{name} patch" for name in PATCHES)
-FOOT = 14.0
-"""Height of the colour bar with its label, mm."""
-_NARROWEST = 142.0
-_LETTER = 1.35  # mean width of a letter of the titles, mm
+FOOT = 14.0  # height of the colour bar with its label, mm
+_NARROWEST, _LETTER = 142.0, 1.35  # least width of a gallery, mean width of a letter of the titles, mm
 
 
 @dataclass(frozen=True)
@@ -89,11 +89,10 @@ def patches_in(dataset: xr.Dataset, columns: Sequence[GalleryColumn]) -> dict[tu
     finite = np.isfinite(dataset["strip_p"].values).any(axis=-1)
     wheels = [str(w) for w in dataset["wheel"].values]
     rows = {}
-    for wheel in [""] if any(c.wheel for c in columns) else wheels:
-        for patch in range(finite.shape[2]):
-            wanted = [PatchAt(c.moment, wheel or c.wheel, patch) for c in columns]
-            if own := {j: w for j, w in enumerate(wanted) if finite[w.moment, wheels.index(w.wheel), patch]}:
-                rows[wheel, patch] = own
+    for wheel, patch in product([""] if any(c.wheel for c in columns) else wheels, range(finite.shape[2])):
+        wanted = [PatchAt(c.moment, wheel or c.wheel, patch) for c in columns]
+        if own := {j: w for j, w in enumerate(wanted) if finite[w.moment, wheels.index(w.wheel), patch]}:
+            rows[wheel, patch] = own
     return rows
 
 
@@ -114,10 +113,8 @@ def draw_gallery(
     scale: Normalize,
     reading: str,
 ) -> Figure:
-    """Blocks of rows beneath the titles of their columns.
-
-    note: in red, of a stopped analysis; dataset: of the moments in the columns; reading: how to read the picture.
-    """
+    """Blocks of rows beneath the titles of their columns. note: in red, of a stopped analysis; dataset: of the moments
+    in the columns; reading: how to read the picture."""
     titles = [[_title(page, dataset, column) for column in columns] for columns, _ in blocks]
     above = 5.0 + 3.0 * max((text.count("\n") for own in titles for text in own), default=0)
     top = 11.0 if note else 7.0
@@ -130,17 +127,14 @@ def draw_gallery(
             write_words(figure, page.place_of(j), top + 0.8, text, fontsize=6.8, color=colour)
         top += above
         for row in rows:
-            if page.upright:
-                middle = {"rotation": 90, "va": "center", "fontsize": 7.0}
-                write_words(figure, 2.0, top + 0.5 * row.height, row.label, color=row.colour, **middle)
-            else:
-                write_words(figure, 1.5, top + 0.3 * row.height, row.label, color=row.colour, fontsize=6.0)
+            look: Any = {"rotation": 90, "va": "center", "fontsize": 7.0} if page.upright else {"fontsize": 6.0}
+            left, down = (2.0, 0.5) if page.upright else (1.5, 0.3)
+            write_words(figure, left, top + down * row.height, row.label, color=row.colour, **look)
             for j, draw in row.cells.items():
                 draw(mm_axes(figure, page.place_of(j), top, page.panel, row.height))
             top += row.height + row.beneath
-    bar = figure.colorbar(
-        ScalarMappable(scale, pressure_map()), cax=mm_axes(figure, 16.0, top + 1.0, 55.0, 2.2), orientation="horizontal"
-    )
+    colours, place = ScalarMappable(scale, pressure_map()), mm_axes(figure, 16.0, top + 1.0, 55.0, 2.2)
+    bar = figure.colorbar(colours, cax=place, orientation="horizontal")
     bar.set_label("Contact pressure p [MPa]", labelpad=1.0)
     bar.ax.tick_params(width=0.4)
     write_words(figure, 76.0, top + 1.0, reading, fontsize=6.8, color=QUIET)

@@ -1,9 +1,10 @@
-"""Histories of a run against distance, with the track's curvature and cant beneath."""
+"""Histories of a run against distance, of a wheelset or a vehicle, with the curvature and cant of the track beneath."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import cycle
 from math import ceil
 from typing import Any
 
@@ -17,7 +18,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wrsim.plots.colours import CANT_COLOUR, DOTS, INK, PATCH_LINE, QUIET, STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.colours import CANT_COLOUR, DOTS, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.gallery import PATCH_NAMES
 from wrsim.plots.marks import (
     broken,
@@ -36,35 +37,32 @@ from wrsim.plots.moments import snapshot_letter
 from wrsim.plots.style import FULL_WIDTH, abscissa, headline, mm_axes, new_figure, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.assessment import DERAILMENT_LIMIT, DERAILMENT_RADIUS
+from wrsim.results.moments import is_history
+from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 ANGLE_JUMP = 6.0
 """Degrees between two samples beyond which a contact has jumped elsewhere: the line is interrupted."""
-CLOSE = 0.015
-"""Share of the axis within which letters of snapshots are written together."""
+CLOSE = 0.015  # share of the axis within which letters of snapshots are written together
 ANGLES = ("contact_angle", "contact_angle_min", "contact_angle_max", "contact_angle_mean")
 
 FINE: Any = {"color": INK, "linewidth": 0.6, "zorder": 3.1}
 SNAPSHOT: Any = {"color": QUIET, "linewidth": 0.5, "linestyle": DOTS, "zorder": 1.2}
 CROWDED = 60
-"""How often a line goes through its whole range before it is drawn thin and lets lines behind it through."""
+"""How often a line goes through its whole range before it is drawn thin and transparent."""
 SEEN = 2.5
 """A limit is drawn as a line up to so many times the largest value; beyond that it is given in words."""
 
-HEAD, FOOT, GAP = 10.0, 17.0, 3.4
-"""Room over the first panel, beneath the last one, and between two, mm."""
-LEFT, RIGHT, LABEL = 19.0, 14.5, 11.2
-"""Room beside the panels, and how far their labels stand off, mm."""
+HEAD, FOOT, GAP, LEFT, RIGHT, LABEL = 10.0, 17.0, 3.4, 19.0, 14.5, 11.2
+"""Room over, beneath and between panels, beside them, and distance of their labels, mm."""
 LETTERS, LINE = 115, 4.2
-"""How many letters one line of the legend holds, counting seven for the look of each entry, and its height, mm."""
+"""Letters in a line of the legend, counting seven for the look of each entry, and its height, mm."""
 Panel = Callable[[Axes, xr.Dataset], object]
 
 
 def history(axes: Axes, dataset: xr.Dataset, name: str, *, largest: float | None = None, **options: Any) -> Axes:
-    """Draw a channel: one line, one a wheel, or one a wheel and patch, as its dimensions ask.
-
-    Lines of patches are interrupted where the contact jumps or two patches change their order. largest: absolute value
-    in all panels that share the scale, by default in this one.
-    """
+    """Draw a channel: one line, one a wheel, or one a wheel and patch, as its dimensions ask. Lines of patches are
+    interrupted where the contact jumps or two patches change their order. largest: absolute value in all panels that
+    share the scale, by default in this one."""
     x, _ = abscissa(dataset)
     values = shown(dataset, name)
     if values.ndim == 1:
@@ -73,16 +71,15 @@ def history(axes: Axes, dataset: xr.Dataset, name: str, *, largest: float | None
         of_patches = values.ndim == 3
         values = values.reshape(*values.shape[:2], -1)
         for j, k in zip(*np.nonzero(np.isfinite(values).any(axis=0)), strict=True):
-            colour = WHEEL_COLOUR[str(dataset["wheel"].values[j])]
             line = x, values[:, j, k]
             if of_patches and "contact_angle" in dataset:
                 line = broken(*line, ANGLE_JUMP, by=shown(dataset, "contact_angle")[:, j, k])
-            look: dict[str, Any] = {"color": colour, "linestyle": PATCH_LINE[k]} | crowded(values[:, j, k])
-            draw_line(axes, *line, **(look | options))
+            look: Any = {"color": WHEEL_COLOUR[str(dataset["wheel"].values[j])], "linestyle": GROUP_LINE[k]}
+            draw_line(axes, *line, **(look | crowded(values[:, j, k]) | options))
     if name == "Y_over_Q":
         _derailment_limit(axes, dataset, largest or float(np.nanmax(np.abs(values), initial=0.0)))
-    channel = CHANNELS[name]
-    axes.set_ylabel(channel.label.replace(" $" if channel.symbol else " [", "\n$" if channel.symbol else "\n[", 1))
+    before = "$" if CHANNELS[name].symbol else "["
+    axes.set_ylabel(CHANNELS[name].label.replace(f" {before}", f"\n{before}", 1))
     return axes
 
 
@@ -104,27 +101,23 @@ def _derailment_limit(axes: Axes, dataset: xr.Dataset, largest: float) -> None:
         axes.plot(x, limit, color=STOP_COLOUR, linewidth=0.8, gid="limit")
         axes.set_ylim(top=max(axes.get_ylim()[1], 1.08 * DERAILMENT_LIMIT))
     words = f"limit {DERAILMENT_LIMIT:g} after 20 Hz\nand 2 m (EN 14363)"
-    beside: Any = {"xycoords": "axes fraction", "rotation": 90, "ha": "left", "va": "center", "color": STOP_COLOUR}
-    note(axes, words, (1.0, 0.5), (2.5, 0.0), **beside)
+    look: Any = {"xycoords": "axes fraction", "rotation": 90, "ha": "left", "va": "center", "color": STOP_COLOUR}
+    note(axes, words, (1.0, 0.5), (2.5, 0.0), **look)
 
 
 def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
-    """Contact angles of one wheel: main point (line), mean over strips (thin), least to largest (band).
-
-    The band of a sample without neighbours is a bar.
-    """
+    """Contact angles of one wheel: main point (line), mean over strips (thin), least to largest (band). The band of a
+    sample without neighbours is a bar."""
     x, _ = abscissa(dataset)
     colour = WHEEL_COLOUR[wheel]
     of_wheel = dataset[[*ANGLES]].sel(wheel=wheel)
-    main, mean, low, high = (shown(of_wheel, f"contact_angle{end}") for end in ("", "_mean", "_min", "_max"))
+    main, low, high, mean = (shown(of_wheel, name) for name in ANGLES)
     for k in np.flatnonzero(np.isfinite(main).any(axis=0)):
         for values, look in ((main, {"color": colour, "zorder": 3.0}), (mean, FINE)):
-            line = broken(x, values[:, k], ANGLE_JUMP)
             thin: Any = look | crowded(values[:, k])
-            draw_line(axes, *line, linestyle=PATCH_LINE[k], **thin)
+            draw_line(axes, *broken(x, values[:, k], ANGLE_JUMP), linestyle=GROUP_LINE[k], **thin)
         shade: Any = {"color": colour, "alpha": 0.28 if k == 0 else 0.16, "zorder": 2.0}
-        band_x, least = broken(x, low[:, k], ANGLE_JUMP, by=main[:, k])
-        _, largest = broken(x, high[:, k], ANGLE_JUMP, by=main[:, k])
+        (band_x, least), (_, largest) = (broken(x, end[:, k], ANGLE_JUMP, by=main[:, k]) for end in (low, high))
         axes.fill_between(band_x, least, largest, linewidth=0.0, **shade)
         alone = without_neighbours(least)
         if alone.any():
@@ -145,7 +138,7 @@ def track_layout(axes: Axes, dataset: xr.Dataset) -> Axes:
     if "cant" in dataset:
         cant = shown(dataset, "cant")
         right = right_axis(axes)
-        draw_line(right, x, cant, color=CANT_COLOUR, linestyle=PATCH_LINE[1], linewidth=1.0)
+        draw_line(right, x, cant, color=CANT_COLOUR, linestyle=GROUP_LINE[1], linewidth=1.0)
         _limits_with_zero(right, cant, least=20.0, margin=0.5)
         right.set_ylabel("Cant\n[mm]", color=CANT_COLOUR)
         right.tick_params(axis="y", colors=CANT_COLOUR)
@@ -154,8 +147,7 @@ def track_layout(axes: Axes, dataset: xr.Dataset) -> Axes:
 
 def _limits_with_zero(axes: Axes, values: NDArray[Any], least: float, margin: float) -> None:
     """Limits that hold all values and zero, with a margin on the sides that are used."""
-    low = min(0.0, float(np.nanmin(values, initial=0.0)))
-    high = max(0.0, float(np.nanmax(values, initial=0.0)))
+    low, high = (float(f(values, initial=0.0)) for f in (np.nanmin, np.nanmax))
     if high - low < 1e-9 * least:
         low, high = -0.5 * least, 0.5 * least
     space = margin * (high - low)
@@ -164,10 +156,8 @@ def _limits_with_zero(axes: Axes, values: NDArray[Any], least: float, margin: fl
 
 
 def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> Axes:
-    """Fine dotted lines at the snapshots, with the letters that name them in the pictures of patches.
-
-    Letters of snapshots close together are one word over their middle.
-    """
+    """Fine dotted lines at the snapshots, with the letters that name them in the pictures of patches. Letters of
+    snapshots close together are one word over their middle."""
     if "snapshot" not in dataset.dims:
         return axes
     x, name = abscissa(dataset)
@@ -190,12 +180,9 @@ def stacked(
     legend: Sequence[Artist] = (),
     titled: bool = False,
 ) -> Figure:
-    """Figure of panels above each other over one slim panel of the track; they share the horizontal axis.
-
-    ``legend`` holds labelled artists for one legend beneath everything. A straight and level track has no panel.
-    titled: panels have titles. Every panel has a place of its own in mm: a layout that measures all words first takes
-    half of the drawing time.
-    """
+    """Panels above each other over a slim one of the track, unless that is straight and level; one horizontal axis.
+    legend: labelled artists of one legend beneath everything; titled: panels have titles. Every panel has a place of
+    its own in mm: a layout that measures all words first takes half of the drawing time."""
     title, note = dataset.attrs.get("title", ""), stop_note(dataset)
     if dataset.sizes["time"] == 0:
         figure = new_figure(FULL_WIDTH, 24.0, constrained=False)
@@ -211,8 +198,7 @@ def stacked(
     if count := dataset.sizes.get("snapshot", 0):
         letters = snapshot_letter(0) + (f" to {snapshot_letter(count - 1)}" if count > 1 else "")
         legend.append(Line2D([], [], label=f"{letters}: see patches, sections", **(SNAPSHOT | {"linewidth": 0.8})))
-    needed = sum(7 + len(str(entry.get_label())) for entry in legend)
-    lines = max(ceil(needed / LETTERS), 1 if len(legend) <= 5 else 2)
+    lines = max(ceil(sum(7 + len(str(e.get_label())) for e in legend) / LETTERS), 1 if len(legend) <= 5 else 2)
     total = top + sum(height for _, height in rows) + gap * (len(rows) - 1) + FOOT + LINE * (lines - 1)
     figure = new_figure(FULL_WIDTH, total, constrained=False)
     headline(figure, title, note)
@@ -263,4 +249,83 @@ def channels_figure(dataset: xr.Dataset, names: Sequence[str]) -> Figure:
 def _later_patches(data: xr.DataArray) -> list[Artist]:
     """Legend entries for the second and third patch, where there are any."""
     used = [k for k in range(1, data.sizes["patch"]) if np.isfinite(data.isel(patch=k)).any()]
-    return [Line2D([], [], color=QUIET, linestyle=PATCH_LINE[k], label=PATCH_NAMES[k]) for k in used]
+    return [Line2D([], [], color=QUIET, linestyle=GROUP_LINE[k], label=PATCH_NAMES[k]) for k in used]
+
+
+PART_COLOURS = (INK, "#0072B2", "#D55E00", "#009E73", "#9467A9", "#B8860B")
+"""Colours of wheelsets, bodies and points, in their order."""
+
+VEHICLE_PICTURES = {
+    "vehicle_guiding": ("wheelset", "Y"),
+    "vehicle_shifting": ("wheelset", "sum_Y"),
+    "vehicle_loads": ("wheelset", "Q"),
+    "vehicle_derailment": ("wheelset", "Y_over_Q"),
+    "vehicle_steering": ("wheelset", "lateral_shift yaw"),
+    "vehicle_bodies": ("body", "body_roll body_yaw body_vertical"),
+    "vehicle_accelerations": ("point", "point_ay point_az"),
+    "vehicle_couplings": (
+        "coupling",
+        "coupling_force coupling_fy_ahead coupling_fy_behind coupling_offset coupling_yaw",
+    ),
+    "vehicle_external_loads": ("external_load", "external_fx external_fy external_fz"),
+}
+"""Dimension and channels of every picture, by file name without ending."""
+
+
+def vehicle_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+    """Makers of those ``VEHICLE_PICTURES`` of a run of which there are data."""
+    figures: dict[str, Callable[[], Figure]] = {}
+    if not is_history(dataset):
+        return figures
+    for picture, (dim, words) in VEHICLE_PICTURES.items():
+        if not (len(wheelsets(dataset)) > 1 if dim == "wheelset" else dim in dataset.dims):
+            continue
+        names = [name for name in words.split() if name in dataset]
+        if names and "wheel" in dataset[names[0]].dims:
+            figures[picture] = partial(wheelsets_figure, dataset, names[0])
+        elif names:
+            figures[picture] = partial(together_figure, dataset, dim, names)
+    return figures
+
+
+def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
+    """A channel of the wheels, a panel for each wheelset against its own distance, on one scale."""
+    values, names = shown(dataset, name), numbered(wheelsets(dataset))
+    low, high = (float(f(values, initial=0.0)) for f in (np.nanmin, np.nanmax))
+    space = 0.05 * max(high - low, 1e-9)
+
+    def panel(axes: Axes, _: xr.Dataset, wheelset: str) -> None:
+        history(axes, of_wheelset(dataset, wheelset), name, largest=max(-low, high))
+        limited = any(line.get_gid() == "limit" for line in axes.lines)
+        top = max(axes.get_ylim()[1], high + space) if limited else high + space
+        axes.set(ylim=(low - space, top), title=names[wheelset], ylabel=CHANNELS[name].short_label)
+
+    panels = [partial(panel, wheelset=wheelset) for wheelset in names]
+    track = _track_of(dataset)
+    track.attrs["title"] += f": {CHANNELS[name].long_name}"
+    return stacked(track, panels, panel_height_mm=28.0, legend=wheel_entries(), titled=True)
+
+
+def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> Figure:
+    """Channels of wheelsets, bodies or points, a panel each, and a line for each of them, the smallest in front."""
+    names = [str(n) for n in dataset[dim].values]
+    labels = numbered(names).values() if dim == "wheelset" else names
+    pairs = zip(cycle(PART_COLOURS), cycle(GROUP_LINE), labels)
+    looks: list[dict[str, Any]] = [{"color": colour, "linestyle": line} for colour, line, _ in pairs]
+
+    def panel(axes: Axes, _: xr.Dataset, name: str) -> None:
+        (x, _name), values = abscissa(dataset), shown(dataset, name)
+        for i in np.argsort(-np.ptp(values, axis=0), kind="stable"):  # small ones last, or large ones hide them
+            at = dataset["wheelset_distance"].values[:, i] if dim == "wheelset" else x
+            draw_line(axes, at, values[:, i], **(looks[i] | crowded(values[:, i])))
+        axes.set_ylabel(CHANNELS[name].label.replace(" of the body", "").replace(" [", "\n["))
+
+    legend = [Line2D([], [], label=label, **look) for label, look in zip(labels, looks, strict=True)]
+    panels = [partial(panel, name=name) for name in channels]
+    return stacked(_track_of(dataset), panels, legend=legend)
+
+
+def _track_of(dataset: xr.Dataset) -> xr.Dataset:
+    """The first wheelset's dataset for the track beneath the panels, without moments, under the vehicle's title."""
+    first = of_wheelset(dataset, wheelsets(dataset)[0]).drop_dims("snapshot", errors="ignore")
+    return first.assign_attrs(title=dataset.attrs["title"])

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from wrsim.plots.colours import QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.style import FULL_WIDTH, abscissa, new_figure, style, write_words
 from wrsim.results import CHANNELS
+from wrsim.results.table import quantity
 
-ONE_LINE = 124
-"""Letters of a note that fit across a full-width picture."""
+ONE_LINE = 124  # letters of a note that fit across a full-width picture
 
 
 def note(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **options: Any) -> None:
@@ -53,10 +53,8 @@ def panels(
     note: str = "",
 ) -> Figure:
     """A figure of so many mm height under a title (and, in red, a note), with a panel for each function, row by row.
-
     share: panels share their horizontal axis, which only the lowest name; legend: entries beneath all panels, in so
-    many columns ``across``; None: those of the first panel.
-    """
+    many columns ``across``; None: those of the first panel."""
     figure = new_figure(FULL_WIDTH, height)
     rows, drawn = ceil(len(draws) / columns), list[Axes]()
     for i, draw in enumerate(draws):
@@ -78,8 +76,7 @@ def panels(
 def large_and_small(
     title: str, large: Callable[[Axes], object], small: Sequence[Callable[[Axes], object]], height: float, width: float
 ) -> Figure:
-    """A figure of so many mm height with a large panel, so many times as wide as some small ones to its right, which
-    share their horizontal axis."""
+    """A figure of so many mm height: a large panel, so many times as wide as small ones to its right with one axis."""
     figure = new_figure(FULL_WIDTH, height)
     figure.suptitle(title, x=0.012, ha="left", fontsize=8.0)
     grid = figure.add_gridspec(len(small), 2, width_ratios=(width, 1.0))
@@ -146,10 +143,8 @@ def without_neighbours(values: NDArray[Any]) -> NDArray[np.bool_]:
 def broken(
     x: NDArray[Any], y: NDArray[Any], jump: float, *, by: NDArray[Any] | None = None
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Copies of (x, y) for a line that is interrupted where neighbours in ``by`` differ by more than ``jump``.
-
-    ``by`` is ``y`` itself unless given.
-    """
+    """Copies of (x, y) for a line that is interrupted where neighbours in ``by`` (default: y) differ by more than
+    ``jump``."""
     with np.errstate(invalid="ignore"):
         at = np.flatnonzero(np.abs(np.diff(y if by is None else by)) > jump) + 1
     return np.insert(x.astype(float), at, 0.5 * (x[at - 1] + x[at])), np.insert(y.astype(float), at, np.nan)
@@ -172,10 +167,9 @@ def stop_note(dataset: xr.Dataset) -> str:
     if not is_stopped(dataset):
         return ""
     reason = dataset.attrs.get("stop_reason", "")
-    if "time" not in dataset.dims or "along the track" in reason:  # the reason knows the place
-        return fill(f"Stopped: {reason}", ONE_LINE)
-    at, symbol = _place(dataset)
-    return fill(f"Stopped at {at:.5g} {symbol}: {reason}", ONE_LINE)
+    known = "time" not in dataset.dims or "along the track" in reason  # the reason holds the place
+    place = "" if known else f" at {quantity(*_place(dataset), '.5g')}"
+    return fill(f"Stopped{place}: {reason}", ONE_LINE)
 
 
 def _place(dataset: xr.Dataset) -> tuple[float, str]:

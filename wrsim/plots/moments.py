@@ -1,7 +1,4 @@
-"""Chosen instants of a run and poses of a static analysis, seen alike: a moment has a title and patches.
-
-Also how poses make lines: what varies along a line, what from line to line.
-"""
+"""Moments: snapshots of a run and poses of a static analysis; their titles, patches and strips; lines of poses."""
 
 from __future__ import annotations
 
@@ -17,6 +14,7 @@ from wrsim.plots.marks import minus
 from wrsim.plots.style import shown
 from wrsim.results import CHANNELS
 from wrsim.results.moments import moment_dim, order_of_strips, with_patches
+from wrsim.results.table import quantity
 
 
 @dataclass(frozen=True)
@@ -29,10 +27,8 @@ class PatchAt:
 
 
 def choose_moments(dataset: xr.Dataset, most: int) -> list[int]:
-    """At most ``most`` moments that have strips, evenly spread, first and last among them.
-
-    Poses come in the order of their groups (yaw, load), each group with its share.
-    """
+    """At most ``most`` moments that have strips, evenly spread, first and last among them. Poses come in the order of
+    their groups (yaw, load), each group with its share."""
     has_strips = with_patches(dataset)
     runs = moment_dim(dataset) == "snapshot"
     groups = [np.arange(has_strips.size)] if runs else [member for _, member in pose_groups(dataset)]
@@ -61,7 +57,8 @@ def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
     """The strips of one patch by increasing s: the channels that are drawn, with the ``strip`` dimension alone."""
     at = _indices(dataset, where)
     # plain arrays: labels of everything, carried along, cost a tenth of a gallery
-    drawn = {name: dataset.variables[name] for name in _DRAWN if name in dataset}
+    names = ("s", "ds", "x", "a", "p", "angle", "y", "z", "N")
+    drawn = {f"strip_{n}": dataset.variables[f"strip_{n}"] for n in names if f"strip_{n}" in dataset}
     values = {name: own.values[tuple(at.get(str(dim), slice(None)) for dim in own.dims)] for name, own in drawn.items()}
     used = order_of_strips(values["strip_s"], values["strip_p"])
     return xr.Dataset({name: ("strip", own[used], drawn[name].attrs) for name, own in values.items()})
@@ -85,9 +82,6 @@ def select_elements(dataset: xr.Dataset, where: PatchAt) -> tuple[NDArray, NDArr
     return s[rows], x[columns], np.nan_to_num(p[np.ix_(rows, columns)])
 
 
-_DRAWN = ("strip_s", "strip_ds", "strip_x", "strip_a", "strip_p", "strip_angle", "strip_y", "strip_z", "strip_N")
-
-
 def touching_runs(strips: xr.Dataset) -> list[xr.Dataset]:
     """The strips under pressure, split where a gap lies between neighbours: the islands of one patch."""
     a, p = (strips.variables[f"strip_{name}"].values for name in "ap")
@@ -100,21 +94,19 @@ def touching_runs(strips: xr.Dataset) -> list[xr.Dataset]:
 
 
 def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
-    """Title of a panel, one or two lines: letter, then place and reason or the pose.
-
-    The letter is the snapshot's own, as in the histories; poses are lettered in the ``order`` of the picture.
-    """
-    runs = moment_dim(dataset) == "snapshot"
-    letter = f"({snapshot_letter(moment if runs else order)}) "
-    if runs:
-        place = f"{shown(dataset, 'snapshot_distance')[moment]:.1f} m"
+    """Title of a panel, one or two lines: letter, then place and reason or the pose. The letter is the snapshot's own,
+    as in the histories; poses are lettered in the ``order`` of the picture."""
+    if moment_dim(dataset) == "snapshot":
+        place = quantity(float(dataset["snapshot_distance"][moment]), "m", ".1f")
         label = str(dataset["snapshot_label"].values[moment]) if "snapshot_label" in dataset else ""
-        label = "" if label.startswith("at ") else label  # no more than the place
-        return f"{letter}{place}\n{label}" if label else letter + place
-    forms = {"lateral_shift": r"$\Delta y$ = {:.3g} mm", "yaw": r"$\psi$ = {:.3g} mrad", "load": "{:.4g} kN"}
-    varied = [n for n in forms if n in dataset and (n == "lateral_shift" or np.ptp(dataset[n].values) > 0.0)]
-    parts = [minus(forms[name].format(shown(dataset, name)[moment] + 0.0)) for name in varied]
-    return letter + ", ".join(parts[:1]) + ("\n" + ", ".join(parts[1:]) if parts[1:] else "")
+        lines = [f"({snapshot_letter(moment)}) {place}", "" if label.startswith("at ") else label]  # it is the place
+    else:
+        forms = {"lateral_shift": (r"$\Delta y$ = ", ".3g"), "yaw": (r"$\psi$ = ", ".3g"), "load": ("", ".4g")}
+        varied = [n for n in forms if n in dataset and (n == "lateral_shift" or np.ptp(dataset[n].values) > 0.0)]
+        values = ((*forms[n], float(shown(dataset, n)[moment]), CHANNELS[n].shown.symbol) for n in varied)
+        parts = [minus(words + quantity(value, unit, form)) for words, form, value, unit in values]
+        lines = [f"({snapshot_letter(order)}) {', '.join(parts[:1])}", ", ".join(parts[1:])]
+    return "\n".join(filter(None, lines))
 
 
 ABSCISSAE = ("lateral_shift", "yaw", "load")
@@ -138,8 +130,7 @@ def pose_groups(dataset: xr.Dataset) -> list[tuple[str, NDArray[np.intp]]]:
     groups = []
     for key in np.unique(keys, axis=0):
         member = np.flatnonzero((keys == key).all(axis=1))
-        pairs = [(CHANNELS[n], value + 0.0) for n, value in zip(others, key, strict=True)]
-        words = (f"${c.symbol}$ = " * bool(c.symbol) + f"{value:.4g} {c.shown.symbol}" for c, value in pairs)
-        label = ", ".join(words)
-        groups.append((minus(label), member[np.argsort(x[member], kind="stable")]))
+        pairs = [(CHANNELS[n], value) for n, value in zip(others, key.tolist(), strict=True)]
+        words = (f"${c.symbol}$ = " * bool(c.symbol) + quantity(value, c.shown.symbol) for c, value in pairs)
+        groups.append((minus(", ".join(words)), member[np.argsort(x[member], kind="stable")]))
     return groups

@@ -31,17 +31,15 @@ from wrsim.plots.moments import PatchAt, choose_moments, select, select_elements
 from wrsim.plots.style import pressure_map, shown
 from wrsim.results import CHANNELS
 from wrsim.results.moments import sample_of
+from wrsim.results.table import formatted
 
 Array = NDArray[np.float64]
 
-ACROSS = 49
-"""Points along each strip of the raster."""
+ACROSS = 49  # points along each strip of the raster
 NEAR_EDGE = np.array([0.0, 0.05, 0.2, 0.5])
 """Distances from a patch's edge, over half a strip, of the points that round its end."""
-TALLEST_PANEL = 75.0
-"""Height of a panel, mm, that the scale leaves room for."""
-MOST_MOMENTS = 12
-"""Moments in one gallery."""
+TALLEST_PANEL = 75.0  # height of a panel, mm, that the scale leaves room for
+MOST_MOMENTS = 12  # in one gallery
 
 
 def pressure_scale(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> Normalize:
@@ -52,11 +50,8 @@ def pressure_scale(dataset: xr.Dataset, moments: Sequence[int] | None = None) ->
 
 
 def contact_patch(axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normalize, *, shift: float = 0.0) -> Axes:
-    """Draw one patch: every strip's semi-ellipse of pressure over (s, x) in mm, and the patch's outline.
-
-    Where the exact solver left its elements, their pressures are drawn. shift: added to s [mm].
-    Colours run smoothly from strip to strip.
-    """
+    """Draw one patch: every strip's semi-ellipse of pressure over (s, x) in mm, and the patch's outline. Where there
+    are elements of the exact solver, their pressures are drawn. shift: added to s [mm]."""
     elements = select_elements(dataset, where)
     for s, x, a, p in islands(dataset, where, shift):
         outline_s = np.concatenate((s, s[::-1], s[:1]))
@@ -78,11 +73,9 @@ def contact_patch(axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normal
 
 
 def islands(dataset: xr.Dataset, where: PatchAt, shift: float = 0.0) -> list[tuple[Array, Array, Array, Array]]:
-    """Islands of a patch in mm and MPa, each (s, x, a, p), closed at both ends.
-
-    Towards an edge the interpenetration falls linearly, so half length and pressure fall with the square
-    root of the distance: the points that round the last half strip follow that law.
-    """
+    """Islands of a patch in mm and MPa, each (s, x, a, p), closed at both ends. Towards an edge the interpenetration
+    falls linearly, so half length and pressure fall with the square root of the distance: the points that round the
+    last half strip follow that law."""
     islands = []
     for run in touching_runs(select(dataset, where)):
         s, ds, x, a, p = (shown(run, f"strip_{n}") for n in ("s", "ds", "x", "a", "p"))
@@ -101,40 +94,32 @@ def rounded(values: Array) -> Array:
 
 
 def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> str:
-    """Numbers of a patch beneath its picture: largest pressure, normal force (if wanted), contact angle.
-
-    In plain letters: each formula of matplotlib's is parsed for some milliseconds.
-    """
-    sample_dim = "time" if "time" in dataset.dims else "pose"
-    forms = {
-        "p0": "p₀ = {:.0f} MPa",
-        "N": "N = {:.1f} kN",
-        "contact_angle": "γ = {:.1f}°",
-        "contact_angle_variation": "Δγ = {:.1f}°",
-    }
+    """Numbers of a patch beneath its picture: largest pressure, normal force (if wanted), contact angle. In plain
+    letters: each formula of matplotlib's is parsed for some milliseconds."""
     wheel = list(dataset["wheel"].values).index(where.wheel)
-    at = {sample_dim: sample_of(dataset, where.moment), "patch": where.patch, "wheel": wheel}
-    row = {name: float(dataset.variables[name].isel(at)) for name in forms if name in dataset}
-    row = {name: value * CHANNELS[name].shown.factor for name, value in row.items() if force or name != "N"}
-    texts = {name: forms[name].format(value) for name, value in row.items() if np.isfinite(value)}
-    lines = [[texts[n] for n in pair if n in texts] for pair in (list(forms)[:2], list(forms)[2:])]
-    return minus("\n".join(", ".join(line) for line in lines if line))
+    sample = "time" if "time" in dataset.dims else "pose"
+    at = {sample: sample_of(dataset, where.moment), "patch": where.patch, "wheel": wheel}
+
+    def words(name: str, symbol: str, form: str, unit: str) -> str:
+        value = float(dataset.variables[name].isel(at)) * CHANNELS[name].shown.factor if name in dataset else np.nan
+        return f"{symbol} = {formatted(value, form)}{unit}" if np.isfinite(value) else ""
+
+    pressure = (words("p0", "p₀", ".0f", " MPa"), words("N", "N", ".1f", " kN") if force else "")
+    angles = (words("contact_angle", "γ", ".1f", "°"), words("contact_angle_variation", "Δγ", ".1f", "°"))
+    return minus("\n".join(filter(None, (", ".join(filter(None, line)) for line in (pressure, angles)))))
 
 
 def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> Figure:
-    """Patches of the chosen moments (default: up to twelve, evenly spread), to one scale.
-
-    A column for every moment and a row for every wheel and patch in contact; long rows are folded.
-    """
+    """Patches of the chosen moments (default: up to twelve, evenly spread), to one scale. A column for every moment and
+    a row for every wheel and patch in contact; long rows are folded."""
     chosen = choose_moments(dataset, MOST_MOMENTS) if moments is None else list(moments)
     columns = columns_of(dataset, chosen)
     page = Page(_columns(len(columns), len(patches_in(dataset, columns))))
-    parts = [columns[i : i + page.columns] for i in range(0, len(columns), page.columns)]
+    parts = (columns[i : i + page.columns] for i in range(0, len(columns), page.columns))
     blocks = [(part, patches_in(dataset, part)) for part in parts]
     reaches = {where: _reach(dataset, where) for _, rows in blocks for own in rows.values() for where in own.values()}
-    sizes = [np.ptp(reach, axis=1) for reach in reaches.values()] or [np.ones(2)]
-    wide = max(float(size[0]) for size in sizes)
-    wide = max(wide, max(float(size[1]) for size in sizes) * page.panel / TALLEST_PANEL)
+    wide, tall = np.max([np.ptp(reach, axis=1) for reach in reaches.values()] or [np.ones(2)], axis=0)
+    wide = max(wide, tall * page.panel / TALLEST_PANEL)
     scale = pressure_scale(dataset, chosen)
 
     def draw(axes: Axes, where: PatchAt, up: float, first: bool) -> None:
@@ -171,8 +156,7 @@ def _columns(count: int, rows: int) -> int:
 
 def _reach(dataset: xr.Dataset, where: PatchAt) -> tuple[tuple[float, float], tuple[float, float]]:
     """Limits in s and x of a patch with a margin, mm."""
-    found = extent_of_patches([(dataset, where, 0.0)])
-    if found is None:
+    if (found := extent_of_patches([(dataset, where, 0.0)])) is None:
         return (-1.0, 1.0), (-1.0, 1.0)
     (low, high), (back, front) = found
     margin = 0.05 * (high - low) + 0.3

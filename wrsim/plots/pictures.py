@@ -13,18 +13,17 @@ from matplotlib.figure import Figure
 from wrsim.errors import InputError, suggest
 from wrsim.plots.cross_section import has_outlines, section_gallery
 from wrsim.plots.drawing import save_all
-from wrsim.plots.histories import ANGLES, channels_figure, overview_figure
+from wrsim.plots.histories import ANGLES, channels_figure, overview_figure, vehicle_figures
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.static import PANELS, static_figure
-from wrsim.plots.vehicle_run import vehicle_figures
 from wrsim.plots.wear import fatigue_figure, wear_figure
 from wrsim.register import ANALYSES, resolved
 from wrsim.results import CHANNELS, Result
-from wrsim.results.moments import has_patches
+from wrsim.results.moments import has_patches, is_history
 from wrsim.results.wear import has_wear
 from wrsim.results.wheelsets import of_wheelset, wheelset_folder, wheelsets, worst_wheelset
 
-HISTORIES: dict[str, tuple[str, ...]] = {
+HISTORIES = {
     "forces": ("Q", "Y", "sum_Y", "guide_force_y"),
     "contact": ("p0", "area", "T_gamma", "rail_friction", "rail_friction_corner"),
 }
@@ -32,10 +31,8 @@ HISTORIES: dict[str, tuple[str, ...]] = {
 
 
 def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
-    """Makers of the pictures that suit the dataset, by file name without ending.
-
-    The register names them; those of runs and poses: ``of_contacts``.
-    """
+    """Makers of the pictures that suit the dataset, by file name without ending. The register names them; those of runs
+    and poses: ``of_contacts``."""
     figures: dict[str, Callable[[], Figure]] = resolved(ANALYSES[str(dataset.attrs["analysis"])].pictures)(dataset)
     return figures
 
@@ -52,25 +49,22 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
 
 
 def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:
-    """Makers of the pictures of one wheelset, by file name without ending.
-
-    Runs of several instants: overview, forces, contact. Static analyses of several poses: contact. Both: patches and
-    sections of the snapshots or poses. What there are no data for is left out.
-    """
+    """Makers of the pictures of one wheelset of which there are data, by file name without ending: histories of runs,
+    contacts over poses, patches and sections of both."""
     figures: dict[str, Callable[[], Figure]] = {}
-    if one.sizes.get("time", 0) > 1 and "resolved_with" not in one.attrs:  # these are moments, no history
+    if is_history(one):
         if set(ANGLES) <= set(one):
-            figures["overview"] = lambda: overview_figure(one)
+            figures["overview"] = partial(overview_figure, one)
         for name, channels in HISTORIES.items():
             present = tuple(c for c in channels if c in one and (c != "guide_force_y" or one[c].values.any()))
             if present:
                 figures[name] = partial(channels_figure, one, present)
-    elif one.sizes.get("pose", 0) > 1 and any(_has_values(one, name) for name in PANELS):
-        figures["contact"] = lambda: static_figure(one)
+    elif one.sizes.get("pose", 0) > 1 and any(np.isfinite(one[name]).any() for name in PANELS if name in one):
+        figures["contact"] = partial(static_figure, one)
     if has_patches(one):
-        figures["patches"] = lambda: patch_gallery(one)
+        figures["patches"] = partial(patch_gallery, one)
         if has_outlines(one):
-            figures["sections"] = lambda: section_gallery(one)
+            figures["sections"] = partial(section_gallery, one)
     return figures
 
 
@@ -87,8 +81,9 @@ def picture(result: Result, names: Sequence[str], wheelset: str | None) -> Figur
         names = (next(iter(figures)),)
     if len(names) == 1 and names[0] in figures:
         return figures[names[0]]()
-    drawn = [n for n in chosen.variables if CHANNELS[str(n)].kind == "number" and _is_history(chosen[n])]
-    channels = tuple(str(n) for n in drawn if n not in chosen.dims)
+    dims = {str(n): tuple(d for d in v.dims if d != "wheelset") for n, v in chosen.variables.items()}
+    numbers = (name for name in dims if name not in chosen.dims and CHANNELS[name].kind == "number")
+    channels = [name for name in numbers if dims[name] in DRAWN]
     for name in names:
         if name not in channels:
             known = (*figures, *channels)
@@ -103,13 +98,5 @@ def picture(result: Result, names: Sequence[str], wheelset: str | None) -> Figur
     return static_figure(one, names) if "pose" in one.dims else channels_figure(one, names)
 
 
-def _is_history(data: xr.DataArray) -> bool:
-    """True for what can be drawn over the samples of a result: a line, or one a wheel, or one a wheel and patch."""
-    others = tuple(d for d in data.dims if d != "wheelset")
-    if others[:1] == ("pose",):
-        return others[1:] in (("wheel",), ("wheel", "patch"))
-    return others in (("time",), ("time", "wheel"), ("time", "wheel", "patch"))
-
-
-def _has_values(dataset: xr.Dataset, name: str) -> bool:
-    return name in dataset and bool(np.isfinite(dataset[name].values).any())
+DRAWN = (("time",), *((sample, *rest) for sample in ("time", "pose") for rest in (("wheel",), ("wheel", "patch"))))
+"""Dimensions, besides that of wheelsets, of channels that `picture` draws: a line, or one a wheel and patch."""

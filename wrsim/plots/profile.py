@@ -17,25 +17,22 @@ from wrsim.geometry.profile.smoothing_report import SmoothingReport
 from wrsim.plots.colours import INK, QUIET, RAIL_FILL, SERIES_COLOURS, WHEEL_FILL
 from wrsim.plots.marks import minus, note, remark, right_axis
 from wrsim.plots.style import FULL_WIDTH, headline, mm_axes, new_figure, style, write_words
+from wrsim.results.table import formatted, quantity
 
 LINE = "#0072B2"
 LEFT, RIGHT, TOP, BOTTOM, GAP = 15.0, 15.0, 13.0, 10.0, 6.0
 """Margins of the figure and the gap between panels, mm."""
-PANEL = 32.0
-"""Height of the panels of slope and curvature, mm."""
-TALLEST = 110.0
-"""Largest height of the shape, mm; higher shapes are drawn narrower."""
+PANEL, TALLEST = 32.0, 110.0
+"""Height of the panels of slope and curvature, largest height of the shape, mm; higher shapes are drawn narrower."""
 CURVATURES = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 """Ticks of curvature on either side of zero, 1/m, and of radius, mm."""
 
 
 @style()
 def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) -> Figure:
-    """Shape, slope angle and curvature of a profile against the outward coordinate.
-
-    smoothing: one report for every cut-off that is to be compared; their curvatures are drawn over that of the bare
-    points, and a further panel shows how far the points lie from the smoothed curves.
-    """
+    """Shape, slope angle and curvature of a profile against the outward coordinate. smoothing: a report for every
+    cut-off; curvatures are drawn over that of the bare points, distances of the points from the smoothed curves in a
+    further panel."""
     u, w = 1e3 * profile.u, 1e3 * profile.w
     pad = 0.03 * np.ptp(u)
     across, up = float(np.ptp(u) + 2.0 * pad), float(np.ptp(w) + 4.0 * pad)
@@ -46,10 +43,11 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     rows = 3 if smoothing else 2
     figure = new_figure(FULL_WIDTH, TOP + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
     headline(figure, f"{profile.name} ({profile.kind})")
-    note = shorten(profile.source, 130, placeholder=" ...")
-    write_words(figure, 0.012 * FULL_WIDTH, 6.5, note, fontsize=6.5, color=QUIET)
+    source = shorten(profile.source, 130, placeholder=" ...")
+    write_words(figure, 0.012 * FULL_WIDTH, 6.5, source, fontsize=6.5, color=QUIET)
     panels = [mm_axes(figure, LEFT, TOP, width, height)]
     for row in range(rows):
+        panels[-1].tick_params(axis="x", labelbottom=False)
         panels.append(mm_axes(figure, LEFT, TOP + height + GAP + row * (PANEL + GAP), width, PANEL))
         panels[-1].sharex(panels[0])
     for axes, draw in zip(panels, (draw_shape, draw_slope, draw_curvature), strict=False):
@@ -60,8 +58,6 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     middle_u, middle_w = 0.5 * (u.min() + u.max()), 0.5 * (w.min() + w.max())
     panels[0].set_xlim(middle_u - 0.5 * across, middle_u + 0.5 * across)
     panels[0].set_ylim(middle_w - 0.5 * up, middle_w + 0.5 * up)
-    for axes in panels[:-1]:
-        axes.tick_params(axis="x", labelbottom=False)
     panels[-1].set_xlabel("Outward u [mm]")
     figure.align_ylabels(panels)
     return figure
@@ -118,7 +114,8 @@ def _gauge(profile: Profile, axes: Axes) -> None:
     axes.plot([u, top_u], [w, top_w], "o", color=LINE, markersize=3.5, zorder=3.0)
     for x, y in (([u, u], [w, top_w]), ([u, top_u], [top_w, top_w])):
         axes.plot(x, y, color=LINE, linewidth=0.6, linestyle=(0, (4, 2)))
-    words = f"gauge point, {1e3 * profile.gauge_depth:g} mm below\nand {top_u - u:.3f} mm inside of the top"
+    depth, inside = quantity(1e3 * profile.gauge_depth, "mm", "g"), quantity(top_u - u, "mm", ".3f")
+    words = f"gauge point, {depth} below\nand {inside} inside of the top"
     note(axes, words, (u, w), (6.0, 0.0), va="center", color=LINE)
 
 
@@ -127,16 +124,16 @@ def draw_slope(profile: Profile, axes: Axes) -> None:
     axes.plot(1e3 * profile.u, np.degrees(profile.angle), color=LINE)
     axes.axhline(0.0, color=INK, linewidth=0.5)
     low, high = float(np.degrees(profile.angle.min())), float(np.degrees(profile.angle.max()))
-    if high - low > 60.0:
+    if (steep := high - low > 60.0) or high - low < 1e-6:
+        space = 6.0 if steep else 1.0
+        axes.set_ylim(min(low, 0.0) - space, max(high, 0.0) + space)
+    if steep:
         axes.yaxis.set_major_locator(MultipleLocator(30.0))
-        axes.set_ylim(min(low, 0.0) - 6.0, max(high, 0.0) + 6.0)
-    elif high - low < 1e-6:
-        axes.set_ylim(min(low, 0.0) - 1.0, max(high, 0.0) + 1.0)
     axes.set_ylabel("Slope angle [°]")
     remark(axes, "positive: rises outward")
 
 
-def draw_curvature(profile: Profile, axes: Axes) -> Axes:
+def draw_curvature(profile: Profile, axes: Axes) -> None:
     """Signed curvature against u, 1/m, on a scale that is linear near zero; the radius in mm at the right."""
     u = np.repeat(1e3 * profile.u, 2)
     k = np.column_stack([profile.curvature_before, profile.curvature_after]).ravel()
@@ -151,11 +148,10 @@ def draw_curvature(profile: Profile, axes: Axes) -> Axes:
     right = right_axis(axes)
     right.set_yscale("asinh", linear_width=1.0)
     radii = [sign * 1e3 / r for r in curvatures for sign in (-1.0, 1.0) if 1e3 / r <= max(reach)]
-    right.set_yticks(radii, [f"{1e3 / abs(c):.0f}" for c in radii])
+    right.set_yticks(radii, [formatted(1e3 / abs(c), ".0f") for c in radii])
     for one in (axes, right):
         one.minorticks_off()
         one.set_ylim(-1.4 * reach[0], 1.4 * reach[1])
     right.set_ylabel("Radius [mm]")
     remark(axes, "positive: turns upward")
     axes.set_ylabel("Curvature [1/m]")
-    return axes

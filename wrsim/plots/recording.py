@@ -15,30 +15,22 @@ from wrsim.plots.colours import CANT_COLOUR, INK, WHEEL_COLOUR
 from wrsim.plots.marks import panels
 from wrsim.recording.columns import quantity_kind
 from wrsim.recording.restoring import Restored
+from wrsim.results.channels import WHEELS
 
 Array = NDArray[np.float64]
 Line = tuple[str, Array, str]
 """Name, values and colour of a line."""
 
-LABELS = {
-    "curvature": "Curvature\n[1/km]",
-    "cant": "Cant\n[mm]",
-    "twist": "Twist\n[mm]",
-    "gauge": "Gauge\n[mm]",
-    "gauge_deviation": "Gauge\n[mm]",
-    "alignment": "Alignment\n[mm]",
-    "level": "Level\n[mm]",
-}
-SIDES = ("left", "right")
+KINDS = ("curvature", "cant", "twist", "gauge", "gauge_deviation", "alignment", "level")
 
 
 def recording_figure(restored: Restored) -> Figure:
     """Recorded channels above, with the design in its own; the rails beside the design below."""
     recording = restored.recording
-    kinds = sorted({quantity_kind(c.quantity) for c, _ in recording.records}, key=list(LABELS).index)
+    kinds = sorted({quantity_kind(c.quantity) for c, _ in recording.records}, key=KINDS.index)
     draws = [partial(_recorded, restored=restored, kind=kind) for kind in kinds]
     for rows, label in ((restored.lateral, "lateral"), (restored.vertical, "vertical")):
-        lines = [(f"{name} rail", 1e3 * row, WHEEL_COLOUR[name]) for name, row in zip(SIDES, rows, strict=True)]
+        lines = [(f"{name} rail", 1e3 * row, WHEEL_COLOUR[name]) for name, row in zip(WHEELS, rows, strict=True)]
         draws.append(partial(_draw, restored=restored, lines=lines, label=f"What is left,\n{label} [mm]"))
     title = f"{recording.path.name}: recorded, designed, and what is left"
     return panels(title, draws, 26.0 + 27.0 * len(draws))
@@ -58,7 +50,8 @@ def _recorded(axes: Axes, restored: Restored, kind: str) -> None:
         if quantity_kind(channel.quantity) == kind:
             side = channel.quantity.rpartition("_")[2]
             lines.append((f"recorded, {channel.column}", 1e3 * record, WHEEL_COLOUR.get(side, INK)))
-    _draw(axes, restored, lines, LABELS[kind])
+    unit = "1/km" if kind == "curvature" else "mm"
+    _draw(axes, restored, lines, f"{kind.partition('_')[0].capitalize()}\n[{unit}]")
 
 
 def _draw(axes: Axes, restored: Restored, lines: Sequence[Line], label: str) -> None:

@@ -14,13 +14,10 @@ from wrsim.plots.marks import panels
 from wrsim.results.ride import Ride
 
 DIRECTIONS = {"x": "longitudinal", "y": "lateral", "z": "vertical"}
-LOWEST = 0.3
-"""Least frequency drawn [Hz]."""
+LOWEST = 0.3  # least frequency drawn [Hz]
 TICKS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200)
-DECADES = 6
-"""Decades of density beneath the highest that are drawn."""
-BAND_DECADES = 4
-"""The same for third-octaves, whose rms is a root of density."""
+DECADES, BAND_DECADES = 6, 4
+"""Decades beneath the highest density that are drawn; of third-octaves, whose rms is a root of density."""
 
 Rides = Mapping[str, Ride]
 """By the names of their runs."""
@@ -34,11 +31,8 @@ def ride_figures(found: Ride) -> dict[str, Callable[[], Figure]]:
 
 def ride_figure(rides: Rides, draw: Callable[[Rides, str, Axes], object]) -> Figure:
     """``density`` or ``bands`` of all directions against frequency."""
-    titles = [f"{one.title}: {one.start:z.0f} to {one.end:.0f} m" for one in rides.values()]
-    figure = panels(
-        "\n".join(dict.fromkeys(titles)), [partial(draw, rides, axis) for axis in DIRECTIONS], 150.0,
-        legend=None, across=5,
-    )  # fmt: skip
+    titles = "\n".join(dict.fromkeys(f"{one.title}: {one.stretch}" for one in rides.values()))
+    figure = panels(titles, [partial(draw, rides, axis) for axis in DIRECTIONS], 150.0, legend=None, across=5)
     lowest = figure.axes[-1]
     low, high = lowest.get_xlim()
     ticks = [f for f in TICKS if low <= f <= high]

@@ -17,11 +17,12 @@ from wrsim.plots.colours import INK, QUIET, SERIES_COLOURS, STOP_COLOUR
 from wrsim.plots.marks import large_and_small, note, panels
 from wrsim.plots.style import pressure_map, shown, style
 from wrsim.results import CHANNELS
+from wrsim.results.stability import summarise_stability
+from wrsim.results.table import formatted, quantity
 
 DAMPED = 0.5
 """Modes with a larger damping ratio than this at all speeds are left out of the curves over speed."""
-NAMED = 5
-"""Modes that the legend names: those that come closest to instability."""
+NAMED = 5  # modes that the legend names: those that come closest to instability
 BRANCHES = {"from above": (STOP_COLOUR, "v"), "from below": ("#0072B2", "^")}
 
 
@@ -52,8 +53,7 @@ def root_locus(axes: Axes, dataset: xr.Dataset) -> None:
     many = np.broadcast_to(speed[:, None], growth.shape)
     axes.axvline(0.0, color=QUIET, linewidth=0.6)
     axes.scatter(growth[kept], frequency[kept], c=colours(scale(many[kept])), s=7.0, linewidths=0.0, zorder=2.0)
-    critical = float(dataset.attrs.get("critical_frequency_Hz", np.nan))
-    if np.isfinite(critical) and critical > 0.0:
+    if (critical := summarise_stability(dataset)["critical_frequency_Hz"] or 0.0) > 0.0:
         ring: Any = {"markerfacecolor": "none", "markeredgecolor": STOP_COLOUR, "zorder": 3.0}
         axes.plot([0.0], [critical], "o", markersize=7.0, **ring)
     axes.set(xlabel=CHANNELS["mode_growth"].label, ylabel=CHANNELS["mode_frequency"].label)
@@ -72,14 +72,14 @@ def over_speed(axes: Axes, dataset: xr.Dataset, name: str) -> None:
         line: dict[str, Any] = {"color": "#c4c4c4", "linewidth": 0.8, "zorder": 1.5}
         if rank < NAMED:
             at = int(np.argmin(damping[i, j]))
-            frequency = float(dataset["mode_frequency"].values[i[at], j[at]])
-            label = f"{dataset['mode_name'].values[i[at], j[at]]}, {frequency:.2f} Hz at {speed[i[at]]:.0f} km/h"
+            frequency = quantity(float(dataset["mode_frequency"].values[i[at], j[at]]), "Hz", ".2f")
+            words = f"{dataset['mode_name'].values[i[at], j[at]]}, {frequency}"
+            label = f"{words} at {quantity(float(speed[i[at]]), 'km/h', '.0f')}"
             line = {"color": SERIES_COLOURS[rank], "zorder": 3.0, "label": label}
         axes.plot(speed[i], values[i, j], marker="o" if len(i) == 1 else None, markersize=2.0, **line)
     if name == "mode_damping":
         axes.axhline(0.0, color=QUIET, linewidth=0.6)
-    critical = _speed(dataset, "critical_speed_m_s")
-    if np.isfinite(critical):
+    if (critical := summarise_stability(dataset)["linear_critical_speed_kmh"]) is not None:
         axes.axvline(critical, color=STOP_COLOUR, linewidth=0.8, linestyle=(0, (3, 2)))
     axes.set(xlabel=CHANNELS["pose_speed"].label, ylabel=CHANNELS[name].label)
 
@@ -112,31 +112,25 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> None:
     if lost.size:
         axes.plot(speed[lost], np.zeros(lost.size), "x", color=INK, markersize=5.0, label="derailed")
     top = axes.get_ylim()[1]
-    for kind, words in (("", "linear"), ("nonlinear_", "nonlinear")):
-        value = _speed(dataset, f"{kind}critical_speed_m_s")
-        if np.isfinite(value) and speed.min() - 50.0 <= value <= speed.max() + 50.0:
+    for words in ("linear", "nonlinear"):
+        value = summarise_stability(dataset)[f"{words}_critical_speed_kmh"]
+        if value is not None and speed.min() - 50.0 <= value <= speed.max() + 50.0:
             axes.axvline(value, color=QUIET, linewidth=0.8, linestyle=(0, (3, 2)))
-            note(axes, f"{words} {value:.1f}", (value, 0.4 * top), (-2.0, 0.0), rotation=90, ha="right", va="center")
+            words += f" {formatted(value, '.1f')}"
+            note(axes, words, (value, 0.4 * top), (-2.0, 0.0), rotation=90, ha="right", va="center")
     axes.set_ylim(bottom=-0.03 * top, top=top)
     axes.set(xlabel=CHANNELS["cycle_speed"].label, ylabel="Amplitude of the wheelset that moves most [mm]")
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=6.5)
 
 
-def _speed(dataset: xr.Dataset, attribute: str) -> float:
-    """A speed among the attributes, km/h; not-a-number where there is none."""
-    return 3.6 * float(dataset.attrs.get(attribute, np.nan))
-
-
 def _title(dataset: xr.Dataset) -> str:
-    attributes = dataset.attrs
-    words = [str(attributes["title"])]
-    linear = _speed(dataset, "critical_speed_m_s")
-    if np.isfinite(linear):
-        frequency = float(attributes["critical_frequency_Hz"])
-        words.append(f"linear critical speed {linear:.1f} km/h, {frequency:.2f} Hz, {attributes['critical_mode']}")
-    elif "critical_note" in attributes:
-        words.append(str(attributes["critical_note"]))
-    nonlinear = _speed(dataset, "nonlinear_critical_speed_m_s")
-    if np.isfinite(nonlinear):
-        words[-1] += f"; nonlinear {nonlinear:.1f} km/h"
+    found = summarise_stability(dataset)
+    words = [str(dataset.attrs["title"])]
+    if (linear := found["linear_critical_speed_kmh"]) is not None:
+        frequency = quantity(found["critical_frequency_Hz"], "Hz", ".2f")
+        words.append(f"linear critical speed {quantity(linear, 'km/h', '.1f')}, {frequency}, {found['critical_mode']}")
+    elif "critical_note" in found:
+        words.append(found["critical_note"])
+    if (nonlinear := found["nonlinear_critical_speed_kmh"]) is not None:
+        words[-1] += f"; nonlinear {quantity(nonlinear, 'km/h', '.1f')}"
     return "\n".join(words)

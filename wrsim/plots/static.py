@@ -30,8 +30,7 @@ def against_pose(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
     across = pose_abscissa(dataset)
     x, values = shown(dataset, across), shown(dataset, name)
     angle = shown(dataset, "contact_angle") if "contact_angle" in dataset else None
-    if values.ndim == 2:
-        values = values[:, :, None]
+    values = values.reshape(*values.shape[:2], -1)
     for g, (_, member) in enumerate(pose_groups(dataset)):
         line, mark = GROUP_LINE[g % len(GROUP_LINE)], GROUP_MARK[g % len(GROUP_MARK)]
         for j, wheel in enumerate(dataset["wheel"].values):
@@ -47,14 +46,6 @@ def against_pose(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
     return axes
 
 
-def angle_band(axes: Axes, dataset: xr.Dataset) -> None:
-    """Smallest to largest contact angle over the strips of the main patch, as bars at every pose."""
-    x = shown(dataset, pose_abscissa(dataset))
-    for j, wheel in enumerate(dataset["wheel"].values):
-        low, high = (shown(dataset, f"contact_angle_{end}")[:, j, 0] for end in ("min", "max"))
-        axes.vlines(x, low, high, color=WHEEL_COLOUR[str(wheel)], alpha=0.25, linewidth=2.0, zorder=1.8)
-
-
 def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:
     """Contact angle, largest pressure, normal force and area against lateral shift, for every yaw and load."""
     present = [name for name in names if name in dataset]
@@ -63,8 +54,10 @@ def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:
 
     def draw(axes: Axes, name: str) -> None:
         against_pose(axes, dataset, name)
-        if name == "contact_angle" and banded:
-            angle_band(axes, dataset)
+        for j, wheel in enumerate(dataset["wheel"].values if name == "contact_angle" and banded else ()):
+            x, low, high = (shown(dataset, n) for n in (pose_abscissa(dataset), f"{name}_min", f"{name}_max"))
+            look: Any = {"color": WHEEL_COLOUR[str(wheel)], "alpha": 0.25, "linewidth": 2.0, "zorder": 1.8}
+            axes.vlines(x, low[:, j, 0], high[:, j, 0], **look)
         if name != "contact_angle" and axes.dataLim.y0 >= 0.0:
             axes.set_ylim(0.0, 1.06 * max(axes.dataLim.y1, 1e-9))
 

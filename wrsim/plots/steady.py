@@ -17,11 +17,10 @@ from wrsim.plots.colours import DOTS, GROUP_LINE, QUIET, SERIES_COLOURS, STOP_CO
 from wrsim.plots.marks import panels
 from wrsim.plots.style import shown
 from wrsim.results import CHANNELS
-from wrsim.results.table import with_unit
+from wrsim.results.table import quantity
 
 PANELS = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "T_gamma")
-FEW = 1.25
-"""Largest over smallest size of a radius from which curvature is the abscissa."""
+FEW = 1.25  # largest over smallest size of a radius from which curvature is the abscissa
 LINES = GROUP_LINE[:4]
 
 
@@ -31,11 +30,9 @@ def steady_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
 
 
 def steady_figure(dataset: xr.Dataset) -> Figure:
-    """Shift, angle of attack, Y, Q, Y/Q and wear number; of the wheels the outer one of each wheelset.
-
-    Over curvature, or over cant deficiency where the curves are alike; a line a wheelset, a dash pattern a series of
-    curves with one cant and speed (or one radius and cant).
-    """
+    """Shift, angle of attack, Y, Q, Y/Q and wear number; of the wheels the outer one of each wheelset. Over curvature,
+    or over cant deficiency where the curves are alike; a line a wheelset, a dash pattern a series of curves with one
+    cant and speed (or one radius and cant)."""
     radius = dataset["pose_radius"].values
     sizes = np.abs(radius)
     by_curvature = sizes.max() > FEW * sizes.min() or np.unique(np.sign(radius)).size > 1
@@ -47,16 +44,12 @@ def steady_figure(dataset: xr.Dataset) -> Figure:
         series = np.stack([dataset["pose_cant"].values, radius], axis=1)
     found, which = np.unique(series.round(9), axis=0, return_inverse=True)
     failed = dataset["pose_message"].values != ""
-    names = [str(name) for name in dataset["wheelset"].values]
-    entries = [
-        Line2D([], [], color=SERIES_COLOURS[i % len(SERIES_COLOURS)], marker="o", label=name)
-        for i, name in enumerate(names)
-    ]
-    if len(found) > 1:
-        factor, unit = (3.6, "km/h") if by_curvature else (1.0, "m")
-        for (cant, other), line in zip(found, cycle(LINES)):
-            words = f"{1e3 * cant:.4g} mm, {factor * other:.5g} {unit}"
-            entries.append(Line2D([], [], color=QUIET, linewidth=0.9, linestyle=line, label=words))
+    names = map(str, dataset["wheelset"].values)
+    entries = [Line2D([], [], color=c, marker="o", label=name) for name, c in zip(names, cycle(SERIES_COLOURS))]
+    factor, unit = (3.6, "km/h") if by_curvature else (1.0, "m")
+    for (cant, other), line in zip(found.tolist() if len(found) > 1 else (), cycle(LINES)):
+        words = f"{quantity(1e3 * cant, 'mm')}, {quantity(factor * other, unit, '.5g')}"
+        entries.append(Line2D([], [], color=QUIET, linewidth=0.9, linestyle=line, label=words))
 
     def draw(axes: Axes, name: str) -> None:
         _panel(axes, dataset, name, x, which.ravel())
@@ -64,14 +57,9 @@ def steady_figure(dataset: xr.Dataset) -> Figure:
         for at in x[failed]:
             axes.axvline(at, color=STOP_COLOUR, linewidth=0.5, linestyle=DOTS)
 
-    return panels(
-        str(dataset.attrs["title"]),
-        [partial(draw, name=name) for name in PANELS],
-        150.0,
-        columns=2,
-        legend=entries,
-        note=f"{failed.sum()} of {failed.size} curves have no steady motion" if failed.any() else "",
-    )
+    note = f"{failed.sum()} of {failed.size} curves have no steady motion" if failed.any() else ""
+    draws = [partial(draw, name=name) for name in PANELS]
+    return panels(str(dataset.attrs["title"]), draws, 150.0, columns=2, legend=entries, note=note)
 
 
 def _panel(axes: Axes, dataset: xr.Dataset, name: str, x: np.ndarray, which: np.ndarray) -> None:
@@ -89,5 +77,4 @@ def _panel(axes: Axes, dataset: xr.Dataset, name: str, x: np.ndarray, which: np.
     if name != "Q":
         axes.axhline(0.0, color=QUIET, linewidth=0.5)
     channel = CHANNELS[name]
-    of_outer = with_unit(f"Outer wheel: ${channel.symbol}$", channel.shown.symbol)
-    axes.set_ylabel(channel.label if dataset[name].ndim == 2 else of_outer)
+    axes.set_ylabel(channel.label if dataset[name].ndim == 2 else f"Outer wheel: {channel.short_label}")

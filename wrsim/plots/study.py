@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import cycle
 from math import ceil
 from textwrap import wrap
 from typing import Any
@@ -25,17 +26,13 @@ from wrsim.plots.colours import DOTS, GROUP_MARK, INK, QUIET, SERIES_COLOURS, ST
 from wrsim.plots.marks import note, panels
 from wrsim.plots.style import pressure_map
 from wrsim.results.channels import SHOWN
-from wrsim.results.table import with_unit
+from wrsim.results.table import formatted, with_unit
 
 MOST_OUTPUTS, MOST_LINES, MOST_KEYS = 12, 8, 4
 """Panels of a picture, lines of a panel, varied keys against which outputs are drawn."""
-ACROSS = 3
-LETTERS = 30
-"""Letters of a line above or below a panel."""
-PANEL = 46.0
-"""Height of a panel [mm]."""
-ENOUGH = 8
-"""Completed cases from which a distribution is drawn."""
+ACROSS, PANEL, LETTERS = 3, 46.0, 30
+"""Panels in a row, their height [mm], letters of a line above or below one."""
+ENOUGH = 8  # completed cases from which a distribution is drawn
 PERCENTILES = (5, 50, 95)
 COMPLETED, DERAILED = "completed", "derailed"
 
@@ -49,13 +46,14 @@ def study_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     grids = grid_axes(dataset)
     numeric = [dim for dim in grids if dataset[dim].dtype.kind == "f"]
     if len(numeric) >= 2:
-        makers["maps"] = lambda: maps_figure(dataset, outputs, numeric[:2])
+        makers["maps"] = partial(maps_figure, dataset, outputs, numeric[:2])
     if grids:
-        makers["curves"] = lambda: curves_figure(dataset, outputs, (numeric or grids)[0])
-    if varied := sampled_keys(dataset):
-        makers["samples"] = lambda: samples_figure(dataset, outputs, varied)
+        makers["curves"] = partial(curves_figure, dataset, outputs, (numeric or grids)[0])
+    others = [str(n) for n, c in dataset.coords.items() if n not in dataset.dims and c.dtype.kind == "f"]
+    if sampled := [name for name in others if np.unique(dataset[name].values).size > 1]:
+        makers["samples"] = partial(samples_figure, dataset, outputs, sampled[:MOST_KEYS])
     if int((dataset["status"] == COMPLETED).sum()) >= ENOUGH:
-        makers["percentiles"] = lambda: percentiles_figure(dataset, outputs)
+        makers["percentiles"] = partial(percentiles_figure, dataset, outputs)
     return makers
 
 
@@ -76,15 +74,6 @@ def grid_axes(dataset: xr.Dataset) -> list[str]:
     """Axes of one key with several values, the longest first."""
     dims = [str(d) for d in dataset["status"].dims if "key" in dataset[d].attrs and dataset.sizes[d] > 1]
     return sorted(dims, key=lambda d: -dataset.sizes[d])
-
-
-def sampled_keys(dataset: xr.Dataset) -> list[str]:
-    """Coordinates of numbers that rows or samples vary."""
-    return [
-        str(name)
-        for name, c in dataset.coords.items()
-        if name not in dataset.dims and c.dtype.kind == "f" and np.unique(c.values).size > 1
-    ][:MOST_KEYS]
 
 
 def maps_figure(dataset: xr.Dataset, outputs: Sequence[str], dims: Sequence[str]) -> Figure:
@@ -120,10 +109,8 @@ def curves_figure(dataset: xr.Dataset, outputs: Sequence[str], x: str) -> Figure
     size = 1 if family is None else dataset.sizes[family]
     chosen = np.unique(np.linspace(0, size - 1, min(size, MOST_LINES)).round().astype(int))
     lost = (sorted_["status"] != COMPLETED).any([d for d in dataset["status"].dims if d != x]).values
-    looks: list[dict[str, Any]] = [
-        {"color": SERIES_COLOURS[k % len(SERIES_COLOURS)], "marker": GROUP_MARK[k % len(GROUP_MARK)]}
-        for k in range(len(chosen))
-    ]
+    pairs = zip(chosen, cycle(SERIES_COLOURS), cycle(GROUP_MARK))
+    looks: list[dict[str, Any]] = [{"color": colour, "marker": mark} for _, colour, mark in pairs]
 
     def draw(axes: Axes, name: str) -> None:
         for look, i in zip(looks, chosen, strict=True):
@@ -144,7 +131,7 @@ def curves_figure(dataset: xr.Dataset, outputs: Sequence[str], x: str) -> Figure
     entries: list[Line2D] = []
     if family is not None:
         title = axis_label(dataset, family) + (f" ({len(chosen)} of {size})" if len(chosen) < size else "")
-        labels = [f"{v:.6g}" if isinstance(v, float) else str(v) for v in dataset[family].values[chosen]]
+        labels = (formatted(value, ".6g") for value in dataset[family].values[chosen].tolist())
         entries = [Line2D([], [], label=label, **look) for label, look in zip(labels, looks, strict=True)]
         entries.insert(0, Line2D([], [], linestyle="none", label=title))
     return _figure(dataset, outputs, draw, "median and range over the other axes" if rest else "", entries)
@@ -163,16 +150,14 @@ def samples_figure(dataset: xr.Dataset, outputs: Sequence[str], keys: Sequence[s
             axes.axvline(at, ymax=0.05, color=STOP_COLOUR, linewidth=0.7)
         constant = good.sum() < 3 or np.ptp(x[good]) == 0.0 or np.ptp(values[good]) == 0.0
         rank = 0.0 if constant else spearmanr(x[good], values[good]).statistic
-        axes.set_title(f"rank correlation {rank:z.2f}", fontsize=6.0, color=QUIET)
+        axes.set_title(f"rank correlation {formatted(float(rank), '.2f')}", fontsize=6.0, color=QUIET)
         if key == keys[0]:
             axes.set_ylabel(label_of(dataset, name), fontsize=6.5)
         if name == shown[-1]:
             axes.set_xlabel(axis_label(dataset, key), fontsize=6.5)
 
     draws = [partial(draw, name=name, key=key) for name in shown for key in keys]
-    more = f"{len(shown)} of {len(outputs)} outputs" if len(shown) < len(outputs) else ""
-    height = 16.0 + 32.0 * len(shown)
-    title, note = str(dataset.attrs["title"]), _note(dataset, more)
+    title, note, height = str(dataset.attrs["title"]), _note(dataset, outputs, shown), 16.0 + 32.0 * len(shown)
     return panels(title, draws, height, columns=len(keys), share=False, note=note)
 
 
@@ -187,7 +172,7 @@ def percentiles_figure(dataset: xr.Dataset, outputs: Sequence[str]) -> Figure:
         for percentile, at in zip(PERCENTILES, np.percentile(values, PERCENTILES), strict=True):
             axes.plot([at, at], [0.0, percentile], color=INK, linewidth=0.6, linestyle=(0, (2, 2)))
             box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.8}
-            note(axes, f"{at:.4g}", (at, percentile), (3.0, -6.0), fontsize=6.0, color=INK, bbox=box)
+            note(axes, formatted(float(at)), (at, percentile), (3.0, -6.0), fontsize=6.0, color=INK, bbox=box)
         axes.set(xlabel=label_of(dataset, name), ylabel="cases below [%]", ylim=(0.0, 102.0))
         axes.set_yticks((0, 25, 50, 75, 100))
 
@@ -225,22 +210,15 @@ def _figure(
 ) -> Figure:
     """A figure with a panel for every output, at most so many; what: of the values, in words."""
     drawn = outputs[:MOST_OUTPUTS]
-    columns = min(ACROSS, len(drawn))
+    columns, note = min(ACROSS, len(drawn)), _note(dataset, outputs, drawn)
+    title = "; ".join(filter(None, (str(dataset.attrs["title"]), what)))
+    draws, height = [partial(draw, name=name) for name in drawn], 24.0 + PANEL * ceil(len(drawn) / columns)
+    return panels(title, draws, height, columns=columns, share=False, legend=legend, across=8, note=note)
+
+
+def _note(dataset: xr.Dataset, outputs: Sequence[str], drawn: Sequence[str]) -> str:
+    """How many cases and outputs are not drawn."""
     more = f"{len(drawn)} of {len(outputs)} outputs" if len(outputs) > len(drawn) else ""
-    return panels(
-        "; ".join(filter(None, (str(dataset.attrs["title"]), what))),
-        [partial(draw, name=name) for name in drawn],
-        24.0 + PANEL * ceil(len(drawn) / columns),
-        columns=columns,
-        share=False,
-        legend=legend,
-        across=8,
-        note=_note(dataset, more),
-    )
-
-
-def _note(dataset: xr.Dataset, more: str) -> str:
-    """How many cases are not among the curves, and why."""
     status, counts = np.unique(dataset["status"].values.astype(str), return_counts=True)
     lost = ", ".join(f"{n} {s}" for s, n in zip(status, counts, strict=True) if s != COMPLETED)
     return "; ".join(filter(None, (f"of {dataset['status'].size} cases {lost} (red)" if lost else "", more)))

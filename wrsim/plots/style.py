@@ -20,10 +20,8 @@ from numpy.typing import NDArray
 from wrsim.plots.colours import INK, STOP_COLOUR
 from wrsim.results import CHANNELS, write_atomically
 
-MM = 1.0 / 25.4
-"""Inches in a millimetre."""
-FULL_WIDTH = 170.0
-"""Width of a page of a journal, mm."""
+MM = 1.0 / 25.4  # inches in a millimetre
+FULL_WIDTH = 170.0  # width of a page of a journal, mm
 
 STYLE: Any = {
     "font.family": "DejaVu Sans",
@@ -90,8 +88,7 @@ class Picture(Figure):
 
 def new_figure(width_mm: float, height_mm: float, *, constrained: bool = True) -> Figure:
     """Empty figure on an Agg canvas, of a size in mm."""
-    size = (width_mm * MM, height_mm * MM)
-    figure = Picture(figsize=size, layout="constrained") if constrained else Picture(figsize=size)
+    figure = Picture(figsize=(width_mm * MM, height_mm * MM), layout="constrained" if constrained else None)
     FigureCanvasAgg(figure)
     return figure
 
@@ -143,9 +140,6 @@ def shown(dataset: xr.Dataset, name: str) -> NDArray[np.float64]:
 
 def abscissa(dataset: xr.Dataset) -> tuple[NDArray[np.float64], str]:
     """Values and name of the channel to draw a run against: distance, or time when the wheelset rests."""
-    name = "time"
-    if "distance" in dataset.variables:
-        distance = dataset["distance"].values
-        if distance.size < 2 or np.ptp(distance) > 1e-9:
-            name = "distance"
+    distance = dataset["distance"].values if "distance" in dataset.variables else np.zeros(2)
+    name = "distance" if distance.size < 2 or np.ptp(distance) > 1e-9 else "time"
     return shown(dataset, name), name

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,6 +20,7 @@ from wrsim.geometry.track.track import Feature, Track
 from wrsim.plots.colours import CANT_COLOUR, INK, QUIET, WHEEL_COLOUR
 from wrsim.plots.marks import note, note_above
 from wrsim.plots.style import FULL_WIDTH, new_figure, style
+from wrsim.results.table import quantity
 
 Law = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
@@ -27,21 +28,15 @@ KIND_COLOUR = {"straight": INK, "transition": "#E69F00", "arc": "#009E73", "tabl
 """Line of a segment in the plan view; Okabe and Ito's set, as all pictures."""
 KIND_SHADE = {"straight": "none", "transition": "#fbf1da", "arc": "#e3f1ec", "table": "none"}
 """Background of a segment against distance."""
-SAMPLES = 400
-"""Points a segment."""
-TABLE_STEP = 0.5
-"""Distance of the points of measured track [m]."""
-IRREGULARITY_STEP = 0.25
-"""Distance of the points of irregularities [m]."""
+SAMPLES, TABLE_STEP, IRREGULARITY_STEP = 400, 0.5, 0.25
+"""Points a segment; distance of the points of measured track, and of irregularities [m]."""
 
 
 @style()
 def track_figure(track: Track) -> Figure:
-    """Plan view above curvature, cant, gauge, height and grade, and irregularities against distance.
-
-    A level track has no panel of height, an even one none of irregularities.
-    """
-    draws: list[Callable[[Axes, Track], object]] = [partial(_law, **law) for law in LAWS]
+    """Plan view above curvature, cant, gauge, height and grade, and irregularities against distance. A level track has
+    no panel of height, an even one none of irregularities."""
+    draws: list[Callable[[Axes, Track], object]] = [partial(_law, of=law) for law in LAWS]
     draws += [] if track.centre_line.pitch_law.is_zero else [height]
     draws += [partial(irregularity, way=way) for way in ("vertical", "lateral")] if track.is_uneven else []
     figure = new_figure(FULL_WIDTH, 84.0 + 27.0 * len(draws))
@@ -93,18 +88,18 @@ def plan_view(axes: Axes, track: Track) -> None:
     axes.legend(loc="best", ncols=len(drawn))
 
 
-LAWS: tuple[dict[str, Any], ...] = (
-    {"law": "curvature", "colour": INK, "least": 1.0, "label": "Curvature\n[1/km]"},
-    {"law": "cant", "colour": CANT_COLOUR, "least": 20.0, "label": "Cant [mm]\n(+ right rail up)"},
-    {"law": "gauge", "colour": INK, "least": 10.0, "label": "Gauge\n[mm]"},
+LAWS = (
+    ("curvature", INK, 1.0, "Curvature\n[1/km]"),
+    ("cant", CANT_COLOUR, 20.0, "Cant [mm]\n(+ right rail up)"),
+    ("gauge", INK, 10.0, "Gauge\n[mm]"),
 )
-"""Laws of a track against distance; least: smallest span of the axis."""
+"""Laws of a track against distance: colours, smallest spans of the axes, labels."""
 
 
-def _law(axes: Axes, track: Track, law: str, colour: str, least: float, label: str) -> None:
+def _law(axes: Axes, track: Track, of: tuple[str, str, float, str]) -> None:
     """One of ``LAWS``, a thin line at its usual value; a jump is a vertical line."""
-    _against_distance(axes, track, lambda s: 1e3 * getattr(track, law)(s), colour)
-    _limits(axes, least)
+    law, colour, least, label = of
+    _against_distance(axes, track, lambda s: 1e3 * getattr(track, law)(s), colour, least)
     axes.axhline(1e3 * track.nominal_gauge if law == "gauge" else 0.0, color=QUIET, linewidth=0.5, zorder=1.5)
     axes.ticklabel_format(axis="y", useOffset=False)
     axes.set_ylabel(label)
@@ -112,14 +107,14 @@ def _law(axes: Axes, track: Track, law: str, colour: str, least: float, label: s
 
 def height(axes: Axes, track: Track) -> None:
     """Height of the centre line; grades per thousand are written along it."""
-    _against_distance(axes, track, lambda s: track.centre_line.position(s)[:, 2], INK)
-    _limits(axes, 1.0)
+    _against_distance(axes, track, lambda s: track.centre_line.position(s)[:, 2], INK, 1.0)
     law = track.centre_line.pitch_law
     for start, end in pairwise(law.breaks):
         if abs(law(start, 1)) * (end - start) < 1e-12 and end - start > 0.06 * track.length:
             middle = 0.5 * (start + end)
             at = middle, float(track.centre_line.position(middle)[2])
-            note(axes, f"{1e3 * float(np.tan(law(start))):+.3g} ‰", at, (0.0, 7.0), ha="center")
+            grade = 1e3 * float(np.tan(law(start)))
+            note(axes, "+" * (grade >= 0.0) + quantity(grade, "‰", ".3g"), at, (0.0, 7.0), ha="center")
     axes.set_ylabel("Height\n[m]")
 
 
@@ -146,12 +141,13 @@ def _samples(feature: Feature) -> NDArray[np.float64]:
     return feature.start + span * np.append(np.arange(count) / count, 1.0 - 1e-9)
 
 
-def _against_distance(axes: Axes, track: Track, function: Law, colour: str) -> None:
-    """Line of a function of distance above the shaded segments."""
+def _against_distance(axes: Axes, track: Track, function: Law, colour: str, least: float) -> None:
+    """Line of a function of distance above the shaded segments; least: see `_limits`."""
     for feature in track.features():
         axes.axvspan(feature.start, feature.end, color=KIND_SHADE[feature.kind], linewidth=0.0, zorder=0.0)
     s = np.concatenate([_samples(feature) for feature in track.features()])
     axes.plot(s, function(s), color=colour)
+    _limits(axes, least)
 
 
 def _limits(axes: Axes, least: float) -> None:

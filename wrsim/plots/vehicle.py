@@ -20,12 +20,8 @@ from wrsim.vehicle.element_tables import KINDS, Glyph
 from wrsim.vehicle.elements import Element
 from wrsim.vehicle.vehicle import Vehicle
 
-MARGIN, GAP, TITLE, FOOT = 14.0, 9.0, 12.0, 14.0
-"""mm."""
-WHEEL_WIDTH = 0.13
-"""m."""
-
-
+MARGIN, GAP, TITLE, FOOT = 14.0, 9.0, 12.0, 14.0  # mm
+WHEEL_WIDTH = 0.13  # m
 VIEWS = {"from the side": (0, 2), "from behind": (1, 2), "from above": (0, 1)}
 """Horizontal and vertical axis of every view."""
 
@@ -72,18 +68,16 @@ def vehicle_figure(vehicle: Vehicle) -> Figure:
     scale = (FULL_WIDTH - 2.0 * MARGIN - GAP - 8.0) / (length + width)
     rows = (height * scale, width * scale)
     figure = new_figure(FULL_WIDTH, TITLE + rows[0] + GAP + 8.0 + rows[1] + FOOT, constrained=False)
-    places = {
-        "from the side": (MARGIN, TITLE, length * scale, rows[0]),
-        "from behind": (MARGIN + length * scale + GAP + 4.0, TITLE, width * scale, rows[0]),
-        "from above": (MARGIN, TITLE + rows[0] + GAP + 8.0, length * scale, rows[1]),
-    }
-    for view, where in places.items():
+    places = (
+        (MARGIN, TITLE, length * scale, rows[0]),
+        (MARGIN + length * scale + GAP + 4.0, TITLE, width * scale, rows[0]),
+        (MARGIN, TITLE + rows[0] + GAP + 8.0, length * scale, rows[1]),
+    )
+    for view, where in zip(VIEWS, places, strict=True):
         h, v = VIEWS[view]
         axes = mm_axes(figure, *where)
         vehicle_view(axes, vehicle, view)
-        ends = (-high[1], -low[1]) if h == 1 else (low[h], high[h])
-        axes.set_xlim(*ends)
-        axes.set_ylim(low[v], high[v])
+        axes.set(xlim=(-high[1], -low[1]) if h == 1 else (low[h], high[h]), ylim=(low[v], high[v]))
         if h == 1:
             ticks = np.arange(np.ceil(low[1]), np.floor(high[1]) + 0.5)
             axes.set_xticks(-ticks, [f"{t:g}" for t in ticks])
@@ -126,10 +120,8 @@ def _extent(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray]:
 
 
 def loops_figure(title: str, loops: Sequence[tuple[str, str, Sequence[tuple[str, Any, Any]]]]) -> Figure:
-    """Loops of stationary tests beside each other: wheel loads over the twist, moment over the angle of a bogie.
-
-    loops: labels of both axes and lines (label, x, y) of every panel.
-    """
+    """Loops of stationary tests beside each other: wheel loads over the twist, moment over the angle of a bogie. loops:
+    labels of both axes and lines (label, x, y) of every panel."""
 
     def draw(axes: Axes, xlabel: str, ylabel: str, lines: Sequence[tuple[str, Any, Any]]) -> None:
         for label, x, y in lines:

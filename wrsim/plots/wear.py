@@ -18,21 +18,17 @@ from wrsim.plots.colours import GROUP_LINE, INK, QUIET, SERIES_COLOURS, STOP_COL
 from wrsim.plots.marks import large_and_small, panels
 from wrsim.plots.style import shown, style
 from wrsim.results import CHANNELS
-from wrsim.results.table import with_unit
+from wrsim.results.table import formatted, quantity, with_unit
 from wrsim.results.wear import worst_worn
 from wrsim.results.wheelsets import numbered, wheelsets
 
 LAW_WORDS = {"usfd": "USFD", "archard": "Archard", "brr": "BRR"}
-BESIDE = 4.0
-"""Room beside what is worn, mm of the profile."""
-MOST_POINTS = 4000
-"""Patches of a wheel in the shakedown map."""
+BESIDE = 4.0  # room beside what is worn, mm of the profile
+MOST_POINTS = 4000  # patches of a wheel in the shakedown map
 LARGEST_FRICTION = 0.6
 
-MOST_LINES = 7
-"""Profiles in service that are drawn, the first and the last among them."""
-SEEN = 0.02
-"""Part of the largest depth from which on a place counts as worn."""
+MOST_LINES = 7  # profiles in service that are drawn, the first and the last among them
+SEEN = 0.02  # part of the largest depth from which on a place counts as worn
 
 
 def wear_figure(dataset: xr.Dataset) -> Figure:
@@ -40,29 +36,33 @@ def wear_figure(dataset: xr.Dataset) -> Figure:
     name, called = worst_worn(dataset), numbered(wheelsets(dataset))
     laws = [str(law) for law in dataset["wear_law"].values]
     whose = f": wheels of wheelset {called[name]}" if len(called) > 1 else ""
-    draws = [partial(_depths, one=dataset.sel(wheelset=name), body=body, laws=laws) for body in ("wheel", "rail")]
+
+    def draw(axes: Axes, body: str) -> None:
+        for law, line in zip(laws, GROUP_LINE, strict=False):
+            one = dataset.sel(wheelset=name, wear_law=law)
+            _over_profile(axes, one, f"wear_{body}_depth", body, linestyle=line)
+        words = "Depth worn off the wheel" if body == "wheel" else "Depth worn off the rail\nby one passage"
+        label = with_unit(words, CHANNELS[f"wear_{body}_depth"].shown.symbol)
+        axes.set(ylabel=label, xlabel=CHANNELS[f"wear_{body}_u"].label)
+        axes.set_ylim(bottom=0.0)
+
+    draws = [partial(draw, body=body) for body in ("wheel", "rail")]
     return panels(dataset.attrs["title"] + whose, draws, 120.0, share=False, legend=_legend(laws), across=5)
 
 
 @style()
 def fatigue_figure(dataset: xr.Dataset) -> Figure:
     """Shakedown map of all patches of the run; T-gamma and damage over the rails by one passage."""
-    small = [partial(_passage, dataset=dataset, name=name) for name in PASSAGE]
+    passage = {"wear_rail_energy": "T-gamma over the width of the rail [N/mm]", "rail_damage": "Damage of the rail [1]"}
+
+    def draw(axes: Axes, name: str) -> None:
+        _over_profile(axes, dataset, name, "rail")
+        axes.set(title=f"{passage[name]}, one passage", xlabel=CHANNELS["wear_rail_u"].label)
+
+    small = [partial(draw, name=name) for name in passage]
     figure = large_and_small(dataset.attrs["title"], partial(shakedown_map, dataset=dataset), small, 100.0, 0.87)
     figure.legend(handles=_legend([]), loc="outside lower center", ncols=2)
     return figure
-
-
-PASSAGE = {
-    "wear_rail_energy": "T-gamma over the width of the rail [N/mm]",
-    "rail_damage": "Damage of the rail [1]",
-}
-
-
-def _passage(axes: Axes, dataset: xr.Dataset, name: str) -> None:
-    _over_profile(axes, dataset, name, "rail")
-    axes.set_title(f"{PASSAGE[name]}, one passage")
-    axes.set_xlabel(CHANNELS["wear_rail_u"].label)
 
 
 def shakedown_map(axes: Axes, dataset: xr.Dataset) -> None:
@@ -86,16 +86,6 @@ def shakedown_map(axes: Axes, dataset: xr.Dataset) -> None:
     axes.text(0.03, 0.03, "shakes down at the surface", transform=axes.transAxes, color=QUIET, zorder=1)
     axes.set(xlim=(0.0, LARGEST_FRICTION), xlabel="Friction that is used $T/N$", title="Shakedown map")
     axes.set(ylim=(0.0, highest), ylabel="Pressure over yield stress in shear $3N/(2Ak)$")
-
-
-def _depths(axes: Axes, one: xr.Dataset, body: str, laws: list[str]) -> None:
-    """Depths over one profile, a line a side and law."""
-    channel = CHANNELS[f"wear_{body}_depth"]
-    for law, line in zip(laws, GROUP_LINE, strict=False):
-        _over_profile(axes, one.sel(wear_law=law), channel.name, body, linestyle=line)
-    per = "Depth worn off the wheel" if body == "wheel" else "Depth worn off the rail\nby one passage"
-    axes.set(ylabel=with_unit(per, channel.shown.symbol), xlabel=CHANNELS[f"wear_{body}_u"].label)
-    axes.set_ylim(bottom=0.0)
 
 
 def _over_profile(axes: Axes, dataset: xr.Dataset, name: str, body: str, **look: object) -> None:
@@ -136,7 +126,7 @@ def profiles_figure(dataset: xr.Dataset) -> Figure:
     def draw(axes: Axes, x: NDArray[np.float64], y: NDArray[np.float64], label: str, ylim: Any) -> None:
         colours = mpl.colormaps["viridis_r"](np.linspace(0.1, 1.0, chosen.size))
         for i, colour in zip(chosen, colours, strict=True):
-            axes.plot(x[i], y[i], color=colour, label=f"{mileage[i]:.4g} km", linewidth=0.9)
+            axes.plot(x[i], y[i], color=colour, label=quantity(float(mileage[i]), "km"), linewidth=0.9)
         axes.set(xlim=(low, high), ylim=ylim, ylabel=label, xlabel="Position on the wheel profile $u_w$ [mm]")
 
     draws = [
@@ -160,7 +150,7 @@ def mileage_figure(dataset: xr.Dataset) -> Figure:
         for colour, dashes, (name, short) in zip(SERIES_COLOURS, GROUP_LINE, sizes, strict=False):
             values = 1e3 * dataset[f"flange_{name}"].values
             if np.isfinite(values).any():
-                label = f"{short} - {values[0]:.2f}"
+                label = f"{short} - {formatted(float(values[0]), '.2f')}"
                 axes.plot(x, values - values[0], color=colour, label=label, linestyle=dashes, **line)
         if axes.lines:
             low, high = axes.get_ylim()
@@ -183,9 +173,10 @@ def mileage_figure(dataset: xr.Dataset) -> Figure:
         axes.set_ylim(bottom=0.0)
         axes.legend()
 
+    amplitude = quantity(1e3 * float(dataset.attrs["conicity_amplitude_m"]), "mm", "g")
     labels: dict[Callable[[Axes], None], str] = {
         flange: "Flange against the new one [mm]",
-        conicity: f"Equivalent conicity, {1e3 * dataset.attrs['conicity_amplitude_m']:g} mm",
+        conicity: f"Equivalent conicity, {amplitude}",
         deepest: "Largest depth [mm]",
         mass: "Mass lost [g/km]",
     }

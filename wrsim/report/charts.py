@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,13 +13,13 @@ from numpy.typing import NDArray
 from wrsim.plots.colours import INK, SERIES_COLOURS, WHEEL_COLOUR
 from wrsim.results import CHANNELS
 from wrsim.results.channels import PATCHES
+from wrsim.results.moments import is_history
 from wrsim.results.table import quantity
 from wrsim.results.wheelsets import numbered, wheelsets, worst_wheelset
 
 Array = NDArray[np.float64]
 
-PIECES = 400
-"""Pieces that a history is cut into; each gives two points."""
+PIECES = 400  # pieces that a history is cut into; each gives two points
 
 NAMED = ("body", "point", "coupling")
 """Dimensions, besides that of wheelsets, whose labels name the curves of a chart."""
@@ -66,25 +67,24 @@ def charts_of(
     names: short ones of the results; across: words and values of limits of a channel, in the unit for readers. None
     where one of the results is no run of several samples.
     """
-    if any(d.sizes.get("time", 0) < 2 or "resolved_with" in d.attrs for d in datasets):
+    if not all(map(is_history, datasets)):
         return None
     moves = all("distance" in d.coords and np.ptp(d["distance"].values) > 1e-9 for d in datasets)
     sets = [wheelsets(d) for d in datasets]
     parts = list(dict.fromkeys(name for own in sets for name in own))
     called = numbered(parts) if len(set(sets)) == 1 else dict(zip(parts, parts, strict=True))
-    curves = {
-        key: [
-            curve for run, d in enumerate(datasets) if key in d for curve in _curves(d, key, moves, run, names, called)
-        ]
-        for key in CHARTS
-    }
-    curves = {key: own for key, own in curves.items() if any(np.nan_to_num(c.values).any() for c in own)}
+    curves: dict[str, list[Curve]] = {}
+    for key in CHARTS:
+        drawn = (_curves(d, key, moves, run, names, called) for run, d in enumerate(datasets) if key in d)
+        own = [curve for of_run in drawn for curve in of_run]
+        if any(np.nan_to_num(curve.values).any() for curve in own):
+            curves[key] = own
     if not curves:
         return None
     pieces = pieces_of([curve.places for own in curves.values() for curve in own])
     unit = "m" if moves else "s"
     return {
-        "x": [round(float(v), 3) for v in points_of(pieces)],
+        "x": [round(v, 3) for v in (pieces[:-1, None] + np.diff(pieces)[:, None] * (0.25, 0.75)).ravel().tolist()],
         "unit": unit,
         "label": "distance along the track [m]" if moves else "time [s]",
         "parts": called,
@@ -136,19 +136,18 @@ def _curves(
         if moves and of == "wheelset" and "wheelset_distance" in dataset:
             places = dataset["wheelset_distance"].values[:, i]
         shown = called.get(part, part) if len(parts) > 1 or of in NAMED else ""
-        for j, wheel in enumerate(wheels):
-            colour = (WHEEL_COLOUR[wheel] if wheel else INK) if lone else ""
-            for k in patches:
-                patch = f"{PATCHES[k]} patch" if len(patches) > 1 else ""
-                words = [w for w in (names[run] if several else "", shown, wheel, patch) if w]
-                look = {
-                    "label": ", ".join(words) or CHANNELS[key].long_name,
-                    "part": part if of == "wheelset" and not on_track else "",
-                    "run": run,
-                    "colour": colour or SERIES_COLOURS[(run if several else i) % len(SERIES_COLOURS)],
-                    "dash": DASHES[(i if several and of in NAMED else j + 2 * k) % len(DASHES)],
-                }
-                yield Curve(look, places, values[:, i, j, k] * CHANNELS[key].shown.factor)
+        for (j, wheel), k in product(enumerate(wheels), patches):
+            patch = f"{PATCHES[k]} patch" if len(patches) > 1 else ""
+            words = [w for w in (names[run] if several else "", shown, wheel, patch) if w]
+            of_series = SERIES_COLOURS[(run if several else i) % len(SERIES_COLOURS)]
+            look = {
+                "label": ", ".join(words) or CHANNELS[key].long_name,
+                "part": part if of == "wheelset" and not on_track else "",
+                "run": run,
+                "colour": WHEEL_COLOUR.get(wheel, INK) if lone else of_series,
+                "dash": DASHES[(i if several and of in NAMED else j + 2 * k) % len(DASHES)],
+            }
+            yield Curve(look, places, values[:, i, j, k] * CHANNELS[key].shown.factor)
 
 
 def pieces_of(places: list[Array]) -> Array:
@@ -158,18 +157,10 @@ def pieces_of(places: list[Array]) -> Array:
     return np.linspace(low, high if high > low else low + 1e-9, count + 1)
 
 
-def points_of(pieces: Array) -> Array:
-    """Abscissae (2 n,) of the two points of every piece: at a quarter and at three quarters of it."""
-    width = np.diff(pieces)
-    return np.stack((pieces[:-1] + 0.25 * width, pieces[:-1] + 0.75 * width), axis=1).ravel()
-
-
 def envelope(places: Array, values: Array, pieces: Array) -> Array:
-    """Least and largest value (2 n,) of every piece, in the order in which a rise or a fall meets them.
-
-    places, values: (samples,), places in any order. A piece without a sample takes the value between its neighbours;
-    outside of the samples, and where a piece holds nothing but not-a-number, there is none.
-    """
+    """Least and largest value (2 n,) of every piece, in the order in which a rise or a fall meets them. places, values:
+    (samples,), places in any order. A piece without a sample takes the value between its neighbours; outside of the
+    samples, and where a piece holds nothing but not-a-number, there is none."""
     order = np.argsort(places, kind="stable")
     at, of = places[order], values[order]
     own = np.clip(np.searchsorted(pieces, at, side="right") - 1, 0, pieces.size - 2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,8 +28,7 @@ RESULT = "result.nc"
 PART = RESULT + ".part"
 """The run in a folder while it lasts, and after that if it did not come to its end."""
 
-RECORD = "scenario.toml"
-"""The scenario of the run in a folder."""
+RECORD = "scenario.toml"  # the scenario of the run in a folder
 
 OUTPUTS = (RESULT, RECORD, "summary.json", "vehicle.csv", "history.csv", "patches.csv", "strips.csv")
 """Names of files that an analysis writes; pictures and further tables are looked at when they are written."""
@@ -43,19 +42,15 @@ def folder_of_result(result: Path) -> Path:
 @contextmanager
 def writing(force: bool, *reads: Path, of: Path | None = None) -> Iterator[None]:
     """While this lasts, no file of the user's is written over, none of ``reads`` above all (`wrsim.results.manifest`).
-
-    of: the result that is reported on.
-    """
+    of: the result that is reported on."""
     with keeping(Keeper(reads if of is None else (*reads, of), force, None if of is None else folder_of_result(of))):
         yield
 
 
 @contextmanager
 def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path | None = None) -> Iterator[Keeper]:
-    """Keep a folder for one analysis: nobody else writes into it, and nothing of the user's is written over.
-
-    reads: files of its input; scenario: the file that is run. Raises ``InputError`` before anything is changed there.
-    """
+    """Keep a folder for one analysis: nobody else writes into it, and nothing of the user's is written over. reads:
+    files of its input; scenario: the file that is run. Raises ``InputError`` before anything is changed there."""
     keeper = Keeper(tuple(reads), force, directory)
     with Manifest(directory).locked(), keeping(keeper):
         kept = (RECORD,) if _is_record(directory, scenario) else ()
@@ -67,13 +62,6 @@ def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path 
         yield keeper
 
 
-def begin_run(directory: Path, scenario: Scenario) -> None:
-    """Put the scenario's text into the folder: the record of the run, and proof that it may be written to."""
-    Manifest(directory).note(begin=digest_of(scenario.text.encode()))
-    if not _is_record(directory, scenario.path):
-        write_atomically(directory / RECORD, scenario.text.encode())
-
-
 def _is_record(directory: Path, scenario: Path | None) -> bool:
     """True if a scenario is run from the record of the folder itself."""
     record = directory / RECORD
@@ -81,14 +69,17 @@ def _is_record(directory: Path, scenario: Path | None) -> bool:
 
 
 def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
-    """Numbers first, pictures last: what fails late costs least. A second process begins to draw at once.
-
-    Only when all files are there has the run's own file done its work, unless the user may want to go on with it.
-    """
+    """Numbers first, pictures last: what fails late costs least. A second process begins to draw at once. Only when all
+    files are there has the run's own file done its work, unless the user may want to go on with it."""
     record = directory / RECORD
     if not record.exists():  # somebody has deleted the folder of a run: it is made anew
         write_atomically(record, result.dataset.attrs["scenario_text"].encode())
-    with _pictures_of(result, pictures) as finish:
+    drawn: AbstractContextManager[Finish] = nullcontext(dict)
+    if pictures:
+        from wrsim.plots import drawing, standard_figures
+
+        drawn = drawing(standard_figures(result.dataset))
+    with drawn as finish:
         files = [record, *write_run(result, directory)]
         if further := ANALYSES[result.analysis].further:
             files += resolved(further)(result, directory, pictures)
@@ -98,18 +89,6 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
         names = [path.relative_to(directory).as_posix() for path in files]
         Manifest(directory).note(done=result.status, pictures=pictures, files=names)
     return files
-
-
-@contextmanager
-def _pictures_of(result: Result, wanted: bool) -> Iterator[Finish]:
-    """Draw the standard pictures of a result, if they are wanted, while its numbers are written."""
-    if not wanted:
-        yield dict
-        return
-    from wrsim.plots import drawing, standard_figures
-
-    with drawing(standard_figures(result.dataset)) as finish:
-        yield finish
 
 
 def write_resolved(result: Result, directory: Path, pictures: bool) -> list[Path]:
@@ -171,10 +150,8 @@ def write_ride_of(result: Result, directory: Path, pictures: bool) -> list[Path]
 
 
 def names_apart(results: Sequence[Path], output: Path | None) -> list[str]:
-    """Names of runs: the ends of their paths, as long as it takes to tell them apart.
-
-    Raises InputError for a run that is given twice, and for several runs without a folder to write to.
-    """
+    """Names of runs: the ends of their paths, as long as it takes to tell them apart. Raises InputError for a run that
+    is given twice, and for several runs without a folder to write to."""
     if len(results) > 1 and output is None:
         raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
     paths = [path.resolve() for path in results]
@@ -190,11 +167,8 @@ def names_apart(results: Sequence[Path], output: Path | None) -> list[str]:
 
 @dataclass(frozen=True)
 class Written:
-    """What a run left in a folder.
-
-    removed: files of an earlier result; wall, compiling: time it took without and for compiling [s], of a resumed run
-    nothing; note: why nothing ran.
-    """
+    """What a run left in a folder. removed: files of an earlier result; wall, compiling: time it took without and for
+    compiling [s], of a resumed run nothing; note: why nothing ran."""
 
     result: Result
     files: Sequence[Path] = ()
@@ -226,11 +200,9 @@ def run_into(
     directory: Path, scenario: Scenario, setup: Setup[Any], file: Path,
     *, resume: bool, threads: int, pictures: bool, force: bool, progress: AbstractContextManager[Any],
 ) -> Written:  # fmt: skip
-    """Run a scenario and write all of its files; while it lasts, the run is kept in ``result.nc.part``.
-
-    file: the scenario's own; progress: a context that gives the callback of `wrsim.run`. Raises InputError,
-    SimulationError; KeyboardInterrupt reports where an interrupted run is kept.
-    """
+    """Run a scenario and write all of its files; while it lasts, the run is kept in ``result.nc.part``. file: the
+    scenario's own; progress: a context that gives the callback of `wrsim.run`. Raises InputError, SimulationError;
+    KeyboardInterrupt reports where an interrupted run is kept."""
     from wrsim.analysis import run
     from wrsim.core.jit.compiling import COUNT, use_threads
 
@@ -243,7 +215,9 @@ def run_into(
         if resume and result is None and not record.exists():
             LOGGER.warning("there is no run in %s to resume; it starts from the beginning", directory)
             resume = False
-        begin_run(directory, scenario)
+        Manifest(directory).note(begin=digest_of(scenario.text.encode()))
+        if not _is_record(directory, scenario.path):  # the record of the run, and proof that it may be written to
+            write_atomically(directory / RECORD, scenario.text.encode())
         started, before = time.perf_counter(), COUNT.seconds
         try:
             if result is None:

@@ -3,25 +3,34 @@
 from __future__ import annotations
 
 import datetime
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
 from wrsim.plots import patch_gallery, save, section_gallery, standard_figures
 from wrsim.plots.assessment import assessment_figures
 from wrsim.plots.compare import has_curves, overlay_figure, patches_figure, values_figure
+from wrsim.plots.conicity import conicity_map_figure
 from wrsim.plots.cross_section import has_outlines
 from wrsim.plots.drawing import Makers, save_all
+from wrsim.plots.profile import profile_figure
 from wrsim.plots.ride import ride_figures
-from wrsim.results.assessment import assessment_csv, assessment_json
-from wrsim.results.differences import difference_table
-from wrsim.results.files import KEEPER, as_csv, as_json, csv_parts, write_atomically
+from wrsim.plots.track import track_figure
+from wrsim.plots.vehicle import loops_figure, vehicle_figure
+from wrsim.results.assessment import Assessment, assessment_csv, assessment_json
+from wrsim.results.channels import WHEELS
+from wrsim.results.conicity import ConicityMap
+from wrsim.results.differences import Deviation, difference_table
+from wrsim.results.files import KEEPER, as_csv, as_json, write_atomically
 from wrsim.results.moments import has_patches, moments_at
 from wrsim.results.render import as_rows
+from wrsim.results.ride import Ride
+from wrsim.results.table import quantity
 from wrsim.results.tables import write_table
 from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 
@@ -29,15 +38,8 @@ if TYPE_CHECKING:
     from wrsim.analysis.compare import Comparison
     from wrsim.analysis.stationary.rotation_test import RotationTest
     from wrsim.analysis.stationary.twist_test import TwistTest
-    from wrsim.geometry.profile.profile import Profile
-    from wrsim.geometry.profile.smoothing_report import SmoothingReport
-    from wrsim.geometry.track.track import Track
     from wrsim.recording.restoring import Restored
     from wrsim.results import Result
-    from wrsim.results.assessment import Assessment
-    from wrsim.results.conicity import ConicityMap
-    from wrsim.results.differences import Deviation
-    from wrsim.results.ride import Ride
     from wrsim.vehicle.vehicle import Vehicle
 
 
@@ -74,12 +76,11 @@ def write_comparison(
     files += [model.result.save(directory / file_name(model.name) / "result.nc") for model in found.models]
     if not pictures:
         return files
-    main = found.main
-    results = {m.name: m.result.dataset for m in (main, *(m for m in found.models if m is not main))}
+    models = sorted(found.models, key=lambda model: model is not found.main)
     figures: dict[str, Any] = {"compare_values": lambda: values_figure(found.values, found.reference, title)}
-    names = wheelsets(main.result.dataset)
+    names = wheelsets(found.main.result.dataset)
     for name in names:
-        each = {n: of_wheelset(d, name) for n, d in results.items()}
+        each = {model.name: of_wheelset(model.result.dataset, name) for model in models}
         own, words = (f"_{name}", f"{title}: {name}") if len(names) > 1 else ("", title)
         if all(has_patches(d) for d in each.values()):
             figures[f"compare_patches{own}"] = partial(patches_figure, each, words)
@@ -106,13 +107,8 @@ def write_conicity(result: Result, directory: Path, pictures: bool) -> list[Path
 
 def write_conicity_map(found: ConicityMap, directory: Path, pictures: bool) -> list[Path]:
     """``conicity_map.csv`` and ``conicity_map.png``."""
-    from wrsim.plots.conicity import conicity_map_figure
-
     figures = {"conicity_map": lambda: conicity_map_figure(found, found.title)} if pictures else {}
-    return [
-        write_atomically(directory / "conicity_map.csv", csv_parts(as_rows(found.table()))),
-        *save_all(figures, directory),
-    ]
+    return _written(directory, {"conicity_map.csv": as_csv(as_rows(found.table()))}, figures)
 
 
 def write_recording(
@@ -148,50 +144,33 @@ def draw_patches(dataset: xr.Dataset, at: list[str], directory: Path) -> list[Pa
     moments = moments_at(dataset, at, "--at")
     name = "_".join(file_name(place) for place in at)
     galleries = {"patches": patch_gallery} | ({"sections": section_gallery} if has_outlines(dataset) else {})
-    return save_all(
-        {f"{kind}_at_{name}": partial(make, dataset, moments) for kind, make in galleries.items()}, directory
-    )
+    figures = {f"{kind}_at_{name}": partial(make, dataset, moments) for kind, make in galleries.items()}
+    return save_all(figures, directory)
 
 
-def draw_profile(profile: Profile, picture: Path, reports: Sequence[SmoothingReport]) -> Path:
-    """A profile with slope and curvature, and what smoothing did to it."""
-    from wrsim.plots.profile import profile_figure
-
-    return save(profile_figure(profile, reports), picture)
-
-
-def draw_track(track: Track, picture: Path) -> Path:
-    """Plan, curvature, cant, gauge, height, irregularities."""
-    from wrsim.plots.track import track_figure
-
-    return save(track_figure(track), picture)
+MODELS: dict[str, Callable[..., Figure]] = {
+    "profile": profile_figure,  # a profile, and reports of its smoothing
+    "track": track_figure,
+    "vehicle": vehicle_figure,
+}
 
 
-def draw_vehicle(vehicle: Vehicle, picture: Path) -> Path:
-    """A vehicle from three sides."""
-    from wrsim.plots.vehicle import vehicle_figure
-
-    return save(vehicle_figure(vehicle), picture)
+def draw_model(kind: str, picture: Path, *model: object) -> Path:
+    """Draw a profile with slope and curvature, a track or a vehicle."""
+    return save(MODELS[kind](*model), picture)
 
 
 def draw_loops(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest], path: Path) -> Path:
     """The loops of a twist test, and of the rotation test of the first bogie."""
-    from wrsim.plots.vehicle import loops_figure
-
     found: list[tuple[str, str, list[tuple[str, Any, Any]]]] = []
     if twisted is not None:
-        wheels = [
-            (f"{m.name} {side}", twisted.part, 1e-3 * twisted.wheel_loads[:, i, k])
-            for i, m in enumerate(vehicle.wheelsets[: (len(vehicle.wheelsets) + 1) // 2])
-            for k, side in enumerate(("left", "right"))
-        ]
-        found.append(("part of the full twists", "wheel load Q [kN]", wheels))
+        loads = 1e-3 * twisted.wheel_loads
+        front = enumerate(vehicle.wheelsets[: (len(vehicle.wheelsets) + 1) // 2])
+        lines = [(f"{m.name} {side}", twisted.part, loads[:, i, k]) for i, m in front for k, side in enumerate(WHEELS)]
+        found.append(("part of the full twists", "wheel load Q [kN]", lines))
     if turned:
-        first = turned[0].bogie
-        lines = [
-            (f"{np.degrees(test.rate):g} deg/s", np.degrees(test.angle), 1e-3 * test.moment)
-            for test in turned
-            if test.bogie == first
-        ]
-        found.append((f"angle of {first.frame} [deg]", "moment [kNm]", lines))
+        first = [test for test in turned if test.bogie == turned[0].bogie]
+        rates = [quantity(float(np.degrees(test.rate)), "deg/s", "g") for test in first]
+        lines = [(r, np.degrees(t.angle), 1e-3 * t.moment) for r, t in zip(rates, first, strict=True)]
+        found.append((f"angle of {first[0].bogie.frame} [deg]", "moment [kNm]", lines))
     return save(loops_figure(vehicle.name, found), path)

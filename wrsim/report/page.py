@@ -36,30 +36,27 @@ from wrsim.results import Result
 from wrsim.results.assessment import Assessment
 from wrsim.results.moments import has_patches, moment_dim
 from wrsim.results.render import as_html
+from wrsim.results.table import formatted, quantity
 from wrsim.results.wear import has_wear
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets, worst_wheelset
 
-MOST_RESULTS = 8
-"""Results in one report: more have no colours of their own."""
+MOST_RESULTS = 8  # results in one report: more have no colours of their own
 
-MOST_MOMENTS = 6
-"""Moments of a wheelset whose contacts are drawn."""
+MOST_MOMENTS = 6  # moments of a wheelset whose contacts are drawn
 
-DOTS = 140
-"""An inch of pictures that would be too large as drawings."""
+DOTS = 140  # an inch of pictures that would be too large as drawings
 
 
 def report_page(results: Sequence[Result], sources: Sequence[str], *, viewers: Sequence[str] = ()) -> str:
-    """The report as HTML.
-
-    sources: where the results were read from; viewers: pages of their viewers, to be had inside. Raises InputError for
-    more results than a page can tell apart.
-    """
+    """The report as HTML. sources: where the results were read from; viewers: pages of their viewers, to be had inside.
+    Raises InputError for more results than a page can tell apart."""
     if len(results) > MOST_RESULTS:
         raise InputError(
             f"a report takes at most {MOST_RESULTS} results, not {len(results)}: wrsim study compares more"
         )
-    names = _names(sources)
+    names = [f"{chr(ord('A') + i)} {last_part(source)}" for i, source in enumerate(sources)]
+    names = names if len(names) > 1 else [""]
+    summaries = [r.summary() for r in results]
     both = [tables.assessed(r) for r in results]
     found = [assessment for assessment, _ in both]
     charts = charts_of([r.dataset for r in results], names, tables.chart_limits(found))
@@ -83,27 +80,23 @@ def report_page(results: Sequence[Result], sources: Sequence[str], *, viewers: S
             "assessment": rows,
             "limits_from": sources_of_limits,
             "estimated": any(cell and cell["estimate"] for row in rows for cell in row["cells"]),
-            "notes": [
-                (name, own.notes) for name, own in zip(names, found, strict=True) if own is not None and own.notes
-            ],
+            "notes": [(name, own.notes) for name, own in zip(names, found, strict=True) if own and own.notes],
             "tracks": [_track(r.dataset, own) for r, own in zip(results, found, strict=True)],
             "data": charts,
-            "pictures": []
-            if charts
-            else [as_picture(name, make()) for name, make in _standard(results, names).items()],
-            "cards": tables.cards(results, names),
-            "curves": tables.curves(results, names),
-            "numbers": tables.numbers(results, names),
+            "pictures": [as_picture(n, make()) for n, make in ({} if charts else _standard(results, names)).items()],
+            "cards": tables.cards(summaries, names),
+            "curves": tables.curves(summaries, names),
+            "numbers": tables.numbers(results, summaries, names),
             "contacts": contacts,
             "wear": [_wear(r, name) for r, name in zip(results, names, strict=True) if has_wear(r.dataset)],
             "ride": [ride.table(name) for name, ride in ridden.items()],
             "ride_notes": [why for _, why in rides if why],
             "bands": [as_picture("third octaves of the accelerations", ride_figure(ridden, bands))] if ridden else [],
-            "events": tables.events(results, names),
+            "events": tables.events(results, summaries, names),
             "viewers": list(zip(names, viewers, strict=False)),
             "histories": list(histories),
         }
-        page["drawn"] = {name: _address("webp", _as_webp(content)) for name, content in finish().items()}
+        page["drawn"] = {name: _as_webp(content) for name, content in finish().items()}
     return page_template("report.html").render(page)
 
 
@@ -135,13 +128,6 @@ def hashes(*names: str) -> Markup:
     return Markup(" ").join(Markup(f"'sha256-{base64.b64encode(d).decode()}'") for d in digests)
 
 
-def _names(sources: Sequence[str]) -> list[str]:
-    """Short names that tell the results apart: A, B, ... with the last part of their paths."""
-    if len(sources) == 1:
-        return [""]
-    return [f"{chr(ord('A') + i)} {last_part(source)}" for i, source in enumerate(sources)]
-
-
 def last_part(source: str) -> str:
     """The last part of the path of a result or its folder."""
     return source.rstrip("/").removesuffix("/result.nc").rsplit("/", 1)[-1]
@@ -152,7 +138,8 @@ def _track(dataset: xr.Dataset, found: Assessment | None) -> tuple[str, str] | N
     if "curvature" not in dataset or dataset.sizes.get("time", 0) < 2 or np.ptp(dataset["distance"].values) < 1e-9:
         return None
     sections = found.sections if found else ()
-    words = [f"section {s.number}: {s.label}, {s.start:.0f} to {s.end:.0f} m" for s in sections]
+    ends = (f"{formatted(s.start, '.0f')} to {quantity(s.end, 'm', '.0f')}" for s in sections)
+    words = [f"section {s.number}: {s.label}, {places}" for s, places in zip(sections, ends, strict=True)]
     return as_picture("; ".join(words) or "curvature and cant", track_diagram(dataset, sections))
 
 
@@ -186,27 +173,18 @@ def _contacts(dataset: xr.Dataset, result: str) -> list[dict[str, Any]]:
         one = of_wheelset(dataset, name)
         moments, total = choose_moments(one, MOST_MOMENTS), one.sizes[moment_dim(one)]
         galleries = {"wheel on rail": section_gallery, "patches from above": patch_gallery}
-        found.append(
-            {
-                "name": label + (f": {len(moments)} of {total} moments" if len(moments) < total else ""),
-                "open": name == worst_wheelset(dataset),
-                "makers": {
-                    f"{result} {label} {what}".strip(): partial(make, one, moments) for what, make in galleries.items()
-                },
-                "numbers": tables.contacts(one, moments),
-            }
-        )
+        own: dict[str, Any] = {"numbers": tables.contacts(one, moments), "open": name == worst_wheelset(dataset)}
+        own["name"] = label + (f": {len(moments)} of {total} moments" if len(moments) < total else "")
+        makers = ((f"{result} {label} {what}".strip(), make) for what, make in galleries.items())
+        found.append(own | {"makers": {words: partial(make, one, moments) for words, make in makers}})
     return found
 
 
 def _wear(result: Result, name: str) -> dict[str, Any]:
     """Tables and pictures of wear and fatigue of a run."""
     figures = {"depths over the profiles": wear_figure, "rolling contact fatigue": fatigue_figure}
-    return {
-        "name": name,
-        "tables": tables.wear_tables(result.dataset),
-        "pictures": [as_picture(words, make(result.dataset)) for words, make in figures.items()],
-    }
+    pictures = [as_picture(words, make(result.dataset)) for words, make in figures.items()]
+    return {"name": name, "tables": tables.wear_tables(result.dataset), "pictures": pictures}
 
 
 def as_picture(name: str, figure: Figure) -> tuple[str, str]:
@@ -214,11 +192,11 @@ def as_picture(name: str, figure: Figure) -> tuple[str, str]:
     return name.replace("_", " "), _address("svg+xml", rendered(figure, vector=True))
 
 
-def _as_webp(png: bytes) -> bytes:
+def _as_webp(png: bytes) -> str:
     """The same picture without loss, in a fraction of the bytes: a page is mailed."""
     stream = io.BytesIO()
     Image.open(io.BytesIO(png)).convert("RGB").save(stream, "webp", lossless=True, quality=40)
-    return stream.getvalue()
+    return _address("webp", stream.getvalue())
 
 
 def _address(kind: str, content: bytes) -> str:

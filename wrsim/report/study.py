@@ -17,8 +17,7 @@ from wrsim.report.page import as_picture, last_part, page_template
 from wrsim.report.tables import BAD, OPEN, Verdict
 from wrsim.results.table import Column, Table, formatted, quantity
 
-MOST_ROWS, FEW_ROWS = 500, 40
-"""Cases in a table of the page; up to so many, the table is open."""
+MOST_ROWS, FEW_ROWS = 500, 40  # cases in a table of the page; up to so many, the table is open
 
 
 def study_page(dataset: xr.Dataset, source: str) -> str:
@@ -29,10 +28,8 @@ def study_page(dataset: xr.Dataset, source: str) -> str:
     verdict = f"{status.size} cases: {', '.join(f'{n} {name}' for name, n in counts.items())}."
     rows = [("title", dataset.attrs["title"]), ("file", source), ("analysis", dataset.attrs.get("analysis", ""))]
     for name in varied(dataset):
-        values = np.unique(dataset[name].values)
-        span = ", ".join(map(_text, values))
-        if values.size > 8:
-            span = f"{values.size} values, {_text(values[0])} to {_text(values[-1])}"
+        values = [_text(value) for value in np.unique(dataset[name].values)]
+        span = f"{len(values)} values, {values[0]} to {values[-1]}" if len(values) > 8 else ", ".join(values)
         rows.append((f"varied: {dataset[name].attrs['key']}", span))
     without = np.flatnonzero(status != COMPLETED)
     folder = source.rstrip("/").removesuffix("/study.nc")
@@ -122,10 +119,8 @@ OF_SERVICE = {"service_text": "Service file", "cases_text": "Table of cases", "s
 
 
 def service_page(dataset: xr.Dataset, source: str, numbers: Table) -> str:
-    """The report of a service as HTML.
-
-    dataset: ``wear.nc``; source: where it was read from; numbers: of it against the mileage.
-    """
+    """The report of a service as HTML. dataset: ``wear.nc``; source: where it was read from; numbers: of it against the
+    mileage."""
     about = dataset.attrs
     steps = dataset.sizes["point"] - 1
     mileage = quantity(1e-3 * float(dataset["mileage"].values[-1]), "km", ".6g")

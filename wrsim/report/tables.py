@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import xarray as xr
 
@@ -18,12 +18,10 @@ from wrsim.results.dataset import table_of_scenario
 from wrsim.results.files import from_json
 from wrsim.results.moments import sample_of
 from wrsim.results.ride import Ride
-from wrsim.results.summary_tables import curve_tables, wheelset_tables
+from wrsim.results.summary_tables import Summary, curve_tables, extent_words, numbers_of, wheelset_tables
 from wrsim.results.table import Cell, Column, Table, formatted, quantity
 from wrsim.results.wear import summarise_wear
 from wrsim.results.wheelsets import numbered, wheelsets
-
-Found = TypeVar("Found")
 
 OF_PATCHES = ("N", "p0", "contact_angle", "contact_angle_variation", "area")
 """Channels in the table of contacts."""
@@ -31,15 +29,12 @@ OF_PATCHES = ("N", "p0", "contact_angle", "contact_angle_variation", "area")
 GOOD, BAD, OPEN = "good", "bad", "open"
 """States of a verdict: within all limits; beyond one, or stopped; nothing to say."""
 
-MOST_CURVES = 10
-"""Full curves of a result that are listed; summary.json has all of them."""
+MOST_CURVES = 10  # full curves of a result that are listed; summary.json has all of them
 
-APART = 1.05
-"""Limits that differ by less are one line in a chart."""
+APART = 1.05  # limits that differ by less are one line in a chart
 
 
-@dataclass(frozen=True)
-class Verdict:
+class Verdict(NamedTuple):
     """One line: state and words."""
 
     state: str
@@ -50,19 +45,18 @@ def assessed(result: Result) -> tuple[Assessment | None, str]:
     """The assessment of a run, or why there is none."""
     from wrsim.analysis.assessment import assess
 
-    return _attempted(assess, result)
+    try:
+        return assess(result), ""
+    except InputError as problem:
+        return None, str(problem)
 
 
 def ridden(result: Result) -> tuple[Ride | None, str]:
-    """The ride of a run with points, or why there is none; no words where nobody expects one."""
+    """The ride of a run with points, or why there is none."""
     from wrsim.analysis.ride import evaluate_ride
 
-    return _attempted(evaluate_ride, result) if {"point", "time"} <= set(result.dataset.dims) else (None, "")
-
-
-def _attempted(evaluate: Callable[[Result], Found], result: Result) -> tuple[Found | None, str]:
     try:
-        return evaluate(result), ""
+        return (evaluate_ride(result) if {"point", "time"} <= set(result.dataset.dims) else None), ""
     except InputError as problem:
         return None, str(problem)
 
@@ -83,26 +77,22 @@ def verdict(result: Result, found: Assessment | None, why: str) -> Verdict:
 
 def _tightest(row: ZoneValue) -> str:
     """The worst margin in words."""
-    value, limit = row.worst, row.worst.limit
-    shown, margin = value.quantity.shown, row.margin
-    at_most = quantity(limit.value * shown.factor, shown.unit) if limit else ""
+    value, own, margin = row.worst, row.worst.quantity, row.margin or 0.0
+    at_most = quantity(value.limit.value * own.shown.factor, own.shown.unit) if value.limit else ""
     number, kind = value.value, ""
-    if margin is not None and value.margin is not None and margin < value.margin and row.estimate is not None:
+    if margin < (value.margin or 0.0) and row.estimate is not None:
         number, kind = row.estimate, ", estimated maximum"
-    place = f"{value.section.label}, section {value.section.number}" + (f": {value.place}" if value.place else "")
-    return (
-        f"worst margin {quantity(100.0 * (margin or 0.0), '%', '.0f')}: {value.quantity.symbol} = "
-        f"{quantity(number * shown.factor, shown.unit)}{kind} of {at_most} ({value.quantity.words}; {place})"
-    )
+    found = f"{own.symbol} = {quantity(number * own.shown.factor, own.shown.unit)}{kind} of {at_most}"
+    place = f"{own.words}; {value.section.label}, {value.where}"
+    return f"worst margin {quantity(100.0 * margin, '%', '.0f')}: {found} ({place})"
 
 
 def identity(results: Sequence[Result], sources: Sequence[str]) -> list[tuple[str, list[str]]]:
     """Rows of the table of who is who: a name, and a text for every result."""
-    columns = [_identity(r) for r in results]
-    rows = [("title", [r.title for r in results]), ("file", list(sources))]
-    rows += [(name, [own[name] for own in columns]) for name in columns[0]]
-    versions = sorted({k for r in results for k in r.dataset.attrs if k.endswith("_version") and k != "format_version"})
-    ordered = sorted(versions, key=lambda k: not k.startswith("wrsim"))
+    columns = [{"title": r.title, "file": source} | _identity(r) for r, source in zip(results, sources, strict=True)]
+    rows = [(name, [own[name] for own in columns]) for name in columns[0]]
+    versions = {k for r in results for k in r.dataset.attrs if k.endswith("_version") and k != "format_version"}
+    ordered = sorted(versions, key=lambda k: (not k.startswith("wrsim"), k))
     rows += [(k.removesuffix("_version"), [str(r.dataset.attrs.get(k, "")) for r in results]) for k in ordered]
     return [(name, values) for name, values in rows if any(values)]
 
@@ -117,19 +107,13 @@ def _identity(result: Result) -> dict[str, str]:
     contact = ", ".join(f"{k} = {v}" for k, v in of_contact.items() if k in ("normal", "tangential", "friction"))
     if "resolved_with" in attributes:
         contact = f"solved again with {attributes['resolved_with']}"
-    extent = f"{dataset.sizes['pose']} poses" if "pose" in dataset.dims else ""
-    if dataset.sizes.get("time"):
-        extent = f"{dataset.sizes['time']} samples over {quantity(float(dataset['time'].values[-1]), 's')}"
-        if "distance" in dataset.coords:
-            way = dataset["distance"].values
-            extent += f", {formatted(float(way[0]), '.1f')} to {quantity(float(way[-1]), 'm', '.1f')}"
     integration = ""
     if {"integrator", "step_s"} <= attributes.keys():
         integration = f"{attributes['integrator']}, steps of {quantity(1e3 * float(attributes['step_s']), 'ms')}"
     return {
         "analysis": result.analysis,
         "status": result.status + (f": {result.stop_reason}" if result.stop_reason else ""),
-        "extent": extent,
+        "extent": extent_words(dataset),
         "vehicle": vehicle,
         "contact": contact,
         "integration": integration,
@@ -144,20 +128,15 @@ def inputs(result: Result) -> list[tuple[str, str]]:
 
 def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, Any]], dict[str, str]]:
     """Rows by quantity and class of track, with cells of every assessment that has them; sources of limits by letter.
-
-    first: how many rows the quantity has, in the first of them, and 0 in the others.
-    """
+    first: how many rows the quantity has, in the first of them, and 0 in the others."""
     quantities: dict[str, dict[str, dict[str, Any]]] = {}
     letters: dict[str, str] = {}
     for i, each in enumerate(found):
         for row in each.zones if each is not None else ():
             of, zone, limit = row.worst.quantity, row.worst.section.zone, row.worst.limit
-            words = {"symbol": of.symbol, "words": of.words, "unit": of.shown.unit}
-            zones = quantities.setdefault(of.key, {})
-            own = zones.setdefault(zone, words | {"zone": zone, "cells": [None] * len(found), "first": 0})
-            letter = ""
-            if limit is not None:
-                letter = letters.setdefault(limit.words, snapshot_letter(len(letters)))
+            words = {"symbol": of.symbol, "words": of.words, "unit": of.shown.unit, "zone": zone, "first": 0}
+            own = quantities.setdefault(of.key, {}).setdefault(zone, words | {"cells": [None] * len(found)})
+            letter = letters.setdefault(limit.words, snapshot_letter(len(letters))) if limit is not None else ""
             own["cells"][i] = {**row.cells(), "passed": row.passed, "letter": letter}
     for zones in quantities.values():
         next(iter(zones.values()))["first"] = len(zones)
@@ -166,20 +145,13 @@ def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, 
 
 
 def chart_limits(found: Sequence[Assessment | None]) -> dict[str, list[tuple[str, float]]]:
-    """Limits to draw across histories: of the track shifting force both ways, of Y/Q and Q.
-
-    Of limits that lie as near each other as those of wheelsets of nearly one load, the least.
-    """
-    values = [
-        (own.quantity.key, round(own.limit.value * own.quantity.shown.factor, 3))
-        for each in found
-        for own in (each.values if each is not None else ())
-        if own.limit is not None
-    ]
+    """Limits to draw across histories: of the track shifting force both ways, of Y/Q and Q. Of limits that lie as near
+    each other as those of wheelsets of nearly one load, the least."""
     drawn: dict[str, list[tuple[str, float]]] = {}
     for key in ("sum_Y", "Y_over_Q", "Q"):
         apart: list[float] = []
-        for v in sorted(value for name, value in values if name == key):
+        values = ((v.limit, v.quantity.shown.factor) for each in found if each is not None for v in each.of(key))
+        for v in sorted(round(limit.value * factor, 3) for limit, factor in values if limit is not None):
             if not apart or v > APART * apart[-1]:
                 apart.append(v)
         both = [*apart, *(-v for v in apart)] if key == "sum_Y" else apart
@@ -187,25 +159,26 @@ def chart_limits(found: Sequence[Assessment | None]) -> dict[str, list[tuple[str
     return drawn
 
 
-def cards(results: Sequence[Result], names: Sequence[str]) -> list[tuple[str, list[Table]]]:
+def cards(summaries: Sequence[Summary], names: Sequence[str]) -> list[tuple[str, list[Table]]]:
     """For every wheelset a card: its name, tables of its peaks."""
-    summaries = [r.summary() for r in results]
-    sets = list(dict.fromkeys(name for s in summaries for name in s.get("wheelsets", {})))
-    words = numbered(sets) if len({tuple(s.get("wheelsets", {})) for s in summaries}) == 1 else {n: n for n in sets}
-    of = {name: [s.get("wheelsets", {}).get(name) for s in summaries] for name in sets}
-    return [(words[name], wheelset_tables(of[name], names)) for name in sets]
+    of = [summary.get("wheelsets", {}) for summary in summaries]
+    sets = list(dict.fromkeys(name for own in of for name in own))
+    words = numbered(sets) if len(set(map(tuple, of))) == 1 else dict(zip(sets, sets, strict=True))
+    return [(words[name], wheelset_tables([own.get(name) for own in of], names)) for name in sets]
 
 
-def curves(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
+def curves(summaries: Sequence[Summary], names: Sequence[str]) -> list[Table]:
     """Medians in full curves, of every result."""
-    sets = [r.summary().get("wheelsets", {}) for r in results]
+    sets = [summary.get("wheelsets", {}) for summary in summaries]
     tables = [curve_tables(list(numbered(tuple(own)).values()), list(own.values()), MOST_CURVES) for own in sets]
     return _named(tables, names)
 
 
-def numbers(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
+def numbers(results: Sequence[Result], summaries: Sequence[Summary], names: Sequence[str]) -> list[Table]:
     """The tables of results without wheelsets (stability, steady, conicity)."""
-    return [] if any("wheelsets" in r.summary() for r in results) else _named([r.numbers() for r in results], names)
+    if any("wheelsets" in summary for summary in summaries):
+        return []
+    return _named([numbers_of(r.dataset, own) for r, own in zip(results, summaries, strict=True)], names)
 
 
 def _named(tables: Sequence[Sequence[Table]], names: Sequence[str]) -> list[Table]:
@@ -230,24 +203,18 @@ def contacts(dataset: xr.Dataset, moments: Sequence[int]) -> Table:
     return Table("", (Column("at"), Column("wheel"), *(Column.of(CHANNELS[name]) for name in channels)), rows)
 
 
-def events(results: Sequence[Result], names: Sequence[str]) -> Table | None:
+def events(results: Sequence[Result], summaries: Sequence[Summary], names: Sequence[str]) -> Table | None:
     """What happened on the way, and where a run stopped."""
     rows: list[tuple[str, ...]] = []
-    for result, name in zip(results, names, strict=True):
-        dataset = result.dataset
+    for result, summary, name in zip(results, summaries, names, strict=True):
+        found = [(e["distance_m"], e["time_s"], e["event"]) for e in summary.get("events", ())]
+        if result.status == "stopped" and "stop_distance_m" in result.dataset.attrs:
+            s, t = (float(result.dataset.attrs[f"stop_{key}"]) for key in ("distance_m", "time_s"))
+            found.append((s, t, f"stopped: {result.stop_reason}"))
         who = (name,) if len(names) > 1 else ()
-        if "event" in dataset.dims:
-            columns = (dataset[f"event_{key}"].values for key in ("distance", "time", "label"))
-            rows += [(*_place(s, t), str(w), *who) for s, t, w in zip(*columns, strict=True)]
-        if result.status == "stopped" and "stop_distance_m" in dataset.attrs:
-            s, t = (float(dataset.attrs[f"stop_{key}"]) for key in ("distance_m", "time_s"))
-            rows.append((*_place(s, t), f"stopped: {result.stop_reason}", *who))
+        rows += [(quantity(s, "m", ".1f"), quantity(t, "s", ".3f"), words, *who) for s, t, words in found]
     heads = ("place", "time", "what happened", *(("result",) if len(names) > 1 else ()))
     return Table("", tuple(map(Column, heads)), rows) if rows else None
-
-
-def _place(distance: float, time: float) -> tuple[str, str]:
-    return quantity(float(distance), "m", ".1f"), quantity(float(time), "s", ".3f")
 
 
 WORN_WHEELS = {
@@ -256,10 +223,7 @@ WORN_WHEELS = {
     "wear_wheel_depth_max_um_per_km": Column("deepest", "µm/km"),
     "wear_wheel_u_mm": Column("at u", "mm"),
 }
-WORN_RAILS = {
-    "wear_rail_depth_max_nm": Column("deepest, one passage", "nm"),
-    "wear_rail_u_mm": Column("at u", "mm"),
-}
+WORN_RAILS = {"wear_rail_depth_max_nm": Column("deepest, one passage", "nm"), "wear_rail_u_mm": Column("at u", "mm")}
 FATIGUE = {
     "rail_damage_max": Column("largest damage, one passage"),
     "wear_rail_u_mm": Column("at u", "mm"),
@@ -271,14 +235,13 @@ FATIGUE = {
 def wear_tables(dataset: xr.Dataset) -> list[Table]:
     """What wheels lose by every law, what rails lose, fatigue of the rails."""
     found, called = summarise_wear(dataset), numbered(wheelsets(dataset))
-    tables = []
+    parts: list[tuple[str, str, dict[str, Column], dict[str, Any]]] = []
     for law, of in found["laws"].items():
         wheels = {f"{called[name]}, {w}": own for name, pair in of["wheelsets"].items() for w, own in pair.items()}
-        tables.append(_table(f"Wheels, {LAW_WORDS[law]}", "wheel", WORN_WHEELS, wheels))
-        tables.append(_table(f"Rails, {LAW_WORDS[law]}", "rail", WORN_RAILS, of["rails"]))
-    return [*tables, _table("Fatigue of the rails", "rail", FATIGUE, found["fatigue"])]
-
-
-def _table(title: str, what: str, columns: dict[str, Column], of: dict[str, Any]) -> Table:
-    rows = [(name, *(own[key] for key in columns)) for name, own in of.items()]
-    return Table(title, (Column(what), *columns.values()), rows)
+        parts.append((f"Wheels, {LAW_WORDS[law]}", "wheel", WORN_WHEELS, wheels))
+        parts.append((f"Rails, {LAW_WORDS[law]}", "rail", WORN_RAILS, of["rails"]))
+    parts.append(("Fatigue of the rails", "rail", FATIGUE, found["fatigue"]))
+    return [
+        Table(title, (Column(what), *heads.values()), [(n, *(own[key] for key in heads)) for n, own in rows.items()])
+        for title, what, heads, rows in parts
+    ]

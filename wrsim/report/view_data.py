@@ -24,7 +24,7 @@ from wrsim.plots.wear import LAW_WORDS
 from wrsim.report.page import page_template
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import PATCHES
-from wrsim.results.moments import has_patches, moment_dim, sample_of
+from wrsim.results.moments import has_patches, is_history, moment_dim, sample_of
 from wrsim.results.table import quantity
 from wrsim.results.wear import has_wear
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
@@ -34,19 +34,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MOST_SAMPLES = 20000
-"""Samples that a page holds; of longer runs every second, third, ... one."""
-SECTIONS = 240
-"""Places, evenly spread, at which wheels are drawn on their rails."""
-NODES = 17
-"""Points of a patch along its curved axis."""
-PATH_STEP = 1.0
-"""Between two points of the track [m]."""
+MOST_SAMPLES = 20000  # samples that a page holds; of longer runs every second, third, ... one
+SECTIONS = 240  # places, evenly spread, at which wheels are drawn on their rails
+NODES = 17  # points of a patch along its curved axis
+PATH_STEP = 1.0  # between two points of the track [m]
 BEYOND = 60.0
 """Length of track drawn ahead of the first and behind the last place of the vehicle [m]."""
 
-LEAST_DEPTH = 0.01
-"""Of the largest depth worn off, from which on it is drawn."""
+LEAST_DEPTH = 0.01  # of the largest depth worn off, from which on it is drawn
 
 OF_WHEELSETS = ("lateral_shift", "vertical_shift", "yaw", "roll", "curvature", "cant")
 OF_WHEELS = ("Y", "Q", "Y_over_Q", "T_gamma")
@@ -57,11 +52,8 @@ OF_BODIES = ("body_lateral", "body_vertical", "body_yaw", "body_pitch", "body_ro
 def packed(values: NDArray[Any], kind: str) -> dict[str, Any]:
     """An array as text: its shape, its type ("u1", "f4", "f8", "i2" little-endian), its bytes compressed."""
     data = np.ascontiguousarray(values, dtype=f"<{kind}")
-    return {
-        "shape": list(data.shape),
-        "kind": kind,
-        "data": base64.b64encode(zlib.compress(data.tobytes(), 6)).decode(),
-    }
+    content = base64.b64encode(zlib.compress(data.tobytes(), 6)).decode()
+    return {"shape": list(data.shape), "kind": kind, "data": content}
 
 
 def packed_steps(values: Array, unit: float) -> dict[str, Any]:
@@ -72,18 +64,15 @@ def packed_steps(values: Array, unit: float) -> dict[str, Any]:
 
 
 def view_page(result: Result, folder: Path, models: Sequence[Path] = ()) -> str:
-    """The viewer as HTML.
-
-    folder, models: where the model files of the scenario are looked up; where they are missing, the page shows what the
-    result alone holds and says so. Raises InputError for a result with nothing to look at.
-    """
+    """The viewer as HTML. folder, models: where the model files of the scenario are looked up; where they are missing,
+    the page shows what the result alone holds and says so. Raises InputError for a result with nothing to look at."""
     data = view_data(result, *setup_of(result, folder, models))
     page = {"title": result.title, "version": __version__, "numbers": "run" in data, "data": data}
     return page_template("view.html").render(page)
 
 
 def setup_of(result: Result, folder: Path, models: Sequence[Path] = ()) -> tuple[Setup[Any] | None, str]:
-    """The set-up of a result's scenario, or None and why it cannot be had."""
+    """The set-up of a result's scenario, or None and the reason."""
     from wrsim.scenario.build import build
     from wrsim.scenario.loading import load_text
 
@@ -96,11 +85,8 @@ def setup_of(result: Result, folder: Path, models: Sequence[Path] = ()) -> tuple
 
 
 def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[str, Any]:
-    """Everything that the viewer shows of a result.
-
-    setup: of its scenario, for shapes and for contacts between the kept moments; why: what kept it from being made.
-    Raises InputError for a result with nothing to see.
-    """
+    """Everything that the viewer shows of a result. setup: of its scenario, for shapes and for contacts between the
+    kept moments; why: what kept it from being made. Raises InputError for a result with nothing to see."""
     dataset = result.dataset
     data: dict[str, Any] = {"title": result.title, "analysis": result.analysis, "notes": [why] if why else []}
     if result.stop_reason:
@@ -113,16 +99,14 @@ def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[s
     if result.analysis == "stability" and setup is not None:
         data["modes"] = _modes(result, setup)
         return data
-    runs = "time" in dataset.dims and dataset.sizes["time"] > 1 and "resolved_with" not in dataset.attrs
-    if runs:
+    dense = dataset
+    if is_history(dataset):
         count = dataset.sizes["time"]
         keep = np.unique(np.append(np.arange(0, count, -(-count // MOST_SAMPLES)), count - 1))
         data["run"] = _run(dataset, keep)
         dense = _dense(dataset, setup, keep, data["notes"])
-    else:
-        dense = dataset
     if has_patches(dense) and has_outlines(dense):
-        data["sections"] = _sections(dense, dataset)
+        data["sections"] = _sections(dense)
     if "run" not in data and "sections" not in data:
         raise InputError(f'a result of analysis = "{result.analysis}" holds neither motion nor contacts to look at')
     return data
@@ -158,30 +142,21 @@ def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
     if "spin_rate" in dataset:
         rate, dt = dataset["spin_rate"].values, np.diff(dataset["time"].values)
         spin[1:] = np.cumsum(0.5 * (rate[1:] + rate[:-1]) * dt[:, None], axis=0)
-    run: dict[str, Any] = {
-        "wheelsets": list(names),
-        "time": packed(dataset["time"].values[keep], "f8"),
-        "distance": packed(distance[keep], "f8"),
-        "place": packed(place[keep], "f8"),
-        "spin": packed((spin[keep] % (2.0 * np.pi)), "f4"),
-        "channels": {},
-        "track": _track(dataset, place),
-        "events": _events(dataset),
-    }
+    columns = {"time": dataset["time"].values, "distance": distance, "place": place}
+    run: dict[str, Any] = {"wheelsets": list(names)} | {n: packed(own[keep], "f8") for n, own in columns.items()}
+    run["spin"] = packed(spin[keep] % (2.0 * np.pi), "f4")
+    run |= {"channels": {}, "track": _track(dataset, place), "events": _events(dataset)}
     channels = {name: (dataset[name], CHANNELS[name], "") for name in (*OF_WHEELSETS, *OF_WHEELS) if name in dataset}
     for k in range(dataset.sizes.get("patch", 0)):
         for name in OF_PATCHES if np.isfinite(dataset["N"].values[..., k]).any() else ():
-            own = (dataset[name].isel(patch=k), CHANNELS[name], f", {PATCHES[k]} patch")
-            channels[f"{name}_{k}" if k else name] = own
+            of_patch = (dataset[name].isel(patch=k), CHANNELS[name], f", {PATCHES[k]} patch")
+            channels[f"{name}_{k}" if k else name] = of_patch
     channels |= {name: (dataset[name], CHANNELS[name], "") for name in OF_BODIES if name in dataset}
     for name, (data, channel, which) in channels.items():
-        numbers = packed(data.values[keep] * channel.shown.factor, "f4")
-        run["channels"][name] = numbers | {
-            "unit": channel.shown.unit,
-            "factor": channel.shown.factor,
-            "dims": [d for d in data.dims if d != "time"],
-            "words": channel.long_name + which,
-        }
+        own = channel.shown
+        about = {"unit": own.unit, "factor": own.factor, "words": channel.long_name + which}
+        dims = [d for d in data.dims if d != "time"]
+        run["channels"][name] = packed(data.values[keep] * own.factor, "f4") | about | {"dims": dims}
     if "body" in dataset.dims:
         run["bodies"] = [str(b) for b in dataset["body"].values]
     if "suspension" in dataset.dims:
@@ -207,10 +182,8 @@ def _events(dataset: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def _track(dataset: xr.Dataset, place: Array) -> dict[str, Any] | None:
-    """The centre line at even steps, from the curvature, cant and grade that the first and last wheelsets passed.
-
-    x, y, z [m] from the start, heading [rad], cant [rad] about the tangent. Good for a drawing: trapezoidal steps.
-    """
+    """The centre line at even steps, from the curvature, cant and grade that the first and last wheelsets passed. x, y,
+    z [m] from the start, heading [rad], cant [rad] about the tangent. Good for a drawing: trapezoidal steps."""
     if "curvature" not in dataset:
         return None
     order = np.argsort(np.concatenate((place[:, -1], place[:, 0])), kind="stable")
@@ -244,20 +217,15 @@ def _vehicle(setup: Setup[Any]) -> dict[str, Any]:
     wheels = []
     for mounted in vehicle.wheelsets:
         own = mounted.wheelset
-        sides = []
-        for wheel in (own.left, own.right):
-            u, w = _shape(wheel.profile, 400, 0.3)
-            sides.append({"radius": wheel.radius, "u": _short(u), "r": _short(wheel.radius - w)})
+        shapes = ((wheel.radius, *_shape(wheel.profile, 400, 0.3)) for wheel in (own.left, own.right))
+        sides = [{"radius": radius, "u": _short(u), "r": _short(radius - w)} for radius, u, w in shapes]
         place = {"x": mounted.x, "height": mounted.height, "spacing": own.profile_spacing}
         wheels.append({"name": mounted.name, **place, "sides": sides})
     elements = [
         {"name": e.name, "kind": e.kind, "first": e.first, "second": e.second, "ends": [list(p) for p in e.points]}
         for e in vehicle.elements
     ]
-    rails = []
-    for rail in setup.rails:
-        u, w = _shape(rail, 300, 0.5)
-        rails.append({"u": _short(u), "w": _short(w)})
+    rails = [{"u": _short(u), "w": _short(w)} for u, w in (_shape(rail, 300, 0.5) for rail in setup.rails)]
     return {
         "name": vehicle.name,
         "wheelsets": wheels,
@@ -277,8 +245,8 @@ def _shape(profile: Profile, count: int, off: float) -> tuple[Array, Array]:
     return u[i], w[i]
 
 
-def _short(values: Any) -> list[float]:
-    return [round(float(v), 5) for v in np.asarray(values)]
+def _short(values: Array) -> list[float]:
+    return [round(v, 5) for v in values.tolist()]
 
 
 def _modes(result: Result, setup: Setup[Any]) -> dict[str, Any]:
@@ -289,27 +257,23 @@ def _modes(result: Result, setup: Setup[Any]) -> dict[str, Any]:
     speeds = dataset["pose_speed"].values
     critical = float(dataset.attrs.get("critical_speed_m_s", np.nan))
     chosen = np.unique(np.linspace(0, speeds.size - 1, min(4, speeds.size)).astype(int)).tolist()
-    asked = [float(speeds[i]) for i in chosen]
-    if np.isfinite(critical):
-        asked.append(critical)
+    drawn = {float(speeds[i]) for i in chosen} | ({critical} if np.isfinite(critical) else set())
     found = []
-    for modes, names in mode_shapes(setup, sorted(set(asked))):
+    for modes, names in mode_shapes(setup, sorted(drawn)):
         rows = []
         for value, shape, name in zip(modes.values, modes.shapes, names, strict=True):
             numbers = {"frequency": float(value.imag / (2.0 * np.pi)), "damping": float(-value.real / abs(value))}
             parts = {
-                key: [[round(float(v), 6) for v in body] for body in part / np.abs(shape).max()]
+                key: [[round(v, 6) for v in body] for body in (part / np.abs(shape).max()).tolist()]
                 for key, part in (("real", shape.real), ("imag", shape.imag))
             }
             rows.append({"name": name, **numbers, **parts})
         found.append({"speed": modes.speed * 3.6, "critical": bool(modes.speed == critical), "modes": rows})
-    return {
-        "speeds": found,
-        "bodies": [*(m.name for m in setup.vehicle.wheelsets), *(b.name for b in setup.vehicle.bodies)],
-    }
+    bodies = [*(m.name for m in setup.vehicle.wheelsets), *(b.name for b in setup.vehicle.bodies)]
+    return {"speeds": found, "bodies": bodies}
 
 
-def _sections(dense: xr.Dataset, own: xr.Dataset) -> dict[str, Any]:
+def _sections(dense: xr.Dataset) -> dict[str, Any]:
     """Wheels on rails at the moments of a dataset: outlines and patches, per wheelset and wheel."""
     dim = moment_dim(dense)
     count = dense.sizes[dim]
@@ -318,14 +282,12 @@ def _sections(dense: xr.Dataset, own: xr.Dataset) -> dict[str, Any]:
     most = float(np.nanmax(dense["strip_p"].values, initial=0.0)) * 1e-6 or 1.0
     found: dict[str, Any] = {"wheelsets": list(names), "wheels": sides, "most": most, "of": []}
     if dim == "snapshot":
-        found["at"] = [round(float(s), 4) for s in dense["snapshot_distance"].values]
-        found["time"] = [round(float(t), 6) for t in dense["snapshot_time"].values]
+        found["at"] = [round(s, 4) for s in dense["snapshot_distance"].values.tolist()]
+        found["time"] = [round(t, 6) for t in dense["snapshot_time"].values.tolist()]
     else:
         found["poses"] = [str(p) for p in dense["pose"].values]
-    for name in names:
-        one = of_wheelset(dense, name)
-        for side in sides:
-            found["of"].append({"wheelset": name, "wheel": side, **_wheel(one, side, count, most)})
+    for name, one in ((name, of_wheelset(dense, name)) for name in names):
+        found["of"] += [{"wheelset": name, "wheel": side, **_wheel(one, side, count, most)} for side in sides]
     return found
 
 
@@ -366,10 +328,8 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
 
 def _outline(mine: xr.Dataset, body: str, dim: str, error: float, worn: bool) -> tuple[Array, NDArray[np.intp], Array]:
     """An outline at all moments (moments, points, 2) [mm], the moments that have one, and which points were needed for
-    an error [mm], as shares of the profile's length. worn: with all points of it that wear.
-
-    Moments without an outline have that of the nearest one.
-    """
+    an error [mm], as shares of the profile's length. worn: with all points of it that wear. Moments without an outline
+    have that of the nearest one."""
     lines = np.stack([mine[f"{body}_profile_{n}"].transpose(dim, f"{body}_point").values * 1e3 for n in "yz"], axis=-1)
     there = np.isfinite(lines[..., 0])
     finite = np.flatnonzero(there.any(axis=1))
@@ -405,9 +365,7 @@ def depth_at(mine: xr.Dataset, body: str, share: Array) -> Array:
 
 def worn_outlines(mine: xr.Dataset, on_wheel: Array, on_rail: Array) -> dict[str, Any]:
     """For the viewer: depths by the first law at points of the outlines of one wheel and its rail, and words for them.
-
-    on_wheel, on_rail: the points, as shares of the profiles' lengths; depths as hundredths of the largest.
-    """
+    on_wheel, on_rail: the points, as shares of the profiles' lengths; depths as hundredths of the largest."""
     law, words = str(mine["wear_law"].values[0]), []
     found: dict[str, Any] = {}
     for body, points in (("wheel", on_wheel), ("rail", on_rail)):

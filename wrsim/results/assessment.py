@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from wrsim.results.channels import SHOWN, Shown
 from wrsim.results.files import as_csv, as_json
 from wrsim.results.render import as_rows
-from wrsim.results.table import Cell, Column, Table, formatted, quantity
+from wrsim.results.table import Cell, Column, Table, finite, formatted, quantity
 
 Array = NDArray[np.float64]
 
@@ -25,14 +25,11 @@ Influence = Literal["cant_deficiency", "curvature", "speed"]
 """What the sections of a class differ in, by which values are estimated."""
 
 INFLUENCES: dict[Influence, Shown] = {
-    "cant_deficiency": SHOWN["mm"],
-    "curvature": SHOWN["1/km"],
-    "speed": SHOWN["km/h"],
-}
-"""In which unit people read them."""
+    "cant_deficiency": SHOWN["mm"], "curvature": SHOWN["1/km"], "speed": SHOWN["km/h"],
+}  # fmt: skip
+"""Units of influences for readers."""
 
-TRANSITION = "transition"
-"""Class of what lies between curves."""
+TRANSITION = "transition"  # class of what lies between curves
 
 SAFETY, LOADING, RIDE, INFORMATION = "running safety", "track loading", "ride characteristics", "information"
 
@@ -121,9 +118,7 @@ class Limit:
 @dataclass(frozen=True)
 class Value:
     """One quantity in one section, on one wheelset and, where it belongs to a wheel, on that wheel; or at a point.
-
-    label: the wheelset's name with its number from the front.
-    """
+    label: the wheelset's name with its number from the front."""
 
     quantity: Quantity
     section: AssessedSection
@@ -145,9 +140,10 @@ class Value:
         return None if self.limit is None else 1.0 - self.value / self.limit.value
 
     @property
-    def place(self) -> str:
-        """Wheelset and wheel, or the point, in words; empty where there is only one."""
-        return " ".join(part for part in (self.label, self.wheel, self.point) if part)
+    def where(self) -> str:
+        """Section with the wheelset and wheel, or the point, where there are several."""
+        place = " ".join(part for part in (self.label, self.wheel, self.point) if part)
+        return f"section {self.section.number}" + (f": {place}" if place else "")
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,7 +211,7 @@ class ZoneValue:
             "limit": "" if limit is None else formatted(limit.value * factor),
             "margin": "" if worst.margin is None else quantity(100.0 * worst.margin, "%", ".0f"),
             "verdict": "" if self.passed is None else "ok" if self.passed else "EXCEEDED",
-            "worst in": f"section {worst.section.number}" + (f": {worst.place}" if worst.place else ""),
+            "worst in": worst.where,
         }
 
 
@@ -224,10 +220,9 @@ class Assessment:
     """Everything that an assessment found.
 
     zones: every quantity over every zone, in the order of ``values``; notes: what could not be assessed, and why;
-    settings: numbers it rests on, in units for readers; signals: what was evaluated in each run, by its name, against
-    distance, for pictures (dimensions ``place``, ``wheelset``, ``wheel``); the name of a lone run is empty; track: how
-    uneven it is, nothing on smooth track; estimate_over: influences by which values are estimated, none for the
-    one-dimensional method.
+    settings: numbers it rests on, in units for readers; signals: evaluated signals of each run by its name (empty for a
+    lone one) against distance (dimensions ``place``, ``wheelset``, ``wheel``); track: how uneven it is, nothing on
+    smooth track; estimate_over: influences by which values are estimated, none for the one-dimensional method.
     """
 
     title: str
@@ -256,22 +251,16 @@ class Assessment:
 
 
 def assessment_dict(found: Assessment) -> dict[str, Any]:
-    """What ``assessment.json`` holds."""
+    """Numbers of ``assessment.json``."""
     quantities = [
         {"key": q.key, "symbol": q.symbol, "name": q.words, "group": q.group, "unit": q.shown.symbol}
         | {"evaluation": q.evaluation, "source": q.source}
         for q in dict.fromkeys(v.quantity for v in found.values)
     ]
     track = [
-        {
-            "section": t.section.number,
-            "direction": t.direction,
-            "deviation_mm": 1e3 * t.deviation,
-            "largest_mm": 1e3 * t.largest,
-            "step_by_deviation": t.by_deviation,
-            "step_by_largest": t.by_largest,
-            "TL90": t.tl90,
-        }
+        {"section": t.section.number, "direction": t.direction, "deviation_mm": 1e3 * t.deviation}
+        | {"largest_mm": 1e3 * t.largest, "step_by_deviation": t.by_deviation, "step_by_largest": t.by_largest}
+        | {"TL90": t.tl90}
         for t in found.track
     ]
     return {
@@ -295,50 +284,32 @@ def assessment_json(found: Assessment) -> bytes:
 
 def assessment_csv(found: Assessment) -> bytes:
     """Content of ``assessment.csv``: one row per value."""
-    columns = (
+    keys = (
         "quantity", "unit", "run", "section", "zone", "start_m", "end_m", "radius_m", "wheelset", "wheel", "point",
         "value", "limit", "margin", "passed", "limit_source",
     )  # fmt: skip
-    rows = [_section(v.section) | _value(v) | {"unit": v.quantity.shown.symbol} for v in found.values]
-    return as_csv(
-        as_rows(Table("", tuple(Column(key=c) for c in columns), [[row[c] for c in columns] for row in rows]))
-    )
-
-
-def _number(value: float | None, factor: float = 1.0) -> float | None:
-    """A plain number that JSON knows; None for what is none."""
-    return None if value is None or not math.isfinite(value) else float(value) * factor
+    rows = (_section(v.section) | _value(v) | {"unit": v.quantity.shown.symbol} for v in found.values)
+    table = Table("", tuple(Column(key=key) for key in keys), [[row[key] for key in keys] for row in rows])
+    return as_csv(as_rows(table))
 
 
 def _section(s: AssessedSection) -> dict[str, Any]:
     return {
-        "section": s.number,
-        "run": s.run,
-        "zone": s.zone,
-        "start_m": s.start,
-        "end_m": s.end,
-        "radius_m": _number(s.radius),
-        "speed_kmh": 3.6 * s.speed,
-        "cant_deficiency_mm": 1e3 * s.cant_deficiency,
-        "short": s.short,
-        "counts": s.counts,
-    }
+        "section": s.number, "run": s.run, "zone": s.zone, "start_m": s.start, "end_m": s.end,
+        "radius_m": finite(s.radius), "speed_kmh": 3.6 * s.speed, "cant_deficiency_mm": 1e3 * s.cant_deficiency,
+        "short": s.short, "counts": s.counts,
+    }  # fmt: skip
 
 
 def _value(v: Value) -> dict[str, Any]:
     factor = v.quantity.shown.factor
     return {
-        "quantity": v.quantity.key,
-        "section": v.section.number,
-        "wheelset": v.wheelset,
-        "wheel": v.wheel,
-        "point": v.point,
-        "value": _number(v.value, factor),
-        "limit": None if v.limit is None else _number(v.limit.value, factor),
+        "quantity": v.quantity.key, "section": v.section.number, "wheelset": v.wheelset, "wheel": v.wheel,
+        "point": v.point, "value": finite(v.value, factor),
+        "limit": None if v.limit is None else finite(v.limit.value, factor),
         "limit_source": "" if v.limit is None else v.limit.words,
-        "margin": _number(v.margin),
-        "passed": v.passed,
-    }
+        "margin": finite(v.margin), "passed": v.passed,
+    }  # fmt: skip
 
 
 def _zone(z: ZoneValue) -> dict[str, Any]:
@@ -349,16 +320,11 @@ def _zone(z: ZoneValue) -> dict[str, Any]:
         for own in (INFLUENCES[name],)
     ]
     return {
-        "zone": z.worst.section.zone,
-        "sections": z.sections,
-        "counted": z.counted,
-        "mean": _number(z.mean, factor),
-        "deviation": _number(z.deviation, factor),
-        "estimated_maximum": _number(z.estimate, factor),
+        "zone": z.worst.section.zone, "sections": z.sections, "counted": z.counted, "mean": finite(z.mean, factor),
+        "deviation": finite(z.deviation, factor), "estimated_maximum": finite(z.estimate, factor),
         "regression": r and {"fit": r.fit * factor, "deviation": r.deviation * factor, "over": over},
-        "passed": z.passed,
-        "worst": _value(z.worst),
-    }
+        "passed": z.passed, "worst": _value(z.worst),
+    }  # fmt: skip
 
 
 def assessment_numbers(found: Assessment) -> list[Table]:
@@ -389,11 +355,8 @@ def _sections_table(found: Assessment) -> Table:
     rows: list[list[Cell]] = []
     for s in found.sections:
         remarks = ", ".join(word for word, so in (("short", s.short), ("does not count", not s.counts)) if so)
-        head: list[Cell] = [
-            *([s.run] if several else []),
-            str(s.number),
-            s.label + (f" ({remarks})" if remarks else ""),
-        ]
+        head: list[Cell] = [s.run] if several else []
+        head += [str(s.number), s.label + (f" ({remarks})" if remarks else "")]
         rows.append([*head, s.start, s.end, 3.6 * s.speed, 1e3 * s.cant_deficiency])
     heads = [*([Column("run")] if several else []), Column("section"), Column("class")]
     heads += [Column("from", "m", ".1f"), Column("to", "m", ".1f"), Column("speed", "km/h", ".0f")]
@@ -409,23 +372,19 @@ def _regressions_table(found: Assessment) -> list[Table]:
         if r is None:
             short |= {row.worst.section.zone} if found.estimate_over else set()
         elif row.worst.limit is not None:
-            factor = own.shown.factor
-            slopes = {name: _slope(r, name, factor) for name in r.over}
+            factor, slopes = own.shown.factor, dict.fromkeys(found.estimate_over, "")
+            for name, slope, at in zip(r.over, r.slope, r.at, strict=True):
+                unit = INFLUENCES[name]
+                place = quantity(at * unit.factor, unit.symbol)
+                slopes[name] = f"{formatted(slope * factor / unit.factor, '.3g')} at {place}"
             numbers = (value * factor for value in (r.fit, r.deviation, r.estimate))
-            zone = f"{row.worst.section.zone} ({row.number})"
-            rows.append((own.symbol, zone, *(slopes.get(name, "") for name in found.estimate_over), *numbers))
+            rows.append((own.symbol, f"{row.worst.section.zone} ({row.number})", *slopes.values(), *numbers))
     none = f"no regression, too few sections or influences that go together: {', '.join(sorted(short))}"
     notes = (none,) if short else ()
     over = (Column(f"per {INFLUENCES[name].symbol} of {name}") for name in found.estimate_over)
     heads = (Column("quantity"), Column("class (sections)"), *over, Column("fit"), Column("s"), Column("estimate"))
     title = "estimated values by regression [mem]"
     return [Table(title, heads, rows, notes)] if rows else [Table("", notes=notes)] if notes else []
-
-
-def _slope(r: Regression, name: Influence, factor: float) -> str:
-    """What a quantity changes by with an influence, and the value of that influence where it is estimated."""
-    own, i = INFLUENCES[name], r.over.index(name)
-    return f"{formatted(r.slope[i] * factor / own.factor, '.3g')} at {quantity(r.at[i] * own.factor, own.symbol)}"
 
 
 def _track_table(found: Assessment) -> list[Table]:

@@ -1,15 +1,12 @@
-"""The register of channels: every name that a Result may carry, with its dimensions, unit and meaning.
+"""The register of channels (``data/channels.csv``): names, dimensions, units and meanings of what a Result may carry.
 
-One place for the whole of wrsim: ``data/channels.csv``. ``docs/conventions.md`` prints the same list for readers; a
-test compares the two. Values are in SI units in the dataset; the register also gives the unit in which people read them
-(mm, kN, degrees, MPa).
-
-Dimensions are written with two words in place of another:
+``docs/conventions.md`` prints the same list; a test compares the two. Values are in SI units; the register also gives
+the unit for readers (mm, kN, degrees, MPa). Two dimensions depend on the analysis:
 
 - ``sample``: ``time`` in runs, ``pose`` in static analyses;
 - ``moment``: ``snapshot`` in runs (chosen instants), ``pose`` in static analyses (every pose).
 
-Everything that belongs to a wheelset or its wheels has the dimension ``wheelset``, of size 1 for a single wheelset.
+What belongs to a wheelset or its wheels has the dimension ``wheelset``, of size 1 for a single wheelset;
 ``wrsim.results.wheelsets`` takes one wheelset out.
 """
 
@@ -29,10 +26,8 @@ Kind = Literal["number", "count", "text"]
 
 @dataclass(frozen=True)
 class Shown:
-    """A unit for readers: ``value_in_si * factor`` is the number shown.
-
-    ``symbol`` is on axes, ``suffix`` at the end of column names and JSON keys (ASCII).
-    """
+    """A unit for readers: ``value_in_si * factor`` is the number shown. ``symbol`` is on axes, ``suffix`` at the end of
+    column names and JSON keys (ASCII)."""
 
     symbol: str
     suffix: str
@@ -110,6 +105,11 @@ class Channel:
         return words if self.shown is PLAIN else f"{words} [{self.shown.symbol}]"
 
     @property
+    def short_label(self) -> str:
+        """Text for a narrow axis: symbol and unit; the label where there is no symbol."""
+        return self.label[self.label.index("$") :] if self.symbol else self.label
+
+    @property
     def attributes(self) -> dict[str, str]:
         """Of the variable of a dataset."""
         return {"units": self.unit, "long_name": self.long_name}
@@ -128,10 +128,8 @@ def table(room: str, path: str) -> Iterator[dict[str, Any]]:
 
 def _channel(row: dict[str, Any]) -> Channel:
     """A line of ``data/channels.csv``; an empty kind is a number."""
-    kind, coordinate = row["kind"] or "number", row["coordinate"] == "yes"
-    own = {"dims": tuple(row["dims"].split()), "shown": SHOWN[row["shown"]], "kind": kind, "coordinate": coordinate}
-    own["together"] = row["together"] or ""
-    return Channel(**row | own)
+    own = {"dims": tuple(row["dims"].split()), "shown": SHOWN[row["shown"]], "kind": row["kind"] or "number"}
+    return Channel(**row | own | {"coordinate": row["coordinate"] == "yes", "together": row["together"] or ""})
 
 
 WHEELSET, BOGIE_FRAME, CAR_BODY = "wheelset", "bogie frame", "car body"

@@ -20,7 +20,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.results.summary import summarise_contacts
-from wrsim.results.table import Column, Table, formatted, quantity
+from wrsim.results.table import Column, Table, finite, formatted, quantity
 from wrsim.results.tables import Row, csv_of_contacts, wide
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
@@ -29,8 +29,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-CONTACT_DISTANCE = 1.5
-"""2 e, between the contact points of both wheels by EN 15302 [m]."""
+CONTACT_DISTANCE = 1.5  # 2 e, between the contact points of both wheels by EN 15302 [m]
 
 FLANGE_FROM = radians(40.0)
 """Contact angle from which the outer wheel is on its flange unless given otherwise [rad]."""
@@ -52,22 +51,15 @@ def csv_of_conicity(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
 
 
 def conicity_summary(dataset: xr.Dataset) -> dict[str, Any]:
-    """Equivalent conicity at 3 mm (at 5 and 1 mm as well) and where the wheelset swings about.
-
-    nonlinearity_per_mm: (tan gamma_e at 4 mm - tan gamma_e at 2 mm) / 2 mm, Polach's parameter: negative where
-    conicity falls with the amplitude, which bodes ill for running behaviour at small ones. ``None`` where one of its
-    amplitudes is missing.
-    """
+    """Equivalent conicity at 3 mm (at 5 and 1 mm as well) and where the wheelset swings about. nonlinearity_per_mm:
+    (tan gamma_e at 4 mm - tan gamma_e at 2 mm) / 2 mm, Polach's parameter: negative where conicity falls with the
+    amplitude. ``None`` where one of the amplitudes is missing."""
     amplitude = 1e3 * dataset["amplitude"].values
     values = dataset["equivalent_conicity"].values
-
-    def at(millimetres: float) -> float | None:
-        near = np.flatnonzero(np.abs(amplitude - millimetres) < 1e-6)
-        return float(values[near[0]]) if near.size and np.isfinite(values[near[0]]) else None
-
-    two, four = at(2.0), at(4.0)
+    near = (np.flatnonzero(np.abs(amplitude - mm) < 1e-6) for mm in range(1, 6))
+    one, two, three, four, five = (finite(values[at[0]]) if at.size else None for at in near)
     return {
-        "equivalent_conicity": {f"{mm}_mm": at(float(mm)) for mm in (1, 3, 5)},
+        "equivalent_conicity": {"1_mm": one, "3_mm": three, "5_mm": five},
         "nonlinearity_per_mm": None if two is None or four is None else 0.5 * (four - two),
         "equilibrium_shift_mm": 1e3 * float(dataset.attrs["equilibrium_shift_m"]),
         **steering_summary(dataset),
@@ -98,20 +90,17 @@ def conicity_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]
     if found["nonlinearity_per_mm"] is not None:
         notes.append(f"nonlinearity parameter {quantity(found['nonlinearity_per_mm'], 'per mm', '.4f')}")
     tables = [Table(str(dataset.attrs["title"]), heads, [tuple(map(float, row)) for row in rows], tuple(notes))]
-    return tables + ([_steering(found)] if "radial_steering" in found else [])
-
-
-def _steering(found: dict[str, Any]) -> Table:
-    """The radial steering index of the curves that were asked for."""
-    heads = {
+    if "radial_steering" not in found:
+        return tables
+    keys = {
         "curve_radius_m": Column("R", "m"), "needed_mm": Column("needed Δr", "mm"),
         "available_mm": Column("available", "mm"), "q_E": Column("q_E"), "shift_mm": Column("at y", "mm"),
     }  # fmt: skip
-    rows = [tuple(curve[key] for key in heads) for curve in found["radial_steering"]]
+    rows = [tuple(curve[key] for key in keys) for curve in found["radial_steering"]]
     smallest, angle = found["smallest_radial_curve_m"], formatted(found["flange_from_deg"], "g")
     words = "nothing steers" if smallest is None else f"up to 1 from R {quantity(smallest, 'm', '.0f')}"
     note = f"q_E {words}; available: before the outer wheel's contact angle is {angle}°"
-    return Table("radial steering index [mem]", tuple(heads.values()), rows, (note,))
+    return [*tables, Table("radial steering index [mem]", tuple(keys.values()), rows, (note,))]
 
 
 def conicity_numbers(result: Result) -> dict[str, Any]:
@@ -121,7 +110,7 @@ def conicity_numbers(result: Result) -> dict[str, Any]:
     amplitudes = [round(1e3 * a, 9) for a in dataset["amplitude"].values.tolist()]
     return conicity_summary(dataset) | {
         "amplitude_mm": amplitudes,
-        "tan_gamma_e": [v if v == v else None for v in values],
+        "tan_gamma_e": list(map(finite, values)),
     }
 
 
@@ -143,11 +132,8 @@ class RadialSteering:
 
 
 def radial_steering(dataset: xr.Dataset, radius: float) -> RadialSteering:
-    """Of a wheelset whose contact was found over its shift (channels of a conicity analysis), in curves of a radius
-    [m] to either hand.
-    """
-    attributes = dataset.attrs
-    mean = 0.5 * (float(attributes["radius_left_m"]) + float(attributes["radius_right_m"]))
+    """Of a wheelset (channels of a conicity analysis) in curves of a radius [m] to either hand."""
+    mean = 0.5 * (float(dataset.attrs["radius_left_m"]) + float(dataset.attrs["radius_right_m"]))
     needed = CONTACT_DISTANCE * mean / radius
     hands = [_towards(dataset, sign, needed) for sign in (1.0, -1.0)]
     available, shift = min(hands, key=lambda hand: hand[0])
@@ -155,8 +141,7 @@ def radial_steering(dataset: xr.Dataset, radius: float) -> RadialSteering:
 
 
 def _towards(dataset: xr.Dataset, sign: float, needed: float) -> tuple[float, float]:
-    """Largest difference towards the left (+1) or the right (-1) wheel as the outer one, and the shift at which it
-    is as large as needed."""
+    """Largest difference towards the left (+1) or right (-1) wheel as the outer one; shift where it is as needed."""
     place = sign * (dataset["lateral_shift"].values - float(dataset.attrs["equilibrium_shift_m"]))
     order = np.argsort(place)
     place = place[order]
@@ -174,22 +159,16 @@ def _towards(dataset: xr.Dataset, sign: float, needed: float) -> tuple[float, fl
 
 def steering_summary(dataset: xr.Dataset) -> dict[str, Any]:
     """The radial steering index of the curves that were asked for; nothing where none were."""
-    radii = [float(radius) for radius in str(dataset.attrs.get("curve_radii_m", "")).split()]
-    if not radii:
+    found = [radial_steering(dataset, float(r)) for r in str(dataset.attrs.get("curve_radii_m", "")).split()]
+    if not found:
         return {}
-    found = [radial_steering(dataset, radius) for radius in radii]
     able = found[0].available > 0.0
     return {
         "flange_from_deg": degrees(float(dataset.attrs["flange_from_rad"])),
         "smallest_radial_curve_m": found[0].needed * found[0].radius / found[0].available if able else None,
         "radial_steering": [
-            {
-                "curve_radius_m": own.radius,
-                "needed_mm": 1e3 * own.needed,
-                "available_mm": 1e3 * own.available,
-                "q_E": own.index if np.isfinite(own.index) else None,
-                "shift_mm": 1e3 * own.shift if np.isfinite(own.shift) else None,
-            }
+            {"curve_radius_m": own.radius, "needed_mm": 1e3 * own.needed, "available_mm": 1e3 * own.available}
+            | {"q_E": finite(own.index), "shift_mm": finite(own.shift, 1e3)}
             for own in found
         ],
     }

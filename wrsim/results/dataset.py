@@ -28,8 +28,7 @@ NAMED = ("wheelset", *OF_VEHICLE, *OF_WEAR)
 """Dimensions labelled by names: those of a vehicle and of its wear."""
 LABELLED = ("time", "pose", "wheel", "snapshot", *NAMED)
 """Dimensions with labels, of which no file has none."""
-SINGLE = "wheelset"
-"""Name of a wheelset that runs alone."""
+SINGLE = "wheelset"  # name of a wheelset that runs alone
 STATUSES = ("completed", "stopped")
 
 
@@ -53,28 +52,23 @@ def assemble(
 ) -> xr.Dataset:
     """Build the dataset of a Result; names, shapes and types are checked against the register.
 
-    coords: either ``time`` (n,) in seconds for a run or ``pose`` (n,) names for a static analysis; ``wheel`` (default
-    ``("left", "right")``) names the wheels present; ``amplitude`` (m,) in metres goes with poses; ``wheelset``,
-    ``body``, ``point``, ``suspension``, ``coupling``, ``external_load`` are the names of a vehicle's parts,
-    ``wear_law`` and ``wear_zone`` those of its wear. Where ``wheelset`` is one name (default ``"wheelset"``) instead of
-    a list, the arrays come without that dimension.
+    coords: either ``time`` (n,) in seconds for a run or ``pose`` (n,) names for a static analysis; names of the
+    ``wheel`` (default ``("left", "right")``), of a vehicle's parts and of its wear; ``amplitude`` (m,) in metres. Where
+    ``wheelset`` is one name (default ``"wheelset"``) instead of a list, the arrays come without that dimension.
 
     channels: arrays by channel name, in SI units, shaped as in the register (sample first, then wheelset, wheel,
-    patch, strip). The sizes of ``patch``, ``snapshot``, ``strip``, ``rail_point`` and ``wheel_point`` follow from the
-    arrays. A scalar fills its channel. Counts may come as floats; not-a-number becomes 0.
+    patch, strip); sizes of dimensions without labels follow from them. A scalar fills its channel. Counts may come as
+    floats; not-a-number becomes 0. ``Y_over_Q`` (where Q > 0), ``sum_Y`` (of both wheels), ``contact_angle_variation``
+    and the ``wheelset_distance`` of a single wheelset are derived when they are not given.
 
-    attributes: ``title``, ``analysis``, ``status`` ("completed" or "stopped"), ``scenario_text``; a stopped analysis
-    adds ``stop_reason`` and, over time, ``stop_time_s`` and ``stop_distance_m``. More attributes (text or numbers)
-    are kept. The versions are added here.
-
-    ``Y_over_Q`` (where Q > 0), ``sum_Y`` (of both wheels), ``contact_angle_variation`` and the ``wheelset_distance`` of
-    a single wheelset are derived when they are not given.
+    attributes: ``title``, ``analysis``, ``status`` ("completed" or "stopped"), ``scenario_text``; of a stopped analysis
+    ``stop_reason`` and, over time, ``stop_time_s`` and ``stop_distance_m``; further texts and numbers. The versions are
+    added.
 
     copy: False gives the arrays away: they become those of the dataset, where their type is that of their channel.
-    Those that are variables of a file (`wrsim.results.netcdf`) stay there.
+    Variables of a file (`wrsim.results.netcdf`) stay there.
 
-    Raises ``ValueError`` for an unknown name, a wrong shape or a missing attribute: these are mistakes of the
-    calling code, not of the user.
+    Raises ``ValueError`` for an unknown name, a wrong shape or a missing attribute: mistakes of the calling code.
     """
     if ("time" in coords) == ("pose" in coords):
         raise ValueError("coords needs either 'time' (runs) or 'pose' (static analyses)")
@@ -132,18 +126,19 @@ def with_derived(channels: Mapping[str, ArrayLike], wheels: ArrayLike = WHEELS) 
     """The channels, of some samples or of all, with Y/Q, the track shifting force and the variation of the contact
     angle where they follow."""
     arrays = dict(channels)
-    if "Y" in arrays and "sum_Y" not in arrays and tuple(np.atleast_1d(wheels)) == WHEELS and np.ndim(arrays["Y"]) > 1:
-        left_and_right = np.asarray(arrays["Y"], dtype=float)
-        arrays["sum_Y"] = left_and_right[..., 0] - left_and_right[..., -1]
-    if "Y_over_Q" not in arrays and {"Y", "Q"} <= arrays.keys():
-        force, load = (np.asarray(arrays[name], dtype=float) for name in ("Y", "Q"))
-        if force.shape == load.shape:
-            arrays["Y_over_Q"] = np.divide(force, load, out=np.full(force.shape, np.nan), where=load > 0.0)
-    ends = ("contact_angle_min", "contact_angle_max")
-    if "contact_angle_variation" not in arrays and set(ends) <= arrays.keys():
-        low, high = (np.asarray(arrays[name], dtype=float) for name in ends)
-        if low.shape == high.shape:
-            arrays["contact_angle_variation"] = high - low
+
+    def given(derived: str, *names: str) -> list[NDArray[np.float64]]:
+        """Channels of one shape that one follows from; none where that is given or they are not."""
+        values = [np.asarray(arrays[n], dtype=float) for n in names if n in arrays and derived not in arrays]
+        return values if len(values) == len(names) and values[0].shape == values[-1].shape else []
+
+    both = tuple(np.atleast_1d(wheels)) == WHEELS and np.ndim(arrays.get("Y", 0.0)) > 1
+    for force in given("sum_Y", "Y") if both else ():
+        arrays["sum_Y"] = force[..., 0] - force[..., -1]
+    if own := given("Y_over_Q", "Y", "Q"):
+        arrays["Y_over_Q"] = np.divide(*own, out=np.full(own[0].shape, np.nan), where=own[1] > 0.0)
+    if own := given("contact_angle_variation", "contact_angle_min", "contact_angle_max"):
+        arrays["contact_angle_variation"] = own[1] - own[0]
     return arrays
 
 
@@ -181,11 +176,8 @@ _TYPES = {"number": ("f", "float64"), "count": ("i", "int64"), "text": ("UOT", "
 
 
 def fault_of_result(dataset: xr.Dataset) -> str:
-    """What is wrong with a dataset that claims to be a result, in words; empty if nothing is.
-
-    A right checksum proves that a file is as it was written, not that wrsim wrote it: what readers of results rely on
-    is checked once, where a file is loaded.
-    """
+    """What is wrong with a dataset that claims to be a result, in words; empty if nothing is. A right checksum does not
+    prove that wrsim wrote a file: what readers of results rely on is checked at loading."""
     return next(_faults(dataset), "")
 
 
@@ -233,8 +225,7 @@ def _faults_of_labels(dataset: xr.Dataset, sample: str, labels: Sequence[str]) -
         yield "its time does not increase from sample to sample"
 
 
-LISTS = ("curve_radii_m",)
-"""Attributes that are numbers with blanks between."""
+LISTS = ("curve_radii_m",)  # attributes that are numbers with blanks between
 
 
 def faults_of_attributes(attributes: Mapping[str, Any], texts: Sequence[str]) -> Iterator[str]:

@@ -10,26 +10,19 @@ from typing import Any
 from wrsim.errors import InputError, suggest
 from wrsim.results.channels import PATCHES
 from wrsim.results.result import Result
-from wrsim.results.table import Column, Table, quantity
+from wrsim.results.table import Column, Table, finite, quantity
 
 LEFT_OUT = ("title", "analysis", "status", "stop", "versions", "integration", "extent", "events")
 """Parts of a summary that are no quantities."""
-PLACES = ("distance_m", "time_s", "pose", "from_m", "to_m")
-"""Where something is."""
-LISTED = 20
-"""Differences that are listed for people."""
-SMALLEST = 1e-6
-"""Values below this, in their unit for readers, count as zero."""
+PLACES = ("distance_m", "time_s", "pose", "from_m", "to_m")  # where something is
+LISTED = 20  # differences that are listed for people
+SMALLEST = 1e-6  # values below this, in their unit for readers, count as zero
 
 
 @dataclass(frozen=True)
 class Deviation:
-    """One number of two results; None where one of them does not have it.
-
-    place: wheelset, wheel, curve; quantity: with its unit at the end; scale: the largest magnitude of that quantity
-    anywhere in both results, which differences are measured by: a force that is near zero on one wheel is not judged
-    by itself.
-    """
+    """One number of two results; None where one of them does not have it. place: wheelset, wheel, curve; quantity: with
+    its unit at the end; scale: its largest magnitude anywhere in both results, by which differences are measured."""
 
     place: str
     quantity: str
@@ -51,11 +44,9 @@ class Deviation:
 
 
 def differences(first: Result, second: Result, only: Sequence[str] = (), tolerance: float = 0.0) -> list[Deviation]:
-    """All numbers of the summaries of two results of one kind, the largest relative difference first.
-
-    only: quantities, with or without the unit at the end. Raises ``InputError`` for results of two kinds of analysis,
-    for a quantity that neither has, and for a tolerance that is none.
-    """
+    """All numbers of the summaries of two results of one kind, the largest relative difference first. only: quantities,
+    with or without the unit at the end. Raises ``InputError`` for results of two kinds of analysis, for a quantity that
+    neither has, and for a tolerance that is none."""
     if not 0.0 <= tolerance < math.inf:
         raise InputError(f"--tolerance {tolerance:g}: must be a number not below 0, such as 0.01 for 1 %")
     if first.analysis != second.analysis:
@@ -64,17 +55,17 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
         )
     one, other = (dict(_numbers(result.summary())) for result in (first, second))
     keys = list(dict.fromkeys((*one, *other)))
-    names = list(dict.fromkeys(quantity for _, quantity in keys))
-    for asked in only:
-        if not any(_is_asked(name, asked) for name in names):
-            raise InputError(
-                f"--only {asked}: neither result has it{suggest(asked, names)}; there is {', '.join(names)}"
-            )
-    if only:
-        keys = [key for key in keys if any(_is_asked(key[1], asked) for asked in only)]
-    scales: dict[str, float] = {}
+    names = list(dict.fromkeys(name for _, name in keys))
+    chosen = set() if only else set(names)
+    for own in only:
+        found_names = {name for name in names if name == own or name.startswith(f"{own}_")}
+        if not found_names:
+            raise InputError(f"--only {own}: neither result has it{suggest(own, names)}; there is {', '.join(names)}")
+        chosen |= found_names
+    keys = [key for key in keys if key[1] in chosen]
+    scales = dict.fromkeys(chosen, SMALLEST)
     for key in keys:
-        scales[key[1]] = max(scales.get(key[1], SMALLEST), *(abs(values.get(key) or 0.0) for values in (one, other)))
+        scales[key[1]] = max(scales[key[1]], *(abs(values.get(key) or 0.0) for values in (one, other)))
     found = [Deviation(p, q, one.get((p, q)), other.get((p, q)), scales[q]) for p, q in keys]
     return sorted(found, key=lambda d: -d.relative)
 
@@ -86,8 +77,8 @@ def difference_table(found: Sequence[Deviation]) -> Table:
         Column("A", "", ".5g", "a"), Column("B", "", ".5g", "b"),
         Column("B - A", "", ".3g", "difference"), Column("part of largest", "", ".2g", "relative"),
     )  # fmt: skip
-    both = [(d, (d.absolute, d.relative) if math.isfinite(d.absolute) else (None, None)) for d in found]
-    return Table("", heads, [(d.place, d.quantity, d.first, d.second, *numbers) for d, numbers in both])
+    rows = [(d.place, d.quantity, d.first, d.second, finite(d.absolute), finite(d.relative)) for d in found]
+    return Table("", heads, rows)
 
 
 def beyond(found: Sequence[Deviation], tolerance: float) -> list[Deviation]:
@@ -99,8 +90,7 @@ def other_ends(one: Result, other: Result) -> list[str]:
     """How the two ended, where they did not end alike."""
     if one.status == other.status:
         return []
-    ends = (("A", one), ("B", other))
-    return [f"{name}: {r.status}" + (f": {r.stop_reason}" if r.stop_reason else "") for name, r in ends]
+    return [": ".join(filter(None, (name, r.status, r.stop_reason))) for name, r in (("A", one), ("B", other))]
 
 
 def compared_tables(
@@ -118,10 +108,6 @@ def compared_tables(
         verdict = f"alike: {len(found)} numbers, none differs by more than {percent}"
     head = Table("", notes=tuple(f"{letter}: {name}" for letter, name in zip("AB", names, strict=True)))
     return [head, *([difference_table(listed)] if listed else []), Table("", notes=(*more, *ends, verdict))]
-
-
-def _is_asked(name: str, asked: str) -> bool:
-    return name == asked or name.startswith(f"{asked}_")
 
 
 def _numbers(tree: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, str], float | None]]:
@@ -144,5 +130,5 @@ def _numbers(tree: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str
 def _name(entry: Mapping[str, Any], key: str, index: int) -> str:
     """What an entry of a list is called."""
     if "radius_m" in entry:
-        return f"curve {index + 1} (R {entry['radius_m']:.0f} m)"
+        return f"curve {index + 1} (R {quantity(entry['radius_m'], 'm', '.0f')})"
     return f"{PATCHES[index]} patch" if key == "patches" else f"{key}[{index}]"

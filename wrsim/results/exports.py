@@ -12,35 +12,31 @@ from pathlib import Path
 
 import numpy as np
 
-from wrsim.errors import InputError, WrsimError, suggest
-from wrsim.results.files import as_json, csv_parts, safe_cell, write_atomically
+from wrsim.errors import InputError, suggest
+from wrsim.results.files import as_json, csv_parts, plain_disk_errors, safe_cell, write_atomically
 from wrsim.results.result import Result
 from wrsim.results.tables import columns, each_table, frame
 
 FORMATS = ("mat", "csv", "parquet", "mdf")
 ENDINGS = {"mdf": "mf4"}
 EXTRA = "install it with pip install 'wrsim[export]'"
-LONGEST_NAME = 63
-"""Letters of a MATLAB name."""
+LONGEST_NAME = 63  # letters of a MATLAB name
 
 
 def write_run(result: Result, directory: str | Path) -> list[Path]:
     """Write ``result.nc``, ``summary.json`` and the tables into ``directory``; returns what was written.
 
-    Runs get ``history.csv`` (one row per instant), ``patches.csv`` (one row per instant, wheel and patch in contact)
-    and ``strips.csv`` (the strips of the snapshots). Static analyses get ``patches.csv`` (one row per pose, wheel and
-    patch; a wheel without contact keeps one row) and ``strips.csv``. Where there are several wheelsets, each has tables
-    in a folder of its own, such as ``wheelset_1/history.csv``; bodies, points and suspension elements are in
-    ``vehicle.csv``. Other analyses have tables of their own, as the register lists. The dataset goes first, so that a
-    full disk costs the tables before the numbers. A stopped analysis is written like any other.
-    Raises ``WrsimError`` when something cannot be written.
+    Runs get ``history.csv`` (a row an instant), ``patches.csv`` (a row an instant, wheel and patch in contact) and
+    ``strips.csv`` (of the snapshots); poses the last two, where a wheel without contact keeps a row. Each of several
+    wheelsets has a folder, such as ``wheelset_1``; bodies, points and suspension elements are in ``vehicle.csv``. The
+    dataset goes first, so that a full disk costs the tables before the numbers. Raises ``WrsimError``.
     """
     directory = Path(directory)
     written = [result.save(directory / "result.nc")]
     written.append(write_atomically(directory / "summary.json", as_json(result.summary())))
-    for name, rows in each_table(result.dataset):
-        written.append(write_atomically(directory / f"{name}.csv", csv_parts(rows)))
-    return written
+    return written + [
+        write_atomically(directory / f"{name}.csv", csv_parts(rows)) for name, rows in each_table(result.dataset)
+    ]
 
 
 def formats(asked: str) -> list[str]:
@@ -74,13 +70,12 @@ def _parquet(result: Result) -> bytes:
         import pyarrow.parquet as parquet
     except ImportError:
         raise InputError(f"--to parquet needs pyarrow: {EXTRA}") from None
-    arrays, about = [], []
+    arrays, fields = [], []
     for name, channel, values in columns(result.dataset):
+        about = {"unit": channel.shown.symbol, "long_name": channel.long_name}
         arrays.append(pa.array(values))
-        about.append(
-            pa.field(name, arrays[-1].type, metadata={"unit": channel.shown.symbol, "long_name": channel.long_name})
-        )
-    schema = pa.schema(about, metadata={key: str(value) for key, value in result.dataset.attrs.items()})
+        fields.append(pa.field(name, arrays[-1].type, metadata=about))
+    schema = pa.schema(fields, metadata={key: str(value) for key, value in result.dataset.attrs.items()})
     stream = io.BytesIO()
     parquet.write_table(pa.Table.from_arrays(arrays, schema=schema), stream)
     return stream.getvalue()
@@ -120,7 +115,5 @@ def _mdf(result: Result) -> bytes:
     with tempfile.TemporaryDirectory() as folder, MDF(version="4.10") as file:
         file.append(signals, comment=result.title, common_timebase=True)
         path = Path(file.save(Path(folder) / "result.mf4", overwrite=True, compression=2))
-        try:
+        with plain_disk_errors(path):
             return path.read_bytes()
-        except OSError as error:
-            raise WrsimError(f"{path}: {error}") from None

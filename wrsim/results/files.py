@@ -30,17 +30,11 @@ except ImportError:  # no such locks on this system: two runs into one folder go
 KEEPER: ContextVar[Any] = ContextVar("KEEPER", default=None)
 """The ``wrsim.results.manifest.Keeper`` that checks and notes every file before it is written; commands set one."""
 
-_REASONS = {
-    errno.EACCES: "this place may not be written to",
-    errno.EPERM: "this place may not be written to",
-    errno.EROFS: "this place may not be written to",
-    errno.ENOTDIR: "a part of this path is a file, not a directory",
-    errno.EEXIST: "a part of this path is a file, not a directory",
-}
+_REASONS = dict.fromkeys((errno.EACCES, errno.EPERM, errno.EROFS), "this place may not be written to")
+_REASONS |= dict.fromkeys((errno.ENOTDIR, errno.EEXIST), "a part of this path is a file, not a directory")
 LARGE = 16_000_000
 """Bytes of samples and of channels that are kept in memory at most; more are in a file."""
-_ROWS = 1000
-"""Rows of a table that are in memory as text at once."""
+_ROWS = 1000  # rows of a table that are in memory as text at once
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
@@ -52,9 +46,8 @@ def plain_disk_errors(path: Path, size: int | None = None) -> Iterator[None]:
         yield
     except OSError as problem:
         if problem.errno in _FULL:
-            needed = "" if size is None else f" ({size / 1e6:.1f} MB needed)"
-            if size is not None and size < 1e5:
-                needed = f" ({size / 1e3:.1f} kB needed)"
+            factor, unit = (1e3, "kB") if size is not None and size < 1e5 else (1e6, "MB")
+            needed = "" if size is None else f" ({size / factor:.1f} {unit} needed)"
             why = f"the disk is full{needed}; free some space or choose another directory"
         else:
             why = _REASONS.get(problem.errno or 0, (problem.strerror or str(problem)).lower())
@@ -69,12 +62,11 @@ def check_place(path: Path) -> None:
 
 
 def write_atomically(path: str | Path, content: bytes | Iterable[bytes], size: int | None = None) -> Path:
-    """Write ``content``, whole or in parts, to a neighbour of ``path``, bring it to the disk, then give it its name.
+    """Write ``content``, whole or in parts, to a neighbour of ``path``, bring it to the disk, then rename it.
 
-    size: of what comes in parts [bytes], for messages.
-    An older file of that name stays whole until the new one is. Directories are made. Raises ``WrsimError``
-    with one sentence when the disk is full or the place cannot be written; nothing half-written remains; ``InputError``
-    when the path is of no plain file (`check_place`), in a command also one of the user's (``wrsim.results.manifest``).
+    size: of what comes in parts [bytes], for messages. Directories are made; nothing half-written remains. Raises
+    ``WrsimError`` when the disk is full or the place cannot be written; ``InputError`` for a path of no plain file
+    (`check_place`), in a command also for a file of the user's (``wrsim.results.manifest``).
     """
     path = Path(path)
     check_place(path)
@@ -149,17 +141,13 @@ def csv_parts(rows: Iterable[Sequence[str]]) -> Iterator[bytes]:
 
 def safe_cell(cell: str) -> str:
     """An apostrophe before what a spreadsheet would execute as a formula; numbers and all else as they are."""
-    if cell.lstrip()[:1] not in _FORMULA:
+    if not cell.lstrip().startswith(("=", "+", "-", "@")):
         return cell
     try:
         float(cell)
     except ValueError:
         return f"'{cell}"
     return cell
-
-
-_FORMULA = frozenset("=+-@")
-"""Beginnings of a formula."""
 
 
 def from_json(content: bytes | str) -> dict[str, Any] | None:

@@ -25,8 +25,7 @@ from wrsim.results import files
 from wrsim.results.files import from_json, lock, open_no_link, plain_disk_errors
 
 MANIFEST = ".wrsim"
-_KEPT = 32
-"""Characters of a digest that are kept."""
+_KEPT = 32  # characters of a digest that are kept
 
 
 def digest_of(content: bytes) -> str:
@@ -38,11 +37,9 @@ def _is_entry(entry: dict[str, Any]) -> bool:
     """True for a line as `Manifest.note` writes them: its files lie in the folder of the manifest, or below it."""
     own, further = entry.get("file", "x"), entry.get("files", [])
     texts = [own, entry.get("sha256", ""), entry.get("begin", ""), *(further if isinstance(further, list) else [None])]
-    return (
-        all(isinstance(text, str) and "\0" not in text for text in texts)
-        and own == Path(own).name
-        and not any(Path(name).is_absolute() or ".." in Path(name).parts for name in further)
-    )
+    if not all(isinstance(text, str) and "\0" not in text for text in texts) or own != Path(own).name:
+        return False
+    return not any(Path(name).is_absolute() or ".." in Path(name).parts for name in further)
 
 
 @dataclass(frozen=True)
@@ -87,9 +84,7 @@ class Manifest:
 
     def is_done(self, scenario_text: str, pictures: bool) -> bool:
         """True if the last analysis that began here is that of this scenario, it ended, and all of its files exist.
-
-        pictures: whether they have to be among them.
-        """
+        pictures: whether they have to be among them."""
         begun, done = "", dict[str, Any]()
         for entry in self.entries():
             begun, done = (entry["begin"], {}) if "begin" in entry else (begun, entry if "done" in entry else done)
@@ -110,11 +105,9 @@ class Manifest:
 
 @dataclass(frozen=True)
 class Keeper:
-    """Decides on every file that a command writes.
-
-    reads: files that it has read its input from; force: write over whatever is there; of: the folder of the result
-    that it writes or reports on, whose files go when another one takes its place.
-    """
+    """Decides on every file that a command writes. reads: files that it has read its input from; force: write over
+    whatever is there; of: the folder of the result that it writes or reports on, whose files go when another one takes
+    its place."""
 
     reads: tuple[Path, ...] = ()
     force: bool = False
@@ -143,9 +136,7 @@ class Keeper:
 
     def clear(self, kept: Iterable[Path]) -> list[Path]:
         """Remove what wrsim wrote of an earlier result of this folder, beside the files ``kept``; returns what went.
-
-        Files that were changed since are the user's and stay.
-        """
+        Files that were changed since are the user's and stay."""
         if self.of is None:
             return []
         stay, gone = {path.absolute() for path in kept}, []

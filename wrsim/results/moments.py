@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -11,12 +10,11 @@ from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
 from wrsim.results.channels import CHANNELS, PATCHES
-from wrsim.results.table import Cell, Column, Table, quantity
+from wrsim.results.table import Cell, Column, Table, finite, quantity
 
 Array = NDArray[np.float64]
 
-NEAR = 1.0
-"""Distance to the place asked for at which kept patches still count as being there [m]."""
+NEAR = 1.0  # distance to the place asked for at which kept patches still count as being there [m]
 
 
 def has_patches(dataset: xr.Dataset) -> bool:
@@ -36,6 +34,11 @@ def order_of_strips(s: Array, p: Array) -> NDArray[np.intp]:
     return used[np.argsort(s[used], kind="stable")]
 
 
+def is_history(dataset: xr.Dataset) -> bool:
+    """True for a run of several instants, unless these are the places where contacts were solved again."""
+    return dataset.sizes.get("time", 0) > 1 and "resolved_with" not in dataset.attrs
+
+
 def moment_dim(dataset: xr.Dataset) -> str:
     """``"snapshot"`` in runs, ``"pose"`` in static analyses."""
     return "snapshot" if "time" in dataset.dims else "pose"
@@ -49,10 +52,8 @@ def sample_of(dataset: xr.Dataset, moment: int) -> int:
 
 
 def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list[int]:
-    """Indices of the moments at these distances along the track [m], or of the poses of these names.
-
-    key: what the places were given as, for messages. Raises InputError.
-    """
+    """Indices of the moments at these distances along the track [m], or of the poses of these names. key: what the
+    places were given as, for messages. Raises InputError."""
     if not has_patches(dataset):
         raise InputError(f"{key}: this result holds no contact patches; choose places with [output] patches_at_m")
     if "pose" in dataset.dims:
@@ -124,7 +125,7 @@ def patch_of(one: xr.Dataset, at: str | float, wheel: str | None, number: int, c
 
 
 def _strips(strips: dict[str, Array], columns: int) -> dict[str, Array]:
-    """The semi-ellipses of pressure on common columns (x,): p (s, x), zero outside of contact."""
+    """Semi-ellipses of pressure on common columns (x,): p (s, x), zero outside of contact."""
     middle, a, top = (np.nan_to_num(strips[f"strip_{name}"])[:, None] for name in ("x", "a", "p"))
     x = np.linspace((middle - a).min(), (middle + a).max(), columns)
     inside = 1.0 - np.divide(x - middle, a, out=np.full((a.size, columns), np.inf), where=a > 0.0) ** 2
@@ -145,15 +146,8 @@ RESOLVED = ("N", "p0", "area", "approach", "Fx", "Fy", "contact_angle")
 """Channels that are compared where contacts were solved again."""
 
 
-def resolved_tables(old: xr.Dataset, new: xr.Dataset, summary: Mapping[str, Any]) -> list[Table]:
-    """One wheelset before and after its contacts were solved again, and their remarks."""
-    from wrsim.results.summary_tables import first_lines, remarks
-
-    return [side_by_side(old, new), Table("", notes=first_lines(remarks(summary), "remarks"))]
-
-
-def side_by_side(old: xr.Dataset, new: xr.Dataset) -> Table:
-    """Every patch of one wheelset at the moments of ``new``, as it was in ``old`` and as it is now."""
+def resolved_table(old: xr.Dataset, new: xr.Dataset, notes: tuple[str, ...] = ()) -> Table:
+    """Every patch of one wheelset at the moments of ``new``: as in ``old``, and with contacts solved again."""
     sample = "time" if "time" in new.dims else "pose"
     names = [name for name in RESOLVED if name in old and name in new]
     rows: list[list[Cell]] = []
@@ -164,16 +158,14 @@ def side_by_side(old: xr.Dataset, new: xr.Dataset) -> Table:
             for k in range(new.sizes["patch"]):
                 if _shown(old, "N", j, w, k) is _shown(new, "N", i, w, k) is None:
                     continue
-                for when, dataset, at in (("was", old, j), ("now", new, i)):
-                    head: list[Cell] = [words if w == k == 0 else "", str(wheel) if k == 0 else "", PATCHES[k]]
-                    values = [_shown(dataset, name, at, w, k) for name in names]
-                    rows.append([*(head if when == "was" else ["", "", ""]), when, *values])
+                head = (words if w == k == 0 else "", str(wheel) if k == 0 else "", PATCHES[k])
+                rows.append([*head, "was", *(_shown(old, name, j, w, k) for name in names)])
+                rows.append(["", "", "", "now", *(_shown(new, name, i, w, k) for name in names)])
     heads = (Column("at"), Column("wheel"), Column("patch"), Column(""))
-    return Table("", (*heads, *(Column.of(CHANNELS[name], CHANNELS[name].name) for name in names)), rows)
+    return Table("", (*heads, *(Column.of(CHANNELS[name], name) for name in names)), rows, notes)
 
 
 def _shown(dataset: xr.Dataset, name: str, at: int, wheel: int, patch: int) -> float | None:
     """A channel of a patch in the unit for readers."""
     values = dataset[name].values
-    value = values[at, wheel, patch] if patch < values.shape[2] else np.nan
-    return float(value) * CHANNELS[name].shown.factor if np.isfinite(value) else None
+    return finite(values[at, wheel, patch], CHANNELS[name].shown.factor) if patch < values.shape[2] else None

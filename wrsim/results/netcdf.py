@@ -1,7 +1,7 @@
 """NetCDF files with a checksum of every byte behind the HDF5 data, where other readers do not look.
 
-Nothing is read from a file whose checksum is missing or wrong: the library can read damage without end. Many numbers
-stay in their file until they are asked for, so the memory that a run needs does not grow with its length.
+Nothing is read from a file whose checksum is missing or wrong: the library can hang on damage. Many numbers stay in
+their file until they are used, so the memory that a run needs does not grow with its length.
 """
 
 from __future__ import annotations
@@ -32,20 +32,15 @@ if TYPE_CHECKING:
     import netCDF4
 
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-_CHECKED = b"wrsim CRC-32"
-"""Bytes before the checksum of all that comes before."""
-_PIECE = 1 << 20
-"""Bytes of a file that are read at once."""
+_CHECKED = b"wrsim CRC-32"  # bytes before the checksum of all that comes before
+_PIECE = 1 << 20  # bytes of a file that are read at once
 PACKED = 250
-"""How many times as large as its file a dataset may be. Runs are packed to a half; those in which nothing but time and
-distance changes by 150 with four wheelsets; holes and blocks of zeros without end, or by 1030."""
+"""Largest ratio of a dataset to its file. Runs have 2, with four wheelsets at rest 150; files made to harm 1030."""
 
 
 def write_netcdf(path: str | Path, dataset: xr.Dataset) -> Path:
-    """Write a dataset as NetCDF 4; the file appears whole or not at all.
-
-    Raises WrsimError when the disk is full or the place cannot be written to.
-    """
+    """Write a dataset as NetCDF 4; the file appears whole or not at all. Raises WrsimError when the disk is full or the
+    place cannot be written to."""
     import netCDF4
 
     path = Path(path)
@@ -59,18 +54,16 @@ def write_netcdf(path: str | Path, dataset: xr.Dataset) -> Path:
                 full = shutil.disk_usage(path.parent).free < LARGE
                 raise OSError(errno.ENOSPC if full else errno.EIO, str(problem)) from problem
             size = os.fstat(stream.fileno()).st_size
-            return write_atomically(path, _sealed(iter(lambda: stream.read(_PIECE), b"")), size)
+            return write_atomically(path, _with_checksum(iter(lambda: stream.read(_PIECE), b"")), size)
 
 
 def read_netcdf(path: Path, what: str) -> xr.Dataset:
-    """The dataset in a file that `write_netcdf` wrote; what: it should be, in words for errors.
-
-    Many numbers stay in the file until they are asked for. Raises InputError when it is missing, damaged or not ours.
-    """
+    """The dataset in a file that `write_netcdf` wrote; what: it should be, in words for errors. Raises InputError when
+    it is missing, damaged or none of wrsim's."""
     again = f"run the {what if what in ('study', 'service') else 'scenario'} again"
     try:
         with open(open_plain(path, f"{what} file"), "rb") as stream:
-            begin, sealed, whole = _looked_through(stream)
+            begin, checked, whole = _looked_through(stream)
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such {what} file") from None
     except OSError as problem:
@@ -78,11 +71,9 @@ def read_netcdf(path: Path, what: str) -> xr.Dataset:
         raise InputError(f"{path}: cannot be read: {why}") from problem
     if begin != _HDF5_SIGNATURE:
         raise InputError(f"{path}: not a wrsim {what} (not a NetCDF 4 file)")
-    if not sealed:
-        raise InputError(
-            f"{path}: not a wrsim {what}, or its checksum is missing: it is cut off, or another program has written "
-            f"it; {again}"
-        )
+    if not checked:
+        why = "its checksum is missing: it is cut off, or another program has written it"
+        raise InputError(f"{path}: not a wrsim {what}, or {why}; {again}")
     opened = _dataset_in(path, what) if whole else None
     if opened is None:
         raise InputError(f"{path}: the file is damaged or incomplete; {again}")
@@ -135,11 +126,9 @@ class Channels:
 
 
 def _fill(file: netCDF4.Dataset, dataset: xr.Dataset) -> None:
-    """What xarray's ``to_netcdf`` writes, in a quarter of its time for few numbers.
-
-    All variables are defined before the first of them gets its values: between the two, the library goes through all
-    that it has defined. Long ones are packed; shuffled bytes of these take longer and more room.
-    """
+    """What xarray's ``to_netcdf`` writes, in a quarter of its time for few numbers. All variables are defined before
+    the first gets its values. Long ones are packed, without shuffling their bytes, which takes longer and more room
+    here."""
     variables, attributes = encode_dataset_coordinates(dataset)  # attributes name the coordinates
     file.setncatts(attributes)
     for name, size in dataset.sizes.items():
@@ -158,8 +147,8 @@ def _fill(file: netCDF4.Dataset, dataset: xr.Dataset) -> None:
         own[...] = variable.values.astype(object) if of_words else variable.values
 
 
-def _sealed(content: Iterable[bytes]) -> Iterator[bytes]:
-    """The parts of a file, and the seal behind them."""
+def _with_checksum(content: Iterable[bytes]) -> Iterator[bytes]:
+    """The parts of a file, and the checksum behind them."""
     checksum = 0
     for part in chain(content, (_CHECKED,)):
         checksum = zlib.crc32(part, checksum)
@@ -168,7 +157,7 @@ def _sealed(content: Iterable[bytes]) -> Iterator[bytes]:
 
 
 def _looked_through(stream: IO[bytes]) -> tuple[bytes, bool, bool]:
-    """First bytes of a file, whether it carries our seal, whether its checksum is right."""
+    """First bytes of a file, whether it has a checksum, whether that is right."""
     begin = stream.read(len(_HDF5_SIGNATURE))
     behind = stream.seek(0, os.SEEK_END) - 4
     stream.seek(max(behind - len(_CHECKED), 0))

@@ -8,8 +8,7 @@ from wrsim.geometry.track.segments import Arc, Transition
 from wrsim.recording.restoring import Restored
 from wrsim.results.table import Cell, Column, Table, formatted
 
-LONGEST_BAND = 500.0
-"""Wavelength from which on a band counts as open [m]."""
+LONGEST_BAND = 500.0  # wavelength from which on a band counts as open [m]
 
 
 def recording_numbers(restored: Restored) -> dict[str, Any]:
@@ -44,17 +43,12 @@ def recording_tables(restored: Restored) -> list[Table]:
     by_column = {c.column: i for c, i in restored.inverses}
     rows: list[list[Cell]] = []
     for c in read.columns.channels:
-        inverse = by_column.get(c.column)
-        if inverse is None:
-            rows.append([c.column, c.words(), "", "", ""])
-            continue
-        bands = [
-            f"from {formatted(low, '.3g')}"
-            if high > LONGEST_BAND
-            else f"{formatted(low, '.3g')} to {formatted(high, '.3g')}"
-            for low, high in inverse.kept().tolist()
-        ]
-        rows.append([c.column, c.words(), ", ".join(bands) or "none", inverse.largest(), inverse.noise(read.step)])
+        own: list[Cell] = ["", "", ""]
+        if (inverse := by_column.get(c.column)) is not None:
+            ends = [[formatted(end, ".3g") for end in band if end <= LONGEST_BAND] for band in inverse.kept().tolist()]
+            bands = [" to ".join(band) if len(band) > 1 else f"from {band[0]}" for band in ends]
+            own = [", ".join(bands) or "none", inverse.largest(), inverse.noise(read.step)]
+        rows.append([c.column, c.words(), *own])
     heads = (Column("column"), Column("is"), Column("waves that come back", "m"), Column("largest factor", "", ".2g"))
     title = "columns, recognised by their names" if read.guessed else "columns"
     unused = (f"not used: {', '.join(read.unused)}",) if read.unused else ()

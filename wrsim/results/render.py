@@ -21,10 +21,8 @@ def as_text(tables: Iterable[Table]) -> str:
 
 
 def on_terminal(tables: Iterable[Table], stream: IO[str] | None = None) -> None:
-    """Print tables, on stdout unless a stream is given. Words are flush left, numbers flush right.
-
-    No cell is ever cut, headings are wrapped: where the terminal is narrower, lines are longer than it.
-    """
+    """Print tables, on stdout unless a stream is given. Words are flush left, numbers flush right. No cell is ever cut,
+    headings are wrapped: where the terminal is narrower, lines are longer than it."""
     from rich.cells import cell_len
     from rich.console import Console
     from rich.table import Table as Grid
@@ -74,23 +72,28 @@ def as_html(table: Table, look: str = "") -> Markup:
 def as_rows(table: Table) -> list[list[str]]:
     """Rows of a CSV file, the names of the columns first: ten digits, yes or no, empty for not-a-number."""
 
-    def text(cell: Any) -> str:
-        value = cell.value if isinstance(cell, Placed) else cell
-        if value is None or value != value:
+    def text(value: Any) -> str:
+        if value is None:
             return ""
         if isinstance(value, bool):
             return "yes" if value else "no"
-        return f"{value:z.10g}" if isinstance(value, float) else str(value)
+        return csv_numbers([value])[0] if isinstance(value, float) else str(value)
 
-    return [[column.key for column in table.columns], *([text(cell) for cell in row] for row in table.rows)]
+    return [[c.key for c in table.columns], *([text(_bare(cell)) for cell in row] for row in table.rows)]
+
+
+def csv_numbers(values: Iterable[float]) -> list[str]:
+    """Cells of numbers in a CSV file: ten digits, empty for not-a-number."""
+    return ["" if v != v else f"{v:z.10g}" for v in values]
 
 
 def as_records(table: Table) -> list[dict[str, Any]]:
     """Rows of a JSON file by the names of the columns: plain numbers and texts, null for not-a-number."""
-
-    def bare(cell: Any) -> Any:
-        value = cell.value if isinstance(cell, Placed) else cell
-        return None if value is None or value != value else value
-
     keys = [column.key for column in table.columns]
-    return [dict(zip(keys, map(bare, row), strict=True)) for row in table.rows]
+    return [dict(zip(keys, map(_bare, row), strict=True)) for row in table.rows]
+
+
+def _bare(cell: Any) -> Any:
+    """The value of a cell without its place; None for not-a-number."""
+    value = cell.value if isinstance(cell, Placed) else cell
+    return None if value != value else value

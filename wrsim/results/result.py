@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import xarray as xr
+from markupsafe import Markup
 
 from wrsim.errors import InputError
 from wrsim.register import resolved
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
 class Result:
     """What an analysis computed, with everything needed to redraw and to rerun it.
 
-    A stopped run holds what was computed until it stopped. The numbers of a long run stay on disk
-    (`wrsim.results.netcdf`) and are read as they are asked for; ``dataset.load()`` brings them all into memory.
+    A stopped run holds what was computed until it stopped. The numbers of a long run stay on disk until they are used;
+    ``dataset.load()`` brings them all into memory.
 
     Parameters
     ----------
@@ -44,9 +45,10 @@ class Result:
     dataset: xr.Dataset
 
     def __repr__(self) -> str:
-        from wrsim.results.repr import result_text
+        from wrsim.results.render import as_text
+        from wrsim.results.summary_tables import overview
 
-        return result_text(self.dataset)
+        return f"<Result: {self.title}>\n{as_text(overview(self.dataset))}"
 
     def numbers(self) -> list[Table]:
         """The tables that people read first: peaks, medians in full curves, critical speeds."""
@@ -55,9 +57,11 @@ class Result:
         return numbers_of(self.dataset, self.summary())
 
     def _repr_html_(self) -> str:
-        from wrsim.results.repr import result_html
+        from wrsim.results.render import as_html
+        from wrsim.results.summary_tables import overview
 
-        return result_html(self.dataset)
+        tables = Markup("").join(map(as_html, overview(self.dataset)))
+        return Markup("<div><strong>{}</strong>{}</div>").format(self.title, tables)
 
     @property
     def title(self) -> str:
@@ -80,22 +84,9 @@ class Result:
         return str(self.dataset.attrs.get("stop_reason", ""))
 
     def wheelset(self, name: str | None = None) -> xr.Dataset:
-        """Channels of one wheelset, without the dimension ``wheelset``; ``distance`` is its own.
-
-        Parameters
-        ----------
-        name : str, optional
-            Not needed where there is only one.
-
-        Returns
-        -------
-        xarray.Dataset
-
-        Raises
-        ------
-        InputError
-            For a wrong name, or when one is needed; lists which there are.
-        """
+        """Channels of one wheelset, without the dimension ``wheelset``; ``distance`` is its own. name: not needed where
+        there is only one. Raises ``InputError`` for a wrong name, or when one is needed; the message lists all
+        names."""
         from wrsim.results.wheelsets import of_wheelset
 
         return of_wheelset(self.dataset, name)
@@ -109,15 +100,13 @@ class Result:
         number: int = 0,
         columns: int = 101,
     ) -> xr.Dataset:
-        """One contact patch as arrays.
+        """One contact patch as arrays, in SI units.
 
         Parameters
         ----------
         at : float or str
-            Distance along the track [m] of a moment whose patches are kept (the nearest within 1 m), or name of a pose.
-        wheel : {"left", "right"}, optional
-            Not needed where there is only one.
-        wheelset : str, optional
+            Distance along the track [m] of a snapshot (the nearest within 1 m), or name of a pose.
+        wheel, wheelset : str, optional
             Not needed where there is only one.
         number : int
             Of the patch, 0 for the one with the largest normal force.
@@ -129,36 +118,24 @@ class Result:
         xarray.Dataset
             ``p`` (s, x): pressures [Pa], zero outside of contact; coordinates ``s`` (s,), curved axis from the main
             point to the field side [m], and ``x`` (x,), along the track [m]; with the exact solver ``qx`` and ``qs``,
-            tractions [Pa]. The strips' own channels along ``s`` (``strip_ds``, ``strip_a``, ``strip_N`` ...), and the
-            numbers of the patch (``N``, ``p0``, ``area``, ``contact_angle`` ...), all in SI units.
+            tractions [Pa]. Channels of strips along ``s`` (``strip_ds``, ``strip_a``, ``strip_N`` ...), and the
+            numbers of the patch (``N``, ``p0``, ``area``, ``contact_angle`` ...).
 
         Raises
         ------
         InputError
-            For a wheelset, a wheel, a place, a pose or a patch that is not there; lists which there are.
+            For a wheelset, a wheel, a place, a pose or a patch that does not exist; lists which there are.
         """
         from wrsim.results.moments import patch_of
 
         return patch_of(self.wheelset(wheelset), at, wheel, number, columns)
 
     def to_dataframe(self, wheelset: str | None = None) -> DataFrame:
-        """All channels over time or poses as one wide table, as ``wrsim export`` writes it.
+        """All channels as one wide table, as ``wrsim export`` writes it: a row an instant or pose, a column for every
+        wheelset, wheel and patch, in units for readers, at the end of the name (``Y_wheelset_left_kN``) and in
+        ``attrs["units"]``.
 
-        Parameters
-        ----------
-        wheelset : str, optional
-            This one alone, its columns without its name. Default: all.
-
-        Returns
-        -------
-        pandas.DataFrame
-            A row an instant or pose, a column for every wheelset, wheel and patch, in units for readers, which are
-            at the end of the name (``Y_wheelset_left_kN``) and in ``attrs["units"]``.
-
-        Raises
-        ------
-        InputError
-            For a wheelset that is not there; lists which there are.
+        wheelset: this one alone, its columns without its name. Raises ``InputError`` for a name that is none.
         """
         from wrsim.results.tables import frame
 
@@ -167,23 +144,10 @@ class Result:
     def plot(self, *names: str, wheelset: str | None = None) -> Figure:
         """One of the standard pictures, or histories of channels.
 
-        Parameters
-        ----------
-        *names : str
-            One of ``pictures``; or channels (``"Y"``, ``"lateral_shift"``), drawn above each other over the distance,
-            of poses over the lateral shift. Default: the first picture.
-        wheelset : str, optional
-            Needed for channels where there are several wheelsets.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Made without pyplot: ``savefig`` writes it, notebooks show it.
-
-        Raises
-        ------
-        InputError
-            For a name that is neither a picture nor a channel of this result, and for a wheelset that is not there.
+        names: one of ``pictures``; or channels (``"Y"``, ``"lateral_shift"``), drawn above each other over the
+        distance, of poses over the lateral shift. Default: the first picture. wheelset: needed for channels where there
+        are several. The figure is made without pyplot: ``savefig`` writes it, notebooks show it. Raises ``InputError``
+        for a name that is neither a picture nor a channel of this result, and for an unknown wheelset.
         """
         figure: Figure = resolved("wrsim.plots.pictures:picture")(self, names, wheelset)
         return figure
@@ -194,58 +158,28 @@ class Result:
         return tuple(resolved("wrsim.plots.pictures:standard_figures")(self.dataset))
 
     def summary(self) -> dict[str, Any]:
-        """Peak and quasi-static values as plain numbers in units for readers; what ``summary.json`` holds.
-
-        Returns
-        -------
-        dict
-            Units are in the keys: ``summary["wheelsets"]["wheelset"]["wheels"]["left"]["Y_max_kN"]``.
+        """Peak and quasi-static values as plain numbers, which ``summary.json`` holds; units for readers are in the
+        keys: ``summary["wheelsets"]["wheelset"]["wheels"]["left"]["Y_max_kN"]``.
         """
         from wrsim.results.summary import summarise
 
         return summarise(self.dataset)
 
     def save(self, path: str | Path) -> Path:
-        """Write the dataset as NetCDF 4; the file appears whole or not at all.
-
-        Parameters
-        ----------
-        path : str or Path
-            An older file of that name is replaced.
-
-        Returns
-        -------
-        Path
-
-        Raises
-        ------
-        WrsimError
-            When the disk is full or the place cannot be written to.
-        """
+        """Write the dataset as NetCDF 4 in place of an older file, whole or not at all. Raises ``WrsimError`` when the
+        disk is full or the place cannot be written to."""
         return write_netcdf(path, self.dataset)
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
-        """Read a file that `save` wrote, or the result in the folder of a run.
-
-        Parameters
-        ----------
-        path : str or Path
-
-        Returns
-        -------
-        Result
-
-        Raises
-        ------
-        InputError
-            When it is missing, damaged or not ours.
-        """
+        """Read a file that `save` wrote, or the result in the folder of a run. Raises ``InputError`` when it is
+        missing, damaged or no result of wrsim."""
         path = Path(path)
         if path.is_dir():
             path = path / "result.nc"
-        dataset = _without_encoding(read_netcdf(path, "result"))
-        attributes = dataset.attrs
+        dataset = read_netcdf(path, "result").drop_encoding()
+        attributes = {n: v.item() if getattr(v, "size", 0) == 1 else v for n, v in dataset.attrs.items()}
+        dataset.attrs = attributes
         if attributes.get("format") != FORMAT:
             raise InputError(f"{path}: a NetCDF file, but not a wrsim result")
         version = attributes.get("format_version")
@@ -262,15 +196,8 @@ class Result:
         return cls(dataset)
 
 
-def _without_encoding(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset without the traces of its file, so that it saves like a fresh one."""
-    clean: xr.Dataset = dataset.drop_encoding()
-    clean.attrs = {n: value.item() if getattr(value, "size", 0) == 1 else value for n, value in clean.attrs.items()}
-    return clean
-
-
 def _with_rails_of_moments(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with the rails' sections of every moment, of which format 2 kept one for all."""
+    """The dataset with the rails' sections of every moment; format 2 has one for all."""
     moments = dataset["wheel_profile_y"].sizes if "wheel_profile_y" in dataset else {}
     for name in ("rail_profile_y", "rail_profile_z"):
         if name in dataset and dataset[name].dims == ("wheel", "rail_point"):

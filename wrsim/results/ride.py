@@ -11,7 +11,7 @@ import xarray as xr
 
 from wrsim.results.files import as_csv, as_json
 from wrsim.results.render import as_rows
-from wrsim.results.table import Column, Table, formatted, quantity
+from wrsim.results.table import Column, Table, finite, formatted, quantity
 
 AXES = ("x", "y", "z")
 OF_AXES = {"rms": "rms", "peak": "peak", "weighted_rms": "weighted rms", "comfort_95": "95 % of 5 s"}
@@ -43,6 +43,11 @@ class Ride:
         """Names of the points."""
         return tuple(str(p) for p in self.data["point"].values)
 
+    @property
+    def stretch(self) -> str:
+        """The stretch in words."""
+        return f"{formatted(self.start, '.0f')} to {quantity(self.end, 'm', '.0f')}"
+
     def as_dict(self) -> dict[str, Any]:
         """What ``ride.json`` holds: numbers by point and axis, SI units in the keys."""
         return {
@@ -54,8 +59,8 @@ class Ride:
             "blocks_of_5_s": int(self.data.attrs["blocks"]),
             "weightings": dict(zip(AXES, str(self.data.attrs["weightings"]).split(), strict=True)),
             "points": {
-                point: {f"{name}_m_s2": dict(zip(AXES, _plain(own[name]), strict=True)) for name in OF_AXES}
-                | {"N_MV": _plain(own["N_MV"])[0]}
+                point: {f"{name}_m_s2": dict(zip(AXES, map(finite, own[name].values), strict=True)) for name in OF_AXES}
+                | {"N_MV": finite(own["N_MV"].item())}
                 for point in self.points
                 for own in (self.data.sel(point=point),)
             },
@@ -63,19 +68,14 @@ class Ride:
 
     def table(self, name: str = "") -> Table:
         """Rows by point and axis. name: of the run, where there are several."""
+        name += ": " * bool(name)
         rows = [
-            (
-                f"{name}: {point}" if name else point,
-                axis,
-                *(of[f"{key}_m_s2"][axis] for key in OF_AXES),
-                "" if i else of["N_MV"],
-            )
+            (name + point, axis, *(of[f"{key}_m_s2"][axis] for key in OF_AXES), "" if i else of["N_MV"])
             for point, of in self.as_dict()["points"].items()
             for i, axis in enumerate(AXES)
         ]
         heads = (Column("point"), Column("axis"), *(Column(word, "m/s²") for word in OF_AXES.values()), Column("N_MV"))
-        stretch = f"{formatted(self.start, '.0f')} to {quantity(self.end, 'm', '.0f')}"
-        title = f"{self.title}: {stretch}, {quantity(self.duration, 's', '.0f')}"
+        title = f"{self.title}: {self.stretch}, {quantity(self.duration, 's', '.0f')}"
         blocks = int(self.data.attrs["blocks"])
         note = f"weighted: Wd along x and y, Wb along z; {blocks} blocks of 5 s (EN 12299 asks for 60)"
         return Table(title, heads, rows, (note,))
@@ -94,8 +94,3 @@ class Ride:
         rows = np.column_stack((*first, self.data[name].values.reshape(first[0].size, -1))).tolist()
         keys = (*heads, *(f"{point} a{axis}_{unit}" for point in self.points for axis in AXES))
         return Table("", tuple(Column(key=key) for key in keys), rows)
-
-
-def _plain(values: xr.DataArray) -> list[float | None]:
-    """Numbers that JSON knows."""
-    return [value if np.isfinite(value) else None for value in values.values.reshape(-1).tolist()]

@@ -1,15 +1,12 @@
 """The file that a run in time writes while it lasts: whole records, appended one after the other.
 
-A process may die at any byte. Every record carries its length and a checksum, so a reader takes the records that are
-whole and sees nothing of a torn one; who continues the run cuts the torn one off. What a record means is for its
-writer to define (``wrsim.simulation.recorder``).
+A process may die at any byte. Every record carries its length and a checksum: a reader takes the whole records, who
+continues the run cuts a torn one off. ``wrsim.simulation.recorder`` defines what records mean.
 
-Layout, little-endian: the signature; then for each record the length of its content (uint64), the CRC-32 of the
-content (uint32), the content: a JSON object on one line, and behind it numbers (float64). The first record is the
-header.
-
-Data reach the operating system at every record, which is what the death of a process asks for. They reach the disk
-when the system sees fit: after a power failure the file ends earlier, at a whole record all the same.
+Layout, little-endian: the signature; for each record the length of its content (uint64), the CRC-32 of the content
+(uint32), the content: a JSON object on one line, then numbers (float64). The first record is the header. Data reach the
+operating system at every record, the disk when the system writes them: after a power failure the file ends earlier, at
+a whole record all the same.
 """
 
 from __future__ import annotations
@@ -31,10 +28,8 @@ from wrsim.errors import InputError
 from wrsim.inputs.toml_files import open_plain
 from wrsim.results.files import fcntl, lock, open_no_link, plain_disk_errors
 
-SIGNATURE = b"wrsim run\r\n\x1a\x03\x00\x00\x00"
-"""Last four bytes: version of the layout."""
-_NAMED = 12
-"""Bytes of the signature before the version."""
+SIGNATURE = b"wrsim run\r\n\x1a\x03\x00\x00\x00"  # last four bytes: version of the layout
+_NAMED = 12  # bytes of the signature before the version
 FRAME = struct.Struct("<QI")
 
 
@@ -64,10 +59,9 @@ class _Known(BaseModel):
 
 
 class Header(dict[str, Any]):
-    """What a run file states of its run. Asking for what it lacks raises ``InputError``."""
+    """What a run file states of its run. Asking for what it lacks raises ``InputError``, as does a wrong value."""
 
     def __init__(self, path: Path, about: bytes) -> None:
-        """Raises ``InputError`` for what is none, or holds values of another kind than runs write."""
         self.path = path
         try:
             super().__init__(_Known.model_validate_json(about).model_dump(exclude_unset=True))
@@ -92,10 +86,8 @@ class RunFile:
     """A run file open for appending, locked against a second run."""
 
     def __init__(self, path: str | Path) -> None:
-        """Open a file to go on with, or a new one; ``cut`` says where. Nobody else can write to it from now on.
-
-        Raises ``InputError`` for a file that is none of a run, and for one that a run is writing to.
-        """
+        """Open a file to go on with (see ``cut``), or a new one. Raises ``InputError`` for a file that is none of a
+        run, and for one that a run is writing to."""
         self.path = path = Path(path)
         with plain_disk_errors(path):
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -117,7 +109,7 @@ class RunFile:
         self.append(header)
 
     def append(self, about: dict[str, Any], *numbers: NDArray[np.float64]) -> None:
-        """Write one record. Raises ``WrsimError`` when the disk is full; what was written before stays readable."""
+        """Write one record. Raises ``WrsimError`` when the disk is full; earlier records stay readable."""
         head = json.dumps(about, ensure_ascii=False).encode() + b"\n"
         content = b"".join((head, *(np.asarray(part, dtype="<f8").tobytes() for part in numbers)))
         with plain_disk_errors(self.path, len(content)):
@@ -162,10 +154,8 @@ def is_running(path: str | Path) -> bool:
 
 
 def records_of(path: str | Path) -> Generator[Record]:
-    """Whole records of a run file, the header first, read one by one; what is torn or damaged ends them.
-
-    Raises ``InputError`` when the file is missing, is none of ours, or does not even hold a whole header.
-    """
+    """Whole records of a run file, the header first, read one by one; what is torn or damaged ends them. Raises
+    ``InputError`` when the file is missing, is none of ours, or does not even hold a whole header."""
     path = Path(path)
     try:
         file = open_plain(path, "file of a run")

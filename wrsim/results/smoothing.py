@@ -36,10 +36,8 @@ def smoothing_table(reports: Sequence[SmoothingReport]) -> Table:
 def profile_and_reports(
     name: str, kind: str | None, cutoffs: Sequence[float], models: Sequence[str | Path] | None
 ) -> tuple[Profile, tuple[SmoothingReport, ...]]:
-    """The profile of a file, and a report for every cut-off [mm]; of measured points also without any asked for.
-
-    Raises InputError for a file that holds no points, and for cut-offs that cannot be.
-    """
+    """The profile of a file, and a report for every cut-off [mm]; of measured points also without any asked for. Raises
+    InputError for a file that holds no points, and for cut-offs that cannot be."""
     if kind not in KINDS:
         raise InputError(f"--kind {kind}: must be wheel or rail")
     file = model_file(name, models)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from wrsim.results.table import Column, Table, quantity
+from wrsim.results.table import Column, Table, finite, quantity
 from wrsim.results.tables import Row, long, wide
 
 MODE = ("frequency", "damping", "growth", "name")
@@ -17,21 +17,15 @@ MODES = ("pose_speed", "mode_branch", "mode_frequency", "mode_damping", "mode_gr
 
 def summarise_stability(dataset: xr.Dataset) -> dict[str, Any]:
     """Critical speeds with their frequency and mode; ``None`` where there are none, and a note with the reason."""
-    attributes = dataset.attrs
-
-    def number(name: str, factor: float = 1.0) -> float | None:
-        value = float(attributes.get(name, np.nan))
-        return factor * value if np.isfinite(value) else None
-
-    found: dict[str, Any] = {
-        "speeds": dataset.sizes["pose"],
-        "linear_critical_speed_kmh": number("critical_speed_m_s", 3.6),
-        "critical_frequency_Hz": number("critical_frequency_Hz"),
-        "held_speeds": dataset.sizes.get("cycle", 0),
-        "nonlinear_critical_speed_kmh": number("nonlinear_critical_speed_m_s", 3.6),
-    }
+    about = dataset.attrs
     words = ("critical_mode", "critical_note", "nonlinear_note")
-    return found | {name: str(attributes[name]) for name in words if name in attributes}
+    return {
+        "speeds": dataset.sizes["pose"],
+        "linear_critical_speed_kmh": finite(about.get("critical_speed_m_s"), 3.6),
+        "critical_frequency_Hz": finite(about.get("critical_frequency_Hz")),
+        "held_speeds": dataset.sizes.get("cycle", 0),
+        "nonlinear_critical_speed_kmh": finite(about.get("nonlinear_critical_speed_m_s"), 3.6),
+    } | {name: str(about[name]) for name in words if name in about}
 
 
 def csv_of_stability(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
@@ -60,14 +54,10 @@ def stability_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table
     found.append(Table("least damped mode", (*heads, Column("growth", "1/s", ".3f"), Column("mode")), rows))
     if "cycle" not in dataset.dims:
         return found
-    held = [dataset.isel(cycle=i) for i in range(dataset.sizes["cycle"])]
-    rows = [
-        (
-            3.6 * at["cycle_speed"].item(), at["cycle_branch"].item(), at["cycle_ending"].item(),
-            1e3 * float(at["cycle_amplitude"].values.max()), at["cycle_frequency"].item(), at["cycle_time"].item(),
-        )
-        for at in held
-    ]  # fmt: skip
+    amplitude = 1e3 * dataset["cycle_amplitude"].values.max(axis=1)
+    speed, *texts = (dataset[f"cycle_{name}"].values for name in ("speed", "branch", "ending"))
+    columns = (3.6 * speed, *texts, amplitude, dataset["cycle_frequency"].values, dataset["cycle_time"].values)
+    rows = list(zip(*(column.tolist() for column in columns), strict=True))
     heads = (Column("speed", "km/h", ".5g"), Column("branch"), Column("came to"))
-    more = (Column("amplitude", "mm", ".3f"), Column("frequency", "Hz", ".3f"), Column("held", "s", ".1f"))
-    return [*found, Table("held speeds", (*heads, *more), rows)]
+    last = (Column("amplitude", "mm", ".3f"), Column("frequency", "Hz", ".3f"), Column("held", "s", ".1f"))
+    return [*found, Table("held speeds", (*heads, *last), rows)]

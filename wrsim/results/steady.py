@@ -29,7 +29,7 @@ SHOWN = {
 
 
 def summarise_steady(dataset: xr.Dataset) -> dict[str, Any]:
-    """How many curves have a steady motion, which have none, and the largest Y/Q with its place."""
+    """How many curves have a steady motion, which have none, the largest Y/Q with its place."""
     messages = zip(dataset["pose"].values, dataset["pose_message"].values, strict=True)
     quotient = dataset["Y_over_Q"]
     worst = quotient.isel(quotient.argmax(dim=quotient.dims))  # type: ignore[arg-type]

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from wrsim.register import ANALYSES, resolved
 from wrsim.results import wear
-from wrsim.results.channels import CHANNELS, Channel
+from wrsim.results.channels import CHANNELS
 from wrsim.results.dataset import COUNTS
+from wrsim.results.table import finite, quantity
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 CURVE_CHANNELS = {
@@ -85,35 +86,29 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     ``None`` where there is no finite value. Peaks of patch channels run over all patches of the wheel.
     """
     attributes = dataset.attrs
-    own = resolved(ANALYSES[str(attributes["analysis"])].summary)(dataset)
-    head = {name: attributes[name] for name in ("title", "analysis", "status")} | {"stop": _stop(dataset)}
-    names = [name for name in attributes if name.endswith("_version") and name != "format_version"]
+    found = {name: attributes[name] for name in ("title", "analysis", "status")} | {"stop": _stop(dataset)}
     if {"integrator", "step_s"} <= attributes.keys():
         counts = {name: int(attributes.get(name, 0)) for name in COUNTS}
         step = 1e3 * float(attributes["step_s"])
-        head["integration"] = {"integrator": attributes["integrator"], "step_ms": step, **counts}
-    return (
-        head
-        | own
-        | _remarks(dataset)
-        | {"versions": {name.removesuffix("_version"): attributes[name] for name in names}}
-    )
+        found["integration"] = {"integrator": attributes["integrator"], "step_ms": step, **counts}
+    found |= resolved(ANALYSES[str(attributes["analysis"])].summary)(dataset) | _remarks(dataset)
+    names = (name for name in attributes if name.endswith("_version") and name != "format_version")
+    return found | {"versions": {name.removesuffix("_version"): attributes[name] for name in names}}
 
 
 def _remarks(dataset: xr.Dataset) -> dict[str, Any]:
     """Remarks on contacts of solved samples and on limit cycles, by the sample."""
-    places: list[str] = []
-    remarks: list[str] = []
+    found: list[tuple[str, str]] = []
     if "contact_remark" in dataset:
         (sample,) = dataset["contact_remark"].dims
-        places += [f"{sample} {at}" for at in dataset[sample].values]
-        remarks += dataset["contact_remark"].values.tolist()
+        places = [f"{sample} {at}" for at in dataset[sample].values]
+        found += zip(places, dataset["contact_remark"].values.tolist(), strict=True)
     if "cycle_remark" in dataset:
-        held = zip(dataset["cycle_speed"].values, dataset["cycle_branch"].values, strict=True)
-        places += [f"{3.6 * speed:.5g} km/h {branch}" for speed, branch in held]
-        remarks += dataset["cycle_remark"].values.tolist()
-    found = {place: words for place, words in zip(places, remarks, strict=True) if words}
-    return {"remarks": found} if found else {}
+        held = zip((3.6 * dataset["cycle_speed"].values).tolist(), dataset["cycle_branch"].values, strict=True)
+        places = [f"{quantity(speed, 'km/h', '.5g')} {branch}" for speed, branch in held]
+        found += zip(places, dataset["cycle_remark"].values.tolist(), strict=True)
+    remarks = {place: words for place, words in found if words}
+    return {"remarks": remarks} if remarks else {}
 
 
 def summarise_contacts(dataset: xr.Dataset) -> dict[str, Any]:
@@ -123,20 +118,16 @@ def summarise_contacts(dataset: xr.Dataset) -> dict[str, Any]:
         "wheelsets": {name: _of_wheelset(of_wheelset(dataset, name)) for name in wheelsets(dataset)},
     }
     if "point" in dataset.dims:
-        points = {str(point): dataset.sel(point=point) for point in dataset["point"].values}
-        summary["points"] = {
-            point: {key: peak(one, own) for key, own in OF_POINT.items()} for point, one in points.items()
-        }
+        points = {str(name): dataset.sel(point=name) for name in dataset["point"].values}
+        summary["points"] = {n: {key: peak(one, own) for key, own in OF_POINT.items()} for n, one in points.items()}
     if "kinetic_energy" in dataset:
         summary["energy"] = energy(dataset)
     if wear.has_wear(dataset):
         summary["wear"] = wear.summarise_wear(dataset)
     if "event" in dataset.dims:
-        values = (dataset[f"event_{name}"].values for name in ("time", "distance", "label"))
-        summary["events"] = [
-            {"time_s": float(t), "distance_m": float(s), "event": str(words)}
-            for t, s, words in zip(*values, strict=True)
-        ]
+        values = (dataset[f"event_{name}"].values.tolist() for name in ("time", "distance", "label"))
+        rows = zip(*values, strict=True)
+        summary["events"] = [{"time_s": t, "distance_m": s, "event": str(words)} for t, s, words in rows]
     return summary
 
 
@@ -153,10 +144,8 @@ ENERGY = {
 
 
 def energy(dataset: xr.Dataset) -> dict[str, float]:
-    """What became of the work of drive and pull over a run, in kJ.
-
-    left_over_kJ: work less everything above; what springs, rails and contacts hold or lose and what loads do.
-    """
+    """What became of the work of drive and pull over a run, in kJ. left_over_kJ: work less everything above; what
+    springs, rails and contacts hold or lose and what loads do."""
     time = dataset["time"].values
 
     def over_time(power: str) -> float:
@@ -188,37 +177,32 @@ def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
 
 def wheel_peaks(one: xr.Dataset) -> dict[str, dict[str, Any]]:
     """Peaks of the wheels of one wheelset, by wheel and name."""
-    return {
-        str(wheel): {key: peak(one, own, str(wheel)) for key, own in PEAKS.items()} for wheel in one["wheel"].values
-    }
+    wheels = map(str, one["wheel"].values)
+    return {wheel: {key: peak(one, own, wheel) for key, own in PEAKS.items()} for wheel in wheels}
 
 
 def peak(dataset: xr.Dataset, of: Peak, wheel: str | None = None) -> dict[str, Any] | None:
-    """A peak in units for readers, and where it is: the sample, of channels of patches the patch as well.
-
-    ``None`` when the channel is absent or has no finite value.
-    """
+    """A peak in units for readers, and where it is: the sample, of channels of patches the patch as well. ``None`` when
+    the channel is absent or has no finite value."""
     if of.channel not in dataset:
         return None
-    data = dataset.variables[of.channel]  # its labels, carried along, take most of the time
+    data = dataset.variables[of.channel]  # without labels, which take most of the time
     if wheel is not None:
         data = data.isel(wheel=int(np.flatnonzero(dataset.variables["wheel"].values == wheel)[0]))
     values = data.values.reshape(data.shape[0], int(np.prod(data.shape[1:])))
-    finite = np.isfinite(values)
-    if not finite.any():
+    known = np.isfinite(values)
+    if not known.any():
         return None
     rank = {"magnitude": np.abs, "least": np.negative, "largest": np.positive}[of.which](values)
-    index = np.unravel_index(np.argmax(np.where(finite, rank, -np.inf)), values.shape)
-    found = {"value": _shown(CHANNELS[of.channel], float(values[index]))}
+    index = np.unravel_index(np.argmax(np.where(known, rank, -np.inf)), values.shape)
+    found = {"value": finite(values[index], CHANNELS[of.channel].shown.factor)}
     patch = {"patch": int(index[1])} if data.dims[1:] == ("patch",) else {}
     return found | _place(dataset, int(index[0])) | patch
 
 
 def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """Quasi-static values: medians over the second half of every stretch of constant, non-zero curvature.
-
-    ``patches`` of a wheel are those that are in contact for most of that half, the largest normal force first.
-    """
+    """Quasi-static values: medians over the second half of every stretch of constant, non-zero curvature. ``patches``
+    of a wheel are those that are in contact for most of that half, the largest normal force first."""
     if "curvature" not in dataset or dataset.sizes["time"] < _SHORTEST:
         return []
     curves = []
@@ -242,11 +226,6 @@ def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
     return curves
 
 
-def _shown(channel: Channel, value: float) -> float | None:
-    """The value in the unit for readers; ``None`` for not-a-number."""
-    return float(value) * channel.shown.factor if np.isfinite(value) else None
-
-
 def _constant_stretches(distance: NDArray[Any], curvature: NDArray[Any]) -> list[tuple[int, int]]:
     """First and last sample of every stretch of constant, non-zero curvature."""
     scale = np.nanmax(np.abs(curvature), initial=0.0)
@@ -263,7 +242,7 @@ def _medians(part: xr.Dataset, names: Iterable[str]) -> dict[str, Any]:
     """Medians of the channels that there are."""
     values = {name: part[name].values[np.isfinite(part[name].values)] for name in names if name in part}
     return {
-        CHANNELS[name].column: _shown(CHANNELS[name], float(np.median(own))) if own.size else None
+        CHANNELS[name].column: finite(np.median(own), CHANNELS[name].shown.factor) if own.size else None
         for name, own in values.items()
     }
 
@@ -283,11 +262,8 @@ def _stop(dataset: xr.Dataset) -> dict[str, Any] | None:
     stop: dict[str, Any] = {"reason": attributes.get("stop_reason", "")}
     if "stop_cause" in attributes:
         stop["cause"] = attributes["stop_cause"]
-    for key in ("stop_time_s", "stop_distance_m"):
-        if key in attributes:
-            value = float(attributes[key])
-            stop[key.removeprefix("stop_")] = value if np.isfinite(value) else None
-    return stop
+    places = {key: attributes[f"stop_{key}"] for key in ("time_s", "distance_m") if f"stop_{key}" in attributes}
+    return stop | {key: finite(value) for key, value in places.items()}
 
 
 def extent(dataset: xr.Dataset) -> dict[str, Any]:

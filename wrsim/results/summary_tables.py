@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, PATCHES, WHEELS
-from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_WHEELSET, PATCH_CHANNELS, PEAKS
+from wrsim.results.moments import has_patches, with_patches
+from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_WHEELSET, PATCH_CHANNELS, PEAKS, wheel_peaks
 from wrsim.results.table import Cell, Column, Placed, Table, formatted, quantity, with_unit
-from wrsim.results.wheelsets import numbered
+from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
-MOST_LINES = 10
-"""Events and remarks that are listed."""
+MOST_LINES = 10  # events and remarks that are listed
 
-MOST_CURVES = 3
-"""Full curves that are listed; summary.json has all of them."""
+MOST_NAMES = 8  # wheelsets and moments that the overview lists
+
+MOST_CURVES = 3  # full curves that are listed; summary.json has all of them
 
 Summary = Mapping[str, Any]
 
@@ -30,10 +32,15 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     if len(own) == 1:
         tables = wheelset_tables(own, [""], title=title)
     else:
-        tables = [vehicle_table(title, labels, [each["wheels"] for each in own]), *_wheelsets_table(labels, own)]
+        tables = [vehicle_table(title, labels, [each["wheels"] for each in own])]
+        known = {key: peak for key, peak in OF_WHEELSET.items() if any(_placed(each.get(key)).value for each in own)}
+        rows = [(label, *(_placed(each.get(key)) for key in known)) for label, each in zip(labels, own, strict=True)]
+        heads = (Column("wheelset"), *(Column(peak.short or peak.words, peak.unit) for peak in known.values()))
+        tables += [Table("largest either way", heads, rows)] if known else []
     tables += curve_tables(labels, own)
-    if "energy" in summary:
-        tables.append(energy_table(summary["energy"]))
+    if energy := summary.get("energy"):
+        parts = [(words, energy[key]) for key, words in ENERGY.items() if energy[key] or key == "left_over_kJ"]
+        tables.append(Table("balance of energy over the run", (Column(), Column("work", "kJ")), parts))
     notes = (*first_lines(happened(summary), "events"), *_integration(summary))
     return [*tables, Table("", notes=notes)] if notes else tables
 
@@ -45,22 +52,53 @@ def numbers_of(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     return [*tables, Table("", notes=notes)] if notes else tables
 
 
-def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: str = "Peaks") -> list[Table]:
-    """Peaks of one wheelset with their places, in several results beside each other: of its wheels, of itself.
+def overview(dataset: xr.Dataset) -> list[Table]:
+    """A result in a few lines: what was computed, and the peaks of every wheel."""
+    attributes = dataset.attrs
+    ending = f"stopped: {attributes['stop_reason']}" if attributes["status"] == "stopped" else "completed"
+    names = wheelsets(dataset)
+    about = [("analysis", f"{attributes['analysis']}, {ending}"), ("samples", extent_words(dataset))]
+    about.append(("wheelsets", _listed(names)))
+    if has_patches(dataset) and "snapshot_distance" in dataset:
+        places = [formatted(float(distance), ".1f") for distance in dataset["snapshot_distance"].values]
+        about.append(("patches", f"{_listed(places)} m"))
+    elif has_patches(dataset):
+        about.append(("patches", _listed([str(name) for name in dataset["pose"].values[with_patches(dataset)]])))
+    tables = [Table("", (Column(), Column()), about)]
+    if any(name in dataset for name in ("Y", "Q", "p0")):
+        first = names[:MOST_NAMES]
+        tables.append(vehicle_table("", first, [wheel_peaks(of_wheelset(dataset, name)) for name in first]))
+    return tables
 
-    own: of every result; names: those of the results.
-    """
-    several = len(own) > 1
-    wheels = [
-        (each, name, wheel)
-        for each, name in zip(own, names, strict=True)
-        for wheel in (each["wheels"] if each else WHEELS)
-    ]
+
+def extent_words(dataset: xr.Dataset) -> str:
+    """How many samples or poses there are, and how far they go."""
+    if "time" not in dataset.dims:
+        unsolved = int((dataset["pose_message"].values != "").sum()) if "pose_message" in dataset else 0
+        words = f"{dataset.sizes['pose']} pose{'s' * (dataset.sizes['pose'] != 1)}"
+        return words + (f", {unsolved} of them without a solution" if unsolved else "")
+    words, time = f"{dataset.sizes['time']} samples", dataset["time"].values
+    if time.size and "distance" in dataset.coords:
+        first, last = dataset["distance"].values[[0, -1]].tolist()
+        words += f" over {quantity(float(np.ptp(time)), 's')}"
+        words += f", {formatted(first, '.1f')} to {quantity(last, 'm', '.1f')}"
+    return words
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names[:MOST_NAMES]) + (f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else "")
+
+
+def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: str = "Peaks") -> list[Table]:
+    """Peaks of one wheelset with their places, in several results beside each other: of its wheels, of itself. own: of
+    every result; names: those of the results."""
+    pairs = list(zip(own, names, strict=True))
+    wheels = [(each, name, wheel) for each, name in pairs for wheel in (each["wheels"] if each else WHEELS)]
     rows: list[Sequence[Cell]] = []
     for key, peak in PEAKS.items():
         cells = (_placed(each["wheels"][wheel].get(key) if each else None) for each, _, wheel in wheels)
         rows.append((with_unit(peak.words, peak.unit), *cells))
-    heads = [Column(), *(Column(f"{name}: {wheel}" if several else wheel) for _, name, wheel in wheels)]
+    heads = [Column(), *(Column(f"{name}: {wheel}" if len(own) > 1 else wheel) for _, name, wheel in wheels)]
     tables = [Table(title, tuple(heads), _known(rows))]
     rows = [
         (with_unit(f"{peak.words}, largest either way", peak.unit), *(_placed((each or {}).get(key)) for each in own))
@@ -81,14 +119,6 @@ def vehicle_table(title: str, labels: Sequence[str], own: Sequence[Summary]) -> 
     ]
     heads = [Column("wheelset"), Column("wheel"), *(Column(peak.short, peak.unit) for peak in short.values())]
     return Table(title, tuple(heads), rows)
-
-
-def _wheelsets_table(labels: Sequence[str], own: Sequence[Summary]) -> list[Table]:
-    """Peaks of several wheelsets, a row each; none where there are no numbers."""
-    known = {key: peak for key, peak in OF_WHEELSET.items() if any(_placed(each.get(key)).value for each in own)}
-    rows = [(label, *(_placed(each.get(key)) for key in known)) for label, each in zip(labels, own, strict=True)]
-    heads = (Column("wheelset"), *(Column(peak.short or peak.words, peak.unit) for peak in known.values()))
-    return [Table("largest either way", heads, rows)] if known else []
 
 
 def curve_tables(labels: Sequence[str], own: Sequence[Summary], most: int = MOST_CURVES) -> list[Table]:
@@ -126,12 +156,6 @@ def _curve_title(curve: Summary) -> str:
     return f"full curve, R {radius} to the {hand}{cant}, {place}: medians of its second half"
 
 
-def energy_table(energy: Summary) -> Table:
-    """What became of the work of drive and pull; what nothing was put in or taken out of is left out."""
-    rows = [(words, energy[key]) for key, words in ENERGY.items() if energy[key] or key == "left_over_kJ"]
-    return Table("balance of energy over the run", (Column(), Column("work", "kJ")), rows)
-
-
 def happened(summary: Summary) -> list[str]:
     """Events of a run with their places."""
     return [f"{quantity(e['distance_m'], 'm', '.1f')}: {e['event']}" for e in summary.get("events", [])]
@@ -148,15 +172,15 @@ def first_lines(lines: Sequence[str], what: str) -> tuple[str, ...]:
     return (*lines[:MOST_LINES], *more)
 
 
-def _integration(summary: Summary) -> tuple[str, ...]:
+def _integration(summary: Summary) -> list[str]:
     """What the integration of a run took."""
     if (took := summary.get("integration")) is None:
-        return ()
-    step = quantity(took["step_ms"], "ms")
-    words = f"{took['integrator']}: {took['steps']} steps of {step}, {took['evaluations']} evaluations of the forces"
+        return []
+    words = f"{took['integrator']}: {took['steps']} steps of {quantity(took['step_ms'], 'ms')}"
+    words += f", {took['evaluations']} evaluations of the forces"
     words += f", {took['jacobians']} Jacobians" if took["jacobians"] else ""
     cut = f"; {took['cut_steps']} steps that Newton's method did not solve cut into parts"
-    return (words + (f"{cut}, {took['explicit_steps']} of them for rk44" if took["cut_steps"] else ""),)
+    return [words + (f"{cut}, {took['explicit_steps']} of them for rk44" if took["cut_steps"] else "")]
 
 
 def wall_time(wall: float, run: float, compiling: float) -> str:

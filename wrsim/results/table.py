@@ -7,12 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isnan
+from math import isfinite, isnan
 
 from wrsim.results.channels import Channel
 
-MISSING = "-"
-"""In place of a number where there is none."""
+MISSING = "-"  # in place of a number where there is none
 
 
 @dataclass(frozen=True)
@@ -50,9 +49,7 @@ class Column:
 @dataclass(frozen=True)
 class Table:
     """Rows of cells under columns; notes are beneath, each on a line. A row of one cell heads the rows below it.
-
-    Without columns it is a title with notes.
-    """
+    Without columns it is a title with notes."""
 
     title: str
     columns: tuple[Column, ...] = ()
@@ -67,6 +64,11 @@ class Table:
     def is_text(self, column: int) -> bool:
         """Whether a column holds words and no number."""
         return all(isinstance(row[column], str) for row in self.rows if len(row) > 1)
+
+
+def finite(value: float | None, factor: float = 1.0) -> float | None:
+    """A number in another unit, as JSON knows it: None where it is infinite or not-a-number."""
+    return float(value) * factor if value is not None and isfinite(value) else None
 
 
 def with_unit(words: str, unit: str) -> str:

@@ -15,6 +15,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.dataset import OF_VEHICLE
 from wrsim.results.files import csv_parts, write_atomically
+from wrsim.results.render import csv_numbers
 from wrsim.results.wheelsets import of_wheelset, wheelset_folder, wheelsets
 
 if TYPE_CHECKING:
@@ -22,8 +23,7 @@ if TYPE_CHECKING:
 
 Row = list[str]
 
-BLOCK = 2000
-"""Instants of a run that are in memory as text at once."""
+BLOCK = 2000  # instants of a run that are in memory as text at once
 
 
 def write_table(dataset: xr.Dataset, name: str, path: str | Path) -> Path:
@@ -32,14 +32,13 @@ def write_table(dataset: xr.Dataset, name: str, path: str | Path) -> Path:
 
 
 def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:
-    """All tables of a result by name; the first row of each is the header."""
+    """All tables of a result by name, each with a header."""
     return {name: list(rows) for name, rows in each_table(dataset)}
 
 
 def each_table(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     """The tables one after the other; rows of runs are made while they are taken, as they outweigh the numbers."""
-    tables: Iterator[tuple[str, Iterable[Row]]] = resolved(ANALYSES[str(dataset.attrs["analysis"])].csv_files)(dataset)
-    return tables
+    yield from resolved(ANALYSES[str(dataset.attrs["analysis"])].csv_files)(dataset)
 
 
 def csv_of_contacts(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
@@ -48,18 +47,13 @@ def csv_of_contacts(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     if "time" in dataset.dims and (len(names) > 1 or set(OF_VEHICLE) & set(dataset.dims)):
         yield "vehicle", _in_blocks(lambda part: wide(part, "time", OF_VEHICLE), dataset)
     for name in names:
-        own = wheelset_folder(names, name)
-        yield from ((own + table, rows) for table, rows in _of_wheelset(of_wheelset(dataset, name)))
-
-
-def _of_wheelset(one: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
-    """The tables of one wheelset."""
-    if "time" in one.dims:
-        yield "history", _in_blocks(lambda part: wide(part, "time", ("wheel",)), one)
-    if any("patch" in variable.dims and "strip" not in variable.dims for variable in one.values()):
-        yield "patches", _in_blocks(_patch_table, one)
-    if "strip" in one.dims:
-        yield "strips", _strip_table(one)
+        folder, one = wheelset_folder(names, name), of_wheelset(dataset, name)
+        if "time" in one.dims:
+            yield f"{folder}history", _in_blocks(lambda part: wide(part, "time", ("wheel",)), one)
+        if any("patch" in variable.dims and "strip" not in variable.dims for variable in one.values()):
+            yield f"{folder}patches", _in_blocks(_patch_table, one)
+        if "strip" in one.dims:
+            yield f"{folder}strips", _strip_table(one)
 
 
 def _in_blocks(table: Callable[[xr.Dataset], list[Row]], dataset: xr.Dataset) -> Iterator[Row]:
@@ -91,8 +85,7 @@ def _strip_table(one: xr.Dataset) -> list[Row]:
 
 
 def wide(dataset: xr.Dataset, dim: str, others: Iterable[str] = ()) -> list[Row]:
-    """One row per label of a dimension; channels with another dimension as well have a column for each of its labels,
-    such as ``Y_left_kN``."""
+    """One row per label of a dimension, a column for each label of ``others`` that a channel has (``Y_left_kN``)."""
     names = [dim] if dim in CHANNELS else []
     names += present(dataset, (dim,))
     names += [name for other in others for name in present(dataset, (dim, other))]
@@ -100,8 +93,8 @@ def wide(dataset: xr.Dataset, dim: str, others: Iterable[str] = ()) -> list[Row]
 
 
 def columns(dataset: xr.Dataset) -> Iterator[tuple[str, Channel, NDArray[Any]]]:
-    """One wide table of a result, a row a sample (instant or pose): names as in ``Y_front.outer_left_kN``, channels and
-    values in units for readers; strips and outlines are left out."""
+    """One wide table of a result, a row a sample: names as in ``Y_front.outer_left_kN``, channels, values in units for
+    readers; strips and outlines are left out."""
     sample = "time" if "time" in dataset.dims else "pose"
     for name, channel in CHANNELS.items():
         if name in dataset.variables and dataset[name].dims[:1] == (sample,) and "strip" not in dataset[name].dims:
@@ -163,9 +156,4 @@ def channel_cells(name: str, values: NDArray[Any]) -> list[str]:
     """Cells of a channel in the unit for readers."""
     if CHANNELS[name].kind != "number":
         return [str(v) for v in values]
-    return number_cells(values * CHANNELS[name].shown.factor)
-
-
-def number_cells(values: NDArray[Any]) -> list[str]:
-    """Ten digits; empty for not-a-number."""
-    return ["" if v != v else f"{v:.10g}" for v in (values + 0.0).tolist()]
+    return csv_numbers((values * CHANNELS[name].shown.factor).tolist())

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from wrsim.results.channels import CHANNELS
+from wrsim.results.table import finite
 from wrsim.results.wheelsets import wheelsets
 
 
@@ -32,8 +33,7 @@ def summarise_wear(dataset: xr.Dataset) -> dict[str, Any]:
     fatigue = {}
     for wheel in wheels:
         one = dataset.sel(wheel=wheel)
-        index = one["fatigue_index"].values
-        most = float(np.nanmax(index)) if np.isfinite(index).any() else None
+        most = finite(np.fmax.reduce(one["fatigue_index"].values, axis=None))
         fatigue[wheel] = _deepest(one, "rail_damage", "wear_rail_u") | {"fatigue_index_max": most}
     return {"laws": laws, "fatigue": fatigue}
 
@@ -47,17 +47,14 @@ def worst_worn(dataset: xr.Dataset) -> str:
 def _of_wheel(one: xr.Dataset) -> dict[str, Any]:
     """Mass by zone, and the deepest place."""
     unit = CHANNELS["wear_wheel_mass"].shown
-    zones = zip(one["wear_zone"].values, (one["wear_wheel_mass"].values * unit.factor).tolist(), strict=True)
-    mass = {f"{zone}_{unit.suffix}": value if np.isfinite(value) else None for zone, value in zones}
+    zones = zip(one["wear_zone"].values, one["wear_wheel_mass"].values, strict=True)
+    mass = {f"{zone}_{unit.suffix}": finite(value, unit.factor) for zone, value in zones}
     return mass | _deepest(one, "wear_wheel_depth", "wear_wheel_u")
 
 
 def _deepest(one: xr.Dataset, name: str, place: str) -> dict[str, Any]:
     """The largest value over a profile, and where it is."""
-    channel, values = CHANNELS[name], one[name].values
-    known = np.isfinite(values)
-    key = f"{name}_max_{channel.shown.suffix}".removesuffix("_")
-    if not known.any():
-        return {key: None, f"{place}_mm": None}
-    at = int(np.argmax(np.where(known, values, -np.inf)))
-    return {key: float(values[at]) * channel.shown.factor, f"{place}_mm": 1e3 * float(one[place].values[at])}
+    own, values = CHANNELS[name].shown, one[name].values
+    at = int(np.argmax(np.where(np.isfinite(values), values, -np.inf)))
+    most, where = finite(values[at], own.factor), finite(one[place].values[at], 1e3)
+    return {f"{name}_max_{own.suffix}".removesuffix("_"): most, f"{place}_mm": None if most is None else where}
