@@ -1,7 +1,8 @@
 """Laws of a track: curvature, heading, place, cant and gauge; two rails with their own arclength."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,11 +12,21 @@ from scipy.integrate import quad
 from scipy.special import fresnel
 
 from wrsim.errors import InputError
-from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition, mirrored
+from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
 from wrsim.geometry.track.track import Track
 
 GAUGE = 1.435
 SHAPES = ("clothoid", "bloss")
+
+
+def mirrored(segments: Sequence[Segment]) -> tuple[Segment, ...]:
+    """The same track with left and right exchanged."""
+    if not any(isinstance(s, Arc) for s in segments):
+        return tuple(
+            replace(s, cant_start=-s.cant_start, cant_end=-s.cant_end) if isinstance(s, Straight) else s
+            for s in segments
+        )
+    return tuple(replace(s, radius=-s.radius) if isinstance(s, Arc) else s for s in segments)
 
 
 def curve(

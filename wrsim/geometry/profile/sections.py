@@ -1,8 +1,11 @@
 """Designed profiles: lines, polynomials and arcs laid end to end, with exact tangents and curvature.
 
 Standards give profiles as such sections (EN 13715 for wheels, EN 13674-1 for rails) with rounded numbers, so
-that neighbours disagree by up to 1e-7 m at their join. Half of the disagreement in position and direction is
-given to each neighbour and fades out over 2 mm of it; curvature keeps its jump.
+that neighbours disagree by up to 1e-7 m at their join. Half of the disagreement in position and direction is given to
+each neighbour and fades out over 2 mm of it; curvature keeps its jump.
+
+A section is a smooth curve r(t), t from ``start`` to ``end`` in the direction of increasing arclength: ``evaluate(t)``
+gives r, dr/dt, d2r/dt2 at t (n,), each (n, 2) with columns u, w.
 """
 
 from __future__ import annotations
@@ -11,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 from numpy.polynomial import polynomial
@@ -28,20 +30,6 @@ FADE = 2e-3  # length over which a section gives in to its neighbour's rounded c
 LARGEST_GAP = 1e-6  # largest distance between the ends of two sections that is taken for rounding, m
 MOST_SECTIONS = 500  # sections of one profile; a standard's has some ten
 LARGEST_CORNER = 1e-4  # largest angle between two sections that is taken for rounding [rad]
-
-
-class ProfileSection(Protocol):
-    """A smooth piece of curve r(t), t from `start` to `end`, both in the direction of increasing L."""
-
-    @property
-    def start(self) -> float: ...
-
-    @property
-    def end(self) -> float: ...
-
-    def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
-        """r, dr/dt, d2r/dt2 at t (n,), each (n, 2) with columns u, w."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -104,6 +92,9 @@ class ProfileArc:
         # Chords from the start, not radii from the centre: large radii would cost digits.
         chord = (np.sin(0.5 * k * t) / (0.5 * k))[:, None]
         return start + chord * np.column_stack([np.cos(middle), np.sin(middle)]), tangent, k * normal
+
+
+ProfileSection = ProfileLine | ProfilePolynomial | ProfileArc
 
 
 def arc_between(u: float, w: float, radius: float, upper: bool, start: float, end: float) -> ProfileArc:

@@ -9,15 +9,17 @@ cross-level right rail above left                         vertical -1/2        v
 gauge       rails apart                                   lateral +1/2         lateral -1/2
 =========== ============================================= ==================== ====================
 
-A disturbance is one shape over the distance, times a weight on each rail's lateral (n) and vertical (b) offset. Shapes
-have value, slope and second derivative, so that the rail's tangent and curvature follow exactly.
+A disturbance is one shape over the distance, times a weight on each rail's lateral (n) and vertical (b) offset. A shape
+has ``jet`` (value, slope and second derivative, so that the rail's tangent and curvature follow exactly), ``breaks``
+(distances at which its slope or curvature may jump) and ``resolution`` (largest distance of a path's rows that follows
+it) [m].
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,19 +40,6 @@ WEIGHTS: dict[str, tuple[float, float, float, float]] = {
 """Lateral and vertical weight on the left, then on the right rail."""
 ROWS_A_WAVE = 4.0
 """Rows of a path within the shortest wave: the quintic between them then follows it within half a percent."""
-
-
-class Shape(Protocol):
-    """A function of distance. resolution: largest distance of a path's rows that follows it [m]."""
-
-    @property
-    def resolution(self) -> float: ...
-
-    def jet(self, s: Array) -> Jet:
-        """Value [m], slope and second derivative at s."""
-
-    def breaks(self) -> Array:
-        """Distances at which its slope or curvature may jump [m]."""
 
 
 @dataclass(frozen=True)
@@ -185,6 +174,9 @@ class Polygon:
 
     def breaks(self) -> Array:
         return self.law.breaks
+
+
+Shape = Sampled | Bump | Polygon
 
 
 def smooth_step(x: Array) -> Array:

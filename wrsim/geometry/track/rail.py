@@ -35,17 +35,15 @@ from wrsim.geometry.piecewise import Array, Jet, Piecewise, integrals, subdivide
 from wrsim.geometry.track.irregularities import SMOOTH, RailIrregularity
 from wrsim.geometry.track.path import COLUMNS, Path
 
-HEADING_POINTS, GAUSS_POINTS = 16, 6
-"""Of the quadratures of position, on pieces that turn by at most half a radian (its error is below rounding), and of
-arclength."""
+HEADING_POINTS, GAUSS_POINTS = 16, 6  # of the quadratures of position (exact to rounding) and of arclength
 MAX_TURN = 0.5  # largest change of heading within one piece of the quadrature [rad]
 MAX_PIECE = 0.5  # longest piece of the quadrature of arclength [m]
 
 
 @dataclass(frozen=True, eq=False)
 class CentreLine:
-    """Curve of given curvature [1/m] and angle of slope [rad] over its own length, from a start point [m] and heading
-    [rad]."""
+    """Curve of given curvature [1/m] and angle of slope [rad] (positive uphill) over its own length, from a start point
+    [m] and heading [rad]."""
 
     curvature_law: Piecewise
     pitch_law: Piecewise
@@ -75,10 +73,6 @@ class CentreLine:
         s = np.asarray(s, dtype=np.float64)
         inside = (s >= 0.0) & (s <= self.length)
         return np.where(inside, self.curvature_law(s, derivative), 0.0)
-
-    def pitch(self, s: ArrayLike) -> tuple[Array, Array, Array]:
-        """Angle of slope [rad], positive uphill, and its first two derivatives; held outside of the track."""
-        return self.pitch_law.jet(s)
 
     def heading(self, s: ArrayLike) -> Array:
         """Heading [rad] against the global x-axis, positive to the left, not wrapped."""
@@ -164,7 +158,7 @@ class SweptCurve:
     def components(self, s: ArrayLike) -> tuple[Array, Array]:
         """(A, B, C) of p' and the components of p'' in (t, n, b) at s: two arrays (..., 3)."""
         kappa, dkappa = self.centre.curvature(s), self.centre.curvature(s, 1)
-        theta, dtheta, ddtheta = self.centre.pitch(s)
+        theta, dtheta, ddtheta = self.centre.pitch_law.jet(s)
         phi, dphi, ddphi = self.roll(s)
         (d, dd, ddd), (h, dh, ddh) = self.offsets(s)
         level, steep = np.cos(theta), np.sin(theta)
@@ -217,9 +211,8 @@ class SweptCurve:
         phi, dphi, _ = self.roll(s)
         t = self.centre.tangent(s)
         left = np.column_stack((-np.sin(heading), np.cos(heading), np.zeros(n)))
-        up = np.cross(t, left)
-        normal = np.cos(phi)[:, None] * left + np.sin(phi)[:, None] * up
-        binormal = -np.sin(phi)[:, None] * left + np.cos(phi)[:, None] * up
+        up, c, sn = np.cross(t, left), np.cos(phi)[:, None], np.sin(phi)[:, None]
+        normal, binormal = c * left + sn * up, -sn * left + c * up
         axes = np.stack((t, normal, binormal), axis=1)  # (n, axis, xyz)
 
         first, second = self.components(s)

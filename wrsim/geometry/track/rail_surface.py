@@ -1,14 +1,14 @@
 """A rail whose profile changes along the track: sections joined to a surface.
 
-Sections stand at rising distances s along the rail, each a profile in rail axes (u outward, w up). Features (corners,
-the foot of a gap) part every section into regions; what lies between two features is resampled to as many points in
-every section, so that corner is joined to corner. A feature that lies deeper than any wheel comes, wherever there is
-rail on both sides of it, is a gap: it parts the rail into pieces, as the nose of a crossing and its wing rail. A piece
-that has no length in a section does not exist there.
+Sections have rising distances s along the rail, each a profile in rail axes (u outward, w up). Features (corners, the
+foot of a gap) part every section into regions; each region has the same number of points in every section, so that
+corner is joined to corner. A feature deeper than any wheel comes, wherever there is rail on both sides of it, is a gap:
+it parts the rail into pieces, as the nose of a crossing and its wing rail. A piece without length in a section does not
+exist there.
 
-Along s the points of a piece and their tangents are joined by cubic splines, which part where sections show a step
-or a bend. Before the first and behind the last section the rail stays as it is there; a piece that begins or ends
-between sections falls off steeply."""
+Along s the points of a piece and their tangents are joined by cubic splines, which part where sections show a step or a
+bend. Before the first and behind the last section the rail is constant; a piece that begins or ends between sections
+falls off steeply."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 
 from wrsim.core.contact.rail import FALL
 from wrsim.errors import InputError
-from wrsim.geometry.profile.points import ProfilePoints, check_count, check_points, interpolated, smoothed
+from wrsim.geometry.profile.points import ProfilePoints, check_points, interpolated, smoothed
 from wrsim.geometry.profile.profile import CURVE, Array, Profile
 from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.toml_files import shown_value
@@ -35,8 +35,7 @@ STEP = 0.2e-3  # distance of the points of a section [m]
 DEEP = 0.038  # no wheel comes deeper below the highest point [m]
 SHORTEST = 1e-4  # A piece below this length [m] does not exist
 FALLING = 0.5  # sine of the slope from which on a section that is cut off goes on straight
-STEEPEST_OVER = 3.0
-"""Largest slope over the smaller secant beside it: a cubic between two numbers does not overshoot then."""
+STEEPEST_OVER = 3.0  # largest slope over the smaller secant beside it, for cubics without overshoot
 AS_FAR = 0.5  # of the slope by neighbours: the slope of smooth cubics may differ so far from it
 
 
@@ -44,7 +43,7 @@ AS_FAR = 0.5  # of the slope by neighbours: the slope of smooth cubics may diffe
 class RailSection:
     """A profile (of a rail, in rail axes) at a distance along the rail [m], and the arclengths of its features [m].
 
-    features: rising, from 0 to the profile's length; two that are equal stand for a region that does not exist here.
+    features: rising, from 0 to the profile's length; two equal ones: a region that does not exist here.
     """
 
     distance: float
@@ -73,7 +72,7 @@ class RailSurface:
         if len(self.sections) < 2:
             raise InputError(f"rail '{self.name}': has {len(self.sections)} sections; at least 2 are needed")
         first = self.sections[0]
-        for before, own in zip(self.sections, self.sections[1:], strict=False):
+        for before, own in pairwise(self.sections):
             if own.distance <= before.distance:
                 places = f"the section at {own.distance:g} m follows one at {before.distance:g} m"
                 raise InputError(f"rail '{self.name}': {places}; distances must rise")
@@ -93,7 +92,7 @@ class RailSurface:
         object.__setattr__(self, "pieces", tuple(self._piece(*part) for part in parts))
 
     def __eq__(self, other: object) -> bool:
-        """Whether sections lie at the same places and are alike to the bit, so that tables serve several runs."""
+        """Whether all sections are equal to the bit, so that tables serve several runs."""
         return isinstance(other, RailSurface) and self._content == other._content
 
     def __hash__(self) -> int:
@@ -101,7 +100,7 @@ class RailSurface:
 
     @cached_property
     def _content(self) -> bytes:
-        """A digest of all that makes the surface."""
+        """A digest of name and sections."""
         digest = sha256(self.name.encode())
         for own in self.sections:
             digest.update(np.array([own.distance, *own.edges]).tobytes())
@@ -126,7 +125,7 @@ class RailSurface:
 
     @cached_property
     def constant(self) -> Profile | None:
-        """The profile of all sections, if they are alike."""
+        """The profile of all sections, if they are equal."""
         first = self.sections[0].profile
         alike = all(
             np.array_equal(getattr(own.profile, part), getattr(first, part)) for own in self.sections for part in CURVE
@@ -158,7 +157,7 @@ class RailSurface:
         return before > SHORTEST, behind > SHORTEST
 
     def _check_carried(self, feature: int) -> None:
-        """Refuse a part of the rail that ends before the next one begins: nothing would carry a wheel between them."""
+        """Refuse a part of the rail that ends before the next one begins: no rail would carry a wheel between them."""
         before, behind = self._beside(feature)
         if (before & behind).any() or not (before.any() and behind.any()):
             return
@@ -182,14 +181,11 @@ class RailSurface:
         return bool(depths) and min(depths) > DEEP
 
     def _is_floor(self, first: int, last: int) -> bool:
-        """Whether regions ``first`` to ``last`` - 1 are there and lie deep everywhere, as a floor does."""
-        if self._lengths[:, first:last].sum(axis=1).min() <= SHORTEST:
-            return False
-        for own in self.sections:
-            arc = np.linspace(own.edges[first], own.edges[last], 100)
-            if own.profile.at(arc)[1].max() > own.profile.w.max() - DEEP:
-                return False
-        return True
+        """Whether regions ``first`` to ``last`` - 1 exist and lie deep everywhere, as a floor does."""
+        return self._lengths[:, first:last].sum(axis=1).min() > SHORTEST and all(
+            own.profile.at(np.linspace(own.edges[first], own.edges[last], 100))[1].max() <= own.profile.w.max() - DEEP
+            for own in self.sections
+        )
 
     def _piece(self, first: int, last: int) -> Piece:
         """The piece of regions ``first`` to ``last`` - 1."""
@@ -209,8 +205,8 @@ class RailSurface:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A piece of a surface: rows (n, 4) of u, w and their derivatives along the row's number as a function of s between
-    its first and its last section; whether it ends there in front and behind; the row that stands still along s."""
+    """A piece of a surface: rows (n, 4) of u, w and their derivatives along the row's number over s between its first
+    and last section; whether the piece ends there; the row with a fixed arclength along s."""
 
     spline: PPoly
     open_ends: tuple[bool, bool]
@@ -218,11 +214,11 @@ class Piece:
 
 
 def _anchor(counts: NDArray[np.int64], heights: Array) -> int:
-    """The row that stands still along s: of the inner features, or the middle itself, the highest if wheels come there,
-    else the highest row; heights: least one of every row below the highest point of its section [m].
+    """The row with a fixed arclength along s: the highest inner feature (or the middle) if wheels come there, else the
+    highest row; heights: least of every row, relative to the highest point of its section [m].
 
-    The effective profile of an edge that falls off steeply may jump along the track, and with it the way to all
-    that lies behind it.
+    The effective profile of an edge that falls off steeply may jump along the track, and with it the arclength of all
+    rows beyond it.
     """
     inner = np.cumsum(counts)[:-1].tolist() or [int(counts.sum()) // 2]
     best = max(inner, key=lambda row: float(heights[row]))
@@ -230,12 +226,10 @@ def _anchor(counts: NDArray[np.int64], heights: Array) -> int:
 
 
 def _rows(section: RailSection, first: int, counts: NDArray[np.int64], longest: Array) -> Array:
-    """Rows of some regions of a section, (sum of counts + 1, 4); longest: length of each region where it is longest
-    [m].
+    """Rows of some regions of a section, (sum of counts + 1, 4); longest: largest length of each region [m].
 
-    Ends of a piece are counted by length from the feature that they begin at: a profile that was recorded deeper down
-    would else draw all of its flank along. Where a section has less of an end it goes on straight, or down where it
-    ends on its top.
+    Ends of a piece are counted by length from their feature, for some profiles are recorded deeper than others. Where a
+    section has less of an end it goes on straight, or down where it ends on its top.
     """
     edges = section.edges[first : first + counts.size + 1].copy()
     if counts.size > 1:
@@ -251,12 +245,11 @@ def _rows(section: RailSection, first: int, counts: NDArray[np.int64], longest: 
 
 
 def _joined(s: Array, rows: Array, open_ends: tuple[bool, bool]) -> PPoly:
-    """Cubics through rows (sections, n, 4) at s; level at the ends where the rail goes on as it is.
+    """Cubics through rows (sections, n, 4) at s; level at the ends where the rail is constant beyond.
 
-    The rail's curvature along the track enters the contact, so cubics meet with the same second derivative. Not so at a
-    section where that would lead far off the slope by its neighbours, as where a stretch that is planed begins:
-    it takes theirs. All rows have the same weights: so what lies between sections is a sum of shares of them, and the
-    tangents that are joined are its own tangents.
+    The rail's curvature along the track enters the contact, so cubics meet with the same second derivative, except at a
+    section where that leads far off the slope by its neighbours, as where a planed stretch begins: it takes theirs. All
+    rows have the same weights, so that the joined tangents are those of the joined points.
     """
     local, least = _local_slopes(s, rows, open_ends)
     most = AS_FAR * np.maximum(least, _size(local[1:-1]))
@@ -298,8 +291,6 @@ def _size(rates: Array) -> Array:
     return np.asarray(np.sqrt((rates[:, :, :2] ** 2).mean(axis=(1, 2))))
 
 
-# --- sections from a table of points --------------------------------------------------------------------------------
-
 COLUMNS: dict[str, Any] = {
     "at_m": Annotated[float, number(-1e6, 1e6, "m along the track, from where the table is laid")],
     "outward_mm": Annotated[float, number(-1000, 1000, "mm away from the track centre")],
@@ -310,11 +301,11 @@ NEEDED = ("at_m", "outward_mm", "up_mm")
 
 
 def read_sections(path: Path, measured: bool = False) -> list[RailSection]:
-    """Sections in the order of the table, distances as it says them.
+    """Sections in the order of the table.
 
-    Rows of one ``at_m`` stand together and are the points of one section, from one of its ends to the other. Under
-    ``feature`` stand the numbers of the features that lie on a point, 1, 2, ... from the gauge side on, apart from each
-    other by blanks; every section has each of them once. measured: points are smoothed, not interpolated.
+    Consecutive rows with one ``at_m`` are the points of one section, from one of its ends to the other. ``feature``
+    holds the numbers of the features on a point, 1, 2, ... from the gauge side on, separated by blanks; every section
+    has each of them once. measured: points are smoothed, not interpolated.
 
     Raises InputError with file, line and what is allowed.
     """
@@ -326,14 +317,12 @@ def read_sections(path: Path, measured: bool = False) -> list[RailSection]:
     for own in np.split(np.arange(at.size), starts[1:]):
         place = float(at[own[0]])
         if found and place <= found[-1].distance:
-            more = f"must be more than {found[-1].distance:g} of the section before"
-            raise InputError(f"{path}:{lines[own[0]]}: at_m = {place:g}: {more}; points of one section stand together")
+            more = f"must be more than {found[-1].distance:g} of the section before, or its points together"
+            raise InputError(f"{path}:{lines[own[0]]}: at_m = {place:g}: {more}")
         points = ProfilePoints(str(path), 1e-3 * table["outward_mm"][own], 1e-3 * table["up_mm"][own], lines[own])
         kept = points.without_duplicates().in_order()
-        check_count(kept)
         check_points(kept)
-        name = f"{path.stem}, {place:g} m"
-        profile = (smoothed if measured else interpolated)(kept, name, "rail", path.name)
+        profile = (smoothed if measured else interpolated)(kept, f"{path.stem}, {place:g} m", "rail", path.name)
         found.append(RailSection(place, profile, _features(points, marks[own], profile)))
     return found
 
@@ -348,7 +337,7 @@ def _features(points: ProfilePoints, marks: NDArray[Any], profile: Profile) -> t
                 raise InputError(f"{where}: must be numbers of features, 1, 2, ..., apart from each other by blanks")
             if int(word) in places:
                 raise InputError(f"{where}: duplicate feature {int(word)} in this section")
-            # every point is a node, or next to one where points are smoothed
+            # the node of the point, or the nearest one where points are smoothed
             node = np.argmin(np.hypot(profile.u - points.u[i], profile.w - points.w[i]))
             places[int(word)] = float(profile.arclength[node])
     missing = sorted(set(range(1, len(places) + 1)) - places.keys())

@@ -13,8 +13,8 @@ farthest counts: at a joint that is a step, before which and behind which the wh
 
 A yawed wheel touches at x_l + x with the shift x_l of its own outline; then the effective section is that at s + x_l.
 
-Tables of the effective section stand at stations along s, so close that cubics between them are good to TOLERANCE. The
-rows of a piece stand at equal arclengths from its anchor, whose row is the same in all tables; beyond its ends, and
+Stations along s have tables of the effective section, so close that cubics between them are good to TOLERANCE. The rows
+of a piece have equal steps of arclength from its anchor, whose row is the same in all tables; beyond its ends, and
 where it does not exist, its rows lie where no wheel comes."""
 
 from __future__ import annotations
@@ -35,8 +35,7 @@ from wrsim.geometry.track.rail_surface import DEEP, Piece, RailSurface
 
 REACH = 0.2  # how far ahead of the axle and behind it a contact is looked for [m]
 SHALLOW = 0.025  # what lies deeper below the highest point does not decide where stations stand [m]
-LEVEL = 0.6
-"""Cosine of the slope across up to which a row must be touched within REACH; on steeper sides it may be farther."""
+LEVEL = 0.6  # cosine of the slope across up to which a row must be touched within REACH
 TOLERANCE = 1e-6  # of the cubics between stations, along the normal [m]
 SLOPE_TOLERANCE = 3e-5  # of how they rise along the track, and of the slope in the tables
 ROWS = 0.2e-3  # distance of the rows of a table [m]
@@ -67,8 +66,7 @@ class RolledRail:
         return max(float(self.tables[..., 4][near].max()), 0.0)
 
     def outline(self, s: float, points: int) -> Array:
-        """The effective section at s for drawing, (points, 2); flat where no wheel comes, not-a-number where nothing is
-        [m]."""
+        """The effective section at s for drawing, (points, 2) [m]; flat where no wheel comes, NaN without rail."""
         rows = self.section(s)[:, :2]
         lowest = rows[:, 1].max() - DEEP
         rows[rows[:, 1] < lowest - DEEP] = np.nan
@@ -76,8 +74,7 @@ class RolledRail:
         return rows[np.linspace(0, len(rows) - 1, points).round().astype(int)]
 
     def section(self, s: float, rate: bool = False) -> Array:
-        """The table at s by the cubics that the kernels read, (rows, len(COLUMNS)), or its rate along s; constant
-        outside."""
+        """The table at s by the cubics of the kernels, (rows, len(COLUMNS)), or its rate along s; constant outside."""
         s = float(np.clip(s, self.stations[0], self.stations[-1]))
         i = min(int(np.searchsorted(self.stations, s, side="right")) - 1, self.stations.size - 2)
         h = self.stations[i + 1] - self.stations[i]
@@ -102,7 +99,13 @@ def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> Roll
     s = np.unique(np.concatenate((ends, [own.distance for own in surface.sections])))
     s = s[np.append(True, np.diff(s) > CLOSEST)]
     found = {float(x): _effective(surface, float(x), radius) for x in s}
-    arcs = [_arcs([curves[k] for curves in found.values()], step) for k in range(len(surface.pieces))]
+    arcs = []
+    for curves in zip(*found.values(), strict=True):
+        ends_of = [(own.arc[0], own.arc[-1]) for own in curves if own.arc.size]
+        first, last = min(a for a, _ in ends_of), max(b for _, b in ends_of)
+        arcs.append(
+            np.asarray(step * np.arange(int(np.floor(first / step)), int(np.ceil(last / step)) + 1), dtype=float)
+        )
     known = {x: _table(curves, arcs) for x, curves in found.items()}
     unsure = list(pairwise(s.tolist()))
     while unsure:
@@ -126,7 +129,7 @@ def _joined(surface: RailSurface, known: dict[float, Array], step: float) -> Rol
 
 
 def _is_good(rail: RolledRail, s: float, table: Array) -> bool:
-    """Whether the cubics come to a table where a wheel can come, and move as it does, both along the normal."""
+    """Whether the cubics meet a table and its slope along the track, both along the normal, where a wheel can come."""
     near = (table[:, 1] > table[:, 1].max() - SHALLOW) & (table[:, 2] > LEVEL)
     own, rate = rail.section(s)[near], rail.section(s, rate=True)[near]
     table = table[near]
@@ -139,7 +142,7 @@ def _is_good(rail: RolledRail, s: float, table: Array) -> bool:
 def _rates(s: Array, tables: Array) -> Array:
     """Derivatives along s by parabolas through three stations; none at the ends, where nothing changes.
 
-    Along the normal a effective section moves with the slope of the rail where it is touched: that is exact.
+    Along the normal an effective section moves with the slope of the rail where it is touched: that is exact.
     """
     gaps = np.diff(s)
     slopes = np.diff(tables, axis=0) / gaps[:, None, None]
@@ -154,8 +157,8 @@ def _rates(s: Array, tables: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Curve:
-    """Effective section of a piece: arclengths from its anchor (n,), rows (n, 7) of `envelope_rows` without those
-    that lie too deep or fold back; empty where the piece does not exist."""
+    """Effective section of a piece: arclengths from its anchor (n,), rows (n, 7) of `envelope_rows` that are neither
+    too deep nor fold back; empty where the piece does not exist."""
 
     arc: Array
     rows: Array
@@ -190,13 +193,6 @@ def _curve(piece: Piece, rows: Array, lowest: float) -> _Curve:
     return _Curve(arc - arc[at], rows)
 
 
-def _arcs(curves: Sequence[_Curve], step: float) -> Array:
-    """Arclengths of the rows of a piece, from its anchor: as far as it reaches at any station."""
-    first = min(float(own.arc[0]) for own in curves if own.arc.size)
-    last = max(float(own.arc[-1]) for own in curves if own.arc.size)
-    return np.asarray(step * np.arange(int(np.floor(first / step)), int(np.ceil(last / step)) + 1), dtype=float)
-
-
 def _table(curves: Sequence[_Curve], arcs: Sequence[Array]) -> Array:
     """Rows of COLUMNS of all pieces, one behind the other."""
     return np.concatenate([_rows(own, arc) for own, arc in zip(curves, arcs, strict=True)])
@@ -220,8 +216,8 @@ def _rows(curve: _Curve, arc: Array) -> Array:
 
 @dataclass(frozen=True)
 class StationFields:
-    """Distance fields of some stations one behind the other, on one grid with ``rows`` rows each; for every station the
-    number of its own, and how far that may be off [m]."""
+    """Distance fields of some stations one behind the other, each with ``rows`` rows of the grid; numbers: of the field
+    of every station; slack: its largest error [m]."""
 
     field: DistanceField
     rows: int
@@ -230,7 +226,7 @@ class StationFields:
 
 
 def station_fields(rail: RolledRail) -> StationFields:
-    """Fields of so many stations that no section is farther than about FIELD_APART from the one whose field it uses."""
+    """Fields of so many stations that every section is within about FIELD_APART of that of its field."""
     height = rail.tables[..., 1]
     near = height > height.max(axis=1, keepdims=True) - DEEP
     chosen, numbers, off = [0], [], 0.0

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import accumulate
 from numbers import Real
 from typing import Literal
@@ -83,16 +83,6 @@ class Laws:
     cant: Piecewise
     widening: Piecewise
     pitch: Piecewise | None = None
-
-
-def mirrored(segments: Sequence[Segment]) -> tuple[Segment, ...]:
-    """The same track with left and right exchanged."""
-    if not any(isinstance(s, Arc) for s in segments):
-        return tuple(
-            replace(s, cant_start=-s.cant_start, cant_end=-s.cant_end) if isinstance(s, Straight) else s
-            for s in segments
-        )
-    return tuple(replace(s, radius=-s.radius) if isinstance(s, Arc) else s for s in segments)
 
 
 def kind_of(segment: Segment) -> str:
@@ -215,8 +205,6 @@ def _number(where: str, key: str, value: object) -> float:
     return float(value)  # type: ignore[arg-type]
 
 
-# --- grades ---------------------------------------------------------------------------------------------------------
-
 STEEPEST = 0.15  # largest grade: 150 per thousand; adhesion railways use up to 80
 TIGHTEST = 200.0  # smallest vertical radius [m]; light rail goes down to 350 m, marshalling humps to 250 m
 
@@ -238,10 +226,16 @@ def pitch_law(grades: Sequence[Grade], length: float) -> Piecewise:
     values and for vertical curves that overlap or reach beyond the track.
     """
     starts, rows = [0.0], [0.0]  # knots of the piecewise linear angle
-    angle, free = 0.0, 0.0
-    for number, grade in enumerate(grades, 1):
-        _check(number, grade, grades[number - 2].start if number > 1 else None, length)
-        target = math.atan(grade.slope)
+    angle, free, last = 0.0, 0.0, -1.0
+    for number, grade in enumerate(grades):
+        where = f"grades[{number}]"
+        if not (max(last + 1e-9, 0.0) <= grade.start < length):
+            after = f"above {last:g} (the grade before)" if number else "0"
+            fault = f"from_m = {grade.start:g}; allowed: {after} to {length:g}, on the track and rising"
+            raise InputError(f"{where}: {fault}")
+        check_range(where, "grade_permille", grade.slope, -STEEPEST, STEEPEST, 1e3)
+        check_range(where, "vertical_radius_m", grade.radius, TIGHTEST, 1e7)
+        target, last = math.atan(grade.slope), grade.start
         if grade.start == 0.0:
             rows[0] = angle = target
             continue
@@ -250,10 +244,10 @@ def pitch_law(grades: Sequence[Grade], length: float) -> Piecewise:
             continue
         begin, end = grade.start - half, grade.start + half
         if begin < free - 1e-9 or end > length + 1e-9:
-            where = "the end of the track" if end > length else "the one before, or the start of the track"
+            meets = "the end of the track" if end > length else "the one before, or the start of the track"
             allowed = f"a smaller vertical_radius_m (now {grade.radius:g}), or grades further apart"
-            curve = f"grades[{number - 1}]: its vertical curve runs from {begin:g} to {end:g} m"
-            raise InputError(f"{curve} and meets {where}; allowed: {allowed}")
+            curve = f"its vertical curve runs from {begin:g} to {end:g} m"
+            raise InputError(f"{where}: {curve} and meets {meets}; allowed: {allowed}")
         if begin > starts[-1] + 1e-9:
             starts.append(begin)
             rows.append(angle)
@@ -264,13 +258,3 @@ def pitch_law(grades: Sequence[Grade], length: float) -> Piecewise:
         starts.append(length)
         rows.append(angle)
     return Piecewise.through(np.array(starts), np.array(rows))
-
-
-def _check(number: int, grade: Grade, before: float | None, length: float) -> None:
-    where = f"grades[{number - 1}]"
-    low = 0.0 if before is None else before
-    if not (low if before is None else low + 1e-9) <= grade.start < length:
-        after = "0" if before is None else f"above {before:g} (the grade before)"
-        raise InputError(f"{where}: from_m = {grade.start:g}; allowed: {after} to {length:g}, on the track and rising")
-    check_range(where, "grade_permille", grade.slope, -STEEPEST, STEEPEST, 1e3)
-    check_range(where, "vertical_radius_m", grade.radius, TIGHTEST, 1e7)

@@ -105,7 +105,7 @@ class Track:
         rounding : float
             Half length over which the kinks of cant and gauge at joints are rounded [m].
         **options
-            As `lay` takes them: grades, irregularities, cant_base, ...
+            Of `lay`: grades, irregularities, cant_base, ...
 
         Returns
         -------
@@ -233,7 +233,7 @@ class Track:
 
     def grade(self, s: ArrayLike) -> Array:
         """Grade: rise over level length, positive uphill."""
-        return np.asarray(np.tan(self.centre_line.pitch(s)[0]))
+        return np.asarray(np.tan(self.centre_line.pitch_law(s)))
 
     def gauge(self, s: ArrayLike) -> Array:
         """Gauge with widening and irregularities [m]."""
@@ -297,6 +297,4 @@ def _label(segment: Segment) -> str:
     """Short text for a segment."""
     if isinstance(segment, Arc):
         return f"R {abs(segment.radius):g} m {'left' if segment.radius > 0.0 else 'right'}"
-    if isinstance(segment, Transition):
-        return "Bloss" if segment.form == "bloss" else "clothoid"
-    return "straight"
+    return {"bloss": "Bloss"}.get(segment.form, segment.form) if isinstance(segment, Transition) else "straight"
