@@ -303,7 +303,7 @@ def test_kill_9_then_show_then_resume_gives_the_same_result(whole, tmp_path):
     assert not (out / "result.nc").exists()
 
     shown = ok("show", out)
-    assert "stopped: the run was cut off, its process ended before it did; known up to t = 0." in shown.output
+    assert "stopped: the run was cut off when its process ended; results up to t = 0." in shown.output
     part, there = recorded(record).dataset, Result.load(whole).dataset
     n = part.sizes["time"] - 1
     assert 10 < n < there.sizes["time"]

@@ -100,9 +100,9 @@ def test_a_header_that_is_no_table_is_refused(header: bytes, run_files: tuple[Pa
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"rows": 2**40}, "numbers says"),
+        ({"rows": 2**40}, "numbers has the head"),
         ({"step": 2**62}, "a record that no run writes"),
-        ({"step": None}, "numbers says"),
+        ({"step": None}, "numbers has the head"),
     ],
 )
 def test_samples_that_a_record_declares_and_does_not_hold_are_refused(
@@ -126,7 +126,7 @@ def test_a_record_with_numbers_that_no_run_leaves_is_refused(run_files: tuple[Pa
     place = 8 * (said["rows"] * (1 + 2 * size) + 2 * size)
     numbers = numbers[:place] + struct.pack("<d", 1e300) + numbers[place + 8 :]
     path.write_bytes(crafted.run_file([header, *crafted.records(run_files[1])[1:-2], (about, numbers), rest[-1]]))
-    assert "what it remembers does not fit its scenario" in refusal(path)
+    assert "its checkpoint does not fit its scenario" in refusal(path)
 
 
 def test_zeros_without_end_in_a_small_file_are_refused_with_their_number(tmp_path: Path) -> None:

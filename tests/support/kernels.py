@@ -40,8 +40,7 @@ from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import RailElasticity
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
-from wrsim.simulation.conical_law import ConicalVehicleOnTrack
-from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.law import ConicalVehicleOnTrack, VehicleOnTrack
 from wrsim.simulation.placement import design_state, poses_on_track
 from wrsim.simulation.state import SteadyMotion
 from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut

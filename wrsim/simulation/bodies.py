@@ -21,15 +21,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Solid:
-    """A rigid body: mass [kg], principal inertia about x, y (of a wheelset: its axle), z [kg m2]. geared: the part of
-    that about y that gears and rotors in it make up (``core.body.loads``)."""
+    """A rigid body: mass [kg], principal inertia about x, y (of a wheelset: its axle), z [kg m2]. geared: the share of
+    gears and rotors in that about y (``core.body.loads``)."""
 
     mass: float
     inertia: tuple[float, float, float]
     geared: float = 0.0
 
     def __post_init__(self) -> None:
-        for key, value in (("mass", self.mass), *zip(("Ixx", "Iyy", "Izz"), self.inertia, strict=True)):
+        for key, value in zip(("mass", "Ixx", "Iyy", "Izz"), (self.mass, *self.inertia), strict=True):
             if not (np.isfinite(value) and value > 0.0):
                 raise InputError(f"body: {key} must be a positive number, not {value!r}")
         x, y, z = self.inertia
@@ -50,7 +50,7 @@ class Solid:
 
 
 def bodies_of(vehicle: Vehicle) -> tuple[Solid, ...]:
-    """The bodies of a vehicle, wheelsets first; of others with what its geared motors add to their cases."""
+    """The bodies of a vehicle, wheelsets first; cases of geared motors with the inertia that these add to them."""
     geared = dict.fromkeys((body.name for body in vehicle.bodies), 0.0)
     for drive in vehicle.drives:
         geared[drive.case] += drive.case_inertia

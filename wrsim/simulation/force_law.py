@@ -1,4 +1,4 @@
-"""What a force law is, and the derivatives of its forces, by blocks where the law has any."""
+"""What a force law is, and the derivatives of its forces, block by block where it is a sum of blocks."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Groups = Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]
+"""Groups of places (n,) that may be changed at once, each of which acts on its own row of places (n, m) alone."""
 
 COORDINATES = ("z", "x", "y", "heading", "roll", "spin")
 """Names of the six coordinates of a body, in the order of q and q_t [m, rad]."""
 
 SMALL = {"z": 1e-7, "x": 1e-6, "y": 1e-6, "heading": 1e-6, "roll": 1e-7, "spin": 1e-4}
-"""Change of a coordinate [m, rad] over which its derivative is taken: it changes the forces by some 1e-4 of them."""
+"""Difference of a coordinate [m, rad] for its derivative: it changes the forces by some 1e-4 of them."""
 
 SMALL_RATE = 1e-4
 """The same of a rate [m/s, rad/s]."""
@@ -26,38 +28,40 @@ SMALL_EXTENSION = 1e-4
 an axle [rad]; forces are linear in it or nearly so."""
 
 SMALL_SLIP = 1e-7
-"""The same of the unknowns of sliders [m]: their laws bend within a part of a millimetre."""
+"""The same of the unknowns of sliders [m]: their forces saturate within a part of a millimetre."""
 
 Forces = Callable[[float, Array, Array, Array], object]
 """Generalised forces at a time [s], coordinates and rates, filled into the last argument."""
 
 
 class ForceLaw:
-    """Generalised forces on all bodies, and what is known of them beside; a plain function: ``FunctionLaw``.
+    """Generalised forces on all bodies: those of a function, or of a subclass, which may know more of them.
 
-    Called with the time [s], the coordinates q and rates q_t (6 per body, live: neither keep nor change
-    them) and ``out`` of the same length to fill: forces along z, x, y [N], moments about the vertical, the
-    forward direction and the axle [N m]. A law that cannot go on raises ``SimulationError``; the run then
-    ends in good order.
+    Called with the time [s], the coordinates q and rates q_t (6 per body; read-only views of the solver's state) and
+    ``out`` of the same length to fill: forces along z, x, y [N], moments about the vertical, the forward direction and
+    the axle [N m]. A law that cannot go on raises ``SimulationError``, which ends the run in good order.
 
     units: vehicles in a row, each of which acts on its neighbours alone. dampers: unknowns behind the coordinates of
-    the bodies. The last ``positions`` of them are positions, of axle boxes, twisted axles and rails: they count, unlike
-    those of dampers; the last ``rails`` are displacements of rails. sliders: places of the unknowns of friction.
+    the bodies; the last ``positions`` of them are positions, of axle boxes, twisted axles and rails; the last ``rails``
+    of these are displacements of rails. sliders: places of the unknowns of friction.
     """
 
     units = 1
     dampers = positions = rails = 0
     sliders: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
 
+    def __init__(self, function: Forces) -> None:
+        self._function = function
+
     def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> object:
-        raise NotImplementedError
+        return self._function(t, q, q_t, out)
 
     def follow(self, on: bool) -> None:
-        """From now on start from the last answer, which is quicker in a run, or without it."""
+        """Start every call from the solution of the last one (a warm start, faster in a run), or without it."""
 
     @contextmanager
     def following(self) -> Iterator[None]:
-        """While this lasts, the law starts from its last answer."""
+        """While this lasts, warm starts."""
         self.follow(True)
         try:
             yield
@@ -69,43 +73,33 @@ class ForceLaw:
         return nullcontext()
 
     def blocks(self) -> Sequence[Block]:
-        """What the law is the sum of; empty if it is of one piece."""
+        """The blocks whose sum the law is; empty if it is one piece."""
         return ()
 
     def undisturbed(self) -> AbstractContextManager[None]:
-        """Calls while this lasts leave no trace in the law."""
+        """Calls while this lasts do not change the state of the law."""
         return nullcontext()
 
-    def kept(self) -> Sequence[NDArray[Any]]:
-        """Views on everything on which the next answer depends, if in its last bits, beside time and coordinates."""
+    def memory(self) -> Sequence[NDArray[Any]]:
+        """Views of all data beside time and coordinates that the next result depends on, to the last bit."""
         return ()
 
     def get_state(self) -> Array:
-        """A copy of all that is kept, in one row."""
-        return np.concatenate([np.zeros(0), *(np.ravel(view) for view in self.kept())])
+        """A copy of its memory as one row."""
+        return np.concatenate([np.zeros(0), *(np.ravel(view) for view in self.memory())])
 
     def set_state(self, state: Array) -> None:
-        """Put it back."""
+        """Restore the memory from ``get_state``."""
         place = 0
-        for view in self.kept():
+        for view in self.memory():
             view[...] = state[place : place + view.size].reshape(view.shape)
             place += view.size
 
 
-class FunctionLaw(ForceLaw):
-    """A law that is no more than a function."""
-
-    def __init__(self, function: Forces) -> None:
-        self._function = function
-
-    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> object:
-        return self._function(t, q, q_t, out)
-
-
 @dataclass(frozen=True)
 class Block:
-    """One of the forces that a law is the sum of, and which coordinates may be changed at once, their effects
-    being separate: in group g the j-th coordinate ``columns[g][j]`` acts on ``rows[g][j]`` alone.
+    """One term of a law's sum, and which coordinates may be changed at once because their effects are separate: in
+    group g the j-th coordinate ``columns[g][j]`` acts on ``rows[g][j]`` alone.
     """
 
     forces: Forces
@@ -120,13 +114,12 @@ class Block:
 
     @classmethod
     def apart(cls, forces: Forces, own: NDArray[np.intp]) -> Block:
-        """Several things that know nothing of each other, each with coordinates of its own, a row of ``own``."""
+        """Several independent things, each with coordinates of its own, a row of ``own``."""
         return cls(forces, tuple(own.T), (own,) * own.shape[1])
 
 
-def groups_in_a_row(own: Sequence[NDArray[np.intp]]) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-    """Which coordinates of things in a row, each with its own, may be changed at once (columns), and what each of them
-    acts on (rows): itself and its neighbours."""
+def groups_in_a_row(own: Sequence[NDArray[np.intp]]) -> Groups:
+    """Groups of the coordinates of things in a row, of which each acts on itself and its neighbours."""
     longest = max(map(len, own))
     groups: list[tuple[list[int], list[NDArray[np.intp]]]] = [([], []) for _ in range(min(3, len(own)) * longest)]
     near = [np.concatenate(own[max(k - 1, 0) : k + 2]) for k in range(len(own))]
@@ -152,14 +145,14 @@ def force_derivative(
 ) -> Array:
     """Derivative of the generalised forces (n, n): by_q times that with respect to q and by_q_t times that to q_t.
 
-    By differences of both at once: central ones, or forward ones, which cost half and do for Newton's method.
+    By differences of both at once: central ones, or forward ones at half the cost, enough for Newton's method.
     """
     n, rails, positions = len(q), forces.rails, forces.positions
     dampers = slice(6 * bodies, n - positions)
     change, change_t = np.full(n, SMALL_EXTENSION), np.full(n, SMALL_RATE)
     change[: 6 * bodies] = np.tile([SMALL[name] for name in COORDINATES], bodies)
     change[n - rails :] = np.tile([SMALL["y"], SMALL["z"]], rails // 2)
-    change[dampers] = np.inf  # these coordinates mean nothing, their rates are extensions
+    change[dampers] = np.inf  # these coordinates have no meaning, their rates are extensions
     change_t[dampers] = SMALL_EXTENSION
     change_t[forces.sliders] = SMALL_SLIP
     with np.errstate(divide="ignore"):

@@ -18,10 +18,9 @@ from wrsim.simulation.system import Array
 
 
 class HalfSpaceOnTrack(VehicleOnTrack):
-    """Exact contact at every call; everything else as in its base. A ``ForceLaw``.
+    """Exact contact at every call, from a cold start: the forces depend on the state alone. A ``ForceLaw``.
 
-    ``contacts``: what the solver found last, a list of the two wheels for every wheelset. Every call starts anew, so
-    that the forces depend on the state alone.
+    ``contacts``: the last solutions, a list of the two wheels for every wheelset.
     """
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
@@ -30,14 +29,13 @@ class HalfSpaceOnTrack(VehicleOnTrack):
         self.contacts: list[list[HalfSpaceContact]] = []
 
     def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
-        """See `VehicleOnTrack`. Raises SimulationError off the track."""
         super().forces(t, q, q_t, out)
         self.contacts = []
         for w in range(len(self.wheels)):
             self._exchange_forces(w, q, q_t, out)
 
     def _exchange_forces(self, w: int, q: Array, q_t: Array, out: Array) -> None:
-        """Take the fast model's forces on one wheelset out and put the exact ones in."""
+        """Replace the fast model's forces on one wheelset by the exact ones."""
         own = slice(6 * w, 6 * w + 6)
         body = kinematics(q[own], q_t[own])
         change = np.zeros((2, 3))  # of force and moment

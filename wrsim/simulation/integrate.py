@@ -1,8 +1,8 @@
-"""Time integration with a fixed step, samples, and an end in good order whatever happens.
+"""Time integration with a fixed step: samples, checkpoints, and an end in good order whatever happens.
 
-A run goes in segments of ``SEGMENT`` steps. Each begins with what state and memory alone determine: the implicit method
-with a new start (``BodySystem.solve``), the law with what its memory keeps. Checkpoints lie between them. Which step is
-accurate, or stable: ``wrsim.simulation.step``.
+A run is a sequence of segments of ``SEGMENT`` steps with checkpoints between them. Each begins from the state and the
+states of law and monitor alone, the implicit method with a new Jacobian (``BodySystem.solve``). Which step is accurate,
+or stable: ``step_size``; how a step is taken: ``system`` and ``implicit``.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
 from wrsim.simulation.implicit import DEFAULT_INTEGRATOR, Integrator
-from wrsim.simulation.recorder import Cause, Checkpoint, Ending, RecordedRun, Recorder, set_states, states_of
+from wrsim.simulation.recorder import Cause, Checkpoint, Ending, RecordedRun, Recorder, get_states, set_states
 from wrsim.simulation.system import COORDINATES, Array, BodySystem, NotFinite, Work
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 Monitor = Callable[[float, Array, Array], str | None]
-"""Its ``step(t, sampled)``, if it has one, is called after every step; sampled: whether the state is kept."""
+"""Its ``step(t, sampled)``, if it has one, is called after every step; sampled: whether this state is a sample."""
 Progress = Callable[[float, float], None]
 
 PROGRESS_INTERVAL = 0.1
@@ -38,23 +38,23 @@ SEGMENT = 100
 """Steps from one checkpoint to the next."""
 
 TOLERANCE = 1e-4
-"""Norm of the forces left over with which Newton's method ends, as a part of the weight."""
+"""Norm of the residual forces at which Newton's method ends, as a part of the weight."""
 
 LOOSE = 10.0
-"""By how much more it may leave in a step that it does not solve otherwise, and in a part of the step by so many times
-more as there are parts: where the force of a contact jumps, there may be no balance, and what counts is the impulse."""
+"""Factor on this in a step that is not solved otherwise, and in a part of a step, times the number of parts: where the
+force of a contact jumps, there may be no balance, and the impulse counts."""
 
 PARTS, EXPLICIT_PARTS = (1, 4, 16), 128
-"""Into how many parts a step is cut that Newton's method does not solve, and in the end one for RK44."""
+"""Parts of a step that Newton's method does not solve, one number after the other, and at last those for RK44."""
 
 
 @dataclass(frozen=True)
 class Motion:
-    """What an integration computed.
+    """Result of an integration.
 
     times (n,) [s]; q, q_t (n, 6 per body): sampled coordinates and rates, ``COORDINATES`` of each body; step [s].
-    status: ``"completed"`` or ``"stopped"``; of a stopped run ``cause`` is what stopped it, and in words
-    (``reason``). All samples are finite. The last one is the state at the end or at the stop. work: what it took.
+    status: ``"completed"`` or ``"stopped"``, by ``cause``, in words ``reason``. All samples are finite; the last one is
+    the state at the end or at the stop. work: counts of evaluations.
     """
 
     times: Array
@@ -75,34 +75,34 @@ class Motion:
 
 def _name(index: int, system: BodySystem) -> str:
     """Words for an index of ``first_not_finite``."""
-    place = index % system.size
-    if place >= system.size - system.forces.rails:
+    place, forces = index % system.size, system.forces
+    if place >= system.size - forces.rails:
         return "the displacement of a rail under its wheel"
-    if place >= system.size - system.forces.positions:
+    if place >= system.size - forces.positions:
         return "the pitch of an axle box, or the twist of an axle"
     if place >= 6 * len(system.bodies):
         return f"unknown {place - 6 * len(system.bodies)} of dampers in series and of friction"
     body, coordinate = divmod(place, 6)
-    what = COORDINATES[coordinate] if index < system.size else f"the rate of {COORDINATES[coordinate]}"
-    return what if len(system.bodies) == 1 else f"{what} of body {body}"
+    name = COORDINATES[coordinate] if index < system.size else f"the rate of {COORDINATES[coordinate]}"
+    return name if len(system.bodies) == 1 else f"{name} of body {body}"
 
 
 @contextmanager
 def _interruptible() -> Iterator[threading.Event]:
-    """The first Ctrl-C is noted, the second interrupts; only the main thread may (elsewhere no signal arrives)."""
-    asked = threading.Event()
+    """An event that the first Ctrl-C sets; the second interrupts. Signals reach the main thread alone."""
+    requested = threading.Event()
     if threading.current_thread() is not threading.main_thread():
-        yield asked
+        yield requested
         return
 
-    def note(number: int, stack: FrameType | None) -> None:
-        if asked.is_set():
+    def on_signal(number: int, stack: FrameType | None) -> None:
+        if requested.is_set():
             raise KeyboardInterrupt
-        asked.set()
+        requested.set()
 
-    before = signal.signal(signal.SIGINT, note)
+    before = signal.signal(signal.SIGINT, on_signal)
     try:
-        yield asked
+        yield requested
     finally:
         signal.signal(signal.SIGINT, before)
 
@@ -115,28 +115,27 @@ def _motion(rows: Array, step: float, ending: Ending, integrator: Integrator, wo
 
 
 def recorded_motion(path: str | Path, monitor: object = None) -> Motion:
-    """The motion that a run file holds; of a run whose process died, up to its last flush.
+    """The motion in a run file; of a run whose process died, up to its last flush. monitor: its state is restored.
 
-    monitor: is given back what it remembered then.
     The file's header must hold ``step_s``, ``start_s`` and ``integrator``. Raises ``InputError`` when there is no whole
     sample.
     """
     recording = RecordedRun.read(path)
-    rows, ending, known = recording.rows, recording.ending, recording.last
+    rows, ending, last = recording.rows, recording.ending, recording.last
     step, start, integrator = (recording.header[name] for name in ("step_s", "start_s", "integrator"))
     if integrator not in get_args(Integrator):
         allowed = " or ".join(get_args(Integrator))
         raise InputError(f"{path}: integrator in its header is {integrator!r:.40}; must be {allowed}")
     work = Work()
-    if known is not None:
-        set_states((work, None, monitor), known.memory, str(path))
+    if last is not None:
+        set_states((work, None, monitor), last.states, str(path))
     if ending is None:
-        if known is not None and (len(rows) == 0 or rows[-1, 0] < start + known.step * step):
-            rows = np.vstack([rows, np.concatenate([[start + known.step * step], known.q, known.q_t])])
+        if last is not None and (len(rows) == 0 or rows[-1, 0] < start + last.step * step):
+            rows = np.vstack([rows, np.concatenate([[start + last.step * step], last.q, last.q_t])])
         if len(rows) == 0:
             raise InputError(f"{path}: the run was cut off before its first sample; run the scenario again")
-        what = "is still running; this is" if is_running(path) else "was cut off, its process ended before it did;"
-        ending = Ending("cut-off", f"the run {what} known up to t = {rows[-1, 0]:.6g} s")
+        how = "is still running" if is_running(path) else "was cut off when its process ended"
+        ending = Ending("cut-off", f"the run {how}; results up to t = {rows[-1, 0]:.6g} s")
     return _motion(rows, step, ending, integrator, work)
 
 
@@ -145,16 +144,16 @@ class Integration:
     """Integrates a system over ``duration`` seconds from the time ``start``: ``run``.
 
     step [s]; sample_interval [s]: rounded to whole steps, default every step; the start and the end are always among
-    the samples. weight [N]: of all that is carried, the measure for what Newton's method may leave over; by default
-    that of the bodies. segment: steps between two checkpoints. monitor(t, q, q_t): asked every ``monitor_interval``
-    [s], by default at each sample, ends the run by returning the reason. progress(fraction, seconds_left): called some
+    the samples. weight [N]: of all bodies and their loads, the scale of the tolerance; by default that of the bodies.
+    segment: steps between two checkpoints. monitor(t, q, q_t): called every ``monitor_interval`` [s], by default at
+    each sample, ends the run by returning the reason. progress(fraction, seconds_left): called some
     ten times a second, and with (1, 0) at the end of a completed run. recorder: takes the samples, by default in
-    memory; one that holds a checkpoint makes the run go on from there, whatever its start, and one that holds the whole
-    run only plays it back.
+    memory; from a checkpoint that it holds the run continues, whatever its start; a whole run that it holds is returned
+    as it is.
 
-    The run ends early, with the samples so far, when a number is not finite, when the monitor asks for it, when
+    The run ends early, with the samples so far, when a number is not finite, when the monitor returns a reason, when
     the force law raises ``SimulationError``, and at Ctrl-C (the first ends the step, the second ends at once). Any
-    other exception of the force law, the monitor or the progress function comes through.
+    other exception of the force law, the monitor or the progress function is passed on.
     """
 
     system: BodySystem
@@ -177,12 +176,12 @@ class Integration:
             raise ValueError(f"step and duration must be positive, got {step!r} and {self.duration!r}")
         self._steps = max(1, int(np.ceil(self.duration / step - 1e-9)))
         self._every = 1 if self.sample_interval is None else max(1, round(self.sample_interval / step))
-        looks = self.monitor_interval
-        self._monitor_every = self._every if looks is None else max(1, round(looks / step))
+        interval = self.monitor_interval
+        self._monitor_every = self._every if interval is None else max(1, round(interval / step))
         weight = STANDARD_GRAVITY * sum(body.mass for body in system.bodies) if self.weight is None else self.weight
         self._tolerance = TOLERANCE * weight
         self._recorder = Recorder(system.size) if self.recorder is None else self.recorder
-        self._remembering = (system.work, system.forces, self.monitor)
+        self._with_state = (system.work, system.forces, self.monitor)
         self._watch = getattr(self.monitor, "step", None)
         self._ending = Ending("", "")
 
@@ -195,36 +194,36 @@ class Integration:
         bad = first_not_finite(q, q_t)
         if bad >= 0:
             raise SimulationError(f"the start state is not finite: {_name(bad, system)}")
-        system.work.clear()
+        system.work.set_state(Work().get_state())
         if recorder.ending is not None:
             if recorder.last is not None:
                 with system.forces.following():
-                    set_states(self._remembering, recorder.last.memory, recorder.name)
+                    set_states(self._with_state, recorder.last.states, recorder.name)
             return _motion(recorder.rows(), self.step, recorder.ending, self.integrator, system.work)
         with _interruptible() as self._interrupt, system.forces.following():
             begin = recorder.checkpoint
             if begin is None:
-                begin = Checkpoint(0, q, q_t, states_of(self._remembering))
+                begin = Checkpoint(0, q, q_t, get_states(self._with_state))
                 recorder.sample(self.start, q, q_t)
                 recorder.flush(begin)
             self._integrate(begin)
         return _motion(recorder.rows(), self.step, self._ending, self.integrator, system.work)
 
     def _integrate(self, begin: Checkpoint) -> None:
-        """From where the run begins or goes on to its end; here the law still keeps what it remembers."""
+        """Run from a checkpoint to the end, under warm starts of the law."""
         self._first, self._last = begin.step, begin.step
         self._q, self._q_t = begin.q.copy(), begin.q_t.copy()
         """The last good state."""
         self._began = self._reported = time.perf_counter()
         whole = True
         try:
-            set_states(self._remembering, begin.memory, self._recorder.name)
+            set_states(self._with_state, begin.states, self._recorder.name)
             while self._last < self._steps:
                 self._run_segment(min(self._steps, (self._last // self.segment + 1) * self.segment))
                 if self._ending.cause:
                     break
                 checkpoint = self._checkpoint()
-                set_states(self._remembering, checkpoint.memory)
+                set_states(self._with_state, checkpoint.states)
                 if self._recorder.due():
                     self._recorder.flush(checkpoint)
         except KeyboardInterrupt:
@@ -237,7 +236,7 @@ class Integration:
             self._stop("forces", str(error))
         if self.progress is not None and not self._ending.cause:
             self.progress(1.0, 0.0)
-        if whole:  # else Ctrl-C has broken into a step: the law remembers a state that is not the last one
+        if whole:  # else Ctrl-C has interrupted a step: the law has the state of another time
             self._recorder.flush(self._checkpoint(), goes_on=False)
         if self._last % self._every and self._last != self._steps:
             self._recorder.sample(self._time(self._last), self._q, self._q_t)
@@ -248,16 +247,16 @@ class Integration:
         return self.start + k * self.step
 
     def _checkpoint(self) -> Checkpoint:
-        """The last good state with what is remembered now."""
-        return Checkpoint(self._last, self._q.copy(), self._q_t.copy(), states_of(self._remembering))
+        """The last good state with the present states of law and monitor."""
+        return Checkpoint(self._last, self._q.copy(), self._q_t.copy(), get_states(self._with_state))
 
     def _stop(self, cause: Cause, reason: str) -> bool:
-        """Note why the run ends."""
+        """Set why the run ends."""
         self._ending = Ending(cause, reason)
         return False
 
     def _after_step(self, t: float) -> bool:
-        """Look at the numbers, sample, ask the monitor, report progress; see ``BodySystem.solve``."""
+        """Check the numbers, sample, call the monitor, report progress; see ``BodySystem.solve``."""
         q, q_t = self.system.q, self.system.q_t
         k = round((t - self.start) / self.step)
         if k <= self._last:  # Exudyn calls at the start as well
@@ -286,7 +285,7 @@ class Integration:
         return True
 
     def _run_segment(self, end: int) -> None:
-        """Go on from the last good state until ``end`` steps are done, or the run has to stop."""
+        """From the last good state until ``end`` steps are done, or the run has to stop."""
         while self._last < end and not self._ending.cause:
             k = self._last
             try:
@@ -302,12 +301,12 @@ class Integration:
                 raise SimulationError(f"Exudyn ended the run at t = {self._time(k):.6g} s without a reason")
 
     def _step_in_parts(self) -> None:
-        """One implicit step that has failed, cut into parts, in the end by RK44; raises what the law raises there.
+        """Take one implicit step that has failed in parts, at last by RK44; raises what the law raises there.
 
-        Newton's method goes astray where a contact begins or ends within the step and the force jumps; and on its way
-        it may try states in which the law has no answer. Explicit steps take any jump.
+        Newton's method fails where a contact begins or ends within the step and the force jumps, or where an iteration
+        leads to a state without forces. Explicit steps take any jump.
         """
-        system, memory = self.system, self.system.forces.get_state()
+        system, state = self.system, self.system.forces.get_state()
         for parts in (*PARTS, EXPLICIT_PARTS):
             explicit = parts == EXPLICIT_PARTS
             try:
@@ -318,7 +317,7 @@ class Integration:
             except SimulationError:
                 if explicit:
                     raise
-                system.forces.set_state(memory)
+                system.forces.set_state(state)
             else:
                 system.work.cut_steps += parts > 1
                 system.work.explicit_steps += explicit

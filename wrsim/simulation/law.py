@@ -1,4 +1,5 @@
-"""The force law of a vehicle on its track: suspension, gravity, drive and all contacts in one numba call."""
+"""Force laws of a vehicle on its track: suspension, gravity, drive and all contacts in one compiled call; the same on
+conical wheels with a prescribed creep law. With the exact contact solver: ``half_space_law``."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from wrsim.contact.arena import pack
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
-from wrsim.core.body import friction, vehicle_forces
+from wrsim.core.body import conical, friction, vehicle_forces
 from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.jit.compiling import use_threads
 from wrsim.core.jit.stages import make_ready
@@ -30,6 +31,7 @@ from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.speed import SpeedProfile
 
 if TYPE_CHECKING:
+    from wrsim.contact.settings import ConicalWheels
     from wrsim.geometry.track.track import Track
     from wrsim.vehicle.vehicle import Vehicle
     from wrsim.vehicle.wheelset import Wheelset
@@ -38,7 +40,12 @@ Contacts = tuple[ContactModel, ContactModel]
 """Contact models of the left and the right wheel."""
 
 UNBOUNDED = 1e15
-"""Added to the bound of a slider's force [N], one that no force reaches."""
+"""Added to the largest force of a slider so that it sticks [N]."""
+
+SUPPORT, SUPPORT_DAMPING = 1e9, 1e5
+"""Stiffness [N/m] and damping [N s/m] of rigid rails under each conical wheel."""
+
+OFF_TRACK = "the vehicle has left the track's neighbourhood at t = {:.6g} s"
 
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
@@ -48,8 +55,8 @@ class VehicleOnTrack(Layout):
 
     After a call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body
     and travel of every element in the axes of its first body (of a strut along a line: tension and extension, in the
-    places of x), ``axles`` what drive and brakes do to each wheelset (records AXLE of ``core.body.loads``),
-    ``distance`` the place of the reference body along the centre line.
+    places of x), ``axles`` moments and slip of drive and brakes on each wheelset (records AXLE of ``core.body.loads``),
+    ``distance`` that of the reference body along the centre line.
     """
 
     def __init__(
@@ -65,11 +72,11 @@ class VehicleOnTrack(Layout):
         threads: int = 1,
         profile: SpeedProfile | None = None,
     ) -> None:
-        """contacts: of every wheelset, or none at all: no rails carry the vehicle then.
+        """contacts: of every wheelset; none: no rails carry the vehicle.
 
-        speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0. profile: how it goes on from there,
+        speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0. profile: its speed from there on,
         constant unless given. drive, gravity [m/s2]: the vehicle's own unless given. threads: that compute the contacts
-        side by side; they change no bit. Raises InputError for more than there are.
+        side by side, with the same bits. Raises InputError for more than there are.
         """
         drive = drive or vehicle.drive
         self.elastic = track.elasticity if contacts else None
@@ -107,44 +114,42 @@ class VehicleOnTrack(Layout):
             placed_on_rails(mounted.wheelset, pair, track)
             for mounted, pair in zip(vehicle.wheelsets, zip(placed[::2], placed[1::2], strict=True), strict=False)
         )
-        self._asked, self._asked_at = np.zeros((2, self.size)), np.nan
+        self._evaluated: tuple[float, Array, Array] | None = None
+        """Time, coordinates and rates that the contacts belong to, where known."""
         self.look_near(start)
 
     def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> None:
         """See ``ForceLaw``. Raises SimulationError off the track."""
-        self._asked_at = np.nan
+        self._evaluated = None
         self.forces(t, q, q_t, out)
-        self._asked_at, self._asked[0], self._asked[1] = t, q, q_t
+        self._evaluated = t, q.copy(), q_t.copy()
 
     def at(self, t: float, q: Array, q_t: Array, within: float = 0.0) -> None:
-        """Make the contacts and everything else that the law keeps those of this state.
-
-        Nothing is computed where the law has been asked last for this time and for this very state, or for one whose
-        positions differ from it by no more than ``within`` [m, rad].
-        """
-        if self._asked_at == t:
-            if np.array_equal(self._asked[0], q) and np.array_equal(self._asked[1], q_t):
-                return
+        """Evaluate the law at this state, unless the last evaluation was at this time and state, or at one whose
+        positions differ from it by no more than ``within`` [m, rad]."""
+        if self._evaluated is not None and self._evaluated[0] == t:
+            _, last_q, last_q_t = self._evaluated
             bodies = 6 * len(self.bodies)
-            if within > 0.0 and np.abs(self._asked[0, :bodies] - q[:bodies]).max() <= within:
+            same = np.array_equal(last_q, q) and np.array_equal(last_q_t, q_t)
+            if same or (within > 0.0 and np.abs(last_q[:bodies] - q[:bodies]).max() <= within):
                 return
         self(t, q, q_t, np.zeros(self.size))
 
     def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
-        """What a call computes. Messages of the contacts are in their models (`wrsim.contact.status`)."""
+        """Fill ``out`` by the kernel. Status of the contacts: in their models (`wrsim.contact.status`)."""
         status = int(vehicle_forces.vehicle_forces(t, q, q_t, out, self.arena.buffer, self.arena.index))
         if status & wheel_kernel.OFF_TRACK:
-            raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
+            raise SimulationError(OFF_TRACK.format(t))
 
     def on_bodies(self, t: float, q: Array, q_t: Array, out: Array) -> None:
-        """Everything but the contacts, which act on wheelsets alone."""
-        self._asked_at = np.nan
+        """All forces but those of the contacts, which act on wheelsets alone."""
+        self._evaluated = None
         out[:] = 0.0
         if vehicle_forces.add_forces_on_bodies(t, q, q_t, out, self.arena.buffer, self.arena.index):
-            raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
+            raise SimulationError(OFF_TRACK.format(t))
 
     def blocks(self) -> list[Block]:
-        """See ``ForceLaw``: everything but the contacts, and the contacts, each of them of one wheelset."""
+        """See ``ForceLaw``: forces on all bodies, and contacts, each of which acts on one wheelset."""
         buffer, index, on_bodies = self.arena.buffer, self.arena.index, self.on_bodies
 
         def on_wheels(t: float, q: Array, q_t: Array, out: Array) -> None:
@@ -174,27 +179,26 @@ class VehicleOnTrack(Layout):
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
         """See ``ForceLaw``."""
-        before = [view.copy() for view in self._changing]
-        asked, at = self._asked.copy(), self._asked_at
+        before, evaluated = [view.copy() for view in self._changing], self._evaluated
         try:
             yield
         finally:
-            for view, kept in zip(self._changing, before, strict=True):
-                view[...] = kept
-            self._asked[:], self._asked_at = asked, at
+            for view, values in zip(self._changing, before, strict=True):
+                view[...] = values
+            self._evaluated = evaluated
 
     def elements_of_contacts(self) -> list[list[list[ElementField]]]:
-        """Elements of the patches of every wheel at the state asked for last, where the contact model has any."""
+        """Elements of the patches of every wheel at the last evaluation, where the contact model has any."""
         return [[] for _ in self.wheels]
 
     @property
     def distance(self) -> float:
-        """Distance of the (first) vehicle's reference body along the centre line at the state asked for last [m]."""
+        """Distance of the (first) vehicle's reference body along the centre line at the last evaluation [m]."""
         return float(self._units["s"][0])
 
     @property
     def drive_force(self) -> float:
-        """Force that holds the speed at the state asked for last, of all vehicles, positive forward [N]."""
+        """Force that holds the speed at the last evaluation, of all vehicles, positive forward [N]."""
         return float(self._units["force"].sum())
 
     @property
@@ -204,7 +208,7 @@ class VehicleOnTrack(Layout):
 
     @property
     def load_forces(self) -> Array:
-        """Forces of the vehicle's loads (loads, 3) along their axes at the state asked for last [N]."""
+        """Forces of the vehicle's loads (loads, 3) along their axes at the last evaluation [N]."""
         forces = self._loads["force"][: len(self.vehicle.loads)]
         return np.stack([forces[axis] for axis in "xyz"], axis=-1)
 
@@ -215,27 +219,22 @@ class VehicleOnTrack(Layout):
         return np.stack(columns, axis=-1).reshape(*np.shape(distances), 3)
 
     def set_speed(self, speed: float) -> None:
-        """Change the constant speed [m/s] that the drive holds and at which the frame of the track runs on from its
-        start."""
+        """Change the constant speed [m/s] of the drive and of the frame of the track."""
         self.speed, self.profile = speed, SpeedProfile.constant(speed)
         self.arena.views[vehicle_forces.MOTION][:] = pieces_of_motion(self.profile, self.start)
-        self._asked_at = np.nan
+        self._evaluated = None
 
     def own(self, wheelset: int) -> list[Any]:
         """The records WHEEL of both wheels of a wheelset (``core.body.wheel_forces``)."""
         return self._records_of_wheels[2 * wheelset : 2 * wheelset + 2]
 
     def look_near(self, origin: float | Array) -> None:
-        """Tell where to look for the vehicle first: the distance of its origin [m], or a row of ``places``.
+        """Start the searches on the track near a place: distance of the vehicle's origin [m], or a row of ``places``.
 
-        Needed before a state far from the last one.
+        Needed ahead of a state far from the last one.
         """
-        self._asked_at = np.nan
-        vehicle = self.vehicle
-        if np.ndim(origin) == 0:
-            rows = self.places(float(origin) + np.array([mounted.x for mounted in vehicle.wheelsets]))
-        else:
-            rows = np.asarray(origin)
+        self._evaluated = None
+        vehicle, rows = self.vehicle, self._near(origin)
         at = float(rows[0, 0]) - vehicle.wheelsets[0].x
         if self._records_of_wheels:
             for wheel, s in zip(self._records_of_wheels, rows[:, 1:].ravel(), strict=True):
@@ -245,19 +244,25 @@ class VehicleOnTrack(Layout):
         for load in self._loads:
             load.s = at + vehicle.parts[load.body].centre[0] + load.at.x
 
+    def _near(self, origin: float | Array) -> Array:
+        """The row of ``places`` for a place as ``look_near`` takes it."""
+        if np.ndim(origin) == 0:
+            return self.places(float(origin) + np.array([m.x for m in self.vehicle.wheelsets]))  # type: ignore[arg-type]
+        return np.asarray(origin)
+
     def follow(self, on: bool) -> None:
-        """From now on contacts start from those of the last state (in a run), or cold."""
+        """See ``ForceLaw``: a warm start of every contact, or a cold one."""
         for wheels in self.wheels:
             for wheel in wheels:
                 wheel.model.arrays.follow(on)
 
-    def kept(self) -> list[NDArray[Any]]:
-        """See ``ForceLaw``: where the vehicle was found last, and its contacts."""
+    def memory(self) -> list[NDArray[Any]]:
+        """See ``ForceLaw``: places on the track, and contacts."""
         return self._found_at + [view for wheels in self.wheels for w in wheels for view in w.model.arrays.kept()]
 
     def set_state(self, state: Array) -> None:
-        """See ``ForceLaw``. What follows is the same to the bit wherever it is done: inverses are given up."""
-        self._asked_at = np.nan
+        """See ``ForceLaw``. Inverses of the contacts are dropped, for they are no part of the state."""
+        self._evaluated = None
         super().set_state(state)
         for wheels in self.wheels:
             for wheel in wheels:
@@ -265,9 +270,9 @@ class VehicleOnTrack(Layout):
 
     @contextmanager
     def settled(self, slips: Array | None = None) -> Iterator[None]:
-        """While this lasts, dampers in series with springs carry nothing, they have had time to give way, and sliders
-        what they do after a straight way from the design position, or from their slips where these are not 0;
-        hollow axles of geared motors turn with their wheelsets and carry what the motors give."""
+        """While this lasts, the inner unknowns have their static values: dampers in series with springs carry nothing,
+        sliders the force after a straight way from the design position, or from their slips where these are not 0;
+        hollow axles of geared motors turn with their wheelsets and carry the moments of the motors."""
         how = friction.FRESH if slips is None or not np.any(slips) else friction.HELD
         whole = self.arena.views[vehicle_forces.WHOLE][0]
         before, whole["settled"] = int(whole["settled"]), 1
@@ -278,7 +283,7 @@ class VehicleOnTrack(Layout):
             whole["settled"] = before
 
     def settled_rates(self, q: Array, q_t: Array) -> Array:
-        """The rates q_t with the unknowns that dampers in series with springs and sliders have once settled there."""
+        """The rates q_t with the static values of the unknowns of dampers in series with springs and of sliders."""
         q_t, out = np.array(q_t, dtype=float), np.zeros(self.size)
         with self.settled(q_t[self.sliders]):
             self(0.0, q, q_t, out)
@@ -287,7 +292,7 @@ class VehicleOnTrack(Layout):
         return q_t
 
     def stuck(self) -> AbstractContextManager[None]:
-        """While this lasts, no slider slips."""
+        """See ``ForceLaw``."""
         return self._elements_with("bound", self.elements["bound"] + UNBOUNDED)
 
     @contextmanager
@@ -296,11 +301,11 @@ class VehicleOnTrack(Layout):
         before = self.elements[name].copy()
         try:
             self.elements[name] = values
-            self._asked_at = np.nan
+            self._evaluated = None
             yield
         finally:
             self.elements[name] = before
-            self._asked_at = np.nan
+            self._evaluated = None
 
 
 def placed_on_rails(wheelset: Wheelset, models: Contacts, track: Track) -> tuple[WheelOnRail, WheelOnRail]:
@@ -310,3 +315,52 @@ def placed_on_rails(wheelset: Wheelset, models: Contacts, track: Track) -> tuple
         for model, side, origin in zip(models, (1, -1), track.rail_origins, strict=True)
     )
     return left, right
+
+
+class ConicalVehicleOnTrack(VehicleOnTrack):
+    """A vehicle on conical wheels with a prescribed creep law; a ``ForceLaw``. ``wheels`` is empty."""
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        track: Track,
+        cones: ConicalWheels,
+        *,
+        speed: float,
+        start: float = 0.0,
+        drive: Drive | None = None,
+    ) -> None:
+        """As ``VehicleOnTrack``; speed [m/s] must not be 0: creepages are velocities over the speed."""
+        self.radii = np.array([mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
+        self.own_places = np.zeros(len(self.radii))
+        self.law = np.zeros(1, conical.CONICAL)
+        law = self.law[0]
+        law.conicity, law.half = cones.conicity, cones.half_spacing
+        law.creep_x, law.creep_y = cones.creep_longitudinal, cones.creep_lateral
+        law.friction = cones.friction or 0.0
+        law.clearance = np.inf if cones.flange_clearance is None else cones.flange_clearance
+        law.flange = 0.0 if cones.flange_clearance is None else cones.flange_stiffness
+        law.support, law.support_damping = SUPPORT, SUPPORT_DAMPING
+        super().__init__(vehicle, track, (), speed=speed, start=start, drive=drive)
+
+    def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
+        super().forces(t, q, q_t, out)
+        if self._add_conical(q, q_t, self.own_places, out):
+            raise SimulationError(OFF_TRACK.format(t))
+
+    def _add_conical(self, q: Array, q_t: Array, places: Array, out: Array) -> int:
+        return conical.conical_forces(q, q_t, self.radii, places, self.track.centre.curve, self.speed, self.law, out)
+
+    def blocks(self) -> list[Block]:
+        def on_cones(t: float, q: Array, q_t: Array, out: Array) -> None:
+            out[:] = 0.0
+            self._add_conical(q, q_t, self.own_places.copy(), out)
+
+        return [*super().blocks(), Block.apart(on_cones, np.arange(6 * len(self.radii)).reshape(-1, 6))]
+
+    def look_near(self, origin: float | Array) -> None:
+        super().look_near(origin)
+        self.own_places[:] = self._near(origin)[:, 0]
+
+    def memory(self) -> list[NDArray[Any]]:
+        return [self.own_places, *super().memory()]

@@ -1,5 +1,5 @@
 """Small motions about a state: mass, damping and stiffness matrices, state matrix; natural modes of a vehicle on its
-springs, the wheelsets held where they are, and names of modes."""
+springs with its wheelsets fixed, and names of modes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
-from wrsim.simulation.force_law import Array, ForceLaw, FunctionLaw, force_derivative
+from wrsim.simulation.force_law import Array, ForceLaw, force_derivative
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
 
@@ -24,7 +24,7 @@ DIRECTIONS = ("vertical", "longitudinal", "lateral", "yaw", "roll", "pitch")
 """In the order of the coordinates."""
 
 SHARE = 0.3
-"""Part of the largest share of the kinetic energy above which another direction is named as well."""
+"""Part of the largest share of the kinetic energy above which another direction is named."""
 
 SLOWEST = 1e-3
 """Frequency below which nothing oscillates [Hz]."""
@@ -32,11 +32,10 @@ SLOWEST = 1e-3
 
 @dataclass(frozen=True)
 class Linearised:
-    """mass q_tt + damping q_t + stiffness q = 0 for small motions about a state, all (n, n); bodies: how many.
+    """mass q_tt + damping q_t + stiffness q = 0 for small motions about a state, all (n, n); bodies: their number.
 
-    Behind the coordinates of the bodies come those of the dampers in series with springs, whose rates are the
-    extensions of the damping parts, and of sliders (their places: ``sliders``), which stick; behind them ``positions``
-    more: the pitch of axle boxes, the twist of axles and the displacements of the rails under the wheels.
+    Order of q: coordinates of the bodies; dampers in series with springs, whose rates are their extensions, and sliders
+    (places ``sliders``), which stick; ``positions``: pitch of axle boxes, twist of axles, displacements of rails.
     """
 
     mass: Array
@@ -49,7 +48,7 @@ class Linearised:
     @property
     def state_matrix(self) -> Array:
         """A of y_t = A y with y = (q of the bodies, positions of axle boxes and rails, q_t of the bodies, extensions
-        of the dampers, velocities of axle boxes and rails). Sliders have no place in it."""
+        of the dampers, velocities of axle boxes and rails), without sliders."""
         n, m = len(self.mass), 6 * self.bodies
         full = np.zeros((2 * n, 2 * n))
         full[:n, n:] = np.eye(n)
@@ -71,7 +70,7 @@ def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t
 
     with forces.stuck():
         stiffness, damping = (
-            force_derivative(FunctionLaw(inertia), q, q_t, len(bodies), t, *by)
+            force_derivative(ForceLaw(inertia), q, q_t, len(bodies), t, *by)
             - force_derivative(forces, q, q_t, len(bodies), t, *by)
             for by in ((1.0, 0.0), (0.0, 1.0))
         )
@@ -82,8 +81,7 @@ def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t
 @dataclass(frozen=True)
 class Mode:
     """frequency: undamped natural one [Hz]; damping: ratio to critical [1]; shape: complex amplitudes of the bodies'
-    coordinates (bodies, 6) in the order of ``DIRECTIONS``; name: who moves how.
-    """
+    coordinates (bodies, 6) in the order of ``DIRECTIONS``; name: its parts and directions."""
 
     frequency: float
     damping: float
@@ -92,10 +90,7 @@ class Mode:
 
 
 def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
-    """Oscillating modes in the design position, slowest first; the wheelsets are held, as by rails without compliance.
-
-    Dampers and their springs in series take part. Friction elements stick.
-    """
+    """Oscillating modes in the design position, slowest first; the wheelsets are fixed, friction elements stick."""
     if not vehicle.bodies:
         return ()
     law = VehicleOnTrack(vehicle, Track.build([Straight(200.0)], 1.5), (), speed=0.0, start=100.0, drive="free")
@@ -109,29 +104,31 @@ def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
     free = n - w
     turning = [rates + at + 1 - int(np.sum(law.sliders <= at)) for at in law.gears.values()]  # rates of hollow axles
     geared = np.searchsorted(kept, turning)
-    inertias = np.array([drive.inertia for drive in vehicle.drives])
+    of_boxes = np.array([box.inertia[1] for _, box in vehicle.boxes.values()])
+    of_gears = np.array([drive.inertia for drive in vehicle.drives])
     modes = []
     for value, vector in zip(values, vectors.T, strict=True):
         if value.imag <= 2.0 * np.pi * SLOWEST:
             continue
         shape = vector[:free].reshape(-1, 6)
-        inertia = np.array([box.inertia[1] for _, box in vehicle.boxes.values()])
-        swinging = float(inertia @ np.abs(vector[free : free + len(inertia)]) ** 2)
-        name = mode_name(vehicle, shape)
-        behind = vector[free + len(inertia) : free + len(inertia) + len(law.twists)]
-        twisting = sum(0.25 * law.bodies[w].inertia[1] * abs(a) ** 2 for w, a in zip(law.twists, behind, strict=True))
-        hollow = float(inertias @ np.abs(vector[geared]) ** 2) / abs(value) ** 2
-        if max(swinging, twisting, hollow) > _energy(vehicle, shape).sum():
-            words = {"axle boxes pitch": swinging, "axles twist": twisting, "hollow axles twist": hollow}
-            name = max(words, key=lambda word: words[word])
+        boxes, twists = np.split(vector[free : free + len(of_boxes) + len(law.twists)], [len(of_boxes)])
+        twisting = (0.25 * law.bodies[w].inertia[1] * abs(a) ** 2 for w, a in zip(law.twists, twists, strict=True))
+        energies = {
+            "axle boxes pitch": float(of_boxes @ np.abs(boxes) ** 2),
+            "axles twist": sum(twisting),
+            "hollow axles twist": float(of_gears @ np.abs(vector[geared]) ** 2) / abs(value) ** 2,
+        }
+        name = max(energies, key=lambda word: energies[word])
+        if energies[name] <= _energy(vehicle, shape).sum():
+            name = mode_name(vehicle, shape)
         modes.append(Mode(abs(value) / (2.0 * np.pi), -value.real / abs(value), shape, name))
     return tuple(sorted(modes, key=lambda mode: mode.frequency))
 
 
 def mode_name(vehicle: Vehicle, shape: NDArray[np.complex128]) -> str:
-    """Words for a mode: the parts with the most kinetic energy, their directions, how they move together.
+    """Name of a mode: the parts with the most kinetic energy, their directions, and their phase.
 
-    shape: of all parts (parts, 6) or of the bodies alone (bodies, 6). All wheelsets count together, and so do bodies
+    shape: of all parts (parts, 6) or of the bodies alone (bodies, 6). All wheelsets are one group, and so are bodies
     of one name in different parts (``front.frame``, ``rear.frame``).
     """
     names = [*(f"{m.name}.wheelsets" for m in vehicle.wheelsets), *(b.name for b in vehicle.bodies)][-len(shape) :]
@@ -143,18 +140,14 @@ def mode_name(vehicle: Vehicle, shape: NDArray[np.complex128]) -> str:
     shares = energy[members].sum(axis=0)
     order = np.argsort(-shares)
     named = [int(k) for k in order if shares[k] >= SHARE * shares[order[0]]]
-    return f"{name} {' and '.join(DIRECTIONS[k] for k in named)}{_phase(shape[members, named[0]])}"
+    a, phase = shape[members, named[0]], ""
+    if len(a) == 2 and min(abs(a)) >= 0.2 * max(abs(a)):
+        phase = ", together" if (a[0] * np.conj(a[1])).real > 0.0 else ", against each other"
+    return f"{name} {' and '.join(DIRECTIONS[k] for k in named)}{phase}"
 
 
 def _energy(vehicle: Vehicle, shape: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """What is proportional to the kinetic energies of all parts, or of the bodies alone, along their coordinates."""
+    """Kinetic energies of all parts, or of the bodies alone, along their coordinates, but for a common factor."""
     parts = vehicle.parts[-len(shape) :]
     inertia = np.array([(p.mass, p.mass, p.mass, p.inertia[2], p.inertia[0], p.inertia[1]) for p in parts])
     return np.asarray(inertia * np.abs(shape) ** 2)
-
-
-def _phase(a: NDArray[np.complex128]) -> str:
-    """How bodies of one name move, by their complex amplitudes: together or against each other."""
-    if len(a) != 2 or min(abs(a)) < 0.2 * max(abs(a)):
-        return ""
-    return ", together" if (a[0] * np.conj(a[1])).real > 0.0 else ", against each other"

@@ -1,32 +1,28 @@
-"""Balances of forces: damped Newton's method, a bracketing search, and pseudo-transient continuation (``relax``)."""
+"""Equations of equilibrium: damped Newton's method, a bracketing search, and pseudo-transient continuation."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-
-Apart = Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]
-"""Groups of unknowns (n,), each of which acts on its own row of places of the residual (n, m) alone."""
+from wrsim.simulation.force_law import Array, Groups
 
 DIFFERENCE = 0.01
-"""Step of the numerical derivative as a part of the change that matters."""
+"""Step of the numerical derivative as a part of the small changes."""
 
 LONGEST = 30.0
-"""Longest step of one iteration, in changes that matter."""
+"""Longest step of one iteration, in small changes."""
 
 PROBE, BENT = 0.1, 0.5
-"""Where along a step its curvature is looked at, and the largest part of the step that a turn may have."""
+"""Where along a step its curvature is evaluated, and the largest curvature correction as a part of the step."""
 
-KEPT = 0.1
-"""Derivatives serve for another step as long as a step leaves no more than this part of the residual."""
+REUSED = 0.1
+"""Derivatives are used for another step as long as a step reduces the residual to this part."""
 
 STALLED, LITTLE = 20, 0.1
-"""The search ends where so many iterations have not taken this part of the residual away."""
+"""The search ends where so many iterations have not reduced the residual by this part."""
 
 
 def damped_newton(
@@ -37,19 +33,18 @@ def damped_newton(
     max_iterations: int,
     near: Callable[[Array], Array] | None = None,
     while_deriving: Callable[[], AbstractContextManager[None]] = nullcontext,
-    apart: Apart | None = None,
+    apart: Groups | None = None,
     difference: float | Array = DIFFERENCE,
 ) -> tuple[Array, Array, int]:
-    """The best x, its residual (evaluated last), how often derivatives were taken; the caller judges.
+    """The best x, its residual (evaluated last), number of derivatives; the caller decides on convergence.
 
-    small: changes of the unknowns that change the residual by a few per cent. near: a cheaper function with nearly the
-    same derivatives, of which they are taken. while_deriving: what holds while derivatives are taken. apart: unknowns
-    whose derivatives are taken at once, every one by itself unless given. difference: steps of the derivatives as parts
-    of the small changes, of all unknowns or of each.
+    small: changes of the unknowns that change the residual by a few per cent. near: a cheaper function for the
+    derivatives. while_deriving: a context for the derivatives. apart: unknowns whose derivatives are taken at once,
+    default one by one. difference: steps of the derivatives as parts of the small changes.
 
-    A wheelset that moves across its rails has to rise and roll as their profiles ask, and only a path that bends with
-    them is not barred by stiff contacts: steps follow the curvature of the residual along them (geodesic acceleration,
-    Transtrum and Sethna 2012, arXiv 1201.5885).
+    A wheelset that moves across its rails rises and rolls with their profiles, on a curved path between stiff contacts:
+    steps follow the curvature of the residual along them (geodesic acceleration, Transtrum and Sethna 2012, arXiv
+    1201.5885).
     """
     r = residual(x)
     damping = 0.0
@@ -59,7 +54,7 @@ def damped_newton(
         if jacobian is not None and damping == 0.0:
             step = _step(jacobian, r, damping)
             trial = residual(x + small * step)
-            if np.linalg.norm(trial) < KEPT * np.linalg.norm(r):
+            if np.linalg.norm(trial) < REUSED * np.linalg.norm(r):
                 x, r = x + small * step, trial
                 continue
         stalled = len(norms) > STALLED and norms[-1] > (1.0 - LITTLE) * norms[-1 - STALLED]
@@ -90,7 +85,7 @@ def derivatives(
     x: Array,
     small: Array,
     difference: float | Array = DIFFERENCE,
-    apart: Apart | None = None,
+    apart: Groups | None = None,
 ) -> Array:
     """Derivative of the residual with respect to x / small, by central differences; see ``damped_newton``."""
     columns_of_it = np.zeros((x.size, x.size))
@@ -104,8 +99,7 @@ def derivatives(
 
 
 def _step(jacobian: Array, r: Array, damping: float) -> Array:
-    """Levenberg's step, cut to the longest; undamped the shortest least-squares one: the undetermined stays where it
-    is."""
+    """Levenberg's step, limited to the longest; undamped the shortest least-squares solution."""
     if damping == 0.0:
         step = np.asarray(np.linalg.lstsq(jacobian, -r, rcond=1e-12)[0], dtype=float)
     else:
@@ -115,10 +109,10 @@ def _step(jacobian: Array, r: Array, damping: float) -> Array:
 
 
 def roots(function: Callable[[Array], Array], begin: Array, small: float, enough: float) -> Array:
-    """Where falling functions, each of its own argument, are zero; all at once, by the Illinois method.
+    """Roots of falling functions, each of its own argument, all at once, by the Illinois method.
 
-    function: of all arguments (n,); begin (n,): where the search begins, which goes on in steps that double from
-    ``small``. Ends where all are within ``enough``, or after 40 steps.
+    function: of all arguments (n,); begin (n,): first guess, from which steps double from ``small`` on. Ends where all
+    are within ``enough``, or after 40 steps.
     """
     x, f = begin.copy(), function(begin)
     other, of_other = x.copy(), f.copy()
@@ -141,10 +135,10 @@ def roots(function: Callable[[Array], Array], begin: Array, small: float, enough
 
 
 def bracket(function: Callable[[float], float], begin: float, small: float, enough: float, reach: float) -> bool:
-    """Move from ``begin`` as the sign of the force points until it is small or changes sign, then bisect.
+    """Move from ``begin`` along the force until it is small or changes sign, then bisect.
 
-    function: force along a coordinate. Stops with its last call where abs(force) <= enough; False if there
-    is no such place within ``reach``.
+    function: force along a coordinate. Its last call has abs(force) <= enough; False if there is no such place within
+    ``reach``.
     """
     force = function(begin)
     if abs(force) <= enough:
@@ -173,7 +167,7 @@ DRAG = 1e-3
 """Residual that moves an unknown by one small change in a unit of the pseudo-time."""
 
 FIRST, LONGER, SHORTER = 1.0, 3.0, 0.25
-"""The first step in pseudo-time, and what becomes of one that was easy, and of one that failed."""
+"""The first step in pseudo-time, and factors after an easy step and after a failed one."""
 
 REACH, EASY = 10.0, 3.0
 """Longest change in a step, in small changes, and one after which the next step may be longer."""
@@ -182,10 +176,10 @@ ASTRAY = 0.7
 """Part of the residual by which a step may miss the equation that it solves to first order."""
 
 CREEPS = 15
-"""The search ends after so many steps that were cut and changed no unknown by its small change."""
+"""The search ends after so many shortened steps that changed no unknown by its small change."""
 
 TRIES = 12
-"""Steps tried one after the other, each shorter, before the search ends."""
+"""Most trials of a step, each shorter than the last."""
 
 
 def relax(
@@ -194,21 +188,20 @@ def relax(
     small: Array,
     goal: float,
     most: int,
-    settled: Callable[[Array], Array],
+    rolled: Callable[[Array], Array],
     while_deriving: Callable[[], AbstractContextManager[None]],
 ) -> tuple[Array, float]:
-    """The x (n,) to which the motion has come after at most so many steps, and the largest residual there.
+    """The x (n,) of a creeping motion after at most so many steps, and the largest residual there.
 
-    Newton's method looks for less and less force. Wheels that turn on their own have next to none between their
-    flanges, and more on the way out of it. So every unknown moves as the force along it pushes, x_t = r / d, in
-    implicit steps of Euler that become longer as the motion dies away: (d / h - r') dx = r (Kelley and Keyes, SIAM J.
-    Numer. Anal. 35 (1998) 508).
+    Newton's method reduces forces from step to step; independent wheels have nearly none between their flanges, and
+    more on the way to them. So every unknown moves with the force along it, x_t = r / d, in implicit Euler steps that
+    become longer as the motion decays: (d / h - r') dx = r (Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
 
-    residual: what pushes along every unknown; small (n,): changes of the unknowns that change it by a few per cent;
-    goal: largest residual that ends the search; settled: puts some unknowns where their own residuals vanish;
-    while_deriving: what holds while derivatives are taken.
+    residual: force along every unknown; small (n,): changes of the unknowns that change it by a few per cent; goal:
+    largest residual that ends the search; rolled: sets some unknowns to zeros of their own residuals; while_deriving: a
+    context for the derivatives.
     """
-    x = settled(x)
+    x = rolled(x)
     r, h, creeps = residual(x), FIRST, 0
     for _ in range(most):
         if np.max(np.abs(r)) <= goal or creeps == CREEPS:
@@ -219,7 +212,7 @@ def relax(
             step = np.linalg.solve(np.diag(np.full(x.size, DRAG / h)) - slope, r)
             far = float(np.max(np.abs(step)))
             if far <= REACH:
-                there = settled(x + small * step)
+                there = rolled(x + small * step)
                 trial = residual(there)
                 missed = float(np.linalg.norm(DRAG / h * step - trial))
                 if missed <= ASTRAY * max(float(np.linalg.norm(r)), float(np.linalg.norm(trial))):  # false for nan

@@ -1,5 +1,5 @@
-"""Between states and poses on a track: of a wheelset, and of a whole vehicle where a search for a steady motion begins,
-in its design position, or in the poses of a motion that is known, in another place."""
+"""States and poses on a track: of a wheelset; of a whole vehicle in its design position, or with the poses of a known
+motion at another place."""
 
 from __future__ import annotations
 
@@ -48,10 +48,8 @@ def state_on_track(
 
 
 class TrackPoses(NamedTuple):
-    """Poses against the track, each (n,): distance, lateral, height above the track plane [m], yaw, roll [rad].
-
-    spin_rate: about the axle [rad/s].
-    """
+    """Poses against the track, each (n,): distance, lateral, height above the track plane [m], yaw, roll [rad], and
+    the rate of spin about the axle [rad/s]."""
 
     distance: Array
     lateral: Array
@@ -64,7 +62,7 @@ class TrackPoses(NamedTuple):
 def poses_as_far(path: Path, q: Array, q_t: Array, start: float = 0.0) -> TrackPoses:
     """Poses of sampled states (n, 6) along a centre line, up to the first one that has no place on the track.
 
-    start: guess of the first distance [m]. Consecutive samples should lie within some metres of each other.
+    start: guess of the first distance [m]. Consecutive samples lie within some metres of each other.
     """
     out = np.zeros(len(q), kernels.PLACED)
     bad = kernels.poses_along(np.ascontiguousarray(q), np.ascontiguousarray(q_t), path.curve, float(start), out)
@@ -84,8 +82,8 @@ def design_state(law: VehicleOnTrack, *, lateral: float | Array = 0.0) -> tuple[
     """State (q, q_t) of a vehicle that follows the track in its design position, its origin at the start of the law.
 
     Every wheelset lies at its own place along the track, ``lateral`` [m] to the left (each, or all alike), with the yaw
-    at which the guide frame holds it. A body lies as its wheelsets lie beneath it: in a curve along their chord. It is
-    half as much to the left as they are on average. The wheels do not touch the rails yet, or overlap them by nothing.
+    of the guide frame; a body along the chord of the wheelsets beneath it, half of their mean shift to the left. The
+    wheels touch the rails at most.
     """
     q, q_t = np.zeros(law.size), np.zeros(law.size)
     vehicle, track = law.vehicle, law.track
@@ -114,14 +112,14 @@ def design_state(law: VehicleOnTrack, *, lateral: float | Array = 0.0) -> tuple[
 
 
 def turn_gears(law: VehicleOnTrack, q_t: Array) -> None:
-    """Let the hollow axles of geared motors turn as their wheelsets do, whose cases do not pitch."""
+    """Set the spin of the hollow axles of geared motors to that of their wheelsets, with cases that do not pitch."""
     for wheelset, place in law.gears.items():
         q_t[place + 1] = q_t[6 * wheelset + SPIN]
 
 
 def carried_over(known: VehicleOnTrack, known_q: Array, known_q_t: Array, law: VehicleOnTrack) -> tuple[Array, Array]:
-    """The state (q, q_t) with which a vehicle of the same bodies has the poses against its own track that a known state
-    has against that of its law."""
+    """The state (q, q_t) of a vehicle of the same bodies with the poses on its own track that a known state has on that
+    of its law."""
     q, q_t = np.zeros(law.size), np.zeros(law.size)
     wheelsets = len(law.vehicle.wheelsets)
     for i, (part, before) in enumerate(zip(law.vehicle.parts, known.vehicle.parts, strict=True)):
@@ -141,12 +139,12 @@ def carried_over(known: VehicleOnTrack, known_q: Array, known_q_t: Array, law: V
 
 
 def _on_chord(law: VehicleOnTrack, x: float, wheelsets: tuple[int, ...]) -> tuple[float, float, float]:
-    """How a body that lies x [m] ahead of the vehicle's origin lies on its wheelsets: ahead of and to the left of its
-    own place along the track [m], yaw there [rad]; in plan, as near to where they are as a stiff body can."""
-    curve = law.track.centre.curve
-    here = path_kernels.frame_at(curve, law.start + x)
+    """Pose in plan of a body x [m] ahead of the vehicle's origin, fitted to its wheelsets: ahead and to the left of its
+    own place along the track [m], yaw there [rad]."""
     if not wheelsets:
         return 0.0, 0.0, 0.0
+    curve = law.track.centre.curve
+    here = path_kernels.frame_at(curve, law.start + x)
     own = np.array([law.vehicle.wheelsets[i].x for i in wheelsets])
     frames = [path_kernels.frame_at(curve, law.start + place).origin for place in own]
     ways = [(f.x - here.origin.x, f.y - here.origin.y) for f in frames]

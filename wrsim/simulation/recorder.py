@@ -1,14 +1,14 @@
-"""Where the samples of a run go: into memory, or into a file from which a run that died goes on.
+"""Samples of a run, in memory or in a file from which a run that died continues.
 
-The integrator hands over one row per sample. A ``Recorder`` writes them out whenever its block is full or
-``FLUSH_INTERVAL`` has passed, together with a checkpoint: step number, state, and what the force law and the monitor
-remember. Checkpoints lie between the segments of a run (``Integration``): a process that dies loses that much wall time
-and one segment, and the memory that sampling needs does not grow with the run. What a run remembers when it stops
-within a segment is kept as well, to be read; it goes on from the checkpoint before.
+A ``Recorder`` takes one row per sample and writes them whenever its block is full or ``FLUSH_INTERVAL`` has passed,
+together with a checkpoint: step number, coordinates, and the states of force law and monitor. Checkpoints lie between
+the segments of a run (``Integration``): a process that dies loses that much wall time and one segment, and the memory
+for samples does not grow with the run. The states at a stop within a segment are written as well, to be read; the run
+continues from the checkpoint before.
 
-A run that goes on from a checkpoint computes the same numbers, to the bit, as one that was never interrupted: the
-integrator's times are whole multiples of its step, it begins every segment anew (``BodySystem.solve``), its state is
-complete, and whatever survives a call of the law or the monitor is kept (``Remembers``).
+A continued run computes the same numbers, to the bit, as one that was never interrupted: times are whole multiples of
+the step, every segment begins anew (``BodySystem.solve``), and all that lasts from call to call in law and monitor is
+in their states (``HasState``).
 """
 
 from __future__ import annotations
@@ -37,51 +37,51 @@ FLUSH_INTERVAL = 0.5
 """Longest wall time between two flushes [s]."""
 
 BLOCK = 256
-"""Samples that wait in memory for the next flush, at most."""
+"""Samples in memory between two flushes, at most."""
 
 
 @runtime_checkable
-class Remembers(Protocol):
-    """A force law or a monitor whose next answer depends on more than time and state."""
+class HasState(Protocol):
+    """A force law or a monitor whose next result depends on more than time and coordinates."""
 
     def get_state(self) -> Array:
-        """A copy of everything that it keeps from one call to the next, in one row."""
+        """A copy of all that lasts from one call to the next, as one row."""
 
-    def set_state(self, memory: Array) -> None:
-        """Put it back."""
+    def set_state(self, state: Array) -> None:
+        """Restore it."""
 
 
-def states_of(things: Sequence[object]) -> Array:
-    """What those that remember keep, one after the other, each behind its length."""
-    rows = [thing.get_state() if isinstance(thing, Remembers) else np.zeros(0) for thing in things]
+def get_states(things: Sequence[object]) -> Array:
+    """The states of all things that have one, one after the other, each behind its length."""
+    rows = [thing.get_state() if isinstance(thing, HasState) else np.zeros(0) for thing in things]
     return np.concatenate([part for row in rows for part in ([float(len(row))], row)])
 
 
-def set_states(things: Sequence[object], memory: Array, name: str = "") -> None:
-    """The opposite of ``states_of`` for the same things; name: of the file that it comes from, if any.
+def set_states(things: Sequence[object], states: Array, name: str = "") -> None:
+    """Restore what ``get_states`` gave for the same things; name: of its file, if any.
 
-    Raises ``InputError`` for what these things cannot have remembered.
+    Raises ``InputError`` for states that do not fit.
     """
     place = 0
     try:
         for thing in things:
-            n = int(memory[place])
-            if isinstance(thing, Remembers):
-                thing.set_state(memory[place + 1 : place + 1 + n])
+            n = int(states[place])
+            if isinstance(thing, HasState):
+                thing.set_state(states[place + 1 : place + 1 + n])
             place += 1 + n
     except (ValueError, IndexError, OverflowError):  # other lengths, and counts that are none
-        why = "what it remembers does not fit its scenario; run the scenario again"
-        raise InputError(f"{name or 'the checkpoint of the run'}: {why}") from None
+        why = "its checkpoint does not fit its scenario; run the scenario again"
+        raise InputError(f"{name or 'the run'}: {why}") from None
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """All that a run needs to go on behind step ``step``: coordinates, rates, and memory (``states_of``)."""
+    """All that a run needs to continue after step ``step``: coordinates, rates, and states (``get_states``)."""
 
     step: int
     q: Array
     q_t: Array
-    memory: Array
+    states: Array
 
 
 @dataclass(frozen=True)
@@ -93,41 +93,40 @@ class Ending:
 
 
 class Recorder:
-    """Samples, rows (time, q, q_t), in memory; or in a file with checkpoints, see the module."""
+    """Samples, rows (time, q, q_t), in memory; or in a file with checkpoints, see the module.
+
+    checkpoint: where to continue, None at the beginning of a run; last: the last one, whether the run continues from it
+    or not; ending: of a run that is over.
+    """
 
     checkpoint: Checkpoint | None = None
-    """Where to go on; None at the beginning of a run."""
-
     last: Checkpoint | None = None
-    """What was remembered last, where the run goes on or not."""
-
     ending: Ending | None = None
-    """Of a run that is over already."""
 
     def __init__(self, size: int, file: RunFile | None = None) -> None:
         """size: number of coordinates."""
         self.size, self.file = size, file
         self._block = np.zeros((BLOCK, 1 + 2 * size))
         self._used = 0
-        self._kept: list[Array] = []
+        self._flushed_rows: list[Array] = []
         self._flushed = time.perf_counter()
 
     @classmethod
     def create(cls, path: str | Path, header: dict[str, Any], size: int) -> Recorder:
-        """Start the file of a new run; header: what the reader needs to know of it."""
+        """Start the file of a new run."""
         file = RunFile(path)
         file.begin(header | {"size": size})
         return cls(size, file)
 
     @classmethod
     def continued(cls, path: str | Path) -> Recorder:
-        """Go on with a file: from its last checkpoint, or with nothing but its ``ending``.
+        """Continue a file from its last checkpoint; of a run that is over, and was not interrupted, take its ending.
 
-        A run that the user has interrupted goes on. Raises ``InputError`` when there is nothing to go on from.
+        Raises ``InputError`` without a checkpoint.
         """
-        run_header(Path(path))  # a file that is not there, or none of a run's, is refused as for reading
+        run_header(Path(path))  # a missing file, or one of another kind, is refused as for reading
         file = RunFile(path)
-        try:  # read while nobody else can write
+        try:  # read under its lock
             recorded = RecordedRun.of(file.path, file.records())
             over = recorded.ending is not None and recorded.ending.cause != "interrupt"
             if recorded.checkpoint is None:
@@ -143,11 +142,11 @@ class Recorder:
 
     @property
     def name(self) -> str:
-        """Of the file that holds it, if any."""
+        """Name of its file, if any."""
         return "" if self.file is None else str(self.file.path)
 
     def sample(self, t: float, q: Array, q_t: Array) -> None:
-        """Keep one row."""
+        """Add one row."""
         if self._used == BLOCK:
             self.flush(None)
         row = self._block[self._used]
@@ -157,20 +156,19 @@ class Recorder:
         self._used += 1
 
     def due(self) -> bool:
-        """True when the integrator should give a checkpoint to ``flush``."""
+        """Whether it is time to ``flush`` with a checkpoint."""
         full = self._used == BLOCK or time.perf_counter() - self._flushed >= FLUSH_INTERVAL
         return self.file is not None and full
 
     def flush(self, checkpoint: Checkpoint | None, goes_on: bool = True) -> None:
-        """Put the waiting rows away, in a file with the checkpoint of the last step, if it is known, as one record.
-
-        goes_on: whether a run may go on from it."""
+        """Store the rows of the block, in a file as one record with a checkpoint; goes_on: whether a run may continue
+        from it."""
         rows, self._flushed = self._block[: self._used], time.perf_counter()
         if self.file is None:
-            self._kept.append(rows.copy())
+            self._flushed_rows.append(rows.copy())
         elif checkpoint is not None:
             about = {"rows": self._used, "step": checkpoint.step, "goes_on": goes_on}
-            self.file.append(about, rows, checkpoint.q, checkpoint.q_t, checkpoint.memory)
+            self.file.append(about, rows, checkpoint.q, checkpoint.q_t, checkpoint.states)
         elif self._used:
             self.file.append({"rows": self._used}, rows)
         self._used = 0
@@ -186,7 +184,7 @@ class Recorder:
         self.flush(None)
         if self.file is not None:
             return RecordedRun.of(self.file.path, self.file.records()).rows
-        return np.concatenate(self._kept)
+        return np.concatenate(self._flushed_rows)
 
     def close(self) -> None:
         """Close the file; it stays."""
@@ -196,8 +194,8 @@ class Recorder:
 
 @dataclass(frozen=True)
 class _Flush:
-    """Head of a record of samples: how many rows it begins with, the step of the checkpoint behind them if there is
-    one, and whether a run may go on from that."""
+    """Head of a record of samples: number of rows, step of the checkpoint behind them, if any, and whether a run may
+    continue from that."""
 
     rows: Annotated[int, Field(ge=0)]
     step: Annotated[int, Field(ge=0, lt=2**53)] | None = None
@@ -209,9 +207,9 @@ _ABOUT: TypeAdapter[_Flush | Ending] = TypeAdapter(_Flush | Ending)
 
 @dataclass(frozen=True)
 class RecordedRun:
-    """What a run file holds.
+    """Contents of a run file.
 
-    rows (n, 1 + 2 size): samples; checkpoint: the last one from which the run may go on, its record ends at
+    rows (n, 1 + 2 size): samples; checkpoint: the last one from which the run may continue, its record ends at
     ``checkpoint_end``; last: the last one; ending: None when the process died first; end: of the last whole record.
     """
 
@@ -226,19 +224,17 @@ class RecordedRun:
 
     @classmethod
     def read(cls, path: str | Path) -> RecordedRun:
-        """Read a file as far as it is whole. Raises ``InputError`` when there is no such file, or none of a run."""
+        """Read a file up to its last whole record. Raises ``InputError`` for a missing file, or one of another kind."""
         with closing(records_of(path)) as records:
             return cls.of(Path(path), records)
 
     @classmethod
     def of(cls, path: Path, records: Iterator[Record]) -> RecordedRun:
-        """From the records of a file. Many rows are mapped from a file without a name."""
+        """From the records of a file. Many rows are mapped from an unnamed file."""
         header = Header(path, next(records).about)
         size = header["size"]
         width = 1 + 2 * size
-        checkpoint: Checkpoint | None = None
-        last: Checkpoint | None = None
-        ending: Ending | None = None
+        checkpoint = last = ending = None
         checkpoint_end, end, time = 0, 0, -np.inf
         folder = str(path.parent) if access(path.parent, W_OK) else None
         with plain_disk_errors(path), tempfile.SpooledTemporaryFile(LARGE, dir=folder) as spool:
@@ -266,26 +262,27 @@ class RecordedRun:
 
 
 def _about(path: Path, record: Record, width: int) -> _Flush | Ending:
-    """The head of a record, which fits the numbers that it holds."""
+    """The head of a record. Raises InputError where it does not fit the numbers."""
     count = record.numbers.size
     try:
         about = _ABOUT.validate_json(record.about, strict=True)
     except ValidationError:
-        raise InputError(
-            f"{path}: holds a record that no run writes ({record.about!r:.60}); run the scenario again"
-        ) from None
+        why = f"holds a record that no run writes ({record.about!r:.60}); run the scenario again"
+        raise InputError(f"{path}: {why}") from None
     if isinstance(about, Ending):
         fits = count == 0
     else:
         beside = count - about.rows * width
         fits = beside == 0 if about.step is None else beside >= width - 1
     if not fits:
-        raise InputError(f"{path}: a record of {count} numbers says {record.about!r:.60}; run the scenario again")
+        raise InputError(
+            f"{path}: a record of {count} numbers has the head {record.about!r:.60}; run the scenario again"
+        )
     return about
 
 
 def _array_of(spool: tempfile.SpooledTemporaryFile[bytes]) -> Array:
-    """All numbers of a file; many are mapped from it."""
+    """All numbers of a file; many are mapped."""
     if spool.tell() > LARGE:
         spool.flush()
         return np.memmap(spool, np.float64, "c")  # type: ignore[call-overload]  # "c": kernels take arrays to write to

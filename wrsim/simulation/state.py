@@ -1,8 +1,8 @@
-"""States of a vehicle on its track: rest, and steady motion at speed.
+"""States of equilibrium of a vehicle on its track: rest, and steady motion at speed.
 
-From a design position (`simulation.placement`) ``lower_on_rails`` lets the rails carry the wheelsets, ``steady_state``
-finds the poses at which nothing accelerates but what the curve asks for; at speed 0 that is the position of rest. All
-of them are meant at the time 0, when the vehicle's origin is at the start of its law.
+From a design position (`simulation.placement`) ``lower_on_rails`` lowers the wheelsets until the rails carry them;
+``steady_state`` solves for the poses without acceleration, but for that of the curve; at speed 0 this is the position
+of rest. All states are at the time 0, with the vehicle's origin at the start of its law.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from wrsim.core.body import steady as kernels
 from wrsim.core.linalg import Vec
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import inertia_table
-from wrsim.simulation.force_law import Forces, groups_in_a_row
-from wrsim.simulation.newton import DIFFERENCE, Apart, bracket, damped_newton, relax, roots
+from wrsim.simulation.force_law import Forces, Groups, groups_in_a_row
+from wrsim.simulation.newton import DIFFERENCE, bracket, damped_newton, relax, roots
 from wrsim.simulation.placement import design_state, turn_gears
 from wrsim.simulation.system import COORDINATES, Array
 
@@ -25,44 +25,30 @@ if TYPE_CHECKING:
     from wrsim.simulation.law import VehicleOnTrack
 
 SMALL_WHEELSET = {"z": 1e-5, "x": 1e-3, "y": 1e-4, "heading": 1e-4, "roll": 1e-5, "spin": 1e-2}
-"""Changes of a wheelset's coordinates (its spin: rate) that change the forces by a few per cent ..."""
-
 SMALL_BODY = {"z": 1e-4, "x": 1e-3, "y": 1e-3, "heading": 1e-3, "roll": 1e-3, "spin": 1e-4}
-"""... and of another body's."""
+SMALL_RAIL, SMALL_BOX, SMALL_TWIST, SMALL_TURN = 1e-5, 1e-4, 1e-4, 1e-2
+"""Changes that change the forces by a few per cent: coordinates of wheelsets (their spin: rate) and other bodies,
+displacement of a rail [m], pitch of an axle box, twist of an axle [rad], difference of the spin rates of independent
+wheels [rad/s]."""
 
 GOAL, TOLERANCE = 1e-10, 1e-9
-"""Largest force left over, as a part of the weight, that ends the search, and that is accepted; moments are divided by
-1 m."""
+"""Largest residual force over the weight that ends the search, and that is accepted; moments are divided by 1 m."""
 
 BODIES_PLACED = 1e-6
-"""Forces left over on the bodies, as a part of the weight, with which the search goes on to the wheelsets."""
+"""Residual forces on the bodies over the weight at which the search continues with the wheelsets."""
 
 COUPLED = 1e-4
-"""Steps of the derivatives of bodies that couplings hold on to, as parts of these changes: heads of buffers that stick
-give way by some 0.1 mm, ten metres from the middle."""
-
-SMALL_RAIL = (1e-5, 1e-5)
-"""Changes of a rail's displacement, lateral and vertical, that change the forces by a few per cent [m]."""
-
-SMALL_BOX = 1e-4
-"""The same of an axle box's pitch [rad]."""
-
-SMALL_TURN, SMALL_TWIST = 1e-2, 1e-4
-"""The same of the rate with which independent wheels turn against each other [rad/s], and of the twist of an axle
-[rad]."""
+"""Steps of the derivatives of coupled bodies as parts of these changes: sticking heads of buffers yield by some 0.1 mm,
+ten metres from the middle."""
 
 FREE = 1e-9
-"""Moment about its axle with which an independent wheel rolls freely, as a part of the weight times 1 m."""
+"""Moment about its axle of a freely rolling independent wheel, over the weight times 1 m."""
 
 MOST_STEPS, AT_FLANGES = 120, 1e-6
-"""Of the way of a vehicle with independent wheels to its flanges: steps, and forces left over at its end, as a part of
-the weight."""
+"""Steps of a vehicle with independent wheels on its way to its flanges, and residual at its end over the weight."""
 
-SEARCH_HEIGHT = 0.05
-"""How far a wheelset is lowered or raised in search of the rails [m]."""
-
-SEARCH_ROLL = 0.05
-"""How far it is rolled in search of the other rail [rad]."""
+SEARCH_HEIGHT, SEARCH_ROLL = 0.05, 0.05
+"""Range of height [m] and roll [rad] in which the rails are searched."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +62,7 @@ class Equilibrium:
 
 
 class Unbalanced(SimulationError):
-    """No state without acceleration was found; ``forces``: the largest that remain, over the weight, by their names."""
+    """No state without acceleration was found; ``forces``: the largest residuals over the weight, by their names."""
 
     def __init__(self, forces: tuple[tuple[str, float], ...]) -> None:
         super().__init__("remaining forces over the weight: " + ", ".join(f"{name} {f:.3g}" for name, f in forces))
@@ -96,57 +82,50 @@ class NotCarried(SimulationError):
 class SteadyMotion:
     """Forces less inertia forces of a vehicle in steady motion about the axis of the curve that it is in.
 
-    Unknowns, six a body: its coordinates, of a wheelset the spin rate (over and above the turning of all) in the place
-    of the spin angle; then the pitch of the axle boxes, then the twist of axles (of independent wheels its rate), then,
-    if elastic, the displacements of the rails under the wheels. ``residual(x)`` is what is left over, ``state(x)`` the
-    state; ``unknowns(q, q_t)`` goes back.
+    Unknowns, six a body: its coordinates, of a wheelset the spin rate (less that of free rolling) in the place of the
+    spin angle; the pitch of the axle boxes; the twist of axles (of independent wheels its rate); of elastic rails their
+    displacements under the wheels. ``residual(x)``, ``state(x)``, and back ``unknowns(q, q_t)``.
     """
 
     def __init__(self, law: VehicleOnTrack) -> None:
         self.law = law
+        vehicle, n, w = law.vehicle, len(law.bodies), len(law.vehicle.wheelsets)
         self.slips = np.zeros(len(law.sliders))
-        """Unknowns of sliders from which these settle; 0: from the design position."""
-        n, w = len(law.bodies), len(law.vehicle.wheelsets)
-        self.distance = law.start + law.vehicle.parts[law.vehicle.reference].centre[0]
-        self.spins = 5 + 6 * np.arange(w)
+        """Unknowns of sliders from which friction continues; 0: from the design position."""
+        self.distance = law.start + vehicle.parts[vehicle.reference].centre[0]
         self.inertia = inertia_table(law.bodies)
-        self.small = np.array(
-            [(SMALL_WHEELSET if i < w else SMALL_BODY)[name] for i in range(n) for name in COORDINATES]
-        )
-        self.difference = np.full(6 * n + law.positions, DIFFERENCE)
-        for coupling in law.vehicle.couplings:
-            for name in (coupling.ahead, coupling.behind):
-                own = 6 * law.vehicle.index(name)
-                self.difference[own : own + 6] = COUPLED
-        self.scale = np.full(6 * n, 1.0 / law.vehicle.weight)
-        self._out, self._inertia = np.zeros(law.size), np.zeros(6 * n)
+        self.spins = 5 + 6 * np.arange(w)
         self.positions = slice(law.size - law.positions, law.size)
-        free = [law.vehicle.wheelsets[i].wheelset.independent for i in law.twists]
-        small = [SMALL_TURN if alone else SMALL_TWIST for alone in free]
-        boxes = np.full(law.positions - law.rails - len(free), SMALL_BOX)
-        self.small = np.concatenate([self.small, boxes, small, np.tile(SMALL_RAIL, law.rails // 2)])
-        self.turns = np.array([at for at, alone in zip(law.twists.values(), free, strict=True) if alone], dtype=int)
-        """Places of the twists of independent wheels in the state, ..."""
-        self.alone = np.array([i for i, by_itself in zip(law.twists, free, strict=True) if by_itself], dtype=int)
-        """Numbers of their wheelsets."""
-        self.turning = self.turns - (law.size - law.positions) + 6 * n
+        independent = np.array([vehicle.wheelsets[i].wheelset.independent for i in law.twists], dtype=bool)
+        self.alone = np.array(list(law.twists), dtype=int)[independent]
+        """Numbers of the wheelsets with independent wheels, ..."""
+        self.turns = np.array(list(law.twists.values()), dtype=int)[independent]
+        """... places of their twists in the state, ..."""
+        self.turning = self.turns - self.positions.start + 6 * n
         """... and among the unknowns."""
-        self.scale = np.append(self.scale, np.full(law.positions, self.scale[0]))
+        of_wheelset, of_body = ([small[name] for name in COORDINATES] for small in (SMALL_WHEELSET, SMALL_BODY))
+        of_twists = np.where(independent, SMALL_TURN, SMALL_TWIST)
+        behind = [[SMALL_BOX] * len(vehicle.boxes), of_twists, [SMALL_RAIL] * law.rails]
+        self.small = np.concatenate([np.tile(of_wheelset, w), np.tile(of_body, n - w), *behind])
+        self.difference = np.full(self.small.size, DIFFERENCE)
+        for coupling in vehicle.couplings:
+            for name in (coupling.ahead, coupling.behind):
+                own = 6 * vehicle.index(name)
+                self.difference[own : own + 6] = COUPLED
         rails = () if law.elastic is None else np.tile(law.elastic.mass, law.rails // 2)
         twisting = (0.25 * law.bodies[i].inertia[1] for i in law.twists)
-        self.masses = np.array([*(box.inertia[1] for _, box in law.vehicle.boxes.values()), *twisting, *rails])
+        self.masses = np.array([*(box.inertia[1] for _, box in vehicle.boxes.values()), *twisting, *rails])
+        self._out, self._inertia = np.zeros(law.size), np.zeros(6 * n)
 
     @property
-    def apart(self) -> Apart | None:
-        """Unknowns that may be changed at once, each of another vehicle of a train; None for one vehicle."""
+    def apart(self) -> Groups | None:
+        """Groups of unknowns of a train, each of another vehicle; None for one vehicle."""
         law, n = self.law, 6 * len(self.inertia)
         if law.units < 2:
             return None
-        own = []
-        for places in law.coordinates_of_units(alone=True):
-            behind = places[places >= law.size - law.positions] - (law.size - law.positions) + n
-            own.append(np.concatenate([places[places < n], behind]))
-        return groups_in_a_row(own)
+        first = self.positions.start
+        units = law.coordinates_of_units(alone=True)
+        return groups_in_a_row([np.append(own[own < n], own[own >= first] - first + n) for own in units])
 
     def state(self, x: Array) -> tuple[Array, Array]:
         """State (q, q_t) with these unknowns; those of dampers in series with springs 0, of sliders ``slips``."""
@@ -179,23 +158,23 @@ class SteadyMotion:
         return q, q_t, turning
 
     def residual(self, x: Array, contacts: bool = True) -> Array:
-        """Forces less inertia forces over the weight (6 n,), then the moments on the axle boxes and the forces on the
-        rails under the wheels. Without contacts it is complete for bodies that are no wheelsets."""
+        """Forces less inertia forces over the weight (6 n,), moments on axle boxes and twisted axles, forces on rails.
+        Without contacts it is complete for all bodies but wheelsets."""
         n = len(self.inertia)
         q, q_t, turning = self._state(x)
         forces: Forces = self.law if contacts else self.law.on_bodies
         forces(0.0, q, q_t, self._out)
         kernels.together_inertia(q, q_t, turning, self.inertia, len(self.spins), self._inertia)
         left = np.append(self._out[: 6 * n] - self._inertia, self.masses * self._out[self.positions])
-        left *= self.scale
+        left *= 1.0 / self.law.vehicle.weight
         if self.law.speed == 0.0:
             left[self.spins] = x[self.spins]  # at rest no axle turns
             left[self.turning] = x[self.turning]
         return left
 
     def rolled(self, x: Array) -> Array:
-        """The same with independent wheels turning so that the moment about the axle of each vanishes: creep forces
-        saturate, and far from free rolling their derivatives are of little use."""
+        """The unknowns with every independent wheel rolling freely: far from it creep forces saturate, and their
+        derivatives are of little use."""
         x = x.copy()
         spins, turning = self.spins[self.alone], self.turning
 
@@ -210,7 +189,7 @@ class SteadyMotion:
         return x
 
     def largest(self, q: Array, q_t: Array) -> float:
-        """Largest force left over at the steady state near (q, q_t), as a part of the weight."""
+        """Largest residual at the steady state near (q, q_t), over the weight."""
         self.slips = q_t[self.law.sliders]
         with self.law.settled(self.slips):
             return float(np.max(np.abs(self.residual(self.unknowns(q, q_t)))))
@@ -226,12 +205,10 @@ def steady_state(
 ) -> Equilibrium:
     """The steady motion of a vehicle at the start and at the speed of its law; rest at speed 0.
 
-    guess: a state near it, from whose slips friction goes on; default the design position, wheelsets lowered until the
-    rails carry them. tolerance:
-    largest force left over, as a part of the weight, that is accepted when the search finds no better. near: a law with
-    nearly the same forces, of which the derivatives are taken. Something must hold the speed: the law's drive, or
-    springs to a frame. Raises Unbalanced when there is no such motion near the guess, NotCarried when the rails are not
-    there.
+    guess: a state near it, from whose slips friction continues; default the design position, wheelsets lowered on the
+    rails. tolerance: largest residual over the weight that is accepted at the end of the search. near: a law with
+    nearly the same forces, for the derivatives. The law's drive, or springs to a frame, must hold the speed. Raises
+    Unbalanced when there is no such motion near the guess, NotCarried when the rails are not there.
     """
     law.look_near(law.start)
     steady = SteadyMotion(law)
@@ -247,7 +224,7 @@ def steady_state(
         if not np.all(np.isfinite(steady.residual(x))):
             raise SimulationError("steady motion: the forces at its start are not finite")
         first = _place_bodies(steady, x, max_iterations)
-        # derivatives from one contact to the next, residuals from a cold start: the answer does not depend on the way
+        # derivatives with warm starts, residuals from a cold start: the result does not depend on the iterations
         x, left, iterations = damped_newton(
             steady.residual, x, steady.small, goal, max_iterations, slope, (near or law).following,
             steady.apart, steady.difference,
@@ -260,9 +237,8 @@ def steady_state(
 
 
 def relaxed_state(law: VehicleOnTrack, guess: tuple[Array, Array]) -> Equilibrium:
-    """Where a vehicle with independent wheels creeps to from a state, which is near its steady motion: no creep forces
-    lead its axles there, flanges do, and Newton's method does not find the way to them.
-    """
+    """The state that a vehicle with independent wheels creeps to, near its steady motion: not creep forces but flanges
+    guide its axles, and Newton's method does not converge from between them."""
     law.look_near(law.start)
     steady = SteadyMotion(law)
     q, q_t = guess
@@ -276,9 +252,9 @@ def relaxed_state(law: VehicleOnTrack, guess: tuple[Array, Array]) -> Equilibriu
 
 
 def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> int:
-    """Let bodies and axle boxes find their places in their springs while the wheelsets stay where they are; changes x.
+    """Solve for bodies and axle boxes on their springs with the wheelsets fixed; changes x, returns the iterations.
 
-    In a curve a long body lies along the chord, far inside of the centre line. Returns the iterations.
+    In a curve a long body lies along the chord, far inside of the centre line.
     """
     boxes = len(steady.law.vehicle.boxes)
     bodies = slice(6 * len(steady.spins), 6 * len(steady.inertia) + boxes)
@@ -298,7 +274,7 @@ def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> int:
 
 
 def _largest(law: VehicleOnTrack, left: Array) -> tuple[tuple[str, float], ...]:
-    """The four largest forces that remain, with the names of their coordinates."""
+    """The four largest residuals, with the names of their coordinates."""
     names = law.vehicle.names
     places = [f"{name} {coordinate}" for name in names for coordinate in COORDINATES]
     places += [f"{name} pitch" for name in law.vehicle.boxes]
@@ -307,9 +283,9 @@ def _largest(law: VehicleOnTrack, left: Array) -> tuple[tuple[str, float], ...]:
 
 
 def lower_on_rails(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Array]:
-    """The state with each wheelset lowered until the rails carry about what rests on it, and rolled so that both do.
+    """The state with each wheelset lowered until the rails carry about its load, and rolled so that both do.
 
-    Newton's method does not find its way from a wheelset in the air or on one wheel. Raises NotCarried.
+    Newton's method does not converge from a wheelset in the air or on one wheel. Raises NotCarried.
     """
     steady = SteadyMotion(law)
     x = steady.unknowns(q, q_t)
@@ -318,7 +294,7 @@ def lower_on_rails(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Ar
         z, roll = 6 * i + COORDINATES.index("z"), 6 * i + COORDINATES.index("roll")
 
         def carried(angle: float, z: int = z, roll: int = roll, name: str = mounted.name) -> float:
-            """Moment left over at this roll, with the height found."""
+            """Residual moment at this roll, with the height found."""
             x[roll] = angle
 
             def lift(height: float) -> float:

@@ -2,8 +2,8 @@
 
 RK44 evaluates the creep forces explicitly. They damp the slip of the wheels at a rate that grows like 1/V:
 the slower, the smaller the step must be. On the negative real axis RK44 leaves its stability at -2.785,
-where its amplification is +1: beyond, a run neither blows up nor chatters. It settles at a wrong slip,
-because the creep forces saturate, and the results look like results. So the step is computed, not tried.
+where its amplification is +1: beyond, a run neither diverges nor oscillates. It converges to a wrong slip,
+because the creep forces saturate, and the results look plausible. So the step is computed from the eigenvalues.
 
 On the knife-edge law the limit is 1.04 of 2.785/``creep_rate``; ``stable_step`` is within 1 % of it. In curves it is
 higher than on straight track: creep forces are near saturation there.
@@ -36,8 +36,8 @@ LONGEST = 5e-3
 """Longest step of either method [s]."""
 
 IMPLICIT_STEP, IMPLICIT_WAY, IMPLICIT_GRID = 2e-3, 0.033, 5e-4
-"""Step of generalised alpha that is chosen, at most [s]; longer, up to ``LONGEST`` in whole multiples of the last
-number [s], where the way in it [m] is no longer than this."""
+"""Largest default step of generalised alpha [s]; longer, up to ``LONGEST`` in whole multiples of the last number [s],
+where the distance run in it is at most the second [m]."""
 
 USUAL_EVALUATIONS = 1.5
 """Evaluations of the forces in a step of generalised alpha: 1.2 on even track, 2 to 2.5 on uneven track."""
@@ -66,10 +66,9 @@ def creep_rate(speed: float, mass: float, spin_inertia: float, radius: float, cr
 
 
 def step_for_speed(speed: float, vehicle: Vehicle | None = None) -> float:
-    """Step for a speed [m/s], before anything is known of the contact: see ``round_step`` and ``SAFETY``.
+    """Step of RK44 for a speed [m/s], estimated from the wheel load alone (``stable_step`` takes the force law).
 
-    For the Manchester wheelset at 50 kN a wheel: 2.6e-5 s at 1 m/s, 1.3e-4 at 5, 2.5e-4 at 10. ``stable_step`` knows
-    better once the law is there.
+    For the Manchester wheelset at 50 kN a wheel: 2.6e-5 s at 1 m/s, 1.3e-4 at 5, 2.5e-4 at 10.
     """
     mass, inertia, radius, load = MANCHESTER_WHEELSET
     if vehicle is not None:
@@ -95,7 +94,7 @@ def evaluations_for(
     step: float | None = None,
     vehicle: Vehicle | None = None,
 ) -> float:
-    """About how often a run of so long [s] asks for the forces; step [s]: None where it is chosen."""
+    """Estimated number of evaluations of the forces in a run of this duration [s]; step [s]: None for the default."""
     if integrator == "rk44":
         return 4.0 * duration / (step or step_for_speed(speed, vehicle))
     return USUAL_EVALUATIONS * duration / (step or implicit_step(speed, sample_interval))
@@ -109,12 +108,10 @@ def round_step(step: float, largest: float = LARGEST_STEP) -> float:
 def eigenvalues(system: BodySystem, q: Array, q_t: Array, t: float = 0.0) -> Array:
     """Eigenvalues (complex, 12 per body, 2 per damper in series with a spring) [1/s] of the motion about a state.
 
-    By numerical derivatives of the forces. The gyroscopic terms of the spin (some rad/s) are left out: this is for the
-    fast modes that limit the step.
+    Without the gyroscopic terms of the spin (some rad/s): this is for the fast modes that limit the step.
     """
-    n = system.size
-    count = len(system.bodies)
-    derivatives = [force_derivative(system.forces, q, q_t, count, t, *by) for by in ((1.0, 0.0), (0.0, 1.0))]
+    n, bodies = system.size, len(system.bodies)
+    derivatives = [force_derivative(system.forces, q, q_t, bodies, t, *by) for by in ((1.0, 0.0), (0.0, 1.0))]
     matrix = np.zeros((2 * n, 2 * n))
     matrix[:n, n:] = np.eye(n)
     matrix[n:] = np.linalg.solve(mass_matrix(system.bodies, q), np.hstack(derivatives))
@@ -124,8 +121,7 @@ def eigenvalues(system: BodySystem, q: Array, q_t: Array, t: float = 0.0) -> Arr
 def stable_step(system: BodySystem, q: Array, q_t: Array, t: float = 0.0) -> float:
     """Largest step [s] at which RK44 is stable on the motion about a state; no margin, at most ``LONGEST``.
 
-    Take ``round_step(SAFETY * stable_step(...))``. Modes that grow by themselves, and those slower than 10
-    rad/s, do not limit the step and are passed over.
+    Take ``round_step(SAFETY * stable_step(...))``. Modes that grow, and those slower than 10 rad/s, do not limit it.
     """
     values = eigenvalues(system, q, q_t, t)
     values = values[np.abs(values) > 10.0]

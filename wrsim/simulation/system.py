@@ -2,9 +2,8 @@
 
 Each body is a node ``NodeRigidBodyRxyz`` with permuted global axes (see ``wrsim.core.body.kinematics``):
 coordinates (z, x, y, heading, roll, spin), six a body, one body after the other. One ``ObjectGenericODE2``
-calls the force law. This is the only file that imports Exudyn. The import is quiet and asks for the fast
-module unless somebody has chosen before (``sys.exudynFast = False`` gives the one that checks ranges; the
-tests use it).
+calls the force law. This is the only file that imports Exudyn: quietly, and the fast module unless chosen otherwise
+(``sys.exudynFast = False`` gives the one that checks ranges; the tests use it).
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ import os
 import sys
 import weakref
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass
 from typing import Any, cast
 
 import numpy as np
@@ -24,19 +23,22 @@ from scipy.sparse import csr_matrix
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import Solid
-from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, Forces, FunctionLaw, force_derivative
-from wrsim.simulation.implicit import CONTRACTION, SPECTRAL_RADIUS, ImplicitStep, Integrator, NotSolved
+from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, Forces, force_derivative
+from wrsim.simulation.implicit import CONTRACTION, NOT_SOLVED, SPECTRAL_RADIUS, ImplicitStep, Integrator, NotSolved
 
 if not hasattr(sys, "exudynFast") and not os.environ.get("EXUDYN_MODULE"):
     sys.exudynFast = True  # type: ignore[attr-defined]
-with contextlib.redirect_stdout(io.StringIO()):  # it announces which module it loaded
+with contextlib.redirect_stdout(io.StringIO()):  # it prints which module it loads
     import exudyn
     from exudyn import itemInterface as items
 
 __all__ = ["COORDINATES", "Array", "ForceLaw", "NotFinite", "BodySystem", "Work"]
 
 SPAN = 1 << 20
-"""Steps that Exudyn is asked for at once; it is stopped after half of them, or sooner."""
+"""Steps of one call of Exudyn's solver; it is stopped after half of them, or earlier."""
+
+
+AfterStep = Callable[[float], bool]
 
 
 class NotFinite(SimulationError):
@@ -49,24 +51,20 @@ class NotFinite(SimulationError):
 
 @dataclass
 class Work:
-    """How often the force law and its derivatives have been asked for; implicit steps that had to be cut into parts,
-    and how many of these RK44 had to take."""
+    """Evaluations of the force law and of its derivatives; implicit steps that were cut into parts, and how many of
+    these were taken by RK44."""
 
     evaluations: int = 0
     jacobians: int = 0
     cut_steps: int = 0
     explicit_steps: int = 0
 
-    def clear(self) -> None:
-        """Count anew."""
-        self.set_state(np.zeros(len(fields(self))))
-
     def get_state(self) -> Array:
-        """See ``recorder.Remembers``."""
+        """See ``recorder.HasState``."""
         return np.array(astuple(self), dtype=float)
 
     def set_state(self, memory: Array) -> None:
-        """Put back what ``get_state`` gave."""
+        """Restore it from ``get_state``."""
         self.evaluations, self.jacobians, self.cut_steps, self.explicit_steps = (int(count) for count in memory)
 
 
@@ -87,23 +85,25 @@ def _silence() -> Iterator[None]:
 class BodySystem:
     """An assembled Exudyn system; build one per force law and run it as often as you like.
 
-    ``q`` and ``q_t`` (6 per body, then the dampers') are live views on Exudyn's memory: the state of the moment while
-    a run lasts. Copy what you keep; they must not outlive the system. ``work`` counts what it took. ``sparse``: of a
-    train, whose vehicles act on their neighbours alone; the solver's work then grows with the number of vehicles, not
-    with its square or cube.
+    ``q`` and ``q_t`` (6 per body, then the dampers') are live views on Exudyn's memory: the current state during a
+    run. Copy them to keep them; they must not outlive the system. ``work``: counts. ``sparse``: of a train, whose
+    vehicles act on their neighbours alone; the solver's work then grows in proportion to the number of vehicles.
     """
 
     def __init__(self, bodies: Sequence[Solid], forces: ForceLaw | Forces) -> None:
         self.bodies = tuple(bodies)
-        self.forces = forces if isinstance(forces, ForceLaw) else FunctionLaw(forces)
+        self.forces = forces if isinstance(forces, ForceLaw) else ForceLaw(forces)
         dampers = self.forces.dampers
         self.size = 6 * len(self.bodies) + dampers
         self.work = Work()
         self.sparse = self.forces.units > 1
+        self._out = np.zeros(self.size)
         self._error: BaseException | None = None
         self._newton: ImplicitStep | None = None
+        self._after_step: AfterStep | None = None
         self._clock = (0.0, 1.0, 0)
-        """Start [s], half a step [s], half steps done before Exudyn's time 0."""
+        """Start [s], step [s], steps that precede Exudyn's time 0."""
+        self._going, self._done, self._last = True, 0, 0
         with _silence():
             self._container = exudyn.SystemContainer()
             mbs = self._container.AddSystem()
@@ -116,88 +116,89 @@ class BodySystem:
                 nodes.append(node)
             if dampers:
                 zeros = [0.0] * dampers
-                node = mbs.AddNode(
-                    items.NodeGenericODE2(
-                        numberOfODE2Coordinates=dampers,
-                        referenceCoordinates=zeros,
-                        initialCoordinates=zeros,
-                        initialCoordinates_t=zeros,
-                    )
-                )
-                mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=self._matrix(np.eye(dampers))))
-                nodes.append(node)
+                node = items.NodeGenericODE2("inner unknowns", zeros, zeros, zeros, dampers)
+                nodes.append(mbs.AddNode(node))
+                mass = self._matrix(np.eye(dampers))
+                mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes[-1:], massMatrix=mass))
+            force, jacobian = self._callback(self._force), self._callback(self._jacobian)
             mbs.AddObject(
-                items.ObjectGenericODE2(
-                    nodeNumbers=nodes,
-                    forceUserFunction=self._force_function(),
-                    jacobianUserFunction=self._jacobian_function(),  # type: ignore[arg-type]
-                )
+                items.ObjectGenericODE2(nodeNumbers=nodes, forceUserFunction=force, jacobianUserFunction=jacobian)
             )
             mbs.Assemble()
+            mbs.SetPostStepUserFunction(self._callback(self._post_step))
+            mbs.SetPreNewtonResidualUserFunction(self._callback(self._pre_newton))
         self._mbs = mbs
         current = exudyn.ConfigurationType.Current
         self.q: Array = cast(Array, mbs.systemData.GetODE2Coordinates(current, False))
         self.q_t: Array = cast(Array, mbs.systemData.GetODE2Coordinates_t(current, False))
         self.q_tt: Array = cast(Array, mbs.systemData.GetODE2Coordinates_tt(current, False))
 
+    def _callback(self, method: Callable[..., Any]) -> Any:
+        """A user function of Exudyn that calls a method.
+
+        Exudyn keeps it for ever: it must not keep the system (and the tables of its law) alive. The module that checks
+        ranges wraps an error in one of its own: the original is noted.
+        """
+        reference = weakref.WeakMethod(method)
+
+        def call(mbs: object, t: float, *arguments: Any) -> Any:
+            bound = cast(Any, reference())
+            try:
+                return bound(t, *arguments)
+            except BaseException as error:
+                bound.__self__._error = error
+                raise
+
+        return call
+
     def _matrix(self, full: Array) -> Any:
         """A matrix as the solver takes it."""
         if not self.sparse:
             return full
-        kept = exudyn.MatrixContainer()
-        kept.SetWithSparseMatrix(csr_matrix(full))
-        return kept
+        sparse = exudyn.MatrixContainer()
+        sparse.SetWithSparseMatrix(csr_matrix(full))
+        return sparse
 
     def _time(self, t: float) -> float:
-        """The time [s] of the moment that Exudyn calls t."""
-        start, half, before = self._clock
-        return start + (before + round(t / half)) * half
+        """The time [s] at Exudyn's time t."""
+        start, step, before = self._clock
+        half = 0.5 * step
+        return start + (2 * before + round(t / half)) * half
 
-    def _force_function(self) -> Callable[..., Array]:
-        """The user function. Exudyn's own arguments are Python lists; the views hold the same numbers.
-
-        Exudyn keeps the function for ever, so it must not keep the system (and the tables of its law) alive.
-        """
-        out = np.zeros(self.size)
-        reference = weakref.ref(self)
-
-        def force(mbs: object, t: float, item: int, q: object, q_t: object) -> Array:
-            system = cast(BodySystem, reference())
-            newton = system._newton
-            if newton is not None and newton.estimates(out):
-                return out
-            system.work.evaluations += 1
-            try:
-                system.forces(system._time(t), system.q, system.q_t, out)
-                bad = first_not_finite(out, out)
-                if bad >= 0:
-                    raise NotFinite(bad, system._time(t))
-                if newton is not None:
-                    newton.learn(out)
-            except BaseException as error:
-                system._error = error
-                raise
+    def _force(self, t: float, item: int, q: object, q_t: object) -> Array:
+        """Generalised forces at the current state. Exudyn's arguments are lists; the views hold the same numbers."""
+        newton, out = self._newton, self._out
+        if newton is not None and newton.estimate(out):
             return out
+        self.work.evaluations += 1
+        time = self._time(t)
+        self.forces(time, self.q, self.q_t, out)
+        bad = first_not_finite(out, out)
+        if bad >= 0:
+            raise NotFinite(bad, time)
+        if newton is not None:
+            newton.update(out)
+        return out
 
-        return force
+    def _jacobian(self, t: float, item: int, q: object, q_t: object, by_q: float, by_q_t: float) -> Any:
+        """Derivatives of the left-hand side."""
+        self.work.jacobians += 1
+        bodies = len(self.bodies)
+        found = force_derivative(self.forces, self.q, self.q_t, bodies, self._time(t), by_q, by_q_t, central=False)
+        cast(ImplicitStep, self._newton).set_jacobian(found, by_q)
+        return self._matrix(-found)
 
-    def _jacobian_function(self) -> Callable[..., Any]:
-        """The same for the derivatives of the left-hand side; see ``_force_function``."""
-        reference = weakref.ref(self)
+    def _pre_newton(self, t: float, iteration: int, repetition: int) -> None:
+        if self._newton is not None:
+            self._newton.begin_iteration(iteration)
 
-        def jacobian(mbs: object, t: float, item: int, q: object, q_t: object, by_q: float, by_q_t: float) -> Any:
-            system = cast(BodySystem, reference())
-            system.work.jacobians += 1
-            try:
-                count, at = len(system.bodies), system._time(t)
-                found = force_derivative(system.forces, system.q, system.q_t, count, at, by_q, by_q_t, central=False)
-                cast(ImplicitStep, system._newton).take(found, by_q)
-                return system._matrix(-found)
-            except BaseException as error:
-                system._error = error
-                raise
-
-        return jacobian
+    def _post_step(self, t: float) -> bool:
+        start, step, before = self._clock
+        self._done = round(t / step)
+        if self._newton is not None:
+            self._newton.end_step()
+        self._going = cast(AfterStep, self._after_step)(start + (before + self._done) * step)
+        return self._going and self._done < self._last
 
     def solve(
         self,
@@ -206,7 +207,7 @@ class BodySystem:
         start: float,
         step: float,
         steps: int,
-        after_step: Callable[[float], bool],
+        after_step: AfterStep,
         first: int = 0,
         integrator: Integrator = "rk44",
         tolerance: float = 1e-3,
@@ -215,82 +216,60 @@ class BodySystem:
         """Integrate ``steps`` steps from the state (q, q_t), which is that after ``first`` steps.
 
         Times are start + k step exactly, k whole (and half, within a step of RK44), and the step is the same number to
-        the last bit however a run is cut into calls of this function: what RK44 computes depends on the state alone.
-        Generalised alpha starts every call with the accelerations that the forces give and a new Jacobian, and carries
-        both from step to step: there it matters where a call begins.
+        the last bit however a run is divided into calls: RK44 depends on the state alone. Generalised alpha begins
+        every call with the accelerations of the forces and a new Jacobian, and carries both from step to step: there
+        it matters where a call begins.
 
         ``after_step(t)`` runs after every step (``q`` and ``q_t`` then hold the new state), and once at the
-        start; False ends the run. What it or the force law raises comes through. Exudyn does not look at the
-        numbers: check them in ``after_step``. RK44 does not compute accelerations anew at the end of a step, so a step
+        start; False ends the run. Exceptions of it and of the force law are passed on. Exudyn does not check the
+        numbers: check them in ``after_step``. RK44 does not compute accelerations at the end of a step, so a step
         costs four evaluations of the force law.
 
-        tolerance: norm of the forces left over [N] with which Newton's method ends; it raises ``NotSolved`` when it
-        does not get there. loosest: where it gets no further; then it may also estimate forces (``ImplicitStep``), by
-        default it computes all of them.
+        tolerance: norm of the residual forces [N] at which Newton's method ends; it raises ``NotSolved`` when it
+        does not converge. loosest: where it does not converge further; with it forces may be estimated
+        (``ImplicitStep``), by default all of them are computed.
         """
-        data = self._mbs.systemData
-        initial = exudyn.ConfigurationType.Initial
-        implicit = integrator == "generalised-alpha"
-        settings = _settings(step, tolerance)
-        if self.sparse:
-            settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
-        kind = exudyn.DynamicSolverType.GeneralizedAlpha if implicit else exudyn.DynamicSolverType.RK44
-        half = 0.5 * step
-        going = True
-        done = last = 0
-        newton: ImplicitStep | None = None
-        if implicit:
-            newton = ImplicitStep(self.q, self.q_t, self.q_tt, len(self.bodies), step, tolerance, loosest)
-        self._newton = newton
-
-        def post_step(mbs: object, t: float) -> bool:
-            nonlocal going, done
-            done = round(t / step)
-            if newton is not None:
-                newton.keep()
-            try:
-                going = after_step(start + (first + done) * step)
-            except BaseException as error:
-                self._error = error
-                raise
-            return going and done < last
-
-        self._error = None
+        data, initial = self._mbs.systemData, exudyn.ConfigurationType.Initial
+        settings = _settings(step, tolerance, self.sparse)
+        kind = exudyn.DynamicSolverType.RK44
+        self._after_step, self._going, self._error = after_step, True, None
+        if integrator == "generalised-alpha":
+            kind = exudyn.DynamicSolverType.GeneralizedAlpha
+            bodies = len(self.bodies)
+            self._newton = ImplicitStep(self.q, self.q_t, self.q_tt, bodies, step, tolerance, loosest)
         with _silence():
-            self._mbs.SetPostStepUserFunction(post_step)
-            if newton is not None:
-                self._mbs.SetPreNewtonResidualUserFunction(newton)
             try:
-                while going and steps > 0 and self._error is None:
+                while self._going and steps > 0 and self._error is None:
                     data.SetODE2Coordinates(list(map(float, q)), initial)
                     data.SetODE2Coordinates_t(list(map(float, q_t)), initial)
-                    done, last = 0, min(steps, SPAN // 2)
-                    self._clock = (start, half, 2 * first)
+                    self._clock = (start, step, first)
+                    self._done, self._last = 0, min(steps, SPAN // 2)
                     self._mbs.SolveDynamic(settings, solverType=kind, storeSolver=False, showCausingItems=False)
-                    if done == 0:
+                    if self._done == 0:
                         break
-                    first, steps, q, q_t = first + done, steps - done, self.q.copy(), self.q_t.copy()
+                    first, steps = first + self._done, steps - self._done
+                    q, q_t = self.q.copy(), self.q_t.copy()
             except exudyn.ExudynError as error:
                 if self._error is None:
                     if not isinstance(error, exudyn.SolverError):
                         raise
-                    raise NotSolved("Newton's method does not find the end of a time step") from None
+                    raise NotSolved(NOT_SOLVED) from None
             finally:
-                self._newton = None
-                self._mbs.SetPostStepUserFunction(0)  # type: ignore[arg-type]
-                self._mbs.SetPreNewtonResidualUserFunction(0)  # type: ignore[arg-type]
-        if self._error is not None:  # the module that checks ranges wraps it in an error of its own
+                self._newton = self._after_step = None
+        if self._error is not None:
             error, self._error = self._error, None
             raise error
 
 
-def _settings(step: float, tolerance: float) -> exudyn.SimulationSettings:
-    """How Exudyn shall go: a fixed step, nothing written."""
+def _settings(step: float, tolerance: float, sparse: bool) -> exudyn.SimulationSettings:
+    """Settings of Exudyn: a fixed step, no output."""
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
     settings.solution.sensors.active = False
+    if sparse:
+        settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
     integration = settings.timeIntegration
-    # Exudyn divides the time by the number of steps; a power of two gives the step back exactly
+    # Exudyn divides the time by the number of steps; a power of two gives the step exactly
     integration.startTime = 0.0
     integration.endTime = SPAN * step
     integration.numberOfSteps = SPAN

@@ -1,5 +1,5 @@
-"""The arrays of a vehicle on its track, in the order of ``core.body.vehicle_forces``: what its kernel computes with;
-and where every unknown is in its state."""
+"""The arrays of a vehicle on its track for its kernel, in the order of ``core.body.vehicle_forces``, and the places of
+all unknowns in its state."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ RAIL_COORDINATES = vehicle_forces.RAIL_COORDINATES
 
 
 class Layout(ForceLaw):
-    """Where every unknown is in the state of a vehicle: six coordinates a body, wheelsets first, then ``dampers``
+    """Places of the unknowns in the state of a vehicle: six coordinates a body, wheelsets first, then ``dampers``
     unknowns, ``size`` in all.
 
-    The last ``positions`` of them are positions: the pitch of the axle boxes, then the twist of axles whose wheels turn
-    against each other (``twists``, their places by wheelset), then ``rails`` displacements of the rails under the
-    wheels. ``sliders``: places of the unknowns that belong to friction. ``gears``: by wheelset the place of the twist
-    of its geared motor's hollow axle; its rate comes behind it.
+    The last ``positions`` of them are positions: the pitch of the axle boxes, the twist of axles whose wheels turn
+    against each other (``twists``, by wheelset), and ``rails`` displacements of the rails under the wheels.
+    ``sliders``: places of the unknowns of friction. ``gears``: by wheelset the place of the twist of its geared motor's
+    hollow axle, ahead of that of its rate.
     """
 
     def __init__(self, vehicle: Vehicle, track: Track, elastic: bool) -> None:
@@ -59,9 +59,8 @@ class Layout(ForceLaw):
         self.twists = {wheelset: size - self.rails - len(twisting) + j for j, wheelset in enumerate(twisting)}
 
     def coordinates_of_units(self, alone: bool = False) -> list[NDArray[np.intp]]:
-        """Places of what belongs to every vehicle of a train, what lies between two to that ahead, rails under the
-        wheels left out; alone: in the order of a law of that vehicle alone, with these rails, without the unknowns of
-        couplings.
+        """Places of the unknowns of every vehicle of a train, those of couplings with the vehicle ahead, without rails;
+        alone: as in a law of that vehicle alone, with its rails, without couplings.
         """
         bodies = len(self.bodies)
         boxes = [wheelset for wheelset, _ in self.vehicle.boxes.values()]
@@ -160,8 +159,7 @@ def arrays_of_wheels(wheelset: Wheelset, track: Track, contacts: tuple[ContactMo
 
 
 def only_read(count: int) -> set[int]:
-    """Which of ``count`` arrays no call changes: tables, of which those of rails that change along the track are
-    large."""
+    """Numbers of the ``count`` arrays that no call changes: tables, which may be large."""
     of_a_wheel = {wheel_kernel.IN_CONTACT + k for k in TABLES_OF_A_WHEEL} | {wheel_kernel.RAIL}
     first, each = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
     return {vehicle_forces.CENTRE} | {i for i in range(first, count) if (i - first) % each in of_a_wheel}

@@ -238,7 +238,7 @@ class Monitor:
         return found
 
     def get_state(self) -> Array:
-        """What has been seen so far. See ``simulation.recorder.Remembers``."""
+        """See ``simulation.recorder.HasState``."""
         between = self.peaks.get_state()
         own = (self.last_contact.ravel(), self.substitutes, self.notes.ravel())
         return np.concatenate([[self.cut_steps, between.size], between, *own])

@@ -16,8 +16,7 @@ from wrsim.geometry.track.segments import Straight
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.stability import StabilityPlan
-from wrsim.simulation.conical_law import ConicalVehicleOnTrack
-from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.law import ConicalVehicleOnTrack, VehicleOnTrack
 from wrsim.simulation.modes import linearise, mode_name
 from wrsim.simulation.state import Equilibrium, steady_state
 from wrsim.simulation.system import Array
