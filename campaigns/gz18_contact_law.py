@@ -35,7 +35,7 @@ from wrsim.simulation.force_law import Block
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise
 from wrsim.simulation.placement import TrackPoses, poses_on_track
-from wrsim.simulation.state import Equilibrium
+from wrsim.simulation.steady_state import Equilibrium
 from wrsim.simulation.system import Array
 
 VARIANTS: dict[str, dict[str, Any]] = {

@@ -23,7 +23,7 @@ from wrsim.results import Result
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.state import lower_on_rails
+from wrsim.simulation.steady_state import lower_on_rails
 from wrsim.simulation.system import Work
 
 KERNEL_BITS = {name: bit for name, bit in vars(records).items() if name.startswith("STATUS_")}

@@ -21,7 +21,7 @@ from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.state import steady_state
+from wrsim.simulation.steady_state import steady_state
 from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.loads import Effort, Load
 

@@ -13,8 +13,8 @@ from wrsim.geometry.track.track import RailElasticity
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load_text
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.state import lower_on_rails, steady_state
-from wrsim.simulation.step import eigenvalues
+from wrsim.simulation.steady_state import lower_on_rails, steady_state
+from wrsim.simulation.step_size import eigenvalues
 
 TRACK = RailElasticity(stiffness=(25e6, 50e6), damping=(40e3, 60e3), mass=(120.0, 160.0))
 SPEED = 15.0

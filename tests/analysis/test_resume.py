@@ -166,13 +166,13 @@ def test_a_killed_process_loses_less_than_a_second_and_goes_on_to_the_bit(tmp_pa
     assert same(motion, play(seconds=max(1.0, reached + 0.1)))
 
 
-def test_the_states_of_sampling_does_not_grow_with_the_run(tmp_path):
+def test_the_memory_of_sampling_does_not_grow_with_the_run(tmp_path):
     with closing(Recorder.create(tmp_path / "x.part", {}, 6)) as recorder:
         for i in range(20_000):
             recorder.sample(1e-3 * i, Q0, V0)
             if recorder.due():
                 recorder.flush(recorders.Checkpoint(i, Q0, V0, np.zeros(0)))
-        assert not recorder._kept
+        assert not recorder._flushed_rows
         assert recorder._block.shape[0] == recorders.BLOCK
         assert recorder.rows().shape == (20_000, 13)
 

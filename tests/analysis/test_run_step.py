@@ -11,7 +11,7 @@ from wrsim.analysis import run
 from wrsim.analysis.assessment.filters import low_pass
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.scenario.loading import load
-from wrsim.simulation.step import implicit_step
+from wrsim.simulation.step_size import implicit_step
 
 STIFF = "vehicles/wheelset_s1002.toml"
 

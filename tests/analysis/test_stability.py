@@ -18,7 +18,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.modes import linearise
-from wrsim.simulation.step import SAFETY, stable_step
+from wrsim.simulation.step_size import SAFETY, stable_step
 from wrsim.simulation.system import BodySystem
 
 

@@ -21,7 +21,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation import recorder as recorders
 from wrsim.simulation.integrate import Integration
-from wrsim.simulation.state import steady_state
+from wrsim.simulation.steady_state import steady_state
 
 TRAIN = (SCENARIOS.parent / "models/trains/manchester_3.toml").read_text(encoding="utf-8")
 LENGTH, PIVOTS = 26.4, 19.0

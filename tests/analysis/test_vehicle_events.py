@@ -14,7 +14,7 @@ from wrsim.plots.style import save
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.state import lower_on_rails
+from wrsim.simulation.steady_state import lower_on_rails
 
 CARBODY, FRONT_FRAME = 4, 5
 

@@ -20,7 +20,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.step import SAFETY, round_step, stable_step
+from wrsim.simulation.step_size import SAFETY, round_step, stable_step
 from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 

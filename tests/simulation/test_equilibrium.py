@@ -11,7 +11,7 @@ from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import damped_newton
 from wrsim.simulation.placement import design_state, poses_on_track
-from wrsim.simulation.state import NotCarried, Unbalanced, lower_on_rails, steady_state
+from wrsim.simulation.steady_state import NotCarried, Unbalanced, lower_on_rails, steady_state
 from wrsim.simulation.system import COORDINATES
 from wrsim.vehicle.bogies import wheelsets_beneath
 

@@ -10,7 +10,15 @@ from support.knife_edge import KnifeEdge, KnifeEdgeForces, bare_wheelset, exampl
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.recorder import BLOCK, Checkpoint, Ending, Recorder
-from wrsim.simulation.step import RK44_LIMIT, SAFETY, creep_rate, eigenvalues, round_step, stable_step, step_for_speed
+from wrsim.simulation.step_size import (
+    RK44_LIMIT,
+    SAFETY,
+    creep_rate,
+    eigenvalues,
+    round_step,
+    stable_step,
+    step_for_speed,
+)
 from wrsim.simulation.system import BodySystem
 
 BODY = Solid(1500.0, (900.0, 100.0, 900.0))

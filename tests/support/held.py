@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import damped_newton
-from wrsim.simulation.state import TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails
+from wrsim.simulation.steady_state import TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails
 from wrsim.simulation.system import COORDINATES
 
 Array = NDArray[np.float64]

@@ -42,7 +42,7 @@ from wrsim.geometry.track.track import RailElasticity
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
 from wrsim.simulation.law import ConicalVehicleOnTrack, VehicleOnTrack
 from wrsim.simulation.placement import design_state, poses_on_track
-from wrsim.simulation.state import SteadyMotion
+from wrsim.simulation.steady_state import SteadyMotion
 from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut
 from wrsim.vehicle.loads import Effort, Load, SlipControl
 from wrsim.vehicle.wheelset import Torsion

@@ -31,7 +31,7 @@ from wrsim.geometry.track.track import Track
 from wrsim.simulation.force_law import Block
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.state import Equilibrium
+from wrsim.simulation.steady_state import Equilibrium
 from wrsim.simulation.system import COORDINATES, BodySystem
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset

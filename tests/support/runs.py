@@ -23,8 +23,8 @@ from wrsim.simulation.bodies import Solid
 from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import TrackPoses, design_state, poses_on_track
-from wrsim.simulation.state import Equilibrium
-from wrsim.simulation.step import SAFETY, round_step, stable_step
+from wrsim.simulation.steady_state import Equilibrium
+from wrsim.simulation.step_size import SAFETY, round_step, stable_step
 from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.elements import Triple
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset

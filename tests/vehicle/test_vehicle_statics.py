@@ -9,7 +9,7 @@ from support.vehicles import manchester, on_track
 from wrsim.geometry.track.segments import Arc, Segment
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state, poses_on_track
-from wrsim.simulation.state import lower_on_rails, steady_state
+from wrsim.simulation.steady_state import lower_on_rails, steady_state
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
 
 

@@ -20,7 +20,7 @@ from wrsim.results import Result
 from wrsim.results.table import duration
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario
-from wrsim.simulation.step import evaluations_for
+from wrsim.simulation.step_size import evaluations_for
 
 
 def run(

@@ -29,7 +29,7 @@ from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.steady import SteadyPoint
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import carried_over, poses_on_track
-from wrsim.simulation.state import Equilibrium, SteadyMotion, steady_state
+from wrsim.simulation.steady_state import Equilibrium, SteadyMotion, steady_state
 from wrsim.simulation.system import Array
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 

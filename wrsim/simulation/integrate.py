@@ -2,7 +2,7 @@
 
 A run is a sequence of segments of ``SEGMENT`` steps with checkpoints between them. Each begins from the state and the
 states of law and monitor alone, the implicit method with a new Jacobian (``BodySystem.solve``). Which step is accurate,
-or stable: ``step_size``; how a step is taken: ``system`` and ``implicit``.
+or stable: ``step_size``; how a step is taken: ``system`` and ``implicit_step``.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
-from wrsim.simulation.implicit import DEFAULT_INTEGRATOR, Integrator
+from wrsim.simulation.implicit_step import DEFAULT_INTEGRATOR, Integrator
 from wrsim.simulation.recorder import Cause, Checkpoint, Ending, RecordedRun, Recorder, get_states, set_states
 from wrsim.simulation.system import COORDINATES, Array, BodySystem, NotFinite, Work
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY

@@ -24,7 +24,7 @@ from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, Forces, force_derivative
-from wrsim.simulation.implicit import CONTRACTION, NOT_SOLVED, SPECTRAL_RADIUS, ImplicitStep, Integrator, NotSolved
+from wrsim.simulation.implicit_step import CONTRACTION, NOT_SOLVED, SPECTRAL_RADIUS, ImplicitStep, Integrator, NotSolved
 
 if not hasattr(sys, "exudynFast") and not os.environ.get("EXUDYN_MODULE"):
     sys.exudynFast = True  # type: ignore[attr-defined]

@@ -22,7 +22,7 @@ from wrsim.simulation.integrate import Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import bracket, damped_newton
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.state import GOAL, TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails, steady_state
+from wrsim.simulation.steady_state import GOAL, TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails, steady_state
 from wrsim.simulation.system import Array
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset

@@ -12,7 +12,7 @@ from wrsim.core.contact.wheel_rail import DEEPEST
 from wrsim.errors import SimulationError
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
-from wrsim.simulation.state import Unbalanced
+from wrsim.simulation.steady_state import Unbalanced
 from wrsim.vehicle.vehicle import Vehicle
 
 Side = Literal["left", "right", "outer", "inner"]

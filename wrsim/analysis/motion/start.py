@@ -24,8 +24,15 @@ from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.state import TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails, relaxed_state, steady_state
-from wrsim.simulation.step import implicit_step
+from wrsim.simulation.steady_state import (
+    TOLERANCE,
+    Equilibrium,
+    SteadyMotion,
+    lower_on_rails,
+    relaxed_state,
+    steady_state,
+)
+from wrsim.simulation.step_size import implicit_step
 from wrsim.simulation.system import Array, BodySystem
 from wrsim.vehicle.vehicle import Vehicle
 

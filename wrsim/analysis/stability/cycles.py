@@ -20,7 +20,7 @@ from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.stability.rolling import PLACE, RollingVehicle
 from wrsim.scenario.sections.stability import CyclePlan
 from wrsim.simulation.integrate import Integration
-from wrsim.simulation.step import implicit_step
+from wrsim.simulation.step_size import implicit_step
 from wrsim.simulation.system import Array, BodySystem
 
 Branch = Literal["from above", "from below"]

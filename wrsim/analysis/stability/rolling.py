@@ -18,7 +18,7 @@ from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.stability import StabilityPlan
 from wrsim.simulation.law import ConicalVehicleOnTrack, VehicleOnTrack
 from wrsim.simulation.modes import linearise, mode_name
-from wrsim.simulation.state import Equilibrium, steady_state
+from wrsim.simulation.steady_state import Equilibrium, steady_state
 from wrsim.simulation.system import Array
 
 LENGTH, PLACE = 400.0, 200.0

@@ -20,7 +20,7 @@ from wrsim.geometry.track.track import Track
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import damped_newton
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.state import TOLERANCE, SteadyMotion
+from wrsim.simulation.steady_state import TOLERANCE, SteadyMotion
 from wrsim.simulation.system import COORDINATES, Array
 from wrsim.vehicle.bogies import Bogie
 from wrsim.vehicle.loads import Load

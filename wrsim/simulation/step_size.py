@@ -17,7 +17,7 @@ import numpy as np
 
 from wrsim.simulation.bodies import mass_matrix
 from wrsim.simulation.force_law import force_derivative
-from wrsim.simulation.implicit import Integrator
+from wrsim.simulation.implicit_step import Integrator
 from wrsim.simulation.system import Array, BodySystem
 
 if TYPE_CHECKING:
