@@ -23,7 +23,7 @@ from wrsim.results import Result
 from wrsim.results.run_file import run_header
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
-from wrsim.simulation import step as steps
+from wrsim.simulation import step_size as steps
 from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import Array, BodySystem
