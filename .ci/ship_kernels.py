@@ -20,8 +20,7 @@ from wrsim.analysis.warming import warm_up
 from wrsim.contact.models import NORMAL_MODELS, contact_model
 from wrsim.contact.settings import ContactSettings
 from wrsim.core.contact import records as k
-from wrsim.core.contact.stages import compile_stages
-from wrsim.core.contact.wheel_rail import wheel_rail
+from wrsim.core.contact.wheel_rail import compile_stages, wheel_rail
 from wrsim.core.jit.cache import ABOUT, CONTACT, SOURCES, made_with
 from wrsim.errors import WrsimError
 from wrsim.geometry.profile.models import load_profile
@@ -72,7 +71,7 @@ def gather(cache: Path, folder: Path, needs: Sequence[str]) -> None:
 
 
 def _contact(settings: ContactSettings) -> dict[str, Any]:
-    """The arena of one rolling contact before and after the kernel, its status, and the stages that it takes."""
+    """The workspace of one rolling contact before and after the kernel, its status, and the stages that it takes."""
     wheel, rail = load_profile("wheels/S1002.toml"), load_profile("rails/60E1.toml").inclined(1 / 40)
     arrays = contact_model(wheel, rail, RADIUS, settings).arrays
     speed = 10.0

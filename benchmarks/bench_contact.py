@@ -23,12 +23,12 @@ from wrsim.contact.models import contact_model
 from wrsim.contact.pose import Pose
 from wrsim.contact.settings import ContactSettings, Friction
 from wrsim.core.contact import records as k
-from wrsim.core.contact.normal.elliptic import strip_potential
+from wrsim.core.contact.normal.kik_piotrowski import strip_potential
 from wrsim.core.contact.tangential.fastsim import fastsim
-from wrsim.core.contact.tangential.flexibility import Creepages, Flexibilities
+from wrsim.core.contact.tangential.flexibility import Creepages, Flexibilities, Rolling
 from wrsim.core.contact.wheel_rail import search as search_contacts
 from wrsim.core.contact.wheel_rail import wheel_rail
-from wrsim.core.jit.compiling import kernel
+from wrsim.core.jit import kernel
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 
@@ -59,7 +59,8 @@ def bare(strips, n, reps, shape, work, side_by_side, cells):  # type: ignore[no-
         for i in range(n):
             total += strip_potential(strips[i].a, strips[i].s)
         if side_by_side:
-            fastsim(strips, n, 1.0, Creepages(1e-4, 1e-4, 0.0), Flexibilities(1e-12, 1e-12, 1e-12), 1.0, shape, work)
+            on = Rolling(strips, n, Flexibilities(1e-12, 1e-12, 1e-12), 1.0, shape, work)
+            fastsim(on, Creepages(1e-4, 1e-4, 0.0), 1.0)
             continue
         for i in range(n):
             qx = 0.0

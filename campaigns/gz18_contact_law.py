@@ -26,7 +26,7 @@ from wrsim.analysis import steady as solver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.tables import creep_coefficients
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
-from wrsim.core.body.wheel_pose import wheel_wrench
+from wrsim.core.body.wheel_forces import wheel_wrench
 from wrsim.core.contact.tangential.flexibility import kalker_coefficients
 from wrsim.core.linalg import Vec
 from wrsim.core.track.path import frame_at

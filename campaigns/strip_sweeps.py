@@ -18,8 +18,8 @@ import numpy as np
 from strip_robustness import PAIRS, Stand
 
 from wrsim.contact.half_space.solver import HalfSpace
-from wrsim.contact.kernel_arrays import KernelArrays
 from wrsim.contact.pose import Pose
+from wrsim.contact.workspace import KernelArrays
 
 STEP = 20e-6
 NO_GAP = 1e-8  # between strips that touch [m]

@@ -14,8 +14,8 @@ from wrsim.analysis.motion import monitor as monitors
 from wrsim.analysis.motion.messages import event_words
 from wrsim.analysis.motion.monitor import MANY, Monitor
 from wrsim.analysis.resolve import resolve
-from wrsim.contact.kernel_arrays import KernelArrays
 from wrsim.contact.status import NOT_CONVERGED, WORDS
+from wrsim.contact.workspace import KernelArrays
 from wrsim.core.contact import records
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
 from wrsim.errors import SimulationError

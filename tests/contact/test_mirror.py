@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from support.contacts import HALF_SPACING, RADIUS, pair_model, rail_origin
 
 from wrsim.core.body.kinematics import kinematics
-from wrsim.core.body.wheel_pose import set_pose, wheel_wrench
-from wrsim.core.linalg import BodyMotion, Frame, Vec
+from wrsim.core.body.wheel_forces import set_pose, wheel_wrench
+from wrsim.core.frames import BodyMotion, Frame
+from wrsim.core.linalg import Vec
 
 MIRROR = np.array([1.0, -1.0, 1.0])  # y -> -y for vectors; pseudovectors (moments, angular velocity) get the opposite
 

@@ -26,12 +26,11 @@ from support.sweeps import jumps, normal_forces, steepest
 
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.tables import combined_modulus, influence_table
-from wrsim.core.contact.arrays import bodies
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.core.contact.strips.grid import opposite
 from wrsim.core.contact.strips.influence import find_terms, pressed_at
 from wrsim.core.contact.strips.records import FROM, INVERSE, MIDDLE, PUSH, TERMS, TO, VECTORS
-from wrsim.core.contact.wheel_rail import wheel_rail
+from wrsim.core.contact.wheel_rail import bodies, wheel_rail
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.wear import Removal, worn
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.special import elliprd
 from support.contacts import PLAIN, bench, contact_model, contact_of, flat_rail, pair_model, round_wheel, settle
 
-from wrsim.core.contact.normal.elliptic import strip_potential
+from wrsim.core.contact.normal.kik_piotrowski import strip_potential
 
 LOAD = 60e3
 

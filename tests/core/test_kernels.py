@@ -15,7 +15,7 @@ from numba import njit
 from support import kernels
 from support.allocations import allocations
 
-from wrsim.core.contact.stages import STAGES, compile_stages
+from wrsim.core.contact.wheel_rail import STAGES, compile_stages
 
 ROOT = Path(__file__).parents[1]
 

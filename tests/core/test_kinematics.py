@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from support.knife_edge import bare_wheelset
 
 from wrsim.core.body import kinematics as wheelset
-from wrsim.core.linalg import BodyMotion, Vec, point_velocity
+from wrsim.core.frames import BodyMotion, point_velocity
+from wrsim.core.linalg import Vec
 from wrsim.core.track import path
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc, Straight, Transition

@@ -4,19 +4,9 @@ import numpy as np
 import pytest
 
 from wrsim.core import linalg
-from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import (
-    BODY,
-    VECTOR,
-    BodyMotion,
-    Vec,
-    components,
-    from_components,
-    get_body,
-    point_velocity,
-    put,
-    put_body,
-)
+from wrsim.core.frames import BODY, VECTOR, BodyMotion, get_body, point_velocity, put, put_body
+from wrsim.core.jit import kernel
+from wrsim.core.linalg import Vec, components, from_components
 
 A, B = (1.0, -2.0, 0.5), (0.3, 4.0, -1.5)
 

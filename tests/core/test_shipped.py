@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from llvmlite import binding
 
+from wrsim.core.jit import kernel
 from wrsim.core.jit.cache import ABOUT, CACHE, CONTACT, KernelCache, Shipped, shipped
-from wrsim.core.jit.compiling import kernel
 
 ROOT = Path(__file__).parents[2]
 

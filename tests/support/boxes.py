@@ -68,7 +68,7 @@ def displaced(law: VehicleOnTrack, seed: int = 1) -> tuple[np.ndarray, np.ndarra
 def moment_kept(law: VehicleOnTrack, more: float = 0.0) -> None:
     """At the state asked for last, all forces on bodies add up to nothing; so do their moments about the origin but
     for what turns axle boxes, ``more`` about the first body's axle."""
-    bodies, wrenches = (law.arena.views[k] for k in (vehicle_forces.BODIES, vehicle_forces.WRENCHES))
+    bodies, wrenches = (law.workspace.views[k] for k in (vehicle_forces.BODIES, vehicle_forces.WRENCHES))
     n = len(law.bodies)
     places, forces, moments = (rows(a[:n]) for a in (bodies["position"], wrenches["force"], wrenches["moment"]))
     largest = np.abs(forces).max()

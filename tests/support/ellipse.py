@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from wrsim.contact.model import TANGENTIAL
 from wrsim.contact.tables import bound_over_cells, creep_coefficients
 from wrsim.core.contact import records as k
+from wrsim.core.contact.arrays import ARRAYS, Arrays
 from wrsim.core.contact.tangential.creep_forces import creep_forces
 
 Array = NDArray[np.float64]
@@ -64,7 +65,11 @@ def roll(
         settings[factor] = 1.0
     shape = bound_over_cells(cells, option == "parabolic")
     work = np.zeros((12, max(strips, 8)))
-    creep_forces(COEFFICIENTS, shape, settings[0], direction, lobes, rows[None], 1, 0, work)
+    nothing = Arrays(*[None] * ARRAYS)
+    a = nothing._replace(
+        creep=COEFFICIENTS, shape=shape, settings=settings, patches=lobes, strips=rows[None], work=work
+    )
+    creep_forces(a, direction, 1, 0)
     return rows
 
 

@@ -30,11 +30,11 @@ from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ConicalWheels, ContactSettings, Friction, FrictionAlong, HalfSpaceSettings, Material
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.core.body.rigid_body import kinetic_energies
-from wrsim.core.contact.arrays import bodies
 from wrsim.core.contact.rail import unfold
 from wrsim.core.contact.strips.changes import leave
 from wrsim.core.contact.strips.records import OF_A_STRIP, System, X
 from wrsim.core.contact.strips.solution import substitute
+from wrsim.core.contact.wheel_rail import bodies
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.segments import Arc

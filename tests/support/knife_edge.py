@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 
 from support.held import held_state
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
-from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import Vec, add, components, cross, dot, from_components, mixed, point_velocity, sub
+from wrsim.core.frames import point_velocity
+from wrsim.core.jit import kernel
+from wrsim.core.linalg import Vec, add, components, cross, dot, from_components, mixed, sub
 from wrsim.core.track.path import frame_at, locate
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight

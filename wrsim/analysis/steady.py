@@ -1,8 +1,8 @@
 """Steady analysis: the quasi-static equilibrium of a vehicle in many curves, found by Newton's method.
 
 In a full curve nothing changes any more but the heading: the vehicle turns about the axis of the curve with poses held
-(``core.body.steady``). The search goes from curve to curve; only what it does not reach so is run in by integration.
-That a motion found is stable, too, is not proved by it.
+(``core.body.rigid_body``). The search goes from curve to curve; only what it does not reach so is run in by
+integration. That a motion found is stable, too, is not proved by it.
 """
 
 from __future__ import annotations

@@ -5,20 +5,18 @@ are joined here: forces and areas add up, extremes are taken over all, the main 
 Patches are put in the order of their normal force, largest first; absent ones become not-a-number.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.kernel_arrays import Records
 from wrsim.contact.model import ContactModel
 from wrsim.core.contact import records as k
 from wrsim.core.contact.search.locus import outline
-
-Array = NDArray[np.float64]
+from wrsim.core.jit import Array, Records
+from wrsim.geometry.profile.profile import Profile
 
 _SUMS = {"N": "N", "Fx": "Fx", "Fy": "Fy", "area": "area", "n_strips": "n_strips"}
 _LARGEST = {"p0": "p0", "contact_angle_max": "angle_max", "length": "length"}
@@ -38,11 +36,8 @@ NO_CONTACT = tuple(np.nan if k.TOTAL[name].kind == "f" else 0 for name in k.TOTA
 
 @dataclass(frozen=True)
 class WheelOnRail:
-    """One wheel of a wheelset: its contact model, its side (+1 left, -1 right) and its wheel's place.
-
-    half_spacing: H/2 [m]; rail_origin: (o, b) of the rail profile's origin in the track cross-section at nominal
-    gauge [m].
-    """
+    """One wheel of a wheelset: its contact model, its side (+1 left, -1 right) and its wheel's place. half_spacing: H/2
+    [m]; rail_origin: (o, b) of the rail profile's origin in the track cross-section at nominal gauge [m]."""
 
     model: ContactModel
     side: int
@@ -63,7 +58,7 @@ class RawContacts:
     totals: Records
 
     @classmethod
-    def empty(cls, samples: int, wheels: int, patches: int) -> RawContacts:
+    def empty(cls, samples: int, wheels: int, patches: int) -> "RawContacts":
         """Zeros for that many samples."""
         return cls(np.zeros((samples, wheels, patches), k.LOBE), np.zeros((samples, wheels), k.TOTAL))
 
@@ -77,13 +72,12 @@ class RawContacts:
         self.patches[sample] = np.zeros((), k.LOBE)
         self.totals[sample] = NO_CONTACT
 
-    def first(self, samples: int) -> RawContacts:
+    def first(self, samples: int) -> "RawContacts":
         """The first samples alone."""
         return RawContacts(self.patches[:samples], self.totals[:samples])
 
 
-@dataclass(frozen=True)
-class _Patches:
+class _Patches(NamedTuple):
     """Which lobes make which patch: member (S, W, patch, lobe), main lobe (S, W, patch), present (S, W, patch)."""
 
     member: NDArray[np.bool_]
@@ -104,7 +98,7 @@ def _patches(raw: RawContacts) -> _Patches:
 
 
 def remarks_channel(remarks: Sequence[str]) -> dict[str, NDArray[np.str_]]:
-    """The channel ``contact_remark``, where contacts of solved samples have anything to say."""
+    """The channel ``contact_remark``, where solved contacts have remarks."""
     return {"contact_remark": np.array(remarks)} if any(remarks) else {}
 
 
@@ -143,10 +137,23 @@ def contact_channels(
     lever_x = over("x") - of_main("x")[..., None]
     moments = over("Mz") + lever_x * over("Fy") - lever_s * over("Fx")
     channels["spin_moment"] = np.where(p.member, moments, 0.0).sum(axis=-1)
-    channels |= _positions(raw, wheels, of_main, widening, uneven)
+    # main points on the profiles and in the track frame
+    left, up = np.moveaxis(np.broadcast_to(uneven, (*raw.patches.shape[:2], 2)), -1, 0)
+    half_widening = 0.5 * np.broadcast_to(widening, raw.patches.shape[:1])
+    for name, body in (("u_wheel", "wheel"), ("u_rail", "rail")):
+        channels[name] = of_main(f"arc_{body}").copy()
+        for i, wheel in enumerate(wheels):
+            profile: Profile = getattr(wheel.model, body)
+            channels[name][:, i] = profile.at(np.clip(channels[name][:, i], 0.0, profile.length))[0]
+    channels |= {"y_contact": of_main("o").copy(), "z_contact": of_main("b").copy()}
+    for i, wheel in enumerate(wheels):
+        o, b = wheel.rail_origin
+        channels["y_contact"][:, i] = wheel.side * (o + half_widening[:, None] + channels["y_contact"][:, i])
+        channels["y_contact"][:, i] += left[:, i, None]
+        channels["z_contact"][:, i] += b + up[:, i, None]
     t = raw.totals
-    wheel = {"Y": -t["Fo"], "Q": t["Fb"], "X": -t["Ft"], "T_gamma": t["wear"], "n_patches": t["patches"].astype(float)}
-    return wheel | {name: np.where(p.present, values, np.nan) for name, values in channels.items()}
+    own = {"Y": -t["Fo"], "Q": t["Fb"], "X": -t["Ft"], "T_gamma": t["wear"], "n_patches": t["patches"].astype(float)}
+    return own | {name: np.where(p.present, values, np.nan) for name, values in channels.items()}
 
 
 def patch_wear_numbers(raw: RawContacts) -> Array:
@@ -154,29 +161,6 @@ def patch_wear_numbers(raw: RawContacts) -> Array:
     p = _patches(raw)
     own = np.where(p.member, raw.patches["wear"][..., None, :], 0.0).sum(axis=-1)
     return np.where(p.present, own, np.nan)
-
-
-def _positions(
-    raw: RawContacts,
-    wheels: Sequence[WheelOnRail],
-    of_main: Callable[[str], Array],
-    widening: Array | float,
-    uneven: Array | float,
-) -> dict[str, Array]:
-    """Main points on the profiles and in the track frame, for one wheel after the other."""
-    left, up = np.moveaxis(np.broadcast_to(uneven, (*raw.patches.shape[:2], 2)), -1, 0)
-    half_widening = 0.5 * np.broadcast_to(widening, raw.patches.shape[:1])
-    arcs = {"u_wheel": of_main("arc_wheel"), "u_rail": of_main("arc_rail")}
-    out = {name: np.zeros_like(arc) for name, arc in arcs.items()}
-    out["y_contact"], out["z_contact"] = of_main("o").copy(), of_main("b").copy()
-    for i, wheel in enumerate(wheels):
-        for name, profile in (("u_wheel", wheel.model.wheel), ("u_rail", wheel.model.rail)):
-            out[name][:, i] = profile.at(np.clip(arcs[name][:, i], 0.0, profile.length))[0]
-        o, b = wheel.rail_origin
-        out["y_contact"][:, i] = wheel.side * (o + half_widening[:, None] + out["y_contact"][:, i])
-        out["y_contact"][:, i] += left[:, i, None]
-        out["z_contact"][:, i] += b + up[:, i, None]
-    return out
 
 
 @dataclass(frozen=True)
@@ -191,13 +175,12 @@ class ElementField:
 
 @dataclass(frozen=True)
 class _Moment:
-    """One moment: contacts (1, W), strips of every lobe of every wheel, outlines and poses of the wheels, elements."""
+    """One moment: strips and elements by the numbers of wheel and patch, outlines and poses of the wheels."""
 
-    raw: RawContacts
-    strips: list[list[Records]]
+    strips: dict[tuple[int, int], Records]
     outlines: Array
     poses: Array
-    elements: list[list[ElementField]]
+    elements: dict[tuple[int, int], ElementField]
 
 
 @dataclass
@@ -208,45 +191,42 @@ class StripRecorder:
     moments: list[_Moment] = field(default_factory=list)
 
     def store(self, elements: Sequence[Sequence[ElementField]] = ()) -> None:
-        """Keep what belongs to the pose that the models computed last.
-
-        elements: of every wheel's patches, if any; kept of the first MOST_FIELDS moments.
-        """
-        raw = RawContacts.empty(1, len(self.wheels), self.wheels[0].model.arrays.patches.shape[0])
-        strips = []
+        """Take in what belongs to the pose that the models computed last. elements: of every wheel's patches, if any;
+        only those of the first MOST_FIELDS moments are stored."""
+        patches = self.wheels[0].model.arrays.patches.shape[0]
+        raw = RawContacts.empty(1, len(self.wheels), patches)
         for i, wheel in enumerate(self.wheels):
-            a = wheel.model.arrays
             raw.store(0, i, wheel.model)
-            count = int(a.total.lobes)
-            strips.append([a.strips[j, : a.patches[j].n_strips].copy() for j in range(count)])
+        found, strips = _patches(raw), {}
+        for i, j in zip(*np.nonzero(found.present[0]), strict=True):
+            a, main = self.wheels[i].model.arrays, found.main[0, i, j]
+            parts = []
+            for lobe in np.flatnonzero(found.member[0, i, j]):
+                own = a.strips[lobe, : a.patches[lobe].n_strips].copy()
+                own["s"] += a.patches["arc_rail"][lobe] - a.patches["arc_rail"][main]
+                parts.append(own)
+            strips[int(i), int(j)] = np.concatenate(parts)
+        fields = {(i, j): patch for i, own in enumerate(elements) for j, patch in enumerate(own)}
         outlines = np.stack([np.concatenate((wheel_outline(w), rail_outline(w))) for w in self.wheels])
         poses = np.stack([w.model.arrays.pose for w in self.wheels])
-        kept = [list(e) for e in elements] if len(self.moments) < MOST_FIELDS else []
-        self.moments.append(_Moment(raw, strips, outlines, poses, kept))
+        self.moments.append(_Moment(strips, outlines, poses, fields if len(self.moments) < MOST_FIELDS else {}))
 
     def clear_last(self) -> None:
         """Nothing was found at the moment stored last."""
         last = self.moments[-1]
-        last.raw.clear(0)
-        outlines, poses = np.full_like(last.outlines, np.nan), np.full_like(last.poses, np.nan)
-        self.moments[-1] = _Moment(last.raw, [[] for _ in self.wheels], outlines, poses, [])
+        self.moments[-1] = _Moment({}, np.full_like(last.outlines, np.nan), np.full_like(last.poses, np.nan), {})
 
     def channels(self) -> dict[str, Array]:
         """Strip channels (moment, wheel, patch, strip) and outlines for drawing."""
         if not self.moments:
             return {}
         patches = self.wheels[0].model.arrays.patches.shape[0]
-        rows = [
-            [[_joined(m.raw, lobes, i, j) for j in range(patches)] for i, lobes in enumerate(m.strips)]
-            for m in self.moments
-        ]
-        most = max(max((len(r) for wheel in moment for r in wheel), default=1) for moment in rows)
-        table = np.zeros((len(rows), len(self.wheels), patches, max(most, 1)), k.STRIP)
+        most = max((len(own) for m in self.moments for own in m.strips.values()), default=1)
+        table = np.zeros((len(self.moments), len(self.wheels), patches, max(most, 1)), k.STRIP)
         table.view(np.float64)[...] = np.nan
-        for m, moment in enumerate(rows):
-            for i, wheel_rows in enumerate(moment):
-                for j, r in enumerate(wheel_rows):
-                    table[m, i, j, : len(r)] = r
+        for m, moment in enumerate(self.moments):
+            for (i, j), own in moment.strips.items():
+                table[m, i, j, : len(own)] = own
         result = {name: table[column] for name, column in _STRIP_CHANNELS.items()}
         result["strip_angle"] = np.arctan2(-table["no"], table["nb"])
         for i, name in enumerate(("wheel_profile_y", "wheel_profile_z", "rail_profile_y", "rail_profile_z")):
@@ -256,44 +236,22 @@ class StripRecorder:
         return result | self._elements(table.shape)
 
     def _elements(self, shape: tuple[int, ...]) -> dict[str, Array]:
-        """Channels of the elements, if any were kept; shape: moments, wheels, patches, strips."""
-        fields = {
-            (m, i, j): patch
-            for m, moment in enumerate(self.moments)
-            for i, wheel in enumerate(moment.elements)
-            for j, patch in enumerate(wheel)
-        }
+        """Channels of the elements, if any were stored; shape: moments, wheels, patches, strips."""
+        fields = {(m, *at): patch for m, moment in enumerate(self.moments) for at, patch in moment.elements.items()}
         if not fields:
             return {}
         columns = max(patch.x.size for patch in fields.values())
         x, values = np.full((*shape[:3], columns), np.nan), np.full((3, *shape, columns), np.nan)
-        for (m, i, j), patch in fields.items():
+        for at, patch in fields.items():
             rows, own = patch.p.shape
-            x[m, i, j, :own] = patch.x
-            values[:, m, i, j, :rows, :own] = patch.p, *patch.q
+            x[at][:own] = patch.x
+            values[(slice(None), *at)][:, :rows, :own] = patch.p, *patch.q
         return {"element_x": x} | dict(zip(("element_p", "element_qx", "element_qs"), values, strict=True))
 
 
-def _joined(raw: RawContacts, lobes: list[Records], wheel: int, patch: int) -> Records:
-    """Strips of one patch by increasing s, measured from the main point of its deepest lobe."""
-    p = _patches(raw)
-    members = [j for j in range(len(lobes)) if p.member[0, wheel, patch, j]]
-    if not members:
-        return np.zeros(0, k.STRIP)
-    arcs = raw.patches["arc_rail"][0, wheel]
-    parts = []
-    for j in members:
-        part = lobes[j].copy()
-        part["s"] += arcs[j] - arcs[p.main[0, wheel, patch]]
-        parts.append(part)
-    return np.concatenate(parts)
-
-
 def wheel_outline(wheel: WheelOnRail) -> Array:
-    """Outline (o, b) of the wheel seen along its rail at the pose computed last, (2, OUTLINE_POINTS) [m].
-
-    What a yawed wheel's flange back hides behind itself is left out: those points stand where the outline begins.
-    """
+    """Outline (o, b) of the wheel seen along its rail at the pose computed last, (2, OUTLINE_POINTS) [m]. What a yawed
+    wheel's flange back hides behind itself is left out: those points stand where the outline begins."""
     a = wheel.model.arrays
     arc = np.linspace(0.0, wheel.model.wheel.length, OUTLINE_POINTS)
     out = np.empty((2, OUTLINE_POINTS))

@@ -3,37 +3,25 @@
 `wrsim.contact.models` builds them and lists the normal models.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from wrsim.contact.arena import Arena, pack
-from wrsim.contact.kernel_arrays import KernelArrays, Records
+from wrsim.contact import tables
 from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, Tangential
-from wrsim.contact.tables import (
-    bound_over_cells,
-    changing_rail,
-    combined_modulus,
-    creep_coefficients,
-    influence_table,
-    plain_rail,
-    profile_table,
-)
+from wrsim.contact.workspace import KernelArrays, Workspace, pack
 from wrsim.core.contact import records as k
 from wrsim.core.contact.arrays import Arrays
-from wrsim.core.contact.stages import compile_stages
 from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECTORS
+from wrsim.core.contact.wheel_rail import compile_stages
+from wrsim.core.jit import Array, Records
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rolled_rail import RolledRail
-
-Array = NDArray[np.float64]
 
 SEARCH_REACH = 0.75e-3  # distance of the search's samples near the rail [m]
 EPSILON = 0.55  # [S 23]
@@ -68,7 +56,7 @@ class NormalModel:
     fewest: int
     most: int
     solves_for_strips: bool = False
-    solve: Callable[[ContactModel], int] | None = None
+    solve: Callable[["ContactModel"], int] | None = None
 
     def rows(self, strips: int | None) -> int:
         """Rows to keep for the strips of one lobe, of which the user wants so many (None: as many as it takes)."""
@@ -91,7 +79,7 @@ class ContactModel:
     friction: Friction | FrictionAlong
     normal: NormalModel
     rolled: RolledRail | None = None
-    arena: Arena | None = field(default=None, repr=False, compare=False)
+    workspace: Workspace | None = field(default=None, repr=False, compare=False)
 
     def __repr__(self) -> str:
         models = f"{self.settings.normal} and {self.settings.creep_forces}"
@@ -99,7 +87,7 @@ class ContactModel:
 
     @cached_property
     def inputs(self) -> Arrays:
-        """What the kernel's arena is packed from. From now on its stages can be run."""
+        """What the kernel's workspace is packed from. From now on its stages can be run."""
         compile_stages(k.CONTACT, self.normal.kernel)
         if TANGENTIAL[self.settings.creep_forces] != k.NO_CREEP_FORCES:
             compile_stages(k.CREEP_FORCES)
@@ -107,12 +95,12 @@ class ContactModel:
 
     @cached_property
     def arrays(self) -> KernelArrays:
-        """The kernel's arrays, in an arena of their own unless one was given."""
-        return KernelArrays(self.arena or pack(self.inputs), self.normal.solves_for_strips)
+        """The kernel's arrays, in a workspace of their own unless one was given."""
+        return KernelArrays(self.workspace or pack(self.inputs), self.normal.solves_for_strips)
 
-    def within(self, arena: Arena) -> ContactModel:
-        """The same computing in a larger arena, of which this is the part that was packed from ``inputs``."""
-        return replace(self, arena=arena)
+    def within(self, workspace: Workspace) -> "ContactModel":
+        """The same computing in a part of a larger workspace that was packed from ``inputs``."""
+        return replace(self, workspace=workspace)
 
     def evaluate(
         self,
@@ -122,7 +110,7 @@ class ContactModel:
         omega: ArrayLike = (0.0, 0.0, 0.0),
         place: float = 0.0,
         turning: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    ) -> Contact:
+    ) -> "Contact":
         """Contact for one pose.
 
         Vectors (3,) in the axes of the rail on this side: along the track, outward, up; see docs/conventions.md.
@@ -153,7 +141,7 @@ class ContactModel:
         return Contact.copy_from(self.arrays, self.solve())
 
     def turn_rail(self, twist: float, outward: float, up: float) -> None:
-        """Say how the rail turns and bends where the wheel is; see `evaluate`."""
+        """Set how the rail turns and bends where the wheel is; see `evaluate`."""
         settings = self.arrays.settings
         settings.twist, settings.bow_o, settings.bow_b = twist, outward, up
 
@@ -191,18 +179,11 @@ class Contact:
         return f"Contact({words}, normal force {self.normal_force / 1e3:.4g} kN)"
 
     @classmethod
-    def copy_from(cls, a: KernelArrays, status: int) -> Contact:
+    def copy_from(cls, a: KernelArrays, status: int) -> "Contact":
         """Copy the present results out of the kernel's arrays."""
         t = a.total
-        return cls(
-            a.force,
-            a.moment,
-            a.patches[: t.lobes].copy(),
-            tuple(a.strips[i, : a.patches[i].n_strips].copy() for i in range(t.lobes)),
-            float(t.wear),
-            float(t.closest),
-            status,
-        )
+        strips = tuple(a.strips[i, : a.patches[i].n_strips].copy() for i in range(t.lobes))
+        return cls(a.force, a.moment, a.patches[: t.lobes].copy(), strips, float(t.wear), float(t.closest), status)
 
     @property
     def normal_force(self) -> float:
@@ -213,8 +194,8 @@ class Contact:
 def _inputs(model: ContactModel) -> Arrays:
     settings, friction, normal = model.settings, model.friction, model.normal
     along = np.zeros((0, 0)) if isinstance(friction, Friction) else friction.table
-    wheel_table, wheel_step = profile_table(model.wheel)
-    rail = plain_rail(model.rail) if model.rolled is None else changing_rail(model.rolled)
+    wheel_table, wheel_step = tables.profile_table(model.wheel)
+    rail = tables.plain_rail(model.rail) if model.rolled is None else tables.changing_rail(model.rolled)
     field_ = rail.field
     # FaStrip knows no other bound than the pressure's
     parabolic = settings.traction_bound == "parabolic" and settings.creep_forces == "fastsim"
@@ -225,11 +206,8 @@ def _inputs(model: ContactModel) -> Arrays:
     hollows = max(float(-wheel_table[:, 4].min()), 0.0) + rail.hollow
     numbers = np.zeros(1, k.SETTINGS)
     n: Any = numbers[0]
-    n.E = combined_modulus(settings)
-    n.G = 1.0 / shear_compliance
-    n.eps = EPSILON
-    n.damping = settings.damping
-    n.least_speed = LEAST_SPEED
+    n.E, n.G = tables.combined_modulus(settings), 1.0 / shear_compliance
+    n.eps, n.damping, n.least_speed = EPSILON, settings.damping, LEAST_SPEED
     n.normal, n.recess, n.joint, n.fewest = normal.kernel, normal.recess, normal.joint, normal.fewest
     n.projected = settings.approach == "projected"
     n.strips = normal.rows(settings.strip_count) if normal.solves_for_strips else settings.strip_count or 0
@@ -255,15 +233,15 @@ def _inputs(model: ContactModel) -> Arrays:
         rates=rail.rates,
         stations=rail.stations,
         field=field_.values,
-        creep=creep_coefficients(poisson),
-        shape=bound_over_cells(settings.cells, parabolic),
+        creep=tables.creep_coefficients(poisson),
+        shape=tables.bound_over_cells(settings.cells, parabolic),
         settings=numbers,
         pose=np.zeros(k.POSE),
         found=np.zeros(8, k.FOUND),
         patches=np.zeros(lobes, k.LOBE),
         strips=np.zeros((lobes, of_a_lobe), k.STRIP),
         work=np.zeros((12, max(of_a_lobe, 8))),
-        influence=influence_table() if grids else np.zeros((0, 0)),
+        influence=tables.influence_table() if grids else np.zeros((0, 0)),
         rows=np.zeros((grids, ROWS), ROW),
         places=np.zeros(grids * most, PLACE),
         grids=np.zeros(grids, GRID),

@@ -4,8 +4,6 @@ A new normal model is a kernel that core.contact.wheel_rail calls, its number in
 `wrsim.contact.settings.Normal` with its usual choices in ``USUAL``, and an entry here.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel

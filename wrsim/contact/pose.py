@@ -1,7 +1,5 @@
 """A pose of a wheel or a wheelset, and what it carries there."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

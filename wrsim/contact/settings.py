@@ -1,7 +1,5 @@
 """Choices and numbers of the contact model: plain data, SI units."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import atan, radians, tan
@@ -103,7 +101,7 @@ class Friction:
     falling_decay: float = 0.6
 
     @classmethod
-    def of(cls, friction: float | Friction) -> Friction:
+    def of(cls, friction: "float | Friction") -> "Friction":
         """The law itself, or that of a mere coefficient."""
         return friction if isinstance(friction, Friction) else cls(friction)
 
@@ -161,7 +159,7 @@ class FrictionAlong:
         static, corner, start, end, ratio, decay = self.numbers(place).tolist()
         return Friction(static, corner, (2.0 * atan(start), 2.0 * atan(end)), ratio, decay)
 
-    def moved(self, places: Array) -> FrictionAlong:
+    def moved(self, places: Array) -> "FrictionAlong":
         """The same at other places (n,) [m]."""
         return replace(self, places=tuple(places.tolist()))
 
@@ -183,7 +181,7 @@ class ContactSettings:
         everywhere alike, as in the paper.
     tangential : str, optional
         Model of the creep forces, ``"fastsim"``, ``"fastrip"``, ``"polach"``, ``"linear"``, ``"shen-hedrick-elkins"``,
-        ``"half-space"`` or ``"none"``; None for the usual one of the normal model (``creep_forces`` says which).
+        ``"half-space"`` or ``"none"``; None for the usual one of the normal model (``creep_forces``).
         ``"half-space"`` is the exact one and needs that normal model; ``"none"`` is frictionless.
     traction_bound : {"elliptic", "parabolic"}
         Shape of the bound ``mu p`` along a strip that FASTSIM holds the tractions under.
@@ -196,7 +194,7 @@ class ContactSettings:
         On the left and right rail: a coefficient [1], a law, or laws along the track.
     strips : int, optional
         Number of strips over the width of a patch, 12 to 200 for ``"strips"``; None where ``strip_width`` rules or,
-        without that, for the usual one of the normal model (``strip_count`` says which).
+        without that, for the usual one of the normal model (``strip_count``).
     strip_width : float, optional
         Width of a strip along the curved axis [m], or None when a number rules.
     cells : int
@@ -204,8 +202,8 @@ class ContactSettings:
     damping : float
         c [s/m]; the elastic normal force N becomes ``N (1 + c d(approach)/dt)``, never negative.
     max_patches : int, optional
-        Patches kept on one wheel, largest first, 1 to 6; None for the usual number of the normal model (``patch_count``
-        says which). A new wheel beside a new rail can touch at four.
+        Patches kept on one wheel, largest first, 1 to 6; None for the usual number of the normal model
+        (``patch_count``). A new wheel beside a new rail can touch at four.
     wheel, rail : Material
         The two materials.
     half_space : HalfSpaceSettings
@@ -229,7 +227,7 @@ class ContactSettings:
     rail: Material = field(default_factory=Material)
     half_space: HalfSpaceSettings = field(default_factory=HalfSpaceSettings)
 
-    def fast(self) -> ContactSettings:
+    def fast(self) -> "ContactSettings":
         """The same with a fast model in place of the exact one, for a first idea of where that will stand."""
         if self.normal != "half-space":
             return self

@@ -1,11 +1,8 @@
-"""What contacts have to say beside their numbers: the kernels' status bits, those of the exact solver, and their words.
+"""Status bits of the kernels and of the exact solver, and their texts.
 
-A bit is said wherever its contact can be met: static and steady poses carry it in their message or their remark, runs
-and states of rest as an event, stability analyses as a remark at the speed; an overlap ends a run and is no steady
-motion.
+Every analysis reports them: static and steady poses in their message or remark, runs and states of rest as an event,
+stability analyses as a remark at the speed; an overlap ends a run and is no steady motion.
 """
-
-from __future__ import annotations
 
 from wrsim.contact.model import MOST_STRIPS
 from wrsim.core.contact.records import (
@@ -46,5 +43,5 @@ def bits_of(status: int) -> list[int]:
 
 
 def status_words(status: int) -> str:
-    """What a status has to say, empty when all is well."""
+    """The texts of a status, empty when all is well."""
     return "; ".join(WORDS[bit] for bit in bits_of(status))

@@ -1,7 +1,6 @@
 """Small dense systems, solved in place."""
 
-from wrsim.core.jit.arena import Array
-from wrsim.core.jit.compiling import kernel, summing
+from wrsim.core.jit import Array, kernel, summing
 
 
 @kernel

@@ -4,8 +4,7 @@ or by halves."""
 from math import sqrt
 from typing import NamedTuple
 
-from wrsim.core.jit.arena import Array
-from wrsim.core.jit.compiling import inlined
+from wrsim.core.jit import Array, inlined
 
 
 class Bracket(NamedTuple):
@@ -47,10 +46,8 @@ def interval(knots: Array, s: float, guess: int) -> int:
 
 @inlined
 def neighbours(knots: Array, x: float) -> tuple[int, int, float]:
-    """Numbers of the rising knots (n,) below and above x, by halves, and the part of the way from one to the other.
-
-    At the ends and beyond them it is the end, twice.
-    """
+    """Numbers of the rising knots (n,) below and above x, by halves, and the part of the way from one to the other. At
+    the ends and beyond them it is the end, twice."""
     low, high = 0, knots.size - 1
     if x <= knots[low]:
         return low, low, 0.0

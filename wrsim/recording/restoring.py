@@ -74,7 +74,8 @@ def restore(
         )
     work = _Work(recording, band, amplification, [], [])
     gauge = recording.columns.gauge_mm / 1e3
-    off_gauge = work.first("gauge_deviation") if work.first("gauge") is None else work.first("gauge") - gauge
+    recorded = work.first("gauge")
+    off_gauge = work.first("gauge_deviation") if recorded is None else recorded - gauge
     curvature, spread = work.curvature()
     cant = work.first("cant")
     plateaus = fit_design(s, curvature, np.zeros(s.size) if cant is None else cant, spread, forms)

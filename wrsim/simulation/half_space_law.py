@@ -10,7 +10,7 @@ from wrsim.contact.channels import ElementField
 from wrsim.contact.half_space.patch import HalfSpaceContact
 from wrsim.contact.half_space.strips import FORCE, MOMENT, element_fields, solve_into
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
-from wrsim.core.body.wheel_pose import wheel_wrench
+from wrsim.core.body.wheel_forces import wheel_wrench
 from wrsim.core.linalg import Vec
 from wrsim.core.track.path import frame_at
 from wrsim.simulation.law import RAIL_COORDINATES, VehicleOnTrack

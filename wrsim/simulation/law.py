@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.arena import pack
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
+from wrsim.contact.workspace import pack
 from wrsim.core.body import conical, friction, vehicle_forces
 from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.jit.compiling import use_threads
@@ -93,16 +93,16 @@ class VehicleOnTrack(Layout):
         )  # fmt: skip
         for mounted, models in zip(vehicle.wheelsets, contacts, strict=bool(contacts)):
             arrays += arrays_of_wheels(mounted.wheelset, track, models)
-        self.arena = pack(arrays)
-        views = self.arena.views
+        self.workspace = pack(arrays)
+        views = self.workspace.views
         self._units = views[vehicle_forces.UNITS]
         self.elements = views[vehicle_forces.ELEMENTS]
         self.records = views[vehicle_forces.READINGS].view(np.float64).reshape(-1, 6)
         self._loads = views[vehicle_forces.LOADS]
         self.axles = views[vehicle_forces.AXLES]
         first, count = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
-        self._changing = self.arena.stretches_but(only_read(len(views)))
-        of_wheels = [self.arena.part(place, count) for place in range(first, len(views), count)]
+        self._changing = self.workspace.stretches_but(only_read(len(views)))
+        of_wheels = [self.workspace.part(place, count) for place in range(first, len(views), count)]
         own = [part.views[wheel_kernel.OWN] for part in of_wheels]
         self._records_of_wheels = [records[0] for records in own]
         self._found_at = [records["s"] for records in (self._units, self._loads, *own)]
@@ -137,7 +137,7 @@ class VehicleOnTrack(Layout):
 
     def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
         """Fill ``out`` by the kernel. Status of the contacts: in their models (`wrsim.contact.status`)."""
-        status = int(vehicle_forces.vehicle_forces(t, q, q_t, out, self.arena.buffer, self.arena.index))
+        status = int(vehicle_forces.vehicle_forces(t, q, q_t, out, self.workspace.buffer, self.workspace.index))
         if status & wheel_kernel.OFF_TRACK:
             raise SimulationError(OFF_TRACK.format(t))
 
@@ -145,12 +145,12 @@ class VehicleOnTrack(Layout):
         """All forces but those of the contacts, which act on wheelsets alone."""
         self._evaluated = None
         out[:] = 0.0
-        if vehicle_forces.add_forces_on_bodies(t, q, q_t, out, self.arena.buffer, self.arena.index):
+        if vehicle_forces.add_forces_on_bodies(t, q, q_t, out, self.workspace.buffer, self.workspace.index):
             raise SimulationError(OFF_TRACK.format(t))
 
     def blocks(self) -> list[Block]:
         """See ``ForceLaw``: forces on all bodies, and contacts, each of which acts on one wheelset."""
-        buffer, index, on_bodies = self.arena.buffer, self.arena.index, self.on_bodies
+        buffer, index, on_bodies = self.workspace.buffer, self.workspace.index, self.on_bodies
 
         def on_wheels(t: float, q: Array, q_t: Array, out: Array) -> None:
             out[:] = 0.0
@@ -221,7 +221,7 @@ class VehicleOnTrack(Layout):
     def set_speed(self, speed: float) -> None:
         """Change the constant speed [m/s] of the drive and of the frame of the track."""
         self.speed, self.profile = speed, SpeedProfile.constant(speed)
-        self.arena.views[vehicle_forces.MOTION][:] = pieces_of_motion(self.profile, self.start)
+        self.workspace.views[vehicle_forces.MOTION][:] = pieces_of_motion(self.profile, self.start)
         self._evaluated = None
 
     def own(self, wheelset: int) -> list[Any]:
@@ -274,7 +274,7 @@ class VehicleOnTrack(Layout):
         sliders the force after a straight way from the design position, or from their slips where these are not 0;
         hollow axles of geared motors turn with their wheelsets and carry the moments of the motors."""
         how = friction.FRESH if slips is None or not np.any(slips) else friction.HELD
-        whole = self.arena.views[vehicle_forces.WHOLE][0]
+        whole = self.workspace.views[vehicle_forces.WHOLE][0]
         before, whole["settled"] = int(whole["settled"]), 1
         try:
             with self._elements_with("settled", how):

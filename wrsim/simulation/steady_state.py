@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.core.body import steady as kernels
+from wrsim.core.body import rigid_body as kernels
 from wrsim.core.linalg import Vec
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import inertia_table

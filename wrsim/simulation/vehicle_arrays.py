@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.core.body import axle_boxes as box_kernel
 from wrsim.core.body import friction, suspension, vehicle_forces
 from wrsim.core.body import loads as load_kernel
+from wrsim.core.body import rigid_body as body_kernel
 from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.body.suspension import ELEMENT
 from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
-from wrsim.core.linalg import BODY
+from wrsim.core.frames import BODY
 from wrsim.simulation.bodies import bodies_of
 from wrsim.simulation.force_law import Array, ForceLaw
 from wrsim.vehicle.bogies import holders_of
@@ -140,7 +140,7 @@ def vehicle_arrays(
         np.array(carried, load_kernel.CARRIED),
         axles,
         layout.track.centre.curve.nodes,
-        np.array(boxes, box_kernel.AXLE_BOX),
+        np.array(boxes, body_kernel.AXLE_BOX),
         motion,
         efforts,
         effort_tables,

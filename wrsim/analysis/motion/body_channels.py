@@ -175,7 +175,7 @@ def lost_at(law: VehicleOnTrack, q_t: Array) -> tuple[float, float, float]:
         dampers += 0.0 if torsion is None else torsion.damping * q_t[twist] ** 2
     pull = 0.0
     if law.drive == "train":
-        forces = law.arena.views[vehicle_forces.UNITS]["force"]
+        forces = law.workspace.views[vehicle_forces.UNITS]["force"]
         for force, unit in zip(forces, law.vehicle.units, strict=True):
             pull += float(force * np.linalg.norm(q_t[6 * unit.reference : 6 * unit.reference + 3]))
     return creep, dampers, pull

@@ -19,8 +19,9 @@ from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.pose import Pose
 from wrsim.contact.status import REMARKS, status_words
 from wrsim.core.body.kinematics import kinematics
-from wrsim.core.body.wheel_pose import set_pose, wheel_wrench
-from wrsim.core.linalg import Frame, Vec
+from wrsim.core.body.wheel_forces import set_pose, wheel_wrench
+from wrsim.core.frames import Frame
+from wrsim.core.linalg import Vec
 
 ROLLING_SPEED = 2.0  # of the quasi-static rolling [m/s]; creepages do not depend on it
 DEEPEST = 5e-3  # approach at which the search for the load is given up [m]

@@ -1,8 +1,30 @@
 """Tractions to displacements of a half-space on a grid, by convolution in Fourier space.
 
-Kernel coefficients (core.contact.half_space.influence) are computed once for each shape of element and scaled; their
-transforms are kept for each size of grid. Displacements are those of the wheel relative to the rail, tractions act on
-the wheel: p along the row's normal n (from rail to wheel), q_x along the rail, q_s along the row's tangent t.
+Displacements are those of the wheel relative to the rail, tractions act on the wheel: p along the row's normal n (from
+rail to wheel), q_x along the rail, q_s along the row's tangent t.
+
+Under a uniformly loaded rectangle the integrals of the kernels of Boussinesq and Cerruti, seen from a point at (x, s)
+from its centre, are second differences of a primitive over the four corners:
+
+    1/r        x asinh(s/|x|) + s asinh(x/|s|)          Love 1929; Johnson, Contact Mechanics, 1985, eq. (3.25)
+    x^2/r^3    s asinh(x/|s|)                           Kalker, Three-Dimensional Elastic Bodies in Rolling Contact,
+    s^2/r^3    x asinh(s/|x|)                           1990, section 3.2.2; Ahmadi, Keer and Mura 1983
+    x s/r^3    -r
+    x/r^2      x atan(s/x) + s ln(r)                    coupling of normal and tangential loads
+    s/r^2      s atan(x/s) + x ln(r)
+
+With G and nu of each body, c_n = sum (1 - nu)/(2 pi G), c_t = sum nu/(2 pi G) over both bodies and
+c_k = ((1 - 2 nu_r)/G_r - (1 - 2 nu_w)/G_w)/(4 pi) (zero for equal materials), the displacement under a unit traction on
+an element of the wheel is
+
+    normal from normal               A_nn = c_n I[1/r]
+    along x from along x             A_xx = c_n I[1/r] + c_t I[x^2/r^3]
+    along s from along s             A_ss = c_n I[1/r] + c_t I[s^2/r^3]
+    along x from along s, and back   A_xs = c_t I[x s/r^3]
+    along x from normal              A_xn = c_k I[x/r^2],   and A_nx = -A_xn; the same with s.
+
+c_n is 1/(pi E*). All integrals have the dimension of a length and scale with the element: they are computed once for
+each shape of element, their transforms once for each size of grid.
 
 ``"angle-corrected"`` takes a traction in the frame of its own row J, with the influence of the half-space tangent
 there, and the displacement in the frame of row I (Vollebregt, Vehicle System Dynamics 56, 2018; version 3 of
@@ -16,37 +38,37 @@ axes (o, b) of the section these are sums of A_nn * (p n), A_ss * (q_s t), ...: 
 kernel costs about twice the plain one, nothing more.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, wraps
 from math import pi
+from typing import Any
 
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
 from wrsim.contact.settings import Material
-from wrsim.core.contact.half_space.influence import INTEGRALS, NN, SN, SS, XN, XS, XX, fill_integrals
+from wrsim.core.jit import Array
 
-Array = NDArray[np.float64]
 Spectrum = NDArray[np.complexfloating]
 
+NN, XX, SS, XS, XN, SN = range(6)
+"""Kernels, in the order of the table above."""
 ODD_IN_S, ODD_IN_X = (XS, SN), (XS, XN)
 MARGIN = 6  # elements by which the period of the inverse is larger than the grid
 
 
 @dataclass(frozen=True)
 class Compliance:
-    """Constants of two bodies: c_n, c_t, c_k of core.contact.half_space.influence [1/Pa]; c_k is rail minus wheel."""
+    """Constants of two bodies: c_n, c_t, c_k above [1/Pa]; c_k is rail minus wheel."""
 
     normal: float
     tangential: float
     coupling: float
 
     @classmethod
-    def of(cls, wheel: Material, rail: Material) -> Compliance:
+    def of(cls, wheel: Material, rail: Material) -> "Compliance":
         """Of a wheel's and a rail's material."""
         both = (wheel, rail)
         k_wheel, k_rail = ((1.0 - 2.0 * m.poisson_ratio) / m.shear_modulus for m in both)
@@ -62,12 +84,24 @@ class Compliance:
         return 1.0 / (pi * self.normal)
 
 
+def integrals(x: Array, s: Array) -> Array:
+    """Integrals over an element, (6, n, m), seen from points so far from its centre that its corners are at x (n + 1,)
+    and s (m + 1,) from them; no corner has a coordinate 0."""
+    x, s = np.broadcast_arrays(x[:, None], s)
+    along_x, along_s = s * np.arcsinh(x / np.abs(s)), x * np.arcsinh(s / np.abs(x))
+    r = np.hypot(x, s)
+    ln = np.log(r)
+    # atan(s / x) as an odd function of both: no jump where x changes sign within an element
+    turn, other = np.arctan2(s, np.abs(x)), np.arctan2(x, np.abs(s))
+    primitive = along_x + along_s, along_x, along_s, -r, np.abs(x) * turn + s * ln, np.abs(s) * other + x * ln
+    return np.diff(np.diff(primitive, axis=1), axis=2)
+
+
 @lru_cache(maxsize=16)
 def _integrals(ratio: float, size: int) -> Array:
-    """Integrals (INTEGRALS, x, s) at ``size`` non-negative offsets either way, for elements 1 x ratio."""
-    out = np.zeros((INTEGRALS, size + 1, size + 1))
-    fill_integrals(0.0, 1.0, 0.0, ratio, out)
-    return out[:, :size, :size]
+    """Integrals (6, x, s) at ``size`` non-negative offsets either way, for elements 1 x ratio."""
+    corners: Array = np.arange(size + 1, dtype=np.float64) - 0.5
+    return integrals(corners, ratio * corners)
 
 
 @lru_cache(maxsize=64)
@@ -87,18 +121,12 @@ def _spectrum(kind: int, ratio: float, rows: int, columns: int, period: tuple[in
     return np.ascontiguousarray(transform.imag if odd_s != odd_x else transform.real)
 
 
-@dataclass(frozen=True)
 class _Fourier:
-    """Transforms of fields on (rows, columns) elements, padded to a period."""
+    """Transforms of fields on (rows, columns) elements, padded to the next period that is quick to transform."""
 
-    rows: int
-    columns: int
-    period: tuple[int, int]
-
-    @classmethod
-    def at_least(cls, rows: int, columns: int, period_s: int, period_x: int) -> _Fourier:
-        """With the next periods that are quick to transform."""
-        return cls(rows, columns, (scipy.fft.next_fast_len(period_s, True), scipy.fft.next_fast_len(period_x, True)))
+    def __init__(self, rows: int, columns: int, period_s: int, period_x: int) -> None:
+        self.rows, self.columns = rows, columns
+        self.period = scipy.fft.next_fast_len(period_s, True), scipy.fft.next_fast_len(period_x, True)
 
     def to(self, field: Array) -> Spectrum:
         along = scipy.fft.rfft(field, self.period[1], axis=-1)
@@ -109,13 +137,26 @@ class _Fourier:
         return scipy.fft.irfft(cut, self.period[1], axis=-1)[..., : self.columns]
 
 
+def _over_groups(act: Callable[..., Array]) -> Callable[..., Array]:
+    """What all groups of rows do to all rows, from what a field does."""
+
+    @wraps(act)
+    def summed(self: Any, q: Array, *arguments: float) -> Array:
+        if not self.shares:
+            return act(self, q, *arguments)
+        total = self.shares[0][1] * act(self, self.shares[0][0] * q, *arguments)
+        for own, influence in self.shares[1:]:
+            total += influence * act(self, own * q, *arguments)
+        return total
+
+    return summed
+
+
 @dataclass(frozen=True, eq=False)
 class Operator:
-    """Influence of tractions on (rows, columns) elements ds x dx upon each other.
-
-    angles: of the rows' normals [rad] for the angle-corrected kernel, or None for the plain one. shares: for groups of
-    rows whose mutual influence is weakened, the rows of each group and its influence on all rows, both (rows, 1).
-    """
+    """Influence of tractions on (rows, columns) elements ds x dx upon each other. angles: of the rows' normals [rad]
+    for the angle-corrected kernel, or None for the plain one. shares: for groups of rows whose mutual influence is
+    weakened, the rows of each group and its influence on all rows, both (rows, 1)."""
 
     rows: int
     columns: int
@@ -130,33 +171,52 @@ class Operator:
         """Whether pressures make tangential, and tractions normal displacements."""
         return self._turned or self._unequal
 
+    @_over_groups
     def normal(self, p: Array) -> Array:
         """Normal displacements under the pressures p [Pa], (rows, columns) [m]."""
-        return self._shared(self._normal, p)
+        if self._turned:
+            return self._along_normal(self._section_under_pressures(p))
+        f = self._fourier.to(p)
+        f *= self._spectra[NN]
+        return self._fourier.back(f)
 
+    @_over_groups
     def slip(self, q: Array, forward: float) -> Array:
         """Slip over the rolling speed, (2, rows, columns), that the tractions q bring about."""
-        return self._shared(lambda part: self._slip(part, forward), q)
+        if self._turned:
+            return self._slip_of(self._under_tractions(q), forward)
+        a, (x, s) = self._spectra, self._fourier.to(q)
+        return self._difference(np.stack([a[XX] * x + a[XS] * s, a[XS] * x + a[SS] * s]), forward)
 
+    @_over_groups
     def normal_of_tractions(self, q: Array) -> Array:
         """Normal displacements under tangential tractions (rows, columns) [m]; zero unless ``coupled``."""
-        return self._shared(self._normal_of_tractions, q) if self.coupled else np.zeros(q.shape[1:])
+        if not self.coupled:
+            return np.zeros(q.shape[1:])
+        if self._turned:
+            return self._along_normal(self._under_tractions(q)[1:])
+        x, s = self._fourier.to(q)
+        return self._fourier.back(-1j * (self._spectra[XN] * x + self._spectra[SN] * s))
 
+    @_over_groups
     def slip_of_pressure(self, p: Array, forward: float) -> Array:
         """Slip over the rolling speed that the pressures bring about; zero unless ``coupled``."""
         if not self.coupled:
             return np.zeros((2, *p.shape))
-        return self._shared(lambda part: self._slip_of_pressure(part, forward), p)
+        f = 1j * self._fourier.to(p)
+        along = self._spectra[XN] * f if self._unequal else np.zeros_like(f)
+        if self._turned:
+            return self._slip_of(np.concatenate([along[None], self._section_under_pressures(p)]), forward)
+        return self._difference(np.stack([along, self._spectra[SN] * f]), forward)
 
     def self_slip(self) -> float:
         """Largest slip that an element's own traction brings about, over that traction [1/Pa]."""
         own = _integrals(self._ratio, 64)[:, :2, 0]
-        c = self.compliance
-        along = (XX, SS)
-        return max(c.normal * (own[NN, 0] - own[NN, 1]) + c.tangential * (own[k, 0] - own[k, 1]) for k in along)
+        fall, c = own[:, 0] - own[:, 1], self.compliance
+        return float(c.normal * fall[NN] + c.tangential * max(fall[XX], fall[SS]))
 
     @cached_property
-    def inverse(self) -> Inverse:
+    def inverse(self) -> "Inverse":
         """Preconditioners."""
         return Inverse(self)
 
@@ -174,7 +234,7 @@ class Operator:
 
     @cached_property
     def _fourier(self) -> _Fourier:
-        return _Fourier.at_least(self.rows, self.columns, 2 * self.rows - 1, 2 * self.columns + 1)
+        return _Fourier(self.rows, self.columns, 2 * self.rows - 1, 2 * self.columns + 1)
 
     @cached_property
     def _frames(self) -> tuple[Array, Array]:
@@ -203,41 +263,6 @@ class Operator:
         """Take u(x) to (u(x) - u(x + forward dx)) / dx, for forward = 1 and -1."""
         ahead = (1.0 - np.exp(2j * pi * scipy.fft.rfftfreq(self._fourier.period[1]))) / self.dx
         return ahead, ahead.conj()
-
-    def _shared(self, act: Callable[[Array], Array], q: Array) -> Array:
-        """What all groups of rows do to all rows."""
-        if not self.shares:
-            return act(q)
-        total = self.shares[0][1] * act(self.shares[0][0] * q)
-        for own, influence in self.shares[1:]:
-            total += influence * act(own * q)
-        return total
-
-    def _normal(self, p: Array) -> Array:
-        if self._turned:
-            return self._along_normal(self._section_under_pressures(p))
-        f = self._fourier.to(p)
-        f *= self._spectra[NN]
-        return self._fourier.back(f)
-
-    def _slip(self, q: Array, forward: float) -> Array:
-        if self._turned:
-            return self._slip_of(self._under_tractions(q), forward)
-        a, (x, s) = self._spectra, self._fourier.to(q)
-        return self._difference(np.stack([a[XX] * x + a[XS] * s, a[XS] * x + a[SS] * s]), forward)
-
-    def _normal_of_tractions(self, q: Array) -> Array:
-        if self._turned:
-            return self._along_normal(self._under_tractions(q)[1:])
-        x, s = self._fourier.to(q)
-        return self._fourier.back(-1j * (self._spectra[XN] * x + self._spectra[SN] * s))
-
-    def _slip_of_pressure(self, p: Array, forward: float) -> Array:
-        f = 1j * self._fourier.to(p)
-        along = self._spectra[XN] * f if self._unequal else np.zeros_like(f)
-        if self._turned:
-            return self._slip_of(np.concatenate([along[None], self._section_under_pressures(p)]), forward)
-        return self._difference(np.stack([along, self._spectra[SN] * f]), forward)
 
     def _section_under_pressures(self, p: Array) -> Spectrum:
         """Transform of the displacements (o, b) under turned pressures."""
@@ -272,15 +297,12 @@ class Operator:
 
 
 class Inverse:
-    """Inverse symbols of the half-space on a periodic grid hardly larger than the patch: preconditioners.
-
-    Over the wave number k a half-space gives way by (1 - nu)/(G |k|) normal to its surface and along k, by 1/(G |k|)
-    across.
-    """
+    """Inverse symbols of the half-space on a periodic grid hardly larger than the patch: preconditioners. Over the wave
+    number k a half-space gives way by (1 - nu)/(G |k|) normal to its surface and along k, by 1/(G |k|) across."""
 
     def __init__(self, operator: Operator) -> None:
         o, c = operator, operator.compliance
-        self._fourier = _Fourier.at_least(o.rows, o.columns, o.rows + MARGIN, o.columns + MARGIN)
+        self._fourier = _Fourier(o.rows, o.columns, o.rows + MARGIN, o.columns + MARGIN)
         period_s, period_x = self._fourier.period
         kx = 2.0 * pi * scipy.fft.rfftfreq(period_x, o.dx)
         ks = 2.0 * pi * scipy.fft.fftfreq(period_s, o.ds)[:, None]

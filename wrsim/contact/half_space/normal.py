@@ -1,16 +1,12 @@
 """Pressures of half-spaces in contact at a given approach: the loop around core.contact.half_space.normal."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.contact.half_space.influence import Operator
 from wrsim.core.contact.half_space import normal
-
-Array = NDArray[np.float64]
+from wrsim.core.jit import Array
 
 FIRST_LEVEL = 0.45  # of the approach: where the first guess of the pressure begins
 MOST_STEPS = 200
@@ -28,11 +24,8 @@ class Pressure:
 
 
 def solve_normal(operator: Operator, pen: Array, tolerance: float = 1e-4, start: Array | None = None) -> Pressure:
-    """Pressures that make the surfaces touch without overlap.
-
-    pen: undeformed interpenetration (rows, columns) [m]; tolerance: largest error of the gap over the approach, the
-    largest of pen; start: pressures to begin with.
-    """
+    """Pressures that make the surfaces touch without overlap. pen: undeformed interpenetration (rows, columns) [m];
+    tolerance: largest error of the gap over the approach, the largest of pen; start: pressures to begin with."""
     approach = float(pen.max())
     if approach <= 0.0:
         return Pressure(np.zeros_like(pen), -pen, 0, 0.0, True)

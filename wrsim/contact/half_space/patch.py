@@ -3,8 +3,6 @@
 Arrays over elements are (rows, columns): rows along the curved axis s, columns along the rail x.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,10 +14,8 @@ from numpy.typing import NDArray
 from wrsim.contact.half_space.normal import Pressure
 from wrsim.contact.half_space.rolling import Traction
 from wrsim.contact.half_space.surface import Grid
-from wrsim.core.contact.half_space.patch import measure
 from wrsim.core.contact.half_space.rolling import OUTSIDE, SLIP
-
-Array = NDArray[np.float64]
+from wrsim.core.jit import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +65,7 @@ class Patch:
     traction: Traction | None
 
     @classmethod
-    def of(cls, grid: Grid, p: Array, pressure: Pressure, traction: Traction | None, rigid: Array) -> Patch:
+    def of(cls, grid: Grid, p: Array, pressure: Pressure, traction: Traction | None, rigid: Array) -> "Patch":
         """All contact on a grid. p: pressures with damping; rigid: slip of the wheel."""
         if traction is None:
             q, slip, state = np.zeros((2, *p.shape)), rigid, np.where(p > 0.0, SLIP, OUTSIDE)
@@ -78,19 +74,14 @@ class Patch:
         along, across, normal = grid.axes.transpose(0, 2, 1)[..., None]
         forces = (q[0] * along + q[1] * across + p * normal) * grid.cell
         # on the wheel's undeformed surface, where the slip is taken
-        rise = (grid.x - grid.axis["x"][:, None]) * grid.incline.slope
-        x, (o, b) = grid.x[None, :], (grid.centre + 0.5 * grid.axis["gap"][:, None] * grid.normal).T[:, :, None]
-        o, b = o + rise * grid.incline.no, b + rise * grid.incline.nb
-        origin = grid.bodies.pose.origin
-        arms = np.stack(np.broadcast_arrays(x - origin.x, o - origin.y, b - origin.z))
+        arms = grid.arms(grid.x, 0.5 * grid.axis["gap"][:, None])
         moment = np.cross(arms, forces, axis=0).sum(axis=(1, 2))
         return cls(grid, p, q, slip, rigid, state, forces.sum(axis=(1, 2)), moment, pressure, traction)
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:
         """Connected regions by falling normal force."""
-        regions = [_region(self.grid, rows, columns, own) for rows, columns, own in _islands(self.p)]
-        return tuple(sorted(regions, key=lambda r: -r.normal_force))
+        return tuple(sorted(_regions(self.grid, self.p), key=lambda r: -r.normal_force))
 
     @property
     def approach(self) -> float:
@@ -117,11 +108,6 @@ class Patch:
         """Number of elements in contact times their size, as CONTACT states it: too large by about half an element
         around the edge [m2]."""
         return float(np.count_nonzero(self.p)) * self.grid.cell
-
-    @property
-    def creep_force(self) -> tuple[float, float]:
-        """Sums of q dA along x and along the rows' tangents, on the wheel [N]."""
-        return float(self.q[0].sum()) * self.grid.cell, float(self.q[1].sum()) * self.grid.cell
 
     @property
     def wear(self) -> float:
@@ -164,28 +150,41 @@ class HalfSpaceContact:
         return found[:most]
 
 
-def _islands(p: Array) -> Iterator[tuple[slice, slice, Array]]:
-    """Connected regions of a pressure field: their rows, their columns, and their own pressures in that box."""
+def stretches(p: Array) -> tuple[NDArray[np.intp], Array, Array]:
+    """Row, start and end of every stretch of contact along a row, in elements from the first column's outer side. Near
+    its edge a pressure rises with the root of the distance, so p^2 extrapolated linearly from the two outermost
+    elements vanishes at the edge, within the two elements' width."""
+    inside = np.pad(p > 0.0, ((0, 0), (1, 1)))
+    row, first = np.nonzero(inside[:, 1:] & ~inside[:, :-1])
+    last = np.nonzero(inside[:, :-1] & ~inside[:, 1:])[1] - 1
+
+    def to_edge(outer: Array, inner: Array) -> Array:
+        rise = inner**2 - outer**2
+        return np.where(rise > 0.0, np.minimum(outer**2 / np.where(rise > 0.0, rise, 1.0), 1.0), 0.5)
+
+    start = first + 0.5 - to_edge(p[row, first], p[row, np.minimum(first + 1, last)])
+    return row, start, last + 0.5 + to_edge(p[row, last], p[row, np.maximum(last - 1, first)])
+
+
+def _regions(grid: Grid, p: Array) -> Iterator[Region]:
+    """The connected regions of a pressure field."""
     labels, _ = scipy.ndimage.label(p > 0.0)
     for number, (rows, columns) in enumerate(scipy.ndimage.find_objects(labels), start=1):
-        yield rows, columns, np.where(labels[rows, columns] == number, p[rows, columns], 0.0)
-
-
-def _region(grid: Grid, rows: slice, columns: slice, own: Array) -> Region:
-    """A region from its own pressures."""
-    starts, ends = np.zeros((2, len(own)))
-    figures = measure(own, grid.length, grid.ds, starts, ends)
-    first, last = np.zeros((2, 1))
-    measure(own.max(axis=1)[None, :], grid.ds, grid.length, first, last)
-    s_from = float(grid.s[rows.start] + grid.ds * (first[0] - 0.5))
-    s_to = float(grid.s[rows.start] + grid.ds * (last[0] - 0.5))
-    outer = float(grid.x[columns.start]) - 0.5 * grid.dx
-    starts, ends = outer + grid.dx * starts, outer + grid.dx * ends
-    angle_from, angle_to = np.interp([s_from, s_to], grid.s, grid.angle)
-    weight = own / own.sum()
-    o, b = weight.sum(axis=1) @ grid.centre[rows]
-    return Region(
-        rows, columns, own, figures.area, figures.p0, figures.force, figures.length, starts, ends, (s_from, s_to),
-        (float(starts.min()), float(ends.max())), (float(angle_from), float(angle_to)),
-        (float(weight.sum(axis=0) @ grid.x[columns]), float(o), float(b)),
-    )  # fmt: skip
+        own = np.where(labels[rows, columns] == number, p[rows, columns], 0.0)
+        row, start, end = stretches(own)
+        longest = np.argsort(end - start)  # of a row's stretches the longest is written last
+        starts, ends = np.zeros((2, len(own)))
+        starts[row[longest]], ends[row[longest]] = start[longest], end[longest]
+        _, first, last = stretches(own.max(axis=1)[None, :])
+        s_from, s_to = (float(grid.s[rows.start] + grid.ds * (edge[0] - 0.5)) for edge in (first, last))
+        length = float((ends - starts).max()) * grid.length
+        outer = float(grid.x[columns.start]) - 0.5 * grid.dx
+        starts, ends = outer + grid.dx * starts, outer + grid.dx * ends
+        angle_from, angle_to = np.interp([s_from, s_to], grid.s, grid.angle)
+        weight = own / own.sum()
+        o, b = weight.sum(axis=1) @ grid.centre[rows]
+        yield Region(
+            rows, columns, own, float((end - start).sum()) * grid.cell, float(own.max()), float(own.sum()) * grid.cell,
+            length, starts, ends, (s_from, s_to), (float(starts.min()), float(ends.max())),
+            (float(angle_from), float(angle_to)), (float(weight.sum(axis=0) @ grid.x[columns]), float(o), float(b)),
+        )  # fmt: skip

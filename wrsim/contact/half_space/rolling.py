@@ -1,17 +1,13 @@
 """Tractions of half-spaces in steady rolling: the loop around core.contact.half_space.rolling."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.contact.half_space.influence import Operator
 from wrsim.core.contact.half_space import rolling
-
-Array = NDArray[np.float64]
+from wrsim.core.jit import Array
 
 NEWTON_STEPS = 80
 KRYLOV_STEPS = 40

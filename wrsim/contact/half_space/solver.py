@@ -6,16 +6,13 @@ curved axis (``influence = "half-space"``) or with their influence turned by the
 (``"angle-corrected"``). Damping multiplies the pressures of a row by max(0, 1 + c d(approach)/dt).
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from math import ceil, floor, log2
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.contact import status as status_of
-from wrsim.contact.half_space.elements import Pressed, press
-from wrsim.contact.half_space.influence import Compliance
+from wrsim.contact.half_space.influence import Compliance, Operator
 from wrsim.contact.half_space.normal import Pressure, solve_normal
 from wrsim.contact.half_space.patch import HalfSpaceContact, Patch
 from wrsim.contact.half_space.rolling import Traction, solve_rolling
@@ -25,11 +22,14 @@ from wrsim.contact.model import LEAST_SPEED, ContactModel
 from wrsim.contact.settings import HalfSpaceSettings
 from wrsim.core.contact.records import STATUS_PROFILE_END, STATUS_TOO_DEEP
 from wrsim.core.contact.wheel_rail import DEEPEST
-
-Array = NDArray[np.float64]
+from wrsim.core.jit import Array
 
 AHEAD = 1.0 / 6.0  # of an element: where the rigid slip is taken, which cancels most of the error of first order
-TURNS = 30  # between pressures and tractions that move each other
+ALTERNATIONS = 30  # between pressures and tractions that move each other
+WIDENING = (0.0, 0.15, 0.5)  # of the grid, tried in turn when contact reaches its edge
+SHARP, HIGH = 0.05, 0.75  # peaks that ask for finer rows: their bend, their height, over the highest
+MOST_HALVINGS = 3
+FINE_S = 2e-4  # largest default element across [m]: jumps of a profile's curvature make narrow peaks
 
 
 @dataclass(frozen=True)
@@ -37,22 +37,20 @@ class HalfSpace(HalfSpaceSettings):
     """The exact solver and its settings, see `wrsim.contact.settings.HalfSpaceSettings`."""
 
     @classmethod
-    def of(cls, settings: HalfSpaceSettings) -> HalfSpace:
+    def of(cls, settings: HalfSpaceSettings) -> "HalfSpace":
         """The solver with these settings."""
-        return cls(**{f.name: getattr(settings, f.name) for f in fields(HalfSpaceSettings)})
+        return cls(**vars(settings))
 
     def solve_pose(self, model: ContactModel, before: HalfSpaceContact | None = None) -> HalfSpaceContact:
-        """Contact at the pose set in the model's arrays (`ContactModel.evaluate` and pose solvers set it).
-
-        The approach comes from the pose. before: solution of a pose near by on the same elements, to start from.
-        Tractions are solved for when the model's settings say ``creep_forces == "half-space"``.
-        """
+        """Contact at the pose set in the model's arrays (`ContactModel.evaluate` and pose solvers set it). The approach
+        comes from the pose. before: solution of a pose near by on the same elements, to start from. Tractions are
+        solved for when the model's settings say ``creep_forces == "half-space"``."""
         footprints, closest, status = find_footprints(model, self)
         patches = []
         for number, footprint in enumerate(footprints):
             start = before.patches[number] if before is not None and number < len(before.patches) else None
-            patch, said = self._solve(model, footprint, start)
-            status |= said
+            patch, own = self._solve(model, footprint, start)
+            status |= own
             if patch is not None and patch.regions:
                 patches.append(patch)
         patches.sort(key=lambda p: -p.normal_force)
@@ -61,19 +59,19 @@ class HalfSpace(HalfSpaceSettings):
     def elements_at(self, model: ContactModel) -> tuple[float, float] | None:
         """Elements (dx, ds) of the deepest patch at the pose set in the model's arrays [m]; None without contact."""
         footprints, _, _ = find_footprints(model, self)
-        pressed = press(footprints[0], self, _compliance(model), None) if footprints else None
+        pressed = _press(footprints[0], self, _compliance(model), None) if footprints else None
         return None if pressed is None else (pressed.grid.dx, pressed.grid.ds)
 
     def _solve(self, model: ContactModel, footprint: Footprint, start: Patch | None) -> tuple[Patch | None, int]:
-        """The patch over one footprint, and what there is to say about it."""
-        pressed = press(footprint, self, _compliance(model), start.pressure.p if start is not None else None)
+        """The patch over one footprint, and its status."""
+        pressed = _press(footprint, self, _compliance(model), start.pressure.p if start is not None else None)
         if pressed is None:
             return None, status_of.TOO_MANY
         grid, pressure = pressed.grid, pressed.pressure
         forward = 1.0 if grid.bodies.pose.velocity.x >= 0.0 else -1.0
         rigid = grid.rigid_slip(LEAST_SPEED, forward * AHEAD * grid.dx)
         damping = _damping(grid, model.settings.damping)
-        traction, settled = None, True
+        traction, converged = None, True
         contact = footprint.depth <= DEEPEST
         law = model.friction_here
         rough = max(law.static, law.at_corner) > 0.0
@@ -81,23 +79,22 @@ class HalfSpace(HalfSpaceSettings):
             speed = np.hypot(grid.bodies.pose.velocity.x, LEAST_SPEED)
             friction = damping * law.coefficient(grid.normal[:, None, :], speed * np.hypot(*rigid))
             first = start.q if start is not None else None
-            pressure, traction, settled = self._roll(pressed, friction, rigid, forward, first)
-        said = {
+            pressure, traction, converged = self._roll(pressed, friction, rigid, forward, first)
+        bits = {
             status_of.GRID_EDGE: pressed.reaches_edge,
             STATUS_TOO_DEEP: not contact,
-            STATUS_PROFILE_END: _leaves_profiles(grid, pressure.p),
-            status_of.NOT_CONVERGED: not (settled and pressure.converged and (traction is None or traction.converged)),
+            # rows beyond the end of a profile, which is continued straight there
+            STATUS_PROFILE_END: not grid.bodies.holds(grid.axis[pressure.p.any(axis=1)]).all(),
+            status_of.NOT_CONVERGED: not (converged and pressure.converged),
         }
         patch = Patch.of(grid, damping * pressure.p, pressure, traction, rigid)
-        return patch, sum(bit for bit, true in said.items() if true)
+        return patch, sum(bit for bit, is_set in bits.items() if is_set)
 
     def _roll(
-        self, pressed: Pressed, friction: Array, rigid: Array, forward: float, first: Array | None
+        self, pressed: "Pressed", friction: Array, rigid: Array, forward: float, first: Array | None
     ) -> tuple[Pressure, Traction, bool]:
-        """Tractions; in turns with the pressures where they move each other (Panagiotopoulos); whether that settled.
-
-        friction: bound of the tractions over the pressure (rows, columns); first: tractions to begin with.
-        """
+        """Pressures, tractions, whether they converged: alternating where they move each other (Panagiotopoulos).
+        friction: bound of the tractions over the pressure (rows, columns); first: tractions to begin with."""
         operator, pressure = pressed.operator, pressed.pressure
 
         def roll(p: Array, q: Array | None) -> Traction:
@@ -106,14 +103,14 @@ class HalfSpace(HalfSpaceSettings):
 
         traction = roll(pressure.p, first)
         if not operator.coupled:
-            return pressure, traction, True
-        for _ in range(TURNS):
+            return pressure, traction, traction.converged
+        for _ in range(ALTERNATIONS):
             last = pressure.p
             lifted = pressed.grid.pen - operator.normal_of_tractions(traction.q)
             pressure = solve_normal(operator, lifted, self.tolerance, last)
             traction = roll(pressure.p, traction.q)
             if np.abs(pressure.p - last).max() <= 100.0 * self.tolerance * pressure.p.max():
-                return pressure, traction, True
+                return pressure, traction, traction.converged
         return pressure, traction, False
 
 
@@ -122,10 +119,8 @@ def _compliance(model: ContactModel) -> Compliance:
 
 
 def _damping(grid: Grid, damping: float) -> Array:
-    """Factor of the pressures of every row (rows, 1): 1 + c times the rate of approach there, never negative.
-
-    The spin moves a surface of revolution in itself, so it brings nothing nearer.
-    """
+    """Factor of the pressures of every row (rows, 1): 1 + c times the rate of approach there, never negative. The spin
+    moves a surface of revolution in itself, so it brings nothing nearer."""
     origin, axle, velocity, omega = (np.array(vector) for vector in grid.bodies.pose)
     turning = omega - (omega @ axle) * axle
     arm = np.column_stack([grid.axis["x"], grid.centre]) - origin
@@ -133,6 +128,74 @@ def _damping(grid: Grid, damping: float) -> Array:
     return np.maximum(1.0 + damping * closing, 0.0)[:, None]
 
 
-def _leaves_profiles(grid: Grid, p: Array) -> bool:
-    """Whether contact reaches rows beyond the end of a profile, which is continued straight there."""
-    return not grid.bodies.holds(grid.axis[p.any(axis=1)]).all()
+@dataclass(frozen=True)
+class Pressed:
+    """A grid with its operator and pressures."""
+
+    grid: Grid
+    operator: Operator
+    pressure: Pressure
+
+    @property
+    def reaches_edge(self) -> bool:
+        """Whether contact reaches the grid's edge."""
+        p = self.pressure.p
+        return bool(p[0].any() or p[-1].any() or p[:, 0].any() or p[:, -1].any())
+
+    @property
+    def has_sharp_peak(self) -> bool:
+        """Whether a high peak over the rows bends by more than SHARP of itself from one row to the next."""
+        crest = np.pad(self.pressure.p.max(axis=1), 1)
+        before, middle, after = crest[:-2], crest[1:-1], crest[2:]
+        high = (middle > HIGH * middle.max()) & (middle >= before) & (middle >= after)
+        return bool((2.0 * middle - before - after)[high].max(initial=0.0) > SHARP * middle.max())
+
+
+def _press(
+    footprint: Footprint, settings: HalfSpaceSettings, compliance: Compliance, start: Array | None
+) -> Pressed | None:
+    """The normal problem on a grid that holds the contact and resolves its peaks; None with too many elements. start:
+    pressures to begin with, of use on the same elements."""
+    if settings.element is None:
+        # the shape of elements comes in steps, so that kernels are used again
+        length, width = (max(extent, 1e-7) / settings.resolution for extent in footprint.narrowest)
+        shape = 2.0 ** (floor(2.0 * log2(min(width, FINE_S) / length) + 0.5) / 2.0)
+        dx, ds = length, min(max(shape, 0.125), 4.0) * length
+    else:
+        dx, ds = settings.element
+    # an overlap too deep to be a contact gets a first answer only
+    once = settings.element is not None or footprint.depth > DEEPEST
+    pressed = None
+    for _ in range(1 if once else 1 + MOST_HALVINGS):
+        finer = _press_on(footprint, dx, ds, settings, compliance, start)
+        if finer is None:
+            break
+        pressed = finer
+        if not pressed.has_sharp_peak:
+            break
+        ds *= 0.5
+    return pressed
+
+
+def _press_on(
+    footprint: Footprint, dx: float, ds: float, settings: HalfSpaceSettings, compliance: Compliance, known: Array | None
+) -> Pressed | None:
+    pressed = None
+    for widening in WIDENING:
+        start, end, x_start, x_end = footprint.extent(widening)
+        rows, columns = (end - start) / ds, (x_end - x_start) / dx
+        if rows > status_of.MOST_ROWS or rows * columns > status_of.MOST_ELEMENTS:
+            break
+        # a row and a column go through the main point
+        first, last = floor(start / ds), ceil(end / ds)
+        axis = footprint.axis.lay(ds, first, last)
+        main = min(max(-first, 0), len(axis) - 1)
+        x_main = float(axis["x"][main])
+        x = x_main + dx * np.arange(floor((x_start - x_main) / dx), ceil((x_end - x_main) / dx) + 1, dtype=np.float64)
+        grid = Grid(footprint.axis.bodies, axis, x, dx, ds, main)
+        angles = grid.angle if settings.influence == "angle-corrected" else None
+        operator = Operator(len(grid.s), len(grid.x), ds, grid.length, compliance, angles, footprint.shares(grid.s))
+        pressed = Pressed(grid, operator, solve_normal(operator, grid.pen, settings.tolerance, known))
+        if not pressed.reaches_edge:
+            break
+    return pressed

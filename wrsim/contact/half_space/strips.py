@@ -4,25 +4,20 @@ Every connected region is a lobe and a patch of its own; every row of its elemen
 pressure, half its length and the middle of that along the rail. Regions beyond ``max_patches`` count in the totals.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.contact.channels import ElementField
 from wrsim.contact.half_space.patch import HalfSpaceContact, Patch, Region
 from wrsim.contact.half_space.solver import HalfSpace
-from wrsim.contact.kernel_arrays import Records
 from wrsim.contact.model import ContactModel
 from wrsim.core.contact import records as k
 from wrsim.core.contact.records import read_pose
 from wrsim.core.contact.resultants import add_lobe, set_creepages
 from wrsim.core.contact.tangential.friction import set_friction
 from wrsim.core.contact.wheel_rail import carry
-
-Array = NDArray[np.float64]
+from wrsim.core.jit import Array, Records
 
 FORCE, MOMENT = ("Ft", "Fo", "Fb"), ("Mt", "Mo", "Mb")
 
@@ -30,11 +25,9 @@ FORCE, MOMENT = ("Ft", "Fo", "Fb"), ("Mt", "Mo", "Mb")
 def solve_into(
     model: ContactModel, solver: HalfSpace | None = None, before: HalfSpaceContact | None = None
 ) -> HalfSpaceContact:
-    """Solve the pose set in the model's arrays and write lobes, strips and totals there, as the kernel does.
-
-    solver: that of the model's settings unless given; before: see `HalfSpace.solve_pose`.
-    Tractions follow the model's ``tangential``: exact ones, or those of a strip model on the exact pressures.
-    """
+    """Solve the pose set in the model's arrays and write lobes, strips and totals there, as the kernel does. solver:
+    that of the model's settings unless given; before: see `HalfSpace.solve_pose`. Tractions follow the model's
+    ``tangential``: exact ones, or those of a strip model on the exact pressures."""
     contact = (solver or HalfSpace.of(model.settings.half_space)).solve_pose(model, before)
     write_contact(model, contact)
     return contact

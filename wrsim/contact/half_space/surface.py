@@ -1,7 +1,5 @@
 """The curved reference surface of a patch and elements on it: the shell of core.contact.half_space.surface."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
@@ -10,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.model import ContactModel
-from wrsim.core.contact.arrays import bodies
 from wrsim.core.contact.half_space import surface
 from wrsim.core.contact.records import PlacedWheel, Rail, WheelPose
+from wrsim.core.contact.wheel_rail import bodies
+from wrsim.core.jit import Array
 from wrsim.geometry.track.rail_surface import RailSurface
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.void]
 """Rows of core.contact.half_space.surface.AXIS."""
 
@@ -32,7 +30,7 @@ class Bodies:
     place: float
 
     @classmethod
-    def of(cls, model: ContactModel) -> Bodies:
+    def of(cls, model: ContactModel) -> "Bodies":
         """At the pose set in a model's arrays."""
         surface = None if model.rolled is None else model.rolled.surface
         wheel, rail, pose = bodies(model.arrays.rows)
@@ -40,10 +38,9 @@ class Bodies:
 
     def holds(self, rows: Rows) -> NDArray[np.bool_]:
         """Which rows of an axis lie on both profiles, not where these are continued straight."""
-        on = np.ones(len(rows), dtype=bool)
-        for arc, body in ((rows["arc_wheel"], self.wheel.profile), (rows["arc_rail"], self.rail)):
-            on &= (arc >= 0.0) & (arc <= (len(body.table) - 1) * body.step)
-        return on
+        on_wheel, on_rail, profile = rows["arc_wheel"], rows["arc_rail"], self.wheel.profile
+        held = (on_wheel >= 0.0) & (on_wheel <= (len(profile.table) - 1) * profile.step)
+        return held & (on_rail >= 0.0) & (on_rail <= (self.rail.rows - 1) * self.rail.step)
 
 
 @dataclass(frozen=True)
@@ -78,10 +75,8 @@ class Axis:
 
 @dataclass(frozen=True)
 class Grid:
-    """Elements dx x ds over a patch.
-
-    bodies: at the pose; axis: (rows,); x: (columns,) centres along the rail [m]; main: row of the main point.
-    """
+    """Elements dx x ds over a patch. bodies: at the pose; axis: (rows,); x: (columns,) centres along the rail [m];
+    main: row of the main point."""
 
     bodies: Bodies
     axis: Rows
@@ -156,15 +151,33 @@ class Grid:
             surface.fill_gap_along(own.wheel, rows, parts, self.incline, self.axis, x0, self.dx, gap[0], gap[1])
         return gap
 
+    def arms(self, x: Array, height: Array) -> Array:
+        """From the wheel's origin to places at x (columns,), that high above the reference along the rows' normals,
+        (3, rows, columns) [m]."""
+        origin, incline = self.bodies.pose.origin, self.incline
+        rise = (x - self.axis["x"][:, None]) * incline.slope
+        o, b = self.centre.T[:, :, None] + height * self.normal.T[:, :, None]
+        o, b = o + rise * incline.no, b + rise * incline.nb
+        return np.stack(np.broadcast_arrays(x - origin.x, o - origin.y, b - origin.z))
+
     def rigid_slip(self, least_speed: float, ahead: float) -> Array:
         """Of the wheel over the rolling speed (2, rows, columns), that far ahead of the elements' centres [m].
 
-        least_speed: the rolling speed is held above it [m/s].
+        The velocity of the wheel's material against the rail's over the rolling speed, which is held above
+        ``least_speed`` [m/s]. Both velocities, seen from the moving contact, are projected on the plane between them,
+        as the material of the wheel runs along its curved surface: without that the slip would err by x^2 / (2 R^2).
         """
-        w = np.empty_like(self._gap)
-        x0 = float(self.x[0]) + ahead
-        surface.rigid_slip(self.bodies.pose, least_speed, self.axis, self.incline, x0, self.dx, self._gap[1], w)
-        return w
+        pose = self.bodies.pose
+        arms = self.arms(self.x + ahead, self._gap[1])
+        u = np.reshape(pose.velocity, (3, 1, 1)) + np.cross(pose.omega, arms, axisb=0, axisc=0)
+        along, across, normal = np.einsum("drk,krc->drc", self.axes, u)
+        # the rail's material comes at minus the wheel's speed along the rail, the wheel's at u less that
+        speed = pose.velocity.x
+        mean = along - 2.0 * speed
+        size = np.hypot(mean, normal)
+        turned = -np.copysign(1.0, speed) * (along * mean + normal**2) / np.where(size > 0.0, size, 1.0)
+        slip = np.stack([np.where(size > 1e-3 * least_speed, turned, along), across])
+        return slip / np.hypot(speed, least_speed)
 
     def at_row(self, row: float) -> dict[str, float]:
         """The axis between two rows."""

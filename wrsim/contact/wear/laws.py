@@ -11,8 +11,6 @@ brr       Pearce and Sherratt 1991 (British Rail Research) [recalled, not read i
 ========  =================================================================================================
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi

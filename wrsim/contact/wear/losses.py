@@ -11,22 +11,18 @@ Times the way that the sample stands for, that is mass [kg], spread evenly over 
 places (bins of arclength) that it covers. A wheel spreads it over its ring, a rail over the length of the stretch.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.kernel_arrays import Records
-from wrsim.contact.model import ContactModel
 from wrsim.contact.wear.laws import DENSITY, LawName, WearSettings, brr, damage, slip_along, usfd, wear_coefficient
 from wrsim.core.contact.records import LOBE, POSE, STRIP
+from wrsim.core.jit import Array, Records
 from wrsim.geometry.profile.profile import Profile
-
-Array = NDArray[np.float64]
 
 FLANGE_ANGLE = np.radians(30.0)
 """Slope of a profile from which on, towards the gauge side, it is flange or gauge corner; before it is tread or top."""
@@ -70,53 +66,26 @@ class Rows:
         return own * np.maximum(self.wear, 0.0) / np.where(total > 0.0, total, np.inf)
 
 
-class Taken:
-    """Room for copies of what models of wheels computed: lobes (n, lobes), strips (n, lobes, strips), poses (n, 12),
-    number of lobes, number of the wheel and way [m] of each; ``count`` of n are taken."""
-
-    def __init__(self, model: ContactModel) -> None:
-        """model: one of the wheels; all have the same room."""
-        a = model.arrays
-        n = max(ROOM // a.strips.nbytes, 1)
-        self.lobes, self.strips = np.zeros((n, *a.patches.shape), LOBE), np.zeros((n, *a.strips.shape), STRIP)
-        self.pose, self.way = np.zeros((n, POSE)), np.zeros(n)
-        self.found, self.wheel = np.zeros(n, np.intp), np.zeros(n, np.intp)
-        self.count = 0
-
-    @property
-    def is_full(self) -> bool:
-        """True when something has to be done with what was taken."""
-        return self.count == self.way.size
-
-    def take(self, wheel: int, way: float, model: ContactModel) -> None:
-        """Copy what a model computed last."""
-        a, i = model.arrays, self.count
-        self.lobes[i], self.strips[i], self.pose[i] = a.patches, a.strips, a.pose
-        self.found[i], self.wheel[i], self.way[i] = a.total.lobes, wheel, way
-        self.count += 1
-
-    def rows(self, radii: Array) -> Rows:
-        """All strips with a load, and the room is free again; radii: of the wheels [m]."""
-        own = slice(0, self.count)
-        lobes, strips, wheel = self.lobes[own], self.strips[own], self.wheel[own]
-        there = (np.arange(lobes.shape[1]) < self.found[own, None]) & (lobes["N"] > 0.0)
-        used = there[..., None] & (np.arange(strips.shape[2]) < lobes["n_strips"][..., None])
-        sample, at, _ = np.nonzero(used)
-        strip = strips[used]
-        wear = np.where(there, lobes["wear"], 0.0)
-        # lobes of one patch have one number
-        same = lobes["group"][:, :, None] == lobes["group"][:, None, :]
-        patch = (same * wear[:, None, :]).sum(axis=2)
-        pose = self.pose[sample]
-        arm = np.stack([strip["x"], strip["o"], strip["b"]], axis=-1) - pose[:, :3]
-        u = (arm * pose[:, 3:6]).sum(axis=1)
-        radius = np.linalg.norm(arm - u[:, None] * pose[:, 3:6], axis=1)
-        on_wheel, on_rail = (lobes[name][sample, at] + strip["s"] for name in ("arc_wheel", "arc_rail"))
-        self.count = 0
-        return Rows(
-            strip, self.way[sample], np.abs(pose[:, 6]), wear[sample, at], patch[sample, at],
-            sample * lobes.shape[1] + at, on_wheel, on_rail, u, radii[wheel[sample]] - radius, wheel[sample],
-        )  # fmt: skip
+def _rows(samples: Records, radii: Array) -> Rows:
+    """All strips with a load, of what `Losses.store` has copied; radii: of the wheels [m]."""
+    lobes, strips, wheel = samples["lobes"].view(LOBE), samples["strips"].view(STRIP), samples["wheel"]
+    there = (np.arange(lobes.shape[1]) < samples["found"][:, None]) & (lobes["N"] > 0.0)
+    used = there[..., None] & (np.arange(strips.shape[2]) < lobes["n_strips"][..., None])
+    sample, at, _ = np.nonzero(used)
+    strip = strips[used]
+    wear = np.where(there, lobes["wear"], 0.0)
+    # lobes of one patch have one number
+    same = lobes["group"][:, :, None] == lobes["group"][:, None, :]
+    patch = (same * wear[:, None, :]).sum(axis=2)
+    pose = samples["pose"][sample]
+    arm = np.stack([strip["x"], strip["o"], strip["b"]], axis=-1) - pose[:, :3]
+    u = (arm * pose[:, 3:6]).sum(axis=1)
+    radius = np.linalg.norm(arm - u[:, None] * pose[:, 3:6], axis=1)
+    on_wheel, on_rail = (lobes[name][sample, at] + strip["s"] for name in ("arc_wheel", "arc_rail"))
+    return Rows(
+        strip, samples["way"][sample], np.abs(pose[:, 6]), wear[sample, at], patch[sample, at],
+        sample * lobes.shape[1] + at, on_wheel, on_rail, u, radii[wheel[sample]] - radius, wheel[sample],
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -130,7 +99,7 @@ class Places:
     flange: NDArray[np.bool_]
 
     @classmethod
-    def on(cls, profile: Profile, step: float) -> Places:
+    def on(cls, profile: Profile, step: float) -> "Places":
         """Bins of at most this step [m]."""
         count = int(np.ceil(profile.length / step))
         middles = (np.arange(count) + 0.5) * profile.length / count
@@ -153,7 +122,11 @@ class Losses:
         # of each law the mass, then what creep dissipates [J]; of the rail also damage over the way [m]
         self.on_wheels = np.zeros((laws + 1, len(wheels), 2, most))
         self.on_rails = np.zeros((laws + 2, len(wheels), 2, on_rail))
-        self._taken = Taken(wheels[0][0].model)
+        a = wheels[0][0].model.arrays  # those of all wheels have one shape
+        # records as plain numbers: numpy copies them a hundred times as fast
+        kind: Any = [("lobes", "f8", a.patches.view("f8").shape), ("strips", "f8", a.strips.view("f8").shape)]
+        kind += [("pose", "f8", POSE), ("way", "f8"), ("found", "i8"), ("wheel", "i8")]
+        self._samples, self._count = np.zeros(max(ROOM // a.strips.nbytes, 1), kind), 0
 
     def store(self, wheelset: int, sample: int) -> None:
         """Take in what the models of a wheelset computed last, for a sample of the run."""
@@ -161,17 +134,21 @@ class Losses:
         if not way > 0.0:
             return
         for side, wheel in enumerate(self.wheels[wheelset]):
-            if wheel.model.arrays.total.lobes:
-                self._taken.take(2 * wheelset + side, way, wheel.model)
-            if self._taken.is_full:
-                self.settle()
+            a = wheel.model.arrays
+            if a.total.lobes:
+                lobes, strips = a.patches.view("f8"), a.strips.view("f8")
+                self._samples[self._count] = lobes, strips, a.pose, way, a.total.lobes, 2 * wheelset + side
+                self._count += 1
+            if self._count == self._samples.size:
+                self._work_through()
 
-    def settle(self) -> None:
-        """Work through what was taken in since."""
-        if not self._taken.count:
+    def _work_through(self) -> None:
+        """Add up what was stored since the last call."""
+        if not self._count:
             return
         wheels = [wheel for pair in self.wheels for wheel in pair]
-        rows = self._taken.rows(np.array([wheel.model.radius for wheel in wheels]))
+        rows = _rows(self._samples[: self._count], np.array([wheel.model.radius for wheel in wheels]))
+        self._count = 0
         width, power = rows.strip["ds"], rows.power
         material = wheels[0].model.settings.wheel
         stiffness = material.shear_modulus / (1.0 - material.poisson_ratio)
@@ -183,19 +160,16 @@ class Losses:
             if not mine.any():
                 continue
             w, side = divmod(i, 2)
+            own = [amount[mine] for amount in (*amounts, harm)]
             arc = _foot(wheel.model.wheel, rows.arc_wheel[mine], rows.u[mine], rows.w[mine])
             places = self.of_wheels[w][side]
-            spread = Spread.over(arc, width[mine], places)
-            for total, amount in zip(self.on_wheels, amounts, strict=True):
-                total[w, side, : places.u.size] += spread.of(amount[mine])
+            self.on_wheels[:, w, side, : places.u.size] += _spread(arc, width[mine], places, own[:-1])
             places = self.of_rails[side]
-            spread = Spread.over(rows.arc_rail[mine], width[mine], places)
-            for total, amount in zip(self.on_rails, (*amounts, harm), strict=True):
-                total[w, side, : places.u.size] += spread.of(amount[mine])
+            self.on_rails[:, w, side, : places.u.size] += _spread(rows.arc_rail[mine], width[mine], places, own)
 
     def channels(self) -> dict[str, Array]:
         """Channels of a result, over laws, wheelsets, wheels, zones and places; see docs/conventions.md."""
-        self.settle()
+        self._work_through()
         laws = len(self.settings.laws)
         total = np.array([own.sum() for own in self.ways])
         way = np.where(total > 0.0, total, np.nan)[:, None, None]
@@ -231,9 +205,7 @@ class Losses:
 
 def ways(distance: Array, stretch: tuple[float | None, float | None]) -> Array:
     """The way [m] that each sample of a wheelset stands for: half of that to either neighbour, within a stretch [m].
-
-    distance: of the samples, rising, (n,). They add up to the stretch as far as the run passes it.
-    """
+    distance: of the samples, rising, (n,). They add up to the stretch as far as the run passes it."""
     low = distance[0] if stretch[0] is None else stretch[0]
     high = distance[-1] if stretch[1] is None else stretch[1]
     edges = np.concatenate([distance[:1], 0.5 * (distance[1:] + distance[:-1]), distance[-1:]])
@@ -271,29 +243,16 @@ def _archard(rows: Rows, power: Array, settings: WearSettings, stiffness: float)
     return lost
 
 
-@dataclass(frozen=True)
-class Spread:
-    """Which share of every strip falls to which place: places (parts, n), shares (parts, n) that add up to one."""
-
-    places: NDArray[np.intp]
-    shares: Array
-    count: int
-
-    @classmethod
-    def over(cls, arc: Array, width: Array, places: Places) -> Spread:
-        """Strips about arclengths [m] with their widths [m]; what would lie beyond a profile's end stays in it."""
-        step, count = places.width, places.u.size
-        low, high = arc - 0.5 * width, arc + 0.5 * width
-        first = np.floor(low / step).astype(np.intp)
-        parts = first + np.arange(int(np.ceil(width.max() / step)) + 1)[:, None]
-        covered = np.maximum(np.minimum(high, (parts + 1) * step) - np.maximum(low, parts * step), 0.0)
-        total = covered.sum(axis=0)
-        covered[0, total <= 0.0] = 1.0
-        return cls(np.clip(parts, 0, count - 1), covered / covered.sum(axis=0), count)
-
-    def of(self, amounts: Array) -> Array:
-        """The amounts (n,) of the strips by place (count,)."""
-        return np.asarray(np.bincount(self.places.ravel(), (self.shares * amounts).ravel(), self.count), dtype=float)
+def _spread(arc: Array, width: Array, places: Places, amounts: Sequence[Array]) -> Array:
+    """Amounts (n,) of strips about arclengths [m] with their widths [m] by place, (amounts, places); what would lie
+    beyond a profile's end stays in it."""
+    step, count = places.width, places.u.size
+    low, high = arc - 0.5 * width, arc + 0.5 * width
+    parts = np.floor(low / step).astype(np.intp) + np.arange(int(np.ceil(width.max() / step)) + 1)[:, None]
+    covered = np.maximum(np.minimum(high, (parts + 1) * step) - np.maximum(low, parts * step), 0.0)
+    covered[0, covered.sum(axis=0) <= 0.0] = 1.0
+    at, shares = np.clip(parts, 0, count - 1).ravel(), covered / covered.sum(axis=0)
+    return np.array([np.bincount(at, (shares * amount).ravel(), count) for amount in amounts])
 
 
 def _foot(profile: Profile, arc: Array, u: Array, w: Array) -> Array:

@@ -16,22 +16,9 @@ dampers under the wheels.
 from math import sqrt
 
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
-from wrsim.core.jit.arena import Array, Record, Records, record
-from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import (
-    BodyMotion,
-    CurveNodes,
-    Frame,
-    Vec,
-    add,
-    cross,
-    dot,
-    from_components,
-    mixed,
-    point_velocity,
-    shifted,
-    sub,
-)
+from wrsim.core.frames import BodyMotion, CurveNodes, Frame, point_velocity
+from wrsim.core.jit import Array, Record, Records, kernel, record
+from wrsim.core.linalg import Vec, add, cross, dot, from_components, mixed, shifted, sub
 from wrsim.core.track.path import frame_at, locate
 
 CONICAL = record("conicity half creep_x creep_y friction clearance flange support support_damping")
@@ -43,11 +30,9 @@ travel [m] and stiffness [N/m] of the flanges, stiffness [N/m] and damping [N s/
 def conical_forces(
     q: Array, q_t: Array, radii: Array, places: Array, curve: CurveNodes, speed: float, law: Records, out: Array
 ) -> int:
-    """Add the generalised forces of all wheelsets' contacts to ``out``; returns 0 or 1, off the track.
-
-    q, q_t: see core.body.vehicle_forces, wheelsets first; radii: of the wheels at their middle position, one per
-    wheelset [m]; places: distances along the centre line, guesses, updated [m]; speed [m/s]; law: one record CONICAL.
-    """
+    """Add the generalised forces of all wheelsets' contacts to ``out``; returns 0 or 1, off the track. q, q_t: see
+    core.body.vehicle_forces, wheelsets first; radii: of the wheels at their middle position, one per wheelset [m];
+    places: distances along the centre line, guesses, updated [m]; speed [m/s]; law: one record CONICAL."""
     for i in range(radii.shape[0]):
         body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
         s, bad = locate(curve, body.position, places[i])

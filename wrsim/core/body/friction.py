@@ -32,8 +32,7 @@ law's own line; HELD from the slip that it has, elastic up to its bound: a state
 
 from math import exp
 
-from wrsim.core.jit.arena import Array, Record
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.jit import Array, Record, inlined, kernel
 from wrsim.core.linalg import ZERO, Vec, dot, norm, scale, shifted, sub
 
 NO_SLIDER, COULOMB, FANCHER, BERG = range(4)
@@ -55,9 +54,7 @@ SMALLEST = 1e-12
 @kernel
 def slide(element: Record, bound: float, z: Vec, v: Vec) -> tuple[Vec, Vec]:
     """Pull of a slider of the kinds COULOMB and FANCHER against the travel [N], and the rate of its slip [m/s].
-
-    element: a record ELEMENT; bound [N]; z: extension of its spring [m]; v: rate of the travel [m/s]; both vectors.
-    """
+    element: a record ELEMENT; bound [N]; z: extension of its spring [m]; v: rate of the travel [m/s]; both vectors."""
     k, size = element.stick, norm(z)
     slip = ZERO
     if size > SMALLEST:
@@ -108,11 +105,9 @@ def follow_strokes(element: Record, bound: float, e: float, v: float, inner: Arr
 
 @kernel
 def slider_force(element: Record, bound: float, e: float, v: float, inner: Array, inner_t: Array) -> float:
-    """Pull of a slider in one direction against the travel e [m] at the rate v [m/s].
-
-    Adds what friction takes to the element's loss. inner, inner_t: the slider's unknowns, and where their rates go; of
-    a settled slider the unknowns where it has come to go there.
-    """
+    """Pull of a slider in one direction against the travel e [m] at the rate v [m/s]. Adds what friction takes to the
+    element's loss. inner, inner_t: the slider's unknowns, and where their rates go; of a settled slider the unknowns
+    where it has come to go there."""
     first = element.slip
     if element.settled != MOVING:
         force = settled(element, bound, Vec(e - inner[first], 0.0, 0.0)).x

@@ -24,22 +24,9 @@ All vectors are in global axes: x forward at the start of the track, y left, z u
 from math import atan2, cos, hypot, isfinite, sin
 from typing import NamedTuple
 
-from wrsim.core.jit.arena import Array, Records, record
-from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import (
-    BodyMotion,
-    CurveNodes,
-    Frame,
-    Vec,
-    add,
-    components,
-    cross,
-    dot,
-    from_components,
-    scale,
-    shifted,
-    sub,
-)
+from wrsim.core.frames import BodyMotion, CurveNodes, Frame
+from wrsim.core.jit import Array, Records, kernel, record
+from wrsim.core.linalg import Vec, add, components, cross, dot, from_components, scale, shifted, sub
 from wrsim.core.track.path import frame_at, locate
 
 Z, X, Y, HEADING, ROLL, SPIN = range(6)
@@ -56,19 +43,15 @@ class TrackPose(NamedTuple):
 
 
 PLACED = record("distance lateral height yaw roll spin_rate")
-"""A pose, its distance along the track [m] and the spin rate [rad/s]."""
+"""A pose, its distance along the track [m], the angular velocity about the axle, positive when rolling on [rad/s]."""
 
 
 @kernel
 def kinematics(q: Array, q_t: Array) -> BodyMotion:
     """Position, velocity and orientation of a wheelset: a ``BodyMotion``, whose axes do not spin and whose omega does.
-
-    q, q_t: (6,) coordinates [m, rad] and their rates.
-    """
-    sa = sin(q[HEADING])
-    ca = cos(q[HEADING])
-    sb = sin(q[ROLL])
-    cb = cos(q[ROLL])
+    q, q_t: (6,) coordinates [m, rad] and their rates."""
+    sa, ca = sin(q[HEADING]), cos(q[HEADING])
+    sb, cb = sin(q[ROLL]), cos(q[ROLL])
     forward = Vec(ca, sa, 0.0)
     axle = Vec(-sa * cb, ca * cb, sb)
     return BodyMotion(
@@ -82,17 +65,9 @@ def kinematics(q: Array, q_t: Array) -> BodyMotion:
 
 
 @kernel
-def spin_rate(q: Array, q_t: Array) -> float:
-    """Angular velocity about the axle [rad/s], positive when rolling forward."""
-    return q_t[SPIN] + q_t[HEADING] * sin(q[ROLL])
-
-
-@kernel
 def add_generalised_forces(body: BodyMotion, force: Vec, moment: Vec, out: Array) -> None:
-    """Add the generalised forces (6,) of a force [N] and a moment [N m] at the centre of mass to ``out``.
-
-    They are the forces along z, x, y, then the moment's components along the vertical, forward and the axle.
-    """
+    """Add the generalised forces (6,) of a force [N] and a moment [N m] at the centre of mass to ``out``. They are the
+    forces along z, x, y, then the moment's components along the vertical, forward and the axle."""
     out[Z] += force.z
     out[X] += force.x
     out[Y] += force.y
@@ -140,11 +115,9 @@ def place_on_track(
 
 @kernel
 def poses_along(q: Array, q_t: Array, curve: CurveNodes, guess: float, out: Records) -> int:
-    """Poses of a motion against a track.
-
-    q, q_t: (n, 6); curve: centre line; guess: distance of the first row [m], each row starts from the last;
-    out: (n,) records PLACED. Returns the first row that cannot be placed on the track, or -1.
-    """
+    """Poses of a motion against a track. q, q_t: (n, 6); curve: centre line; guess: distance of the first row [m], each
+    row starts from the last; out: (n,) records PLACED. Returns the first row that cannot be placed on the track, or
+    -1."""
     s = guess
     for i in range(q.shape[0]):
         body = kinematics(q[i], q_t[i])
@@ -155,7 +128,7 @@ def poses_along(q: Array, q_t: Array, curve: CurveNodes, guess: float, out: Reco
         row = out[i]
         row.distance = s
         row.lateral, row.height, row.yaw, row.roll = pose.lateral, pose.height, pose.yaw, pose.roll
-        row.spin_rate = spin_rate(q[i], q_t[i])
+        row.spin_rate = q_t[i, SPIN] + q_t[i, HEADING] * sin(q[i, ROLL])
     return -1
 
 
@@ -163,10 +136,7 @@ def poses_along(q: Array, q_t: Array, curve: CurveNodes, guess: float, out: Reco
 def first_not_finite(q: Array, q_t: Array) -> int:
     """Index of the first coordinate (or, counted on, rate) that is not a finite number; -1 if all are."""
     n = q.shape[0]
-    for i in range(n):
-        if not isfinite(q[i]):
+    for i in range(2 * n):
+        if not isfinite(q[i] if i < n else q_t[i - n]):
             return i
-    for i in range(n):
-        if not isfinite(q_t[i]):
-            return n + i
     return -1

@@ -51,26 +51,9 @@ from typing import NamedTuple
 
 from wrsim.core.body.kinematics import SPIN
 from wrsim.core.body.suspension import apply, material_point
-from wrsim.core.jit.arena import Array, Record, Records, record
-from wrsim.core.jit.compiling import inlined, kernel
-from wrsim.core.linalg import (
-    VECTOR,
-    BodyMotion,
-    CurveNodes,
-    Vec,
-    accumulate,
-    components,
-    cross,
-    dot,
-    from_components,
-    get_body,
-    mixed,
-    put,
-    scale,
-    sub,
-    vec,
-    vec_at,
-)
+from wrsim.core.frames import VECTOR, BodyMotion, CurveNodes, accumulate, get_body, put, vec, vec_at
+from wrsim.core.jit import Array, Record, Records, inlined, kernel, record
+from wrsim.core.linalg import Vec, components, cross, dot, from_components, mixed, scale, sub
 from wrsim.core.root import neighbours
 from wrsim.core.track.path import frame_at, locate
 
@@ -185,9 +168,7 @@ def add_drive(
     asked: Asked, drive: int, units: Records, bodies: Records, axles: Records, centre: CurveNodes, wrenches: Records
 ) -> int:
     """Add the pull that holds the speed of every vehicle, or ask its axles for it; returns the status of ``locate``.
-
-    asked: an ``Asked``; drive: its kind; units: records UNIT, which keep where their reference bodies are.
-    """
+    asked: an ``Asked``; drive: its kind; units: records UNIT, which keep where their reference bodies are."""
     for k in range(units.shape[0]):
         unit = units[k]
         body = get_body(bodies[unit.body])
@@ -215,11 +196,9 @@ def add_efforts(
     t: float, q_t: Array, vehicle: Record, origin: float, parts: Records, bodies: Records, efforts: Efforts,
     axles: Records, wrenches: Records, out: Array,
 ) -> None:  # fmt: skip
-    """Add the moments on the axles: what the drive asks of them and the efforts.
-
-    vehicle: a record VEHICLE of core.body.vehicle_forces; origin: distance of the (first) vehicle's origin [m].
-    out: where the rates of the unknowns of geared motors go.
-    """
+    """Add the moments on the axles: what the drive asks of them and the efforts. vehicle: a record VEHICLE of
+    core.body.vehicle_forces; origin: distance of the (first) vehicle's origin [m]. out: where the rates of the unknowns
+    of geared motors go."""
     for j in range(axles.shape[0]):
         axles[j].twisting = 0.0
     for j in range(efforts.rows.shape[0]):
@@ -263,8 +242,7 @@ def add_efforts(
 @kernel
 def _turn_gear(axle: Record, q_t: Array, settled: bool, bodies: Records, wrenches: Records, out: Array) -> None:
     """Add what a geared motor does to its wheelset, its own body and the case of its gear; write the rates of its
-    unknowns, twist and momentum of the hollow axle over its inertia, or where they have come to once settled.
-    """
+    unknowns, twist and momentum of the hollow axle over its inertia, or where they have come to once settled."""
     twist, turning = axle.gear, axle.gear + 1
     about, case, motor = get_body(bodies[axle.body]), get_body(bodies[axle.holder]), get_body(bodies[axle.motor])
     n = axle.ratio

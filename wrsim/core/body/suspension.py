@@ -30,29 +30,9 @@ across one axis of the first body. The bound of a slider's force is constant, or
 from typing import Any, NamedTuple
 
 from wrsim.core.body.friction import MOVING, NO_SLIDER, settled, slide, slider_force
-from wrsim.core.jit.arena import Array, Record, Records, record
-from wrsim.core.jit.compiling import inlined, kernel
-from wrsim.core.linalg import (
-    VECTOR,
-    ZERO,
-    BodyMotion,
-    Vec,
-    accumulate,
-    add,
-    components,
-    cross,
-    dot,
-    from_components,
-    get_body,
-    mixed,
-    norm,
-    point_velocity,
-    put,
-    scale,
-    shifted,
-    sub,
-    vec,
-)
+from wrsim.core.frames import VECTOR, BodyMotion, accumulate, get_body, point_velocity, put, vec
+from wrsim.core.jit import Array, Record, Records, inlined, kernel, record
+from wrsim.core.linalg import ZERO, Vec, add, components, cross, dot, from_components, mixed, norm, scale, shifted, sub
 
 FIELD, SHEAR, AXIS, LINE, PLANE = range(5)
 """Kinds of elements."""
@@ -151,8 +131,7 @@ def _act(on: Suspension, element: Record, first: BodyMotion, second: BodyMotion,
 @inlined
 def _seen_from(first: BodyMotion, second: BodyMotion, at: Vec, point: Any) -> tuple[Vec, Vec]:
     """Vector from a point of the first body to the second body's point ``at``, and the velocity of the second body's
-    material there against the first one's; in the first body's axes.
-    """
+    material there against the first one's; in the first body's axes."""
     d = sub(at, material_point(first, point))
     u = sub(point_velocity(second, at), point_velocity(first, at))
     return own_components(first, d), own_components(first, u)
@@ -190,10 +169,8 @@ def _bound(on: Suspension, element: Record) -> float:
 
 @kernel
 def _field(on: Suspension, element: Record, sign: float, share: float, reading: Record) -> None:
-    """A field of the first body that acts on the second one (sign +1), or the other way round (sign -1).
-
-    share: of the element. Adds force and travel to the reading, in the axes of the body whose field it is.
-    """
+    """A field of the first body that acts on the second one (sign +1), or the other way round (sign -1). share: of the
+    element. Adds force and travel to the reading, in the axes of the body whose field it is."""
     a, b = element.first, element.second
     point_a, point_b = vec(element.point_1), vec(element.point_2)
     if sign < 0.0:

@@ -1,80 +1,50 @@
 """All forces on a vehicle in one call: suspension, gravity, loads, drive, and the contacts of all wheelsets.
 
-One arena (core.jit.arena): first the arrays named below, then those of each wheel as ``core.body.wheel_forces`` orders
-them, wheelset after wheelset; what loads and drive do, see ``core.body.loads``. Coordinates are six a body as in
-``core.body.kinematics`` (pitch in the place of spin for bodies that are no wheelset), then one for every damper in
-series with a spring: its rate is the extension of the damping part, so that its "force" is the rate of that extension,
-on a mass of 1; the coordinate itself means nothing. So do twist and rate of the hollow axle of every geared motor
-(core.body.loads). Then comes the pitch of every axle box (core.body.axle_boxes), on
-an inertia of 1.
+One workspace (core.jit.arena): the arrays named below, then those of each wheel as in ``core.body.wheel_forces``,
+wheelset after wheelset. The coordinates are, in this order:
 
-After these comes the twist of every axle whose wheels may turn against each other: theta_t is the spin of the left
-wheel less that of the right one. With half of the wheelset's inertia J about the axle at each of them, the body's spin
-is the mean of both, and with the moments M about the axle of what acts on left and right wheel
+- six a body as in ``core.body.kinematics``, with pitch in the place of spin for bodies that are no wheelset;
+- one for every damper in series with a spring and every unknown of a slider or of a geared motor (core.body.loads): its
+  rate is the unknown, its "force" the rate of that, on a mass of 1; the coordinate itself means nothing;
+- the pitch of every axle box (core.body.rigid_body), on an inertia of 1;
+- the twist of every axle whose wheels may turn against each other: theta_t is the spin of the left wheel less that of
+  the right one. With half of the wheelset's inertia J about the axle at each of them and the moments M about the axle
+  of what acts on left and right wheel
 
-    J/4 theta_tt = (M_left - M_right)/2 - k theta - c theta_t,
+      J/4 theta_tt = (M_left - M_right)/2 - k theta - c theta_t,
 
-while the body takes their sum as ever. Without stiffness and damping the wheels are independent. The spin counts about
-the axle itself, heading_t sin(roll) and all, so that nothing is left out; also gyroscopic moments know the sum alone.
+  while the body's spin is the mean of both and takes their sum. Without stiffness and damping the wheels are
+  independent. The spin counts about the axle itself, heading_t sin(roll) and all, so that nothing is left out; also
+  gyroscopic moments know the sum alone;
+- on elastic rails the displacements of a piece of rail under every wheel, moving along with it: left rail along n and
+  b, right rail along n and b, wheelset after wheelset. Each follows
 
-After these, on elastic rails, come the displacements of a piece of rail under every wheel, moving along with it: left
-rail along n and b, right rail along n and b, wheelset after wheelset. Each follows
+      m u_tt + c u_t + k u = force of the wheel on the rail along n or b,
 
-    m u_tt + c u_t + k u = force of the wheel on the rail along n or b,
+  written with a mass of 1 (its "force" is the acceleration). The wheel meets the rail where it has moved to, with the
+  velocity that is left between them. The pieces of two wheels do not act on each other.
 
-and is written with a mass of 1 (its "force" is the acceleration). The wheel meets the rail where it has moved to, with
-the velocity that is left between them. The pieces of two wheels know nothing of each other.
-
-Two frames follow the last body, and behind these the axle boxes; springs may be fixed to all of them. The track
-frame follows the centre line at the run's speed (`motion_at`): it is evaluated, not integrated. The
-guide frame is the bogie that the vehicle's wheelset leads: it goes with the track frame, but lies along the chord of
-a curve, turned about b by -a kappa for an axle at a distance a ahead of the bogie's centre. Its springs turn with it;
-how fast the angle changes in a transition is left out of its velocity.
+Two frames follow the last body, and behind these the axle boxes; springs may be fixed to all of them. The track frame
+follows the centre line at the run's speed (`motion_at`): it is evaluated, not integrated. The guide frame is the bogie
+that the vehicle's wheelset leads: it goes with the track frame, but lies along the chord of a curve, turned about b by
+-a kappa for an axle at a distance a ahead of the bogie's centre. Its springs turn with it; how fast the angle changes
+in a transition is left out of its velocity.
 """
 
 from math import cos, sin
 
-from wrsim.core.body.axle_boxes import AXLE_BOX, hand_over, on_axle
+from wrsim.core.body import loads
 from wrsim.core.body.kinematics import SPIN, add_generalised_forces, kinematics
-from wrsim.core.body.loads import (
-    AXLE,
-    CARRIED,
-    EFFORT,
-    LOAD,
-    UNIT,
-    Asked,
-    Efforts,
-    add_carried,
-    add_drive,
-    add_efforts,
-    add_loads,
-)
-from wrsim.core.body.rigid_body import PITCH, pitched
+from wrsim.core.body.rigid_body import AXLE_BOX, PITCH, hand_over, on_axle, pitched
 from wrsim.core.body.suspension import ELEMENT, READING, WRENCH, Suspension, suspension_forces
 from wrsim.core.body.wheel_forces import ARRAYS, OFF_TRACK, wheel_record, wheel_total
-from wrsim.core.jit import stages
-from wrsim.core.jit.arena import Array, Ints, Record, Records, matrix, record, records
-from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import (
-    BODY,
-    ZERO,
-    BodyMotion,
-    CurveNodes,
-    Vec,
-    add,
-    dot,
-    get_body,
-    mixed,
-    put,
-    put_body,
-    scale,
-    shifted,
-    vec,
-)
+from wrsim.core.frames import BODY, BodyMotion, CurveNodes, get_body, put, put_body, vec
+from wrsim.core.jit import Array, Ints, Record, Records, kernel, matrix, record, records, stages
+from wrsim.core.linalg import ZERO, Vec, add, dot, mixed, scale, shifted
 from wrsim.core.root import neighbours
 from wrsim.core.track.path import NODE, frame_at, frame_rates
 
-# arrays of the arena before those of the wheels
+# arrays before those of the wheels
 (
     WHOLE, PARTS, BODIES, WRENCHES, ELEMENTS, TABLES, READINGS, LOADS, LOAD_TABLES, CARRIED_MASSES, AXLES, CENTRE,
     AXLE_BOXES, MOTION, EFFORTS, EFFORT_TABLES, UNITS,
@@ -85,10 +55,7 @@ RAIL = record("mass stiffness damping")
 """A piece of rail under a wheel, in one direction [kg, N/m, N s/m]."""
 
 VEHICLE = record(
-    "gravity step guide_ahead slip_speed slip_creepage",
-    "drive rails turns settled",
-    rail_n=RAIL,
-    rail_b=RAIL,
+    "gravity step guide_ahead slip_speed slip_creepage", "drive rails turns settled", rail_n=RAIL, rail_b=RAIL
 )
 """Acceleration of gravity [m/s2]; step of the centre line [m]; how far the axle in the guide frame sits ahead of the
 bogie's centre [m]; limits of the slip control, speed [m/s] and creepage, both 0 without. Kind of drive, place of the
@@ -108,10 +75,8 @@ RAIL_COORDINATES = 4  # of a wheelset
 
 @kernel
 def vehicle_forces(t: float, q: Array, q_t: Array, out: Array, buffer: Array, index: Ints) -> int:
-    """Generalised forces on a vehicle at time t, (6 n + m,) for n bodies and m coordinates behind theirs.
-
-    Returns a status: 0, or the sum of the contacts' STATUS bits, or OFF_TRACK when a body has no place on the track.
-    """
+    """Generalised forces on a vehicle at time t, (6 n + m,) for n bodies and m coordinates behind theirs. Returns a
+    status: 0, or the sum of the contacts' STATUS bits, or OFF_TRACK when a body has no place on the track."""
     out[:] = 0.0
     status = add_forces_on_bodies(t, q, q_t, out, buffer, index)
     return status | add_forces_on_wheels(q, q_t, out, buffer, index)
@@ -151,14 +116,15 @@ def add_forces_on_bodies(t: float, q: Array, q_t: Array, out: Array, buffer: Arr
     for j in range(boxes.shape[0]):
         box, w = boxes[j], boxes[j].wheelset
         out[box.coordinate] = hand_over(box, get_body(bodies[w]), wrenches[n + FRAMES + j], wrenches[w])
-    add_carried(track, records(buffer, index, CARRIED_MASSES, CARRIED), vehicle.gravity, wrenches)
-    loads, load_tables = records(buffer, index, LOADS, LOAD), matrix(buffer, index, LOAD_TABLES)
-    lost = add_loads(t, bodies, loads, load_tables, centre, wrenches)
-    axles, units = records(buffer, index, AXLES, AXLE), records(buffer, index, UNITS, UNIT)
-    lost |= add_drive(Asked(s, speed, acceleration), vehicle.drive, units, bodies, axles, centre, wrenches)
-    efforts = Efforts(records(buffer, index, EFFORTS, EFFORT), matrix(buffer, index, EFFORT_TABLES))
+    loads.add_carried(track, records(buffer, index, CARRIED_MASSES, loads.CARRIED), vehicle.gravity, wrenches)
+    given, load_tables = records(buffer, index, LOADS, loads.LOAD), matrix(buffer, index, LOAD_TABLES)
+    lost = loads.add_loads(t, bodies, given, load_tables, centre, wrenches)
+    axles, units = records(buffer, index, AXLES, loads.AXLE), records(buffer, index, UNITS, loads.UNIT)
+    asked = loads.Asked(s, speed, acceleration)
+    lost |= loads.add_drive(asked, vehicle.drive, units, bodies, axles, centre, wrenches)
+    efforts = loads.Efforts(records(buffer, index, EFFORTS, loads.EFFORT), matrix(buffer, index, EFFORT_TABLES))
     origin = units[0].s - units[0].ahead
-    add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, axles, wrenches, out)
+    loads.add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, axles, wrenches, out)
     for j in range(axles.shape[0]):
         part = parts[axles[j].body]
         if part.twist >= 0:
@@ -174,10 +140,8 @@ def add_forces_on_bodies(t: float, q: Array, q_t: Array, out: Array, buffer: Arr
 @kernel
 def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index: Ints) -> int:
     """Add the contacts of all wheelsets, and on elastic rails write the accelerations of the pieces under the wheels.
-
     Those of a wheelset depend on its own coordinates and those of the twist and of the rails under it alone. Returns a
-    status.
-    """
+    status."""
     vehicle = records(buffer, index, WHOLE, VEHICLE)[0]
     parts = records(buffer, index, PARTS, PART)
     own = index[FIRST_WHEEL:]
@@ -193,7 +157,9 @@ def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index:
             wheel = wheel_record(buffer, own, k)
             put_body(wheel.body, _turned(body, wheel.side * ahead))
             if vehicle.rails >= 0:
-                _set_rail(q, q_t, vehicle.rails + 2 * k, wheel)
+                rail = vehicle.rails + 2 * k
+                wheel.rail_n, wheel.rail_b = q[rail], q[rail + 1]
+                wheel.rail_n_t, wheel.rail_b_t = q_t[rail], q_t[rail + 1]
     stages.run(vehicle.turns, buffer, own)
     status = 0
     for i in range(parts.shape[0]):
@@ -210,17 +176,17 @@ def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index:
             out[parts[i].twist] += 0.5 * apart / parts[i].twist_inertia
         if vehicle.rails >= 0:
             for k in range(first, first + 2):
-                side = wheel_record(buffer, own, k).side
-                _move_rail(q, q_t, vehicle.rails + 2 * k, side, wheel_total(buffer, own, k), vehicle, out)
+                rail, total = vehicle.rails + 2 * k, wheel_total(buffer, own, k)
+                push_n = -wheel_record(buffer, own, k).side * total.Fo
+                out[rail] = _rail_acceleration(vehicle.rail_n, push_n, q[rail], q_t[rail])
+                out[rail + 1] = _rail_acceleration(vehicle.rail_b, -total.Fb, q[rail + 1], q_t[rail + 1])
     return status
 
 
 @kernel
 def motion_at(t: float, pieces: Records) -> tuple[float, float, float]:
-    """Distance [m], speed [m/s] and acceleration [m/s2] of the track frame at time t.
-
-    pieces: records PIECE in the order of time, each from its beginning to that of the next; the last has no end.
-    """
+    """Distance [m], speed [m/s] and acceleration [m/s2] of the track frame at time t. pieces: records PIECE in the
+    order of time, each from its beginning to that of the next; the last has no end."""
     low, _high, _part = neighbours(pieces["time"], t)
     piece = pieces[low]
     since = t - piece.time
@@ -246,20 +212,6 @@ def _frames(s: float, speed: float, vehicle: Record, centre: CurveNodes) -> tupl
     left = mixed(cos(attack), at.n, -sin(attack), at.t)
     track = BodyMotion(at.origin, velocity, at.t, at.n, at.b, omega)
     return track, BodyMotion(at.origin, velocity, forward, left, at.b, omega)
-
-
-@kernel
-def _set_rail(q: Array, q_t: Array, place: int, wheel: Record) -> None:
-    """Write the motion of the piece of rail under a wheel to its record."""
-    wheel.rail_n, wheel.rail_b = q[place], q[place + 1]
-    wheel.rail_n_t, wheel.rail_b_t = q_t[place], q_t[place + 1]
-
-
-@kernel
-def _move_rail(q: Array, q_t: Array, place: int, side: float, total: Record, vehicle: Record, out: Array) -> None:
-    """Accelerations of one rail's piece, along n and b, under the force of its wheel."""
-    out[place] = _rail_acceleration(vehicle.rail_n, -side * total.Fo, q[place], q_t[place])
-    out[place + 1] = _rail_acceleration(vehicle.rail_b, -total.Fb, q[place + 1], q_t[place + 1])
 
 
 @kernel

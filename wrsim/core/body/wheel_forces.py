@@ -1,21 +1,24 @@
 """The contacts of a vehicle's wheels on their rails: of one wheel, and of all of them.
 
-Arrays come in an arena (core.jit.arena), wheel after wheel, the left one of a wheelset before the right one. Of each: a
-record WHEEL, the nodes of its rail, and those of its contact, `core.contact.arrays.Arrays`. A wheel writes to its own
-arrays alone, so the order in which they are asked, or the thread that asks, changes no bit.
+One wheel on one rail is computed in the axes (t, o, b) of its rail, o outward. On the left side o = n and the axes are
+right-handed; on the right side o = -n. Vectors keep their geometry; the components of angular velocities and moments
+change sign once more there (they are pseudovectors), so the formulae hold on both sides and mirrored states give
+mirrored forces to round-off.
+
+Arrays lie in a workspace (core.jit.arena), wheel after wheel, the left one of a wheelset before the right one. Of
+each: a record WHEEL, the nodes of its rail, and those of its contact, `core.contact.arrays.Arrays`. A wheel writes to
+its own arrays alone, so neither order nor threads change a bit.
 """
 
-from wrsim.core.body.wheel_pose import set_pose, wheel_origin, wheel_wrench
 from wrsim.core.contact.arrays import ARRAYS as ARRAYS_OF_A_CONTACT
 from wrsim.core.contact.arrays import Arrays, results, settings_of
 from wrsim.core.contact.records import CONTACT
-from wrsim.core.jit import stages
-from wrsim.core.jit.arena import Array, Ints, Record, record, records, vector
-from wrsim.core.jit.compiling import inlined, kernel, parallel, prange
-from wrsim.core.linalg import BODY, VECTOR, ZERO, CurveNodes, get_body, put
+from wrsim.core.frames import BODY, VECTOR, BodyMotion, CurveNodes, Frame, get_body, point_velocity, put, put_at
+from wrsim.core.jit import Array, Ints, Record, inlined, kernel, parallel, prange, record, records, stages, vector
+from wrsim.core.linalg import ZERO, Vec, add, components, cross, from_components, scale, shifted, sub
 from wrsim.core.track.path import NODE, bends, frame_at, locate
 
-# arrays of the arena of one wheel
+# arrays of one wheel
 OWN, RAIL, IN_CONTACT = range(3)
 ARRAYS = IN_CONTACT + ARRAYS_OF_A_CONTACT
 POSE = Arrays._fields.index("pose")
@@ -31,6 +34,41 @@ OK, OFF_TRACK = 0, 1024
 
 ONE_WHEEL, IN_TURN, SIDE_BY_SIDE = 4, 5, 6
 """Numbers of the stages below (core.jit.stages), behind those of a contact."""
+
+
+@inlined
+def wheel_origin(body: BodyMotion, side: float, half_spacing: float) -> Vec:
+    """Wheel profile origin on the axle, global. side: +1 left, -1 right; half_spacing: H/2 [m]."""
+    return shifted(body.position, side * half_spacing, body.left)
+
+
+@inlined
+def _in_rail(a: Vec, rail: Frame, side: float) -> Vec:
+    """Components of a vector in the rail's axes (t, o, b)."""
+    own = components(a, rail.t, rail.n, rail.b)
+    return Vec(own.x, side * own.y, own.z)
+
+
+@kernel
+def set_pose(body: BodyMotion, rail: Frame, side: float, half_spacing: float, pose: Array) -> None:
+    """Write the pose and motion of one wheel in its rail's axes to ``pose`` (POSE,), see core.contact.records. rail:
+    frame of the rail at the section beside the wheel (core.track.path.frame_at)."""
+    origin = wheel_origin(body, side, half_spacing)
+    turning = components(body.omega, rail.t, rail.n, rail.b)
+    put_at(pose, 0, _in_rail(sub(origin, rail.origin), rail, side))
+    put_at(pose, 3, _in_rail(scale(side, body.left), rail, side))
+    put_at(pose, 6, _in_rail(point_velocity(body, origin), rail, side))
+    put_at(pose, 9, Vec(side * turning.x, turning.y, side * turning.z))
+
+
+@kernel
+def wheel_wrench(body: BodyMotion, rail: Frame, side: float, half_spacing: float, total: Record) -> tuple[Vec, Vec]:
+    """Force and moment at the centre of mass, in global axes, of one wheel's contact; total: a record TOTAL."""
+    f = Vec(total.Ft, side * total.Fo, total.Fb)
+    m = Vec(side * total.Mt, total.Mo, side * total.Mb)
+    force = from_components(f, rail.t, rail.n, rail.b)
+    arm = scale(side * half_spacing, body.left)
+    return force, add(from_components(m, rail.t, rail.n, rail.b), cross(arm, force))
 
 
 @kernel

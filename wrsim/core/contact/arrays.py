@@ -1,30 +1,14 @@
-"""What one wheel on one rail computes in: arrays in an arena (core.jit.arena), and the first look at them."""
+"""What one wheel on one rail computes in: arrays in a workspace (core.jit.arena), and the first look at them."""
 
 from typing import Any, NamedTuple
 
-from wrsim.core.contact.rail import share_at
-from wrsim.core.contact.records import (
-    FOUND,
-    LOBE,
-    SETTINGS,
-    STRIP,
-    TOTAL,
-    PlacedWheel,
-    ProfileTable,
-    Rail,
-    Share,
-    WheelPose,
-    read_pose,
-)
-from wrsim.core.contact.search.locus import placed
+from wrsim.core.contact.records import FOUND, LOBE, SETTINGS, STRIP, TOTAL
 from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW
-from wrsim.core.contact.tangential.friction import set_law
-from wrsim.core.jit.arena import Array, Ints, Record, Records, block, matrix, record_rows, records, vector
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.jit import Array, Ints, Record, Records, block, inlined, kernel, matrix, record_rows, records, vector
 
 
 class Arrays(NamedTuple):
-    """Arrays of one wheel on one rail, in the order of the arena.
+    """Arrays of one wheel on one rail, in the order of the workspace.
 
     wheel, rail: profile tables, the rail's in (o, b) with its inclination, of one that changes along the track station
     by station; rates: of these along s; stations: (2, n) their places and the numbers of their fields, one for a rail
@@ -70,7 +54,7 @@ SETTINGS_PLACE = Arrays._fields.index("settings")
 
 @kernel
 def arrays(buffer: Array, index: Ints) -> Arrays:
-    """The arrays in an arena of one wheel."""
+    """The arrays in a workspace of one wheel."""
     first = index.shape[0] - ARRAYS  # 0; written as a literal, every helper would be compiled anew for each number
     return Arrays(
         matrix(buffer, index, first),
@@ -100,30 +84,11 @@ def arrays(buffer: Array, index: Ints) -> Arrays:
 
 @inlined
 def results(buffer: Array, index: Ints) -> Records:
-    """The TOTAL record in an arena of one wheel, as an array (1,)."""
+    """The TOTAL record in a workspace of one wheel, as an array (1,)."""
     return records(buffer, index, index.shape[0] - 1, TOTAL)
 
 
 @inlined
 def settings_of(buffer: Array, index: Ints) -> Record:
-    """The SETTINGS record in an arena of one wheel."""
+    """The SETTINGS record in a workspace of one wheel."""
     return records(buffer, index, index.shape[0] - ARRAYS + SETTINGS_PLACE, SETTINGS)[0]
-
-
-@kernel
-def bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
-    """The wheel in its place, the rail there, and the pose."""
-    settings, pose = a.settings[0], read_pose(a.pose)
-    wheel = placed(ProfileTable(a.wheel, settings.wheel_step), settings.radius, pose)
-    place = settings.place + pose.origin.x
-    if a.friction.shape[0] > 0:
-        set_law(a.friction, place, settings)
-    share = Share(0, 0, 0, 1.0, 0.0, 0.0, 0.0)
-    if a.rates.shape[0] > 0:
-        share = share_at(a.stations[0], settings.rows, place, settings.station)
-        settings.station = share.at
-    rail = Rail(
-        a.rail, a.rates, a.stations[0], settings.rail_step, settings.rows, share, place, settings.twist, settings.bow_o,
-        settings.bow_b, pose.axle.x, pose.origin.y, settings.radius,
-    )  # fmt: skip
-    return wheel, rail, pose

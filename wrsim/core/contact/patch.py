@@ -19,8 +19,7 @@ from wrsim.core.contact.profile import ProfilePoint, length
 from wrsim.core.contact.rail import along, parting, rail_and_envelope, rail_length
 from wrsim.core.contact.records import PlacedWheel, Rail
 from wrsim.core.contact.search.locus import Locus, locus_point
-from wrsim.core.jit.arena import Record, Records
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.jit import Record, Records, inlined, kernel
 from wrsim.core.root import Bracket, crossing, narrowed
 
 
@@ -142,11 +141,9 @@ def find_edge(
 
 @kernel
 def fill_strips(wheel: PlacedWheel, rail: Rail, lobe: Record, projected: int, n: int, strips: Records) -> float:
-    """Fill ``n`` strips of equal width between the lobe's edges, start < 0 < end.
-
-    Writes per strip s, ds, x, o, b, no, nb, r_t, penetration and, as a, the half length sqrt(2 h r_t) of [S 25] with
-    R_w^x = r_t [S 19, 20]. Returns the half length at the main point.
-    """
+    """Fill ``n`` strips of equal width between the lobe's edges, start < 0 < end. Writes per strip s, ds, x, o, b, no,
+    nb, r_t, penetration and, as a, the half length sqrt(2 h r_t) of [S 25] with R_w^x = r_t [S 19, 20]. Returns the
+    half length at the main point."""
     delta = lobe.approach
     width = (lobe.end - lobe.start) / n
     main_point = locus_point(wheel, lobe.arc_wheel)

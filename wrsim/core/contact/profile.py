@@ -8,7 +8,7 @@ interpolation, the curvature linearly; an index costs a division, no search.
 from typing import Any, NamedTuple
 
 from wrsim.core.contact.records import ProfileTable
-from wrsim.core.jit.compiling import inlined
+from wrsim.core.jit import inlined
 
 
 class ProfilePoint(NamedTuple):
@@ -36,11 +36,8 @@ def length(profile: ProfileTable) -> float:
 
 @inlined
 def profile_point(profile: Any, arc: float) -> ProfilePoint:
-    """Point of a profile at arclength ``arc`` [m].
-
-    The tangent's length differs from 1 by the fourth power of step times curvature (1e-10 for 0.1 mm on 13 mm).
-    Beyond either end the profile goes on straight.
-    """
+    """Point of a profile at arclength ``arc`` [m]. The tangent's length differs from 1 by the fourth power of step
+    times curvature (1e-10 for 0.1 mm on 13 mm). Beyond either end the profile goes on straight."""
     step = profile.step
     last = profile.table.shape[0] - 1
     x = arc * (1.0 / step)  # the compiler takes the inverse out of loops

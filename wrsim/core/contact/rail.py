@@ -1,8 +1,8 @@
 """A rail at a wheel: its profile, or the effective profile (envelope) of sections that change along the track.
 
 A rail that turns about itself, as it does on a ramp of cant, rises along the track wherever it is touched beside its
-origin, and one that bends wherever a yawed wheel touches it ahead of its axle or behind. These are slopes of .1 to 2
-mrad, but without them nobody would do the work of lifting or pushing the wheel.
+origin, and one that bends wherever a yawed wheel touches it ahead of its axle or behind. These are slopes of 0.1 to 2
+mrad; without them the work of lifting or pushing the wheel would be missing.
 
 Between stations the tables are cubics of the distance (values and rates at both), row by row; between rows a point is
 read as in ``core.contact.profile``. A yawed wheel touches every point at the place where its own outline has it, by
@@ -14,8 +14,7 @@ from typing import NamedTuple
 
 from wrsim.core.contact.profile import ProfilePoint, between, profile_point
 from wrsim.core.contact.records import ProfileTable, Rail, Share
-from wrsim.core.jit.arena import Array, Bools
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.jit import Array, Bools, inlined, kernel
 from wrsim.core.root import interval
 
 STEEPEST = 3.0  # slope across up to which a yawed wheel's shift is followed
@@ -90,10 +89,8 @@ def _value(rail: Rail, share: Share, row: int, column: int) -> float:
 
 @inlined
 def _node(rail: Rail, share: Share, row: int) -> ProfilePoint:
-    """A row as a point.
-
-    The next row is touched elsewhere by a yawed wheel, where the rail may be higher: the tangent goes along.
-    """
+    """A row as a point. The next row is touched elsewhere by a yawed wheel, where the rail may be higher: the tangent
+    goes along."""
     tu, tw, k = _value(rail, share, row, 2), _value(rail, share, row, 3), _value(rail, share, row, 4)
     u, w = _value(rail, share, row, 0), _value(rail, share, row, 1)
     if rail.yaw != 0.0:
@@ -115,10 +112,7 @@ def _bent(p: ProfilePoint, q: ProfilePoint, r: float, step: float) -> float:
 @inlined
 def rail_point(rail: Rail, arc: float) -> ProfilePoint:
     """Point of the rail's section at arclength ``arc`` [m]; beyond either end it goes on straight."""
-    if not changes(rail):
-        return profile_point(ProfileTable(rail.table, rail.step), arc)
-    x, i, one, other = _at(rail, arc)
-    return _point(rail, one, other, arc, x, i)
+    return rail_and_envelope(rail, arc)[0]
 
 
 @inlined
@@ -127,8 +121,15 @@ def rail_and_envelope(rail: Rail, arc: float) -> tuple[ProfilePoint, Envelope]:
     if not changes(rail):
         return profile_point(ProfileTable(rail.table, rail.step), arc), Envelope(0.0, 0.0, 0.0)
     x, i, one, other = _at(rail, arc)
-    r = x - i
-    return _point(rail, one, other, arc, x, i), Envelope(
+    r, p, q = x - i, _node(rail, one, i), _node(rail, other, i + 1)
+    at = between(p, q, r, rail.step)
+    if rail.yaw != 0.0:
+        inverse = 1.0 / sqrt(at.tu * at.tu + at.tw * at.tw)
+        at = ProfilePoint(at.u, at.w, at.tu * inverse, at.tw * inverse, _bent(p, q, r, rail.step))
+    beyond = arc - min(max(arc, 0.0), rail_length(rail))
+    if beyond != 0.0:
+        at = ProfilePoint(at.u + beyond * at.tu, at.w + beyond * at.tw, at.tu, at.tw, 0.0)
+    return at, Envelope(
         (1.0 - r) * _value(rail, one, i, 5) + r * _value(rail, other, i + 1, 5),
         (1.0 - r) * _value(rail, one, i, 6) + r * _value(rail, other, i + 1, 6),
         (1.0 - r) * _value(rail, one, i, 7) + r * _value(rail, other, i + 1, 7),
@@ -142,20 +143,6 @@ def _at(rail: Rail, arc: float) -> tuple[float, int, Share, Share]:
     x = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
     i = min(int(x), rail.rows - 2)
     return x, i, _share(rail, i), _share(rail, i + 1)
-
-
-@inlined
-def _point(rail: Rail, one: Share, other: Share, arc: float, x: float, i: int) -> ProfilePoint:
-    """The point at x rows, behind row i."""
-    p, q = _node(rail, one, i), _node(rail, other, i + 1)
-    at = between(p, q, x - i, rail.step)
-    if rail.yaw != 0.0:
-        inverse = 1.0 / sqrt(at.tu * at.tu + at.tw * at.tw)
-        at = ProfilePoint(at.u, at.w, at.tu * inverse, at.tw * inverse, _bent(p, q, x - i, rail.step))
-    beyond = arc - min(max(arc, 0.0), rail_length(rail))
-    if beyond != 0.0:
-        return ProfilePoint(at.u + beyond * at.tu, at.w + beyond * at.tw, at.tu, at.tw, 0.0)
-    return at
 
 
 @inlined
@@ -333,11 +320,9 @@ def envelope_rows(c: Array, knots: Array, ends: Array, s: float, radius: float, 
 
 @kernel
 def unfold(rows: Array, anchor: int, lowest: float, keep: Bools) -> None:
-    """Mark in ``keep`` (n,) the rows that follow each other from the anchor to both sides, down to a height.
-
-    Where two branches of the effective profile cross, rows run on beneath the other branch, backwards, and forwards
-    again on that one: what lies beyond the crossing on the first and before it on the second is left out.
-    """
+    """Mark in ``keep`` (n,) the rows that follow each other from the anchor to both sides, down to a height. Where two
+    branches of the effective profile cross, rows run on beneath the other branch, backwards, and forwards again on that
+    one: what lies beyond the crossing on the first and before it on the second is left out."""
     keep[:] = False
     keep[anchor] = True
     for way in (1, -1):

@@ -6,9 +6,9 @@ wheel. A ``Vec`` in these axes has its components in that order.
 
 from typing import Any, NamedTuple
 
-from wrsim.core.jit.arena import Array, record
-from wrsim.core.jit.compiling import inlined
-from wrsim.core.linalg import Vec, vec_at
+from wrsim.core.frames import vec_at
+from wrsim.core.jit import Array, inlined, record
+from wrsim.core.linalg import Vec
 
 SETTINGS = record(
     "E G eps recess damping kA kS strip_width least_speed mu mu_gauge zone_start zone_end fall_ratio fall_decay"
@@ -34,10 +34,10 @@ NO_CREEP_FORCES, FASTSIM, FASTRIP, POLACH, LINEAR, SHEN_HEDRICK_ELKINS = range(6
 """SETTINGS.tangential."""
 
 KIK_PIOTROWSKI, FREE_STRIPS, CREEP_FORCES, CONTACT = range(4)
-"""Stages (core.contact.stages). The first two are SETTINGS.normal; `wrsim.contact.models` lists the models."""
+"""Stages (core.contact.wheel_rail). The first two are SETTINGS.normal; `wrsim.contact.models` lists the models."""
 
-AFRESH, FROM_LAST = range(2)
-"""SETTINGS.start of the strip model: a cold start or from the last contact."""
+COLD_START, FROM_LAST = range(2)
+"""SETTINGS.start of the strip model: cold, or from the last contact."""
 
 FOUND = record("arc_wheel arc_rail depth curvature saddle saddle_arc")
 """A contact that the search found: arclengths on wheel and rail [m], penetration [m], relative curvature [1/m]; least

@@ -3,61 +3,41 @@
 from math import atan, atan2, pi, sqrt
 
 from wrsim.core.contact.records import WheelPose
-from wrsim.core.jit.arena import Record, Records
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.frames import Frame
+from wrsim.core.jit import Record, Records, inlined, kernel
 from wrsim.core.linalg import Vec, add, cross, dot, mixed, shifted, sub
 
 
 @inlined
-def _centre(row: Record) -> Vec:
-    """Centre of a strip, or main point of a lobe."""
-    return Vec(row.x, row.o, row.b)
+def _frame(row: Record) -> Frame:
+    """Centre of a strip, or main point of a lobe, with the tangents along the track and across and the normal from rail
+    to wheel: that of the section, leant back by the slope along the track."""
+    inverse = 1.0 if row.slope == 0.0 else 1.0 / sqrt(1.0 + row.slope * row.slope)
+    return Frame(
+        Vec(row.x, row.o, row.b),
+        Vec(inverse, row.slope * row.no * inverse, row.slope * row.nb * inverse),
+        Vec(0.0, row.nb, -row.no),
+        Vec(-row.slope * inverse, row.no * inverse, row.nb * inverse),
+    )
 
 
 @inlined
-def _upright(row: Record) -> float:
-    """Cosine of the slope along the track."""
-    return 1.0 if row.slope == 0.0 else 1.0 / sqrt(1.0 + row.slope * row.slope)
+def _on_wheel(at: Frame, penetration: float) -> Vec:
+    """The place of a strip or a lobe on the wheel's undeformed surface: half the penetration below its centre. Bodies
+    of one material stretch alike where they touch, so a wheel rolls freely on its undeformed radius. CONTACT takes
+    creepages there, too."""
+    return shifted(at.origin, -0.5 * penetration, at.b)
 
 
 @inlined
-def _normal(row: Record) -> Vec:
-    """Unit normal from rail to wheel there: that of the section, leant back by the slope along the track."""
-    inverse = _upright(row)
-    return Vec(-row.slope * inverse, row.no * inverse, row.nb * inverse)
-
-
-@inlined
-def _along(row: Record) -> Vec:
-    """Unit tangent along the track."""
-    inverse = _upright(row)
-    return Vec(inverse, row.slope * row.no * inverse, row.slope * row.nb * inverse)
-
-
-@inlined
-def _across(row: Record) -> Vec:
-    """Unit tangent across."""
-    return Vec(0.0, row.nb, -row.no)
-
-
-@inlined
-def _on_wheel(row: Record, penetration: float) -> Vec:
-    """The place of a strip or a lobe on the wheel's undeformed surface: half the penetration below its centre.
-
-    Bodies of one material stretch alike where they touch, so a wheel rolls freely on its undeformed radius. CONTACT
-    takes creepages there, too.
-    """
-    return shifted(_centre(row), -0.5 * penetration, _normal(row))
-
-
-@inlined
-def _set_creepages(row: Record, penetration: float, pose: WheelPose, inverse: float) -> Vec:
-    """Write xi, eta, phi of a strip or a lobe; returns the velocity there."""
-    velocity = add(pose.velocity, cross(pose.omega, sub(_on_wheel(row, penetration), pose.origin)))
-    row.xi = dot(velocity, _along(row)) * inverse
-    row.eta = dot(velocity, _across(row)) * inverse
-    row.phi = dot(pose.omega, _normal(row)) * inverse
-    return velocity
+def _set_creepages(row: Record, penetration: float, pose: WheelPose, inverse: float) -> float:
+    """Write xi, eta, phi of a strip or a lobe; returns the velocity along its normal."""
+    at = _frame(row)
+    velocity = add(pose.velocity, cross(pose.omega, sub(_on_wheel(at, penetration), pose.origin)))
+    row.xi = dot(velocity, at.t) * inverse
+    row.eta = dot(velocity, at.n) * inverse
+    row.phi = dot(pose.omega, at.b) * inverse
+    return dot(velocity, at.b)
 
 
 @kernel
@@ -69,18 +49,16 @@ def set_creepages(pose: WheelPose, least_speed: float, lobe: Record, strips: Rec
     speed is held above ``least_speed`` [m/s].
     """
     inverse = 1.0 / sqrt(pose.velocity.x * pose.velocity.x + least_speed * least_speed)
-    lobe.closing = -dot(_set_creepages(lobe, lobe.approach, pose, inverse), _normal(lobe))
+    lobe.closing = -_set_creepages(lobe, lobe.approach, pose, inverse)
     for i in range(n):
         _set_creepages(strips[i], strips[i].penetration, pose, inverse)
 
 
 @kernel
 def set_pressures(strips: Records, n: int, factor: float) -> tuple[float, float, float, float]:
-    """Write p (peak pressure of each strip) and N (its normal force [S 30]); p comes as amplitude p / a [Pa/m].
-
-    factor: multiplies the pressures (damping). Returns (largest pressure, sum of the strip forces, area, longest half
-    length).
-    """
+    """Write p (peak pressure of each strip) and N (its normal force [S 30]); p comes as amplitude p / a [Pa/m]. factor:
+    multiplies the pressures (damping). Returns (largest pressure, sum of the strip forces, area, longest half
+    length)."""
     largest = force = area = longest = 0.0
     for i in range(n):
         strip = strips[i]
@@ -97,23 +75,20 @@ def set_pressures(strips: Records, n: int, factor: float) -> tuple[float, float,
 
 @kernel
 def add_lobe(pose: WheelPose, lobe: Record, strips: Records, n: int, total: Record) -> None:
-    """Sum the strips' forces: to the wheel's total and to the lobe's own figures [S 31].
-
-    They act on the wheel where the creepages are taken, so that the wheel loses by them what creep dissipates.
-    """
+    """Sum the strips' forces: to the wheel's total and to the lobe's own figures [S 31]. They act on the wheel where
+    the creepages are taken, so that the wheel loses by them what creep dissipates."""
     force = moment = main_moment = Vec(0.0, 0.0, 0.0)
     sum_x = sum_y = sum_no = sum_nb = wear = 0.0
-    least = 1e9
-    most = -1e9
+    least, most = 1e9, -1e9
+    main = _frame(lobe)
     for i in range(n):
         strip = strips[i]
-        normal = _normal(strip)
-        creep = mixed(strip.Fx, _along(strip), strip.Fy, _across(strip))
-        own = shifted(creep, strip.N, normal)
+        at = _frame(strip)
+        creep = mixed(strip.Fx, at.t, strip.Fy, at.n)
+        own = shifted(creep, strip.N, at.b)
         force = add(force, own)
-        moment = add(
-            moment, shifted(cross(sub(_on_wheel(strip, strip.penetration), pose.origin), own), strip.Mz, normal)
-        )
+        arm = sub(_on_wheel(at, strip.penetration), pose.origin)
+        moment = add(moment, shifted(cross(arm, own), strip.Mz, at.b))
         sum_x += strip.Fx
         sum_y += strip.Fy
         wear -= strip.Fx * strip.xi + strip.Fy * strip.eta + strip.Mz * strip.phi
@@ -124,20 +99,13 @@ def add_lobe(pose: WheelPose, lobe: Record, strips: Records, n: int, total: Reco
             most = max(most, half_tangent)
         sum_no += strip.N * strip.no
         sum_nb += strip.N * strip.nb
-        arm = sub(_centre(strip), _centre(lobe))
-        main_moment = add(main_moment, shifted(cross(arm, creep), strip.Mz, normal))
-    lobe.Fx = sum_x
-    lobe.Fy = sum_y
-    lobe.Mz = dot(main_moment, _normal(lobe))
+        main_moment = add(main_moment, shifted(cross(sub(at.origin, main.origin), creep), strip.Mz, at.b))
+    lobe.Fx, lobe.Fy, lobe.Mz = sum_x, sum_y, dot(main_moment, main.b)
     lobe.angle = atan2(-lobe.no, lobe.nb)
     lobe.angle_min = 2.0 * atan(least)
     lobe.angle_max = 2.0 * atan(most)
     lobe.angle_mean = atan2(-sum_no, sum_nb)
     lobe.wear = wear
-    total.Ft += force.x
-    total.Fo += force.y
-    total.Fb += force.z
-    total.Mt += moment.x
-    total.Mo += moment.y
-    total.Mb += moment.z
+    total.Ft, total.Fo, total.Fb = total.Ft + force.x, total.Fo + force.y, total.Fb + force.z
+    total.Mt, total.Mo, total.Mb = total.Mt + moment.x, total.Mo + moment.y, total.Mb + moment.z
     total.wear += wear

@@ -3,40 +3,70 @@
 On the right side the rail's axes (t, o, b) are left-handed; a mirrored angular velocity (sign changed once more) makes
 every formula hold unchanged, so the kernel knows no side.
 
-The normal model and the creep forces are stages (core.jit.stages), as is the whole of it for a vehicle;
-core.contact.stages lists them. What one leaves for the next is in the arrays; the number of lobes is in ``total``.
+The normal models, the creep forces and, for a vehicle, the whole contact are stages (core.jit.stages): `STAGES`. A
+stage takes the lobes that the search has found, their number in ``total``, and returns status bits.
 """
 
-from wrsim.core.contact.arrays import Arrays, arrays, bodies
-from wrsim.core.contact.rail import along, rail_and_envelope
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from wrsim.core.contact.arrays import Arrays, arrays
+from wrsim.core.contact.normal.kik_piotrowski import bound_lobe, lay_lobe, press_lobes
+from wrsim.core.contact.rail import along, rail_and_envelope, share_at
 from wrsim.core.contact.records import (
+    CONTACT,
     CREEP_FORCES,
+    FREE_STRIPS,
+    KIK_PIOTROWSKI,
     NO_CREEP_FORCES,
     STATUS_TOO_DEEP,
     Field,
     PlacedWheel,
+    ProfileTable,
     Rail,
+    Share,
     WheelPose,
     read_pose,
 )
 from wrsim.core.contact.resultants import add_lobe
-from wrsim.core.contact.search.lobes import couple, select_deepest
-from wrsim.core.contact.search.locus import locus_point
+from wrsim.core.contact.search.lobes import couple, room_beside, select_deepest
+from wrsim.core.contact.search.locus import locus_point, placed
 from wrsim.core.contact.search.points import find_contacts
-from wrsim.core.jit import stages
-from wrsim.core.jit.arena import Array, Ints, Record, Records
-from wrsim.core.jit.compiling import kernel
+from wrsim.core.contact.strips.model import press_strips
+from wrsim.core.contact.tangential.creep_forces import creep_forces
+from wrsim.core.contact.tangential.friction import set_law
+from wrsim.core.jit import Array, Ints, Record, Records, kernel, stages
+from wrsim.core.jit.cache import CONTACT as STORED
 
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
 
 
 @kernel
-def wheel_rail(buffer: Array, index: Ints) -> int:
-    """Contact of one wheel and one rail, the pose being set in the arena; see `core.contact.arrays.Arrays`.
+def bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
+    """The wheel in its place, the rail there, and the pose."""
+    settings, pose = a.settings[0], read_pose(a.pose)
+    wheel = placed(ProfileTable(a.wheel, settings.wheel_step), settings.radius, pose)
+    place = settings.place + pose.origin.x
+    if a.friction.shape[0] > 0:
+        set_law(a.friction, place, settings)
+    share = Share(0, 0, 0, 1.0, 0.0, 0.0, 0.0)
+    if a.rates.shape[0] > 0:
+        share = share_at(a.stations[0], settings.rows, place, settings.station)
+        settings.station = share.at
+    rail = Rail(
+        a.rail, a.rates, a.stations[0], settings.rail_step, settings.rows, share, place, settings.twist, settings.bow_o,
+        settings.bow_b, pose.axle.x, pose.origin.y, settings.radius,
+    )  # fmt: skip
+    return wheel, rail, pose
 
-    Forces act on the wheel; a lobe with N = 0 is none. Returns a status, also written to ``total``: 0, or a sum of the
-    STATUS bits.
-    """
+
+@kernel
+def wheel_rail(buffer: Array, index: Ints) -> int:
+    """Contact of one wheel and one rail at the pose set in the workspace; see `core.contact.arrays.Arrays`. Forces act
+    on the wheel; a lobe with N = 0 is none. Returns a status, also written to ``total``: 0, or a sum of the STATUS
+    bits."""
     a = arrays(buffer, index)
     settings, lobes = a.settings[0], a.patches
     wheel, rail, pose = bodies(a)
@@ -57,10 +87,8 @@ def wheel_rail(buffer: Array, index: Ints) -> int:
 
 @kernel
 def search(buffer: Array, index: Ints) -> tuple[int, int]:
-    """Contacts at the pose set in the arena, before any force, written to ``found``.
-
-    Returns their number and a status; the closest distance is written to ``total``.
-    """
+    """Contacts at the pose set in the workspace, before any force, written to ``found``. Returns their number and a
+    status; the closest distance is written to ``total``."""
     a = arrays(buffer, index)
     wheel, rail, _pose = bodies(a)
     return _search(a, wheel, rail)
@@ -135,3 +163,59 @@ def _group(found: Records, eps: float, lobes: Records, count: int) -> None:
         if not joined:
             group += 1
         lobes[i].group = group
+
+
+@kernel
+def kik_piotrowski(buffer: Array, index: Ints) -> int:
+    """Strips and pressures by Kik and Piotrowski's model."""
+    a = arrays(buffer, index)
+    settings, lobes, count = a.settings[0], a.patches, a.total[0].lobes
+    wheel, rail, pose = bodies(a)
+    status = 0
+    for i in range(count):
+        left, right = room_beside(a.found, i, count)
+        status |= bound_lobe(wheel, rail, settings, a.found, i, left, right, lobes)
+    for i in range(count):
+        lay_lobe(wheel, rail, settings, lobes, count, i, a.strips[i])
+    press_lobes(settings, pose, lobes, a.strips, count, a.work)
+    return status
+
+
+@kernel
+def free_strips(buffer: Array, index: Ints) -> int:
+    """Strips and pressures by the strip model."""
+    a = arrays(buffer, index)
+    wheel, rail, pose = bodies(a)
+    return press_strips(a, wheel, rail, pose, a.total[0].lobes)
+
+
+@kernel
+def all_creep_forces(buffer: Array, index: Ints) -> int:
+    """Creep forces; the pressures are known."""
+    a = arrays(buffer, index)
+    speed, count = read_pose(a.pose).velocity.x, a.total[0].lobes
+    for i in range(count):
+        creep_forces(a, speed, count, i)
+    return 0
+
+
+STAGES = {KIK_PIOTROWSKI: kik_piotrowski, FREE_STRIPS: free_strips, CREEP_FORCES: all_creep_forces, CONTACT: wheel_rail}
+
+
+def compile_stages(*numbers: int) -> None:
+    """See `core.jit.stages.make_ready`."""
+    for number in numbers:
+        stages.make_ready(number, STAGES[number])
+
+
+def repeat_contacts(folder: str) -> None:
+    """End the process with 0 if the contacts that came with shipped kernels come out of them again, to the bit."""
+    paths = sorted(Path(folder).glob(STORED.format("*")))
+    for path in paths:
+        with np.load(path) as stored:
+            compile_stages(*stored["stages"].tolist())
+            buffer, index = stored["before"].copy(), stored["index"].copy()
+            status = wheel_rail(buffer, index)
+            if status != stored["status"] or buffer.tobytes() != stored["after"].tobytes():
+                sys.exit(1)
+    sys.exit(0 if paths else 1)

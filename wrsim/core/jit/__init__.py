@@ -2,3 +2,23 @@
 
 Nothing else imports numba or llvmlite (import contract in pyproject.toml).
 """
+
+from wrsim.core.jit.arena import (
+    Array,
+    Bools,
+    Ints,
+    Record,
+    Records,
+    block,
+    matrix,
+    record,
+    record_rows,
+    records,
+    vector,
+)
+from wrsim.core.jit.compiling import filling, inlined, kernel, parallel, prange, summing
+
+__all__ = [
+    "Array", "Bools", "Ints", "Record", "Records", "block", "filling", "inlined", "kernel", "matrix", "parallel",
+    "prange", "record", "record_rows", "records", "summing", "vector",
+]  # fmt: skip

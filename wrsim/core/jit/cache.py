@@ -8,8 +8,8 @@ A wheel may hold a folder ``kernels`` (made by ``.ci/wheel``): cache files, comp
 and beside them what they were made with and of. They are read where they are installed, beside the sources, and trusted
 as these are. They are taken only if numba, Python, platform and sources are the same and the processor has what they
 use. Before the first time a process of its own computes contacts with them, bit against bit
-(`core.contact.stages.repeat_contacts`): a wrong bit, a crash, an illegal instruction, any doubt, and the kernels are
-compiled here as without them. What it found is kept in the cache.
+(`core.contact.wheel_rail.repeat_contacts`): a wrong bit, a crash, an illegal instruction, any doubt, and the kernels
+are compiled here as without them. What it found is kept in the cache.
 """
 
 import contextlib
@@ -77,10 +77,8 @@ def _keeps_its_folders(path: str) -> bool:
 
 
 def cache_folder(name: str) -> str | None:
-    """The folder ``name`` for compiled kernels, or None where there is no safe place: then nothing is kept.
-
-    In the user's cache; where that cannot be written, in a folder of the user's in the temporary directory.
-    """
+    """The folder ``name`` for compiled kernels, or None where there is no safe place: then nothing is kept. In the
+    user's cache; where that cannot be written, in a folder of the user's in the temporary directory."""
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     user = f"wrsim-{os.getuid()}" if hasattr(os, "getuid") else "wrsim"
     for parent, own in ((home, "wrsim"), (tempfile.gettempdir(), user)):
@@ -147,7 +145,7 @@ class Shipped:
 
     def _pass(self) -> bool:
         """Whether another process computes the contacts that came with the kernels."""
-        code = f"from wrsim.core.contact.stages import repeat_contacts; repeat_contacts({str(self.folder)!r})"
+        code = f"from wrsim.core.contact.wheel_rail import repeat_contacts; repeat_contacts({str(self.folder)!r})"
         paths = os.pathsep.join([str(SOURCES.parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])])
         env = os.environ | {TRYING: "1", "PYTHONPATH": paths}
         try:
@@ -167,10 +165,8 @@ class Shipped:
 
 
 def shipped(cache: str | None, folder: Path = FOLDER) -> Shipped | None:
-    """The kernels in a folder, if they can be those of these sources on this machine; else None.
-
-    cache: where is kept whether they could be used; without one nothing is taken.
-    """
+    """The kernels in a folder, if they can be those of these sources on this machine; else None. cache: where is kept
+    whether they could be used; without one nothing is taken."""
     if cache is None or CONFIG.DISABLE_JIT or CONFIG.CPU_NAME is not None:
         return None
     try:

@@ -129,24 +129,17 @@ class Compiler(_FunctionCompiler):
         return made
 
 
-class PartCompiler(Compiler):
-    """Compiles for other kernels."""
-
-    library = Part
-
-
 class Kernel(CPUDispatcher):
-    """A compiled function: whole where Python calls it, a part where another kernel does.
-
-    What a kernel is called with decides by its type, not by its value: numba compiles for every literal number anew.
-    """
+    """A compiled function: whole where Python calls it, a part where another kernel does. What a kernel is called with
+    decides by its type, not by its value: numba compiles for every literal number anew."""
 
     def __init__(
         self, py_func: Any, locals: Any = None, targetoptions: Any = None, pipeline_class: Any = compiler.Compiler
     ) -> None:
         super().__init__(py_func, locals, targetoptions, pipeline_class)
         given = py_func, self.targetdescr, self.targetoptions, self.locals, pipeline_class
-        self._compiler, self._part_compiler = Compiler(*given), PartCompiler(*given)
+        self._compiler, self._part_compiler = Compiler(*given), Compiler(*given)
+        self._part_compiler.library = Part
         self._parts: dict[tuple[types.Type, ...], Any] = {}
 
     def enable_caching(self) -> None:
@@ -203,10 +196,8 @@ def cores() -> int:
 
 
 def use_threads(count: int) -> None:
-    """From now on parallel kernels of this process run on so many threads. Raises InputError where they cannot.
-
-    OpenMP waits awake: handing work over and back costs 1.4 us, where numba's own queue of work takes some 140.
-    """
+    """From now on parallel kernels of this process run on so many threads. Raises InputError where they cannot. OpenMP
+    waits awake: handing work over and back costs 1.4 us, where numba's own queue of work takes some 140."""
     if not 1 <= count <= cores():
         raise InputError(f"threads: must be a whole number from 1 to {cores()}, the cores of this machine, not {count}")
     if count > 1 and not CONFIG.DISABLE_JIT:

@@ -1,9 +1,9 @@
 """Kernels that others call by a number, through a table of addresses: `run`.
 
 What is called by its name is compiled into its caller. A stage is compiled once, by itself, and only when it is asked
-for (``make_ready``): the contact is not in the machine code of a vehicle, a normal model that nobody chose is in none.
+for (``make_ready``): the contact is not in the machine code of a vehicle, a normal model that is not chosen is in none.
 The table belongs to the process and compiled code knows it by the name of a symbol, so that numbers are kept in the
-arenas and in the cache, never addresses. A number that was not made ready must not be run: there is no address yet.
+workspaces and in the cache, never addresses. A number that was not made ready must not be run: there is no address yet.
 """
 
 from typing import Any
@@ -19,7 +19,7 @@ from wrsim.core.jit.cache import CONFIG
 MOST = 8
 SYMBOL = "wrsim_stages"
 ARGUMENTS = types.float64[::1], types.int64[:, ::1]
-"""Of every stage: the buffer and the index of an arena. It returns a status."""
+"""Of every stage: the buffer and the index of a workspace. It returns a status."""
 
 _addresses = np.zeros(MOST, np.int64)
 _stages: dict[int, Any] = {}
@@ -40,13 +40,13 @@ def make_ready(number: int, kernel: Any) -> None:
 
 
 def _run(number: int, buffer: Array, index: Ints) -> int:
-    """Run a stage in an arena; returns its status."""
+    """Run a stage in a workspace; returns its status."""
     return _stages[number](buffer, index)
 
 
 def _call(context: Any, builder: Any, signature: Any, args: Any) -> Any:
     """Code for a call of the address in the table under a number."""
-    number, *arena = args
+    number, *workspace = args
     word = ir.IntType(64)
     table = builder.module.globals.get(SYMBOL)
     if table is None:
@@ -55,7 +55,7 @@ def _call(context: Any, builder: Any, signature: Any, args: Any) -> Any:
     kind = convention.get_function_type(types.int64, ARGUMENTS)
     address = builder.load(builder.gep(table, [word(0), number]))
     called = builder.inttoptr(address, kind.as_pointer())
-    _, status = convention.call_function(builder, called, types.int64, ARGUMENTS, arena)
+    _, status = convention.call_function(builder, called, types.int64, ARGUMENTS, workspace)
     return status
 
 

@@ -20,9 +20,9 @@ Not-a-number in s or in the point gives not-a-number out; no index is ever outsi
 import math
 from typing import Any
 
-from wrsim.core.jit.arena import Array, Ints, Records, record
-from wrsim.core.jit.compiling import inlined, kernel
-from wrsim.core.linalg import VECTOR, CurveNodes, Frame, Vec, add, cross, dot, mixed, norm, put_at, scale, shifted, sub
+from wrsim.core.frames import VECTOR, CurveNodes, Frame, put_at
+from wrsim.core.jit import Array, Ints, Records, inlined, kernel, record
+from wrsim.core.linalg import Vec, add, cross, dot, mixed, norm, scale, shifted, sub
 
 NODE = record(position=VECTOR, tangent=VECTOR, roll="f8", roll_slope="f8", curvature=VECTOR)
 """A node of a curve, see above [m, 1, rad, rad/m, 1/m]."""
@@ -183,11 +183,9 @@ def curvature_at(curve: CurveNodes, s: float) -> float:
 
 @kernel
 def frame_rates(curve: CurveNodes, s: float) -> tuple[Vec, float]:
-    """Rotation of the frame per metre: the vector w with dt/ds = w x t, dn/ds = w x n, db/ds = w x b.
-
-    A frame that moves along the curve at speed V turns at V w. Returns (w, droll/ds), w in global axes [rad/m]:
-    w = psi' z - (theta'/cos(theta)) h + roll' t with the heading psi and sin(theta) = t_z. Zero outside of the curve.
-    """
+    """Rotation of the frame per metre: the vector w with dt/ds = w x t, dn/ds = w x n, db/ds = w x b. A frame that
+    moves along the curve at speed V turns at V w. Returns (w, droll/ds), w in global axes [rad/m]: w = psi' z -
+    (theta'/cos(theta)) h + roll' t with the heading psi and sin(theta) = t_z. Zero outside of the curve."""
     i, xi, beyond = _cell(curve, s)
     if beyond != 0.0:
         zero = 0.0 * beyond

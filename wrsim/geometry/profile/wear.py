@@ -236,7 +236,7 @@ def depths_of(profile: Profile, areas: Array, cutoff: float) -> DepthTable:
     Raises InputError where the section is not thick enough: normals meet before so much is gone.
     """
     width = profile.length / areas.size
-    middles = (np.arange(areas.size) + 0.5) * width
+    middles: Array = (np.arange(areas.size, dtype=np.float64) + 0.5) * width
     sign = 1.0 if profile.kind == "rail" else -1.0
     smooth = smoothed_table(areas, width, cutoff)
     bend = sign * smoothed_table(profile.curvature(middles), width, cutoff)

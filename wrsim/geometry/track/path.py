@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wrsim.core.linalg import VECTOR, CurveNodes
+from wrsim.core.frames import VECTOR, CurveNodes
 from wrsim.core.track import path as core
 from wrsim.errors import InputError
 

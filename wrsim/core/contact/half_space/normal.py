@@ -11,15 +11,12 @@ The convolutions A p are done by wrsim.contact.half_space.normal; everything her
 
 from typing import Any, NamedTuple
 
-from wrsim.core.jit.arena import Array
-from wrsim.core.jit.compiling import kernel
+from wrsim.core.jit import Array, kernel
 
 
 class Descent(NamedTuple):
-    """State of the method, arrays (elements,): pressure, gap after deformation, whether in contact, ...
-
-    residual: gap in contact, else zero; last: residual one step before; direction: of the search.
-    """
+    """State of the method, arrays (elements,): pressure, gap after deformation, whether in contact, ... residual: gap
+    in contact, else zero; last: residual one step before; direction: of the search."""
 
     p: Any
     gap: Any
@@ -46,10 +43,8 @@ def errors(d: Descent) -> tuple[float, float]:
 
 @kernel
 def turn(d: Descent, z: Array, rho_last: float) -> float:
-    """Next direction t = z + beta t on the contact (Polak and Ribiere); z: preconditioned residual.
-
-    rho_last: z r of the last step, not positive for a fresh start. Returns z r.
-    """
+    """Next direction t = z + beta t on the contact (Polak and Ribiere); z: preconditioned residual. rho_last: z r of
+    the last step, not positive for a fresh start. Returns z r."""
     rho = 0.0
     change = 0.0
     for i in range(z.size):
@@ -65,10 +60,8 @@ def turn(d: Descent, z: Array, rho_last: float) -> float:
 
 @kernel
 def advance(d: Descent, at: Array) -> int:
-    """Step to the minimum along t; at: A t. Elements that would pull leave the contact with p = 0.
-
-    The gap changes by the unclipped step. Returns the number of elements that left; then it must be computed anew.
-    """
+    """Step to the minimum along t; at: A t. Elements that would pull leave the contact with p = 0. The gap changes by
+    the unclipped step. Returns the number of elements that left; then it must be computed anew."""
     rt = 0.0
     tat = 0.0
     for i in range(at.size):

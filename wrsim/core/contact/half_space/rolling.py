@@ -22,8 +22,7 @@ Vectors are (2, rows, columns) along x and s, scalars (rows, columns), x rising 
 from math import sqrt
 from typing import Any, NamedTuple
 
-from wrsim.core.jit.arena import Array
-from wrsim.core.jit.compiling import kernel
+from wrsim.core.jit import Array, kernel
 
 OUTSIDE, ADHESION, SLIP = 0.0, 1.0, 2.0
 
@@ -47,11 +46,8 @@ class Equations(NamedTuple):
 
 @kernel
 def evaluate(eq: Equations, q: Array, slip: Array, rhs: Array) -> float:
-    """State of every element and the right hand side -F of Newton's equations.
-
-    rhs: in adhesion the sum of -s from the leading end of the run times ``scale``, in slip g n - q.
-    Returns the largest error, as a traction.
-    """
+    """State of every element and the right hand side -F of Newton's equations. rhs: in adhesion the sum of -s from the
+    leading end of the run times ``scale``, in slip g n - q. Returns the largest error, as a traction."""
     rows, columns = eq.bound.shape
     worst = 0.0
     for j in range(rows):
@@ -134,10 +130,8 @@ def move(q: Array, d: Array, share: float, bound: Array) -> None:
 
 @kernel
 def march_columns(w: Array, bound: Array, flexibility: float, step: float, forward: float, q: Array) -> None:
-    """A first guess: rigid slip w summed up from the leading end with one flexibility [m/Pa]; step: dx [m].
-
-    The simplified theory of rolling contact (Kalker 1982).
-    """
+    """A first guess: rigid slip w summed up from the leading end with one flexibility [m/Pa]; step: dx [m]. The
+    simplified theory of rolling contact (Kalker 1982)."""
     rows, columns = bound.shape
     for j in range(rows):
         x = 0.0

@@ -21,11 +21,10 @@ from typing import Any, NamedTuple
 from wrsim.core.contact.patch import pair
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.rail import rail_point
-from wrsim.core.contact.records import PlacedWheel, Rail, WheelPose
+from wrsim.core.contact.records import PlacedWheel, Rail
 from wrsim.core.contact.search.locus import locus_point
-from wrsim.core.jit.arena import Array, Ints, Record, Records, record
-from wrsim.core.jit.compiling import inlined, kernel
-from wrsim.core.linalg import Vec, add, cross, dot, norm, shifted, sub
+from wrsim.core.jit import Array, Ints, Record, Records, inlined, kernel, record
+from wrsim.core.linalg import Vec, dot, norm, shifted, sub
 
 AXIS = record("s x o b no nb arc_wheel arc_rail gap r_t slope")
 """A row of the axis: s, centre (x of the outline, o, b), normal from rail to wheel (no, nb), arclengths on wheel and
@@ -61,19 +60,11 @@ def _beside(wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float) -
 
 @kernel
 def lay_axis(
-    wheel: PlacedWheel,
-    rail: Rail,
-    arc_wheel: float,
-    arc_rail: float,
-    level: bool,
-    start: float,
-    step: float,
+    wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float, level: bool, start: float, step: float,
     axis: Records,
-) -> None:
-    """Rows at s = start, start + step, ... from a pair of opposite points at s = 0.
-
-    level: pair as CONTACT does, see above; start may lie on either side of zero; axis: (rows,) of AXIS.
-    """
+) -> None:  # fmt: skip
+    """Rows at s = start, start + step, ... from a pair of opposite points at s = 0. level: pair as CONTACT does, see
+    above; start may lie on either side of zero; axis: (rows,) of AXIS."""
     if level:
         arc_wheel = _beside(wheel, rail, arc_wheel, arc_rail)
     _e, shrink = _offset(wheel, rail, arc_wheel, arc_rail)
@@ -128,10 +119,8 @@ def _meet_rail(rail: Rail, row: Record) -> tuple[float, bool]:
 
 @inlined
 def _meet_wheel(wheel: PlacedWheel, point: Vec, normal: Vec, arc: float, t: float) -> tuple[float, float, bool]:
-    """Distance along a normal from a point, relative to the wheel's origin, to the surface of revolution.
-
-    Returns it, the arclength on the profile, and whether the normal gets there.
-    """
+    """Distance along a normal from a point, relative to the wheel's origin, to the surface of revolution. Returns it,
+    the arclength on the profile, and whether the normal gets there."""
     axial = dot(point, wheel.axle)
     facing = dot(normal, wheel.axle)
     for _ in range(12):
@@ -157,7 +146,7 @@ class Incline(NamedTuple):
 
 
 @inlined
-def centre_at(row: Record, incline: Incline, x: float) -> Vec:
+def _centre(row: Record, incline: Incline, x: float) -> Vec:
     """Centre of a row in the section at x."""
     rise = (x - row.x) * incline.slope
     return Vec(x, row.o + rise * incline.no, row.b + rise * incline.nb)
@@ -222,7 +211,7 @@ def _meet_along(wheel: PlacedWheel, row: Record, incline: Incline, x0: float, dx
         arc = last_arc = row.arc_wheel
         while 0 <= i < columns:
             if found:
-                point = sub(centre_at(row, incline, x0 + i * dx), wheel.origin)
+                point = sub(_centre(row, incline, x0 + i * dx), wheel.origin)
                 t, arc, found = _meet_wheel(wheel, point, normal, arc, t)
             place[i] = t if found else inf
             t, last_t = 2.0 * t - last_t, t
@@ -232,20 +221,11 @@ def _meet_along(wheel: PlacedWheel, row: Record, incline: Incline, x0: float, dx
 
 @kernel
 def fill_gap_along(
-    wheel: PlacedWheel,
-    sections: Array,
-    parts: Ints,
-    incline: Incline,
-    axis: Records,
-    x0: float,
-    dx: float,
-    pen: Array,
+    wheel: PlacedWheel, sections: Array, parts: Ints, incline: Incline, axis: Records, x0: float, dx: float, pen: Array,
     place: Array,
-) -> None:
-    """As ``fill_gap`` on a rail that changes along the track.
-
-    sections: (columns, n, 4), see ``_meet_section``; the reference is inclined, see ``Incline``.
-    """
+) -> None:  # fmt: skip
+    """As ``fill_gap`` on a rail that changes along the track. sections: (columns, n, 4), see ``_meet_section``; the
+    reference is inclined, see ``Incline``."""
     for j in range(axis.size):
         row = axis[j]
         upright = 1.0 / sqrt(1.0 + row.slope * row.slope)
@@ -255,7 +235,7 @@ def fill_gap_along(
             if place[j, i] == inf:
                 place[j, i] = 0.0
                 continue
-            centre = centre_at(row, incline, x0 + i * dx)
+            centre = _centre(row, incline, x0 + i * dx)
             rail_t, on_rail = _meet_section(sections[i], parts, centre, row.no, row.nb, place[j, i])
             if on_rail:
                 pen[j, i] = (rail_t - place[j, i]) * upright
@@ -263,11 +243,9 @@ def fill_gap_along(
 
 @kernel
 def fill_gap(wheel: PlacedWheel, rail: Rail, axis: Records, x0: float, dx: float, pen: Array, place: Array) -> None:
-    """Interpenetration of the undeformed bodies along the rows' normals.
-
-    axis: from lay_axis; columns at x0 + i dx; pen: (rows, columns) [m], negative where a gap is open; place: the same
-    shape, distance along the normal from the reference to the wheel's surface [m].
-    """
+    """Interpenetration of the undeformed bodies along the rows' normals. axis: from lay_axis; columns at x0 + i dx;
+    pen: (rows, columns) [m], negative where a gap is open; place: the same shape, distance along the normal from the
+    reference to the wheel's surface [m]."""
     level = Incline(0.0, 0.0, 0.0)
     for j in range(axis.size):
         row = axis[j]
@@ -278,37 +256,3 @@ def fill_gap(wheel: PlacedWheel, rail: Rail, axis: Records, x0: float, dx: float
             met = on_rail and place[j, i] < inf
             pen[j, i] = rail_t - place[j, i] if met else NO_SURFACE
             place[j, i] = place[j, i] if met else 0.0
-
-
-@kernel
-def rigid_slip(
-    pose: WheelPose, least_speed: float, axis: Records, incline: Incline, x0: float, dx: float, place: Array, w: Array
-) -> None:
-    """Write the rigid slip w (2, rows, columns) at x0 + i dx on the surface that ``fill_gap`` has found.
-
-    It is the velocity of the wheel's material against the rail's, over the rolling speed.
-
-    Both velocities, seen from the moving contact, are projected on the plane between them, as the material of the wheel
-    runs along its curved surface: without that the slip would err by x^2 / (2 R^2).
-    least_speed: the rolling speed is held above it [m/s].
-    """
-    forward = 1.0 if pose.velocity.x >= 0.0 else -1.0
-    rail = pose.velocity.x
-    inverse = 1.0 / sqrt(rail * rail + least_speed * least_speed)
-    for j in range(axis.size):
-        row = axis[j]
-        normal = Vec(0.0, row.no, row.nb)
-        tangent = Vec(0.0, row.nb, -row.no)
-        for i in range(w.shape[2]):
-            point = shifted(centre_at(row, incline, x0 + i * dx), place[j, i], normal)
-            u = add(pose.velocity, cross(pose.omega, sub(point, pose.origin)))
-            # the rail's material comes at -v along the rail; the wheel's at u - v, with un along the normal
-            ux, un = u.x, dot(u, normal)
-            if row.slope != 0.0:
-                upright = 1.0 / sqrt(1.0 + row.slope * row.slope)
-                ux, un = (ux + row.slope * un) * upright, (un - row.slope * ux) * upright
-            mx = ux - rail - rail
-            size = sqrt(mx * mx + un * un)
-            slip = -forward * (ux * mx + un * un) / size if size > 1e-3 * least_speed else ux
-            w[0, j, i] = slip * inverse
-            w[1, j, i] = dot(u, tangent) * inverse

@@ -6,7 +6,7 @@ main point, where the two surfaces together must yield the approach [S 29]:
     p0 = pi E* delta x_L(0) / I,   I = int ds int dx sqrt(x_L(s)^2 - x^2) / sqrt(x^2 + s^2)
 
 with 1/E* = (1 - nu_w^2)/E_w + (1 - nu_r^2)/E_r, which for equal materials is the paper's E / (2 (1 - sigma^2)).
-The inner integral is known (`elliptic.strip_potential`); it has a logarithm at s = 0 that is integrated in closed
+The inner integral is known (`strip_potential`); it has a logarithm at s = 0 that is integrated in closed
 form, so the sum over strips converges at second order.
 
 With several lobes (`core.contact.search.lobes`) each has its own amplitude Q = p0 / x_L(0). The displacement at every
@@ -21,23 +21,19 @@ Yaw shifts the strips along x but is left out of I: each strip is taken centred 
 
 from math import ceil, log, pi, sqrt
 
-from wrsim.core.contact.normal.elliptic import strip_potential
 from wrsim.core.contact.patch import fill_strips, find_edge, first_step
 from wrsim.core.contact.records import STATUS_PROFILE_END, PlacedWheel, Rail, WheelPose
 from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.dense import factorise, solve_factorised
-from wrsim.core.jit.arena import Array, Record, Records
-from wrsim.core.jit.compiling import kernel
+from wrsim.core.jit import Array, Record, Records, inlined, kernel
 
 
 @kernel
 def bound_lobe(
     wheel: PlacedWheel, rail: Rail, settings: Record, found: Records, i: int, left: float, right: float, lobes: Records
 ) -> int:
-    """Recess and edges of lobe i, at most ``left`` and ``right`` of the main point.
-
-    Returns status bits; without contact the width is zero.
-    """
+    """Recess and edges of lobe i, at most ``left`` and ``right`` of the main point. Returns status bits; without
+    contact the width is zero."""
     lobe, own = lobes[i], found[i]
     delta = level = own.depth
     if settings.joint and lobe.partner >= 0 and found[lobe.partner].depth > delta:
@@ -56,11 +52,9 @@ def bound_lobe(
 def lay_lobe(
     wheel: PlacedWheel, rail: Rail, settings: Record, lobes: Records, count: int, i: int, strips: Records
 ) -> None:
-    """Strips of one lobe: by their width, or by their number.
-
-    Where the model's patches are joint the lobes of a patch share the number by their widths; else every lobe has all
-    of them, because its forces would jump, if slightly, with their number.
-    """
+    """Strips of one lobe: by their width, or by their number. Where the model's patches are joint the lobes of a patch
+    share the number by their widths; else every lobe has all of them, because its forces would jump, if slightly, with
+    their number."""
     lobe = lobes[i]
     if lobe.width <= 0.0:
         return
@@ -167,11 +161,9 @@ def far_influence(strips: Records, n: int, o: float, b: float) -> float:
 
 @kernel
 def solve_amplitudes(matrix: Array, count: int, rows: Array, amplitude: Array, pivot: Array) -> None:
-    """Amplitudes Q of all lobes. A lobe that would have to pull is lifted off by the others: its Q is zero.
-
-    matrix: (count, count + 1), the right-hand side in the last column; rows: scratch of the same shape; amplitude:
-    (count,), on entry 1 for lobes that take part and 0 for the others; pivot: (count,) scratch.
-    """
+    """Amplitudes Q of all lobes. A lobe that would have to pull is lifted off by the others: its Q is zero. matrix:
+    (count, count + 1), the right-hand side in the last column; rows: scratch of the same shape; amplitude: (count,), on
+    entry 1 for lobes that take part and 0 for the others; pivot: (count,) scratch."""
     for _ in range(count):
         for i in range(count):
             for j in range(count + 1):
@@ -189,3 +181,36 @@ def solve_amplitudes(matrix: Array, count: int, rows: Array, amplitude: Array, p
         amplitude[worst] = 0.0
     for i in range(count):
         amplitude[i] = max(rows[i, count], 0.0) if amplitude[i] > 0.0 else 0.0
+
+
+@inlined
+def twice_k_minus_e(p: float, b: float, c2: float) -> float:
+    """2 p (K - E) of the parameter m = c2 / p^2, with b = p sqrt(1 - m) > 0 [the unit of p]. K = pi / (2 AGM(1, sqrt(1
+    - m))) and K - E = K sum_n 2^(n-1) c_n^2 (Abramowitz and Stegun 17.6.4), c_0^2 = m, so nothing cancels at small m.
+    Homogeneous in p: one division is left."""
+    total = 0.5 * c2
+    power = 1.0
+    c = 0.0
+    for _ in range(40):
+        c = 0.5 * (p - b)
+        b = sqrt(p * b)
+        p -= c
+        total += power * c * c
+        if c < 1e-5 * p:
+            break
+        power *= 2.0
+    # the next step would take c^2/(4 p) from p, and change the sum by c^4
+    inverse = 1.0 / p
+    rest = 0.5 * c * inverse
+    return pi * total * inverse * (1.0 + rest * rest)
+
+
+@inlined
+def strip_potential(a: float, s: float) -> float:
+    """Integral of sqrt((a^2 - x^2) / (x^2 + s^2)) dx over -a < x < a [m].
+
+    The displacement (times pi E*) at distance s beside a strip of unit width that carries the semi-ellipse
+    sqrt(a^2 - x^2): the inner integral of [S 29]. In closed form 2 sqrt(a^2 + s^2) (K(m) - E(m)) with
+    m = a^2 / (a^2 + s^2). At s -> 0 it goes like 2 a (ln(4 a / |s|) - 1); s must not be zero.
+    """
+    return twice_k_minus_e(sqrt(a * a + s * s), abs(s), a * a)

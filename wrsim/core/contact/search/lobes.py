@@ -13,8 +13,7 @@ delta the lobe's penetration, sigma the penetration at the saddle. c > 0 says ex
 makes both equal when the two are equally deep and vanishes when the shallower one does.
 """
 
-from wrsim.core.jit.arena import Records
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.jit import Records, inlined, kernel
 
 WIDEST = 0.08  # half width at which the search for an edge is given up [m]
 
@@ -32,10 +31,8 @@ def room_beside(found: Records, i: int, count: int) -> tuple[float, float]:
 
 @kernel
 def select_deepest(found: Records, count: int, most: int) -> int:
-    """Keep the ``most`` deepest of the contacts, in their order along the profile; saddles are carried over.
-
-    Returns their number.
-    """
+    """Keep the ``most`` deepest of the contacts, in their order along the profile; saddles are carried over. Returns
+    their number."""
     while count > most:
         least = 0
         for i in range(1, count):

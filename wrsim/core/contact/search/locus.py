@@ -23,8 +23,7 @@ from typing import NamedTuple
 
 from wrsim.core.contact.profile import ProfilePoint, profile_point
 from wrsim.core.contact.records import PlacedWheel, ProfileTable, WheelPose, read_pose
-from wrsim.core.jit.arena import Array
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.jit import Array, inlined, kernel
 
 LEAST_ROLLING_CURVATURE = 0.1
 DRAWN_SINE = 0.25  # of theta: beyond, the outline is drawn as the plain section
@@ -121,11 +120,9 @@ def locus_point(wheel: PlacedWheel, arc: float) -> Locus:
 
 @inlined
 def locus_node(wheel: PlacedWheel, at: ProfilePoint, largest: float) -> Node:
-    """The outline at a point of the profile, without its curvature.
-
-    Where abs(sine) is not below ``largest`` the locus has no point (a nearly vertical flank of a yawed wheel touches
-    nowhere) or climbs around the wheel, and the plain section is returned.
-    """
+    """The outline at a point of the profile, without its curvature. Where abs(sine) is not below ``largest`` the locus
+    has no point (a nearly vertical flank of a yawed wheel touches nowhere) or climbs around the wheel, and the plain
+    section is returned."""
     origin, e, q = wheel.origin, wheel.axle, wheel.q
     rho = wheel.radius - at.w
     iq = 1.0 / q
@@ -145,10 +142,8 @@ def locus_node(wheel: PlacedWheel, at: ProfilePoint, largest: float) -> Node:
 
 @kernel
 def outline(table: Array, step: float, radius: float, pose: Array, arc: Array, out: Array) -> None:
-    """Outline of a wheel seen along its rail, for drawing: (o, b) at the arclengths ``arc`` to ``out`` (2, m).
-
-    pose: (POSE,).
-    """
+    """Outline of a wheel seen along its rail, for drawing: (o, b) at the arclengths ``arc`` to ``out`` (2, m). pose:
+    (POSE,)."""
     wheel = placed(ProfileTable(table, step), radius, read_pose(pose))
     for i in range(arc.shape[0]):
         at = locus_node(wheel, profile_point(wheel.profile, arc[i]), DRAWN_SINE)

@@ -15,8 +15,7 @@ from wrsim.core.contact.profile import node
 from wrsim.core.contact.rail import rail_chord, rail_length, rail_point
 from wrsim.core.contact.records import Field, PlacedWheel, Rail
 from wrsim.core.contact.search.locus import LARGEST_SINE, locus_node, locus_point
-from wrsim.core.jit.arena import Record, Records
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.jit import Record, Records, inlined, kernel
 
 FIELD_ERROR = 1e-5  # of the field's interpolation, generously [m]
 NEAR = 5e-5  # estimated least distance below which contact is looked for exactly [m]
@@ -58,29 +57,19 @@ class Stationary(NamedTuple):
 
 @inlined
 def field_distance(field: Field, o: float, b: float) -> tuple[float, float]:
-    """(signed distance, arclength of the nearest rail point) by bilinear interpolation of the field.
-
-    Outside the grid a lower bound stands for the distance. The arclength is 0 there, and where the distance is of no
-    interest.
-    """
+    """(signed distance, arclength of the nearest rail point) by bilinear interpolation of the field. Outside the grid a
+    lower bound stands for the distance. The arclength is 0 there, and where the distance is of no interest."""
     values = field.values
     inverse = 1.0 / field.spacing
-    x = (o - field.o) * inverse
-    y = (b - field.b) * inverse
-    nx = field.rows - 1
-    ny = values.shape[1] - 1
+    x, y = (o - field.o) * inverse, (b - field.b) * inverse
+    nx, ny = field.rows - 1, values.shape[1] - 1
     if x < 0.0 or y < 0.0 or x >= nx or y >= ny:
         outside = max(max(-x, x - nx), max(-y, y - ny))
         return outside * field.spacing + MARGIN, 0.0
-    i = int(x)
-    j = int(y)
-    x -= i
+    i, j = int(x), int(y)
+    x, y = x - i, y - j
     i += field.first
-    y -= j
-    w00 = (1.0 - x) * (1.0 - y)
-    w10 = x * (1.0 - y)
-    w01 = (1.0 - x) * y
-    w11 = x * y
+    w00, w10, w01, w11 = (1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y
     distance = (
         w00 * values[i, j, 0] + w10 * values[i + 1, j, 0] + w01 * values[i, j + 1, 0] + w11 * values[i + 1, j + 1, 0]
     )
@@ -96,8 +85,7 @@ def project(rail: Rail, o: float, b: float, arc: float, steps: int) -> Foot:
     for i in range(steps + 1):
         at = rail_point(rail, arc)
         no, nb = -at.tw, at.tu
-        du = o - at.u
-        dw = b - at.w
+        du, dw = o - at.u, b - at.w
         distance = du * no + dw * nb
         if i == steps:
             break
@@ -108,10 +96,8 @@ def project(rail: Rail, o: float, b: float, arc: float, steps: int) -> Foot:
 @inlined
 def _near(rail: Rail, o: float, b: float, foot: float, no: float, nb: float) -> tuple[float, float, float]:
     """Distance of (o, b) from a rail that changes along the track, arclength of its foot, and slope of the distance
-    along a wheel outline with normal (no, nb); foot: about where it is.
-
-    Right to second order in how far that is off, which the samples of a search want; else by Newton's method.
-    """
+    along a wheel outline with normal (no, nb); foot: about where it is. Right to second order in how far that is off,
+    which the samples of a search want; else by Newton's method."""
     at = rail_chord(rail, foot)
     du, dw = o - at.u, b - at.w
     distance = dw * at.tu - du * at.tw
@@ -137,9 +123,7 @@ def refine(wheel: PlacedWheel, rail: Rail, lo: float, hi: float, arc: float, foo
 
     arc, foot: first guess on wheel and rail; kind: MINIMUM (slope negative at ``lo``) or MAXIMUM.
     """
-    distance = 0.0
-    curvature = 0.0
-    status = ROUGH
+    distance, curvature, status = 0.0, 0.0, ROUGH
     ends = lo, hi
     projections = 3  # the first guess of the foot may be far off; later ones are predicted
     last = 1.0  # length of the last step
@@ -219,11 +203,9 @@ class Sample(NamedTuple):
 
 @inlined
 def _turns(last: Sample, at: Sample) -> bool:
-    """Whether the slope changes its sign between two samples, near the rail.
-
-    The parabola's vertex between them says whether a closer look is worth it; where the locus climbs around a yawed
-    wheel, its outline is many times as long as the profile.
-    """
+    """Whether the slope changes its sign between two samples, near the rail. The parabola's vertex between them says
+    whether a closer look is worth it; where the locus climbs around a yawed wheel, its outline is many times as long as
+    the profile."""
     if (at.slope < 0.0) == (last.slope < 0.0):
         return False
     between = sqrt((at.o - last.o) ** 2 + (at.b - last.b) ** 2)
@@ -303,7 +285,9 @@ def find_contacts(
                     if met.distance < 0.0 and 0.0 < met.arc_rail < rail_end and count < found.shape[0]:
                         if linked:
                             _set_saddle(wheel, rail, found[count - 1], met, top)
-                        _set_found(found[count], met)
+                        row = found[count]
+                        row.arc_wheel, row.arc_rail = met.arc_wheel, met.arc_rail
+                        row.depth, row.curvature, row.saddle = -met.distance, met.curvature, -1.0
                         status |= met.status
                         count += 1
                         linked = True
@@ -319,13 +303,3 @@ def find_contacts(
                 continue
         i += stride
     return count, closest, status
-
-
-@inlined
-def _set_found(row: Record, met: Stationary) -> None:
-    """Write a place of contact that the distance has no saddle behind, yet."""
-    row.arc_wheel = met.arc_wheel
-    row.arc_rail = met.arc_rail
-    row.depth = -met.distance
-    row.curvature = met.curvature
-    row.saddle = -1.0

@@ -22,7 +22,7 @@ grids are cut at the saddles, so every lobe has its strips and nothing that is r
 
 from math import pi, sqrt
 
-from wrsim.core.contact.records import AFRESH, STATUS_NOT_CONVERGED
+from wrsim.core.contact.records import COLD_START, STATUS_NOT_CONVERGED
 from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.grid import opposite
@@ -43,7 +43,7 @@ def press_strips(a, wheel, rail, pose, count):
     n = settings.strips
     system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
     memo = a.memo[0]
-    if settings.start == AFRESH:
+    if settings.start == COLD_START:
         memo.known = 0
     for i in range(count):
         _set_main_point(wheel, rail, lobes[i])

@@ -2,13 +2,15 @@
 
 from typing import NamedTuple
 
-from wrsim.core.contact.records import FASTRIP, FASTSIM, POLACH, SHEN_HEDRICK_ELKINS
+from wrsim.core.contact.arrays import Arrays
+from wrsim.core.contact.records import FASTRIP, FASTSIM, LINEAR, POLACH, SHEN_HEDRICK_ELKINS
 from wrsim.core.contact.tangential.fastrip import fastrip
 from wrsim.core.contact.tangential.fastsim import PARABOLA_PEAK, fastsim, fastsim_blended
 from wrsim.core.contact.tangential.flexibility import (
     Creepages,
     Ellipse,
     Flexibilities,
+    Rolling,
     ellipse_of,
     flexibilities,
     kalker_coefficients,
@@ -16,60 +18,48 @@ from wrsim.core.contact.tangential.flexibility import (
 from wrsim.core.contact.tangential.friction import set_friction
 from wrsim.core.contact.tangential.linear import linear_creep
 from wrsim.core.contact.tangential.polach import polach
-from wrsim.core.jit.arena import Array, Record, Records
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.jit import Array, Record, Records, inlined, kernel
 
 GAP = 1e-6  # of a strip's width: more apart are other stretches
 FIRM = 4.0  # from a quarter of the wheel's largest pressure amplitude on a lobe counts in full
 
 
 @kernel
-def creep_forces(
-    creep: Array,
-    shape: Array,
-    settings: Record,
-    speed: float,
-    lobes: Records,
-    strips: Records,
-    count: int,
-    i: int,
-    work: Array,
-) -> None:
-    """Write Fx, Fy, Mz of the strips of lobe i; speed: of the wheel along the rail [m/s].
-
-    Coupled lobes share the ellipse and the mean creepages by their coupling. The ellipse has the area of the patch and
-    its aspect, length over width.
-    """
-    lobe, own = lobes[i], strips[i]
+def creep_forces(a: Arrays, speed: float, count: int, i: int) -> None:
+    """Write Fx, Fy, Mz of the strips of lobe i of ``count``; speed: of the wheel along the rail [m/s]. Coupled lobes
+    share the ellipse and the mean creepages by their coupling. The ellipse has the area of the patch and its aspect,
+    length over width."""
+    settings, lobes, own = a.settings[0], a.patches, a.strips[i]
+    lobe = lobes[i]
     n = lobe.n_strips
     largest = set_friction(speed, settings, own, n)
     if n == 0 or lobe.N <= 0.0 or largest <= 0.0:
         for j in range(n):
             own[j].Fx = own[j].Fy = own[j].Mz = 0.0
         return
-    ellipse, mean, normal = _joint(lobes, strips, count, i)
+    ellipse, mean, normal = _joint(lobes, a.strips, count, i)
     direction = 1.0 if speed >= 0.0 else -1.0
     model = settings.tangential
     if model == POLACH:
-        _spread_polach(creep, settings, own, n, normal, mean, ellipse, direction)
+        _spread_polach(a.creep, settings, own, n, normal, mean, ellipse, direction)
         return
-    soft = flexibilities(creep, ellipse, settings.G)
-    if model == FASTSIM:
-        peak = PARABOLA_PEAK if settings.parabolic else 1.0
-        if settings.blended:
-            fastsim_blended(own, n, peak, soft, direction, shape, work)
-        else:
-            fastsim(own, n, peak, mean, soft, direction, shape, work)
-    elif model == FASTRIP:
-        fastrip(own, n, ellipse.a, soft, direction, shape, work)
-    elif model == SHEN_HEDRICK_ELKINS:
-        linear_creep(own, n, mean, soft, direction, 1.0)
-    else:
+    soft = flexibilities(a.creep, ellipse, settings.G)
+    if model == LINEAR:
         # Kalker's linear forces know the area, not the load: a lobe about to lift off has to lose its grip
         grip = 1.0
         for j in range(count):
             grip = min(grip, FIRM * lobe.amplitude / max(lobes[j].amplitude, 1e-300))
-        linear_creep(own, n, mean, Flexibilities(soft.l1 / grip, soft.l2 / grip, soft.l3 / grip), direction, 0.0)
+        soft = Flexibilities(soft.l1 / grip, soft.l2 / grip, soft.l3 / grip)
+    on = Rolling(own, n, soft, direction, a.shape, a.work)
+    peak = PARABOLA_PEAK if settings.parabolic else 1.0
+    if model == FASTSIM and settings.blended:
+        fastsim_blended(on, peak)
+    elif model == FASTSIM:
+        fastsim(on, mean, peak)
+    elif model == FASTRIP:
+        fastrip(on, ellipse.a)
+    else:
+        linear_creep(on, mean, 1.0 if model == SHEN_HEDRICK_ELKINS else 0.0)
 
 
 class Stretch(NamedTuple):
@@ -97,11 +87,9 @@ def _stretch(strips: Records, first: int, n: int) -> Stretch:
 
 @kernel
 def _joint(lobes: Records, strips: Records, count: int, i: int) -> tuple[Ellipse, Creepages, float]:
-    """Ellipse, mean creepages and normal force of lobe i and its share of those that it is coupled to.
-
-    A lobe may touch in several stretches, with gaps between. Each counts by its own length and width; one that is about
-    to lift off for as little as it carries.
-    """
+    """Ellipse, mean creepages and normal force of lobe i and its share of those that it is coupled to. A lobe may touch
+    in several stretches, with gaps between. Each counts by its own length and width; one that is about to lift off for
+    as little as it carries."""
     lobe = lobes[i]
     area = width = longest = normal = xi = eta = phi = 0.0
     firmest = 0.0
@@ -139,15 +127,9 @@ def _joint(lobes: Records, strips: Records, count: int, i: int) -> tuple[Ellipse
 
 @kernel
 def _spread_polach(
-    creep: Array,
-    settings: Record,
-    strips: Records,
-    n: int,
-    normal: float,
-    mean: Creepages,
-    ellipse: Ellipse,
+    creep: Array, settings: Record, strips: Records, n: int, normal: float, mean: Creepages, ellipse: Ellipse,
     direction: float,
-) -> None:
+) -> None:  # fmt: skip
     """Polach's forces, over the strips in proportion to their mu N; normal: force on the ellipse [N]."""
     friction = own = 0.0
     for i in range(n):

@@ -34,37 +34,18 @@ works through L1 like the rest of it.
 
 from math import pi, sqrt
 
-from wrsim.core.contact.tangential.flexibility import Flexibilities
-from wrsim.core.contact.tangential.march import (
-    BOUND,
-    FX,
-    FY,
-    MZ,
-    NOTHING,
-    START_X,
-    START_Y,
-    STUCK,
-    largest_traction,
-    march,
-)
-from wrsim.core.jit.arena import Array, Records
-from wrsim.core.jit.compiling import kernel
+from wrsim.core.contact.tangential.flexibility import Rolling
+from wrsim.core.contact.tangential.march import NOTHING, begin, largest_traction, march
+from wrsim.core.jit import kernel
 
 FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken back
 
 
 @kernel
-def fastrip(
-    strips: Records, n: int, half_length: float, soft: Flexibilities, direction: float, shape: Array, work: Array
-) -> None:
-    """Tangential forces of n strips; arguments as in `fastsim`, bound elliptic.
-
-    half_length: a_0 of the equivalent ellipse [m]; work: (12, >= n) scratch. Writes Fx, Fy, Mz of each strip.
-    """
+def fastrip(on: Rolling, half_length: float) -> None:
+    """Tangential forces of the strips, bound elliptic; half_length: a_0 of the equivalent ellipse [m]."""
+    strips, n, soft, direction, shape, work = on
     dx = 2.0 / shape.shape[0]
-    bounds, along, across = work[BOUND], work[START_X], work[START_Y]
-    stuck = work[STUCK]  # where the adhesion zone ends, over a
-    fx, fy, mz = work[FX], work[FY], work[MZ]
     shift = 16.0 * half_length / (3.0 * pi * pi)
     for i in range(n):
         strip = strips[i]
@@ -76,15 +57,11 @@ def fastrip(
             y = -shift * strip.eta / (soft.l2 * bound)
             psi = -direction * 0.375 * half_length * strip.phi * strip.a / (soft.l3 * bound)
             ax, ay, d = _adhesion(x, y, psi)
-        bounds[i] = bound
-        along[i] = ax
-        across[i] = ay
-        stuck[i] = 1.0 - 2.0 * d
         # what k_d takes from the bound in the adhesion zone; the march adds the rest
-        fx[i] = -ax * 0.5 * pi * d * d / dx
-        fy[i] = (psi - ay) * 0.5 * pi * d * d / dx
-        mz[i] = fy[i] * (1.0 - d)
-    march(strips, n, soft, 1.0, direction, shape, work)
+        fx = -ax * 0.5 * pi * d * d / dx
+        fy = (psi - ay) * 0.5 * pi * d * d / dx
+        begin(work, i, bound, 1.0 - 2.0 * d, ax, ay, fx, fy, fy * (1.0 - d))
+    march(on, 1.0)
 
 
 @kernel

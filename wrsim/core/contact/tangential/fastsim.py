@@ -21,45 +21,19 @@ the edges to the middle; here every strip keeps its mu N, because friction is a 
 
 from math import pi, sqrt
 
-from wrsim.core.contact.tangential.flexibility import Creepages, Flexibilities
-from wrsim.core.contact.tangential.march import (
-    BOUND,
-    FX,
-    FY,
-    MZ,
-    START_X,
-    START_Y,
-    STUCK,
-    hold_power,
-    largest_traction,
-    march,
-)
-from wrsim.core.jit.arena import Array, Records
-from wrsim.core.jit.compiling import kernel
+from wrsim.core.contact.tangential.flexibility import Creepages, Rolling
+from wrsim.core.contact.tangential.march import begin, hold_power, largest_traction, march
+from wrsim.core.jit import kernel
 
 PARABOLA_PEAK = 0.375 * pi  # of the parabola over that of the semi-ellipse of equal force
 
 
 @kernel
-def fastsim(
-    strips: Records,
-    n: int,
-    peak: float,
-    mean: Creepages,
-    soft: Flexibilities,
-    direction: float,
-    shape: Array,
-    work: Array,
-) -> None:
-    """Tangential tractions of n strips.
-
-    peak: of the bound over that of the semi-ellipse of equal force, 1 for the elliptic bound, PARABOLA_PEAK for the
-    parabolic one; mean, soft: mean creepages and flexibilities; direction: +1 rolling along +x, -1 backwards; shape:
-    (cells,) means of sqrt(1 - X^2), or of 1 - X^2 for the parabola, over each cell, X = x / x_L from the leading edge
-    on (means, so that full sliding gives mu N exactly); work: (9, >= n) scratch. Reads a, ds, N, mu, xi, eta, phi of
-    each strip (creepages of the wheel against the rail) and writes Fx, Fy, Mz: forces on the wheel [N] and their moment
-    about the strip's centre [N m].
-    """
+def fastsim(on: Rolling, mean: Creepages, peak: float) -> None:
+    """Tangential forces of the strips, with three flexibilities throughout. mean: creepages over the patch; peak: of
+    the bound over that of the semi-ellipse of equal force, 1 for the elliptic bound, PARABOLA_PEAK for the parabolic
+    one."""
+    strips, n, soft, direction, shape, work = on
     cells = shape.shape[0]
     step_x, step_y, turn = work[0], work[1], work[2]
     bound = work[3]
@@ -102,18 +76,8 @@ def fastsim(
 
 
 @kernel
-def fastsim_blended(
-    strips: Records, n: int, peak: float, soft: Flexibilities, direction: float, shape: Array, work: Array
-) -> None:
-    """The same with three flexibilities where the surfaces stick and one where they slide.
-
-    Arguments as in `fastsim`; work: (12, >= n) scratch.
-    """
-    bound, start_x, start_y, stuck = work[BOUND], work[START_X], work[START_Y], work[STUCK]
-    fx, fy, mz = work[FX], work[FY], work[MZ]
-    for i in range(n):
-        bound[i] = peak * largest_traction(strips[i])
-        start_x[i] = start_y[i] = 0.0
-        stuck[i] = 1.0
-        fx[i] = fy[i] = mz[i] = 0.0
-    march(strips, n, soft, 0.0, direction, shape, work)
+def fastsim_blended(on: Rolling, peak: float) -> None:
+    """The same with three flexibilities where the surfaces stick and one where they slide."""
+    for i in range(on.n):
+        begin(on.work, i, peak * largest_traction(on.strips[i]), 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    march(on, 0.0)

@@ -6,8 +6,7 @@ L1 = 8 a / (3 C11 G),   L2 = 8 a / (3 C22 G),   L3 = pi a sqrt(a/b) / (4 C23 G).
 from math import pi, sqrt
 from typing import NamedTuple
 
-from wrsim.core.jit.arena import Array
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.jit import Array, Records, inlined, kernel
 
 
 class Creepages(NamedTuple):
@@ -42,6 +41,24 @@ class Flexibilities(NamedTuple):
     l3: float
 
 
+class Rolling(NamedTuple):
+    """What the models of creep forces compute with.
+
+    strips: records STRIP, the first n of them; soft: flexibilities of the equivalent ellipse; direction: +1 rolling
+    along +x, -1 backwards; shape: (cells,) means over each cell of sqrt(1 - X^2), or of 1 - X^2 for the parabola, X = x
+    / a from the leading edge on (means, so that full sliding gives mu N exactly); work: (12, >= n) scratch.
+    They read a, ds, N, mu and the creepages xi, eta, phi of each strip, wheel against rail, and write Fx, Fy, Mz:
+    forces on the wheel [N] and their moment about the strip's centre [N m].
+    """
+
+    strips: Records
+    n: int
+    soft: Flexibilities
+    direction: float
+    shape: Array
+    work: Array
+
+
 @inlined
 def ellipse_of(area: float, aspect: float) -> Ellipse:
     """The ellipse of this area [m2] and aspect a/b."""
@@ -51,11 +68,8 @@ def ellipse_of(area: float, aspect: float) -> Ellipse:
 
 @kernel
 def kalker_coefficients(creep: Array, aspect: float) -> Coefficients:
-    """C11, C22, C23 for a patch of aspect a/b.
-
-    creep: (20, 3) rows at min(a/b, b/a) = .1 ... 1, first a < b, then a > b in the same order. Beyond 0.1 the
-    coefficients go on with their asymptotic powers.
-    """
+    """C11, C22, C23 for a patch of aspect a/b. creep: (20, 3) rows at min(a/b, b/a) = .1 ... 1, first a < b, then a > b
+    in the same order. Beyond 0.1 the coefficients go on with their asymptotic powers."""
     wide = aspect <= 1.0
     g = aspect if wide else 1.0 / aspect
     x = min(max(10.0 * g - 1.0, 0.0), 9.0)

@@ -14,8 +14,7 @@ SETTINGS in their order. Between two rows each number changes by 3 x^2 - 2 x^3, 
 
 from math import exp, sqrt
 
-from wrsim.core.jit.arena import Array, Record, Records
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.jit import Array, Record, Records, inlined, kernel
 from wrsim.core.root import neighbours
 
 
@@ -34,10 +33,8 @@ def set_law(table: Array, place: float, settings: Record) -> None:
 
 @kernel
 def set_friction(speed: float, settings: Record, strips: Records, n: int) -> float:
-    """Write mu of n strips, whose creepages, half lengths and normals are set; speed: of rolling [m/s].
-
-    Returns the largest.
-    """
+    """Write mu of n strips, whose creepages, half lengths and normals are set; speed: of rolling [m/s]. Returns the
+    largest."""
     rise = settings.mu_gauge - settings.mu
     ramp = 1.0 / max(settings.zone_end - settings.zone_start, 1e-9)
     kept = settings.fall_ratio

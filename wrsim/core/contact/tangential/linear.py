@@ -18,19 +18,14 @@ but not below what keeps the power of the strip from being positive.
 
 from math import sqrt
 
-from wrsim.core.contact.tangential.flexibility import Creepages, Flexibilities
-from wrsim.core.jit.arena import Records
-from wrsim.core.jit.compiling import kernel
+from wrsim.core.contact.tangential.flexibility import Creepages, Rolling
+from wrsim.core.jit import kernel
 
 
 @kernel
-def linear_creep(
-    strips: Records, n: int, mean: Creepages, soft: Flexibilities, direction: float, saturated: float
-) -> None:
-    """Forces of n strips; mean, soft: mean creepages and flexibilities; direction: +1 rolling along +x, -1 backwards.
-
-    Reads a, ds, N, mu, xi, eta, phi of each strip and writes Fx, Fy, Mz.
-    """
+def linear_creep(on: Rolling, mean: Creepages, saturated: float) -> None:
+    """Forces of the strips; mean: creepages over the patch; saturated: 1 for the bound of each strip, else 0."""
+    strips, n, soft, direction, _shape, _work = on
     for i in range(n):
         strip = strips[i]
         area = 2.0 * strip.a * strip.a * strip.ds

@@ -21,9 +21,8 @@ which are nearly the same, would decide on sticking by chance.
 
 from math import pi, sqrt
 
-from wrsim.core.contact.tangential.flexibility import Flexibilities
-from wrsim.core.jit.arena import Array, Record, Records
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.contact.tangential.flexibility import Rolling
+from wrsim.core.jit import Array, Record, Records, inlined, kernel
 
 STEP_X, STEP_Y, TURN, BOUND, START_X, START_Y, STUCK, TRACTION_X, TRACTION_Y, FX, FY, MZ = range(12)
 """Rows of the scratch array."""
@@ -37,17 +36,18 @@ def largest_traction(strip: Record) -> float:
     return 2.0 * strip.mu * strip.N / (pi * max(strip.a * strip.ds, 1e-300))
 
 
-@kernel
-def march(
-    strips: Records, n: int, soft: Flexibilities, rising: float, direction: float, shape: Array, work: Array
-) -> None:
-    """Tangential forces of n strips.
+@inlined
+def begin(work: Array, i: int, bound: float, stuck: float, x: float, y: float, fx: float, fy: float, mz: float) -> None:
+    """Write what `march` finds of strip i. bound: largest traction [Pa]; stuck: place over a where the march begins, 1
+    at the leading edge; x, y: tractions before that, fx, fy, mz: what comes to the sums over cells, over the bound."""
+    work[BOUND, i], work[STUCK, i], work[START_X, i], work[START_Y, i] = bound, stuck, x, y
+    work[FX, i], work[FY, i], work[MZ, i] = fx, fy, mz
 
-    soft: L1, L2, L3; rising: 1 where tractions rise with the bound, else 0; direction, shape: as in `fastsim`; work:
-    (12, >= n), of which these rows are set: BOUND, largest traction [Pa]; STUCK, place over a where the march begins, 1
-    at the leading edge; START_X, START_Y, tractions before that over the bound; FX, FY, MZ, what comes to the sums over
-    cells, over BOUND. Writes Fx, Fy, Mz of each strip.
-    """
+
+@kernel
+def march(on: Rolling, rising: float) -> None:
+    """Tangential forces of the strips, each set by `begin`. rising: 1 where tractions rise with the bound, else 0."""
+    strips, n, soft, direction, shape, work = on
     cells = shape.shape[0]
     dx = 2.0 / cells
     per_cell = 1.0 / dx
@@ -116,11 +116,9 @@ def march(
 
 @kernel
 def hold_power(strips: Records, n: int) -> None:
-    """Moments as near to the ones given as keeps the creep's power over all strips from being positive.
-
-    C22 makes the moment of eta, C23 the lateral force of phi. In slender patches (a/b above some 10) with next to no
-    slip the two differ so much that, with hardly anything else to dissipate, their powers would not cancel.
-    """
+    """Moments as near to the ones given as keeps the creep's power over all strips from being positive. C22 makes the
+    moment of eta, C23 the lateral force of phi. In slender patches (a/b above some 10) with next to no slip the two
+    differ so much that, with hardly anything else to dissipate, their powers would not cancel."""
     power = 0.0
     spins = 0.0
     for i in range(n):

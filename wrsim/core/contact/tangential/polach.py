@@ -17,7 +17,7 @@ from math import atan, exp, pi, sqrt
 
 from wrsim.core.contact.tangential.flexibility import Coefficients, Creepages, Ellipse
 from wrsim.core.contact.tangential.linear import restrain
-from wrsim.core.jit.compiling import kernel
+from wrsim.core.jit import kernel
 
 LARGE = 1e60  # creepages beyond are full sliding; their powers are still numbers
 
@@ -26,10 +26,8 @@ LARGE = 1e60  # creepages beyond are full sliding; their powers are still number
 def polach(
     creepages: Creepages, ellipse: Ellipse, coefficients: Coefficients, stiffness: float, adhesion: float, slip: float
 ) -> tuple[float, float, float]:
-    """Fx, Fy over mu N and the moment over mu N [m], on the wheel, rolling along +x.
-
-    stiffness: G / (mu N) [1/m2]; adhesion, slip: kA, kS.
-    """
+    """Fx, Fy over mu N and the moment over mu N [m], on the wheel, rolling along +x. stiffness: G / (mu N) [1/m2];
+    adhesion, slip: kA, kS."""
     xi, eta, phi = creepages
     a, b = ellipse.a, ellipse.b
     c11, c22, c23 = coefficients

@@ -1,0 +1,138 @@
+"""The workspace of contact kernels: arrays packed into one buffer, and those of one wheel by their names."""
+
+from collections.abc import Container, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.core.contact import records as k
+from wrsim.core.contact.arrays import Arrays
+from wrsim.core.contact.strips.records import X
+from wrsim.core.contact.wheel_rail import search, wheel_rail
+from wrsim.core.jit import Array, Records
+
+ALIGNMENT = 8  # doubles: every array starts on a cache line of its own
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """One buffer, its index (K, 4), and the arrays as views on it: what kernels write is seen in the views."""
+
+    buffer: Array
+    index: NDArray[np.int64]
+    views: tuple[NDArray[Any], ...]
+
+    def part(self, first: int, count: int) -> "Workspace":
+        """``count`` of the arrays as a workspace of their own, in the same buffer."""
+        return Workspace(self.buffer, self.index[first : first + count], self.views[first : first + count])
+
+    def stretches_but(self, left_out: Container[int]) -> list[Array]:
+        """Views on the stretches of the buffer that hold all arrays but those with these numbers."""
+        found: list[list[int]] = []
+        for i, view in enumerate(self.views):
+            if i in left_out:
+                continue
+            begin = int(self.index[i, 0])
+            end = begin + room(view)
+            if found and found[-1][1] == begin:
+                found[-1][1] = end
+            else:
+                found.append([begin, end])
+        return [self.buffer[begin:end] for begin, end in found]
+
+
+def room(array: NDArray[Any]) -> int:
+    """How many numbers of a buffer an array takes."""
+    return -(-array.nbytes // 8 // ALIGNMENT) * ALIGNMENT
+
+
+def pack(arrays: Sequence[NDArray[Any]]) -> Workspace:
+    """Copy arrays of one to three dimensions, or of one or two with records, into a new workspace. An array given more
+    than once (the same object: a table that wheels share) is copied once."""
+    index = np.zeros((len(arrays), 4), dtype=np.int64)
+    end = 0
+    places: dict[int, int] = {}
+    for row, array in zip(index, arrays, strict=True):
+        shape = array.shape if array.dtype.names is None else (*array.shape, array.dtype.itemsize // 8)
+        row[1 : 1 + len(shape)] = shape
+        if id(array) in places:
+            row[0] = places[id(array)]
+            continue
+        row[0] = places[id(array)] = end
+        end += room(array)
+    buffer = np.zeros(end)
+    views = []
+    for row, array in zip(index, arrays, strict=True):
+        view = buffer[row[0] : row[0] + array.nbytes // 8].view(array.dtype).reshape(array.shape)
+        view[...] = array
+        views.append(view)
+    return Workspace(buffer, index, tuple(views))
+
+
+class KernelArrays:
+    """The arrays of one wheel on one rail by their names (core.contact.arrays.Arrays), and the kernel on them."""
+
+    def __init__(self, workspace: Workspace, follows: bool) -> None:
+        """follows: whether the normal model can start from the contact of the last call."""
+        self.buffer, self.index, self._follows = workspace.buffer, workspace.index, follows
+        self.rows = Arrays(*workspace.views)
+        self.wheel: Array = self.rows.wheel
+        self.rail: Array = self.rows.rail
+        self.settings: Any = self.rows.settings[0]
+        self.pose: Array = self.rows.pose
+        self.found: Records = self.rows.found
+        self.patches: Records = self.rows.patches
+        self.strips: Records = self.rows.strips
+        self.total: Any = self.rows.total[0]
+        # views of one number each: a run reads them after every step
+        self._status, self._substitutes = self.rows.total["status"], self.rows.memo["substitutes"]
+
+    @property
+    def force(self) -> Array:
+        """On the wheel (t, o, b) [N]."""
+        return np.array([self.total.Ft, self.total.Fo, self.total.Fb])
+
+    @property
+    def moment(self) -> Array:
+        """On the wheel about its profile origin (t, o, b) [N m]."""
+        return np.array([self.total.Mt, self.total.Mo, self.total.Mb])
+
+    def call(self) -> int:
+        """Run the kernel on the pose that is set; returns its status."""
+        return int(wheel_rail(self.buffer, self.index))
+
+    def search(self) -> tuple[int, int]:
+        """Look for contacts at the pose that is set, see ``found``; returns their number and the status."""
+        count, status = search(self.buffer, self.index)
+        return int(count), int(status)
+
+    @property
+    def status(self) -> int:
+        """Status of the contact found last, see `wrsim.contact.status`."""
+        return self._status.item()
+
+    @property
+    def substitutes(self) -> int:
+        """Calls so far in which the strip model was not solved and a substitute stood for it."""
+        return self._substitutes.item()
+
+    def follow(self, on: bool) -> None:
+        """From now on the strip model starts from the contact asked for last (in runs), or cold each time. Its answer
+        is the same to its tolerance."""
+        self.settings.start = k.FROM_LAST if on else k.COLD_START
+        self.rows.memo["known"] = 0
+
+    def kept(self) -> tuple[NDArray[Any], ...]:
+        """Views on what one call leaves for the next: the last contact, if the model follows it. Who puts them back
+        gives up the inverse that is kept besides (``rows.memo``)."""
+        if not (self._follows and self.settings.start):
+            return ()
+        grids, places = self.rows.grids, self.rows.places
+        memo = self.rows.memo
+        return (
+            memo["known"], memo["strips"], memo["substitutes"], self.rows.vectors[X],
+            *(grids[name] for name in ("on", "start_held", "end_held")),
+            *(places[name] for name in ("lo", "hi", "s")),
+        )  # fmt: skip
