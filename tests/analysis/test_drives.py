@@ -66,7 +66,11 @@ QUIET = 2.35, 4.7
 
 
 @pytest.mark.parametrize(
-    "segment", [{"kind": "straight"}, {"kind": "arc", "radius_m": 300.0, "cant_mm": 60.0}], ids=["straight", "curve"]
+    "segment",
+    [
+        pytest.param({"kind": "straight"}, marks=pytest.mark.campaign),
+        {"kind": "arc", "radius_m": 300.0, "cant_mm": 60.0},
+    ],
 )
 def test_what_the_axles_are_given_is_kinetic_energy_or_lost_in_creep(segment):
     keys = {

@@ -50,6 +50,7 @@ def test_the_wheel_file_is_what_the_fit_writes() -> None:
     assert fit.text(fit.Shape(620.0, 5.0, -15.17, 38.2, 14.7)) == WHEEL.read_text(encoding="utf-8")
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     "change",
     [(100.0, 0, 0, 0, 0), (0, 0.3, 0, 0, 0), (0, 0, 0.15, 0, 0), (0, 0, 0, 3.0, 0), (0, 0, 0, 0, 0.3)],

@@ -47,7 +47,9 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 # --- the user's files ----------------------------------------------------------------------------------
 @pytest.mark.parametrize(
-    "name", ["scenario.toml", "history.csv", "summary.json", "result.nc", "wheelset_1/patches.csv"]
+    "name",
+    ["scenario.toml", "wheelset_1/patches.csv"]
+    + [pytest.param(name, marks=pytest.mark.campaign) for name in ("history.csv", "summary.json", "result.nc")],
 )
 def test_a_run_does_not_write_over_a_file_of_the_users(
     scenario: Path, tmp_path: Path, name: str, analysed: list[str]

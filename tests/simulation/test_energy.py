@@ -71,19 +71,22 @@ def bouncing() -> Bouncing:
 
 def test_a_bouncing_wheelset_keeps_its_energy():
     # 20 um about a static approach of 65 um, at 480 rad/s. RK44 loses (omega h)^6 / 72 of the energy at every step:
-    # 80 us make that 6e-6 in 10 s; 2 s are run. A wheelset without its load bounces at 1350 rad/s and would need 20 us.
+    # 80 us make that 6e-6 in 10 s; 0.5 s are run. A wheelset without its load, at 1350 rad/s, would need 20 us.
     system = bouncing()
     q = system.q.copy()
     q[0] += 2e-5
-    motion = system.ride.run(q, system.rest, 2.0, step=8e-5, every=0.02)
+    motion = system.ride.run(q, system.rest, 0.5, step=8e-5, every=0.005)
     energy = np.array([system.energy(a, b) for a, b in zip(motion.q, motion.q_t, strict=True)])
     assert energy[0] == pytest.approx(0.4435, rel=1e-2)  # 1/2 k a^2 with k = 2.35 GN/m, stiffer than linear below
-    assert np.abs(energy / energy[0] - 1.0).max() < 2e-6
+    assert np.abs(energy / energy[0] - 1.0).max() < 5e-7
     assert energy[-1] < energy[0]
     assert np.abs(motion.q[:, 2:5]).max() < 1e-12  # straight up and down
 
 
-@pytest.mark.parametrize(("lateral", "roll", "rates"), [(1e-3, 0.0, (0.0, 0.0)), (1e-3, 7e-5, (0.01, 0.01))])
+@pytest.mark.parametrize(
+    ("lateral", "roll", "rates"),
+    [pytest.param(1e-3, 0.0, (0.0, 0.0), marks=pytest.mark.campaign), (1e-3, 7e-5, (0.01, 0.01))],
+)
 def test_lateral_and_roll_motion_waver_in_energy_and_hardly_drift(lateral, roll, rates):
     """What is measured: the energy wavers by up to 3e-4 and drifts by less than 3e-5 in a second.
 
