@@ -9,8 +9,6 @@ model with FaStrip: afresh as in static analyses, and from the last contact as i
 up to 0.6 um from call to call. Grids: docs/strip_model.md.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from pathlib import Path

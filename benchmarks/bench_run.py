@@ -6,8 +6,6 @@ the start and the making of the result; also as a ratio to Kik-Piotrowski with R
 same process.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 from dataclasses import replace

@@ -8,8 +8,6 @@
 ``idle``: workers without a case, from the first case that begins to the last that ends. ``start``: before that.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

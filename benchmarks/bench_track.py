@@ -3,8 +3,6 @@
 python benchmarks/bench_track.py
 """
 
-from __future__ import annotations
-
 from time import perf_counter
 
 from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition

@@ -5,8 +5,6 @@ track with ERRI low irregularities, where all of them have the same to do. Every
 search for its start and without the making of its result. Processor time on one core, minimum of the repetitions.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import tempfile

@@ -14,8 +14,6 @@ Without --json also the split of an evaluation, and for each step the largest di
 millisecond, as a part of the largest value: Y and Q of every wheel after the low-pass of 20 Hz of an assessment.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import time

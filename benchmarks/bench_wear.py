@@ -6,8 +6,6 @@ one process: looks at the profile and what lies between them. Processor time on 
 the first of them, which may compile, does not count.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import time
@@ -17,10 +15,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from wrsim.results.ledger import digest_of
-
 from wrsim import load, run
 from wrsim.results import write_atomically
+from wrsim.results.manifest import digest_of
 from wrsim.study.plan import PLAN, Plan
 from wrsim.study.service.service import read_service
 from wrsim.study.service.stages import STAGES

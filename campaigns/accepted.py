@@ -8,8 +8,6 @@ that stop (a derailment), and those that take more than 30 s of processor time a
 count and tells what there is.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import random

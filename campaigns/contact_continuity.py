@@ -10,8 +10,6 @@ largest of them over the load, and the time of a pose. Steps of 20 um find the j
 1 um the smaller ones too (loads go by as many kN). Over approach and load every lateral shift is swept at every yaw.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

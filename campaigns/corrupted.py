@@ -11,8 +11,6 @@ in four is damaged, one in four is damaged and has a right checksum, two have od
 (``crafted.py``). A command may give its numbers, or refuse in one line and with exit code 2, within 60 s and 2 GB.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -4,8 +4,6 @@
 or a record of a ``result.nc.part``. `sealed_again` puts a right checksum under any bytes of either.
 """
 
-from __future__ import annotations
-
 import json
 import random
 import struct

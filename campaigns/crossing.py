@@ -14,8 +14,6 @@ prints a hand check of the blow on the nose: a mass M that closes on a Hertz spr
 with (5/4 M V^2)^(3/5) C^(2/5), because M V^2 / 2 = 2/5 C d^(5/2).
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

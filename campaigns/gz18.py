@@ -8,8 +8,6 @@ The tables lie in ``shared/reference/gz18`` beside the clone, or in the folder t
 ``shared``. Their axes are y right, z down; here they become ours.
 """
 
-from __future__ import annotations
-
 import gzip
 import json
 import os

@@ -9,8 +9,6 @@ Everything else is ours: the car, the track, Newton's method for the steady moti
 uses it.
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
 from functools import cache, lru_cache

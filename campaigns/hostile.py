@@ -9,8 +9,6 @@ not be: an answer other than "valid" or an InputError, a message that does not n
 than 20 s of processor time. ``--seed`` begins elsewhere; Ctrl-C ends the count and tells what there is.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

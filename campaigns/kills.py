@@ -7,8 +7,6 @@ differ from the uninterrupted run's by a byte (the result: by a number). Most co
 has imported everything, every fifth starts from nothing.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import csv

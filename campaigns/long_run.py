@@ -6,8 +6,6 @@ then, each in a process of its own, the largest while the result of the first te
 and saved, and while its tables are written; the size of what stands on disk, a kilometre.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -8,8 +8,6 @@ imported all but our own modules. Kernels compile anew for every mutant of wrsim
 and take tests that are quick without the compiler. Prints survivors as differences.
 """
 
-from __future__ import annotations
-
 import argparse
 import difflib
 import importlib

@@ -19,8 +19,6 @@ connected region and met its load. Errors are |prediction / truth - 1|: median, 
 largest, and the signed median.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 from collections.abc import Iterable, Sequence

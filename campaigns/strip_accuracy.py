@@ -9,8 +9,6 @@ median, 95 %, largest, and the numbers of poses beyond 2 and 5 %; then how many 
 a pose.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 from collections.abc import Callable

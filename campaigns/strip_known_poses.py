@@ -8,8 +8,6 @@ the half-space's (asked at ten of them), the largest change from one step to the
 strips carry over their neighbours ("ends", see strip_sweeps.py; law: at most 1.25).
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 from pathlib import Path

@@ -14,8 +14,6 @@ pose to another some millimetres away, lobes come and go. The model that follows
 solves afresh.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import time

@@ -8,8 +8,6 @@ carries a unit of width, over the larger of its two neighbours (law: at most 1.2
 each.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 from pathlib import Path

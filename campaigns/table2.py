@@ -6,8 +6,6 @@
 See docs/static_paper.md for what agreement means here and what it does not.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 from collections.abc import Sequence

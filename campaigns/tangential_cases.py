@@ -5,8 +5,6 @@ pressure, so that the curvature of the bodies does not change the creepages over
 that pressure, as Hertz' and Coulomb's laws allow.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
