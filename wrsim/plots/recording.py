@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from wrsim.plots.colours import CANT_COLOUR, INK, WHEEL_COLOUR
 from wrsim.plots.marks import panels
-from wrsim.recording.columns import quantity_kind
 from wrsim.recording.restoring import Restored
 from wrsim.results.channels import WHEELS
 
@@ -27,7 +26,7 @@ KINDS = ("curvature", "cant", "twist", "gauge", "gauge_deviation", "alignment", 
 def recording_figure(restored: Restored) -> Figure:
     """Recorded channels above, with the design in its own; the rails beside the design below."""
     recording = restored.recording
-    kinds = sorted({quantity_kind(c.quantity) for c, _ in recording.records}, key=KINDS.index)
+    kinds = sorted({c.kind for c, _ in recording.records}, key=KINDS.index)
     draws = [partial(_recorded, restored=restored, kind=kind) for kind in kinds]
     for rows, label in ((restored.lateral, "lateral"), (restored.vertical, "vertical")):
         lines = [(f"{name} rail", 1e3 * row, WHEEL_COLOUR[name]) for name, row in zip(WHEELS, rows, strict=True)]
@@ -47,7 +46,7 @@ def _recorded(axes: Axes, restored: Restored, kind: str) -> None:
     }
     lines = [("design", 1e3 * designs[kind](local), CANT_COLOUR)] if kind in designs else []
     for channel, record in restored.recording.records:
-        if quantity_kind(channel.quantity) == kind:
+        if channel.kind == kind:
             side = channel.quantity.rpartition("_")[2]
             lines.append((f"recorded, {channel.column}", 1e3 * record, WHEEL_COLOUR.get(side, INK)))
     unit = "1/km" if kind == "curvature" else "mm"

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from wrsim.errors import InputError, suggest
-from wrsim.inputs.checking import check_section, opened
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, Switch, Two, number, text
 from wrsim.recording.systems import BANDS, BaseDifference, Chord, Inertial, MeasuringSystem, Plain
@@ -41,13 +39,8 @@ SIGNS: dict[str, tuple[Positive, Positive]] = {
 BASE = 3.0  # usual base of twist [m]
 
 
-def quantity_kind(quantity: str) -> str:
-    """A quantity without its rail."""
-    return quantity.removesuffix("_left").removesuffix("_right")
-
-
 class ChannelSection(Section, header="[[channels]]"):
-    """A column: what it is, its unit, what is positive; how alignment and level were measured."""
+    """A column: quantity, unit, sign, and the measuring system of alignment and level."""
 
     aliases: ClassVar[dict[str, str]] = {
         "column": "name header", "quantity": "channel kind", "positive": "sign", "chord_m": "chord", "band": "range",
@@ -102,7 +95,7 @@ class ChannelSection(Section, header="[[channels]]"):
     @property
     def kind(self) -> str:
         """The quantity without its rail."""
-        return quantity_kind(self.quantity)
+        return self.quantity.removesuffix("_left").removesuffix("_right")
 
     @property
     def units(self) -> dict[str, float]:
@@ -111,7 +104,7 @@ class ChannelSection(Section, header="[[channels]]"):
 
     @property
     def factor(self) -> float:
-        """From the column's numbers to SI units and our signs."""
+        """Factor of the column's numbers to SI units and our signs."""
         unit: str = self.unit or next(iter(self.units))
         factor = self.units[unit] * (self.base if self.kind == "twist" and unit in SLOPES else 1.0)
         return -factor if self.kind in SIGNS and self.positive == SIGNS[self.kind][1] else factor
@@ -123,12 +116,12 @@ class ChannelSection(Section, header="[[channels]]"):
 
     @property
     def system(self) -> MeasuringSystem:
-        """What measured it."""
+        """Measuring system of the column."""
         return self.shape_system or (BaseDifference(self.base) if self.quantity == "twist" else Plain())
 
     @property
     def shape_system(self) -> Chord | Inertial | None:
-        """What measured alignment or level; None of the other quantities."""
+        """Measuring system of alignment or level; None for other quantities."""
         if self.chord_m is not None:
             return Chord(*self.chord_m)
         band = self.band_m if self.band is None else BANDS[self.band]
@@ -176,11 +169,6 @@ class ColumnsFile(Section, header="a column map"):
         for kind in ("alignment", "level"):
             if kind in names and any(name in names for name in (f"{kind}_left", f"{kind}_right")):
                 yield Fault("channels", f"have {kind} of the mean and of single rails: leave one of them out")
-
-
-def read_columns_file(path: Path) -> ColumnsFile:
-    """Read a column map. Raises InputError with file, line and key."""
-    return check_section(ColumnsFile, *opened(path, "column map"))
 
 
 GUESSES: tuple[tuple[str, str], ...] = (

@@ -16,12 +16,12 @@ from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.optimize import least_squares
 from scipy.special import ndtr
 
-Array = NDArray[np.float64]
+from wrsim.geometry.piecewise import Array
+
 Form = Literal["clothoid", "bloss"]
 FORMS: tuple[Form, ...] = ("clothoid", "bloss")
 

@@ -8,15 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from wrsim.errors import InputError, suggest
-from wrsim.inputs.checking import check_section
+from wrsim.geometry.piecewise import Array
+from wrsim.inputs.checking import check_section, opened
 from wrsim.inputs.csv_tables import csv_cells, table_lines
-from wrsim.recording.columns import ChannelSection, ColumnsFile, guessed, read_columns_file
-
-Array = NDArray[np.float64]
+from wrsim.recording.columns import ChannelSection, ColumnsFile, guessed
 
 GAP = 1.5  # A distance between rows that is so many times the usual one is a gap
 FEWEST = 40  # rows that a recording has at least
@@ -69,7 +67,7 @@ def read_recording(
     header, rows, numbers, decimal = _table(path)
     where = f"{path}:{numbers[0]}"
     if columns is not None:
-        chosen = read_columns_file(columns)
+        chosen = check_section(ColumnsFile, *opened(columns, "column map"))
         for c in chosen.channels:
             if c.column not in header:
                 hint = suggest(c.column, header) or f"; its columns are {', '.join(header)}"
@@ -143,23 +141,22 @@ def _table(path: Path) -> tuple[list[str], list[list[str]], list[int], str]:
     return header, cells[1:], [i for i, _ in lines], decimal
 
 
-EMPTY = ("", "nan", "-", "na", "n/a", "null")
+EMPTY = ("", "nan", "-", "na", "n/a", "null")  # cells without a number
 
 
 def _numbers(path: Path, column: int, name: str, rows: list[list[str]], lines: list[int], decimal: str) -> Array:
     """A column; not-a-number where a cell is empty."""
     found = np.empty(len(rows))
     for i, row in enumerate(rows):
-        cell = row[column] if decimal == "." else row[column].replace(",", ".")
+        cell, where = row[column], f"{path}:{lines[i + 1]}: column '{name}' = '{row[column]}'"
         try:
-            found[i] = float(cell)
+            found[i] = float(cell if decimal == "." else cell.replace(",", "."))
         except ValueError:
             if cell.lower() not in EMPTY:
-                fault = f"column '{name}' = '{row[column]}': must be a number"
-                raise InputError(f"{path}:{lines[i + 1]}: {fault}") from None
+                raise InputError(f"{where}: must be a number") from None
             found[i] = np.nan
         if np.isinf(found[i]):
-            raise InputError(f"{path}:{lines[i + 1]}: column '{name}' = '{row[column]}': must be a finite number")
+            raise InputError(f"{where}: must be a finite number")
     return found
 
 
@@ -182,13 +179,11 @@ def _check_distance(path: Path, name: str, distance: Array, lines: list[int]) ->
     wide = steps > GAP * usual
     if wide.any():
         i = int(np.argmax(wide))
-        ends = np.concatenate(([0], np.flatnonzero(wide) + 1, [distance.size]))
-        piece = int(np.argmax(np.diff(ends)))
-        low, high = distance[ends[piece]], distance[ends[piece + 1] - 1]
+        longest = max(np.split(distance, np.flatnonzero(wide) + 1), key=len)
         raise InputError(
             f"{path}:{lines[i + 1]}: column '{name}' = {distance[i + 1]:.10g} m after {distance[i]:.10g} m: a gap; "
-            f"rows stand {usual:.4g} m apart and filters need every one; take a part without gaps: "
-            f"--from-m {low:.10g} --to-m {high:.10g}"
+            f"rows are {usual:.4g} m apart and filters need every one; take a part without gaps: "
+            f"--from-m {longest[0]:.10g} --to-m {longest[-1]:.10g}"
         )
 
 

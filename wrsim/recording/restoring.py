@@ -8,19 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.errors import InputError
+from wrsim.geometry.piecewise import Array
 from wrsim.geometry.track.segments import Arc, Laws, Segment, Straight, Transition, laws
 from wrsim.geometry.track.track import RAIL_HEAD_WIDTH, ROUNDING
 from wrsim.recording.columns import ChannelSection
 from wrsim.recording.design import FORMS, Form, Plateau, fit_design
 from wrsim.recording.reading import TrackRecording
 from wrsim.recording.systems import SKIRTS, Chord, Complex, InverseFilter, Plain, ShapeSystem, filtered
-
-Array = NDArray[np.float64]
 
 SIDES = {"_left": 1.0, "_right": -1.0}
 LEAST_WIDENING = 1.5e-3  # mean gauge of an arc beyond the nominal one that counts as designed [m]
@@ -68,10 +67,8 @@ def restore(
             f"wanted is {band[0]:g} m (--wavelength-m)"
         )
     if recording.length < 2.0 * band[1]:
-        raise InputError(
-            f"{recording.path}: is {recording.length:g} m long; must be two of the longest waves wanted, {band[1]:g} m "
-            "each (--wavelength-m), or more"
-        )
+        waves = f"two of the longest waves wanted, {band[1]:g} m each (--wavelength-m), or more"
+        raise InputError(f"{recording.path}: is {recording.length:g} m long; must be {waves}")
     work = _Work(recording, band, amplification, [], [])
     gauge = recording.columns.gauge_mm / 1e3
     recorded = work.first("gauge")
@@ -108,8 +105,7 @@ def restore(
     return Restored(recording, plateaus, segments, law, lateral, vertical, tuple(work.inverses), tuple(work.notes))
 
 
-@dataclass(frozen=True)
-class _Design:
+class _Design(NamedTuple):
     """Curvature [1/m], cant and widening [m] at the rows."""
 
     curvature: Array
@@ -142,9 +138,8 @@ class _Work:
             for channel, record in self.recording.of(f"alignment{side}"):
                 if isinstance(channel.system, Chord):
                     a, b = channel.system.behind, channel.system.ahead
-                    self.notes.append(
-                        f"no curvature was recorded: it is that of the versines in column '{channel.column}'"
-                    )
+                    source = f"it is that of the versines in column '{channel.column}'"
+                    self.notes.append(f"no curvature was recorded: {source}")
                     # of long waves the versine is that at (b - a) / 3 ahead
                     there = np.interp(s - (b - a) / 3.0, s, record)
                     return -2.0 / (a * b) * there, float(np.sqrt((a * a + a * b + b * b) / 18.0))
@@ -171,9 +166,8 @@ class _Work:
 
 
 def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights: tuple[float, float]) -> Array:
-    """Left and right rail (2, n) from the records of alignment or level, and from how far the rails are apart: gauge or
-    cross-level. weights: of that on the left and the right rail.
-    """
+    """Left and right rail (2, n) from records of alignment or level; apart: gauge or cross-level, with its weights on
+    the left and the right rail."""
     size = work.recording.distance.size
     found: dict[str, Array] = {}
     for side in ("", "_left", "_right"):
@@ -202,9 +196,7 @@ def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights
         one, weight = (left, weights[0]) if left is not None else (right, weights[1])
         mean = np.zeros(size) if one is None else one
         if apart is None:
-            work.notes.append(
-                f"{kind} of one rail alone, and nothing of how far they are apart: both rails are taken alike"
-            )
+            work.notes.append(f"{kind} of one rail alone, and no distance of the rails: both are taken alike")
         else:
             mean = mean - weight * _in_band(work, kind, apart)
     else:

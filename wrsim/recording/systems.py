@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
+from wrsim.geometry.piecewise import Array
 from wrsim.geometry.track.irregularities import smooth_step
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Response = Callable[[Array], Complex]
 

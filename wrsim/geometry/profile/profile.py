@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from wrsim.errors import InputError
+from wrsim.geometry.piecewise import Array
 
-Array = NDArray[np.float64]
 Kind = Literal["wheel", "rail"]
 
 KINDS: tuple[Kind, ...] = ("wheel", "rail")
@@ -86,8 +86,6 @@ class Profile:
 
     def _fault(self, message: str) -> InputError:
         return InputError(f"profile '{self.name}': {message}")
-
-    # --- the curve --------------------------------------------------------------------------------
 
     @property
     def length(self) -> float:
@@ -172,8 +170,6 @@ class Profile:
         L = np.minimum(actual * np.arange(n), self.length)
         return np.column_stack([*self.at(L), *self.tangent(L), self.curvature(L)]), actual
 
-    # --- places on the curve ----------------------------------------------------------------------
-
     def arclength_of(self, u: ArrayLike) -> Array:
         """Arclength of the running surface's point at outward coordinate u, m.
 
@@ -249,8 +245,6 @@ class Profile:
             deep = f"its gauge side (negative u) goes {1e3 * reach:.4g} mm deep"
             raise self._fault(f"no gauge point {1e3 * depth:g} mm below the top; {deep}")
         return self._point(self.root_in_interval(1, np.array(level), np.array(below[-1])))
-
-    # --- changes ----------------------------------------------------------------------------------
 
     def shifted(self, du: float = 0.0, dw: float = 0.0) -> Profile:
         """Moved by du outward and dw up, m."""

@@ -11,15 +11,14 @@ unworn curve r, i its inward normal (i' = c k t, c = 1 on rails, -1 on wheels) a
     r_worn = r + d v + e i,    dr_worn/dL = t (1 + c k e) + d' v + e' i.
 
 So material taken off along the normal leaves a corner wherever k jumps while the depth changes: where two arcs of a
-rail head met. Such a corner is bridged by a quintic over 0.1 mm on either side, as it would be by a spline through
-points that far apart. Depths may be negative: material that flowed there. A table is a cubic spline through depths over
-the arclength from the origin; beyond its ends they stay as they are there.
+rail head met. A quintic over 0.1 mm on either side bridges it, as a spline through points that far apart would. Depths
+may be negative: material that flowed there. A table is a cubic spline through depths over the arclength from the
+origin, constant beyond its ends.
 
-`depths_of` makes such a table of areas that a section has lost, at the middles of equal bins of the arclength of the
-*unworn* profile: what is gone there over the bin's width [m]. So losses of one unworn profile add up, and the profile
-is built and smoothed once however many steps of wear there were. The Gaussian that halves a wave of the cut-off's
-length keeps the sum and puts no material back. A depth e takes off the area e (1 + c k e / 2); e follows from the area
-with the curvature smoothed alike, and one factor near 1 makes the area off the whole profile the one that was lost.
+`depths_of` makes such a table of the areas lost in equal bins of arclength of the *unworn* profile, over the bin's
+width [m]. So losses add up, and the profile is built and smoothed once however many steps of wear there were. The
+smoothing Gaussian keeps the sum and puts no material back. A depth e takes off the area e (1 + c k e / 2); e follows
+from the area with the curvature smoothed alike, and one factor near 1 makes the total area the one lost.
 """
 
 from __future__ import annotations
@@ -233,7 +232,7 @@ def smoothed_table(values: Array, width: float, cutoff: float) -> Array:
 def depths_of(profile: Profile, areas: Array, cutoff: float) -> DepthTable:
     """The table of depths that takes areas (n,) over bin widths off an unworn profile, smoothed.
 
-    Raises InputError where the section is not thick enough: normals meet before so much is gone.
+    Raises InputError where the normals meet within the depth.
     """
     width = profile.length / areas.size
     middles: Array = (np.arange(areas.size, dtype=np.float64) + 0.5) * width
@@ -256,9 +255,9 @@ def depths_of(profile: Profile, areas: Array, cutoff: float) -> DepthTable:
 
 
 def on_unworn(profile: Profile, table: DepthTable | None, length: float, lost: Array, count: int) -> Array:
-    """Areas (count,) by bins of the unworn profile from those (n,) by equal bins of the worn one; their sum stays.
+    """Areas over bin widths (count,) of the unworn profile from those (n,) of the worn one, with the same sum [m].
 
-    table: what wore it so far, if anything; length: of the worn profile; areas over bin widths [m].
+    table: of the wear so far; length: of the worn profile [m].
     """
     edges = np.linspace(0.0, profile.length, count + 1)
     places = edges if table is None else arclengths(lambda at: _Bells(profile, (table,)).curve(at)[1], edges)

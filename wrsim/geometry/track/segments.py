@@ -161,7 +161,7 @@ def _ends(segments: Sequence[Segment], hands: Sequence[tuple[float, float]], i: 
     """(curvature, signed cant, widening) at the two ends of a segment. hands: see `_hands`."""
     segment = segments[i]
     if isinstance(segment, Arc):
-        state = (1.0 / segment.radius, segment.cant * _hand(segment), segment.gauge_widening)
+        state = (1.0 / segment.radius, math.copysign(1.0, segment.radius) * segment.cant, segment.gauge_widening)
         return state, state
     if isinstance(segment, Straight):
         start, end = hands[i]
@@ -176,19 +176,14 @@ def _ends(segments: Sequence[Segment], hands: Sequence[tuple[float, float]], i: 
 
 
 def _hands(segments: Sequence[Segment]) -> list[tuple[float, float]]:
-    """The hand of the nearest arc before and behind each segment; that of the other side where there is none."""
+    """Hand (+1 left, -1 right) of the nearest arc before and behind each segment, or of the one on the other side."""
 
     def passed(row: Iterable[Segment]) -> list[float]:
-        arcs = (_hand(segment) if isinstance(segment, Arc) else 0.0 for segment in row)
+        arcs = (math.copysign(1.0, segment.radius) if isinstance(segment, Arc) else 0.0 for segment in row)
         return list(accumulate(arcs, lambda last, own: own or last, initial=0.0))
 
     before, behind = passed(segments), passed(reversed(segments))[-2::-1]
     return [(b or f or 1.0, f or b or 1.0) for b, f in zip(before, behind, strict=False)]
-
-
-def _hand(arc: Arc) -> float:
-    """+1 for a left curve, -1 for a right one."""
-    return math.copysign(1.0, arc.radius)
 
 
 def check_range(where: str, key: str, value: float, low: float, high: float, scale: float = 1.0) -> None:
