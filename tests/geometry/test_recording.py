@@ -365,7 +365,7 @@ def rows(**changed: Any) -> str:
         (rows(level="inf"), BY_BAND, "line.csv:6: column 'level_mm' = 'inf': must be a finite number"),
         (
             "\n".join(line for i, line in enumerate(rows().split("\n")) if not 10 <= i < 20), BY_CHORD,
-            "line.csv:11: column 'distance_m' = 4.75 m after 2 m: a gap; rows stand 0.25 m apart and filters need "
+            "line.csv:11: column 'distance_m' = 4.75 m after 2 m: a gap; rows are 0.25 m apart and filters need "
             "every one; take a part without gaps: --from-m 4.75 --to-m 99.75",
         ),
         (rows().replace("1,0.1\n", "1,0.1,7\n", 1), BY_BAND, "line.csv:6: has 3 cells; must have 2 like the header"),

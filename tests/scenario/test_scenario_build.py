@@ -19,7 +19,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.cases import read_cases
 from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.placement import stand
-from wrsim.scenario.plausibility import facts, warnings
+from wrsim.scenario.plausibility import facts, facts_table, warnings
 from wrsim.scenario.schema import ScenarioFile
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
@@ -264,3 +264,13 @@ def test_a_scenario_takes_the_tables_of_all_analyses() -> None:
     assert set(TABLES) < set(ScenarioFile.model_fields)
     for name, place in TABLES.items():
         assert resolved(place).header == f"[{name}]"
+
+
+def test_the_terminal_lists_twenty_segments_and_counts_the_rest(tmp_path: Path) -> None:
+    arcs = "".join(f'[[track.segments]]\nkind = "arc"\nradius_m = {300 + i}\nlength_m = 20\n' for i in range(25))
+    head, rest = CURVE.split("[[track.segments]]", 1)
+    (tmp_path / "case.toml").write_text(head + arcs + rest[rest.index("[contact]") :])
+    found = facts(build(load(tmp_path / "case.toml")))
+    assert len(found["segments"]) == 25
+    row = dict(facts_table("", found).rows)["segments"]
+    assert row.count("arc R") == 20 and row.endswith("arc R 319 m left and 5 more")
