@@ -3,6 +3,7 @@ all unknowns in its state."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
@@ -226,25 +227,26 @@ def _axles_and_units(layout: Layout) -> tuple[NDArray[np.record], NDArray[np.rec
 
 
 def _loads(vehicle: Vehicle) -> tuple[NDArray[np.record], Array]:
-    """Records of the loads and of the forces of the payloads, behind them, and the tables that they follow."""
+    """Records of the loads and of the forces of the payloads, behind them, and their tables."""
     acting = (*vehicle.loads, *(payload.as_load() for payload in vehicle.payloads))
     found = np.zeros(len(acting), load_kernel.LOAD)
-    tables: list[tuple[float, float, float, float]] = []
     for row, load in zip(found, acting, strict=True):
         row.body, row.axes, row.over = vehicle.index(load.body), LOAD_AXES.index(load.axes), OVER.index(load.over)
         row.at = tuple(np.array(load.at) - np.array(vehicle.parts[row.body].centre))
-        row.start, row.rows = len(tables), len(load.table)
-        tables += load.table
-    return found, np.array(tables or [(0.0,) * 4])
+    return found, _stacked(found, [load.table for load in acting], 4)
 
 
 def _efforts(vehicle: Vehicle) -> tuple[NDArray[np.record], Array]:
-    """Records of the efforts, and the tables that they follow."""
+    """Records of the efforts, and their tables."""
     found = np.zeros(len(vehicle.efforts), load_kernel.EFFORT)
-    tables: list[tuple[float, float]] = []
     for row, effort in zip(found, vehicle.efforts, strict=True):
         row.axle, row.over = vehicle.index(effort.wheelset), OVER.index(effort.over)
         row.side = {"left": 1.0, "right": -1.0, "both": 0.0}[effort.wheel]
-        row.start, row.rows = len(tables), len(effort.table)
-        tables += effort.table
-    return found, np.array(tables or [(0.0, 0.0)])
+    return found, _stacked(found, [effort.table for effort in vehicle.efforts], 2)
+
+
+def _stacked(records: NDArray[np.record], tables: Sequence[Sequence[tuple[float, ...]]], width: int) -> Array:
+    """All tables in one, at least one row of zeros; each record gets its first row and its number of rows."""
+    records["rows"] = [len(table) for table in tables]
+    records["start"] = np.cumsum(records["rows"]) - records["rows"]
+    return np.array([row for table in tables for row in table] or [(0.0,) * width])

@@ -1,7 +1,7 @@
-"""From the tables of a vehicle file to a Vehicle: parts put in their places, mirrored and repeated; units end here.
+"""From the tables of a vehicle file to the parts of a Vehicle: placed, mirrored and repeated; units end here.
 
-A part sees its own bodies by their names and those of the parts around it; from outside, what lies in a part is called
-``place.name`` (``front.frame``). Whoever repeats something gets names of his own: ``primary leading left``.
+Inside of a part, names refer to its own bodies or to those of the parts around it; from outside, a body in a part is
+``place.name`` (``front.frame``). Repeated elements get names of their own: ``primary leading left``.
 """
 
 from __future__ import annotations
@@ -28,16 +28,24 @@ MOST = 1000
 
 @dataclass(frozen=True)
 class Place:
-    """Where a part is: its name (with a dot behind, empty for a vehicle on its own), its axes, its depth."""
+    """Of a part: its name (with a dot behind, empty for a vehicle on its own), its axes, its depth."""
 
     prefix: str = ""
     axes: Axes = VEHICLE_AXES
     depth: int = 0
 
 
+PlacedPart = tuple[sections.PartTable, KeyPath, Place]
+
+
 @dataclass
 class Assembly:
-    """Collects what the parts of a file hold. ``types``: wheelsets by type, "" the one of [wheelset]."""
+    """Collects the contents of the parts of a file.
+
+    types: wheelsets by type, "" the one of [wheelset]. boxes: wheelset of each pair of axle boxes. pressed: of elements
+    with friction, the possible full names of their normal spring, its key, and its name in the file. written: of every
+    element, the prefix of its place and its name in the file. placed: number of parts so far.
+    """
 
     parts: dict[str, sections.PartTable]
     types: dict[str, Wheelset]
@@ -45,7 +53,6 @@ class Assembly:
     bodies: dict[str, Body] = field(default_factory=dict)
     wheelsets: dict[str, MountedWheelset] = field(default_factory=dict)
     boxes: dict[str, str] = field(default_factory=dict)
-    """Wheelsets of pairs of axle boxes by the name of the pair."""
     elements: list[Element] = field(default_factory=list)
     loads: list[Load] = field(default_factory=list)
     payloads: list[Payload] = field(default_factory=list)
@@ -53,17 +60,37 @@ class Assembly:
     ballast: list[Ballast] = field(default_factory=list)
     points: list[MeasuringPoint] = field(default_factory=list)
     pressed: dict[str, tuple[tuple[str, ...], KeyPath, str]] = field(default_factory=dict)
-    """By the name of an element with friction: names that its normal spring may have, where it is named, and how."""
     written: dict[str, tuple[str, str]] = field(default_factory=dict)
-    """By the name of an element: what its place puts before it, and its name as the file has it."""
     placed: int = 0
-    """Parts that were put in their places, for bodies and once more for elements."""
 
     def add(self, part: sections.PartTable, path: KeyPath, place: Place) -> None:
-        """Put the vehicle together from its outermost part, at ``path`` of the file; place: of it."""
-        self._bodies(part, path, place)
-        self._elements(part, path, place)
+        """Assemble the vehicle from its outermost part, at ``path`` of the file."""
+        placed = list(self._parts(part, path, place))
+        for each in placed:
+            self._bodies(*each)
+        for each in placed:
+            self._elements(*each)
         self.elements = [self._pressed(element) for element in self.elements]
+
+    def _parts(self, part: sections.PartTable, path: KeyPath, place: Place) -> Iterator[PlacedPart]:
+        """A part and all parts inside of it, each with its path in the file and its place."""
+        self.placed += 1
+        yield part, path, place
+        names = [table.name for table in part.places]
+        for i, table in enumerate(part.places):
+            key = (*path, "places", i)
+            if names.count(table.name) > 1:
+                raise self._fault((*key, "name"), "duplicate name; must be different for each", table.name)
+            if table.part not in self.parts:
+                raise self._unknown((*key, "part"), "is no part", table.part, list(self.parts))
+            if place.depth >= DEEPEST:
+                raise self._fault((*key, "part"), f"parts lie in parts more than {DEEPEST} deep", table.part)
+            if self.placed > MOST:
+                raise self._fault((*key, "part"), f"is one too many: a vehicle has at most {MOST} parts", table.part)
+            x, y, z = ((-s if axis in table.mirror else s) for s, axis in zip(place.axes.signs, "xyz", strict=True))
+            axes = Axes(place.axes.point(table.at_mm), (x, y, z))
+            inner = Place(f"{place.prefix}{table.name}.", axes, place.depth + 1)
+            yield from self._parts(self.parts[table.part], ("parts", table.part), inner)
 
     def _bodies(self, part: sections.PartTable, path: KeyPath, place: Place) -> None:
         for name, body in part.bodies.items():
@@ -81,12 +108,6 @@ class Assembly:
             self.wheelsets[full] = MountedWheelset(full, wheelset, x, wheelset.mean_radius)
         for name, box in part.axle_boxes.items():
             self._axle_boxes(name, box, (*path, "axle_boxes", name), place)
-        names = [p.name for p in part.places]
-        for i, inner in enumerate(part.places):
-            if names.count(inner.name) > 1:
-                key = (*path, "places", i, "name")
-                raise self._fault(key, "duplicate name; must be different for each", inner.name)
-            self._bodies(*self._inner(inner, (*path, "places", i), place))
 
     def _elements(self, part: sections.PartTable, path: KeyPath, place: Place) -> None:
         for i, table in enumerate(part.elements):
@@ -109,8 +130,6 @@ class Assembly:
         for i, point in enumerate(part.points):
             body = self._body(point.on, (*path, "points", i, "on"), place)
             self.points.append(MeasuringPoint(place.prefix + point.name, body, place.axes.point(point.at_mm)))
-        for i, inner in enumerate(part.places):
-            self._elements(*self._inner(inner, (*path, "places", i), place))
 
     def _axle_boxes(self, name: str, table: sections.AxleBoxTable, path: KeyPath, place: Place) -> None:
         """Both boxes of an axle."""
@@ -121,10 +140,8 @@ class Assembly:
             known = [k.removeprefix(place.prefix) for k in self.wheelsets if k.startswith(place.prefix)]
             raise self._unknown((*path, "wheelset"), "is no wheelset of this part", table.wheelset, known)
         self.boxes[full] = carrier
-        pair = tuple(
-            AxleBox(f"{full} {side}", y * table.y_mm / 1e3, table.mass_kg, table.inertia_kg_m2)
-            for side, y in (("left", 1.0), ("right", -1.0))
-        )
+        y, rest = table.y_mm / 1e3, (table.mass_kg, table.inertia_kg_m2)
+        pair = AxleBox(f"{full} left", y, *rest), AxleBox(f"{full} right", -y, *rest)
         self.wheelsets[carrier] = replace(mounted, boxes=(*mounted.boxes, *pair))
 
     def _drive(self, table: sections.DriveTable, path: KeyPath, place: Place) -> GearedMotor:
@@ -155,22 +172,6 @@ class Assembly:
             damping=1e3 * table.damping_kNms_per_rad,
         )
 
-    def _inner(
-        self, table: sections.PlaceTable, path: KeyPath, place: Place
-    ) -> tuple[sections.PartTable, KeyPath, Place]:
-        """A part at its place."""
-        if table.part not in self.parts:
-            raise self._unknown((*path, "part"), "is no part", table.part, list(self.parts))
-        if place.depth >= DEEPEST:
-            raise self._fault((*path, "part"), f"parts lie in parts more than {DEEPEST} deep", table.part)
-        self.placed += 1
-        if self.placed > 2 * MOST:
-            raise self._fault((*path, "part"), f"is one too many: a vehicle has at most {MOST} parts", table.part)
-        x, y, z = ((-s if axis in table.mirror else s) for s, axis in zip(place.axes.signs, "xyz", strict=True))
-        axes = Axes(place.axes.point(table.at_mm), (x, y, z))
-        inner = Place(f"{place.prefix}{table.name}.", axes, place.depth + 1)
-        return self.parts[table.part], ("parts", table.part), inner
-
     def _new(self, name: str, path: KeyPath, place: Place) -> str:
         """Full name of a body or wheelset."""
         if name == TRACK or "." in name:
@@ -181,7 +182,7 @@ class Assembly:
         return place.prefix + name
 
     def _body(self, name: str, path: KeyPath, place: Place, boxes: bool = False) -> str:
-        """Full name of a body seen from a part; boxes: it may be a pair of axle boxes or the frame of the track."""
+        """Full name of a body named in a part; boxes: it may be a pair of axle boxes or the frame of the track."""
         if boxes and name == TRACK:
             return name
         known = [*self.bodies, *self.wheelsets, *((*self.boxes, *self._single_boxes) if boxes else ())]
@@ -204,7 +205,7 @@ class Assembly:
         return self.bodies[name].centre if name in self.bodies else self.wheelsets[name].centre
 
     def _repeated(self, table: ElementTable, path: KeyPath, place: Place) -> Iterator[Element]:
-        """The elements of one table: one for every ``to`` and, where asked for, for both sides."""
+        """The elements of one table: one for every ``to``, perhaps on both sides."""
         first = self._body(table.body, (*path, "body"), place, boxes=True)
         for to in table.to:
             second = self._body(to, (*path, "to"), place, boxes=True)
@@ -235,7 +236,7 @@ class Assembly:
                 yield element
 
     def _pressed(self, element: Element) -> Element:
-        """The element with the full name of its normal spring: the one on its side, leading to the same body."""
+        """The element with the full name of its normal spring: that on its side, to the same body."""
         if element.name not in self.pressed:
             return element
         names, path, spring = self.pressed[element.name]
@@ -270,7 +271,7 @@ class Assembly:
                 )
 
     def _unknown(self, path: KeyPath, message: str, name: str, known: list[str]) -> InputError:
-        """The error for a name that is none of those that are known."""
+        """The error for a name that is not among the known ones."""
         return self._fault(path, f"{message}; there is {', '.join(known) or 'none'}{suggest(name, known)}", name)
 
     def _fault(self, path: KeyPath, message: str, value: str | None = None) -> InputError:

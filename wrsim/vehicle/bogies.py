@@ -1,4 +1,4 @@
-"""Which body holds which wheelsets: the bogies of a vehicle; the level of suspension of a body."""
+"""The bogies of a vehicle: which body holds which wheelsets; the level of suspension of a body."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Bogie:
-    """A frame that holds wheelsets, by their numbers from the front; centre: the middle between its outermost axles
-    along the vehicle, wheelbase: the way from the one to the other [m]."""
+    """A frame and the numbers of its wheelsets from the front; centre: the middle of its outermost axles along the
+    vehicle, wheelbase: their distance [m]."""
 
     frame: str
     wheelsets: tuple[int, ...]
@@ -26,10 +26,8 @@ class Bogie:
 
 
 def holders_of(vehicle: Vehicle) -> list[str | None]:
-    """The body, no wheelset, that holds each wheelset: of those that elements join to it or to its axle boxes the one
-    that is joined to most wheelsets (a motor or a gear that sits on its axle is not), the first of several; None where
-    only a frame of the track holds it.
-    """
+    """The body that holds each wheelset: of those that elements join to it or to its axle boxes the one with most
+    wheelsets (not a motor or a gear on its axle), the first of several; None where only a frame of the track does."""
     bodies = {body.name for body in vehicle.bodies}
     axles = [mounted.name for mounted in vehicle.wheelsets]
     joined: dict[str, set[str]] = {}
@@ -61,8 +59,8 @@ def bogies_of(vehicle: Vehicle) -> tuple[Bogie, ...]:
 
 
 def wheelsets_beneath(vehicle: Vehicle) -> dict[str, tuple[int, ...]]:
-    """Numbers of the wheelsets that carry each body, no wheelset: those that it holds; of another body, those of the
-    bodies that elements join it to. None where it hangs on no body that wheelsets carry."""
+    """Numbers of the wheelsets that carry each body: those that it holds, or those of the bodies that elements join it
+    to; empty where it hangs on no body that wheelsets carry."""
     found: dict[str, set[int]] = {}
     for i, holder in enumerate(holders_of(vehicle)):
         if holder is not None:
@@ -108,8 +106,8 @@ def bogie_mass(vehicle: Vehicle, body: str) -> float:
 
 
 def _joints(vehicle: Vehicle, without: Container[str] = ()) -> Iterator[tuple[str, str]]:
-    """What suspension elements join, either way round, a wheelset in the place of its axle boxes; without: elements
-    that do not count."""
+    """Pairs of bodies that suspension elements join, in both orders, wheelsets for their axle boxes; without: names of
+    elements that do not count."""
     for element in vehicle.elements:
         if element.name not in without:
             ends = vehicle.carrier(element.first), vehicle.carrier(element.second)
@@ -117,6 +115,6 @@ def _joints(vehicle: Vehicle, without: Container[str] = ()) -> Iterator[tuple[st
 
 
 def _joined(vehicle: Vehicle, body: str) -> set[str]:
-    """Names of what suspension elements join to a body; couplings do not count."""
+    """Names of the bodies that suspension elements, but no couplings, join to a body."""
     couplings = {name for coupling in vehicle.couplings for name in coupling.elements}
     return {other for one, other in _joints(vehicle, couplings) if one == body} - {body}

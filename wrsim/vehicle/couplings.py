@@ -20,17 +20,13 @@ from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut
 RISE = 1e-3
 """Stroke of one gear over which its preload builds up [m]."""
 FAR = 1.0
-"""How far a table goes beyond the stroke and beyond the slack [m]; it goes on evenly there."""
+"""Extent of a table beyond the stroke and beyond the slack [m]; beyond, it is extrapolated."""
 DRAW, BUFF, BUFFER, PLATES = "draw gear", "buff gear", "buffer", "buffer plates"
 """Kinds of elements."""
 
-GLYPHS: dict[str, Glyph] = {
-    DRAW: Glyph("_", "#222222"),
-    BUFF: Glyph("_", "#222222"),
-    BUFFER: Glyph("|", "#D55E00"),
-    PLATES: Glyph("D", "#CC79A7", hollow=True),
-}
-"""How they are drawn."""
+ROD = Glyph("_", "#222222")
+GLYPHS = {DRAW: ROD, BUFF: ROD, BUFFER: Glyph("|", "#D55E00"), PLATES: Glyph("D", "#CC79A7", hollow=True)}
+"""Their marks in drawings."""
 
 
 class Gap(NamedTuple):
@@ -106,9 +102,8 @@ class GearTable(Section, header="[couplings.draw] or [couplings.buff]"):
     def element(
         self, name: str, kind: str, gap: Gap, ends: tuple[Triple, Triple], free: float = 0.0, held: float = 0.0
     ) -> Strut:
-        """The gear between two hinges, ahead and behind [m]. It pulls, or as a buffer pushes, beyond ``free`` [m] of
-        travel; held: its force at rest [N].
-        """
+        """The gear between two hinges, ahead and behind [m]: it pulls, or as a buffer pushes, beyond ``free`` [m] of
+        travel; held: its force at rest [N]."""
         sign = 1.0 if kind == DRAW else -1.0
         begin, law = free - self.stroke_at(held), self.law
         end, most = law[-1]
@@ -142,8 +137,7 @@ class BuffersTable(GearTable, header="[couplings.buffers]"):
 
     def elements(self, gap: Gap, free: float, held: float) -> Iterator[Element]:
         """Springs and plates of both sides: two spheres push along the line between their centres. free: distance of
-        the heads at rest [m]; held: force of each at rest [N].
-        """
+        the heads at rest [m]; held: force of each at rest [N]."""
         z, radius = self.height_mm / 1e3, self.head_radius_mm / 1e3
         for side, y in (("left", self.half_spacing_mm / 1e3), ("right", -self.half_spacing_mm / 1e3)):
             centres = (gap.x + 0.5 * free + radius, y, z), (gap.x - 0.5 * free - radius, y, z)
@@ -159,7 +153,7 @@ class BuffersTable(GearTable, header="[couplings.buffers]"):
 
 
 class CouplingTable(Choice, header="[[couplings]]"):
-    """What all couplings have."""
+    """Keys of all couplings."""
 
     kind: str
     """Kind of coupling."""
@@ -170,7 +164,7 @@ class CouplingTable(Choice, header="[[couplings]]"):
     slack_mm: Annotated[float, number(0, 500, "mm")] = 0.0
     """Play of the coupling: of a screw coupling before it pulls, of a centre coupler from one side to the other."""
     draw: GearTable
-    """Gear that takes what pulls."""
+    """Gear for tensile forces."""
 
     @property
     def gap(self) -> float:
@@ -199,7 +193,7 @@ class ScrewCouplingTable(CouplingTable, kind="screw"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """What is pulled tight has no play."""
+        """A pretensioned screw has no play."""
         for key in ("slack_mm", "gap_mm"):
             if raw.get("pretension_kN") and raw.get(key):
                 yield Fault(key, "must be 0 next to pretension_kN: the screw holds the buffers together")
@@ -219,7 +213,7 @@ class CentreCouplerTable(CouplingTable, kind="centre"):
     """A centre coupler: a bar between two hinges that pulls and pushes."""
 
     buff: GearTable
-    """Gear that takes what pushes."""
+    """Gear for compressive forces."""
 
     def elements(self, gap: Gap) -> Iterator[Element]:
         free = 0.5 * self.slack_mm / 1e3

@@ -1,4 +1,4 @@
-"""What acts on a vehicle from outside, and what drives and brakes it. Plain data, SI units, in the vehicle's axes."""
+"""Loads, payloads, and moments that drive and brake a vehicle. Plain data, SI units, in the vehicle's axes."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ import numpy as np
 from wrsim.vehicle.elements import Triple
 
 Drive = Literal["free", "train", "wheels"]
-"""What holds the speed: nothing; a pull along the track; moments on the axles. See ``core.body.vehicle_forces``."""
+"""What holds the speed: nothing; a force along the track; moments on the axles. See ``core.body.vehicle_forces``."""
 
 LoadAxes = Literal["track", "body"]
-"""The axes that a load keeps to."""
+"""Axes of a load's components."""
 
 Over = Literal["time", "distance"]
-"""What the table of a load goes over."""
+"""Argument of the table of a load."""
 
 
 @dataclass(frozen=True)
 class Load:
-    """A force at a point [m] of a body that acts at rest and in runs; the springs' preload knows nothing of it.
+    """A force at a point [m] of a body that acts at rest and in runs; the springs' preload does not balance it.
 
     table: rows (x, force [N] along three axes), x rising: the time of the run [s] or the distance of the point along
     the centre line [m]; linear between rows, constant beyond the ends, so that one row is a constant force. axes: those
@@ -75,9 +75,9 @@ class Payload:
 
 @dataclass(frozen=True)
 class Effort:
-    """A moment on a wheelset, or on one of its wheels where they turn on their own, in runs.
+    """A moment on a wheelset, or on one of its independent wheels, in runs; positive forward, with its reaction on the
+    body that holds the wheelset.
 
-    Positive forward, a negative one a brake; its reaction is on the body that holds the wheelset.
     table: rows (x, moment [N m]), x rising: the time of the run [s] or the distance of the vehicle's origin along the
     centre line [m]; linear between rows, constant beyond the ends.
     """
@@ -118,7 +118,7 @@ class GearedMotor:
 
     @property
     def case_inertia(self) -> float:
-        """What it adds to the inertia of its case about the axle [kg m2]: the case cannot turn without it."""
+        """Its share of the inertia of its case about the axle [kg m2]: the case cannot turn without it."""
         return self.hollow_inertia * self.rotor_inertia * (1.0 - self.ratio) ** 2 / self.inertia
 
 
@@ -132,11 +132,8 @@ class SlipControl:
 
 @dataclass(frozen=True)
 class CarriedMass:
-    """A mass [kg] that follows the track frame ``height`` [m] above the centre of a body.
-
-    The quasi-static load of a vehicle without the vehicle. It does not oscillate: its weight and its
-    centrifugal force press on the body, the height gives the load transfer.
-    """
+    """A mass [kg] that follows the track frame ``height`` [m] above the centre of a body: its weight and its
+    centrifugal force act on the body, the height gives the load transfer; it does not oscillate."""
 
     body: str
     mass: float

@@ -1,11 +1,9 @@
 """Preload: the forces in the springs that hold a vehicle in its design position.
 
-The springs of a vehicle at rest carry what an elastic structure on fixed wheelsets carries: let the bodies move under
-their weight and the payloads, K u = f, then each spring holds its share -k d(u). With these forces built in, the design
-position is the position of rest, whichever way the springs share the force. Loads are no part of it: under them the
-vehicle moves. Springs whose preload the file gives are
-left out of K and add their force to f. Masses that the vehicle carries become parts of its bodies before; the preload
-decides what presses the surfaces of friction elements together.
+They are those of an elastic structure on fixed wheelsets under its weight and payloads, K u = f: each spring carries
+-k d(u). With these forces the design position is the position of rest. Loads are no part of f: under them the vehicle
+moves. A preload in the file is part of f, and its spring not of K. Masses that the vehicle carries are parts of its
+bodies. The preload also gives the normal forces of friction elements.
 """
 
 from __future__ import annotations
@@ -30,25 +28,21 @@ WORDS = ("along x", "along y", "vertically", "in roll", "in pitch", "in yaw")
 PITCH = WORDS.index("in pitch")
 
 TOLERANCE = 1e-9
-"""Part of the vehicle's weight that may be left over; moments are divided by 1 m."""
+"""Largest residual over the vehicle's weight; moments are divided by 1 m."""
 ROUND_OFF = 1e-12
-"""Forces below this part of the weight are none: a symmetric vehicle is to be symmetric to the last digit."""
+"""Forces below this part of the weight are zero: a symmetric vehicle is symmetric to the last digit."""
 
 
 class Preload(NamedTuple):
-    """What an element does to its second body in the design position: force along its directions (m,) [N], moment of
-    its rotational springs about x, y, z (3,) [N m].
-    """
+    """Action of an element on its second body in the design position: force along its directions (m,) [N], moment of
+    its rotational springs about x, y, z (3,) [N m]."""
 
     force: Array
     moment: Array
 
 
 def preloads(vehicle: Vehicle) -> list[Preload]:
-    """The preload of every element.
-
-    Raises InputError for a body that its springs do not hold: it names the body and the direction.
-    """
+    """The preload of every element. Raises InputError for a body that its springs do not hold in some direction."""
     n, boxes = len(vehicle.bodies), list(vehicle.boxes)
     size = 6 * n + len(boxes)
     base = len(vehicle.wheelsets)
@@ -87,8 +81,7 @@ def preloads(vehicle: Vehicle) -> list[Preload]:
         held += element.stiffness_at_rest @ travel**2 + np.array(element.turning_stiffness) @ turning**2
     for name, about in zip(boxes, held[6 * n :], strict=True):
         if not about > 0.0:
-            needed = "it needs one beside the axle"
-            raise InputError(f"no spring keeps axle box '{name}' from turning about the axle: {needed}")
+            raise InputError(f"no spring keeps axle box '{name}' from turning about the axle: it needs one beside it")
     u = np.linalg.lstsq(stiffness, right, rcond=1e-12)[0] if n else np.zeros(size)
     left = right - stiffness @ u
     if n and np.max(np.abs(left)) > TOLERANCE * vehicle.mass * vehicle.gravity:
@@ -117,16 +110,15 @@ def _at(arm: Array) -> Array:
 # --- loads that press friction surfaces together --------------------------------------------------------------------
 
 LEAST = 1e-6
-"""Part of the vehicle's weight that an element must carry at rest to press anything together."""
+"""Least force at rest of an element that gives a normal force, over the vehicle's weight."""
 
 
 def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[int, Triple] | None]:
-    """Of every element whose friction depends on a load: the number of the element that gives the load, and what its
-    reading is multiplied with, component by component. A load counts as positive that acts as it does at rest, or as
-    the slider requires.
+    """Of every element whose friction depends on a normal force: the number of the element that gives it, and factors
+    of its reading, component by component. Positive is the force at rest, or the sense of the slider.
 
-    Raises InputError for an element that does not exist, whose own friction depends on a load, or that carries nothing
-    at rest; and for a bilinear spring that does not.
+    Raises InputError for an element that does not exist, whose own friction depends on another, or that carries nothing
+    at rest; and for a bilinear spring that carries nothing.
     """
     for element, preload in zip(vehicle.elements, preloads, strict=True):
         if isinstance(element, BilinearSpring) and abs(preload.force[0]) < LEAST * vehicle.mass * vehicle.gravity:
@@ -162,8 +154,8 @@ def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[in
 # --- masses that are carried ----------------------------------------------------------------------------------------
 
 SKEWEST = 0.1
-"""Largest product of inertia of a body with what it carries, over the root of the product of the moments of inertia
-about both axes. The motion is computed without it; what that changes is of the order of its square."""
+"""Largest product of inertia of a body with its ballast over the root of the product of both moments of inertia. The
+motion neglects it; the error is of the order of its square."""
 
 
 @dataclass(frozen=True)
@@ -177,11 +169,9 @@ class Ballast:
 
 
 def with_ballast(vehicle: Vehicle, masses: Sequence[Ballast]) -> Vehicle:
-    """The vehicle with these masses as part of its bodies. Raises InputError for a body that they make too skew."""
-    bodies = []
-    for body in vehicle.bodies:
-        own = [mass for mass in masses if mass.body == body.name]
-        bodies.append(_together(body, own) if own else body)
+    """The vehicle with these masses as parts of its bodies. Raises InputError where the principal axes turn too far."""
+    own = ([mass for mass in masses if mass.body == body.name] for body in vehicle.bodies)
+    bodies = (_together(body, held) if held else body for body, held in zip(vehicle.bodies, own, strict=True))
     return replace(vehicle, bodies=tuple(bodies))
 
 

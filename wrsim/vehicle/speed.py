@@ -23,8 +23,7 @@ class SpeedProfile:
     """Where the frame of the track is, from the start of a run on: pieces of constant acceleration.
 
     pieces: rows (time [s], way from the start [m], speed [m/s], acceleration [m/s2]) of their beginnings, the first at
-    the time 0; the last piece goes on for ever, at its speed. stands_after: way behind which the vehicle
-    has come to its lowest speed by itself [m].
+    the time 0; the last piece has no end. stands_after: way after which braking has reached the lowest speed [m].
     """
 
     pieces: tuple[tuple[float, float, float, float], ...]
@@ -103,7 +102,7 @@ class SpeedProfile:
         return np.asarray(v + a * t)
 
     def time(self, way: float) -> float:
-        """The time at which so much way is made [s]; for ever where it never is."""
+        """The time at which so much way is made [s]; infinite where it never is."""
         t, begin, v, a = self.pieces[max(sum(piece[1] <= way for piece in self.pieces) - 1, 0)]
         root = v * v + 2.0 * a * (way - begin)
         if root < 0.0 or v + sqrt(root) == 0.0:

@@ -25,7 +25,7 @@ Springs = Annotated[
 
 
 class ModelFile(Section, header="a vehicle file"):
-    """What the files of all vehicles have."""
+    """Keys of all vehicle files."""
 
     aliases: ClassVar[dict[str, str]] = {"name": "title"}
 
@@ -202,10 +202,8 @@ class DriveTable(Section, header="[[drives]]"):
     """[[drives]]: a motor that drives a wheelset through a gear and a hollow axle."""
 
     aliases: ClassVar[dict[str, str]] = {
-        "on": "wheelset axle",
-        "case": "gear gearbox gear_case",
-        "ratio": "gear_ratio i",
-    }
+        "on": "wheelset axle", "case": "gear gearbox gear_case", "ratio": "gear_ratio i",
+    }  # fmt: skip
 
     on: Annotated[str, text("the name of a wheelset of the same part")]
     """Wheelset that is driven."""
@@ -322,7 +320,7 @@ class PayloadTable(Section, header="[[payloads]]"):
 
 
 class PointTable(Section, header="[[points]]"):
-    """[[points]]: a point of a body whose acceleration is kept in results."""
+    """[[points]]: a point of a body whose acceleration is among the results."""
 
     name: Name
     """Name of the point in results."""
@@ -363,7 +361,7 @@ class PartTable(Section, header="[parts.NAME]"):
     payloads: List[PayloadTable] = ()
     """Masses and forces that the vehicle is trimmed with."""
     points: List[PointTable] = ()
-    """Points at which accelerations are kept."""
+    """Points at which accelerations are recorded."""
     places: List[PlaceTable] = ()
     """Parts put at their places."""
 

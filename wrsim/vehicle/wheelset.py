@@ -22,8 +22,8 @@ class Wheel:
 
 @dataclass(frozen=True)
 class Torsion:
-    """What holds the two wheels of a wheelset together in spin: stiffness [N m/rad], damping [N m s/rad]; independent
-    wheels have neither."""
+    """Torsional stiffness [N m/rad] and damping [N m s/rad] between the two wheels of a wheelset; 0 for independent
+    wheels."""
 
     stiffness: float = 0.0
     damping: float = 0.0
@@ -63,7 +63,7 @@ class Wheelset:
         return 0.5 * (self.left.radius + self.right.radius)
 
     def with_wheel(self, side: str, profile: Profile | None, radius: float | None) -> Wheelset:
-        """The same with another profile or radius [m] on one side; None keeps what is there."""
+        """The same with another profile or radius [m] on one side; None: unchanged."""
         old = self.left if side == "left" else self.right
         new = Wheel(profile or old.profile, radius or old.radius)
         return replace(self, left=new) if side == "left" else replace(self, right=new)
