@@ -5,7 +5,7 @@ curved patch with its pressure, the creep forces. The bare arithmetic is measure
 evaluations and FASTSIM cells in a plain loop as one patch needs, once with the cells one after the other along each
 strip ("scalar") and once as the kernel does it, all strips side by side ("side by side"). A second table holds the
 tangential models: the time of each, what a strip more costs and what a cell more costs. A third one holds the strip
-model with FaStrip: afresh as in static analyses, and from the last contact as in runs, at rest and moving sideways by
+model with FaStrip: cold as in static analyses, and from the last contact as in runs, at rest and moving sideways by
 up to 0.6 um from call to call. Grids: docs/strip_model.md.
 """
 
@@ -117,7 +117,7 @@ def ladder(wheel: Profile, rail: Profile) -> None:
 
 def strip_model(wheel: Profile, rail: Profile) -> None:
     """Print the time of the strip model, and how it grows with the strips."""
-    heads = "".join(f"{head:>9s}" for head in ("strips", "grids", "afresh", "at rest", "moving", "a strip"))
+    heads = "".join(f"{head:>9s}" for head in ("strips", "grids", "cold", "at rest", "moving", "a strip"))
     print(f"\n{'strip model, us':24s}{heads}")
     origin = (0.7175 - rail.gauge_point()[0], -rail.top[1])
     for name, lateral, yaw in POSES + YAWED:
@@ -128,7 +128,7 @@ def strip_model(wheel: Profile, rail: Profile) -> None:
             PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(Pose(name, lateral, yaw, 55e3))
             a = model.arrays
             arguments = a.buffer, a.index
-            afresh = microseconds(lambda arguments=arguments: wheel_rail(*arguments), 20, 20)
+            cold = microseconds(lambda arguments=arguments: wheel_rail(*arguments), 20, 20)
             a.follow(True)
             at_rest = microseconds(lambda arguments=arguments: wheel_rail(*arguments), 50, 30)
             place, phase = a.pose[1], [0.0]
@@ -141,7 +141,7 @@ def strip_model(wheel: Profile, rail: Profile) -> None:
             moving = microseconds(move, 50, 30)
             more = f"{(moving - last[1]) / (strips - last[0]):9.2f}" if last else ""
             count = int(a.rows.memo[0]["grids"])
-            print(f"  {name:22s}{strips:9d}{count:9d}{afresh:9.1f}{at_rest:9.1f}{moving:9.1f}{more}")
+            print(f"  {name:22s}{strips:9d}{count:9d}{cold:9.1f}{at_rest:9.1f}{moving:9.1f}{more}")
             last = strips, moving
 
 
