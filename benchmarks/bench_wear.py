@@ -18,10 +18,10 @@ from typing import Any
 from wrsim import load, run
 from wrsim.results import write_atomically
 from wrsim.results.manifest import digest_of
+from wrsim.study.evolution.reading import read_evolution
+from wrsim.study.evolution.stages import STAGES
+from wrsim.study.evolution.steps import wear_steps
 from wrsim.study.plan import PLAN, Plan
-from wrsim.study.service.service import read_service
-from wrsim.study.service.stages import STAGES
-from wrsim.study.service.steps import wear_steps
 from wrsim.study.task import run_case
 
 ROOT = Path(__file__).parents[1]
@@ -50,7 +50,7 @@ def of_run(repetitions: int) -> dict[str, float]:
 
 def of_step(name: str) -> dict[str, float]:
     """The first step of a service."""
-    service, _ = read_service(ROOT / "scenarios/wear" / f"{name}.toml")
+    evolution, _ = read_evolution(ROOT / "scenarios/wear" / f"{name}.toml")
     spent = [0.0]
 
     def work(plan: Plan, todo: Sequence[int]) -> None:
@@ -62,11 +62,11 @@ def of_step(name: str) -> dict[str, float]:
 
     with TemporaryDirectory() as folder:
         for number in range(2):  # the first compiles
-            one = replace(service, digest=f"{number}")
+            one = replace(evolution, digest=f"{number}")
             spent[0], began = 0.0, time.process_time()
             next(wear_steps(one, Path(folder) / str(number), work))
             whole = time.process_time() - began
-    cases = STAGES * len(service.shares)
+    cases = STAGES * len(evolution.shares)
     return {"step_s": whole, "cases": cases, "case_s": spent[0] / cases, "between_s": whole - spent[0]}
 
 

@@ -37,7 +37,7 @@ from wrsim.results import Result
 from wrsim.results.netcdf import write_netcdf
 from wrsim.scenario.loading import load
 from wrsim.simulation.integrate import recorded_motion
-from wrsim.study.service.history import COLUMNS
+from wrsim.study.evolution.history import COLUMNS
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests"))

@@ -28,8 +28,8 @@ from wrsim.recording.reading import read_recording
 from wrsim.recording.restoring import restore
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
+from wrsim.study.evolution.reading import read_evolution
 from wrsim.study.plan import planned
-from wrsim.study.service.service import read_service
 
 ROOT = Path(__file__).parents[1]
 LONGEST = 20.0  # processor time of one answer [s]
@@ -140,9 +140,9 @@ def read(folder: Path, own: Path) -> None:
     if kind == "studies":
         planned(copy, folder / "results", models)
     elif kind == "wear" and own.stem not in ("coach", "leading_wheelset"):
-        read_service(copy.with_name("service.toml") if own.suffix == ".csv" else copy, models)
+        read_evolution(copy.with_name("service.toml") if own.suffix == ".csv" else copy, models)
     elif kind == "wear":
-        read_service(copy.with_name("coach_service.toml" if own.stem == "coach" else "service.toml"), models)
+        read_evolution(copy.with_name("coach_service.toml" if own.stem == "coach" else "service.toml"), models)
     elif kind == "recorded":
         table = copy.with_suffix(".csv")
         restore(read_recording(table, copy.with_suffix(".toml"), part=(None, None)), (3.0, 70.0), 8.0)

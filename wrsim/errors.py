@@ -18,19 +18,19 @@ class WrsimError(Exception):
 
 
 class InputError(WrsimError):
-    """Something the user wrote cannot be used: a file, a key, a value, a combination. Exit code 2."""
+    """A file, key, value or combination of the user that cannot be used. Exit code 2."""
 
     exit_code = 2
 
 
 class SimulationError(WrsimError):
-    """A run had to stop: derailment, lost contact solution, not-a-number, no convergence. Exit code 3."""
+    """A run that stopped: derailment, no contact solution, not-a-number, no convergence. Exit code 3."""
 
     exit_code = 3
 
 
 def in_one_line(error: InputError) -> str:
-    """The first line of a message and how many more there are: for a text that its reader did not write."""
+    """The first line of a message and the number of further lines."""
     first, *more = str(error).split("\n")
     return f"{first} (and {len(more)} more line{'s' * (len(more) > 1)})" if more else first
 
@@ -58,5 +58,5 @@ _PLAIN = dict.fromkeys(_CONTROLS, "\N{REPLACEMENT CHARACTER}")
 
 
 def plain(text: str) -> str:
-    """A text without characters that command a terminal: titles, names and paths come from anybody."""
+    """A text without control characters: titles, names and paths may come from anybody."""
     return text.translate(_PLAIN)

@@ -1,9 +1,8 @@
-"""The register of analyses: what each kind takes of a scenario, what runs it, and what is shown of its results.
+"""The register of analyses: tables of each in a scenario, what runs it, what is shown of its results.
 
-A scenario names its kind with the key ``analysis``, and so does a result. Functions and classes are named as
-``package.module:name`` and imported when they are used, so that the register is known to all layers. A new kind of
-analysis is a table of the scenario (``scenario.sections``), a function that runs it (``analysis``), its summary and
-tables (``results``), its pictures (``plots``), and one entry here.
+Functions and classes are named as ``package.module:name`` and imported when they are used: all layers import the
+register. A new analysis is a table of the scenario (``scenario.sections``), a function that runs it (``analysis``), its
+summary and tables (``results``), its pictures (``plots``), and one entry here.
 """
 
 from __future__ import annotations
@@ -16,16 +15,14 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Analysis:
-    """One kind of analysis.
+    """One analysis.
 
-    tables: names and classes of the tables of a scenario that are its own, besides [vehicle], [track] and [contact];
-    the first makes the plan. run: a function of the set-up and of a progress function, and, for one that runs along the
-    track, of the record in which it is kept. recorded: a function of the set-up and the path of such a record.
-
-    summary, csv_files, pictures: functions of the dataset of a result, which give its few numbers, its tables as text
-    and the makers of its pictures. numbers: a function of the dataset and its summary, which gives the tables that
-    people read; further: one of a result, a folder and whether there are to be pictures, which writes what a command
-    leaves besides.
+    tables: its own tables of a scenario, besides [vehicle], [track] and [contact]; the first makes the plan. run:
+    function of the set-up, a progress function and, for runs along the track, of the record in which it is kept.
+    recorded: function of the set-up and the path of such a record. summary, csv_files, pictures: functions of a
+    result's dataset: its few numbers, its tables as text, the makers of its pictures. numbers: function of the dataset
+    and the summary: the tables that people read. further: function of a result, a folder and whether there are
+    pictures, which writes the other files of a command.
 
     own_track: it lays its own track, and something has to hold the speed; loaded: loads act in it; points: it needs
     points at which accelerations are kept; origins: rails may be placed by the origins of their profiles; conical:
@@ -50,13 +47,8 @@ class Analysis:
 
     @property
     def unused(self) -> tuple[str, ...]:
-        """Tables of other analyses: refused in a file, dropped where they come from the file that it starts from."""
+        """Tables of other analyses: refused in a file, dropped where they come from its base."""
         return tuple(name for name in TABLES if name not in self.tables)
-
-    @property
-    def plan_table(self) -> str:
-        """The class of the table that makes its plan."""
-        return next(iter(self.tables.values()))
 
     @property
     def moves(self) -> bool:
@@ -65,7 +57,7 @@ class Analysis:
 
 
 def _shown_by(room: str) -> dict[str, Any]:
-    """Functions of an analysis whose results are no contacts of wheels in poses or along the track."""
+    """Functions of an analysis whose results are not contacts in poses or along the track."""
     return {
         "summary": f"wrsim.results.{room}:summarise_{room}",
         "csv_files": f"wrsim.results.{room}:csv_of_{room}",
@@ -74,10 +66,7 @@ def _shown_by(room: str) -> dict[str, Any]:
     }
 
 
-_RUN = {
-    "run": "wrsim.scenario.sections.run:RunSection",
-    "output": "wrsim.scenario.sections.run:OutputSection",
-}
+_RUN = {"run": "wrsim.scenario.sections.run:RunSection", "output": "wrsim.scenario.sections.run:OutputSection"}
 _ASSESSED = {
     "assessment": "wrsim.scenario.sections.assessment:AssessmentSection",
     "ride": "wrsim.scenario.sections.run:RideSection",
@@ -102,12 +91,7 @@ ANALYSES = {
             origins=True,
             compared=True,
         ),
-        Analysis(
-            name="equilibrium",
-            tables=_RUN,
-            run="wrsim.analysis.motion.equilibrium:run_equilibrium",
-            compared=True,
-        ),
+        Analysis("equilibrium", _RUN, run="wrsim.analysis.motion.equilibrium:run_equilibrium", compared=True),
         _CURVING,
         replace(_CURVING, name="ride", points=True, compared=False, further="wrsim.report.output_folder:write_ride_of"),
         Analysis(
@@ -143,10 +127,10 @@ TABLES = {name: kind for analysis in ANALYSES.values() for name, kind in analysi
 FILES = {
     "scenario": ("a scenario", "wrsim.scenario.schema:ScenarioFile"),
     "study": ("a study", "wrsim.study.spec:StudyFile"),
-    "service": ("a service", "wrsim.study.service.spec:ServiceFile"),
+    "service": ("a profile evolution", "wrsim.study.spec:EvolutionFile"),
     "vehicle": ("a vehicle file", "wrsim.vehicle.vehicle_files:VehicleFile"),
     "wheelset": ("a vehicle file of one wheelset", "wrsim.vehicle.vehicle_files:WheelsetFile"),
-    "train": ("a train file", "wrsim.vehicle.train_files:TrainFile"),
+    "train": ("a train file", "wrsim.vehicle.vehicle_files:TrainFile"),
     "track": ("a track file", "wrsim.scenario.merging:TrackFile"),
     "profile": ("a profile file", "wrsim.geometry.profile.models:AnyProfileFile"),
     "columns": ("the column map of a recording", "wrsim.recording.columns:ColumnsFile"),

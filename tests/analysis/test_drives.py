@@ -170,7 +170,7 @@ def test_motors_alone_accelerate_the_mass_and_the_turning_wheels():
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("speed_kmh = { distance_m_speed_kmh = [[0, 60], [20, 50], [20, 40]] }", "infinite acceleration"),
+        ("speed_kmh = { distance_m_speed_kmh = [[0, 60], [20, 50], [20, 40]] }", "must lie behind the row before it"),
         ("speed_kmh = { time_s_speed_kmh = [[0, 60], [0.1, 30]] }", "-83.3 m/s2: must be at most 10"),
         ("speed_kmh = { time_s_speed_kmh = [[0, 60], [-1, 30]] }", "the first numbers rise"),
         ("speed_kmh = { time_s_speed_kmh = [[0, 60], [9, 0]] }", "must be from 1 to 500 km/h"),

@@ -191,7 +191,7 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
      END]), (5.0, [END, END]), (5.1, [0, END]), (5.2, [0, END]), (5.3, [0, 0]))]},
      "rail 'left rail': has a gap of 0.1 m from 5 to 5.1 m"),
     ({"track.rail_sections": [{"at_m": 5.0}, section(6.0)]}, "or give table"),
-    ({"track.rail_sections": [section(5.0, table="a.csv"), section(6.0)]}, "cannot stand next to rail"),
+    ({"track.rail_sections": [section(5.0, table="a.csv"), section(6.0)]}, "cannot be given with rail"),
     ({"analysis": "equilibrium"}, 'analysis = "equilibrium" knows one profile of each rail'),
 ]  # fmt: skip
 

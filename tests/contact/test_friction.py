@@ -298,7 +298,7 @@ def test_where_nothing_runs_friction_is_that_of_one_place() -> None:
         ('friction_table = "mu.csv"', "mu.csv:3: at_m = 4 after 5: must rise from row to row"),
         ('friction_table = "high.csv"', "high.csv:2: left = 7: must be a number from 0 to 2"),
         ('friction_table = "none.csv"', "none.csv"),
-        ('friction_table = "mu.csv"\nfriction_sections = [{from_m = 60, friction = 0.1}]', "cannot stand next to"),
+        ('friction_table = "mu.csv"\nfriction_sections = [{from_m = 60, friction = 0.1}]', "cannot be given with"),
     ],
 )
 def test_bad_friction_along_the_track_is_refused(more: str, message: str, tmp_path: Path) -> None:

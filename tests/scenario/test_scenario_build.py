@@ -16,11 +16,11 @@ from wrsim.inputs.checking import check_value
 from wrsim.inputs.values import Series
 from wrsim.register import ANALYSES, TABLES, resolved
 from wrsim.scenario.build import build
-from wrsim.scenario.cases import read_cases
 from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.placement import stand
 from wrsim.scenario.plausibility import facts, facts_table, warnings
 from wrsim.scenario.schema import ScenarioFile
+from wrsim.scenario.sections.static import read_cases
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 

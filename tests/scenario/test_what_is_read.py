@@ -23,9 +23,9 @@ from wrsim.inputs.toml_files import LARGEST, read_bytes, read_text, reading_with
 from wrsim.report.view_data import setup_of
 from wrsim.results import Result
 from wrsim.scenario.build import build
-from wrsim.scenario.cases import read_cases
 from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.merging import MOST_BASES
+from wrsim.scenario.sections.static import read_cases
 from wrsim.vehicle.element_tables import DamperTable
 from wrsim.vehicle.vehicle_files import load_vehicle
 

@@ -418,7 +418,7 @@ def test_jobs_of_slurm_have_one_thread_and_leave_ctrl_c_as_it_was(
     assert not list(tmp_path.iterdir())
     assert signal.getsignal(signal.SIGINT) is before
     assert "#SBATCH --cpus-per-task=1" in script and "--nthreads 1" in script
-    assert "--no-dashboard --worker-class wrsim.study.nodes.QuietWorker --protocol tls://" in script
+    assert "--no-dashboard --worker-class wrsim.study.cluster.QuietWorker --protocol tls://" in script
     assert all(f"export {name}=1" in script for name in ONE_THREAD)
 
 

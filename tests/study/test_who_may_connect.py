@@ -20,8 +20,7 @@ from distributed.security import Security
 from support.commands import call
 
 from wrsim.errors import InputError
-from wrsim.study.cluster import CA, LOOPBACK, local_workers, security_of
-from wrsim.study.nodes import QuietScheduler
+from wrsim.study.cluster import CA, LOOPBACK, QuietScheduler, local_workers, security_of
 
 
 def listening() -> set[tuple[str, int]]:

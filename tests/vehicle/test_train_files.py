@@ -107,7 +107,7 @@ FAULTS: dict[str, tuple[tuple[tuple[str, str], ...], str]] = {
      "slack_mm = 5: must be 0 next to pretension_kN"),
     "no stroke": ((("stroke_mm = 55 ", "#"),), "stroke_mm is missing: goes with stiffness_kN_per_m"),
     "stiffness twice": ((("preload_kN = 15 ", "#"), ("stroke_mm = 55 ", TABLE.replace("5, 1", "0, 1") + "#")),
-     "stroke_mm_force_kN.*: cannot stand next to stiffness_kN_per_m"),
+     "stroke_mm_force_kN.*: cannot be given with stiffness_kN_per_m"),
     "a stroke that begins late": ((("stiffness_kN_per_m = 6000", TABLE), ("preload_kN = 15", "#"), ("stroke_mm = 55 ",
      "#")), "must begin with stroke 0"),
 }  # fmt: skip

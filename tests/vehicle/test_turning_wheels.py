@@ -223,7 +223,7 @@ def vehicle_text(tmp_path, more: str) -> str:
 
 
 @pytest.mark.parametrize(("more", "said"), [
-    ("independent_wheels = true\ntorsional_stiffness_kNm_per_rad = 5000", "cannot stand next to independent_wheels"),
+    ("independent_wheels = true\ntorsional_stiffness_kNm_per_rad = 5000", "cannot be given with independent_wheels"),
     ("torsional_damping_kNms_per_rad = 5", "goes with torsional_stiffness_kNm_per_rad"),
     ("torsional_stiffness_kNm_per_rad = 0", "above 0"),
 ])  # fmt: skip

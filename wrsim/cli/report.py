@@ -47,7 +47,7 @@ def _page_of(paths: Sequence[Path], with_view: bool, models: Sequence[Path]) -> 
     from wrsim.report.study import service_page, study_page
     from wrsim.report.view_data import view_page
     from wrsim.study import collect
-    from wrsim.study.service import history
+    from wrsim.study.evolution import history
 
     for path in paths:
         kind = "study" if collect.holds(path, collect.NUMBERS) else ""

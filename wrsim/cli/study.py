@@ -1,4 +1,4 @@
-"""``wrsim study`` and ``wrsim wear``: a scenario run many times, wheels that wear in service, on many workers."""
+"""``wrsim study`` and ``wrsim wear``: a scenario run many times, profile evolution, on many workers."""
 
 from __future__ import annotations
 
@@ -34,12 +34,11 @@ def study(
     """Run a scenario many times with some keys varied; start it again and only what is missing runs."""
     with reporting_errors(as_json):
         from wrsim.study.collect import OUTPUTS, faults_of, markers_of, study_report, study_tables, write_study
-        from wrsim.study.crew import check_crew, crew, kept_folder
-        from wrsim.study.engine import missing
+        from wrsim.study.engine import check_workers, kept_folder, missing, worker_pool
         from wrsim.study.estimate import estimate
         from wrsim.study.plan import planned
 
-        for warning in check_crew(workers, scheduler, slurm, tls):
+        for warning in check_workers(workers, scheduler, slurm, tls):
             print_error(warning)
         bar = partial(progress_bar, not (quiet or as_json))
         directory = output or Path("results") / file.stem
@@ -55,7 +54,7 @@ def study(
                 console.print_lines(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
             try:
                 if todo:
-                    with crew(workers, scheduler, slurm, tls, len(todo), bar) as work:
+                    with worker_pool(workers, scheduler, slurm, tls, len(todo), bar) as work:
                         work(plan, todo)
             except KeyboardInterrupt:
                 write_study(plan, markers_of(plan), pictures=False)
@@ -81,7 +80,7 @@ def interrupted(directory: Path) -> KeyboardInterrupt:
 
 
 def wear(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Service file (TOML).")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="File of a profile evolution (TOML).")],
     output: Output = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
@@ -93,31 +92,31 @@ def wear(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Wear wheels in service: cases by their shares, a new profile, again; started again, it goes on (docs/wear.md)."""
+    """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on (docs/wear.md)."""
     with reporting_errors(as_json):
-        from wrsim.study.crew import check_crew, crew, kept_folder
-        from wrsim.study.service.history import OUTPUTS, evolution_report, mileage_table, write_history
-        from wrsim.study.service.service import read_service
-        from wrsim.study.service.steps import Step, wear_steps
+        from wrsim.study.engine import check_workers, kept_folder, worker_pool
+        from wrsim.study.evolution.history import OUTPUTS, evolution_report, mileage_table, write_history
+        from wrsim.study.evolution.reading import read_evolution
+        from wrsim.study.evolution.steps import Step, wear_steps
 
-        for warning in check_crew(workers, scheduler, slurm, tls):
+        for warning in check_workers(workers, scheduler, slurm, tls):
             print_error(warning)
         directory = output or Path("results") / file.stem
-        service, reads = read_service(file, models or ())
+        evolution, reads = read_evolution(file, models or ())
         steps: list[Step] = []
         bar = partial(progress_bar, not (quiet or as_json))
         with (
             kept_folder(directory, reads, force, OUTPUTS),
-            crew(workers, scheduler, slurm, tls, len(service.shares), bar) as work,
+            worker_pool(workers, scheduler, slurm, tls, len(evolution.shares), bar) as work,
         ):
             try:
-                for step in wear_steps(service, directory, work):
+                for step in wear_steps(evolution, directory, work):
                     steps.append(step)
                     if not (quiet or as_json):
-                        console.print_lines(step.words(service.mileage))
+                        console.print_lines(step.words(evolution.mileage))
             except KeyboardInterrupt:
                 raise interrupted(directory) from None
-            dataset, files = write_history(service, steps, directory, pictures)
+            dataset, files = write_history(evolution, steps, directory, pictures)
         if as_json or not quiet:
             numbers = evolution_report(dataset) | {"directory": str(directory)}
             console.print_found(as_json, numbers, [mileage_table(dataset)], files, directory)

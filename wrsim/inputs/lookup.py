@@ -22,63 +22,63 @@ class Finder:
 
     folders: tuple[Path, ...]
     closed: bool = False
-    """True for names that somebody else has written: no file outside of the folders is opened."""
+    """True for names of another author: no file outside of the folders is opened."""
 
     def guard(self) -> AbstractContextManager[None]:
-        """While this lasts, what is named in a file is not opened outside of the folders either, if they are closed."""
+        """Within this block names inside of files are not opened outside of the folders either, if they are closed."""
         return reading_within(self.folders) if self.closed else nullcontext()
 
     def find(self, name: str) -> Path:
-        """Return the first file of that name; an absolute name stands for itself.
+        """The first file of that name; an absolute name is taken as it is.
 
         Raises InputError listing the places searched and the nearest name that exists there.
         """
-        asked = Path(name)
+        file = Path(name)
         with self.guard():
-            places = [folder / asked for folder in self.folders]  # an absolute name: always itself
+            places = [folder / file for folder in self.folders]  # an absolute name: always itself
             refused = {place: out_of_reach(place) for place in places}
             for place in places:
                 if not refused[place] and os.path.isfile(place):
                     return place
             if any(refused.values()):
                 raise InputError(next(filter(None, refused.values())))
-            if asked.is_absolute():
-                raise InputError("no such file" if not os.path.isdir(asked) else "is a directory, a file is needed")
-            near = self._nearest(asked)
+            if file.is_absolute():
+                raise InputError("no such file" if not os.path.isdir(file) else "is a directory, a file is needed")
+            near = self._nearest(file)
         searched = ", ".join(str(folder.absolute()) for folder in self.folders)
         raise InputError(f"not found in {searched}" + (f'; did you mean "{near}"?' if near else ""))
 
     def beside(self, file: Path) -> Finder:
-        """Return a finder that looks next to ``file`` first: names inside a model file are near that file."""
+        """A finder that looks beside ``file`` first, for names inside of it."""
         return replace(self, folders=(file.parent, *(folder for folder in self.folders if folder != file.parent)))
 
-    def _nearest(self, asked: Path) -> str | None:
+    def _nearest(self, file: Path) -> str | None:
         known: list[str] = []
         for folder in self.folders:
-            for place in {folder / asked.parent, *(folder / room for room in ROOMS)}:
+            for place in {folder / file.parent, *(folder / kind for kind in KINDS)}:
                 if os.path.isdir(place):
                     known += sorted(p.relative_to(folder).as_posix() for p in place.iterdir() if p.is_file())
-        known = [k for k in known if Path(k).suffix in (asked.suffix, ".toml")]
-        same_name = [k for k in known if Path(k).name == asked.name or Path(k).stem == asked.name]
-        return same_name[0] if same_name else nearest(asked.as_posix(), known)
+        known = [k for k in known if Path(k).suffix in (file.suffix, ".toml")]
+        same_name = [k for k in known if file.name in (Path(k).name, Path(k).stem)]
+        return same_name[0] if same_name else nearest(file.as_posix(), known)
 
 
-ROOMS = ("wheels", "rails", "vehicles", "trains", "tracks")
+KINDS = ("wheels", "rails", "vehicles", "trains", "tracks")
 """Folders inside a folder of models."""
 
 
 def shipped_models() -> Path:
-    """Return the folder of the models that come with wrsim: in the package, or beside it in the source."""
+    """The folder of the models that come with wrsim: in the package, or beside it in the source."""
     package = Path(__file__).resolve().parents[1]
     inside = package / "models"
     return inside if inside.is_dir() else package.parent / "models"
 
 
 def model_file(name: str | Path, extra: Sequence[str | Path] | None = ()) -> Path:
-    """Return a file that is named from Python or on a command line: as it stands, or among the models.
+    """A file that is named from Python or on a command line: as it is, or among the models.
 
     Folders ``extra``, and those of the environment variable WRSIM_MODELS, come before the models that are shipped.
-    Raises InputError for a relative name that is found nowhere.
+    Raises InputError for a relative name that is not found.
     """
     if os.path.isabs(name) or os.path.exists(name):
         return Path(name)
@@ -89,15 +89,12 @@ def model_file(name: str | Path, extra: Sequence[str | Path] | None = ()) -> Pat
 
 
 def usual_finder(extra: Sequence[str | Path] | None = ()) -> Finder:
-    """Return a finder for names from Python or from a command line."""
+    """A finder for names from Python or from a command line."""
     return Finder((Path(), *user_folders(tuple(extra or ())), shipped_models()))
 
 
 def user_folders(extra: tuple[str | Path, ...] = ()) -> tuple[Path, ...]:
-    """Return the folders that the user names, by argument and then by the environment.
-
-    Raises InputError for one that is no folder.
-    """
+    """Folders of the user, by argument and then by the environment. Raises InputError for one that is no folder."""
     named = [("models", str(folder)) for folder in extra]
     named += [(VARIABLE, text) for text in os.environ.get(VARIABLE, "").split(os.pathsep) if text]
     for key, text in named:

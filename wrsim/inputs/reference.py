@@ -32,23 +32,20 @@ from wrsim.inputs.values import (
 
 @cache
 def meanings(section: type[Section]) -> dict[str, str]:
-    """A sentence for every key of a table that has one; a table within it speaks for itself where there is none."""
-    found = {key: said for key, kind in fields(section).items() if (said := _of_table(unpacked(kind).base))}
+    """A sentence for every key of a table: the text beneath its field, or the first paragraph on the inner table."""
+    found = {}
+    for key, annotation in fields(section).items():
+        kind = unpacked(annotation).base
+        if isinstance(kind, type) and issubclass(kind, Section):
+            found[key] = purpose(kind)[0].strip()
     for kind in reversed(section.__mro__):
         if issubclass(kind, Section) and kind is not Section:
             found |= _beneath_fields(kind)
     return {key: found[key] for key in section.model_fields if key in found}
 
 
-def _of_table(kind: object) -> str:
-    """The first paragraph on the class of a table; empty for what is none."""
-    if not (isinstance(kind, type) and issubclass(kind, Section)):
-        return ""
-    return " ".join((kind.__doc__ or "").partition("\n\n")[0].split())
-
-
 def _beneath_fields(kind: type[Section]) -> dict[str, str]:
-    """Texts beneath the fields that a class itself has; none for a class that was made without a source."""
+    """Texts beneath the fields of a class itself; none for a class without source."""
     try:
         source = inspect.getsource(kind)
     except OSError:
@@ -70,8 +67,7 @@ _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?![\w.]*\w)")
 
 @dataclass(frozen=True)
 class Entry:
-    """One key: what it means, unit in words, what is allowed, default as in TOML ("needed" where there is none),
-    habitual names."""
+    """One key: its meaning, unit in words, what is allowed, default as in TOML (or "needed"), other names, example."""
 
     table: str
     key: str
@@ -90,17 +86,15 @@ def entries(section: type[Section]) -> list[Entry]:
         if key not in section.model_fields:
             continue  # constants of the class
         default = _default(section, key)
-        unit = unit_of(key)
         aliases = tuple(section.aliases.get(key, "").split())
-        allowed = words(annotation)
         example = default if default not in ("needed", "none", "") else example_of(annotation)
-        meaning = meanings(section).get(key, "")
-        found.append(Entry(section.header, key, meaning, UNITS.get(unit, ""), allowed, default, aliases, example))
+        unit, meaning = UNITS.get(unit_of(key), ""), meanings(section).get(key, "")
+        found.append(Entry(section.header, key, meaning, unit, words(annotation), default, aliases, example))
     return found
 
 
 def _default(section: type[Section], key: str) -> str:
-    """As it would stand in a file; "needed" or "none" where there is none, empty for tables."""
+    """A default as in a file; "needed" or "none" where there is none, empty for tables."""
     field = section.model_fields[key]
     if field.is_required():
         return "needed"
@@ -111,7 +105,7 @@ def _default(section: type[Section], key: str) -> str:
 
 
 def example_of(annotation: Any) -> str:
-    """A value that would do, as in TOML; empty for tables."""
+    """An allowed value, as in TOML; empty for tables."""
     base, limits, description, _ = unpacked(annotation)
     if get_origin(base) is Literal:
         return shown_value(get_args(base)[0])
@@ -139,7 +133,7 @@ def example_of(annotation: Any) -> str:
 
 
 def _number_example(base: type, limits: tuple[Any, ...], description: str) -> str:
-    """A number that the words name, or one in the middle of what is allowed."""
+    """A number from the description, or one in the middle of what is allowed."""
     low, high, excluded = number_limits(limits)
     for text in _NUMBER.findall(description):
         value = float(text)
@@ -172,7 +166,7 @@ def heading(section: type[Section]) -> str:
 
 
 def purpose(section: type[Section]) -> list[str]:
-    """What the class says of itself, a paragraph a line."""
+    """The text of the class, a paragraph a line."""
     text = (section.__doc__ or "").strip()
     return [" ".join(part.split()) + "\n" for part in text.split("\n\n") if part.strip()]
 
@@ -182,9 +176,9 @@ def json_schema(file: Any, title: str) -> dict[str, Any]:
 
     file: its class, or a union of the classes of which it may be one.
 
-    It names no address of its own: Taplo refuses one that is not whole, and ours lies wherever the user has put it.
+    It has no $id: Taplo refuses a relative one.
     """
-    schema = TypeAdapter(file).json_schema(mode="validation")
+    schema = TypeAdapter(file).json_schema(ref_template="#/definitions/{model}")
     definitions = schema.pop("$defs", {})
     classes = {kind.__name__: kind for kind in tables_in(file)}
     schema = _cleaned(schema, classes.get(getattr(file, "__name__", "")))
@@ -193,33 +187,31 @@ def json_schema(file: Any, title: str) -> dict[str, Any]:
 
 
 def _cleaned(schema: dict[str, Any], section: type[Section] | None) -> dict[str, Any]:
-    """One table in TOML's terms: there is no null, and a series is a number, a list or a range."""
+    """One table in terms of TOML: without null; a series is a number, a list or a range."""
     schema = {k: v for k, v in schema.items() if k != "title"}
     if section is not None:
         schema["description"] = "\n\n".join(line.strip() for line in purpose(section))
         for key, own in schema.get("properties", {}).items():
             annotation = fields(section)[key]
             cleaned = _value_schema(own, annotation)
-            said = meanings(section).get(key, "")
+            meaning = meanings(section).get(key, "")
             is_table = bool(table_header(annotation))
-            cleaned["description"] = said if is_table else f"{said} Must be {words(annotation)}.".strip()
+            cleaned["description"] = meaning if is_table else f"{meaning} Must be {words(annotation)}.".strip()
             if is_table:
-                cleaned.pop("default", None)  # in it are values that are left out, for which TOML has no word
+                cleaned.pop("default", None)  # it holds null, which TOML does not have
             schema["properties"][key] = cleaned
-    return _renamed(schema)
+    return _without_titles(schema)
 
 
 def _value_schema(own: dict[str, Any], annotation: Any) -> dict[str, Any]:
     """The schema of one value, without null, titles and pydantic's words."""
     own = {k: v for k, v in own.items() if k not in ("title", "description")}
-    if own.get("default", 0) is None:
-        del own["default"]
+    default = {"default": own.pop("default")} if own.get("default") is not None else {}
+    own.pop("default", None)
     if "anyOf" in own:
-        kept = [part for part in own["anyOf"] if part.get("type") != "null"]
-        rest = {k: v for k, v in own.items() if k != "anyOf"}
-        own = kept[0] | rest if len(kept) == 1 else {"anyOf": kept, **rest}
+        kept = [part for part in own.pop("anyOf") if part.get("type") != "null"]
+        own = kept[0] | own if len(kept) == 1 else {"anyOf": kept, **own}
     base, limits, description, _ = unpacked(annotation)
-    default = {"default": own.pop("default")} if "default" in own else {}
     others: list[dict[str, Any]] = []
     if own.get("type") == "array":
         if own.get("items") and ("list of such" in description or "or a list" in description):  # one alone will do
@@ -232,12 +224,9 @@ def _value_schema(own: dict[str, Any], annotation: Any) -> dict[str, Any]:
     return ({"anyOf": [own, *others]} if others else own) | default
 
 
-def _renamed(tree: Any) -> Any:
-    """References as draft 7 has them; without titles and patterns, which editors show to no use."""
+def _without_titles(tree: Any) -> Any:
+    """Without titles, patterns and discriminators, which do not help in editors."""
     if isinstance(tree, dict):
-        return {
-            k: v.replace("#/$defs/", "#/definitions/") if k == "$ref" else _renamed(v)
-            for k, v in tree.items()
-            if not (k == "title" and isinstance(v, str)) and k not in ("pattern", "discriminator")
-        }
-    return [_renamed(v) for v in tree] if isinstance(tree, list) else tree
+        left_out = {"pattern", "discriminator"} | ({"title"} if isinstance(tree.get("title"), str) else set())
+        return {key: _without_titles(value) for key, value in tree.items() if key not in left_out}
+    return [_without_titles(value) for value in tree] if isinstance(tree, list) else tree

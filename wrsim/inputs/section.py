@@ -2,16 +2,15 @@
 
 pydantic checks the fields; on top of it a Section
 
-- answers an unknown key with the key that was probably meant: a slip of spelling, a forgotten or another
-  unit (``radius_mm`` for ``radius_m``), a habitual name from elsewhere (``mu`` for ``friction``), a key of
-  another table;
-- applies ``rules`` on which keys go together even when some values are wrong, so that nothing hides behind
-  another fault; one slip is one fault (the right key is not reported missing as well).
+- answers an unknown key with the one that was probably meant: a slip of spelling, another unit (``radius_mm`` for
+  ``radius_m``), a name from other programs (``mu`` for ``friction``), a key of another table;
+- applies ``rules`` on combinations of keys even when some values are wrong; one slip is one fault (the right key is not
+  reported missing as well).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields as fields_of
 from functools import cache
 from math import radians
@@ -26,7 +25,7 @@ from wrsim.inputs.values import choice, entry_of, fields, refusal, refuse, table
 
 STRICT = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 FAULT, ABSENT = "fault", "absent"
-"""Our kinds of faults; all others are pydantic's and not yet in our words."""
+"""Types of faults whose messages are final; all others are pydantic's."""
 MOST_FAULTS = 50
 """Faults of one file that are listed; more are counted."""
 UNITS = {
@@ -43,7 +42,11 @@ TO_SI: dict[str, Callable[[float], float]] = {
 """Unit endings of keys and what brings their numbers to SI units; see `Section.to_si`."""
 
 
+S = TypeVar("S", bound="Section")
 T = TypeVar("T")
+
+
+SIDES = ("left", "right")
 
 
 class Fault(NamedTuple):
@@ -64,9 +67,9 @@ class Section(BaseModel):
     model_config = STRICT
 
     header: ClassVar[str] = "this table"
-    """How the table is called in messages, for example ``[vehicle]``; a subclass says it: ``header="[vehicle]"``."""
+    """Name of the table in messages; a subclass sets it: ``header="[vehicle]"``."""
     aliases: ClassVar[dict[str, str]] = {}
-    """Our key -> names of it that users bring from other programs, with spaces between."""
+    """Key -> its names in other programs, with spaces between."""
     elsewhere: ClassVar[dict[str, str]] = {}
     """Keys of other tables -> the header of that table."""
     one_of: ClassVar[tuple[str, ...]] = ()
@@ -78,7 +81,7 @@ class Section(BaseModel):
     goes_with: ClassVar[dict[str, str]] = {}
     """Key -> the key or keys, of which one is enough, without which it means nothing."""
     also_called: ClassVar[str] = ""
-    """Names of this kind elsewhere, with spaces between; of tables that are distinguished by a key."""
+    """Names of this kind of table in other programs, with spaces between."""
 
     def __init_subclass__(cls, header: str = "", **rest: Any) -> None:
         super().__init_subclass__(**rest)
@@ -97,7 +100,7 @@ class Section(BaseModel):
             first, *others = row.split()
             given = [key for key in row.split() if key in raw]
             if len(given) > 1:
-                yield Fault(given[-1], f"cannot stand next to {given[0]}: give one of them")
+                yield Fault(given[-1], f"cannot be given with {given[0]}: give one of them")
             elif not given and row in cls.one_of:
                 needed = f"must be {words(fields(cls)[first])} (or give {' or '.join(others)})"
                 yield Fault(first, needed, missing=True)
@@ -126,7 +129,7 @@ class Section(BaseModel):
         A key that is not given leaves the field its default.
         """
         values: dict[str, Any] = {}
-        for key, name, convert in _si_fields(type(self), target):
+        for key, name, convert in _si_fields(type(self), target):  # type: ignore[arg-type]
             value = getattr(self, key)
             if value is not None:
                 values[name] = convert(value) if isinstance(value, float) else value
@@ -143,9 +146,9 @@ class Section(BaseModel):
         for name, field in cls.model_fields.items():
             if field.is_required() and name not in data:
                 faults.append(_detail(ABSENT, f"must be {words(fields(cls)[name])}", (name,), raw))
-        kept: Self | None = None
+        section: Self | None = None
         try:
-            kept = handler(data)
+            section = handler(data)
         except ValidationError as error:
             found = error.errors(include_url=False)
             inside = {e["loc"][0] for e in found if len(e["loc"]) > 1}
@@ -156,26 +159,30 @@ class Section(BaseModel):
                     continue  # named above
                 if e["type"] == "too_short" and e["loc"] == (key,) and key in inside:
                     continue  # pydantic counts good entries only, and the bad ones are reported
-                fault = _in_our_words(fields(cls)[key], e, data[key])
+                fault = _described(fields(cls)[key], e, data[key])
                 if e["type"] in (FAULT, ABSENT) or fault["loc"] not in known:
                     faults.append(fault)
                     known.add(fault["loc"])
         named = {f["loc"] for f in faults}
         combinations = [*cls._ways(data), *cls.rules(data)]
-        if kept is not None and not faults and not combinations:
-            combinations = list(kept.consistency())
+        if section is not None and not faults and not combinations:
+            combinations = list(section.consistency())
         for rule in combinations:
             path = (rule.path,) if isinstance(rule.path, str) else rule.path
             if path in named or (path and path[0] in guessed):
                 continue
-            faults.append(_detail(ABSENT if rule.missing else FAULT, rule.message, path, _reach(data, path)))
-        if faults or kept is None:
+            named.add(path)
+            value: Any = data
+            for part in path:
+                value = value.get(part) if isinstance(value, dict) else None
+            faults.append(_detail(ABSENT if rule.missing else FAULT, rule.message, path, value))
+        if faults or section is None:
             raise ValidationError.from_exception_data(cls.__name__, faults)
-        return kept
+        return section
 
     @classmethod
     def _translate(cls, raw: dict[str, Any]) -> tuple[dict[str, Any], list[InitErrorDetails], set[str]]:
-        """Return the table with slips put right, the faults that report them, and the keys so guessed."""
+        """The table with slips put right, the faults that report them, and the keys so guessed."""
         data: dict[str, Any] = {}
         faults: list[InitErrorDetails] = []
         guessed: set[str] = set()
@@ -193,12 +200,12 @@ class Section(BaseModel):
 
     @classmethod
     def keys_meant(cls, raw: Any) -> set[str]:
-        """Return the keys of this section that a raw table holds, slips put right."""
+        """Keys of this section that a raw table holds, slips put right."""
         return set(cls._translate(raw)[0]) if isinstance(raw, dict) else set()
 
     @classmethod
     def _unknown(cls, key: str, raw: dict[str, Any]) -> tuple[str, str | None]:
-        """Return the message for an unknown key and the key of this section that was meant, if any."""
+        """The message for an unknown key and the key of this section that was meant, if any."""
         allowed = list(cls.model_fields)
         meant = next((ours for ours, names in cls.aliases.items() if key in names.split()), None)
         meant = meant or _same_stem(key, allowed)
@@ -251,17 +258,20 @@ def side_key(both: str, side: str) -> str:
     return "_".join((stem, side, *unit))
 
 
-def both_or_sides(raw: dict[str, Any], both: str, *, needed: str = "", complete: bool = False) -> Iterator[Fault]:
-    """Rules for a key that holds for both sides and its two relatives for single sides.
+def on_side(sections: Sequence[S], side: str) -> list[tuple[int, S]]:
+    """Those of some tables with a key ``side`` that hold for one side, and their places among all."""
+    return [(i, each) for i, each in enumerate(sections) if each.side in (side, "both")]  # type: ignore[attr-defined]
 
-    A value for both sides next to one for a single side is refused. ``complete``: with one side the other
-    has to be given as well. ``needed`` (what the key must be): one of the ways has to be taken; implies
-    ``complete``.
+
+def both_or_sides(raw: dict[str, Any], both: str, *, needed: str = "", complete: bool = False) -> Iterator[Fault]:
+    """Faults of a key for both sides and its two relatives for single sides, which exclude each other.
+
+    complete: one side needs the other; needed (what the key must be): one way is needed, implies complete.
     """
     left, right = side_key(both, "left"), side_key(both, "right")
     sides = [key for key in (left, right) if key in raw]
     if both in raw and sides:
-        yield Fault(both, f"is for both sides and cannot stand next to {' and '.join(sides)}")
+        yield Fault(both, f"is for both sides and cannot be given with {' and '.join(sides)}")
     elif both not in raw and not sides and needed:
         yield Fault(both, f"must be {needed} (or give {left} and {right})", missing=True)
     elif len(sides) == 1 and (complete or needed):
@@ -277,23 +287,14 @@ def _detail(kind: str, message: str, loc: tuple[str | int, ...], value: Any) -> 
     return InitErrorDetails(type=PydanticCustomError(kind, message), loc=loc, input=value)  # type: ignore[arg-type]
 
 
-def _reach(data: Any, path: KeyPath) -> Any:
-    """The value at a path of a raw table, None if there is none."""
-    for part in path:
-        if not isinstance(data, dict) or part not in data:
-            return None
-        data = data[part]
-    return data
-
-
-def _in_our_words(annotation: Any, error: Any, value: Any) -> InitErrorDetails:
-    """A fault that pydantic found in a field of this annotation and value; those of inner tables are in our words."""
+def _described(annotation: Any, error: Any, value: Any) -> InitErrorDetails:
+    """The message for an error of pydantic in a field of this annotation and value; those of inner tables are final."""
     key, *place = error["loc"]
     kind, depth = unpacked(annotation), 0
     if entry_of(annotation) is not None and place:
         kind, depth = unpacked(entry_of(annotation)), 1
     if kind.tagged and len(place) > depth:
-        del place[depth]  # pydantic's tag of the chosen type stands there
+        del place[depth]  # pydantic's tag of the chosen type
     if error["type"] in (FAULT, ABSENT):
         return _detail(error["type"], error["msg"], (key, *place), error["input"])
     if depth and table_header(entry_of(annotation)):
@@ -317,7 +318,7 @@ def _choice_of_table(base: Any, error: Any, place: KeyPath, header: str) -> Init
 
 
 def _kind_meant(base: Any, by: str, value: Any) -> str:
-    """The kind of table that is called so elsewhere, or has a key that takes the value, as the end of a sentence."""
+    """The kind of table with this name in other programs, or with a key that takes the value, to end a sentence."""
     for member in get_args(base):
         (tag,) = get_args(unpacked(fields(member)[by]).base)
         if value in member.also_called.split():

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from difflib import get_close_matches
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -74,7 +75,7 @@ def read_bytes(path: Path, what: str) -> bytes:
 
 
 def _content(path: Path, what: str) -> bytes:
-    """The content of a plain file, looked at after it is open: nobody can exchange it in between."""
+    """The content of a plain file, checked after it is open: it cannot be exchanged in between."""
     if os.path.isdir(path):
         inside = _listing(sorted(p.name for p in path.glob("*.toml")))
         raise InputError(f"{path}: is a directory, a {what} is needed{inside}")
@@ -96,7 +97,7 @@ def open_plain(path: Path, what: str, flags: int = os.O_RDONLY) -> int:
 
 
 def other_kind(mode: int) -> str:
-    """What stands there that is no plain file; empty for one. mode: of ``os.stat``."""
+    """The kind of a file that is not plain; empty for a plain one. mode: of ``os.stat``."""
     kinds = (name for is_one, name in _NO_FILES.items() if is_one(mode))
     return "" if stat.S_ISREG(mode) else next(kinds, "no plain file")
 
@@ -106,7 +107,7 @@ _WITHIN: ContextVar[tuple[Path, ...] | None] = ContextVar("_WITHIN", default=Non
 
 @contextmanager
 def reading_within(folders: Sequence[Path]) -> Iterator[None]:
-    """While this lasts, no file outside of these folders is opened: the names come from somebody else."""
+    """Within this block no file outside of these folders is opened."""
     before = _WITHIN.set(tuple(folders))
     try:
         yield
@@ -131,7 +132,7 @@ _READ: ContextVar[dict[Path, str] | None] = ContextVar("_READ", default=None)
 
 @contextmanager
 def noting_reads() -> Iterator[dict[Path, str]]:
-    """While this lasts, every file that is read is noted with the SHA-256 of its content."""
+    """Within this block every file that is read is noted with the SHA-256 of its content."""
     noted: dict[Path, str] = {}
     around = _READ.get()
     before = _READ.set(noted)
@@ -144,7 +145,7 @@ def noting_reads() -> Iterator[dict[Path, str]]:
 
 
 def parse_value(text: str) -> Any:
-    """The value of a key as it is written in TOML; a text that is none, such as a bare word, stands for itself."""
+    """The value of a key as written in TOML; a text that is no value, such as a bare word, is taken as text."""
     try:
         found = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
@@ -177,24 +178,20 @@ def parse_toml(text: str, name: str) -> dict[str, Any]:
 
 
 def is_too_deep(data: Any) -> bool:
-    """True if tables and lists stand in each other more than `DEEPEST` deep."""
+    """True if tables and lists are nested more than `DEEPEST` deep."""
     level = [data]
     for _ in range(DEEPEST):
-        level = [
-            inner for v in level if isinstance(v, (dict, list)) for inner in (v.values() if isinstance(v, dict) else v)
-        ]
-        if not level:
-            return False
-    return True
+        inner = (v.values() if isinstance(v, dict) else v for v in level if isinstance(v, (dict, list)))
+        level = [*chain.from_iterable(inner)]
+    return bool(level)
 
 
 def similar_files(path: Path) -> str:
-    """Return a hint with files like ``path`` in its folder, or on a missing folder."""
+    """A hint with files like ``path`` in its folder, or on a missing folder."""
     if not os.path.isdir(path.parent):
         return f" (there is no folder '{path.parent}')"
     names = [p.name for p in path.parent.iterdir() if os.path.isfile(p)]
-    near = get_close_matches(path.name, names, n=3, cutoff=0.6)
-    if near:
+    if near := get_close_matches(path.name, names, n=3):
         return "; did you mean " + " or ".join(f"'{path.parent / n}'" for n in near) + "?"
     return _listing(sorted(n for n in names if n.endswith(path.suffix or ".toml")))
 
@@ -206,13 +203,10 @@ def _listing(names: list[str], most: int = 8) -> str:
 
 
 def _syntax_message(reason: str, text: str, name: str) -> str:
-    place = _PLACE.search(reason)
-    source = text.splitlines()
-    if place:
+    source = text.splitlines() or [""]
+    row, column = len(source), len(source[-1]) + 1
+    if place := _PLACE.search(reason):
         row, column = int(place[1]), int(place[2])
-    else:
-        row = len(source) or 1
-        column = len(source[-1]) + 1 if source else 1
     reason = _PLACE.sub("", reason).replace(" (at end of document)", " at the end of the file")
     if r"'\r'" in reason:
         reason += "; lines end in LF or CR LF"
@@ -220,27 +214,24 @@ def _syntax_message(reason: str, text: str, name: str) -> str:
     if 0 < row <= len(source) and len(source[row - 1]) <= 120:
         line = source[row - 1].expandtabs(1)
         message += f"\n    {line}\n    {' ' * (column - 1)}^"
-        message += _hint(line)
+        value = line.split("=", 1)[1].split("#")[0].strip() if "=" in line else ""
+        hints = (hint for pattern, hint in _HINTS.items() if re.fullmatch(pattern, value))
+        message += next(hints, "").format(value, value.replace(",", "."))
     return message
 
 
-def _hint(line: str) -> str:
-    value = line.split("=", 1)[1].split("#")[0].strip() if "=" in line else ""
-    if re.fullmatch(r"[-+]?\d+,\d+", value):
-        return f"\n    decimals need a point: {value.replace(',', '.')}"
-    if re.fullmatch(r"[-+]?(\.\d+|\d+\.)", value):
-        return "\n    a decimal point needs digits on both sides: 0.5, 1.0"
-    if re.fullmatch(r"[-+]?[\d.]+\s*[A-Za-z/%]+", value):
-        return "\n    numbers stand alone: the unit is part of the key"
-    if value.lower() in ("true", "false", "yes", "no", "on", "off"):
-        return "\n    a switch is true or false, in small letters"
-    if re.fullmatch(r"[A-Za-z][\w./-]*", value):
-        return f'\n    text needs quotes: "{value}"'
-    return ""
+_HINTS = {
+    r"[-+]?\d+,\d+": "\n    decimals need a point: {1}",
+    r"[-+]?(\.\d+|\d+\.)": "\n    a decimal point needs digits on both sides: 0.5, 1.0",
+    r"[-+]?[\d.]+\s*[A-Za-z/%]+": "\n    a number has no unit: the unit is part of the key",
+    r"(?i)true|false|yes|no|on|off": "\n    a switch is true or false, in small letters",
+    r"[A-Za-z][\w./-]*": '\n    text needs quotes: "{0}"',
+}
+"""Hints for values that are no TOML, by their pattern; the first that matches counts."""
 
 
 def shown_value(value: Any, longest: int = 60) -> str:
-    """Return a value as it would stand in a TOML file, cut to ``longest`` characters."""
+    """A value as in a TOML file, cut to ``longest`` characters."""
     return shortened(_value(value), longest)
 
 
@@ -281,7 +272,7 @@ def _string(text: str) -> str:
 
 def _value(value: Any) -> str:
     if isinstance(value, bool):
-        return "true" if value else "false"
+        return str(value).lower()
     if isinstance(value, str):
         return _string(value)
     if isinstance(value, dict):

@@ -192,18 +192,15 @@ def number_limits(limits: tuple[Any, ...]) -> tuple[float, float, bool]:
 def _number_words(base: type, limits: tuple[Any, ...], description: str) -> str:
     if description and not limits:
         return description
-    low, high, excluded = number_limits(limits)
+    lowest, highest, excluded = number_limits(limits)
     what = "a whole number" if base is int else "a number"
-    if math.isfinite(low) and math.isfinite(high):
-        what += (
-            f" above {plain_number(low)} and at most {plain_number(high)}"
-            if excluded
-            else f" from {plain_number(low)} to {plain_number(high)}"
-        )
-    elif math.isfinite(low):
-        what += f" above {plain_number(low)}" if excluded else f" not below {plain_number(low)}"
-    elif math.isfinite(high):
-        what += f" not above {plain_number(high)}"
+    low, high = (plain_number(v) if math.isfinite(v) else "" for v in (lowest, highest))
+    if low and high:
+        what += f" above {low} and at most {high}" if excluded else f" from {low} to {high}"
+    elif low:
+        what += f" above {low}" if excluded else f" not below {low}"
+    elif high:
+        what += f" not above {high}"
     elif base is float:
         what = "a finite number"
     return what + (f" ({description})" if description else "")
@@ -217,10 +214,8 @@ def plain_number(value: float) -> str:
 def refusal(annotation: Any, place: list[Any], value: Any) -> str:
     """The sentence on a value, or on its entry at ``place``, that pydantic refused."""
     base = unpacked(annotation).base
-    if place and isinstance(value, list | tuple) and (each := entry_of(annotation)):
-        inner = refusal(each, place[1:], value[place[0]]) if place[0] < len(value) else None
-        if inner:
-            return f"entry [{place[0]}] {inner}"
+    if place and isinstance(value, list | tuple) and (each := entry_of(annotation)) and place[0] < len(value):
+        return f"entry [{place[0]}] {refusal(each, place[1:], value[place[0]])}"
     if place and isinstance(value, dict) and get_origin(base) is tuple:  # a range
         return f"{'from' if place[0] == 0 else 'to'} must be {words(entry_of(annotation))}"
     if get_origin(base) is Literal:
@@ -249,3 +244,16 @@ RisingRows = Annotated[
     AfterValidator(rising),
 ]
 """A table of rows whose first numbers rise from 0 on."""
+
+
+def within(low: float, high: float, unit: str) -> AfterValidator:
+    """Limits of the numbers of rows, but for the first of each."""
+
+    def check(rows: Rows) -> Rows:
+        for position, row in enumerate(rows):
+            for value in row[1:]:
+                if not low <= value <= high:
+                    raise refuse(f"row [{position}] has {value:g} {unit}: must be from {low:g} to {high:g} {unit}")
+        return rows
+
+    return AfterValidator(check)

@@ -136,7 +136,7 @@ def with_derived(channels: Mapping[str, ArrayLike], wheels: ArrayLike = WHEELS) 
     for force in given("sum_Y", "Y") if both else ():
         arrays["sum_Y"] = force[..., 0] - force[..., -1]
     if own := given("Y_over_Q", "Y", "Q"):
-        arrays["Y_over_Q"] = np.divide(*own, out=np.full(own[0].shape, np.nan), where=own[1] > 0.0)
+        arrays["Y_over_Q"] = np.divide(own[0], own[1], out=np.full(own[0].shape, np.nan), where=own[1] > 0.0)
     if own := given("contact_angle_variation", "contact_angle_min", "contact_angle_max"):
         arrays["contact_angle_variation"] = own[1] - own[0]
     return arrays

@@ -20,6 +20,7 @@ from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sec
 from wrsim.geometry.track.track import MAX_OFFSET, Track
 from wrsim.inputs.checking import dotted
 from wrsim.inputs.lines import KeyPath
+from wrsim.inputs.section import SIDES, on_side
 from wrsim.inputs.toml_files import noting_reads, read_bytes
 from wrsim.register import ANALYSES, Analysis, resolved
 from wrsim.scenario.friction_build import contact_of
@@ -28,7 +29,7 @@ from wrsim.scenario.placement import Stand, stand
 from wrsim.scenario.sections.table import Given
 from wrsim.scenario.sections.vehicle import SpeedTable
 from wrsim.scenario.track_build import gauge_extremes, track_of
-from wrsim.scenario.vehicle_build import SIDES, vehicle_of
+from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.wheelset import Wheelset
@@ -40,11 +41,10 @@ P = TypeVar("P")
 class Setup(Generic[P]):
     """Everything an analysis needs, in SI units, and the text it came from.
 
-    drive: what holds the vehicle's speed; rails: inclined profiles of the left and right rail; surfaces: what stands in
-    the place of a rail that changes along the track, else None; conical: wheels that take the place of profiles and
-    contact models; plan: what the analysis has to do, made by its own table of the scenario; files: the model files
-    that were read; inputs: SHA-256 of every file that was read, by its name; threads: that compute contacts side by
-    side, which changes no number."""
+    drive: what holds the vehicle's speed; rails: inclined profiles of the left and right rail; surfaces: of rails that
+    change along the track, else None; conical: wheels in place of profiles and contact models; plan: what the analysis
+    has to do, from its own table; files: model files that were read; inputs: SHA-256 of every file that was read, by
+    its name; threads: that compute contacts, which changes no number."""
 
     title: str
     analysis: str
@@ -63,37 +63,35 @@ class Setup(Generic[P]):
 
     @property
     def wheelset(self) -> Wheelset:
-        """The first wheelset: the one that single poses are looked at of."""
+        """The first wheelset, of which single poses are solved."""
         return self.vehicle.wheelsets[0].wheelset
 
     def attributes(self, stop_reason: str = "") -> dict[str, str | float | int]:
-        """What every result says of itself; stop_reason: why the analysis did not reach its end, if so."""
-        status = "stopped" if stop_reason else "completed"
-        more = {"stop_reason": stop_reason} if stop_reason else {}
+        """Attributes of a result; stop_reason: why the analysis did not reach its end, if so."""
         own: dict[str, str | float | int] = {
             "title": self.title,
             "analysis": self.analysis,
-            "status": status,
+            "status": "stopped" if stop_reason else "completed",
             "scenario_text": self.text,
+            "inputs": json.dumps(dict(self.inputs)),
         }
-        return own | {"inputs": json.dumps(dict(self.inputs))} | more
+        return own | ({"stop_reason": stop_reason} if stop_reason else {})
 
 
 def build(scenario: Scenario) -> Setup[Any]:
-    """Read the models of a scenario and put everything together.
+    """Read the models of a scenario and build vehicle, rails, track and contact.
 
     Raises InputError when a model file is missing or faulty, when the track has no unique shape, when a run
-    leaves the track, and when the wheelset does not stand on the rails.
+    leaves the track, and when the wheels are not on the rails.
     """
     with noting_reads() as read, scenario.finder.guard():
-        setup = _put_together(scenario)
+        setup = _build(scenario)
         for file in scenario.files:
             read_bytes(file, "scenario file")
-    return replace(setup, inputs={_named(scenario, file): digest for file, digest in read.items()})
+    return replace(setup, inputs={_short_name(scenario, file): digest for file, digest in read.items()})
 
 
-def _put_together(scenario: Scenario) -> Setup[Any]:
-    """What ``build`` does; it notes what is read."""
+def _build(scenario: Scenario) -> Setup[Any]:
     spec, analysis = scenario.spec, ANALYSES[scenario.analysis]
     files: list[Path] = []
     vehicle = vehicle_of(scenario, files)
@@ -108,7 +106,7 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
     if any(surfaces) and not analysis.moves:
         message = f'are for runs: analysis = "{spec.analysis}" knows one profile of each rail'
         raise scenario.fault(("track", "rail_sections"), message)
-    own = scenario.table(resolved(analysis.plan_table))
+    own = scenario.table(resolved(next(iter(analysis.tables.values()))))
     drive = spec.vehicle.drive or vehicle.drive
     speed = spec.vehicle.speed_kmh
     given = Given(analysis, vehicle, track, drive, speed, scenario.table, scenario.find, scenario.fault)
@@ -133,7 +131,7 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
 
 
 def _unfit(scenario: Scenario, analysis: Analysis, vehicle: Vehicle) -> Iterator[tuple[KeyPath, str]]:
-    """Keys, and why the vehicle or the contact model that they name is not for the analysis."""
+    """Keys of a vehicle or a contact model that is not for the analysis, and why."""
     spec, kind, model = scenario.spec, f'analysis = "{analysis.name}"', ("vehicle", "model")
     taken_along = (spec.vehicle.drive or vehicle.drive) != "free" or vehicle.runs_with_frame
     any_vehicle = analysis.own_track or analysis.moves or analysis.name == "equilibrium"
@@ -160,8 +158,8 @@ def _unfit(scenario: Scenario, analysis: Analysis, vehicle: Vehicle) -> Iterator
         yield (*own, model)[0], f"{kind} looks for motion that lasts: load '{varying[0]}' must be constant"
 
 
-def _named(scenario: Scenario, file: Path) -> str:
-    """A file's name as a reader of the result can use it: from the folder in which models are looked up."""
+def _short_name(scenario: Scenario, file: Path) -> str:
+    """A file's name from the folder in which models are looked up."""
     whole = file.resolve()
     folders = [folder.resolve() for folder in scenario.directories]
     within = [whole.relative_to(folder).as_posix() for folder in folders if whole.is_relative_to(folder)]
@@ -170,7 +168,7 @@ def _named(scenario: Scenario, file: Path) -> str:
 
 @lru_cache(maxsize=16)
 def _laid(rail: Profile, inclination: float, gauge_depth: float) -> Profile:
-    """A rail as it lies. The same object for both sides, and for what is built again: it has its tables made once."""
+    """A rail as laid; cached, for its tables are made once."""
     return replace(rail.inclined(inclination), gauge_depth=gauge_depth)
 
 
@@ -195,13 +193,13 @@ def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
 
 
 def _surfaces(scenario: Scenario, track: Track, files: list[Path]) -> tuple[RailSurface | None, RailSurface | None]:
-    """Rails that change along the track; their sections stand at distances along the rail itself."""
+    """Rails that change along the track; distances of their sections are along the rail itself."""
     found: list[RailSurface | None] = []
     read = [_rail_sections(scenario, i, files) for i in range(len(scenario.spec.track.rail_sections))]
     for side, curve in zip(SIDES, (track.left_curve, track.right_curve), strict=True):
         own = []
-        for i, each in enumerate(scenario.spec.track.rail_sections):
-            for one in read[i] if each.side in (side, "both") else ():
+        for i, each in on_side(scenario.spec.track.rail_sections, side):
+            for one in read[i]:
                 place = each.at_m + one.distance
                 if not 0.0 <= place <= track.length:
                     which = "" if each.table is None else f"its section at {one.distance:g} m lies at {place:g} m: it "
@@ -214,7 +212,7 @@ def _surfaces(scenario: Scenario, track: Track, files: list[Path]) -> tuple[Rail
 
 
 def _rail_sections(scenario: Scenario, i: int, files: list[Path]) -> list[RailSection]:
-    """What an entry of [[track.rail_sections]] names, laid as it says; distances count from its at_m."""
+    """The sections of an entry of [[track.rail_sections]], as laid; distances are from its at_m."""
     entry, inclination = scenario.spec.track.rail_sections[i], scenario.spec.track.inclination
     kind, name = ("rail", entry.rail) if entry.table is None else ("table", entry.table)
     key = ("track", "rail_sections", i, kind)
@@ -230,8 +228,8 @@ def _rail_sections(scenario: Scenario, i: int, files: list[Path]) -> list[RailSe
 
 
 def _check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], track: Track) -> None:
-    """Refuse a wheelset that does not stand with both treads on the rails when it is centred."""
-    nominal = track.nominal_gauge
+    """Refuse a wheelset that, centred, does not rest with both treads on the rails."""
+    spec, nominal = scenario.spec.track, track.nominal_gauge
     for gauge in sorted({nominal, *gauge_extremes(track)}, key=lambda g: abs(g - nominal)):
         for side, wheel, rail in zip(SIDES, (wheelset.left, wheelset.right), rails, strict=True):
             reason = _misplaced(stand(wheel.profile, rail, wheelset.profile_spacing, gauge))
@@ -242,31 +240,18 @@ def _check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profil
                 f"{1e3 * wheelset.profile_spacing:g} mm apart (vehicle.model), the {side} {reason}"
             )
             if gauge == nominal:
-                *others, rail_key = _pair(scenario, side)
-                named = " and ".join(f"{dotted(key)} in {scenario.locate(key)}" for key in others)
-                raise scenario.fault(rail_key, f"{message}; see {named}")
-            raise scenario.fault(("track", _culprit(scenario, track, gauge)), message)
-
-
-def _pair(scenario: Scenario, side: str) -> tuple[KeyPath, KeyPath, KeyPath]:
-    """The keys that bring a wheel and its rail together: gauge, wheel profile, rail profile."""
-    key, wheel = scenario.spec.vehicle.of_side("wheel", side)
-    rail = scenario.spec.track.of_side("rail", side)[0]
-    return ("track", "gauge_mm"), ("vehicle", "model" if wheel is None else key), ("track", rail)
-
-
-def _culprit(scenario: Scenario, track: Track, gauge: float) -> str:
-    """Key of [track] that makes the gauge what it is."""
-    widening = gauge - track.nominal_gauge
-    designed = track.widening(np.array([f.start for f in track.features()] + [track.length]))
-    beyond = not designed.min() - 1e-9 <= widening <= designed.max() + 1e-9
-    if scenario.spec.track.irregularities and beyond:
-        return "irregularities"
-    return "segments" if track.segments else "table"
+                key, name = scenario.spec.vehicle.of_side("wheel", side)
+                others: list[KeyPath] = [("track", "gauge_mm"), ("vehicle", "model" if name is None else key)]
+                named = " and ".join(f"{dotted(other)} in {scenario.locate(other)}" for other in others)
+                raise scenario.fault(("track", spec.of_side("rail", side)[0]), f"{message}; see {named}")
+            designed = track.widening(np.array([f.start for f in track.features()] + [track.length]))
+            beyond = not designed.min() - 1e-9 <= gauge - nominal <= designed.max() + 1e-9
+            widened_by = "segments" if track.segments else "table"
+            raise scenario.fault(("track", "irregularities" if spec.irregularities and beyond else widened_by), message)
 
 
 def _misplaced(s: Stand) -> str:
-    """Say what is wrong with a wheel on its rail; empty if nothing is."""
+    """What is wrong with a wheel on its rail; empty if nothing is."""
     if math.isnan(s.u_wheel):
         return "wheel misses its rail"
     if s.on_flange:

@@ -8,11 +8,11 @@ the scenario's own choice.
 
 from __future__ import annotations
 
-import tomllib
 from typing import Any, get_args
 
 from wrsim.contact.settings import USUAL, Normal, Tangential
 from wrsim.errors import InputError, suggest
+from wrsim.inputs.toml_files import parse_value
 from wrsim.scenario.loading import Scenario
 
 NORMAL: tuple[str, ...] = get_args(Normal)
@@ -48,7 +48,7 @@ def _values(scenario: Scenario, name: str) -> dict[str, Any]:
             continue
         key, equals, text = (p.strip() for p in part.partition("="))
         if equals:
-            chosen[f"contact.{key}"] = _value(text)
+            chosen[f"contact.{key}"] = parse_value(text)
         elif part in NORMAL and "contact.normal" not in chosen:
             chosen["contact.normal"] = part
         elif part in TANGENTIAL and "contact.tangential" not in chosen:
@@ -75,11 +75,3 @@ def _unknown(name: str, part: str, chosen: dict[str, Any]) -> str:
         f"{words}; normal models are {', '.join(NORMAL)}; tangential ones {', '.join(TANGENTIAL)}; "
         f'join them with "+", as in kik-piotrowski+polach or kik-piotrowski+strips=80'
     )
-
-
-def _value(text: str) -> Any:
-    """A value as in the file; a word needs no quotes."""
-    try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        return text

@@ -10,11 +10,11 @@ from typing import Annotated
 from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong
 from wrsim.geometry.track.track import Track
 from wrsim.inputs.csv_tables import check_rising, read_columns
+from wrsim.inputs.section import SIDES, on_side
 from wrsim.inputs.values import number
 from wrsim.register import ANALYSES
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.friction import Coefficient, law_of
-from wrsim.scenario.vehicle_build import SIDES
 
 COLUMNS = {"at_m": Annotated[float, number(0, 1e6, "m along the track")]} | dict.fromkeys(
     ("left", "right", "left_gauge_corner", "right_gauge_corner"), Coefficient
@@ -54,9 +54,7 @@ def _of_sections(scenario: Scenario, before: tuple[Friction, Friction]) -> list[
     found = []
     for side, law in zip(SIDES, before, strict=True):
         places, laws = [0.0], [law]
-        for each in scenario.spec.contact.friction_sections:
-            if each.side not in (side, "both"):
-                continue
+        for _, each in on_side(scenario.spec.contact.friction_sections, side):
             if each.from_m > places[-1]:
                 places.append(each.from_m)
                 laws.append(laws[-1])

@@ -29,19 +29,22 @@ S = TypeVar("S", bound=Section)
 class Scenario:
     """A scenario file that has passed every check of its keys, in the file's own units.
 
-    spec: the tables; text: the whole as TOML, with everything that came from ``base``; path: the file, or
-    None for a text; finder: folders in which model files are looked up. `wrsim.scenario.build.build` turns
-    it into SI.
+    spec: the tables; path: the file, None for a text; finder: folders in which model files are looked up.
+    `wrsim.scenario.build.build` turns it into SI.
     """
 
     spec: ScenarioSpec
-    text: str
     path: Path | None
     finder: Finder
     _merged: Merged = field(repr=False, compare=False)
 
     def __repr__(self) -> str:
         return f"Scenario({self.title!r}, {self.analysis}, {self.path or 'from a text'})"
+
+    @property
+    def text(self) -> str:
+        """The whole as TOML, with everything that came from ``base``."""
+        return self._merged.text
 
     @property
     def title(self) -> str:
@@ -54,7 +57,7 @@ class Scenario:
         return self.spec.analysis
 
     def table(self, kind: type[S]) -> S:
-        """The table of this class. Raises InputError for one that the file had to hold and does not."""
+        """The table of this class. Raises InputError where the file has none."""
         for name in type(self.spec).model_fields:
             if isinstance(found := getattr(self.spec, name), kind):
                 return found
@@ -84,20 +87,20 @@ class Scenario:
 
     @contextmanager
     def faults_at(self, path: KeyPath) -> Iterator[None]:
-        """Whatever is refused meanwhile is a fault of the key at ``path``."""
+        """Errors of this block are faults of the key at ``path``."""
         try:
             yield
         except InputError as error:
             raise self.fault(path, str(error)) from None
 
     def find(self, path: KeyPath, name: str) -> Path:
-        """Return the model file of this name; InputError names the key at ``path`` that asks for it."""
+        """The model file that the key at ``path`` names. Raises InputError with that key."""
         with self.faults_at(path):
             return self.finder.find(name)
 
     @contextmanager
     def naming(self, path: KeyPath) -> Iterator[None]:
-        """Add to the faults of a model file where the scenario names it: the key at ``path``."""
+        """Errors of this block, in a model file, also name the key at ``path`` of the scenario."""
         try:
             yield
         except InputError as error:
@@ -106,37 +109,37 @@ class Scenario:
             raise InputError(f"{message}\nnamed by {named}" if "\n" in message else f"{message} ({named})") from None
 
     def read(self, path: KeyPath, name: str, reader: Callable[[Path], T], files: list[Path]) -> T:
-        """What a reader makes of the model file that the key at ``path`` names; ``files`` gains it."""
+        """Read the model file that the key at ``path`` names; ``files`` gains it."""
         files.append(self.find(path, name))
         with self.naming(path):
             return reader(files[-1])
 
     @property
     def tables(self) -> dict[str, Any]:
-        """The tables of the whole as they stand in `text`."""
+        """The tables of `text`."""
         return self._merged.data
 
-    def with_set(self, asked: Sequence[str]) -> Scenario:
-        """The scenario with keys changed as by ``--set key=value``: values as in TOML, bare words are texts.
+    def with_set(self, options: Sequence[str]) -> Scenario:
+        """The scenario with keys changed by ``--set key=value``: values as in TOML, bare words are texts.
 
         Raises InputError.
         """
         scenario = self
-        for words in asked:
-            key, equals, value = words.partition("=")
-            if not equals or not key.strip() or not value.strip():
-                raise InputError(f"--set {shortened(words)}: must be key=value, such as vehicle.speed_kmh=60")
-            scenario = scenario.with_values({key.strip(): parse_value(value.strip())}, f"--set {shortened(words)}")
+        for option in options:
+            key, _, value = (part.strip() for part in option.partition("="))
+            if not key or not value:
+                raise InputError(f"--set {shortened(option)}: must be key=value, such as vehicle.speed_kmh=60")
+            scenario = scenario.with_values({key: parse_value(value)}, f"--set {shortened(option)}")
         return scenario
 
     def with_values(self, values: Mapping[str, Any], owner: str = "new value") -> Scenario:
-        """Return the scenario with some keys changed, checked again; the scenario itself stays as it is.
+        """The scenario with some keys changed, checked again.
 
         Parameters
         ----------
         values : mapping
-            From dotted keys to values in the file's units: ``{"vehicle.speed_kmh": 60}``. Places in lists stand in
-            brackets: ``"track.segments[2].radius_m"``. Whole tables and lists, numbers and arrays of numpy will do.
+            From dotted keys to values in the file's units: ``{"vehicle.speed_kmh": 60}``. Places in lists are in
+            brackets: ``"track.segments[2].radius_m"``. Values may be tables, lists, numbers and arrays of numpy.
         owner : str
             From where the values come, for messages.
 
@@ -163,7 +166,7 @@ class Scenario:
                 raise InputError(f"{owner}: {error}") from None
             owners[path] = owner
         merged = replace(self._merged, data=data, text=write_toml(data), owners=owners)
-        return Scenario(check_section(ScenarioFile, data, merged.locate), merged.text, self.path, self.finder, merged)
+        return Scenario(check_section(ScenarioFile, data, merged.locate), self.path, self.finder, merged)
 
 
 def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
@@ -194,12 +197,8 @@ def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
     """
     merged = read_merged(Path(path))
     analysis = ANALYSES.get(str(merged.data.get("analysis")))
-    unused = [
-        table
-        for table in (analysis.unused if analysis else ())
-        if table in merged.data and merged.owners.get((table,)) != str(merged.files[0])
-    ]
-    if unused:  # inherited, and of no use to this analysis
+    inherited = {key for key in merged.data if merged.owners.get((key,)) != str(merged.files[0])}
+    if analysis is not None and (unused := inherited & {*analysis.unused}):
         merged.data = {key: value for key, value in merged.data.items() if key not in unused}
         merged.text = write_toml(merged.data)
     return _scenario(merged, Path(path), models)
@@ -246,11 +245,11 @@ def _scenario(
         merged = with_track_file(merged, finder)
     if len(merged.files) > count:  # what a track file names may lie beside it
         finder = replace(finder, folders=tuple(dict.fromkeys((*folders, merged.files[-1].parent))))
-    return Scenario(check_section(ScenarioFile, merged.data, merged.locate), merged.text, path, finder, merged)
+    return Scenario(check_section(ScenarioFile, merged.data, merged.locate), path, finder, merged)
 
 
 def _plain(key: str, value: Any) -> Any:
-    """A value as it would come out of a TOML file. Raises InputError for one that no file can hold."""
+    """A value as from a TOML file. Raises InputError for one that no file can hold."""
     if isinstance(value, np.generic | np.ndarray):
         value = value.tolist()
     if isinstance(value, Mapping):

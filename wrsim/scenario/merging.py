@@ -80,45 +80,34 @@ def read_merged(path: Path, children: tuple[Path, ...] = ()) -> Merged:
     top = of_tables(data, text, str(path), (path,))
     if not has_base:
         return top
+
+    def fault(message: str) -> InputError:
+        return InputError(fault_line((BASE,), message, top.locate, base))
+
     if not isinstance(base, str) or not base.strip() or "\0" in base:
-        message = 'must be the name of a scenario file in quotes, such as "curve.toml"'
-        raise InputError(fault_line((BASE,), message, top.locate, base))
+        raise fault('must be the name of a scenario file in quotes, such as "curve.toml"')
     below_path = path.parent / base
     family = (*children, path)
-    if any(_same(relative, below_path) for relative in family):
-        message = f"scenarios start from each other: {' -> '.join(map(str, (*family, below_path)))}"
-        raise InputError(fault_line((BASE,), message, top.locate, base))
+    if os.path.realpath(below_path) in map(os.path.realpath, family):
+        raise fault(f"scenarios start from each other: {' -> '.join(map(str, (*family, below_path)))}")
     if len(family) > MOST_BASES:
-        message = f"is one file too many: at most {MOST_BASES} scenarios may follow each other by base"
-        raise InputError(fault_line((BASE,), message, top.locate, base))
+        raise fault(f"is one file too many: at most {MOST_BASES} scenarios may follow each other by base")
     try:
         below = read_merged(below_path, family)
     except InputError as error:
         if os.path.isfile(below_path):
             raise
-        raise InputError(fault_line((BASE,), str(error), top.locate, base)) from None
+        raise fault(str(error)) from None
     return laid_over(below, top)
 
 
 def laid_over(below: Merged, top: Merged) -> Merged:
     """Two trees of tables, ``top`` over ``below``, with the owner of every key; the files of ``top`` come first."""
-    replaced = {own for own in top.owners if own and not isinstance(value_at(top.data, own), dict)}
-    kept = {
-        path: owner
-        for path, owner in below.owners.items()
-        if not any(path[:end] in replaced for end in range(1, len(path)))
-    }
-    merged = overlay(below.data, top.data)
-    return Merged(
-        merged, write_toml(merged), (*top.files, *below.files), {**kept, **top.owners}, {**below.texts, **top.texts}
-    )
-
-
-def _same(a: Path, b: Path) -> bool:
-    try:
-        return a.resolve() == b.resolve()
-    except (OSError, RuntimeError, ValueError):
-        return False
+    replaced = {own for own in top.owners if not isinstance(value_at(top.data, own), dict)}
+    owners = {p: o for p, o in below.owners.items() if not any(p[:end] in replaced for end in range(1, len(p)))}
+    data = overlay(below.data, top.data)
+    files = (*top.files, *below.files)
+    return Merged(data, write_toml(data), files, owners | top.owners, below.texts | top.texts)
 
 
 def _owned(data: Any, name: str) -> dict[KeyPath, str]:
@@ -140,13 +129,12 @@ def value_at(data: Any, path: KeyPath) -> Any:
     return reduce(getitem, path, data)
 
 
-# --- track files ----------------------------------------------------------------------------------------------------
-
 FILE = "file"
+"""Key of [track] that names a track file."""
 
 
 class TrackFile(Section, header="a track file"):
-    """What stands beside [track] in a track file."""
+    """Keys beside [track] in a track file."""
 
     name: Annotated[str, text("the track's name")]
     """Name of the track."""

@@ -1,4 +1,4 @@
-"""Does a wheelset stand on its track? Wheel treads over rail heads, flanges inside of the gauge."""
+"""Whether a wheelset rests on its rails: wheel treads over rail heads, flanges inside of the gauge."""
 
 from __future__ import annotations
 
@@ -20,13 +20,11 @@ FLANGE_SLOPE = 0.6
 
 @dataclass(frozen=True)
 class Stand:
-    """How one wheel of a centred wheelset stands on its rail.
+    """How one wheel of a centred wheelset rests on its rail.
 
-    u_wheel: where the wheel rests, on the wheel profile [m], not-a-number when wheel and rail miss each
-    other;
-    on_flange: it rests on the flange; clearance: from the flange, 10 mm below the tape circle, to the gauge
-    point of the rail [m], infinite for a wheel without flange; reach: u of the outer end of the wheel [m];
-    rail_top: u of the rail's highest point on the wheel profile [m].
+    u_wheel: where it rests, on the wheel profile [m], not-a-number when wheel and rail miss each other; on_flange: it
+    rests on the flange; clearance: from the flange, 10 mm below the tape circle, to the gauge point of the rail [m],
+    infinite without flange; reach: u of the outer end of the wheel [m]; rail_top: u of the rail's highest point [m].
     """
 
     u_wheel: float

@@ -1,4 +1,4 @@
-"""What a scenario comes to, and values that are allowed and yet most likely slips: wrong units, lost zeros."""
+"""What a scenario describes, and values that are allowed but most likely slips: wrong units, lost zeros."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ USUAL_WHEELSET = (100.0, 5_000.0)
 """Masses of wheelsets [kg], from trams to heavy haul with gears."""
 USUAL_BODY = (10.0, 150e3)
 """Masses of bodies that hang on springs [kg]."""
-USUAL_WHEEL_LOAD = (1e3, 250e3)
-"""Static wheel loads [N]."""
-USUAL_RADIUS = (0.15, 0.75)
-"""Radii of wheels at the tape circle [m]."""
+USUAL_WHEEL_LOAD = (1.0, 250.0)
+"""Static wheel loads [kN]."""
+USUAL_RADIUS = (150.0, 750.0)
+"""Radii of wheels at the tape circle [mm]."""
 
 
 def warnings(setup: Setup) -> list[str]:
@@ -38,27 +38,20 @@ def warnings(setup: Setup) -> list[str]:
 
 
 def _values(setup: Setup) -> Iterator[tuple[str, float, tuple[float, float], str]]:
-    """What is looked at: name, value, usual range, unit."""
+    """Values with a usual range: name, value, range, unit."""
     vehicle = setup.vehicle
-    seen = set()
-    for mounted in vehicle.wheelsets:
-        wheelset = mounted.wheelset
-        if id(wheelset) in seen:
-            continue
-        seen.add(id(wheelset))
+    for wheelset in {id(mounted.wheelset): mounted.wheelset for mounted in vehicle.wheelsets}.values():
         yield f"mass_kg of wheelset '{wheelset.name}'", wheelset.mass, USUAL_WHEELSET, "kg"
         for side, wheel in (("left", wheelset.left), ("right", wheelset.right)):
-            low, high = (1e3 * r for r in USUAL_RADIUS)
-            yield f"radius_mm of the {side} wheel of '{wheelset.name}'", 1e3 * wheel.radius, (low, high), "mm"
+            yield f"radius_mm of the {side} wheel of '{wheelset.name}'", 1e3 * wheel.radius, USUAL_RADIUS, "mm"
     for body in vehicle.bodies:
         yield f"mass_kg of body '{body.name}'", body.mass, USUAL_BODY, "kg"
-    low, high = (load / 1e3 for load in USUAL_WHEEL_LOAD)
     load = 0.5 * vehicle.weight / len(vehicle.wheelsets) / 1e3
-    yield f"mean static wheel load of '{vehicle.name}'", load, (low, high), "kN"
+    yield f"mean static wheel load of '{vehicle.name}'", load, USUAL_WHEEL_LOAD, "kN"
 
 
 def facts(setup: Setup) -> dict[str, Any]:
-    """What a scenario comes to, for people to see that it is what they meant."""
+    """What a scenario describes, for its author to check."""
     vehicle = setup.vehicle
     facts: dict[str, Any] = {
         "title": setup.title,

@@ -145,7 +145,7 @@ def restored_track(
     if band is not None and band not in ("D1", "D2", "D3"):
         raise InputError(f"--band {band}: must be D1, D2 or D3")
     if chord is not None and band is not None:
-        raise InputError("--band: cannot stand next to --chord-m")
+        raise InputError("--band: cannot be given with --chord-m")
     if columns is not None and (chord is not None or band is not None):
         raise InputError(
             f"--{'band' if chord is None else 'chord-m'}: {columns} says how alignment and level were measured"

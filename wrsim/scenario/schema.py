@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import create_model
 
@@ -25,9 +25,7 @@ class ScenarioSpec(Section, header="a scenario"):
     These tables belong to all analyses; the others come from the register.
     """
 
-    aliases: ClassVar[dict[str, str]] = {
-        "title": "name", "analysis": "type", "vehicle": "wheelset", "run": "simulation", "output": "results",
-    }  # fmt: skip
+    aliases = {"title": "name", "analysis": "type", "vehicle": "wheelset", "run": "simulation", "output": "results"}
 
     title: Annotated[str, text("a title")] = "untitled"
     """Title of the scenario; it stands over its pictures, tables and reports."""
@@ -42,10 +40,10 @@ class ScenarioSpec(Section, header="a scenario"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """What each analysis needs, and what it does not use."""
         own = raw.get("analysis")
         analysis = ANALYSES.get(own) if isinstance(own, str) else None
-        contact, track = ({} if not isinstance(raw.get(key), dict) else raw[key] for key in ("contact", "track"))
+        found = (raw.get(key) for key in ("vehicle", "track", "contact"))
+        vehicle, track, contact = (table if isinstance(table, dict) else {} for table in found)
         if track.get("gauge_between") == "origins" and not (analysis and analysis.origins):
             yield Fault(("track", "gauge_between"), f'may be "origins" with {_where("origins")} only')
         if "conical" in contact and not (analysis and analysis.conical):
@@ -53,9 +51,8 @@ class ScenarioSpec(Section, header="a scenario"):
         if "conical" in contact and "elasticity" in track:
             yield Fault(("track", "elasticity"), "has no place beside [contact.conical], whose rails are rigid")
         if analysis is not None:
-            yield from _of_loads(analysis, raw.get("vehicle"))
             yield from _of_tables(analysis, raw)
-            yield from _of_track(analysis, raw, track)
+            yield from _of_vehicle_and_track(analysis, raw, vehicle, track)
 
 
 def _where(ability: str) -> str:
@@ -63,19 +60,8 @@ def _where(ability: str) -> str:
     return " or ".join(f'analysis = "{a.name}"' for a in ANALYSES.values() if getattr(a, ability))
 
 
-def _of_loads(analysis: Analysis, vehicle: Any) -> Iterator[Fault]:
-    """No loads where none act, motors and brakes in runs only."""
-    for key in ("loads", "payloads"):
-        if not analysis.loaded and isinstance(vehicle, dict) and vehicle.get(key):
-            yield Fault(("vehicle", key), f'has no place in analysis = "{analysis.name}": remove it (or {key} = [])')
-    for key in ("efforts", "slip_control"):
-        if not analysis.moves and isinstance(vehicle, dict) and vehicle.get(key):
-            message = f'has no place in analysis = "{analysis.name}": is for {_where("moves")} only'
-            yield Fault(("vehicle", key), message)
-
-
 def _of_tables(analysis: Analysis, raw: dict[str, Any]) -> Iterator[Fault]:
-    """Tables that have to be there, and those of other analyses."""
+    """Tables that are missing, and those of other analyses."""
     for name, place in analysis.tables.items():
         table = resolved(place)
         if name not in raw and _is_needed(table):
@@ -87,21 +73,27 @@ def _of_tables(analysis: Analysis, raw: dict[str, Any]) -> Iterator[Fault]:
             yield Fault(name, f'is not used by analysis = "{analysis.name}": remove it')
 
 
-def _of_track(analysis: Analysis, raw: dict[str, Any], track: dict[str, Any]) -> Iterator[Fault]:
-    """Speed and track of a run; no track for an analysis that lays its own."""
-    needs = f'analysis = "{analysis.name}" needs'
+def _of_vehicle_and_track(
+    analysis: Analysis, raw: dict[str, Any], vehicle: dict[str, Any], track: dict[str, Any]
+) -> Iterator[Fault]:
+    """Speed, track and loads that an analysis needs, and those that it does not use."""
+    kind = f'analysis = "{analysis.name}"'
     if analysis.moves:
-        vehicle = raw.get("vehicle")
-        if isinstance(vehicle, dict) and "speed_kmh" not in VehicleSection.keys_meant(vehicle):
-            yield Fault(("vehicle", "speed_kmh"), f"{needs} a speed", missing=True)
+        if isinstance(raw.get("vehicle"), dict) and "speed_kmh" not in VehicleSection.keys_meant(vehicle):
+            yield Fault(("vehicle", "speed_kmh"), f"{kind} needs a speed", missing=True)
         laid = TrackSection.keys_meant(track) & {"segments", "table", "file"}
         if isinstance(raw.get("track"), dict) and (not laid or (laid == {"segments"} and track.get("segments") == [])):
-            message = f"{needs} a track of [[track.segments]], a table or a file"
+            message = f"{kind} needs a track of [[track.segments]], a table or a file"
             yield Fault(("track", "segments"), message, missing=True)
-    for key in OWN_TRACK:
-        if analysis.own_track and track.get(key):
-            message = f'has no place in analysis = "{analysis.name}", which lays its own track: remove it'
-            yield Fault(("track", key), message + ("" if key == "table" else f" (or {key} = [])"))
+    unused = [] if analysis.loaded else [("vehicle", key, "") for key in ("loads", "payloads")]
+    if not analysis.moves:
+        unused += [("vehicle", key, f", is for {_where('moves')} only") for key in ("efforts", "slip_control")]
+    if analysis.own_track:
+        unused += [("track", key, ", which lays its own track") for key in OWN_TRACK]
+    for table, key, why in unused:
+        if value := (vehicle if table == "vehicle" else track).get(key):
+            emptied = f" (or {key} = [])" if isinstance(value, list) else ""
+            yield Fault((table, key), f"has no place in {kind}{why}: remove it{emptied}")
 
 
 def _is_needed(table: type[Section]) -> bool:

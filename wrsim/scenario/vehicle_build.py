@@ -11,6 +11,7 @@ from pathlib import Path
 from wrsim.errors import suggest
 from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.lookup import model_file, usual_finder
+from wrsim.inputs.section import SIDES
 from wrsim.scenario.loading import Scenario
 from wrsim.vehicle.element_tables import VEHICLE_AXES
 from wrsim.vehicle.loads import CarriedMass, Effort, Payload
@@ -18,8 +19,6 @@ from wrsim.vehicle.preload import preloads, with_ballast
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.vehicle_sections import NO_BALLAST
-
-SIDES = ("left", "right")
 
 
 def vehicle_model(name: str, models: Sequence[str | Path] | None) -> Vehicle:

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.errors import InputError
 from wrsim.inputs.csv_tables import csv_cells, table_lines
 from wrsim.inputs.lookup import Finder
+from wrsim.inputs.section import given
 from wrsim.inputs.toml_files import parse_value
-from wrsim.study.spec import Axis, CsvAxis, GridAxis, LatinHypercubeAxis, SampledKey, SobolAxis, axis_name
+from wrsim.study.spec import Axis, CsvAxis, GridAxis, LatinHypercubeAxis, SobolAxis, axis_name
 
 ID = "id"
 """Column of a table that names its rows."""
@@ -23,9 +23,9 @@ ID = "id"
 class AxisPoints:
     """The points of one axis.
 
-    name: of its dimension; keys: groups of dotted keys, those of one group take the same value; columns: names of the
-    groups; values (n, groups); labels: names of the points, where they have some; places: where each is, for
-    messages.
+    name: of its dimension; keys: groups of dotted keys, those of one group take the same value; values (n, groups);
+    places: where each point is given, for messages; labels: names of the points, if any; listed: the points are rows or
+    samples, not a grid.
     """
 
     name: str
@@ -52,17 +52,12 @@ def axis_points(axis: Axis, finder: Finder, where: str) -> AxisPoints:
         except InputError as error:
             raise InputError(f'{where}: vary.file = "{axis.file}": {error}') from None
         return _rows(path, axis.name)
-    rows = _sampled(axis)
-    found = tuple(tuple(_number(v, one) for v, one in zip(row, axis.over, strict=True)) for row in rows)
-    return AxisPoints(axis.name, tuple(one.key for one in axis.over), found, (where,) * len(found), listed=True)
+    values = tuple(zip(*_sampled(axis), strict=True))
+    return AxisPoints(axis.name, tuple(one.key for one in axis.over), values, (where,) * len(values), listed=True)
 
 
-def _number(value: float, one: SampledKey) -> float | int:
-    return round(float(value)) if one.whole else float(value)
-
-
-def _sampled(axis: SobolAxis | LatinHypercubeAxis) -> NDArray[np.float64]:
-    """Samples (n, keys): the same for the same seed."""
+def _sampled(axis: SobolAxis | LatinHypercubeAxis) -> list[list[float]]:
+    """Samples of every key: the same for the same seed."""
     from scipy.stats import norm, qmc
 
     generator = np.random.default_rng(axis.seed)
@@ -70,13 +65,15 @@ def _sampled(axis: SobolAxis | LatinHypercubeAxis) -> NDArray[np.float64]:
     unit = sampler.random(axis.samples)
     columns = []
     for part, one in zip(unit.T, axis.over, strict=True):
-        if one.mean is not None and one.deviation is not None:
-            columns.append(norm.ppf(np.clip(part, 1e-9, 1.0 - 1e-9), one.mean, one.deviation))
-        elif one.low is not None and one.high is not None:
-            low, high = (np.log(v) if one.spacing == "log" else v for v in (one.low, one.high))
-            between = low + part * (high - low)
-            columns.append(np.exp(between) if one.spacing == "log" else between)
-    return np.stack(columns, axis=1)
+        if one.mean is not None:
+            values = norm.ppf(np.clip(part, 1e-9, 1.0 - 1e-9), one.mean, one.deviation)
+        elif one.spacing == "log":
+            low, high = np.log(given(one.low)), np.log(given(one.high))
+            values = np.exp(low + part * (high - low))
+        else:
+            values = given(one.low) + part * (given(one.high) - given(one.low))
+        columns.append([round(v) if one.whole else v for v in values.tolist()])
+    return columns
 
 
 def _rows(path: Path, name: str) -> AxisPoints:
@@ -86,8 +83,7 @@ def _rows(path: Path, name: str) -> AxisPoints:
         where = f"{path}:{lines[0][0]}: is all that is there" if lines else f"{path}: is empty"
         raise InputError(f"{where}; must have a header of dotted keys and a row for every case")
     separator = ";" if ";" in lines[0][1] and "," not in lines[0][1] else ","
-    cells = [csv_cells(path, *line, separator) for line in lines]
-    first, header = cells.pop(0)
+    (first, header), *rows = (csv_cells(path, *line, separator) for line in lines)
     for column in header:
         if not column:
             raise InputError(f"{path}:{first}: a column has no name; must be a dotted key such as vehicle.speed_kmh")
@@ -96,20 +92,17 @@ def _rows(path: Path, name: str) -> AxisPoints:
     keys = [column for column in header if column != ID]
     if not keys:
         raise InputError(f"{path}:{first}: no column varies a key; must be dotted keys such as vehicle.speed_kmh")
-    values, places, labels = [], [], []
-    known: set[str] = set()
-    for number, row in cells:
+    values: list[tuple[Any, ...]] = []
+    labels: dict[str, int] = {}
+    for number, row in rows:
+        where = f"{path}:{number}"
         if len(row) != len(header):
-            raise InputError(f"{path}:{number}: has {len(row)} cells; must have {len(header)} like the header")
+            raise InputError(f"{where}: has {len(row)} cells; must have {len(header)} like the header")
         own = dict(zip(header, row, strict=True))
-        empty = [key for key in header if not own[key]]
-        if empty:
-            raise InputError(f"{path}:{number}: {empty[0]}: the cell is empty; must be a value for that key")
-        if ID in own:
-            if own[ID] in known:
-                raise InputError(f"{path}:{number}: id = {own[ID]}: is the name of another row")
-            labels.append(own[ID])
-            known.add(own[ID])
+        if empty := [key for key in header if not own[key]]:
+            raise InputError(f"{where}: {empty[0]}: the cell is empty; must be a value for that key")
+        if ID in own and labels.setdefault(own[ID], number) != number:
+            raise InputError(f"{where}: id = {own[ID]}: is the name of another row")
         values.append(tuple(parse_value(own[key]) for key in keys))
-        places.append(f"{path}:{number}")
-    return AxisPoints(name, tuple((key,) for key in keys), tuple(values), tuple(places), tuple(labels), listed=True)
+    places = tuple(f"{path}:{number}" for number, _ in rows)
+    return AxisPoints(name, tuple((key,) for key in keys), tuple(values), places, tuple(labels), listed=True)

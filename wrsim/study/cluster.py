@@ -16,12 +16,11 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import dask
-from distributed import Client, Nanny, SpecCluster
+from distributed import Client, Nanny, Scheduler, SpecCluster, Worker
 from distributed.security import Security
 from distributed.system import MEMORY_LIMIT
 
 from wrsim.errors import InputError, WrsimError
-from wrsim.study.nodes import QuietScheduler, QuietWorker
 
 ONE_THREAD = {name: "1" for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
 """Environment of a worker: it computes one case at a time, on one processor."""
@@ -29,11 +28,29 @@ QUIET = {"DASK_LOGGING__DISTRIBUTED": "critical"}
 """What becomes of a worker is reported by the study."""
 
 MEMORY = "2GB"
-"""Asked of SLURM for a worker where the user's dask-jobqueue configuration sets nothing."""
-
-
+"""Requested of SLURM for a worker where the user's dask-jobqueue configuration sets nothing."""
+LOOPBACK = "127.0.0.1"
+WAIT = 20
+"""Time that a scheduler has to answer [s]."""
+ATTEMPTS = 2
+"""How many workers may die at the same case before it is tried alone, and again before it counts as failed."""
 CA, CERT, KEY = "ca.pem", "cert.pem", "key.pem"
 """A folder of certificates: of the authority, one's own, its key."""
+
+
+class _WithoutPages:
+    """No web pages, which show a study to everybody; needs ``dashboard=False``."""
+
+    def start_http_server(self, *arguments: Any, **options: Any) -> None:
+        """Nothing listens."""
+
+
+class QuietScheduler(_WithoutPages, Scheduler):
+    """A scheduler without web pages."""
+
+
+class QuietWorker(_WithoutPages, Worker):
+    """A worker without web pages."""
 
 
 def security_of(folder: Path | None, *roles: str) -> Security | None:
@@ -70,8 +87,8 @@ def local_workers(count: int) -> Iterator[Client]:
     security = Security.temporary()
     here: dict[str, Any] = {"host": LOOPBACK, "protocol": "tls://", "security": security, "dashboard": False}
     own = {"worker_class": QuietWorker, "nthreads": 1, "memory_limit": MEMORY_LIMIT // count}
-    quiet = {"env": ONE_THREAD | QUIET, "silence_logs": logging.CRITICAL}
-    worker = {"cls": Nanny, "options": here | own | quiet}
+    own |= {"env": ONE_THREAD | QUIET, "silence_logs": logging.CRITICAL}
+    worker = {"cls": Nanny, "options": here | own}
     with (
         _settings(),
         SpecCluster(
@@ -84,9 +101,6 @@ def local_workers(count: int) -> Iterator[Client]:
         closing(Client(cluster, set_as_default=False)) as client,
     ):
         yield client
-
-
-LOOPBACK = "127.0.0.1"
 
 
 def address_of(scheduler: str) -> str:
@@ -192,10 +206,6 @@ def slurm_cluster(security: Security) -> Any:
     )
 
 
-WAIT = 20
-"""Time that a scheduler has to answer [s]."""
-
-
 @contextmanager
 def _settings() -> Iterator[None]:
     """Settings of dask for a study: silent, no limit to how often a healthy worker may be lost, a folder of its own.
@@ -208,21 +218,12 @@ def _settings() -> Iterator[None]:
     try:
         with (
             TemporaryDirectory(prefix="wrsim-") as folder,
-            dask.config.set(
-                {
-                    "distributed.scheduler.allowed-failures": ATTEMPTS - 1,
-                    "logging.distributed": "critical",
-                    "temporary-directory": folder,
-                }
-            ),
+            dask.config.set({"distributed.scheduler.allowed-failures": ATTEMPTS - 1}),
+            dask.config.set({"logging.distributed": "critical", "temporary-directory": folder}),
         ):
             yield
     finally:
         logger.setLevel(level)
-
-
-ATTEMPTS = 2
-"""How many workers may die at the same case before it is tried alone, and again before it counts as failed."""
 
 
 def check_threads(client: Client) -> None:

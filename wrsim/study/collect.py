@@ -31,19 +31,16 @@ NUMBERS = "study.nc"
 OUTPUTS = (NUMBERS, "study.csv", "times.csv", "study.json", "plan.json")
 """Files of a study in its folder."""
 MOST_LISTED = 40
-"""Cases without a result of their own end that are listed."""
-
+"""Cases that are listed where there are many."""
 MISSING = "missing"
-"""Status of a case that has not come to an end."""
+"""Status of a case without a marker."""
 
 
 def markers_of(plan: Plan) -> list[Marker | None]:
     """The marker of every case; None where there is none."""
-    known: dict[str, Marker | None] = {}
-    for case in plan.cases:
-        if case.name not in known:
-            known[case.name] = read_marker(plan.folder_of(case))
-    return [known[case.name] for case in plan.cases]
+    known = {case.name: case for case in plan.cases}
+    markers = {name: read_marker(plan.folder_of(case)) for name, case in known.items()}
+    return [markers[case.name] for case in plan.cases]
 
 
 def collected(plan: Plan, markers: Sequence[Marker | None]) -> xr.Dataset:
@@ -82,9 +79,8 @@ def _coordinates(axis: AxisPoints) -> dict[str, Any]:
     if not axis.listed:
         return {axis.name: (axis.name, _labels([row[0] for row in axis.values]), {"key": ", ".join(axis.keys[0])})}
     found: dict[str, Any] = {axis.name: (axis.name, np.array(axis.labels or range(len(axis.values))), {})}
-    for i, column in enumerate(axis.columns):
-        key = ", ".join(axis.keys[i])
-        found[column] = (axis.name, _labels([row[i] for row in axis.values]), {"key": key})
+    for column, keys, values in zip(axis.columns, axis.keys, zip(*axis.values, strict=True), strict=True):
+        found[column] = (axis.name, _labels(values), {"key": ", ".join(keys)})
     return found
 
 
@@ -118,11 +114,6 @@ def times_of_cases(plan: Plan, markers: Sequence[Marker | None]) -> list[Row]:
             times = (f"{m.began:.3f}", f"{m.wall_time:.4g}", f"{m.simulation:.4g}")
             rows.append([case.name, m.host, str(m.process), *times, "yes" if m.resumed else ""])
     return rows
-
-
-def counts_of(markers: Sequence[Marker | None]) -> dict[str, int]:
-    """How many cases came to which end."""
-    return Counter(MISSING if m is None else m.status for m in markers)
 
 
 def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) -> list[Path]:
@@ -199,7 +190,7 @@ def study_report(plan: Plan, markers: Sequence[Marker | None]) -> dict[str, Any]
         "title": plan.title,
         "cases": len(plan.cases),
         "axes": {axis.name: {"keys": [list(g) for g in axis.keys], "points": len(axis.values)} for axis in plan.axes},
-        "status": counts_of(markers),
+        "status": Counter(MISSING if m is None else m.status for m in markers),
         "unfinished": unfinished,
         "outputs": ranges,
     }
@@ -225,9 +216,7 @@ def faults_of(report: dict[str, Any], markers: Sequence[Marker | None], briefly:
     lacking = [m for m in markers if m is not None and m.faults]
     found = []
     if others and not briefly:
-        found.append(
-            f"{others} cases were computed by another state of wrsim's code; delete their folders to run them again"
-        )
+        found.append(f"{others} cases were computed by other code of wrsim; delete their folders to run them again")
     if lacking:
         found.append(f"{len(lacking)} cases lack outputs, study.csv says which: {lacking[0].faults[0]}")
     if failed := len(report["unfinished"]):

@@ -1,30 +1,41 @@
-"""Feeds the workers with cases; everything that lasts lies in the folders of the cases."""
+"""Workers for a study, and the cases that they are given; all that lasts is in the folders of the cases."""
 
 from __future__ import annotations
 
+import logging
 import secrets
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from itertools import islice
+from pathlib import Path
 
 from distributed import Client, Future, KilledWorker, as_completed
 
 from wrsim.errors import InputError, WrsimError
-from wrsim.results.manifest import digest_of
-from wrsim.study.cluster import ATTEMPTS, check_threads
-from wrsim.study.plan import Plan, texts_in
+from wrsim.results import write_atomically
+from wrsim.results.manifest import Keeper, Manifest, digest_of, keeping
+from wrsim.study import cluster
+from wrsim.study.cluster import ATTEMPTS, address_of, check_threads
+from wrsim.study.plan import PLAN, Plan, texts_in
 from wrsim.study.task import (
     COMPLETED,
     DERAILED,
     FAILED,
     MARKER,
     Marker,
+    compile_for,
     read_marker,
     run_case,
     warm_cases,
     write_marker,
 )
 
+LOGGER = logging.getLogger("wrsim.study")
+Progress = Callable[[float, float], None]
+"""Called with the fraction of cases done and the seconds left."""
+Bar = Callable[[], AbstractContextManager[Progress | None]]
+"""Makes a progress bar, or none."""
 AT_HAND = 2
 """Cases that a worker has: the one it runs, and the next."""
 
@@ -81,14 +92,13 @@ def execute(
     client: Client,
     plan: Plan,
     cases: Sequence[int],
-    progress: Callable[[float, float], None] | None = None,
+    progress: Progress | None = None,
     expected: int = 1,
 ) -> None:
     """Run these cases to their markers.
 
-    progress: called with the fraction of cases done and the seconds left; expected: workers that will come. A case at
-    which several workers died becomes an entry. Raises ``InputError`` when the first completed case shows that an
-    output cannot be had, ``WrsimError`` when a worker cannot work at all.
+    expected: workers that will come. A case at which several workers died becomes an entry. Raises ``InputError`` when
+    the first completed case shows that an output cannot be had, ``WrsimError`` when a worker cannot work at all.
     """
     check_threads(client)
     began = time.perf_counter()
@@ -153,3 +163,62 @@ def _note_killed(plan: Plan, index: int) -> None:
         message = f"{deaths}: too little memory, a crash below Python{hook}"
         marker = Marker(case.name, case.label, FAILED, message, outputs=plan.outputs_digest, ended=time.time())
         write_marker(folder, marker)
+
+
+def check_workers(workers: int | None, scheduler: str | None, slurm: bool, tls: Path | None) -> list[str]:
+    """A warning of a scheduler that listens to everybody. Raises ``InputError`` for options that do not go together."""
+    if scheduler is not None and (slurm or workers is not None):
+        raise InputError("--scheduler: its workers are there already: leave out --workers and --slurm")
+    open_to_all = scheduler is not None and address_of(scheduler).startswith("tcp://")
+    if tls is not None and (open_to_all or not (scheduler or slurm)):
+        raise InputError(f"--tls {tls}: is for --slurm and --scheduler tls://...")
+    warning = (
+        f"warning: --scheduler {scheduler} is neither encrypted nor authenticated: whoever reaches it can execute "
+        "programs as you; start it with certificates and take tls:// (docs/security.md)"
+    )
+    return [warning] if open_to_all else []
+
+
+@contextmanager
+def kept_folder(directory: Path, reads: Sequence[Path], force: bool, outputs: Sequence[str]) -> Iterator[None]:
+    """The folder of a study or a profile evolution, for one process alone; no file of the user is overwritten."""
+    keeper = Keeper(tuple(reads), force)
+    with Manifest(directory).locked(), keeping(keeper):
+        keeper.check_folder(directory, outputs)
+        yield
+
+
+@contextmanager
+def worker_pool(
+    count: int | None, scheduler: str | None, slurm: bool, tls: Path | None, most: int, progress: Bar
+) -> Iterator[Callable[[Plan, Sequence[int]], None]]:
+    """A function that lets workers run cases of a plan; they start with its first call and stay until the end.
+
+    count: of processes or jobs, None: the usual; most: cases that there may be at once; progress: a bar.
+    """
+    expected = count or (1 if slurm else cluster.processors())
+    client: Client | None = None
+
+    def started(plan: Plan, first: Sequence[int]) -> Client:
+        if scheduler is None and not slurm:
+            for i in first:  # compile once
+                compile_for(plan.scenario(plan.cases[i]))
+            return stack.enter_context(cluster.local_workers(min(expected, most)))
+        if scheduler is not None:
+            found = stack.enter_context(cluster.workers_at(address_of(scheduler), tls))
+        else:
+            found = stack.enter_context(cluster.slurm_workers(expected, tls, Path(plan.folder)))
+            LOGGER.warning("waiting for the first job of SLURM")
+        found.wait_for_workers(1)
+        warm_remotely(found, plan, digest_of(plan.dumped()), first)
+        return found
+
+    def work(plan: Plan, todo: Sequence[int]) -> None:
+        nonlocal client
+        write_atomically(Path(plan.folder) / PLAN, plan.dumped())
+        client = client or started(plan, kinds(plan, todo))
+        with progress() as advance:
+            execute(client, plan, todo, advance, 1 if scheduler is not None else expected)
+
+    with ExitStack() as stack:
+        yield work

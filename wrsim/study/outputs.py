@@ -2,35 +2,31 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import importlib.util
-from collections.abc import Callable, Iterator, Mapping
+import symtable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wrsim.analysis.assessment.limits import QUANTITIES
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
-from wrsim.study.reductions import reduced
-from wrsim.study.spec import ChannelOutput, OutputsSection
+from wrsim.study.spec import REDUCTIONS, ChannelOutput, OutputsSection
 
-USUAL = (
-    ChannelOutput(channel="Y", reduce="peak"),
-    ChannelOutput(channel="Q", reduce="min"),
-    ChannelOutput(channel="Q", reduce="max"),
-    ChannelOutput(channel="Y_over_Q", reduce="max"),
-    ChannelOutput(channel="T_gamma", reduce="max"),
-    ChannelOutput(channel="p0", reduce="max"),
-    ChannelOutput(channel="lateral_shift", reduce="peak"),
-    ChannelOutput(channel="yaw", reduce="peak"),
-)
+USUAL = tuple(
+    ChannelOutput(channel=channel, reduce=reduce)
+    for channel, reduce in (
+        ("Y", "peak"), ("Q", "min"), ("Q", "max"), ("Y_over_Q", "max"),
+        ("T_gamma", "max"), ("p0", "max"), ("lateral_shift", "peak"), ("yaw", "peak"),
+    )
+)  # fmt: skip
 """Kept of runs and poses when the study does not say; of other analyses the plain numbers of their summary."""
 
 
@@ -52,7 +48,7 @@ def case_outputs(result: Result, asked: OutputsSection, hook: Path | None) -> Ou
     """What is asked for, of one result. hook: the file of the hook, if there is one."""
     found = Outputs()
     channels = asked.channels
-    if asked.asks_for_nothing:
+    if asked == OutputsSection():
         analysis = ANALYSES[result.analysis]
         if analysis.moves or analysis.compared:
             channels = tuple(one for one in USUAL if one.channel in result.dataset)
@@ -62,9 +58,10 @@ def case_outputs(result: Result, asked: OutputsSection, hook: Path | None) -> Ou
                     found.take(name, value, _unit_in(name))
     for one in channels:
         _take_channel(found, result, one)
-    summary = result.summary() if asked.summary else {}
-    for place in asked.summary:
-        _take_place(found, summary, place)
+    if asked.summary:
+        summary = result.summary()
+        for place in asked.summary:
+            _take_place(found, summary, place)
     if asked.assessment:
         _take_assessment(found, result, asked.assessment)
     if asked.hook is not None and hook is not None:
@@ -89,16 +86,29 @@ def _take_channel(found: Outputs, result: Result, one: ChannelOutput) -> None:
             return
         data = data.sel({dim: label})
     if (one.from_m is not None or one.to_m is not None) and "distance" in result.dataset:
-        place = result.dataset["distance"].values
-        low = -np.inf if one.from_m is None else one.from_m
-        high = np.inf if one.to_m is None else one.to_m
         if data.dims[0] != "time":
             found.faults.append(f"{what}: from_m and to_m are for channels over time")
             return
+        place = result.dataset["distance"].values
+        low = -np.inf if one.from_m is None else one.from_m
+        high = np.inf if one.to_m is None else one.to_m
         data = data.isel(time=np.flatnonzero((place >= low) & (place <= high)))
-    percentile = 50.0 if one.percentile is None else one.percentile
-    value = reduced(np.atleast_1d(data.values.astype(float)), one.reduce, percentile)
+    value = reduced(np.atleast_1d(data.values.astype(float)), one.reduce, one.percentile)
     found.take(one.column, value * channel.shown.factor, channel.shown.symbol)
+
+
+def reduced(values: NDArray[np.float64], how: str, percentile: float | None = None) -> float:
+    """One number of samples (n, ...): along the first axis, then the worst of all others.
+
+    The worst is the smallest for "min", else the largest; for "peak" the one of largest magnitude. Not-a-number where
+    there is no finite value.
+    """
+    columns = (column[np.isfinite(column)] for column in values.reshape(len(values), -1).T)
+    arguments = () if percentile is None else (percentile,)
+    each = [float(REDUCTIONS[how](column, *arguments)) for column in columns if column.size]
+    if not each:
+        return float("nan")
+    return min(each) if how == "min" else max(each, key=abs if how == "peak" else None)
 
 
 def _take_place(found: Outputs, summary: Mapping[str, Any], place: str) -> None:
@@ -136,9 +146,8 @@ def _walk(tree: Any, place: str) -> tuple[Any, str]:
 
 def _unit_in(name: str) -> str:
     """Unit at the end of a name, for axes."""
-    endings = {c.shown.suffix: c.shown.symbol for c in CHANNELS.values() if c.shown.suffix}
-    own = sorted((e for e in endings if name.endswith(f"_{e}")), key=len)
-    return endings[own[-1]] if own else ""
+    units = {c.shown.suffix: c.shown.symbol for c in CHANNELS.values() if name.endswith(f"_{c.shown.suffix}")}
+    return units[max(units, key=len)] if units else ""
 
 
 def _take_assessment(found: Outputs, result: Result, asked: tuple[str, ...]) -> None:
@@ -187,37 +196,23 @@ def hook_function(file: Path, function: str) -> Callable[[Result], Any]:
     spec = importlib.util.spec_from_file_location(f"wrsim_hook_{file.stem}", file)
     if spec is None or spec.loader is None:
         raise InputError(f"outputs.hook: {file}: is no Python file")
-    module: ModuleType = importlib.util.module_from_spec(spec)
+    module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return getattr(module, function)  # type: ignore[no-any-return]
 
 
 def check_hook(file: Path, function: str) -> None:
     """Raises ``InputError`` for a file that is no Python or binds no such name; nothing in it is executed."""
+    content = read_bytes(file, "Python file")
     try:
-        tree = ast.parse(read_bytes(file, "Python file"))
+        symbols = symtable.symtable(content, str(file), "exec").get_symbols()  # type: ignore[arg-type]
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise InputError(f"{file}: is no Python: {error}") from None
-    names = list(dict.fromkeys(_bound(tree)))
-    if function not in names and "*" not in names:
+    names = [s.get_name() for s in symbols if s.is_assigned() or s.is_imported()]
+    if function not in names and b"import *" not in content:
         offered = [name for name in names if not name.startswith("_")]
         there = f"it has {', '.join(offered)}" if offered else "it has none"
         raise InputError(f"{file} has no function '{function}'{suggest(function, offered)}; {there}")
-
-
-def _bound(tree: ast.Module) -> Iterator[str]:
-    """Names that the module may bind: functions, classes, imports, assignments; * where it imports all of another."""
-    within: list[ast.AST] = [tree]
-    while within:
-        for node in ast.iter_child_nodes(within.pop()):
-            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
-                yield node.name
-            elif isinstance(node, ast.alias):
-                yield (node.asname or node.name).partition(".")[0]
-            elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-                yield node.id
-            else:
-                within.append(node)
 
 
 def outputs_digest(asked: OutputsSection, hook: Path | None) -> str:

@@ -12,7 +12,7 @@ import json
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
 from math import prod
@@ -33,8 +33,9 @@ from wrsim.study.axes import AxisPoints, axis_points
 from wrsim.study.outputs import check_hook, outputs_digest
 from wrsim.study.spec import MOST_CASES, CasesSection, OutputsSection, StudyFile
 
-CASES = "cases"
-PLAN = "plan.json"
+CASES, PLAN = "cases", "plan.json"
+MOST_FAULTS = 20
+"""Faults of cases that are listed."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Plan:
     axes: tuple[AxisPoints, ...]
     cases: tuple[Case, ...]
     files: tuple[dict[str, str], ...]
-    outputs: dict[str, Any]
+    outputs: OutputsSection
     hook: str
     outputs_digest: str
     time_limit: float
@@ -92,13 +93,12 @@ class Plan:
         titled = {"title": f"{self.title}: {case.label}"}
         return (base or self.base()).with_values(case.values | titled)
 
-    def asked(self) -> OutputsSection:
-        """What is kept of every case."""
-        return OutputsSection.model_validate(self.outputs)
-
     def dumped(self) -> bytes:
         """Content of ``plan.json``."""
-        return (json.dumps(asdict(self), default=str, ensure_ascii=False) + "\n").encode()
+        return _PLAN.dump_json(self, exclude_none=True) + b"\n"
+
+
+_PLAN = TypeAdapter(Plan)
 
 
 @lru_cache(maxsize=4)
@@ -107,7 +107,7 @@ def plan_in(folder: str, digest: str) -> Plan:
     content = (Path(folder) / PLAN).read_bytes()
     if digest_of(content) != digest:
         raise InputError(f"{folder}: the plan of the study has changed while it was running")
-    return replace(TypeAdapter(Plan).validate_json(content), folder=folder)
+    return replace(_PLAN.validate_json(content), folder=folder)
 
 
 class StudyInput:
@@ -128,13 +128,8 @@ class StudyInput:
         """That of the file, else of its scenario."""
         return self.spec.title or self.base.title
 
-    @property
-    def folders(self) -> tuple[str, ...]:
-        """Where models of cases are looked up."""
-        return tuple(str(p.resolve()) for p in dict.fromkeys((*self.base.directories, *self.finder.folders)))
-
     def found(self, key: str, name: str) -> Path:
-        """A file that is named by a key."""
+        """The file that a key names."""
         with self.naming(key, value=name):
             return self.finder.find(name)
 
@@ -156,11 +151,11 @@ class StudyInput:
             analysis=self.base.analysis,
             source=self.text,
             text=self.base.text,
-            folders=self.folders,
+            folders=tuple(str(p.resolve()) for p in dict.fromkeys((*self.base.directories, *self.finder.folders))),
             axes=axes,
             cases=(),
             files=(),
-            outputs=outputs.model_dump(mode="json", exclude_none=True),
+            outputs=outputs,
             hook=hook,
             outputs_digest=outputs_digest(outputs, Path(hook) if hook else None),
             time_limit=cases.time_limit_s,
@@ -177,7 +172,12 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
         own = StudyInput(file, "study file", StudyFile, models)
         spec: StudyFile = own.spec
         axes = tuple(axis_points(axis, own.finder, own.locate(("vary", i))) for i, axis in enumerate(spec.vary))
-        _check_keys(axes)
+        seen_keys: dict[str, str] = {}
+        for axis in axes:
+            for key in (key for group in axis.keys for key in group):
+                if key in seen_keys:
+                    raise InputError(f"{axis.places[0]}: {key}: is varied by axis '{seen_keys[key]}' already")
+                seen_keys[key] = axis.name
         count = prod(len(axis.values) for axis in axes)
         if count > MOST_CASES:
             with own.naming("vary"):
@@ -193,20 +193,6 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
     return plan, tuple(dict.fromkeys((*seen, *models_read)))
 
 
-def _check_keys(axes: Sequence[AxisPoints]) -> None:
-    """No key twice, also where tables name keys."""
-    seen: dict[str, str] = {}
-    for axis in axes:
-        for key in (key for group in axis.keys for key in group):
-            if key in seen:
-                raise InputError(f"{axis.places[0]}: {key}: is varied by axis '{seen[key]}' already")
-            seen[key] = axis.name
-
-
-MOST_FAULTS = 20
-"""Faults of cases that are listed before the rest is only counted."""
-
-
 def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
     """The plan with its cases, each checked by its keys, and the files read; models are read once for every set of
     names. Raises InputError with all faults."""
@@ -216,7 +202,11 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
     groups: dict[tuple[str, ...], int] = {}
     faults: list[str] = []
     for place in product(*(range(n) for n in plan.shape)):
-        values, owner = _values_at(plan.axes, place)
+        values: dict[str, Any] = {}
+        for axis, i in zip(plan.axes, place, strict=True):
+            for keys, value in zip(axis.keys, axis.values[i], strict=True):
+                values |= dict.fromkeys(keys, value)
+        owner = " and ".join(dict.fromkeys(axis.places[i] for axis, i in zip(plan.axes, place, strict=True)))
         label = _label(plan.axes, place)
         try:
             scenario = base.with_values(values, owner)
@@ -239,15 +229,6 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
         more = ["... and more faults"] if len(faults) > MOST_FAULTS else []
         raise InputError("\n".join(faults[:MOST_FAULTS] + more))
     return replace(plan, cases=tuple(cases), files=tuple(files)), read
-
-
-def _values_at(axes: Sequence[AxisPoints], place: tuple[int, ...]) -> tuple[dict[str, Any], str]:
-    """Values of a case by dotted key, and the place in the study's files that its faults are put down to."""
-    values: dict[str, Any] = {}
-    for axis, i in zip(axes, place, strict=True):
-        for group, value in zip(axis.keys, axis.values[i], strict=True):
-            values |= dict.fromkeys(group, value)
-    return values, " and ".join(dict.fromkeys(axis.places[i] for axis, i in zip(axes, place, strict=True)))
 
 
 def _label(axes: Sequence[AxisPoints], place: tuple[int, ...]) -> str:

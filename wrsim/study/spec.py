@@ -1,17 +1,20 @@
-"""The study file: a base scenario, what is varied, what is kept of every case."""
+"""The files of a study and of profile evolution: a base scenario, its cases, what is kept of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import BeforeValidator, Field
 
 from wrsim.analysis.assessment.limits import QUANTITIES
+from wrsim.contact.wear.laws import LawName
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import List, Switch, fields, number, positive, refuse, spread, text, words
+from wrsim.inputs.values import List, Switch, number, positive, refuse, spread, text
 from wrsim.results import CHANNELS
-from wrsim.study.reductions import REDUCTIONS
+from wrsim.vehicle.vehicle_sections import WheelName
 
 MOST_CASES = 1_000_000
 MOST_SAMPLES = 65_536
@@ -23,40 +26,34 @@ Name = Annotated[
 ]
 
 
-def _one_or_many(value: Any) -> Any:
-    return value if isinstance(value, list | tuple) else (value,)
-
-
 Keys = Annotated[
     tuple[Key, ...],
     Field(strict=False, min_length=1, description=f"{KEY}, or a list of keys that all take the same value"),
-    BeforeValidator(_one_or_many),
+    BeforeValidator(lambda value: value if isinstance(value, list | tuple) else (value,)),
 ]
 
 
-def _no_scalar(value: Any) -> Any:
+VALUES = "a list of values for that key, or {from = .., to = .., step = ..}"
+
+
+def _values(value: Any) -> Any:
     if not isinstance(value, list | tuple | dict):
-        raise refuse("must be a list of values for that key, or {from = .., to = .., step = ..}")
+        raise refuse(f"must be {VALUES}")
     if isinstance(value, dict):  # 0.3 and not 0.30000000000000004, so that it is the same case as one of a list
         return tuple(v if isinstance(v, int) else float(f"{v:.12g}") for v in spread(value))
     return value
 
 
-Values = Annotated[
-    tuple[Any, ...],
-    Field(
-        strict=False,
-        min_length=1,
-        description="a list of values for that key, or {from = .., to = .., step = ..}",
-    ),
-    BeforeValidator(_no_scalar),
-]
+Values = Annotated[tuple[Any, ...], Field(strict=False, min_length=1, description=VALUES), BeforeValidator(_values)]
+
+
+TimeLimit = Annotated[float, number(1, 1e7, "s of one case")]
 
 
 class GridAxis(Section, header='[[vary]] with kind = "grid"'):
     """Every value of a list; axes of several tables are combined with each other."""
 
-    aliases: ClassVar[dict[str, str]] = {"key": "keys parameter variable", "values": "value list", "name": "axis label"}
+    aliases = {"key": "keys parameter variable", "values": "value list", "name": "axis label"}
 
     kind: Literal["grid"]
     """Every value of a list; several axes are combined with each other."""
@@ -67,15 +64,16 @@ class GridAxis(Section, header='[[vary]] with kind = "grid"'):
     name: Name | None = None
     """Name of the axis in the results; the last part of the key unless given."""
 
+    @property
     def varied(self) -> tuple[str, ...]:
-        """What is varied."""
+        """Keys of the scenario that the axis varies, as far as its table names them."""
         return self.key
 
 
 class CsvAxis(Section, header='[[vary]] with kind = "csv"'):
     """Rows of a table: the header holds dotted keys, a column ``id`` names the rows."""
 
-    aliases: ClassVar[dict[str, str]] = {"file": "csv table rows", "name": "axis label"}
+    aliases = {"file": "csv table rows", "name": "axis label"}
 
     kind: Literal["csv"]
     """A row of a table for every case."""
@@ -84,21 +82,19 @@ class CsvAxis(Section, header='[[vary]] with kind = "csv"'):
     name: Name = "case"
     """Name of the axis in the results."""
 
-    def varied(self) -> tuple[str, ...]:
-        """What is varied is in the file."""
-        return ()
+    varied: ClassVar[tuple[str, ...]] = ()
 
 
 class SampledKey(Section, header="[[vary.over]]"):
     """One key that is sampled: evenly from low to high, or normally about a mean."""
 
-    aliases: ClassVar[dict[str, str]] = {
-        "key": "keys parameter variable",
-        "low": "from min lower",
-        "high": "to max upper",
-        "deviation": "sigma std standard_deviation",
-        "mean": "mu",
-    }
+    aliases = {
+        "key": "keys parameter variable", "low": "from min lower", "high": "to max upper",
+        "deviation": "sigma std standard_deviation", "mean": "mu",
+    }  # fmt: skip
+    one_of = ("low mean",)
+    together = ("low high", "mean deviation")
+    goes_with = {"spacing": "low"}
 
     key: Keys
     """Key of the scenario that is sampled, or several that take the same value."""
@@ -115,25 +111,7 @@ class SampledKey(Section, header="[[vary.over]]"):
     whole: Switch = False
     """Whether values are rounded to whole numbers."""
 
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A range or a normal distribution, whole."""
-        pairs = (("low", "high"), ("mean", "deviation"))
-        given = [pair for pair in pairs if set(pair) & set(raw)]
-        if not given:
-            yield Fault("low", "must be a finite number (and high; or give mean and deviation)", missing=True)
-        elif len(given) == 2:
-            yield Fault(given[1][0] if given[1][0] in raw else given[1][1], "cannot be given with low and high")
-        else:
-            for one, other in (given[0], given[0][::-1]):
-                if one not in raw:
-                    what = words(fields(cls)[one])
-                    yield Fault(one, f"goes with {other}: must be {what}", missing=True)
-        if "mean" in raw and "spacing" in raw:
-            yield Fault("spacing", "is for low and high")
-
     def consistency(self) -> Iterator[Fault]:
-        """A range upwards; logarithms of positive numbers."""
         if self.low is not None and self.high is not None:
             if not self.low < self.high:
                 yield Fault("high", f"must be above low ({self.low:g})")
@@ -144,7 +122,7 @@ class SampledKey(Section, header="[[vary.over]]"):
 class _Sampled(Section):
     """What all samples have in common."""
 
-    aliases: ClassVar[dict[str, str]] = {"samples": "count n size", "over": "keys key ranges", "name": "axis label"}
+    aliases = {"samples": "count n size", "over": "keys key ranges", "name": "axis label"}
 
     samples: Annotated[int, number(1, MOST_SAMPLES)]
     """How many cases are drawn."""
@@ -155,8 +133,9 @@ class _Sampled(Section):
     name: Name = "case"
     """Name of the axis in the results."""
 
+    @property
     def varied(self) -> tuple[str, ...]:
-        """What is varied."""
+        """Keys of the scenario that are sampled."""
         return tuple(key for one in self.over for key in one.key)
 
 
@@ -167,7 +146,6 @@ class SobolAxis(_Sampled, header='[[vary]] with kind = "sobol"'):
     """Scrambled Sobol points, even in every projection."""
 
     def consistency(self) -> Iterator[Fault]:
-        """Only 2^m points of the sequence are balanced."""
         if self.samples & (self.samples - 1):
             below = 1 << (self.samples.bit_length() - 1)
             message = f"must be a power of 2 ({below} or {2 * below}): only so many Sobol points are even"
@@ -183,6 +161,12 @@ class LatinHypercubeAxis(_Sampled, header='[[vary]] with kind = "latin-hypercube
 
 Axis = GridAxis | CsvAxis | SobolAxis | LatinHypercubeAxis
 
+REDUCTIONS: dict[str, Callable[..., Any]] = {
+    "max": np.max, "min": np.min, "peak": lambda values: values[np.argmax(np.abs(values))],
+    "mean": np.mean, "median": np.median, "rms": lambda values: np.sqrt(np.mean(values**2)), "deviation": np.std,
+    "range": np.ptp, "percentile": np.percentile, "last": lambda values: values[-1],
+}  # fmt: skip
+"""How the finite samples (n,) of a channel become one number; a percentile takes its number as well."""
 NUMBERS = tuple(name for name, c in CHANNELS.items() if c.kind != "text" and not c.coordinate)
 LABELS = ("wheelset", "wheel", "body", "point", "suspension", "coupling", "external_load")
 """Dimensions of a channel of which one may be chosen by its name."""
@@ -191,12 +175,10 @@ LABELS = ("wheelset", "wheel", "body", "point", "suspension", "coupling", "exter
 class ChannelOutput(Section, header="[[outputs.channels]]"):
     """A channel, reduced to one number; of several wheels or wheelsets the largest counts (with min the smallest)."""
 
-    aliases: ClassVar[dict[str, str]] = {
-        "channel": "name_of_channel quantity variable",
-        "reduce": "reduction operation statistic",
-        "from_m": "start_m",
-        "to_m": "end_m",
-    }
+    aliases = {
+        "channel": "name_of_channel quantity variable", "reduce": "reduction operation statistic",
+        "from_m": "start_m", "to_m": "end_m",
+    }  # fmt: skip
 
     channel: Literal[*NUMBERS]  # type: ignore[valid-type]
     """Channel of the result; docs/nomenclature.md lists them."""
@@ -227,20 +209,17 @@ class ChannelOutput(Section, header="[[outputs.channels]]"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A percentile has its number; labels belong to the channel."""
-        if (raw.get("reduce") == "percentile") != ("percentile" in raw):
-            if "percentile" in raw:
-                yield Fault("percentile", 'is for reduce = "percentile"')
-            else:
-                yield Fault("percentile", "must be a number from 0 to 100", missing=True)
-        channel = CHANNELS.get(raw["channel"]) if isinstance(raw.get("channel"), str) else None
+        if raw.get("reduce") == "percentile" and "percentile" not in raw:
+            yield Fault("percentile", "must be a number from 0 to 100", missing=True)
+        elif raw.get("reduce") != "percentile" and "percentile" in raw:
+            yield Fault("percentile", 'is for reduce = "percentile"')
+        channel = CHANNELS.get(str(raw.get("channel")))
         if channel is not None:
             for label in LABELS:
                 if label in raw and label not in channel.dims:
                     yield Fault(label, f'channel "{channel.name}" has none: it belongs to ({", ".join(channel.dims)})')
 
     def consistency(self) -> Iterator[Fault]:
-        """From somewhere to further on."""
         if self.from_m is not None and self.to_m is not None and not self.from_m < self.to_m:
             yield Fault("to_m", f"must be above from_m ({self.from_m:g})")
 
@@ -283,25 +262,18 @@ class OutputsSection(Section, header="[outputs]"):
     ) = None
     """Your own function of a result, which gives a dict of numbers."""
 
-    @property
-    def asks_for_nothing(self) -> bool:
-        """True where the file leaves the choice to wrsim."""
-        return not (self.summary or self.assessment or self.channels or self.hook)
-
     def consistency(self) -> Iterator[Fault]:
-        """Names of their own."""
-        names = [one.column for one in self.channels]
-        for i, name in enumerate(names):
-            if name in names[:i]:
+        for name, count in Counter(one.column for one in self.channels).items():
+            if count > 1:
                 yield Fault(("channels",), f'two outputs are called "{name}": give one of them another name')
 
 
 class CasesSection(Section, header="[cases]"):
     """Limits of a case, and what is kept of it."""
 
-    aliases: ClassVar[dict[str, str]] = {"time_limit_s": "timeout timeout_s limit_s max_time_s"}
+    aliases = {"time_limit_s": "timeout timeout_s limit_s max_time_s"}
 
-    time_limit_s: Annotated[float, number(1, 1e7, "s of one case")] = 3600.0
+    time_limit_s: TimeLimit = 3600.0
     """How long one case may take before it is given up."""
     keep: Literal["results", "numbers"] = "results"
     """Whole results of the cases, or their numbers alone."""
@@ -310,7 +282,7 @@ class CasesSection(Section, header="[cases]"):
 class StudyFile(Section, header="a study"):
     """A study: the scenario it starts from, what is varied, what is kept."""
 
-    aliases: ClassVar[dict[str, str]] = {"base": "scenario", "vary": "axes axis parameters", "outputs": "output"}
+    aliases = {"base": "scenario", "vary": "axes axis parameters", "outputs": "output"}
 
     title: Annotated[str, text("a title")] | None = None
     """Title of the study; that of its scenario unless given."""
@@ -324,7 +296,6 @@ class StudyFile(Section, header="a study"):
     """Limits of a case, and what is kept of it."""
 
     def consistency(self) -> Iterator[Fault]:
-        """Axes and keys once each."""
         names: list[str] = []
         keys: dict[str, int] = {}
         for i, axis in enumerate(self.vary):
@@ -332,7 +303,7 @@ class StudyFile(Section, header="a study"):
             if name in names:
                 yield Fault("vary", f'two axes are called "{name}": give one of them another name')
             names.append(name)
-            for key in axis.varied():
+            for key in axis.varied:
                 if key in keys:
                     yield Fault("vary", f'"{key}" is varied by vary[{keys[key]}] and again by vary[{i}]')
                 keys[key] = i
@@ -343,3 +314,37 @@ def axis_name(axis: Axis) -> str:
     if isinstance(axis, GridAxis) and axis.name is None:
         return axis.key[0].rpartition(".")[2].replace("[", "_").replace("]", "")
     return str(axis.name)
+
+
+class EvolutionFile(Section, header="a profile evolution"):
+    """A profile evolution: the scenario its cases start from, their table, the mileage, and the steps of wear."""
+
+    aliases = {
+        "base": "scenario", "cases": "csv table", "wheel": "profile wheel_profile", "mileage_km": "distance_km",
+        "largest_depth_mm": "depth_mm step_depth_mm", "largest_step_km": "step_km", "smoothing_mm": "cutoff_mm",
+    }  # fmt: skip
+
+    title: Annotated[str, text("a title")] | None = None
+    """Title; that of its scenario unless given."""
+    base: Annotated[str, text('a scenario file such as "curve.toml"')]
+    """Scenario that all cases start from."""
+    cases: Annotated[str, text('a CSV file such as "cases.csv"')]
+    """Table of the cases: keys of the scenario in its header, a column share of the mileage, a column id of names."""
+    wheel: WheelName
+    """Profile of all wheels before the first kilometre."""
+    law: LawName = "usfd"
+    """Law of wear."""
+    mileage_km: Annotated[float, positive(1e7)]
+    """How far the vehicle runs."""
+    largest_depth_mm: Annotated[float, number(0.001, 1)] = 0.1
+    """Largest depth of one step; then the profile is made anew."""
+    largest_step_km: Annotated[float, positive(1e7)] = 1500.0
+    """Largest mileage of one step."""
+    smoothing_mm: Annotated[float, number(0.5, 50)] = 5.0
+    """Wavelength along the profile at which smoothing halves what was worn off."""
+    conicity_amplitude_mm: Annotated[float, number(0.5, 10)] = 3.0
+    """Amplitude of the equivalent conicity that is reported against the mileage."""
+    flange_back_mm: Annotated[float, number(20, 150)] = 70.0
+    """Distance of the flange back from the tape circle, for the flange's thickness Sd."""
+    time_limit_s: TimeLimit = 3600.0
+    """How long one case may take before it is given up."""

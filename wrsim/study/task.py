@@ -89,13 +89,13 @@ class Marker:
 
         Derailing and overturning are results; all else that ends a run early has stopped it.
         """
-        self.status, self.message = COMPLETED, result.stop_reason
+        found = case_outputs(result, plan.outputs, Path(plan.hook) if plan.hook else None)
+        self.status = COMPLETED
         if result.status != "completed":
             self.status = DERAILED if result.dataset.attrs.get("stop_cause") == "monitor" else STOPPED
-        found = case_outputs(result, plan.asked(), Path(plan.hook) if plan.hook else None)
         self.numbers = {name: value if abs(value) < float("inf") else None for name, value in found.numbers.items()}
         self.units, self.faults = found.units, found.faults
-        self.message = self.message or "; ".join(found.faults)
+        self.message = result.stop_reason or "; ".join(found.faults)
 
 
 _MARKER = TypeAdapter(Marker)
@@ -122,7 +122,7 @@ def run_case(study: str, digest: str, index: int) -> str:
     case = plan.cases[index]
     folder = plan.folder_of(case)
     # in a worker, xarray would ask the scheduler for a lock on every file
-    with dask.config.set(scheduler="synchronous"), _alone_in(folder, 2.0 * (plan.time_limit * 1.1 + GRACE)):
+    with dask.config.set(scheduler="synchronous"), _locked(folder, 2.0 * _watchdog_limit(plan)):
         marker = read_marker(folder)
         if _has_hung(plan, case, folder):
             pass
@@ -134,8 +134,8 @@ def run_case(study: str, digest: str, index: int) -> str:
 
 
 @contextmanager
-def _alone_in(folder: Path, patience: float) -> Iterator[None]:
-    """Keep a folder to oneself; another worker that is thought dead may still be at it: wait for that."""
+def _locked(folder: Path, patience: float) -> Iterator[None]:
+    """Lock a folder; waits for another worker in it that the scheduler takes for dead."""
     until = time.monotonic() + patience
     with ExitStack() as stack:
         while True:
@@ -151,9 +151,10 @@ def _alone_in(folder: Path, patience: float) -> Iterator[None]:
 
 def _marker(plan: Plan, case: Case) -> Marker:
     """The marker of a case that begins."""
-    marker = Marker(case.name, case.label, FAILED, "", outputs=plan.outputs_digest, time_limit=plan.time_limit)
-    marker.began, marker.host, marker.process, marker.code = time.time(), platform.node(), os.getpid(), code_digest()
-    return marker
+    return Marker(
+        case.name, case.label, FAILED, "", outputs=plan.outputs_digest, time_limit=plan.time_limit,
+        began=time.time(), host=platform.node(), process=os.getpid(), code=code_digest(),
+    )  # fmt: skip
 
 
 def _has_hung(plan: Plan, case: Case, folder: Path) -> bool:
@@ -172,7 +173,7 @@ def _has_hung(plan: Plan, case: Case, folder: Path) -> bool:
 def _attempt(plan: Plan, case: Case, folder: Path) -> None:
     """Run the case and write its marker, whatever becomes of it."""
     marker = _marker(plan, case)
-    with _watched(folder / HUNG, plan.time_limit * 1.1 + GRACE):
+    with _watched(folder, plan):
         begin = time.perf_counter()
         try:
             _simulate(plan, case, folder, marker)
@@ -183,24 +184,30 @@ def _attempt(plan: Plan, case: Case, folder: Path) -> None:
                 "[cases] time_limit_s it goes on from there"
             )
         except (InputError, SimulationError) as error:
-            marker.status, marker.message = FAILED, str(error)
+            marker.message = str(error)
         except WrsimError:
-            raise  # nothing can be written here: no case has a future
+            raise  # nothing can be written here: every case would fail
         except MemoryError:
-            marker.status, marker.message = FAILED, "out of memory"
+            marker.message = "out of memory"
         except Exception as error:  # a mistake in wrsim costs this case alone
-            marker.status, marker.message = FAILED, f"internal error: {type(error).__name__}: {error}"
+            marker.message = f"internal error: {type(error).__name__}: {error}"
         marker.wall_time, marker.ended = time.perf_counter() - begin, time.time()
         write_marker(folder, marker)
     if marker.status != LATE:
         (folder / PART).unlink(missing_ok=True)
 
 
+def _watchdog_limit(plan: Plan) -> float:
+    """Time after which the watchdog ends the process of a case [s]."""
+    return plan.time_limit * 1.1 + GRACE
+
+
 @contextmanager
-def _watched(hung: Path, limit: float) -> Iterator[None]:
-    """End this process when the block lasts longer than the limit [s]: works also where Python itself hangs."""
+def _watched(folder: Path, plan: Plan) -> Iterator[None]:
+    """End this process when the block lasts too long: works also where Python itself hangs."""
+    hung = folder / HUNG
     with open(hung, "wb") as note:
-        faulthandler.dump_traceback_later(limit, exit=True, file=note)
+        faulthandler.dump_traceback_later(_watchdog_limit(plan), exit=True, file=note)
         try:
             yield
         finally:
@@ -209,7 +216,7 @@ def _watched(hung: Path, limit: float) -> Iterator[None]:
 
 
 def _simulate(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
-    """The run itself; what is kept of it is written, the marker learns its status."""
+    """The run itself: writes what is kept of it, notes its status and outputs in the marker."""
     if changed := changed_file(plan.files[case.files]):
         raise InputError(f"{changed}: has changed since the study was planned; start the study again")
     scenario = plan.scenario(case)
@@ -243,7 +250,7 @@ def _run(scenario: Scenario, part: Path, limit: float, marker: Marker) -> Result
 def _reduce_again(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
     """Other outputs than before are asked for: from the result where it is kept, else from a new run."""
     if (folder / RESULT).exists():
-        with _watched(folder / HUNG, plan.time_limit * 1.1 + GRACE):
+        with _watched(folder, plan):
             marker.take(Result.load(folder / RESULT), plan)
         marker.outputs = plan.outputs_digest
     elif marker.status in (LATE, FAILED):

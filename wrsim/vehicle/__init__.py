@@ -1,1 +1,1 @@
-"""Vehicles: plain data (`wheelset`, `vehicle`) and their files (`vehicle_files`, `train_files`)."""
+"""Vehicles: plain data (`wheelset`, `vehicle`) and their files (`vehicle_files`)."""

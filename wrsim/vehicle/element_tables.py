@@ -291,7 +291,7 @@ class DamperTable(ElementTable, kind="damper"):
         line = [key for key in ("body_mm", "to_mm") if key in raw]
         axis = [key for key in ("at_mm", "direction") if key in raw]
         if line and axis:
-            yield Fault(line[0], f"cannot stand next to {' and '.join(axis)}: along a line or along an axis")
+            yield Fault(line[0], f"cannot be given with {' and '.join(axis)}: along a line or along an axis")
         elif len(line) == 1 or len(axis) == 1 or not (line or axis):
             needed = "goes with direction (along an axis); or give body_mm and to_mm (a line)"
             yield Fault("at_mm", needed, missing=True)

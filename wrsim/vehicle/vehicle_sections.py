@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import Field
 
 from wrsim.inputs.section import Fault, Section, both_or_sides, given
-from wrsim.inputs.values import Day, List, RisingRows, Source, Switch, Three, number, positive, refuse, text, words
+from wrsim.inputs.values import Day, List, RisingRows, Row, Source, Switch, Three, number, positive, text, within, words
 from wrsim.vehicle.couplings import AnyCouplingTable
 from wrsim.vehicle.element_tables import AnyElementTable, Axes, Metre, Name, Place
 from wrsim.vehicle.elements import ZERO
@@ -94,7 +94,7 @@ class WheelsetTable(Section, header="[wheelset]"):
         yield from both_or_sides(raw, "wheel", needed=words(WheelName))
         yield from both_or_sides(raw, "radius_mm", needed=words(Radius))
         if raw.get("independent_wheels") and "torsional_stiffness_kNm_per_rad" in raw:
-            message = "cannot stand next to independent_wheels = true, which have no axle between them"
+            message = "cannot be given with independent_wheels = true, which have no axle between them"
             yield Fault("torsional_stiffness_kNm_per_rad", message)
 
     def consistency(self) -> Iterator[Fault]:
@@ -228,25 +228,10 @@ class DriveTable(Section, header="[[drives]]"):
 LARGEST = 1e4
 """Largest component of a force [kN]."""
 
-Rows = tuple[tuple[float, float, float, float], ...]
-
-
-def _allowed(rows: Rows) -> Rows:
-    """Rows (x, force) whose forces are possible."""
-    for position, row in enumerate(rows):
-        if max(map(abs, row[1:])) > LARGEST:
-            raise refuse(f"row [{position}] has a force of more than {LARGEST:g} kN")
-    return rows
-
-
 _Four = Annotated[tuple[float, float, float, float], Field(strict=False)]
-OverTime = Annotated[
-    RisingRows[Annotated[_Four, Field(description="four numbers [time s, x kN, y kN, z kN]")]], AfterValidator(_allowed)
-]
-OverDistance = Annotated[
-    RisingRows[Annotated[_Four, Field(description="four numbers [distance m, x kN, y kN, z kN]")]],
-    AfterValidator(_allowed),
-]
+_Forces = Annotated[RisingRows[Row], within(-LARGEST, LARGEST, "kN")]
+OverTime = _Forces[Annotated[_Four, Field(description="four numbers [time s, x kN, y kN, z kN]")]]
+OverDistance = _Forces[Annotated[_Four, Field(description="four numbers [distance m, x kN, y kN, z kN]")]]
 Force = Three[Annotated[float, number(-LARGEST, LARGEST, "kN")]]
 
 NO_BALLAST = "is a wheelset, which spins: no mass is put on it; a force_kN may be"

@@ -113,7 +113,7 @@ def test_wrong_keys_are_told(tmp_path):
     assert 'did you mean "half-space"?' in said('normal = "halfspace"')[0]
     assert "goes with element_x_mm" in said("[contact.half_space]\nelement_x_mm = 0.2")[0]
     assert (
-        "cannot stand next to element_x_mm"
+        "cannot be given with element_x_mm"
         in said("half_space = {element_x_mm=0.2, element_s_mm=0.2, resolution=30}")[0]
     )
     assert "did you mean 'element_x_mm'?" in said("half_space = {dx_mm = 0.2, element_s_mm = 0.2}")[0]

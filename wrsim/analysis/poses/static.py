@@ -20,8 +20,7 @@ from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.track import STANDARD_GAUGE
 from wrsim.results import Result, assemble
 from wrsim.scenario.build import Setup
-from wrsim.scenario.cases import named
-from wrsim.scenario.sections.static import StaticPlan
+from wrsim.scenario.sections.static import StaticPlan, named
 
 STEEP = np.radians(60.0)
 """Steepest direction of a wheel's force, from the vertical, that passes without a word: to carry a vertical load on a

@@ -243,9 +243,8 @@ def depths_of(profile: Profile, areas: Array, cutoff: float) -> DepthTable:
     if not (root > 0.0).all():
         u = 1e3 * float(profile.at(middles[int(np.argmin(root))])[0])
         raise InputError(f"{OVERLAP} at u = {u:.4g} mm; allowed: less depth")
-    table = DepthTable(
-        middles - float(profile.arclength_of(0.0)), np.asarray(2.0 * smooth / (1.0 + np.sqrt(root)), dtype=float)
-    )
+    depth: Array = 2.0 * smooth / (1.0 + np.sqrt(root))
+    table = DepthTable(middles - float(profile.arclength_of(0.0)), depth)
     plain, bent = area_off(profile, table)
     if not plain > 0.0:
         return table

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar, Literal, get_args
+from typing import Annotated, Literal, get_args
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number
@@ -40,7 +40,7 @@ class AssessmentSettings:
 class AssessmentSection(AnalysisTable, header="[assessment]"):
     """What an assessment rests on, where that is not to come from the result."""
 
-    aliases: ClassVar[dict[str, str]] = {
+    aliases = {
         "vehicle_kind": "kind type", "friction": "mu", "flange_angle_deg": "flange_deg",
         "instability_frequency_Hz": "f0_Hz", "section_length_m": "section_m", "straight_deficiency_mm": "straight_mm",
         "admissible_deficiency_mm": "admissible_mm I_adm_mm", "estimate_over": "regression influences",
@@ -74,7 +74,6 @@ class AssessmentSection(AnalysisTable, header="[assessment]"):
     """Speed at which values are estimated; the largest of the sections of a class unless given."""
 
     def consistency(self) -> Iterator[Fault]:
-        """Every influence once; a place only for influences that are asked for."""
         if len(set(self.estimate_over)) < len(self.estimate_over):
             allowed = f"some of {', '.join(get_args(Influence))}, each once"
             yield Fault("estimate_over", f"has a duplicate: must be {allowed}")

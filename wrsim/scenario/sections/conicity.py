@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import degrees, radians
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from wrsim.inputs.values import Series, number, positive
 from wrsim.results.conicity import FLANGE_FROM
@@ -37,17 +37,13 @@ class ConicityPlan:
     flange_from: float = FLANGE_FROM
 
     def facts(self) -> dict[str, Any]:
-        """What a user checks."""
         return {"amplitudes": len(self.amplitudes)}
 
 
 class ConicitySection(PlanTable, header="[conicity]"):
     """Amplitudes of the equivalent conicity, and how the wheelset's shift is counted."""
 
-    aliases: ClassVar[dict[str, str]] = {
-        "amplitude_mm": "amplitudes_mm y_mm",
-        "curve_radius_m": "curve_radii_m radius_m R",
-    }
+    aliases = {"amplitude_mm": "amplitudes_mm y_mm", "curve_radius_m": "curve_radii_m radius_m R"}
 
     amplitude_mm: Series[Amplitude] = AMPLITUDES
     """Amplitudes of the lateral motion for which the conicity is found."""
@@ -60,6 +56,5 @@ class ConicitySection(PlanTable, header="[conicity]"):
     """Contact angle of the outer wheel from which it counts as on its flange, for the radial steering index."""
 
     def plan(self, given: Given) -> ConicityPlan:
-        """The same in SI units."""
         amplitudes = tuple(a / 1000.0 for a in self.amplitude_mm)
         return ConicityPlan(amplitudes, self.roll, self.curve_radius_m, radians(self.flange_from_deg))

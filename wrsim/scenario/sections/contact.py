@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, get_args
+from typing import Annotated, Any, get_args
 
 from wrsim.contact.models import NORMAL_MODELS
 from wrsim.contact.settings import (
@@ -21,7 +21,7 @@ from wrsim.contact.settings import (
     Tangential,
     TractionBound,
 )
-from wrsim.inputs.section import Fault, Section, both_or_sides
+from wrsim.inputs.section import SIDES, Fault, Section, both_or_sides, on_side
 from wrsim.inputs.values import List, number, plain_number, positive, text
 from wrsim.scenario.sections.friction import FrictionPlaceSection, FrictionSection, FrictionValue
 
@@ -31,8 +31,8 @@ CreepCoefficient = Annotated[float, positive(1e6, "kN per creepage of one wheel,
 class ConicalSection(Section, header="[contact.conical]"):
     """Conical wheels with a prescribed creep law; profiles and the other keys of [contact] then count for nothing."""
 
-    together: ClassVar[tuple[str, ...]] = ("flange_clearance_mm flange_stiffness_kN_per_m",)
-    aliases: ClassVar[dict[str, str]] = {
+    together = ("flange_clearance_mm flange_stiffness_kN_per_m",)
+    aliases = {
         "conicity": "lambda", "friction": "mu", "creep_longitudinal_kN": "creep_x_kN f11_kN",
         "creep_lateral_kN": "creep_y_kN f22_kN", "half_spacing_mm": "half_contact_spacing_mm",
     }  # fmt: skip
@@ -75,7 +75,7 @@ MATERIAL_ALIASES = {
 class OneMaterial(Section, header="[contact.material.wheel] or [contact.material.rail]"):
     """The material of one side of the contact."""
 
-    aliases: ClassVar[dict[str, str]] = MATERIAL_ALIASES
+    aliases = MATERIAL_ALIASES
 
     youngs_modulus_GPa: Modulus | None = None
     """Young's modulus of this side; that of [contact.material] unless given."""
@@ -86,7 +86,7 @@ class OneMaterial(Section, header="[contact.material.wheel] or [contact.material
 class MaterialSection(Section, header="[contact.material]"):
     """The material of wheel and rail; the tables ``wheel`` and ``rail`` override it for one of them."""
 
-    aliases: ClassVar[dict[str, str]] = MATERIAL_ALIASES
+    aliases = MATERIAL_ALIASES
 
     youngs_modulus_GPa: Modulus = STEEL.youngs_modulus / 1e9
     """Young's modulus of wheel and rail."""
@@ -106,14 +106,9 @@ class MaterialSection(Section, header="[contact.material]"):
 class HalfSpaceSection(Section, header="[contact.half_space]"):
     """Elements and kernel of the exact solver, wherever it is used."""
 
-    together: ClassVar[tuple[str, ...]] = ("element_x_mm element_s_mm",)
-    at_most_one: ClassVar[tuple[str, ...]] = ("element_x_mm resolution",)
-    aliases: ClassVar[dict[str, str]] = {
-        "element_x_mm": "dx_mm",
-        "element_s_mm": "ds_mm",
-        "resolution": "elements",
-        "influence": "kernel",
-    }
+    together = ("element_x_mm element_s_mm",)
+    at_most_one = ("element_x_mm resolution",)
+    aliases = {"element_x_mm": "dx_mm", "element_s_mm": "ds_mm", "resolution": "elements", "influence": "kernel"}
 
     element_x_mm: Element | None = None
     """Length of an element along the track; chosen by resolution unless given."""
@@ -136,9 +131,9 @@ class HalfSpaceSection(Section, header="[contact.half_space]"):
 class ContactSection(Section, header="[contact]"):
     """Contact model, friction and material; everything has a default."""
 
-    at_most_one: ClassVar[tuple[str, ...]] = ("friction_sections friction_table",)
-    goes_with: ClassVar[dict[str, str]] = {"friction_at_m": "friction_sections friction_table"}
-    aliases: ClassVar[dict[str, str]] = {
+    at_most_one = ("friction_sections friction_table",)
+    goes_with = {"friction_at_m": "friction_sections friction_table"}
+    aliases = {
         "friction": "mu friction_coefficient", "friction_left": "mu_left", "friction_right": "mu_right",
         "friction_sections": "friction_along friction_section", "friction_table": "friction_file friction_csv",
         "normal": "normal_model", "tangential": "tangential_model creep", "traction_bound": "bound",
@@ -193,7 +188,6 @@ class ContactSection(Section, header="[contact]"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """Friction for both sides or for each; a number of strips or their width; exact creep on exact pressure."""
         if raw.get("tangential") == "half-space" and raw.get("normal", DEFAULTS.normal) != "half-space":
             message = '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
             yield Fault("tangential", message)
@@ -202,7 +196,7 @@ class ContactSection(Section, header="[contact]"):
         model = NORMAL_MODELS[name] if name in get_args(Normal) else None
         if model is None or not model.solves_for_strips:
             if "strips" in raw and "strip_width_mm" in raw:
-                yield Fault("strip_width_mm", "cannot stand next to strips: give one of them")
+                yield Fault("strip_width_mm", "cannot be given with strips: give one of them")
             return
         strips = raw.get("strips")
         if isinstance(strips, int) and not model.fewest <= strips <= model.most:
@@ -214,25 +208,19 @@ class ContactSection(Section, header="[contact]"):
             yield Fault("strip_width_mm", f'goes with normal = "kik-piotrowski" only: {others}')
 
     def consistency(self) -> Iterator[Fault]:
-        """Polach's factors in order: with kS above kA his law would pull more than mu N."""
         if self.polach_kS > self.polach_kA:
             yield Fault("polach_kS", f"must not be above polach_kA ({self.polach_kA:g})")
-        said: set[int] = set()
-        for side in ("left", "right"):
-            own = [(i, s) for i, s in enumerate(self.friction_sections) if s.side in (side, "both")]
-            for (_, before), (i, now) in pairwise(own):
+        for side in SIDES:
+            for (_, before), (i, section) in pairwise(on_side(self.friction_sections, side)):
                 end = before.from_m + before.transition_m
-                if now.from_m < end * (1.0 - 1e-12) and i not in said:
-                    said.add(i)
+                if section.from_m < end * (1.0 - 1e-12):
                     message = f"must be {plain_number(end)} or more, where its rail has reached the section before"
                     yield Fault(("friction_sections", i, "from_m"), message)
 
     def settings(self) -> ContactSettings:
-        """Return the same in SI units; friction_sections and friction_table not counted."""
-        left, right = (
-            value.law() if isinstance(value, FrictionSection) else value
-            for _, value in (self.of_side("friction", side) for side in ("left", "right"))
-        )
+        """The same in SI units, without friction_sections and friction_table."""
+        values = (self.of_side("friction", side)[1] for side in SIDES)
+        left, right = (v.law() if isinstance(v, FrictionSection) else v for v in values)
         return self.to_si(
             ContactSettings,
             polach_adhesion=self.polach_kA,

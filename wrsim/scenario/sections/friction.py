@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import radians
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from wrsim.contact.settings import Friction
 from wrsim.inputs.section import Fault, Section
@@ -20,23 +20,18 @@ FROM_DEG, FULL_DEG = 15.0, 35.0
 class FrictionSection(Section, header="[contact.friction]"):
     """Friction of both rails or of one, that depends on the place on the rail and on the slip speed."""
 
-    aliases: ClassVar[dict[str, str]] = {
-        "static": "mu mu0 coefficient top_of_rail",
-        "gauge_corner": "gauge flange",
-        "falling_ratio": "A",
+    aliases = {
+        "static": "mu mu0 coefficient top_of_rail", "gauge_corner": "gauge flange", "falling_ratio": "A",
         "falling_decay_s_per_m": "B",
-    }
-    goes_with: ClassVar[dict[str, str]] = {
-        "gauge_corner_from_deg": "gauge_corner",
-        "gauge_corner_full_deg": "gauge_corner",
+    }  # fmt: skip
+    goes_with = {
+        "gauge_corner_from_deg": "gauge_corner", "gauge_corner_full_deg": "gauge_corner",
         "falling_decay_s_per_m": "falling_ratio",
-    }
-    elsewhere: ClassVar[dict[str, str]] = {
-        "left": "[contact] as friction_left",
-        "right": "[contact] as friction_right",
-        "friction_left": "[contact]",
+    }  # fmt: skip
+    elsewhere = {
+        "left": "[contact] as friction_left", "right": "[contact] as friction_right", "friction_left": "[contact]",
         "friction_right": "[contact]",
-    }
+    }  # fmt: skip
 
     static: Coefficient
     """Coefficient of friction on the top of the rail, at no slip."""
@@ -52,7 +47,6 @@ class FrictionSection(Section, header="[contact.friction]"):
     """How soon friction falls with the slip speed w: B of the same law."""
 
     def consistency(self) -> Iterator[Fault]:
-        """The ramp rises."""
         if self.gauge_corner_full_deg <= self.gauge_corner_from_deg:
             message = f"must be above gauge_corner_from_deg ({self.gauge_corner_from_deg:g})"
             yield Fault("gauge_corner_full_deg", message)
@@ -73,12 +67,10 @@ def law_of(value: float | FrictionSection) -> Friction:
 class FrictionPlaceSection(Section, header="[[contact.friction_sections]]"):
     """From a place on another friction holds, which is reached smoothly over transition_m behind that place."""
 
-    aliases: ClassVar[dict[str, str]] = {
-        "from_m": "at_m distance_m s_m",
-        "friction": "mu coefficient static",
-        "side": "rail",
+    aliases = {
+        "from_m": "at_m distance_m s_m", "friction": "mu coefficient static", "side": "rail",
         "transition_m": "fade_m length_m",
-    }
+    }  # fmt: skip
 
     from_m: Annotated[float, number(0, 1e6, "m along the track")]
     """Where it begins; it holds up to the next section of the same rail."""

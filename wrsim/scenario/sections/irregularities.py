@@ -30,7 +30,7 @@ Channels = Annotated[List[Channel], Field(min_length=1), Predicate(lambda names:
 class GradeSection(Section, header="[[track.grades]]"):
     """From a distance on the track climbs or falls; a vertical curve leads over from the grade before."""
 
-    aliases: ClassVar[dict[str, str]] = {"from_m": "at_m", "vertical_radius_m": "radius_m", "grade_permille": "grade"}
+    aliases = {"from_m": "at_m", "vertical_radius_m": "radius_m", "grade_permille": "grade"}
 
     from_m: Place
     """Where the grade begins; the middle of the vertical curve."""
@@ -40,7 +40,6 @@ class GradeSection(Section, header="[[track.grades]]"):
     """Radius of the vertical curve that leads over from the grade before."""
 
     def to_geometry(self) -> Grade:
-        """The same in SI units."""
         return Grade(self.from_m, self.grade_permille / 1e3, self.vertical_radius_m)
 
 
@@ -69,7 +68,7 @@ class _Stretch(IrregularityTable):
 class SpectrumSection(_Stretch, kind="spectrum"):
     """Irregularities drawn from a spectrum."""
 
-    aliases: ClassVar[dict[str, str]] = {"wavelength_m": "band_m wavelengths_m", "spectrum": "name"}
+    aliases = {"wavelength_m": "band_m wavelengths_m", "spectrum": "name"}
 
     spectrum: Literal[*SPECTRA]  # type: ignore[valid-type]
     """Whose density, of which quality of track."""
@@ -97,7 +96,7 @@ class SpectrumSection(_Stretch, kind="spectrum"):
 class TableSection(_Stretch, kind="table"):
     """Measured irregularities from a CSV table."""
 
-    aliases: ClassVar[dict[str, str]] = {"file": "table csv", "wavelength_m": "band_m"}
+    aliases = {"file": "table csv", "wavelength_m": "band_m"}
 
     file: Annotated[str, text('a CSV file such as "measured.csv"')]
     """Table of the measurement; the columns stand in docs/track.md."""
@@ -113,7 +112,7 @@ class TableSection(_Stretch, kind="table"):
 class _Defect(IrregularityTable):
     """One place: its middle, length, shape and size."""
 
-    aliases: ClassVar[dict[str, str]] = {"amplitude_mm": "depth_mm height_mm", "at_m": "distance_m"}
+    aliases = {"amplitude_mm": "depth_mm height_mm", "at_m": "distance_m"}
     channel: ClassVar[Channel]
     sign: ClassVar[float] = 1.0
 
@@ -143,8 +142,8 @@ class _Defect(IrregularityTable):
 class DipSection(_Defect, kind="dip"):
     """The rails lie lower: amplitude positive downward; of one rail: a dipped joint."""
 
-    channel: ClassVar[Channel] = "level"
-    sign: ClassVar[float] = -1.0
+    channel = "level"
+    sign = -1.0
 
     rail: Rail = "both"
     """Which rail lies lower; one alone is a dipped joint."""
@@ -153,7 +152,7 @@ class DipSection(_Defect, kind="dip"):
 class AlignmentSection(_Defect, kind="alignment"):
     """The rails lie aside: amplitude positive to the left."""
 
-    channel: ClassVar[Channel] = "alignment"
+    channel = "alignment"
 
     rail: Rail = "both"
     """Which rail lies aside."""
@@ -162,13 +161,13 @@ class AlignmentSection(_Defect, kind="alignment"):
 class TwistSection(_Defect, kind="twist"):
     """The right rail lies higher than the left one by the amplitude, each by half of it."""
 
-    channel: ClassVar[Channel] = "cross-level"
+    channel = "cross-level"
 
 
 class GaugeSection(_Defect, kind="gauge"):
     """The gauge is wider by the amplitude, each rail by half of it."""
 
-    channel: ClassVar[Channel] = "gauge"
+    channel = "gauge"
 
 
 IrregularitySection = SpectrumSection | TableSection | DipSection | AlignmentSection | TwistSection | GaugeSection

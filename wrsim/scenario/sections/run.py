@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -30,7 +30,6 @@ class StretchTable(AnalysisTable):
     """Where the stretch that counts ends; where the run ends unless given."""
 
     def consistency(self) -> Iterator[Fault]:
-        """A stretch has a length."""
         if self.from_m is not None and self.to_m is not None and self.to_m <= self.from_m:
             yield Fault("to_m", f"must lie beyond from_m ({self.from_m:g} m)")
 
@@ -45,7 +44,7 @@ Coefficients = Annotated[
 class WearSection(StretchTable, header="[wear]"):
     """By which laws wear and rolling contact fatigue of a run are computed, and over which stretch."""
 
-    aliases: ClassVar[dict[str, str]] = {
+    aliases = {
         "laws": "law model", "from_m": "start_m", "to_m": "end_m", "hardness_GPa": "hardness H_GPa",
         "archard_coefficients": "wear_coefficients k", "shear_yield_MPa": "k_MPa yield_in_shear_MPa",
         "place_step_mm": "step_mm resolution_mm",
@@ -63,7 +62,6 @@ class WearSection(StretchTable, header="[wear]"):
     """Distance of the places on the profiles at which depths are given."""
 
     def consistency(self) -> Iterator[Fault]:
-        """A stretch has a length, each law is named once."""
         yield from super().consistency()
         if len(set(self.laws)) < len(self.laws):
             yield Fault("laws", "must hold each law once")
@@ -86,7 +84,7 @@ class WearSection(StretchTable, header="[wear]"):
 class RideSection(StretchTable, header="[ride]"):
     """Which stretch of a run is evaluated, and how finely; it leaves out where a run starts and ends."""
 
-    aliases: ClassVar[dict[str, str]] = {"from_m": "start_m", "to_m": "end_m", "resolution_Hz": "df_Hz"}
+    aliases = {"from_m": "start_m", "to_m": "end_m", "resolution_Hz": "df_Hz"}
 
     resolution_Hz: Annotated[float, number(0.001, 10, "Hz")] = 0.1
     """Distance between two lines of the spectra."""
@@ -136,7 +134,6 @@ class RunPlan:
         return self.integrator == "rk44" and self.step is not None and self.speed > 0.0
 
     def facts(self) -> dict[str, Any]:
-        """What a user checks."""
         if self.speed == 0.0:
             return {"at_m": self.start}
         slow, fast = (3.6 * speed for speed in self.speeds)
@@ -148,10 +145,11 @@ class RunPlan:
 class RunSection(PlanTable, header="[run]"):
     """Where a run along the track starts and ends, and its steps in time."""
 
-    at_most_one: ClassVar[tuple[str, ...]] = ("distance_m time_s",)
-    aliases: ClassVar[dict[str, str]] = {
-        "time_s": "duration_s t_end_s end_time_s", "distance_m": "length_m", "integrator": "method solver integration",
-        "step_us": "dt_us h_us", "output_interval_ms": "output_step_ms sampling_ms",
+    at_most_one = ("distance_m time_s",)
+    aliases = {
+        "time_s": "duration_s t_end_s end_time_s", "distance_m": "length_m",
+        "integrator": "method solver integration", "step_us": "dt_us h_us",
+        "output_interval_ms": "output_step_ms sampling_ms",
     }  # fmt: skip
 
     start_distance_m: Annotated[float, number(0, 1e6, "m along the centre line")] = 0.0
@@ -168,12 +166,10 @@ class RunSection(PlanTable, header="[run]"):
     """Time between two samples of the result."""
 
     def consistency(self) -> Iterator[Fault]:
-        """A sample needs at least one step."""
         if self.step_us is not None and self.step_us > self.output_interval_ms * 1000.0 * (1.0 + 1e-9):
             yield Fault("step_us", f"must be at most the output interval ({self.output_interval_ms:g} ms)")
 
     def plan(self, given: Given) -> RunPlan:
-        """From the start to the end of the track or as far as the table says; at rest the start alone."""
         ahead = max(mounted.x for mounted in given.vehicle.wheelsets)
         last = given.track.length - ahead
         start, end = self.start_distance_m, last
@@ -222,7 +218,7 @@ def _middle_of_arcs(track: Track, start: float, end: float) -> tuple[float, ...]
 class OutputSection(AnalysisTable, header="[output]"):
     """What is kept besides the channels."""
 
-    aliases: ClassVar[dict[str, str]] = {"patches_at_m": "snapshots_m patches"}
+    aliases = {"patches_at_m": "snapshots_m patches"}
 
     patches_at_m: List[Annotated[float, number(0, 1e6, "m along the centre line")]] | None = None
     """Places at which whole patches are kept; the middle of every arc unless given."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Series, Switch, number
@@ -48,14 +48,13 @@ class StabilityPlan:
     cycles: CyclePlan | None
 
     def facts(self) -> dict[str, Any]:
-        """What a user checks."""
         return {"speeds_kmh": [3.6 * v for v in self.speeds], "limit_cycles": "yes" if self.cycles else "no"}
 
 
 class StabilitySection(PlanTable, header="[stability]"):
     """Speeds of the linearised modes, and how limit cycles are looked for."""
 
-    aliases: ClassVar[dict[str, str]] = {
+    aliases = {
         "speed_kmh": "speeds_kmh", "highest_Hz": "highest_frequency_Hz", "nonlinear": "limit_cycles bifurcation",
         "cycle_step_kmh": "step_kmh", "cycle_start_kmh": "start_kmh",
     }  # fmt: skip
@@ -86,7 +85,6 @@ class StabilitySection(PlanTable, header="[stability]"):
     """Amplitude below which the vehicle counts as running straight."""
 
     def consistency(self) -> Iterator[Fault]:
-        """The search goes down from a start, in steps no finer than its tolerance."""
         if len(self.speed_kmh) > MOST_SPEEDS:
             yield Fault("speed_kmh", f"has {len(self.speed_kmh)} speeds; must be at most {MOST_SPEEDS}")
         if self.cycle_start_kmh is not None and self.cycle_start_kmh <= self.lowest_kmh:
@@ -99,7 +97,6 @@ class StabilitySection(PlanTable, header="[stability]"):
             yield Fault("longest_s", f"must be at least two windows ({2.0 * self.window_s:g} s)")
 
     def plan(self, given: Given) -> StabilityPlan:
-        """The same in SI units."""
         start = None if self.cycle_start_kmh is None else self.cycle_start_kmh / 3.6
         cycles = self.to_si(CyclePlan, start=start, step=self.cycle_step_kmh / 3.6)
         speeds = tuple(sorted({v / 3.6 for v in self.speed_kmh}))

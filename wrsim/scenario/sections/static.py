@@ -1,19 +1,32 @@
-"""[static]: poses of one wheel or of a wheelset."""
+"""[static]: poses of one wheel or of a wheelset, every combination of a grid or the rows of a CSV table."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
+
+import numpy as np
 
 from wrsim.contact.pose import Pose
+from wrsim.errors import InputError
+from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.section import Fault
-from wrsim.inputs.values import Series, Switch, text, words
-from wrsim.scenario.cases import MOST_POSES, Lateral, Load, Roll, Yaw, grid_of_poses, read_cases
+from wrsim.inputs.toml_files import shown_value
+from wrsim.inputs.values import Series, Switch, number, positive, text, words
 from wrsim.scenario.sections.table import Given, PlanTable
 
-GRID = ("lateral_mm", "yaw_mrad", "load_kN", "roll_mrad")
+Lateral = Annotated[float, number(-100, 100, "mm, positive to the left")]
+Yaw = Annotated[float, number(-200, 200, "mrad, positive to the left")]
+Load = Annotated[float, positive(1000, "kN, downwards")]
+Roll = Annotated[float, number(-200, 200, "mrad, positive lifts the left wheel")]
+
+COLUMNS: dict[str, Any] = {"id": str, "lateral_mm": Lateral, "yaw_mrad": Yaw, "load_kN": Load, "roll_mrad": Roll}
+FACTORS = {"lateral_mm": 1e-3, "yaw_mrad": 1e-3, "load_kN": 1e3, "roll_mrad": 1e-3}
+"""Keys of a grid and their factors to SI units, in the order of a pose."""
+MOST_POSES = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -30,7 +43,6 @@ class StaticPlan:
     files: tuple[Path, ...] = ()
 
     def facts(self) -> dict[str, Any]:
-        """What a user checks."""
         return {"poses": len(self.poses)}
 
 
@@ -41,7 +53,7 @@ class StaticSection(PlanTable, header="[static]"):
     table ``cases``. The load is that of the one wheel, or of the whole wheelset, which finds its own roll.
     """
 
-    aliases: ClassVar[dict[str, str]] = {
+    aliases = {
         "lateral_mm": "y_mm shift_mm lateral_shift_mm", "yaw_mrad": "attack_mrad angle_of_attack_mrad",
         "load_kN": "force_kN Q_kN wheel_load_kN axle_load_kN", "cases": "file csv table", "side": "wheel",
     }  # fmt: skip
@@ -65,10 +77,9 @@ class StaticSection(PlanTable, header="[static]"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A grid or a table; side and roll for a single wheel only."""
-        grid = [key for key in GRID if key in raw]
+        grid = [key for key in FACTORS if key in raw]
         if "cases" in raw and grid:
-            yield Fault("cases", f"cannot stand next to {', '.join(grid)}: the poses come from one place")
+            yield Fault("cases", f"cannot be given with {', '.join(grid)}: the poses come from one place")
         elif "cases" not in raw and "load_kN" not in raw:
             yield Fault("load_kN", f"must be {words(Series[Load])} (or give cases)", missing=True)
         if raw.get("target") == "wheelset":
@@ -78,16 +89,57 @@ class StaticSection(PlanTable, header="[static]"):
                 yield Fault("roll_mrad", 'is for target = "wheel" only: a wheelset finds its own roll')
 
     def consistency(self) -> Iterator[Fault]:
-        """The grid must stay countable."""
         count = len(self.lateral_mm) * len(self.yaw_mrad) * len(self.load_kN or ()) * len(self.roll_mrad)
         if count > MOST_POSES:
             yield Fault((), f"describes {count} poses; must be at most {MOST_POSES}")
 
     def plan(self, given: Given) -> StaticPlan:
-        """The poses in the order of the file."""
         if self.cases is None:
-            axes = {"y": self.lateral_mm, "yaw": self.yaw_mrad, "load": self.load_kN or (), "roll": self.roll_mrad}
-            return StaticPlan(self.target, self.side, self.rolling, tuple(grid_of_poses(axes)))
+            grid = product(self.lateral_mm, self.yaw_mrad, self.load_kN or (), self.roll_mrad)
+            poses = named([Pose("", y / 1e3, yaw / 1e3, load * 1e3, roll / 1e3) for y, yaw, load, roll in grid])
+            return StaticPlan(self.target, self.side, self.rolling, poses)
         file = given.find(("static", "cases"), self.cases)
         poses = read_cases(file, with_roll=self.target == "wheel")
         return StaticPlan(self.target, self.side, self.rolling, poses, (file,))
+
+
+def named(poses: Sequence[Pose]) -> tuple[Pose, ...]:
+    """The poses, those without a name called by what varies (mm, mrad, kN). Raises InputError for a duplicate name."""
+    values = [{"y": 1e3 * p.lateral, "yaw": 1e3 * p.yaw, "load": 1e-3 * p.load, "roll": 1e3 * p.roll} for p in poses]
+    varied = [name for name in ("y", "yaw", "load", "roll") if name == "y" or len({v[name] for v in values}) > 1]
+    seen: dict[str, int] = {}
+    for name in (p.name for p in poses if p.name):
+        if name in seen:
+            raise InputError(f"pose '{name}': there are two of this name")
+        seen[name] = 1
+
+    def free_name(own: dict[str, float]) -> str:
+        parts = (f"{own[k]:.10g}kN" if k == "load" else f"{k}{own[k] + 0.0:+.10g}" for k in varied)
+        name = "_".join(parts)
+        seen[name] = seen.get(name, 0) + 1
+        return name if seen[name] == 1 else f"{name}_{seen[name]}"
+
+    return tuple(p if p.name else replace(p, name=free_name(own)) for p, own in zip(poses, values, strict=True))
+
+
+def read_cases(path: Path, with_roll: bool = True) -> tuple[Pose, ...]:
+    """Read a CSV table of poses.
+
+    Columns ``id, lateral_mm, load_kN`` and, where they are not zero, ``yaw_mrad, roll_mrad``, in any order.
+    Raises InputError with every fault: file, line, column, value, what is allowed.
+    """
+    table, lines = read_columns(path, COLUMNS, ("id", "lateral_mm", "load_kN"), "poses")
+    if "roll_mrad" in table and not with_roll:
+        raise InputError(f"{path}: column 'roll_mrad' is for target = \"wheel\" only: a wheelset finds its own roll")
+    if lines.size > MOST_POSES:
+        raise InputError(f"{path}: {lines.size} poses; allowed: {MOST_POSES}")
+    taken: dict[str, int] = {}
+    for name, line in zip(table["id"], lines, strict=True):
+        if not name:
+            raise InputError(f"{path}:{line}: id is empty; must be a name of this pose")
+        if name in taken:
+            raise InputError(f"{path}:{line}: id = {shown_value(name)}: is taken by line {taken[name]} already")
+        taken[str(name)] = int(line)
+    nothing = np.zeros(lines.size)
+    columns = (table.get(name, nothing) * factor for name, factor in FACTORS.items())
+    return tuple(Pose(name, *map(float, row)) for name, *row in zip(taken, *columns, strict=True))

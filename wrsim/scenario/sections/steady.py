@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Series, number, words
@@ -37,18 +37,13 @@ class SteadyPlan:
     points: tuple[SteadyPoint, ...]
 
     def facts(self) -> dict[str, Any]:
-        """What a user checks."""
         return {"curves": len(self.points)}
 
 
 class SteadySection(PlanTable, header="[steady]"):
     """Curves, cants and speeds at which the steady motion of a vehicle is looked for."""
 
-    aliases: ClassVar[dict[str, str]] = {
-        "radius_m": "radii_m R",
-        "speed_kmh": "speeds_kmh v",
-        "cant_mm": "cants_mm superelevation_mm",
-    }
+    aliases = {"radius_m": "radii_m R", "speed_kmh": "speeds_kmh v", "cant_mm": "cants_mm superelevation_mm"}
 
     radius_m: Series[Radius]
     """Radii of the curves."""
@@ -61,14 +56,12 @@ class SteadySection(PlanTable, header="[steady]"):
 
     @classmethod
     def beside(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A speed here or in [vehicle]."""
         own, vehicle = raw.get("steady"), raw.get("vehicle")
         given = cls.keys_meant(own) | VehicleSection.keys_meant(vehicle)
         if isinstance(own, dict) and "speed_kmh" not in given:
             yield Fault(("steady", "speed_kmh"), f"must be {words(Series[Speed])}", missing=True)
 
     def consistency(self) -> Iterator[Fault]:
-        """No sharper curves than any vehicle runs through; rows of one length; a countable grid."""
         for radius in self.radius_m:
             if abs(radius) < SHARPEST:
                 message = f"has {radius:g}: must be {SHARPEST:g} m or more, or negative and as far from 0"
@@ -82,7 +75,6 @@ class SteadySection(PlanTable, header="[steady]"):
             yield Fault((), f"describes {sizes[0] * sizes[1] * sizes[2]} points; must be at most {MOST_POINTS}")
 
     def plan(self, given: Given) -> SteadyPlan:
-        """The points in SI units; at the speed of [vehicle] where the table names none."""
         one = None if self.speed_kmh else given.one_speed
         speeds = self.speed_kmh or (() if one is None else (3.6 * one,))
         axes = (self.radius_m, self.cant_mm, speeds)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 from wrsim.errors import InputError
 from wrsim.geometry.track.track import Track
@@ -17,23 +17,13 @@ from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.speed import SpeedProfile
 from wrsim.vehicle.vehicle import Vehicle
 
-T = TypeVar("T", bound="AnalysisTable")
-
-
-class FindTable(Protocol):
-    """Gives the scenario's table of a class."""
-
-    def __call__(self, kind: type[T]) -> T:
-        """The table."""
-        ...
-
 
 @dataclass(frozen=True)
 class Given:
     """What the plan of an analysis is made from, besides its own table.
 
-    drive: what holds the speed; speed_kmh: of [vehicle], a number or a table; table: other tables of the analysis;
-    find: the file of a name that stands at a key; fault: the error for a key.
+    drive: what holds the speed; speed_kmh: of [vehicle], a number or a table; table: the scenario's table of a class;
+    find: the file that a key names; fault: the error for a key.
     """
 
     analysis: Analysis
@@ -41,7 +31,7 @@ class Given:
     track: Track
     drive: Drive
     speed_kmh: float | SpeedTable | None
-    table: FindTable
+    table: Callable[[type[Any]], Any]
     find: Callable[[KeyPath, str], Path]
     fault: Callable[[KeyPath, str], InputError]
 
@@ -54,9 +44,9 @@ class Given:
         return None if self.speed_kmh is None else self.speed_kmh / 3.6
 
     def speed_from(self, start: float, end: float) -> SpeedProfile:
-        """How the vehicle goes on from the start of a run to its end [m].
+        """The speed from the start of a run to its end [m].
 
-        Where motors and brakes alone decide, as they would take along a mass without losses."""
+        Where motors and brakes alone decide, that of a mass without losses under their forces."""
         vehicle = self.vehicle
         if isinstance(self.speed_kmh, SpeedTable):
             return self.speed_kmh.profile(start)

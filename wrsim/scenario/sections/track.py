@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field
 from wrsim.geometry.profile.profile import GAUGE_DEPTH
 from wrsim.geometry.track import segments
 from wrsim.geometry.track.track import RailElasticity
-from wrsim.inputs.section import Choice, Fault, Section, both_or_sides
+from wrsim.inputs.section import SIDES, Choice, Fault, Section, both_or_sides, on_side
 from wrsim.inputs.values import List, number, number_limits, plain_number, positive, refuse, text, unpacked, words
 from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection, grades_in_order
 
@@ -72,9 +72,9 @@ class SegmentTable(Choice, header="[[track.segments]]"):
 class StraightSegment(SegmentTable, kind="straight"):
     """A straight piece; cant and gauge may run from one value to another along it."""
 
-    geometry: ClassVar[type[segments.Segment]] = segments.Straight
-    also_called: ClassVar[str] = "tangent line"
-    aliases: ClassVar[dict[str, str]] = {"length_m": "l L"}
+    geometry = segments.Straight
+    also_called = "tangent line"
+    aliases = {"length_m": "l L"}
 
     length_m: Length
     """Length along the centre line."""
@@ -91,9 +91,9 @@ class StraightSegment(SegmentTable, kind="straight"):
 class TransitionSegment(SegmentTable, kind="transition"):
     """From the curvature and cant of the segment before to those of the segment after."""
 
-    geometry: ClassVar[type[segments.Segment]] = segments.Transition
-    also_called: ClassVar[str] = "spiral easement ramp"
-    aliases: ClassVar[dict[str, str]] = {"length_m": "l L", "form": "type shape"}
+    geometry = segments.Transition
+    also_called = "spiral easement ramp"
+    aliases = {"length_m": "l L", "form": "type shape"}
 
     length_m: Length
     """Length along the centre line."""
@@ -104,14 +104,12 @@ class TransitionSegment(SegmentTable, kind="transition"):
 class ArcSegment(SegmentTable, kind="arc"):
     """A circular arc: radius (positive: curves to the left), length or angle, cant, gauge widening."""
 
-    also_called: ClassVar[str] = "curve circle circular radius"
-    one_of: ClassVar[tuple[str, ...]] = ("length_m angle_deg",)
-    aliases: ClassVar[dict[str, str]] = {
-        "length_m": "l L",
-        "radius_m": "r R",
-        "cant_mm": "superelevation superelevation_mm",
+    also_called = "curve circle circular radius"
+    one_of = ("length_m angle_deg",)
+    aliases = {
+        "length_m": "l L", "radius_m": "r R", "cant_mm": "superelevation superelevation_mm",
         "gauge_widening_mm": "widening widening_mm",
-    }
+    }  # fmt: skip
 
     radius_m: Radius
     """Radius of the centre line; positive curves to the left."""
@@ -125,7 +123,6 @@ class ArcSegment(SegmentTable, kind="arc"):
     """By how much the gauge is wider than gauge_mm."""
 
     def consistency(self) -> Iterator[Fault]:
-        """An angle may be right and its arc too short or too long."""
         if not LENGTHS[0] <= self.length <= LENGTHS[1]:
             yield Fault("angle_deg", f"makes an arc of {self.length:g} m; its length must be {words(Length)}")
 
@@ -137,7 +134,6 @@ class ArcSegment(SegmentTable, kind="arc"):
         return abs(self.radius_m) * math.radians(self.angle_deg or 0.0)
 
     def to_geometry(self) -> segments.Arc:
-        """The segment in SI units."""
         return self.to_si(segments.Arc, length=self.length)
 
 
@@ -153,14 +149,10 @@ class RailSectionSection(Section, header="[[track.rail_sections]]"):
     one file, in place of rail and features_mm.
     """
 
-    one_of: ClassVar[tuple[str, ...]] = ("rail table",)
-    at_most_one: ClassVar[tuple[str, ...]] = ("table features_mm",)
-    goes_with: ClassVar[dict[str, str]] = {"measured": "table"}
-    aliases: ClassVar[dict[str, str]] = {
-        "at_m": "distance_m position_m s_m",
-        "rail": "profile",
-        "features_mm": "features",
-    }
+    one_of = ("rail table",)
+    at_most_one = ("table features_mm",)
+    goes_with = {"measured": "table"}
+    aliases = {"at_m": "distance_m position_m s_m", "rail": "profile", "features_mm": "features"}
 
     at_m: Annotated[float, number(0, 1e6, "m along the track")]
     """Where along the track the rail has this section; where the distances of a table begin to count."""
@@ -183,7 +175,7 @@ class RailSectionSection(Section, header="[[track.rail_sections]]"):
 class ElasticitySection(Section, header="[track.elasticity]"):
     """A mass on spring and damper under each wheel, moving along with it; laterally and vertically."""
 
-    aliases: ClassVar[dict[str, str]] = {"vertical_mass_kg": "mass_kg"}
+    aliases = {"vertical_mass_kg": "mass_kg"}
 
     lateral_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "20 to 50 for one rail under one wheel")]
     """Stiffness that holds the rail sideways under one wheel."""
@@ -199,7 +191,6 @@ class ElasticitySection(Section, header="[track.elasticity]"):
     """Mass of rail that moves up and down with one wheel."""
 
     def to_geometry(self) -> RailElasticity:
-        """The same in SI units."""
         return RailElasticity(
             stiffness=(1e6 * self.lateral_stiffness_MN_per_m, 1e6 * self.vertical_stiffness_MN_per_m),
             damping=(1e3 * self.lateral_damping_kNs_per_m, 1e3 * self.vertical_damping_kNs_per_m),
@@ -214,11 +205,11 @@ class TrackSection(Section, header="[track]"):
     in the plane of the track. For bare pairs of curves that have no gauge point.
     """
 
-    at_most_one: ClassVar[tuple[str, ...]] = ("segments table",)
-    aliases: ClassVar[dict[str, str]] = {
+    at_most_one = ("segments table",)
+    aliases = {
         "inclination": "rail_cant rail_inclination", "rail": "profile rail_profile", "segments": "segment",
-        "grades": "grade gradients", "rail_sections": "sections rail_section", "irregularities": "irregularity defects",
-        "table": "csv", "file": "model",
+        "grades": "grade gradients", "rail_sections": "sections rail_section",
+        "irregularities": "irregularity defects", "table": "csv", "file": "model",
     }  # fmt: skip
 
     file: Annotated[str, text('a track file such as "tracks/mixed_line.toml"')] | None = None
@@ -257,7 +248,6 @@ class TrackSection(Section, header="[track]"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A rail for both sides or one for each; a transition lies between two arcs or straights."""
         yield from both_or_sides(raw, "rail", needed=words(RailName))
         yield from grades_in_order(raw.get("grades"))
         row = raw.get("segments")
@@ -268,19 +258,15 @@ class TrackSection(Section, header="[track]"):
                 yield Fault(("segments", i), message)
 
     def consistency(self) -> Iterator[Fault]:
-        """Cant is measured between the rail tops, which lie outside of the gauge."""
         if not self.gauge_mm <= self.cant_base * 1000.0 <= self.gauge_mm + 500.0:
             allowed = f"{plain_number(self.gauge_mm)} to {plain_number(self.gauge_mm + 500.0)}"
             yield Fault("cant_base_mm", f"must be from the gauge to 500 mm more ({allowed})")
-        said: set[int] = set()
-        for side in ("left", "right"):
-            own = [(i, s) for i, s in enumerate(self.rail_sections) if s.side in (side, "both")]
-            if len(own) == 1 and own[0][1].table is None and own[0][0] not in said:
-                said.add(own[0][0])
+        for side in SIDES:
+            own = on_side(self.rail_sections, side)
+            if len(own) == 1 and own[0][1].table is None:
                 yield Fault(("rail_sections", own[0][0]), "is the only one of its rail; at least 2 are needed")
-            for (_, before), (i, now) in pairwise(own):
-                if now.at_m <= before.at_m and i not in said:
-                    said.add(i)
+            for (_, before), (i, section) in pairwise(own):
+                if section.at_m <= before.at_m:
                     message = f"must be more than {plain_number(before.at_m)}, where its rail has the section before"
                     yield Fault(("rail_sections", i, "at_m"), message)
 

@@ -24,11 +24,11 @@ from wrsim.results.render import as_records, as_rows
 from wrsim.results.table import Column, Table
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.study.collect import read_numbers
-from wrsim.study.service.service import Service
-from wrsim.study.service.steps import DEPTHS, WHEEL, Step, write_wheel
+from wrsim.study.evolution.reading import Evolution
+from wrsim.study.evolution.steps import DEPTHS, WHEEL, Step, write_wheel
 
 NUMBERS = "wear.nc"
-"""File of a service's numbers."""
+"""File of a profile evolution's numbers."""
 FORMAT = "wrsim wear"
 COLUMNS = {
     "mileage": ("mileage_km", 1e-3, "m", "mileage"),
@@ -53,80 +53,76 @@ TABLE, REPORT, WORN = "wear.csv", "wear.json", "worn_"
 OUTPUTS = (NUMBERS, TABLE, REPORT, WORN + WHEEL, WORN + DEPTHS)
 
 
-def wear_history(service: Service, steps: Sequence[Step]) -> xr.Dataset:
+def wear_history(evolution: Evolution, steps: Sequence[Step]) -> xr.Dataset:
     """Profiles and numbers at the start of every step and at the end of the last one; dimensions point, place."""
     points: list[tuple[float, np.ndarray, Step | None]] = []
-    lost = np.zeros(service.places.size - 1)
+    lost = np.zeros(evolution.places.size - 1)
     for step in steps:  # what is lost before each of them
         points.append((step.start, lost, step))
         lost = np.array(step.areas)
     points.append((steps[-1].end if steps else 0.0, lost, None))
-    middles = 0.5 * (service.places[1:] + service.places[:-1])
-    origin = float(service.unworn.arclength_of(0.0))
-    unworn = np.stack(service.unworn.at(middles))
-    normal = np.stack(service.unworn.normal(middles))
+    middles = 0.5 * (evolution.places[1:] + evolution.places[:-1])
+    origin = float(evolution.unworn.arclength_of(0.0))
+    unworn = np.stack(evolution.unworn.at(middles))
+    normal = np.stack(evolution.unworn.normal(middles))
     rows, depths = [], []
     for mileage, areas, own in points:
-        table = service.table(areas)
+        table = evolution.table(areas)
         depth = np.zeros(middles.size) if table is None else table.at(middles - origin)[0]
         depths.append(depth)
-        rows.append(_numbers(service, service.profile(areas), mileage, depth, unworn[0], own))
+        rows.append(_numbers(evolution, evolution.profile(areas), mileage, depth, unworn[0], own))
     places = np.stack([unworn[:, None, :] - normal[:, None, :] * np.stack(depths)])[0]
     variables: dict[str, Any] = {
-        name: ("point", np.array([row[name] for row in rows]), {"units": unit, "long_name": words})
-        for name, (_, _, unit, words) in COLUMNS.items()
+        name: ("point", np.array([row[i] for row in rows]), {"units": unit, "long_name": words})
+        for i, (name, (_, _, unit, words)) in enumerate(COLUMNS.items())
     }
     for (name, (dims, words)), values in zip(PROFILES.items(), (*places, np.stack(depths), unworn[0]), strict=True):
         variables[name] = (dims, values, {"units": "m", "long_name": words})
-    about = {"format": FORMAT, "title": service.given.title, "law": service.law, "wheel": service.unworn.name}
-    about |= {"service_text": service.given.text, "cases_text": service.cases_text, "scenario_text": service.base.text}
+    about = {"format": FORMAT, "title": evolution.given.title, "law": evolution.law, "wheel": evolution.unworn.name}
+    about |= {
+        "service_text": evolution.given.text,
+        "cases_text": evolution.cases_text,
+        "scenario_text": evolution.base.text,
+    }
     return xr.Dataset(
-        variables, attrs=about | {"conicity_amplitude_m": 1e-3 * service.spec.conicity_amplitude_mm} | versions()
+        variables, attrs=about | {"conicity_amplitude_m": 1e-3 * evolution.spec.conicity_amplitude_mm} | versions()
     )
 
 
 def _numbers(
-    service: Service, profile: Profile, mileage: float, depth: np.ndarray, u: np.ndarray, step: Step | None
-) -> dict[str, float]:
-    """One row of the table."""
+    evolution: Evolution, profile: Profile, mileage: float, depth: np.ndarray, u: np.ndarray, step: Step | None
+) -> tuple[float, ...]:
+    """The values of COLUMNS; step: the one that begins there."""
     nothing = float("nan")
     at = int(np.argmax(depth))
     try:
-        flange = flange_dimensions(profile, 1e-3 * service.spec.flange_back_mm)
+        flange = flange_dimensions(profile, 1e-3 * evolution.spec.flange_back_mm)
         sizes = flange.thickness, flange.height, flange.steepness
     except InputError:  # a cone has none
         sizes = nothing, nothing, nothing
-    return {
-        "mileage": mileage,
-        "flange_thickness": sizes[0],
-        "flange_height": sizes[1],
-        "flange_steepness": sizes[2],
-        "conicity": _conicity(service, profile),
-        "deepest": float(depth[at]),
-        "deepest_u": float(u[at]) if depth[at] > 0.0 else nothing,
-        "tread": nothing if step is None else step.tread,
-        "flange": nothing if step is None else step.flange,
-    }
+    deepest = float(depth[at]), float(u[at]) if depth[at] > 0.0 else nothing
+    lost = (nothing, nothing) if step is None else (step.tread, step.flange)
+    return (mileage, *sizes, _conicity(evolution, profile), *deepest, *lost)
 
 
-def _conicity(service: Service, profile: Profile) -> float:
-    """Equivalent conicity of the wheelset on the rails of the service; not-a-number where it does not swing."""
-    setup = service.setup
+def _conicity(evolution: Evolution, profile: Profile) -> float:
+    """Equivalent conicity of the wheelset on the rails of the base scenario; not-a-number where it does not swing."""
+    setup = evolution.setup
     own = setup.wheelset
     wheelset = replace(own, left=replace(own.left, profile=profile), right=replace(own.right, profile=profile))
-    plan = ConicityPlan(amplitudes=(1e-3 * service.spec.conicity_amplitude_mm,))
+    plan = ConicityPlan(amplitudes=(1e-3 * evolution.spec.conicity_amplitude_mm,))
     try:
-        found = conicity(wheelset, setup.rails, setup.track.nominal_gauge, plan, service.given.title)
+        found = conicity(wheelset, setup.rails, setup.track.nominal_gauge, plan, evolution.given.title)
     except InputError:
         return float("nan")
     return float(found.dataset["equivalent_conicity"].values.ravel()[0])
 
 
 def write_history(
-    service: Service, steps: Sequence[Step], directory: Path, pictures: bool
+    evolution: Evolution, steps: Sequence[Step], directory: Path, pictures: bool
 ) -> tuple[xr.Dataset, list[Path]]:
-    """Write the history, the worn wheel as a model file, and pictures into the folder of a service."""
-    dataset = wear_history(service, steps)
+    """Write the history, the worn wheel as a model file, and pictures into the folder of a profile evolution."""
+    dataset = wear_history(evolution, steps)
     files = [
         write_netcdf(directory / NUMBERS, dataset),
         write_atomically(directory / TABLE, as_csv(as_rows(mileage_table(dataset)))),
@@ -134,23 +130,23 @@ def write_history(
     ]
     if steps:
         areas, label = np.array(steps[-1].areas), f"{1e-3 * steps[-1].end:.6g} km"
-        wheel = write_wheel(service, directory, areas, label, WORN)
-        files += [wheel] if wheel != service.wheel else []
+        wheel = write_wheel(evolution, directory, areas, label, WORN)
+        files += [wheel] if wheel != evolution.wheel else []
     if pictures:
         files += save_all(service_figures(dataset), directory)
     return dataset, files
 
 
 def read_history(path: Path) -> xr.Dataset:
-    """The dataset of a service, from its folder or its ``wear.nc``. Raises InputError for anything else."""
-    return read_numbers(path, NUMBERS, FORMAT, "service", _faults)
+    """The dataset of a profile evolution, from its folder or its ``wear.nc``. Raises InputError for anything else."""
+    return read_numbers(path, NUMBERS, FORMAT, "profile evolution", _faults)
 
 
 def _faults(dataset: xr.Dataset) -> Iterator[str]:
-    """What is wrong with the dataset of a service; see `history`."""
+    """What is wrong with the dataset of a profile evolution; see `history`."""
     yield from faults_of_attributes(dataset.attrs, ("title", "law"))
-    layout: dict[str, tuple[str, ...]] = dict.fromkeys(COLUMNS, ("point",))
-    for name, dims in (layout | {name: dims for name, (dims, _) in PROFILES.items()}).items():
+    layout = dict.fromkeys(COLUMNS, ("point",)) | {name: dims for name, (dims, _) in PROFILES.items()}
+    for name, dims in layout.items():
         yield from faults_of_variable(dataset, name, dims, "number")
     if 0 in dataset.sizes.values():
         yield "holds no numbers"

@@ -1,4 +1,4 @@
-"""A service, read and checked, and the plan of the cases of one step."""
+"""A profile evolution, read and checked, and the plan of the cases of one step."""
 
 from __future__ import annotations
 
@@ -22,10 +22,9 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.study.axes import AxisPoints, axis_points
+from wrsim.study.evolution.stages import STAGES
 from wrsim.study.plan import Plan, StudyInput, with_cases
-from wrsim.study.service.spec import ServiceFile
-from wrsim.study.service.stages import STAGES
-from wrsim.study.spec import CasesSection, CsvAxis, OutputsSection
+from wrsim.study.spec import CasesSection, CsvAxis, EvolutionFile, OutputsSection
 
 Array = NDArray[np.float64]
 
@@ -40,8 +39,8 @@ SHARPEST = 1000.0
 
 
 @dataclass(frozen=True)
-class Service:
-    """A service in SI units.
+class Evolution:
+    """A profile evolution in SI units.
 
     given: the file as it was read, base: its scenario with all that holds for every case; points, cases_text: the cases
     and their table; shares: of the mileage, in their order; wheel: file of the unworn profile, which is ``unworn``;
@@ -58,9 +57,9 @@ class Service:
     digest: str
 
     @property
-    def spec(self) -> ServiceFile:
+    def spec(self) -> EvolutionFile:
         """What the file holds."""
-        own: ServiceFile = self.given.spec
+        own: EvolutionFile = self.given.spec
         return own
 
     @property
@@ -100,10 +99,10 @@ class Service:
         return with_cases(replace(plan, title=f"{plan.title}, {label}"), given.base)[0]
 
 
-def read_service(file: Path, models: Sequence[str | Path] = ()) -> tuple[Service, tuple[Path, ...]]:
-    """A service, and all files that were read. Raises InputError with file, key and what is allowed."""
+def read_evolution(file: Path, models: Sequence[str | Path] = ()) -> tuple[Evolution, tuple[Path, ...]]:
+    """A profile evolution, and all files that were read. Raises InputError with file, key and what is allowed."""
     with noting_reads() as seen:
-        given = StudyInput(file, "service file", ServiceFile, models)
+        given = StudyInput(file, "profile evolution file", EvolutionFile, models)
         spec, base = given.spec, given.base
         with given.naming("largest_depth_mm", value=spec.largest_depth_mm):
             _check_bend(spec)
@@ -122,10 +121,10 @@ def read_service(file: Path, models: Sequence[str | Path] = ()) -> tuple[Service
     for path, content in sorted((str(path), content) for path, content in seen.items()):
         digest.update(f"{path} {content}\n".encode())
     cases_text = table.read_text(encoding="utf-8")
-    return Service(given, base, points, cases_text, shares, wheel, unworn, digest.hexdigest()[:32]), tuple(seen)
+    return Evolution(given, base, points, cases_text, shares, wheel, unworn, digest.hexdigest()[:32]), tuple(seen)
 
 
-def _check_bend(spec: ServiceFile) -> None:
+def _check_bend(spec: EvolutionFile) -> None:
     """Refuse steps that dig waves too sharp for any contact: of smoothing_mm, between 0 and largest_depth_mm deep.
 
     Such a wave bends by depth / 2 (2 pi / length)^2. Raises InputError.

@@ -22,11 +22,11 @@ from wrsim.results.files import as_json
 from wrsim.results.manifest import digest_of
 from wrsim.results.netcdf import write_netcdf
 from wrsim.study.collect import holds
+from wrsim.study.evolution.history import NUMBERS, read_history, wear_history, write_history
+from wrsim.study.evolution.reading import Evolution, read_evolution
+from wrsim.study.evolution.stages import STAGES, tableau
+from wrsim.study.evolution.steps import STEP, Step, folder_of, read_step, wear_steps
 from wrsim.study.plan import PLAN, Plan
-from wrsim.study.service.history import NUMBERS, read_history, wear_history, write_history
-from wrsim.study.service.service import Service, read_service
-from wrsim.study.service.stages import STAGES, tableau
-from wrsim.study.service.steps import STEP, Step, folder_of, read_step, wear_steps
 from wrsim.study.task import run_case
 
 BASE = """
@@ -62,12 +62,12 @@ largest_step_km = 20
 """
 
 
-def service_in(folder: Path, more: str = "", cases: str = CASES, text: str = SERVICE) -> Service:
+def service_in(folder: Path, more: str = "", cases: str = CASES, text: str = SERVICE) -> Evolution:
     """A service of a curve and nearly straight track."""
     (folder / "base.toml").write_text(BASE.format(scenario=SCENARIOS / "curve_r300.toml"))
     (folder / "cases.csv").write_text(cases)
     (folder / "service.toml").write_text(text + more)
-    return read_service(folder / "service.toml")[0]
+    return read_evolution(folder / "service.toml")[0]
 
 
 def work(plan: Plan, todo: Sequence[int]) -> None:
@@ -83,37 +83,37 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def service(folder: Path) -> Service:
+def evolution(folder: Path) -> Evolution:
     return service_in(folder)
 
 
 @pytest.fixture(scope="module")
-def steps(service: Service, folder: Path) -> list[Step]:
-    return list(wear_steps(service, folder / "out", work))
+def steps(evolution: Evolution, folder: Path) -> list[Step]:
+    return list(wear_steps(evolution, folder / "out", work))
 
 
-def test_steps_follow_each_other_up_to_the_mileage(service: Service, steps: list[Step]) -> None:
+def test_steps_follow_each_other_up_to_the_mileage(evolution: Evolution, steps: list[Step]) -> None:
     assert steps[0].start == 0.0 and steps[-1].end == pytest.approx(40e3, rel=1e-12)
     for step, following in pairwise(steps):
         assert following.start == step.end
     assert [step.way for step in steps] == pytest.approx([20e3, 20e3])
 
 
-def test_mass_off_the_wheels_is_mass_lost(service: Service, steps: list[Step]) -> None:
+def test_mass_off_the_wheels_is_mass_lost(evolution: Evolution, steps: list[Step]) -> None:
     """What is off the section, times the ring and the density, against what tread and flange lost on the way.
 
     The ring's radius at each place is that of the profile that ran there.
     """
     lost = sum(step.way * (step.tread + step.flange) for step in steps)
     areas = np.array(steps[-1].areas)
-    middles = 0.5 * (service.places[1:] + service.places[:-1])
-    radius = 0.46 - service.unworn.at(middles)[1]
-    off = 7850.0 * (2.0 * np.pi * radius * areas * service.places[1]).sum()
+    middles = 0.5 * (evolution.places[1:] + evolution.places[:-1])
+    radius = 0.46 - evolution.unworn.at(middles)[1]
+    off = 7850.0 * (2.0 * np.pi * radius * areas * evolution.places[1]).sum()
     assert off == pytest.approx(lost, rel=1e-4)
 
 
 def test_a_service_that_was_killed_gives_the_same_to_the_bit(
-    service: Service, steps: list[Step], folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    evolution: Evolution, steps: list[Step], folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Killed in its second step, one case done; then all that it had is read, on the next day as well."""
     whole = folder / "out"
@@ -127,7 +127,7 @@ def test_a_service_that_was_killed_gives_the_same_to_the_bit(
         raise Killed
 
     with pytest.raises(Killed):
-        list(wear_steps(service, tmp_path, killed))
+        list(wear_steps(evolution, tmp_path, killed))
     assert not (folder_of(tmp_path, 1) / STEP).exists()
     ran: list[int] = []
 
@@ -141,8 +141,8 @@ def test_a_service_that_was_killed_gives_the_same_to_the_bit(
             day = datetime.date.today() + datetime.timedelta(days=1)
             return cls(day.year, day.month, day.day)
 
-    monkeypatch.setattr("wrsim.study.service.steps.date", Tomorrow)
-    again = list(wear_steps(service, tmp_path, rest))
+    monkeypatch.setattr("wrsim.study.evolution.steps.date", Tomorrow)
+    again = list(wear_steps(evolution, tmp_path, rest))
     assert again == steps
     assert ran == [1] + [2] * (STAGES * (len(steps) - 1) - 1)
     for i in range(len(steps)):
@@ -151,16 +151,18 @@ def test_a_service_that_was_killed_gives_the_same_to_the_bit(
     def nothing(plan: Plan, todo: Sequence[int]) -> None:
         raise AssertionError("all was done")
 
-    assert list(wear_steps(service, tmp_path, nothing)) == steps
+    assert list(wear_steps(evolution, tmp_path, nothing)) == steps
 
 
 @pytest.mark.campaign  # in the suite: the order of the stages, and the mass that is lost
-def test_half_the_step_gives_the_same_depth(service: Service, steps: list[Step], tmp_path: Path) -> None:
+def test_half_the_step_gives_the_same_depth(evolution: Evolution, steps: list[Step], tmp_path: Path) -> None:
     """The first step in two halves: mass and depth everywhere, of the deepest."""
     half = service_in(tmp_path, text=SERVICE.replace("= 20", "= 10").replace("= 40", "= 20"))
     finer = list(wear_steps(half, tmp_path / "out", work))
     assert [step.way for step in finer] == pytest.approx([10e3, 10e3])
-    one, other = (smoothed_table(np.array(own.areas), float(service.places[1]), 5e-3) for own in (steps[0], finer[-1]))
+    one, other = (
+        smoothed_table(np.array(own.areas), float(evolution.places[1]), 5e-3) for own in (steps[0], finer[-1])
+    )
     assert other.sum() == pytest.approx(one.sum(), rel=1e-3)
     np.testing.assert_allclose(one, other, rtol=0.0, atol=0.01 * one.max())
 
@@ -182,15 +184,15 @@ def test_stages_are_of_second_order_and_stay_stable() -> None:
 
 
 def test_the_page_of_a_service_holds_numbers_pictures_and_files(
-    service: Service, steps: list[Step], tmp_path: Path
+    evolution: Evolution, steps: list[Step], tmp_path: Path
 ) -> None:
-    write_history(service, steps, tmp_path, pictures=False)
+    write_history(evolution, steps, tmp_path, pictures=False)
     assert holds(tmp_path, NUMBERS) and not holds(tmp_path.parent, NUMBERS)
     found = forked("report", tmp_path, "--json")
     assert found.returncode == 0, found.stderr
     page = (tmp_path / "report.html").read_text()
     for words in (
-        service.given.title,
+        evolution.given.title,
         "mm worn off at the deepest place",
         "Sd [mm]",
         "left,0.5,500,60",
@@ -200,8 +202,8 @@ def test_the_page_of_a_service_holds_numbers_pictures_and_files(
     assert page.count("<img ") == 2 and page.count('<tr><th scope="row">') > len(steps)
 
 
-def test_a_page_takes_one_service_alone(service: Service, steps: list[Step], tmp_path: Path) -> None:
-    write_history(service, steps, tmp_path, pictures=False)
+def test_a_page_takes_one_service_alone(evolution: Evolution, steps: list[Step], tmp_path: Path) -> None:
+    write_history(evolution, steps, tmp_path, pictures=False)
     two = forked("report", tmp_path, tmp_path)
     assert two.returncode == 2 and "is a service: a report takes one service" in two.stderr
     view = forked("report", tmp_path, "--view")
@@ -212,8 +214,8 @@ def test_a_page_takes_one_service_alone(service: Service, steps: list[Step], tmp
     assert lacking.returncode == 2 and "but has no depth; run it again" in lacking.stderr
 
 
-def test_history_tells_the_flange_and_can_be_loaded(service: Service, steps: list[Step], tmp_path: Path) -> None:
-    dataset, files = write_history(service, steps, tmp_path, pictures=True)
+def test_history_tells_the_flange_and_can_be_loaded(evolution: Evolution, steps: list[Step], tmp_path: Path) -> None:
+    dataset, files = write_history(evolution, steps, tmp_path, pictures=True)
     assert {"wear.nc", "wear.csv", "wear.json", "worn_wheel.toml", "wear_profiles.png", "wear_mileage.png"} == {
         file.name for file in files
     }
@@ -223,7 +225,7 @@ def test_history_tells_the_flange_and_can_be_loaded(service: Service, steps: lis
     assert dataset["flange_height"].values[-1] > dataset["flange_height"].values[0] - 1e-9
     assert (np.diff(dataset["deepest"].values) > 0.0).all()
     assert np.isfinite(dataset["conicity"].values).all()
-    again = wear_history(service, steps)
+    again = wear_history(evolution, steps)
     assert again.identical(dataset)
 
 
@@ -238,7 +240,7 @@ def test_the_command_tells_a_finished_service_again(steps: list[Step], folder: P
 
 def test_another_service_does_not_go_on_with_these_steps(folder: Path, steps: list[Step], tmp_path: Path) -> None:
     other = service_in(tmp_path, cases=CASES.replace("20000,80", "20000,85"))
-    with pytest.raises(InputError, match="was computed from another service"):
+    with pytest.raises(InputError, match="was computed from another profile evolution"):
         next(wear_steps(other, folder / "out", work))
 
 
@@ -256,29 +258,29 @@ ODD_STEPS = [
 
 
 @pytest.mark.parametrize("odd", [b"", b"[]", b"\xff", b"[" * 100_000, b"{}", *ODD_STEPS], ids=lambda odd: str(odd)[:20])
-def test_a_step_file_with_odd_content_counts_as_none(odd: object, service: Service, tmp_path: Path) -> None:
-    areas = (0.0,) * (service.places.size - 1)
-    whole = asdict(Step(0, 0.0, 1e3, 1e-9, 1e-7, 0.0, areas, service.digest))
+def test_a_step_file_with_odd_content_counts_as_none(odd: object, evolution: Evolution, tmp_path: Path) -> None:
+    areas = (0.0,) * (evolution.places.size - 1)
+    whole = asdict(Step(0, 0.0, 1e3, 1e-9, 1e-7, 0.0, areas, evolution.digest))
     (tmp_path / STEP).write_bytes(json.dumps(whole).encode())
-    assert read_step(service, tmp_path) == Step(**whole)
+    assert read_step(evolution, tmp_path) == Step(**whole)
     (tmp_path / STEP).write_bytes(odd if isinstance(odd, bytes) else json.dumps(whole | dict(odd)).encode())  # type: ignore[call-overload]
-    assert read_step(service, tmp_path) is None
+    assert read_step(evolution, tmp_path) is None
 
 
-def test_a_pipe_in_place_of_a_step_file_counts_as_none(service: Service, tmp_path: Path) -> None:
+def test_a_pipe_in_place_of_a_step_file_counts_as_none(evolution: Evolution, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / STEP)
-    assert read_step(service, tmp_path) is None
+    assert read_step(evolution, tmp_path) is None
 
 
 def test_a_case_without_a_result_stops_the_service(tmp_path: Path) -> None:
     """No step is written, and the error names the case."""
-    service = service_in(tmp_path)
+    evolution = service_in(tmp_path)
 
     def idle(plan: Plan, todo: Sequence[int]) -> None:
         pass
 
     with pytest.raises(SimulationError, match="case case left: no result"):
-        list(wear_steps(service, tmp_path / "out", idle))
+        list(wear_steps(evolution, tmp_path / "out", idle))
     assert not (folder_of(tmp_path / "out", 0) / STEP).exists()
 
 
@@ -291,15 +293,15 @@ def test_steps_as_deep_as_told_are_taken(tmp_path: Path) -> None:
 def test_a_service_ends_where_its_wheel_would_overlap_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Normals of a flange's tip meet 12 mm under it. No contact takes so much off there: losses are given here, those
     of a first step that was done before and of the next one."""
-    service = service_in(tmp_path, more="largest_depth_mm = 1\n")
-    middles = 0.5 * (service.places[1:] + service.places[:-1])
-    tip = np.exp(-(((service.unworn.at(middles)[0] + 57e-3) / 2.5e-3) ** 2))
-    done = Step(0, 0.0, 20e3, 3e-7, 0.0, 0.0, tuple((6.6e-3 * tip).tolist()), service.digest)
+    evolution = service_in(tmp_path, more="largest_depth_mm = 1\n")
+    middles = 0.5 * (evolution.places[1:] + evolution.places[:-1])
+    tip = np.exp(-(((evolution.unworn.at(middles)[0] + 57e-3) / 2.5e-3) ** 2))
+    done = Step(0, 0.0, 20e3, 3e-7, 0.0, 0.0, tuple((6.6e-3 * tip).tolist()), evolution.digest)
     write_atomically(folder_of(tmp_path, 0) / STEP, as_json(asdict(done)))
-    monkeypatch.setattr("wrsim.study.service.steps._lost", lambda service, plan: (1e-6 * tip, 0.0, 0.0))
-    monkeypatch.setattr("wrsim.study.service.steps.missing", lambda plan: [])
+    monkeypatch.setattr("wrsim.study.evolution.steps._lost", lambda evolution, plan: (1e-6 * tip, 0.0, 0.0))
+    monkeypatch.setattr("wrsim.study.evolution.steps.missing", lambda plan: [])
     with pytest.raises(InputError) as caught:
-        list(wear_steps(service, tmp_path, work))
+        list(wear_steps(evolution, tmp_path, work))
     assert "service.toml: step 1, from 20 to 2" in str(caught.value)
     assert "the removed material makes the profile overlap itself at u = -5" in str(caught.value)
     assert not (folder_of(tmp_path, 1) / STEP).exists()
@@ -332,6 +334,6 @@ def test_wrong_input_is_one_clear_error(given: dict[str, str], words: str, tmp_p
 
 
 def test_a_key_that_no_scenario_has_is_an_error_of_its_row(tmp_path: Path) -> None:
-    service = service_in(tmp_path, cases=CASES.replace("vehicle.speed_kmh", "vehicle.sped_kmh"))
+    evolution = service_in(tmp_path, cases=CASES.replace("vehicle.speed_kmh", "vehicle.sped_kmh"))
     with pytest.raises(InputError, match="sped_kmh"):
-        list(wear_steps(service, tmp_path / "out", work))
+        list(wear_steps(evolution, tmp_path / "out", work))

@@ -2,14 +2,14 @@
 
 A step goes as far as the wear at its start leaves the largest depth that is allowed. On the way its cases run again on
 the profiles that are left by then, and what is lost is weighed from all of these looks
-(`wrsim.study.service.stages`): a spot of contact moves by its own width while a tenth of a millimetre wears off, and
+(`wrsim.study.evolution.stages`): a spot of contact moves by its own width while a tenth of a millimetre wears off, and
 one look at it would dig too deep.
 
 A step lies in its folder ``steps/000``, ``001``, ...: its wheel (``wheel.toml``, ``depths.csv``; the first step runs on
 the unworn profile itself), its cases as those of a study, the same for the profiles on its way in ``look1``, ``look2``,
-..., and ``step.json``, which is written last. A service that was killed begins with the first step without one, whose
+..., and ``step.json``, which is written last. One that was killed begins with the first step without one, whose
 cases go on by their markers.
-All that a step hands to the next is in ``step.json``, and is read from there also in a service that was not
+All that a step hands to the next is in ``step.json``, and is read from there also when it was not
 interrupted, so that both are the same to the bit.
 
 All wheels wear alike: by the mean over all wheels of the vehicle and over the cases by their shares, as if the vehicle
@@ -38,9 +38,9 @@ from wrsim.results import Result, write_atomically
 from wrsim.results.files import as_json
 from wrsim.results.table import formatted, quantity
 from wrsim.study.engine import missing
+from wrsim.study.evolution.reading import Evolution
+from wrsim.study.evolution.stages import tableau
 from wrsim.study.plan import Plan
-from wrsim.study.service.service import Service
-from wrsim.study.service.stages import tableau
 from wrsim.study.task import COMPLETED, RESULT, read_marker
 
 Array = NDArray[np.float64]
@@ -56,7 +56,7 @@ SHORTEST_REST = 1e-9
 class Step:
     """One step. start: mileage at which it begins, way: how far it goes [m]; deepest: depth for each metre run where it
     is largest [1]; tread, flange: mass lost by a wheel for each metre run [kg/m]; areas: lost from the unworn profile
-    by the end of the step, over the bins' widths [m]; service: digest."""
+    by the end of the step, over the bins' widths [m]; service: digest of the profile evolution."""
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 
@@ -90,39 +90,39 @@ def folder_of(directory: Path, number: int) -> Path:
     return directory / STEPS / f"{number:03d}"
 
 
-def read_step(service: Service, folder: Path) -> Step | None:
-    """The step that was done in a folder; None where there is none. Raises InputError for one of another service."""
+def read_step(evolution: Evolution, folder: Path) -> Step | None:
+    """The step that was done in a folder, None where there is none. Raises InputError where the input has changed."""
     try:
         step = TypeAdapter(Step).validate_json(read_bytes(folder / STEP, "step"), strict=True)
     except (InputError, ValidationError):
         return None
-    if len(step.areas) != service.places.size - 1:
+    if len(step.areas) != evolution.places.size - 1:
         return None
-    if step.service != service.digest:
+    if step.service != evolution.digest:
         raise InputError(
-            f"{folder / STEP}: was computed from another service: its file, its scenario, its cases or its models have "
+            f"{folder / STEP}: was computed from another profile evolution: its file, scenario, cases or models have "
             "changed since; choose another directory with -o"
         )
     return step
 
 
-def wear_steps(service: Service, directory: Path, work: Work) -> Iterator[Step]:
+def wear_steps(evolution: Evolution, directory: Path, work: Work) -> Iterator[Step]:
     """All steps up to the mileage, those that are done already from their files.
 
     Raises SimulationError when a case did not come to its end, InputError when the profile would overlap itself.
     """
     start, number = 0.0, 0
-    areas = np.zeros(service.places.size - 1)
-    while service.mileage - start > SHORTEST_REST * service.mileage:
+    areas = np.zeros(evolution.places.size - 1)
+    while evolution.mileage - start > SHORTEST_REST * evolution.mileage:
         folder = folder_of(directory, number)
-        if read_step(service, folder) is None:
-            step = _taken(service, folder, number, start, areas, work)
-            write_atomically(folder / STEP, as_json(asdict(step)))
-        step_read = read_step(service, folder)
-        if step_read is None:
+        if read_step(evolution, folder) is None:
+            computed = _computed(evolution, folder, number, start, areas, work)
+            write_atomically(folder / STEP, as_json(asdict(computed)))
+        step = read_step(evolution, folder)
+        if step is None:
             raise InputError(f"{folder / STEP}: cannot be read again")
-        yield step_read
-        start, number, areas = step_read.end, number + 1, np.array(step_read.areas)
+        yield step
+        start, number, areas = step.end, number + 1, np.array(step.areas)
 
 
 @dataclass(frozen=True)
@@ -133,69 +133,70 @@ class _Wear:
     tread: float
     flange: float
 
-    def deepest(self, service: Service) -> float:
+    def deepest(self, evolution: Evolution) -> float:
         """Depth where it is largest, as smoothed."""
-        width, cutoff = float(service.places[1]), 1e-3 * service.spec.smoothing_mm
+        width, cutoff = float(evolution.places[1]), 1e-3 * evolution.spec.smoothing_mm
         return float(smoothed_table(self.areas, width, cutoff).max())
 
 
-def _taken(service: Service, folder: Path, number: int, start: float, areas: Array, work: Work) -> Step:
+def _computed(evolution: Evolution, folder: Path, number: int, start: float, areas: Array, work: Work) -> Step:
     """How far a step goes and what is lost by its end."""
-    looks = [_wear(service, folder, areas, start, work)]
-    deepest, way = looks[0].deepest(service), min(1e3 * service.spec.largest_step_km, service.mileage - start)
+    looks = [_wear(evolution, folder, areas, start, work)]
+    deepest, way = looks[0].deepest(evolution), min(1e3 * evolution.spec.largest_step_km, evolution.mileage - start)
     if deepest > 0.0:
-        way = min(way, 1e-3 * service.spec.largest_depth_mm / deepest)
+        way = min(way, 1e-3 * evolution.spec.largest_depth_mm / deepest)
     before, whole = tableau()
     try:
         for k, weights in enumerate(before[1:], 1):
             on_the_way = areas + way * _weighed(looks, weights).areas
             mileage = start + way * float(weights.sum())
-            looks.append(_wear(service, folder / f"{LOOK}{k}", on_the_way, mileage, work))
+            looks.append(_wear(evolution, folder / f"{LOOK}{k}", on_the_way, mileage, work))
         mean = _weighed(looks, whole)
         after = areas + way * mean.areas
-        service.profile(after)
+        evolution.profile(after)
     except InputError as error:
         place = f"step {number}, from {1e-3 * start:.6g} to {1e-3 * (start + way):.6g} km"
-        raise InputError(f"{service.given.file}: {place}: {error}") from None
+        raise InputError(f"{evolution.given.file}: {place}: {error}") from None
     lost = tuple(after.tolist())
-    return Step(number, start, way, mean.deepest(service), mean.tread, mean.flange, lost, service.digest)
+    return Step(number, start, way, mean.deepest(evolution), mean.tread, mean.flange, lost, evolution.digest)
 
 
 def _weighed(looks: Sequence[_Wear], weights: Array) -> _Wear:
     """The sum of some looks at the wear, each with its weight; those without a weight have not been taken yet."""
     pairs = list(zip(weights.tolist(), looks, strict=False))
     areas = np.sum([weight * own.areas for weight, own in pairs], axis=0)
-    tread, flange = (sum(weight * getattr(own, zone) for weight, own in pairs) for zone in ("tread", "flange"))
-    return _Wear(areas, tread, flange)
+    return _Wear(
+        areas, sum(weight * own.tread for weight, own in pairs), sum(weight * own.flange for weight, own in pairs)
+    )
 
 
-def _wear(service: Service, folder: Path, areas: Array, mileage: float, work: Work) -> _Wear:
+def _wear(evolution: Evolution, folder: Path, areas: Array, mileage: float, work: Work) -> _Wear:
     """Run the cases on the profile that is left when so much is lost, in a folder."""
     label = f"{1e-3 * mileage:.6g} km"
-    length = service.profile(areas).length
-    plan = service.plan(folder, write_wheel(service, folder, areas, label), label)
+    length = evolution.profile(areas).length
+    plan = evolution.plan(folder, write_wheel(evolution, folder, areas, label), label)
     todo = missing(plan)
     if todo:
         work(plan, todo)
-    lost, tread, flange = _lost(service, plan)
-    return _Wear(on_unworn(service.unworn, service.table(areas), length, lost, areas.size), tread, flange)
+    lost, tread, flange = _lost(evolution, plan)
+    return _Wear(on_unworn(evolution.unworn, evolution.table(areas), length, lost, areas.size), tread, flange)
 
 
-def write_wheel(service: Service, folder: Path, areas: Array, label: str, stem: str = "") -> Path:
+def write_wheel(evolution: Evolution, folder: Path, areas: Array, label: str, stem: str = "") -> Path:
     """Write a wheel's profile as model files, and give the file to load; the unworn one is where it always was.
 
     stem: what the names of the files begin with.
     """
-    table = service.table(areas)
+    table = evolution.table(areas)
     if table is None:
-        return service.wheel
+        return evolution.wheel
     depths = folder / f"{stem}{DEPTHS}"
     content = {
-        "name": f"{service.unworn.name} after {label}",
+        "name": f"{evolution.unworn.name} after {label}",
         "body": "wheel",
         "kind": "worn",
-        "source": f"computed: {service.given.title}",
-        "base": str(service.wheel),
+        "source": f"computed: {evolution.given.title}",
+        "base": str(evolution.wheel),
         "depths": depths.name,
     }
     write_atomically(depths, write_depths(table).encode())
@@ -213,17 +214,17 @@ def _day_of(file: Path, content: dict[str, str]) -> date:
     return date.today()
 
 
-def _lost(service: Service, plan: Plan) -> tuple[Array, float, float]:
+def _lost(evolution: Evolution, plan: Plan) -> tuple[Array, float, float]:
     """Mean over wheels and cases: area by bins of the present profile and mass on tread and flange, for each metre."""
     areas, zones, faults = np.zeros(0), np.zeros(2), []
-    for case, share in zip(plan.cases, service.shares, strict=True):
+    for case, share in zip(plan.cases, evolution.shares, strict=True):
         folder = plan.folder_of(case)
         marker = read_marker(folder)
         if marker is None or marker.status != COMPLETED:
             words = "no result" if marker is None else f"{marker.status}: {marker.message}"
             faults.append(f"{plan.folder}: case {case.label}: {words}")
             continue
-        dataset = Result.load(folder / RESULT).dataset.sel(wear_law=service.law)
+        dataset = Result.load(folder / RESULT).dataset.sel(wear_law=evolution.law)
         depth = dataset["wear_wheel_depth"].values.reshape(-1, dataset.sizes["wheel_place"]).mean(axis=0)
         areas = share * depth + (areas if areas.size else 0.0)
         zones += share * dataset["wear_wheel_mass"].values.reshape(-1, 2).mean(axis=0)

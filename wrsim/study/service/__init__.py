@@ -1,1 +1,0 @@
-"""Wheels that wear in service: weighted cases, the depth they leave, a new profile, and again."""
