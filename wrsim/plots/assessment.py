@@ -22,13 +22,9 @@ from wrsim.results.table import formatted, quantity, with_unit
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 ZONE_SHADE = {
-    "straight": "none",
-    "transition": "#fbf1da",
-    "large radius": "#eef6f2",
-    "small radius": "#e3f1ec",
-    "very small radius": "#d3e8e0",
-    "tight": "#c0ddd1",
-}
+    "straight": "none", "transition": "#fbf1da", "large radius": "#eef6f2", "small radius": "#e3f1ec",
+    "very small radius": "#d3e8e0", "tight": "#c0ddd1",
+}  # fmt: skip
 """Background of a class of track against distance."""
 WITHIN, BEYOND = "#0072B2", "#D55E00"
 MOST = 1.5  # part of a limit at which bars and points are cut off

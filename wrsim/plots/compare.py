@@ -171,9 +171,6 @@ def overlay_figure(datasets: Sequence[xr.Dataset], names: Sequence[str]) -> Figu
 
     present = [name for name in CHANNELS_DRAWN if all(name in dataset for dataset in datasets)]
     entries = [Line2D([], [], color=INK, linestyle=line, label=name) for line, name in zip(lines, names, strict=False)]
-    return panels(
-        " | ".join(str(dataset.attrs["title"]) for dataset in datasets),
-        [partial(draw, name=name) for name in present],
-        20.0 + 33.0 * len(present),
-        legend=[*entries, *wheel_entries(datasets[0]["wheel"].values)],
-    )
+    title, draws = " | ".join(str(d.attrs["title"]) for d in datasets), [partial(draw, name=name) for name in present]
+    legend = [*entries, *wheel_entries(datasets[0]["wheel"].values)]
+    return panels(title, draws, 20.0 + 33.0 * len(present), legend=legend)

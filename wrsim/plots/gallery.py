@@ -79,9 +79,8 @@ class Page:
 def columns_of(dataset: xr.Dataset, moments: Sequence[int]) -> list[GalleryColumn]:
     """Columns for the moments, in their order."""
     wheels = [str(w) for w in dataset["wheel"].values]
-    if len(moments) <= 2 and len(wheels) == 2:
-        return [GalleryColumn(moment, i, wheel) for i, moment in enumerate(moments) for wheel in wheels]
-    return [GalleryColumn(moment, i) for i, moment in enumerate(moments)]
+    own = wheels if len(moments) <= 2 and len(wheels) == 2 else [""]
+    return [GalleryColumn(moment, i, wheel) for i, moment in enumerate(moments) for wheel in own]
 
 
 def patches_in(dataset: xr.Dataset, columns: Sequence[GalleryColumn]) -> dict[tuple[str, int], dict[int, PatchAt]]:

@@ -84,7 +84,7 @@ def history(axes: Axes, dataset: xr.Dataset, name: str, *, largest: float | None
 
 
 def crowded(values: NDArray[Any]) -> dict[str, Any]:
-    """How a line looks that goes up and down so often that it fills its panel and hides the others."""
+    """Look of a line that goes up and down so often that it fills its panel and hides the others."""
     known = values[np.isfinite(values)]
     often = known.size > 1 and float(np.abs(np.diff(known)).sum()) > CROWDED * float(np.ptp(known)) > 0.0
     return {"linewidth": 0.45, "alpha": 0.6} if often else {}
@@ -164,10 +164,9 @@ def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> 
     places = shown(dataset, f"snapshot_{name}")
     for at in places:
         axes.axvline(at, **SNAPSHOT)
-    if letters:
-        close = np.diff(places, prepend=-np.inf) <= CLOSE * np.ptp(x)
-        for group in np.split(np.arange(places.size), np.flatnonzero(~close))[1:]:
-            note_above(axes, " ".join(snapshot_letter(int(i)) for i in group), float(places[group].mean()))
+    close = np.diff(places, prepend=-np.inf) <= CLOSE * np.ptp(x)
+    for group in np.split(np.arange(places.size), np.flatnonzero(~close))[1:] if letters else ():
+        note_above(axes, " ".join(map(snapshot_letter, group.tolist())), float(places[group].mean()))
     return axes
 
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wrsim.plots.colours import QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.style import FULL_WIDTH, abscissa, new_figure, style, write_words
 from wrsim.results import CHANNELS
-from wrsim.results.table import quantity
+from wrsim.results.table import finite, quantity
 
 ONE_LINE = 124  # letters of a note that fit across a full-width picture
 
@@ -175,8 +175,6 @@ def stop_note(dataset: xr.Dataset) -> str:
 def _place(dataset: xr.Dataset) -> tuple[float, str]:
     """Abscissa of the stop and its unit."""
     x, name = abscissa(dataset)
-    key = "stop_distance_m" if name == "distance" else "stop_time_s"
-    at = float(dataset.attrs.get(key, np.nan))
-    if not np.isfinite(at):
-        at = float(x[-1]) if x.size else 0.0
-    return at, CHANNELS[name].shown.symbol
+    unit = CHANNELS[name].shown.symbol
+    at = finite(dataset.attrs.get(f"stop_{name}_{unit}"))
+    return (at if at is not None else float(x[-1]) if x.size else 0.0), unit

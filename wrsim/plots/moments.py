@@ -77,9 +77,7 @@ def select_elements(dataset: xr.Dataset, where: PatchAt) -> tuple[NDArray, NDArr
     patch = dataset[["strip_s", "element_x", "element_p"]].isel(_indices(dataset, where))
     s, x, p = (shown(patch, str(name)) for name in patch)
     rows, columns = np.isfinite(s), np.isfinite(x)
-    if not columns.any():
-        return None
-    return s[rows], x[columns], np.nan_to_num(p[np.ix_(rows, columns)])
+    return (s[rows], x[columns], np.nan_to_num(p[np.ix_(rows, columns)])) if columns.any() else None
 
 
 def touching_runs(strips: xr.Dataset) -> list[xr.Dataset]:

@@ -114,7 +114,9 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
     a row for every wheel and patch in contact; long rows are folded."""
     chosen = choose_moments(dataset, MOST_MOMENTS) if moments is None else list(moments)
     columns = columns_of(dataset, chosen)
-    page = Page(_columns(len(columns), len(patches_in(dataset, columns))))
+    count = len(columns)
+    folded = count > 6 and len(patches_in(dataset, columns)) < 2  # so that the last line is as full as can be
+    page = Page(min((6, 5, 4), key=lambda n: -count % n) if folded else max(min(count, 6), 1))
     parts = (columns[i : i + page.columns] for i in range(0, len(columns), page.columns))
     blocks = [(part, patches_in(dataset, part)) for part in parts]
     reaches = {where: _reach(dataset, where) for _, rows in blocks for own in rows.values() for where in own.values()}
@@ -147,13 +149,6 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
     return draw_gallery(dataset.attrs.get("title", ""), stop_note(dataset), dataset, page, rows, scale, reading)
 
 
-def _columns(count: int, rows: int) -> int:
-    """Columns of the gallery: up to six; a single row is folded so that its last line is as full as can be."""
-    if rows > 1 or count <= 6:
-        return max(min(count, 6), 1)
-    return min((6, 5, 4), key=lambda n: -count % n)
-
-
 def _reach(dataset: xr.Dataset, where: PatchAt) -> tuple[tuple[float, float], tuple[float, float]]:
     """Limits in s and x of a patch with a margin, mm."""
     if (found := extent_of_patches([(dataset, where, 0.0)])) is None:
@@ -168,6 +163,5 @@ def extent_of_patches(patches: Iterable[tuple[xr.Dataset, PatchAt, float]]) -> t
     drawn = [island for dataset, where, shift in patches for island in islands(dataset, where, shift)]
     if not drawn:
         return None
-    s = np.concatenate([island[0] for island in drawn])
-    back, front = (np.concatenate([x + end * a for _, x, a, _ in drawn]) for end in (-1.0, 1.0))
-    return (float(s.min()), float(s.max())), (float(back.min()), float(front.max()))
+    s, x, a, _ = (np.concatenate(parts) for parts in zip(*drawn, strict=True))
+    return (float(s.min()), float(s.max())), (float((x - a).min()), float((x + a).max()))

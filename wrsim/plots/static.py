@@ -72,13 +72,7 @@ def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:
         legend.append(Line2D([], [], color=QUIET, label="further patch", **hollow))
     unsolved = int((dataset["pose_message"].values != "").sum()) if "pose_message" in dataset else 0
     poses = f"{unsolved} of {dataset.sizes['pose']} poses without a solution" if unsolved else ""
-    return panels(
-        dataset.attrs.get("title", ""),
-        [partial(draw, name=name) for name in present],
-        54.0 * ceil(len(present) / 2) + 22.0,
-        columns=2,
-        share=False,
-        legend=legend,
-        across=5,
-        note="; ".join(filter(None, (stop_note(dataset), poses))),
-    )
+    note = "; ".join(filter(None, (stop_note(dataset), poses)))
+    title, draws = dataset.attrs.get("title", ""), [partial(draw, name=name) for name in present]
+    height = 54.0 * ceil(len(present) / 2) + 22.0
+    return panels(title, draws, height, columns=2, share=False, legend=legend, across=5, note=note)

@@ -173,16 +173,12 @@ def mileage_figure(dataset: xr.Dataset) -> Figure:
         axes.set_ylim(bottom=0.0)
         axes.legend()
 
-    amplitude = quantity(1e3 * float(dataset.attrs["conicity_amplitude_m"]), "mm", "g")
-    labels: dict[Callable[[Axes], None], str] = {
-        flange: "Flange against the new one [mm]",
-        conicity: f"Equivalent conicity, {amplitude}",
-        deepest: "Largest depth [mm]",
-        mass: "Mass lost [g/km]",
-    }
-
-    def panel(axes: Axes, draw: Callable[[Axes], None]) -> None:
-        axes.set(xlabel="Mileage [km]", ylabel=labels[draw])
+    def panel(axes: Axes, draw: Callable[[Axes], None], label: str) -> None:
+        axes.set(xlabel="Mileage [km]", ylabel=label)
         draw(axes)
 
-    return panels(dataset.attrs["title"], [partial(panel, draw=draw) for draw in labels], 115.0, columns=2)
+    amplitude = quantity(1e3 * float(dataset.attrs["conicity_amplitude_m"]), "mm", "g")
+    words = ("Flange against the new one [mm]", f"Equivalent conicity, {amplitude}", "Largest depth [mm]")
+    labels = zip((flange, conicity, deepest, mass), (*words, "Mass lost [g/km]"), strict=True)
+    draws = [partial(panel, draw=draw, label=label) for draw, label in labels]
+    return panels(dataset.attrs["title"], draws, 115.0, columns=2)

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from wrsim import __version__
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, numbers_in, of_cases, study_figures
@@ -31,7 +30,8 @@ def study_page(dataset: xr.Dataset, source: str) -> str:
         values = [_text(value) for value in np.unique(dataset[name].values)]
         span = f"{len(values)} values, {values[0]} to {values[-1]}" if len(values) > 8 else ", ".join(values)
         rows.append((f"varied: {dataset[name].attrs['key']}", span))
-    without = np.flatnonzero(status != COMPLETED)
+    without, labels, words = np.flatnonzero(status != COMPLETED), _labels(dataset), of_cases(dataset, "message")
+    lost = [(labels[i], str(status[i]), str(words[i])) for i in without[:MOST_ROWS]]
     folder = source.rstrip("/").removesuffix("/study.nc")
     cases_more = [f"Case abcd… lies in {folder}/cases/ab/abcd…; study.csv has full names"]
     if len(outputs) > MOST_OUTPUTS:
@@ -41,9 +41,9 @@ def study_page(dataset: xr.Dataset, source: str) -> str:
         "version": __version__,
         "verdict": Verdict(OPEN if set(counts) <= {COMPLETED, DERAILED} else BAD, verdict),
         "identity": [*rows, ("cases", str(status.size)), *_versions(dataset)],
-        "outputs": _outputs(dataset, outputs),
+        "outputs": _outputs(dataset, outputs, labels),
         "pictures": [as_picture(name, make()) for name, make in study_figures(dataset).items()],
-        "without": _without(dataset, without[:MOST_ROWS]),
+        "without": _table(("case", "status", "message"), lost),
         "without_more": _more(len(without)),
         "cases": _cases(dataset, outputs[:MOST_OUTPUTS]),
         "cases_more": "; ".join(filter(None, (*cases_more, _more(status.size)))),
@@ -76,22 +76,16 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Table | None:
     return Table("", tuple(map(Column, heads)), rows) if rows else None
 
 
-def _outputs(dataset: xr.Dataset, outputs: Sequence[str]) -> Table | None:
+def _outputs(dataset: xr.Dataset, outputs: Sequence[str], labels: Sequence[str]) -> Table | None:
     """Range and median of every output, with the cases of the ends."""
     done = of_cases(dataset, "status") == COMPLETED
-    labels, rows = _labels(dataset), []
+    rows = []
     for name in outputs:
         values = np.where(done, of_cases(dataset, name).astype(float), np.nan)
         low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
         ends = (_text(values[low]), labels[low], _text(values[high]), labels[high])
         rows.append((_words(dataset, name), *ends[:2], _text(np.nanmedian(values)), *ends[2:]))
     return _table(("output", "smallest", "in the case", "median", "largest", "in the case"), rows)
-
-
-def _without(dataset: xr.Dataset, rows: NDArray[np.intp]) -> Table | None:
-    """Cases that were not completed, with why."""
-    labels, status, words = _labels(dataset), of_cases(dataset, "status"), of_cases(dataset, "message")
-    return _table(("case", "status", "message"), [(labels[i], str(status[i]), str(words[i])) for i in rows])
 
 
 def _cases(dataset: xr.Dataset, outputs: Sequence[str]) -> Table | None:

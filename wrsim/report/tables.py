@@ -110,14 +110,9 @@ def _identity(result: Result) -> dict[str, str]:
     integration = ""
     if {"integrator", "step_s"} <= attributes.keys():
         integration = f"{attributes['integrator']}, steps of {quantity(1e3 * float(attributes['step_s']), 'ms')}"
-    return {
-        "analysis": result.analysis,
-        "status": result.status + (f": {result.stop_reason}" if result.stop_reason else ""),
-        "extent": extent_words(dataset),
-        "vehicle": vehicle,
-        "contact": contact,
-        "integration": integration,
-    }
+    status = result.status + (f": {result.stop_reason}" if result.stop_reason else "")
+    about = {"analysis": result.analysis, "status": status, "extent": extent_words(dataset)}
+    return about | {"vehicle": vehicle, "contact": contact, "integration": integration}
 
 
 def inputs(result: Result) -> list[tuple[str, str]]:
@@ -218,17 +213,14 @@ def events(results: Sequence[Result], summaries: Sequence[Summary], names: Seque
 
 
 WORN_WHEELS = {
-    "tread_g_per_km": Column("tread", "g/km"),
-    "flange_g_per_km": Column("flange", "g/km"),
-    "wear_wheel_depth_max_um_per_km": Column("deepest", "µm/km"),
-    "wear_wheel_u_mm": Column("at u", "mm"),
-}
+    "tread_g_per_km": Column("tread", "g/km"), "flange_g_per_km": Column("flange", "g/km"),
+    "wear_wheel_depth_max_um_per_km": Column("deepest", "µm/km"), "wear_wheel_u_mm": Column("at u", "mm"),
+}  # fmt: skip
 WORN_RAILS = {"wear_rail_depth_max_nm": Column("deepest, one passage", "nm"), "wear_rail_u_mm": Column("at u", "mm")}
 FATIGUE = {
-    "rail_damage_max": Column("largest damage, one passage"),
-    "wear_rail_u_mm": Column("at u", "mm"),
+    "rail_damage_max": Column("largest damage, one passage"), "wear_rail_u_mm": Column("at u", "mm"),
     "fatigue_index_max": Column("largest fatigue index"),
-}
+}  # fmt: skip
 """Columns of the tables of wear by keys of a summary."""
 
 

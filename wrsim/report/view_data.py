@@ -43,8 +43,7 @@ BEYOND = 60.0
 
 LEAST_DEPTH = 0.01  # of the largest depth worn off, from which on it is drawn
 
-OF_WHEELSETS = ("lateral_shift", "vertical_shift", "yaw", "roll", "curvature", "cant")
-OF_WHEELS = ("Y", "Q", "Y_over_Q", "T_gamma")
+OF_WHEELSETS = ("lateral_shift", "vertical_shift", "yaw", "roll", "curvature", "cant", "Y", "Q", "Y_over_Q", "T_gamma")
 OF_PATCHES = ("N", "contact_angle", "p0")
 OF_BODIES = ("body_lateral", "body_vertical", "body_yaw", "body_pitch", "body_roll")
 
@@ -146,7 +145,7 @@ def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
     run: dict[str, Any] = {"wheelsets": list(names)} | {n: packed(own[keep], "f8") for n, own in columns.items()}
     run["spin"] = packed(spin[keep] % (2.0 * np.pi), "f4")
     run |= {"channels": {}, "track": _track(dataset, place), "events": _events(dataset)}
-    channels = {name: (dataset[name], CHANNELS[name], "") for name in (*OF_WHEELSETS, *OF_WHEELS) if name in dataset}
+    channels = {name: (dataset[name], CHANNELS[name], "") for name in OF_WHEELSETS if name in dataset}
     for k in range(dataset.sizes.get("patch", 0)):
         for name in OF_PATCHES if np.isfinite(dataset["N"].values[..., k]).any() else ():
             of_patch = (dataset[name].isel(patch=k), CHANNELS[name], f", {PATCHES[k]} patch")
@@ -226,16 +225,13 @@ def _vehicle(setup: Setup[Any]) -> dict[str, Any]:
         for e in vehicle.elements
     ]
     rails = [{"u": _short(u), "w": _short(w)} for u, w in (_shape(rail, 300, 0.5) for rail in setup.rails)]
+    bodies = [{"name": b.name, "centre": list(b.centre), "size": list(b.box)} for b in vehicle.bodies]
     return {
-        "name": vehicle.name,
-        "wheelsets": wheels,
-        "bodies": [{"name": b.name, "centre": list(b.centre), "size": list(b.box)} for b in vehicle.bodies],
+        "name": vehicle.name, "wheelsets": wheels, "bodies": bodies, "elements": elements,
         "boxes": {name: vehicle.carrier(name) for name in vehicle.boxes},
-        "elements": elements,
         "reference": vehicle.parts[vehicle.reference].centre[0],
-        "rails": rails,
-        "rail_origins": [list(o) for o in setup.track.rail_origins],
-    }
+        "rails": rails, "rail_origins": [list(o) for o in setup.track.rail_origins],
+    }  # fmt: skip
 
 
 def _shape(profile: Profile, count: int, off: float) -> tuple[Array, Array]:

@@ -197,14 +197,14 @@ class ZoneValue:
         return min(worst, 1.0 - self.estimate / limit.value)
 
     @property
-    def number(self) -> str:
-        """How many sections, in words: where some do not count, how many do."""
-        return str(self.sections) if self.counted == self.sections else f"{self.counted} of {self.sections}"
+    def zone(self) -> str:
+        """Class of track with the number of sections; where some do not count, how many do."""
+        number = str(self.sections) if self.counted == self.sections else f"{self.counted} of {self.sections}"
+        return f"{self.worst.section.zone} ({number})"
 
     def cells(self) -> dict[str, str]:
         """Cells of tables, in the unit for readers; empty texts where there is nothing."""
-        worst, limit = self.worst, self.worst.limit
-        factor = worst.quantity.shown.factor
+        worst, limit, factor = self.worst, self.worst.limit, self.worst.quantity.shown.factor
         return {
             "worst": formatted(worst.value * factor),
             "estimate": "" if self.estimate is None else formatted(self.estimate * factor),
@@ -335,11 +335,10 @@ def assessment_numbers(found: Assessment) -> list[Table]:
     last = ""
     for row in found.zones:
         limit, own, cells = row.worst.limit, row.worst.quantity, row.cells()
-        source = "" if limit is None else limit.words
-        letter = letters.setdefault(source, chr(ord("a") + len(letters) % 26)) if source else ""
+        letter = "" if limit is None else letters.setdefault(limit.words, chr(ord("a") + len(letters) % 26))
         head = [own.symbol, own.shown.unit] if own.key != last else ["", ""]
         numbers = [cells[key] for key in ("worst", "estimate", "limit", "margin", "verdict")]
-        rows.append([*head, f"{row.worst.section.zone} ({row.number})", *numbers, letter, cells["worst in"]])
+        rows.append([*head, row.zone, *numbers, letter, cells["worst in"]])
         last = own.key
     words = ("quantity", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "worst in")
     tables.append(Table("", tuple(map(Column, words)), rows))
@@ -378,7 +377,7 @@ def _regressions_table(found: Assessment) -> list[Table]:
                 place = quantity(at * unit.factor, unit.symbol)
                 slopes[name] = f"{formatted(slope * factor / unit.factor, '.3g')} at {place}"
             numbers = (value * factor for value in (r.fit, r.deviation, r.estimate))
-            rows.append((own.symbol, f"{row.worst.section.zone} ({row.number})", *slopes.values(), *numbers))
+            rows.append((own.symbol, row.zone, *slopes.values(), *numbers))
     none = f"no regression, too few sections or influences that go together: {', '.join(sorted(short))}"
     notes = (none,) if short else ()
     over = (Column(f"per {INFLUENCES[name].symbol} of {name}") for name in found.estimate_over)

@@ -41,35 +41,16 @@ class Shown:
 
 PLAIN = Shown("1", "", 1.0)
 SHOWN = {
-    "s": Shown("s", "s", 1.0),
-    "m": Shown("m", "m", 1.0),
-    "mm": Shown("mm", "mm", 1e3),
-    "um": Shown("µm", "um", 1e6),
-    "mm2": Shown("mm²", "mm2", 1e6),
-    "m/s": Shown("m/s", "m_s", 1.0),
-    "km/h": Shown("km/h", "kmh", 3.6),
-    "1/km": Shown("1/km", "per_km", 1e3),
-    "1/m": Shown("1/m", "per_m", 1.0),
-    "rad/s": Shown("rad/s", "rad_s", 1.0),
-    "mrad": Shown("mrad", "mrad", 1e3),
-    "deg": Shown("°", "deg", 180.0 / pi),
-    "N": Shown("N", "N", 1.0),
-    "kN": Shown("kN", "kN", 1e-3),
-    "N m": Shown("N m", "Nm", 1.0),
-    "kW": Shown("kW", "kW", 1e-3),
-    "kJ": Shown("kJ", "kJ", 1e-3),
-    "t": Shown("t", "t", 1e-3),
-    "m/s2": Shown("m/s²", "m_s2", 1.0),
-    "MPa": Shown("MPa", "MPa", 1e-6),
-    "permille": Shown("‰", "permille", 1e3),
-    "Hz": Shown("Hz", "Hz", 1.0),
-    "1/s": Shown("1/s", "per_s", 1.0),
-    "nm": Shown("nm", "nm", 1e9),
-    "um/km": Shown("µm/km", "um_per_km", 1e9),
-    "g/km": Shown("g/km", "g_per_km", 1e6),
-    "N/mm": Shown("N/mm", "N_per_mm", 1e-3),
-    "1": PLAIN,
-}
+    "s": Shown("s", "s", 1.0), "1/s": Shown("1/s", "per_s", 1.0), "Hz": Shown("Hz", "Hz", 1.0),
+    "nm": Shown("nm", "nm", 1e9), "um": Shown("µm", "um", 1e6), "mm": Shown("mm", "mm", 1e3), "m": Shown("m", "m", 1.0),
+    "mm2": Shown("mm²", "mm2", 1e6), "1/m": Shown("1/m", "per_m", 1.0), "1/km": Shown("1/km", "per_km", 1e3),
+    "m/s": Shown("m/s", "m_s", 1.0), "km/h": Shown("km/h", "kmh", 3.6), "m/s2": Shown("m/s²", "m_s2", 1.0),
+    "rad/s": Shown("rad/s", "rad_s", 1.0), "mrad": Shown("mrad", "mrad", 1e3), "deg": Shown("°", "deg", 180.0 / pi),
+    "N": Shown("N", "N", 1.0), "kN": Shown("kN", "kN", 1e-3), "N m": Shown("N m", "Nm", 1.0),
+    "N/mm": Shown("N/mm", "N_per_mm", 1e-3), "MPa": Shown("MPa", "MPa", 1e-6), "t": Shown("t", "t", 1e-3),
+    "kW": Shown("kW", "kW", 1e-3), "kJ": Shown("kJ", "kJ", 1e-3), "permille": Shown("‰", "permille", 1e3),
+    "um/km": Shown("µm/km", "um_per_km", 1e9), "g/km": Shown("g/km", "g_per_km", 1e6), "1": PLAIN,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -147,10 +147,8 @@ def _of_single_wheelset(channels: Mapping[str, ArrayLike]) -> dict[str, ArrayLik
     arrays = dict(channels)
     if "distance" in arrays:
         arrays.setdefault("wheelset_distance", arrays["distance"])
-    for name, values in arrays.items():
-        if name in CHANNELS and "wheelset" in CHANNELS[name].dims and np.ndim(values) > 0:
-            arrays[name] = np.expand_dims(np.asarray(values), 1)
-    return arrays
+    of_wheelsets = [n for n in arrays if n in CHANNELS and "wheelset" in CHANNELS[n].dims and np.ndim(arrays[n]) > 0]
+    return arrays | {name: np.expand_dims(np.asarray(arrays[name]), 1) for name in of_wheelsets}
 
 
 def _attributes(given: Mapping[str, str | float | int], sample: str) -> dict[str, str | float | int]:

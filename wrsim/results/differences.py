@@ -100,12 +100,11 @@ def compared_tables(
     wrong, percent = beyond(found, tolerance), quantity(100.0 * tolerance, "%", "g")
     listed = (wrong or [d for d in found if d.relative > 0.0])[:LISTED]
     more = [f"... and {len(wrong) - LISTED} more; --json lists all"] if len(wrong) > LISTED else []
+    verdict = f"alike: {len(found)} numbers, none differs by more than {percent}"
     if wrong:
         verdict = f"{len(wrong)} of {len(found)} numbers differ by more than {percent}"
     elif ends:
         verdict = "the numbers are alike, the ends are not"
-    else:
-        verdict = f"alike: {len(found)} numbers, none differs by more than {percent}"
     head = Table("", notes=tuple(f"{letter}: {name}" for letter, name in zip("AB", names, strict=True)))
     return [head, *([difference_table(listed)] if listed else []), Table("", notes=(*more, *ends, verdict))]
 

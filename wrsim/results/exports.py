@@ -41,13 +41,13 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
 
 def formats(asked: str) -> list[str]:
     """Formats of a list with commas between. Raises ``InputError``."""
-    names = [name.strip().lower() for name in asked.split(",") if name.strip()]
+    names = list(dict.fromkeys(name.strip().lower() for name in asked.split(",") if name.strip()))
     for name in names:
         if name not in FORMATS:
             raise InputError(f"--to {asked}: '{name}' is none of {', '.join(FORMATS)}{suggest(name, FORMATS)}")
     if not names:
         raise InputError(f"--to {asked}: must be one or more of {', '.join(FORMATS)}, with commas between")
-    return list(dict.fromkeys(names))
+    return names
 
 
 def export_result(result: Result, format: str, path: Path) -> Path:

@@ -102,29 +102,15 @@ class Result:
     ) -> xr.Dataset:
         """One contact patch as arrays, in SI units.
 
-        Parameters
-        ----------
-        at : float or str
-            Distance along the track [m] of a snapshot (the nearest within 1 m), or name of a pose.
-        wheel, wheelset : str, optional
-            Not needed where there is only one.
-        number : int
-            Of the patch, 0 for the one with the largest normal force.
-        columns : int
-            Number of points along x; the exact solver's elements have columns of their own.
+        at: distance along the track [m] of a snapshot (the nearest within 1 m), or name of a pose; wheel, wheelset: not
+        needed where there is only one; number: of the patch, 0 for the one with the largest normal force; columns:
+        points along x, except for the elements of the exact solver.
 
-        Returns
-        -------
-        xarray.Dataset
-            ``p`` (s, x): pressures [Pa], zero outside of contact; coordinates ``s`` (s,), curved axis from the main
-            point to the field side [m], and ``x`` (x,), along the track [m]; with the exact solver ``qx`` and ``qs``,
-            tractions [Pa]. Channels of strips along ``s`` (``strip_ds``, ``strip_a``, ``strip_N`` ...), and the
-            numbers of the patch (``N``, ``p0``, ``area``, ``contact_angle`` ...).
-
-        Raises
-        ------
-        InputError
-            For a wheelset, a wheel, a place, a pose or a patch that does not exist; lists which there are.
+        The dataset holds ``p`` (s, x): pressures [Pa], zero outside of contact, over ``s`` (s,), curved axis from the
+        main point to the field side [m], and ``x`` (x,), along the track [m]; with the exact solver ``qx`` and ``qs``,
+        tractions [Pa]; channels of strips along ``s`` (``strip_ds``, ``strip_a``, ``strip_N`` ...); numbers of the
+        patch (``N``, ``p0``, ``area``, ``contact_angle`` ...). Raises ``InputError`` for a wheelset, wheel, place, pose
+        or patch that does not exist; the message lists those that do.
         """
         from wrsim.results.moments import patch_of
 

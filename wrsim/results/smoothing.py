@@ -47,15 +47,10 @@ def profile_and_reports(
     if len(cutoffs) > MOST_CUTOFFS:
         raise InputError(f"--cutoff: {len(cutoffs)} of them; must be at most {MOST_CUTOFFS}")
     reading = load_points(file, KINDS[kind])
-    if reading is None:
-        if cutoffs:
-            raise InputError(f"{file}: is a shape by formula, with no points to smooth: leave --cutoff out")
-        return load_profile(file, KINDS[kind]), ()
-    if cutoffs:
-        readings = [replace(reading, measured=True, cutoff=1e-3 * value) for value in dict.fromkeys(cutoffs)]
-    elif reading.measured:
-        readings = [reading]
-    else:
-        return reading.profile(), ()
-    reports = tuple(report_smoothing(r) for r in readings)
+    if reading is None and cutoffs:
+        raise InputError(f"{file}: is a shape by formula, with no points to smooth: leave --cutoff out")
+    if reading is None or not (cutoffs or reading.measured):
+        return load_profile(file, KINDS[kind]) if reading is None else reading.profile(), ()
+    readings = [replace(reading, measured=True, cutoff=1e-3 * value) for value in dict.fromkeys(cutoffs)]
+    reports = tuple(report_smoothing(r) for r in readings or [reading])
     return reports[0].profile, reports

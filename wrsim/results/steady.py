@@ -49,18 +49,17 @@ def csv_of_steady(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
     remarks = [name for name in ("contact_remark",) if name in dataset]
     table = long(dataset.isel(patch=0), [*COLUMNS, *remarks], solved, ("pose", "wheelset", "wheel"))
     message = len(COLUMNS) - 1
-    for row in table[1:]:
-        if row[message]:
-            row[1:3], row[8:message] = ["", ""], [""] * (message - 8)
+    for row in (row for row in table[1:] if row[message]):
+        row[1:3], row[8:message] = ["", ""], [""] * (message - 8)
     yield "steady", table
 
 
 def steady_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
     """One line a curve: the wheel with the largest Y/Q; curves without a steady motion with the reason."""
     rows = []
-    for i in np.flatnonzero(dataset["pose_message"].values == ""):
-        quotient = dataset["Y_over_Q"].isel(pose=int(i))
-        at = dataset.isel(pose=int(i)).isel(quotient.argmax(dim=quotient.dims))  # type: ignore[arg-type]
+    for i in np.flatnonzero(dataset["pose_message"].values == "").tolist():
+        at = dataset.isel(pose=i)
+        at = at.isel(at["Y_over_Q"].argmax(dim=at["Y_over_Q"].dims))  # type: ignore[arg-type]
         values = (at[name].item() * CHANNELS[name].shown.factor for name in SHOWN)
         rows.append((f"{at['wheelset'].item()} {at['wheel'].item()}", *values))
     heads = (Column.of(CHANNELS[name], words, form) for name, (words, form) in SHOWN.items())

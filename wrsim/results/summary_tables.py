@@ -98,8 +98,8 @@ def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: 
     for key, peak in PEAKS.items():
         cells = (_placed(each["wheels"][wheel].get(key) if each else None) for each, _, wheel in wheels)
         rows.append((with_unit(peak.words, peak.unit), *cells))
-    heads = [Column(), *(Column(f"{name}: {wheel}" if len(own) > 1 else wheel) for _, name, wheel in wheels)]
-    tables = [Table(title, tuple(heads), _known(rows))]
+    heads = (Column(f"{name}: {wheel}" if len(own) > 1 else wheel) for _, name, wheel in wheels)
+    tables = [Table(title, (Column(), *heads), _known(rows))]
     rows = [
         (with_unit(f"{peak.words}, largest either way", peak.unit), *(_placed((each or {}).get(key)) for each in own))
         for key, peak in OF_WHEELSET.items()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite, isnan
+from math import isfinite
 
 from wrsim.results.channels import Channel
 
@@ -80,7 +80,7 @@ def formatted(value: Cell, form: str = ".4g") -> str:
     """One cell as it is read."""
     if isinstance(value, Placed):
         return f"{formatted(value.value, form)} at {value.place}" if value.value is not None else MISSING
-    if value is None or (isinstance(value, float) and isnan(value)):
+    if value is None or value != value:
         return MISSING
     return f"{value:z{form}}" if isinstance(value, float) else str(value)
 
