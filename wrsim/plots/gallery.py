@@ -141,7 +141,6 @@ def draw_gallery(
 
 
 def _title(page: Page, dataset: xr.Dataset, column: GalleryColumn) -> str:
-    """Title of a column, its lines wrapped to the panel."""
     lines = moment_title(dataset, column.moment, column.order).split("\n")
     lines += [f"{column.wheel} wheel"] if column.wheel else []
     widest = int((page.panel + 0.5 * page.gap) / _LETTER)

@@ -246,7 +246,6 @@ def channels_figure(dataset: xr.Dataset, names: Sequence[str]) -> Figure:
 
 
 def _later_patches(data: xr.DataArray) -> list[Artist]:
-    """Legend entries for the second and third patch, where there are any."""
     used = [k for k in range(1, data.sizes["patch"]) if np.isfinite(data.isel(patch=k)).any()]
     return [Line2D([], [], color=QUIET, linestyle=GROUP_LINE[k], label=PATCH_NAMES[k]) for k in used]
 

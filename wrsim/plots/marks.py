@@ -173,7 +173,6 @@ def stop_note(dataset: xr.Dataset) -> str:
 
 
 def _place(dataset: xr.Dataset) -> tuple[float, str]:
-    """Abscissa of the stop and its unit."""
     x, name = abscissa(dataset)
     unit = CHANNELS[name].shown.symbol
     at = finite(dataset.attrs.get(f"stop_{name}_{unit}"))

@@ -63,7 +63,6 @@ def steady_figure(dataset: xr.Dataset) -> Figure:
 
 
 def _panel(axes: Axes, dataset: xr.Dataset, name: str, x: np.ndarray, which: np.ndarray) -> None:
-    """One channel of every wheelset, a line for every series of curves."""
     values = shown(dataset, name)
     if values.ndim == 3:  # the outer wheel: the right one in curves to the left
         outer = (dataset["pose_radius"].values > 0.0).astype(int)

@@ -90,7 +90,6 @@ def vehicle_figure(vehicle: Vehicle) -> Figure:
 
 
 def _wheels(vehicle: Vehicle) -> list[tuple[tuple[float, float, float], float]]:
-    """Centre and radius of every wheel [m]."""
     return [
         ((mounted.x, side * 0.5 * mounted.wheelset.profile_spacing, mounted.height), wheel.radius)
         for mounted in vehicle.wheelsets
@@ -110,7 +109,6 @@ def _mark(glyph: Glyph) -> dict[str, Any]:
 
 
 def _extent(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray]:
-    """Least and largest coordinates of everything, with a margin."""
     corners = [np.array(b.centre) + s * 0.5 * np.array(b.box) for b in vehicle.bodies for s in (-1.0, 1.0)]
     corners += [np.array(centre) + s * radius for centre, radius in _wheels(vehicle) for s in (-1.0, 1.0)]
     corners += [np.array(end) for element, _ in _drawn_elements(vehicle) for end in element.points]

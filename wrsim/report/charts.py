@@ -114,7 +114,6 @@ def _chart(
 
 
 def _numbers(values: Array) -> list[float | None]:
-    """Five digits of each; null for not-a-number."""
     return [float(f"{v:.5g}") if np.isfinite(v) else None for v in values.tolist()]
 
 

@@ -49,7 +49,6 @@ def file_name(text: str) -> str:
 
 
 def _written(directory: Path, contents: Mapping[str, bytes], figures: Makers) -> list[Path]:
-    """Write files by their names, then pictures."""
     files = [write_atomically(directory / name, content) for name, content in contents.items()]
     return files + save_all(figures, directory)
 

@@ -181,7 +181,6 @@ def _contacts(dataset: xr.Dataset, result: str) -> list[dict[str, Any]]:
 
 
 def _wear(result: Result, name: str) -> dict[str, Any]:
-    """Tables and pictures of wear and fatigue of a run."""
     figures = {"depths over the profiles": wear_figure, "rolling contact fatigue": fatigue_figure}
     pictures = [as_picture(words, make(result.dataset)) for words, make in figures.items()]
     return {"name": name, "tables": tables.wear_tables(result.dataset), "pictures": pictures}

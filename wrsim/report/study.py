@@ -66,7 +66,6 @@ def varied(dataset: xr.Dataset) -> list[str]:
 
 
 def _labels(dataset: xr.Dataset) -> list[str]:
-    """What is varied in every case, in words."""
     names = varied(dataset)
     columns = [of_cases(dataset, name) for name in names]
     return [", ".join(f"{n} {_text(v)}" for n, v in zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
@@ -89,7 +88,6 @@ def _outputs(dataset: xr.Dataset, outputs: Sequence[str], labels: Sequence[str])
 
 
 def _cases(dataset: xr.Dataset, outputs: Sequence[str]) -> Table | None:
-    """One row a case: its name, what is varied, status, outputs."""
     columns = [of_cases(dataset, name)[:MOST_ROWS] for name in ("name", *varied(dataset), "status", *outputs)]
     heads = ("case", *(dataset[n].attrs["key"] for n in varied(dataset)), "status")
     rows = [(str(row[0])[:12], *map(_text, row[1:])) for row in zip(*columns, strict=True)]

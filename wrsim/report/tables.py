@@ -76,7 +76,6 @@ def verdict(result: Result, found: Assessment | None, why: str) -> Verdict:
 
 
 def _tightest(row: ZoneValue) -> str:
-    """The worst margin in words."""
     value, own, margin = row.worst, row.worst.quantity, row.margin or 0.0
     at_most = quantity(value.limit.value * own.shown.factor, own.shown.unit) if value.limit else ""
     number, kind = value.value, ""
@@ -98,7 +97,6 @@ def identity(results: Sequence[Result], sources: Sequence[str]) -> list[tuple[st
 
 
 def _identity(result: Result) -> dict[str, str]:
-    """What was computed, how, and how far it came."""
     dataset, attributes = result.dataset, result.dataset.attrs
     of_vehicle, of_contact = (table_of_scenario(dataset, name) or {} for name in ("vehicle", "contact"))
     vehicle, speed = str(of_vehicle.get("model", "")), of_vehicle.get("speed_kmh")

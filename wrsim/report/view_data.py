@@ -169,7 +169,6 @@ def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
 
 
 def _events(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """Where to look: what happened, kept moments, the stop."""
     found: list[dict[str, Any]] = []
     for kind, before in (("event", ""), ("snapshot", "kept: ")):
         if f"{kind}_label" in dataset:

@@ -264,17 +264,11 @@ def assessment_dict(found: Assessment) -> dict[str, Any]:
         for t in found.track
     ]
     return {
-        "title": found.title,
-        "passed": found.passed,
-        "runs": [name for name in found.signals if name],
-        "settings": dict(found.settings),
-        "notes": list(found.notes),
-        "quantities": quantities,
-        "sections": [_section(s) for s in found.sections],
-        "track_quality": track,
-        "zones": [_zone(z) for z in found.zones],
-        "values": [_value(v) for v in found.values],
-    }
+        "title": found.title, "passed": found.passed, "runs": [name for name in found.signals if name],
+        "settings": dict(found.settings), "notes": list(found.notes), "quantities": quantities,
+        "sections": list(map(_section, found.sections)), "track_quality": track,
+        "zones": list(map(_zone, found.zones)), "values": list(map(_value, found.values)),
+    }  # fmt: skip
 
 
 def assessment_json(found: Assessment) -> bytes:
@@ -387,7 +381,6 @@ def _regressions_table(found: Assessment) -> list[Table]:
 
 
 def _track_table(found: Assessment) -> list[Table]:
-    """How uneven the sections are."""
     rows = [
         (str(t.section.number), t.direction, 1e3 * t.deviation, 1e3 * t.largest, t.by_deviation, t.by_largest, t.tl90)
         for t in found.track

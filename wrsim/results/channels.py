@@ -108,7 +108,6 @@ def table(room: str, path: str) -> Iterator[dict[str, Any]]:
 
 
 def _channel(row: dict[str, Any]) -> Channel:
-    """A line of ``data/channels.csv``; an empty kind is a number."""
     own = {"dims": tuple(row["dims"].split()), "shown": SHOWN[row["shown"]], "kind": row["kind"] or "number"}
     return Channel(**row | own | {"coordinate": row["coordinate"] == "yes", "together": row["together"] or ""})
 

@@ -71,16 +71,12 @@ def conicity_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]
     dataset = of_wheelset(dataset)
     found = conicity_summary(dataset)
     shift, amplitudes = 1e3 * dataset["lateral_shift"].values, 1e3 * dataset["amplitude"].values
-    order = np.argsort(shift)
-    channels = (
-        1e3 * dataset["rolling_radius_difference"].values,
-        *np.degrees(dataset["contact_angle"].values[..., 0]).T,
-    )
-    there = [np.interp(amplitudes, shift[order], values[order]) for values in channels]
-    rows = []
-    for i in np.flatnonzero(np.abs(2.0 * amplitudes - np.round(2.0 * amplitudes)) < 1e-6):
-        own = (dataset["equivalent_conicity"].values[i], dataset["conicity_wavelength"].values[i])
-        rows.append((amplitudes[i], *own, *(values[i] for values in there)))
+    order, angles = np.argsort(shift), np.degrees(dataset["contact_angle"].values[..., 0]).T
+    at_shift = (1e3 * dataset["rolling_radius_difference"].values, *angles)
+    over_amplitude = (dataset[name].values for name in ("equivalent_conicity", "conicity_wavelength"))
+    columns = (amplitudes, *over_amplitude, *(np.interp(amplitudes, shift[order], own[order]) for own in at_shift))
+    half = np.abs(2.0 * amplitudes - np.round(2.0 * amplitudes)) < 1e-6
+    rows = np.column_stack(columns)[half].tolist()
     heads = (
         Column("y", "mm", ".1f"), Column("tan γe", "", ".3f"), Column("wavelength", "m", ".2f"),
         Column("Δr", "mm", ".3f"), Column("angle left", "°", ".2f"), Column("angle right", "°", ".2f"),
@@ -89,7 +85,7 @@ def conicity_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]
     notes = [f"amplitudes are counted from the equilibrium at y = {place}; Δr and angles at y itself"]
     if found["nonlinearity_per_mm"] is not None:
         notes.append(f"nonlinearity parameter {quantity(found['nonlinearity_per_mm'], 'per mm', '.4f')}")
-    tables = [Table(str(dataset.attrs["title"]), heads, [tuple(map(float, row)) for row in rows], tuple(notes))]
+    tables = [Table(str(dataset.attrs["title"]), heads, rows, tuple(notes))]
     if "radial_steering" not in found:
         return tables
     keys = {

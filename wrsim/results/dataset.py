@@ -109,7 +109,6 @@ def typed(name: str, values: ArrayLike, copy: bool = False) -> NDArray[Any]:
 
 
 def _variable(channel: Channel, sample: str, array: NDArray[Any], sizes: Mapping[str, int]) -> xr.Variable:
-    """Variable with its dimensions and attributes; a scalar fills it."""
     if isinstance(array, xr.Variable):
         return array
     dims = channel.dims_in(sample)
@@ -191,7 +190,6 @@ def _faults(dataset: xr.Dataset) -> Iterator[str]:
 
 
 def _faults_of_layout(dataset: xr.Dataset) -> Iterator[str]:
-    """Attributes, dimensions, types and labels."""
     yield from faults_of_attributes(dataset.attrs, REQUIRED_ATTRIBUTES)
     for name, allowed in (("analysis", tuple(ANALYSES)), ("status", STATUSES)):
         if dataset.attrs[name] not in allowed:

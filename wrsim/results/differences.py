@@ -127,7 +127,6 @@ def _numbers(tree: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str
 
 
 def _name(entry: Mapping[str, Any], key: str, index: int) -> str:
-    """What an entry of a list is called."""
     if "radius_m" in entry:
         return f"curve {index + 1} (R {quantity(entry['radius_m'], 'm', '.0f')})"
     return f"{PATCHES[index]} patch" if key == "patches" else f"{key}[{index}]"

@@ -56,29 +56,28 @@ def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list
     places were given as, for messages. Raises InputError."""
     if not has_patches(dataset):
         raise InputError(f"{key}: this result holds no contact patches; choose places with [output] patches_at_m")
+    moments = []
     if "pose" in dataset.dims:
         names = [str(name) for name in dataset["pose"].values]
-        asked = [str(place) for place in at]
-        for name in asked:
+        for name in map(str, at):
             if name not in names:
                 raise InputError(f"{key} {name}: there is no such pose{suggest(name, names)}; {_some(names)}")
-        return [names.index(name) for name in asked]
-    distances = [float(d) for d in dataset["snapshot_distance"].values]
-    moments = []
+            moments.append(names.index(name))
+        return moments
+    distances = dataset["snapshot_distance"].values.tolist()
     for place in at:
         try:
             offsets = [abs(d - float(place)) for d in distances]
         except (TypeError, ValueError):
             raise InputError(f"{key} {place}: must be a distance in m") from None
         if not min(offsets) <= NEAR:
-            kept = _some([f"{d:.1f}" for d in distances])
-            raise InputError(f"{key} {place}: no patches are kept within {NEAR:g} m of there; {kept}")
+            there = _some([f"{d:.1f}" for d in distances])
+            raise InputError(f"{key} {place}: no patches are kept within {NEAR:g} m of there; {there}")
         moments.append(offsets.index(min(offsets)))
     return moments
 
 
 def _some(names: list[str], most: int = 12) -> str:
-    """What there is, cut short."""
     return "there are " + ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
@@ -133,7 +132,6 @@ def _strips(strips: dict[str, Array], columns: int) -> dict[str, Array]:
 
 
 def _elements(patch: xr.Dataset, used: NDArray[np.intp]) -> dict[str, Array] | None:
-    """The elements of the exact solver, where they were kept."""
     if "element_p" not in patch or not np.isfinite(patch["element_x"].values).any():
         return None
     columns = np.flatnonzero(np.isfinite(patch["element_x"].values))
@@ -166,6 +164,5 @@ def resolved_table(old: xr.Dataset, new: xr.Dataset, notes: tuple[str, ...] = ()
 
 
 def _shown(dataset: xr.Dataset, name: str, at: int, wheel: int, patch: int) -> float | None:
-    """A channel of a patch in the unit for readers."""
     values = dataset[name].values
     return finite(values[at, wheel, patch], CHANNELS[name].shown.factor) if patch < values.shape[2] else None

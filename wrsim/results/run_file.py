@@ -176,7 +176,6 @@ def run_header(path: Path) -> Header:
 
 
 def _records(path: Path, file: int) -> Generator[Record]:
-    """See `records_of`; file: its descriptor."""
     begin = os.pread(file, len(SIGNATURE), 0)
     cut_off = f"{path}: the run was cut off before its start; run the scenario again"
     if begin != SIGNATURE:

@@ -113,10 +113,8 @@ def _remarks(dataset: xr.Dataset) -> dict[str, Any]:
 
 def summarise_contacts(dataset: xr.Dataset) -> dict[str, Any]:
     """The summary of a run or of poses: how much was computed, peaks of every wheelset and point, events."""
-    summary: dict[str, Any] = {
-        "extent": extent(dataset),
-        "wheelsets": {name: _of_wheelset(of_wheelset(dataset, name)) for name in wheelsets(dataset)},
-    }
+    summary: dict[str, Any] = {"extent": extent(dataset)}
+    summary["wheelsets"] = {name: _of_wheelset(of_wheelset(dataset, name)) for name in wheelsets(dataset)}
     if "point" in dataset.dims:
         points = {str(name): dataset.sel(point=name) for name in dataset["point"].values}
         summary["points"] = {n: {key: peak(one, own) for key, own in OF_POINT.items()} for n, one in points.items()}
@@ -164,7 +162,6 @@ def energy(dataset: xr.Dataset) -> dict[str, float]:
 
 
 def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
-    """Peaks of one wheelset and its wheels, values in full curves."""
     always = ("lateral_shift", "yaw")
     found: dict[str, Any] = {
         key: peak(one, own) for key, own in OF_WHEELSET.items() if own.channel in one or own.channel in always
@@ -205,14 +202,11 @@ def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
     of a wheel are those that are in contact for most of that half, the largest normal force first."""
     if "curvature" not in dataset or dataset.sizes["time"] < _SHORTEST:
         return []
-    curves = []
-    for first, last in _constant_stretches(dataset["distance"].values, dataset["curvature"].values):
+    curves, distance = [], dataset["distance"].values
+    for first, last in _constant_stretches(distance, dataset["curvature"].values):
         part = dataset.isel(time=slice((first + last) // 2, last + 1))
-        curve: dict[str, Any] = {
-            "from_m": float(dataset["distance"].values[first]),
-            "to_m": float(dataset["distance"].values[last]),
-            "radius_m": 1.0 / float(np.median(part["curvature"])),
-        }
+        curve: dict[str, Any] = {"from_m": float(distance[first]), "to_m": float(distance[last])}
+        curve["radius_m"] = 1.0 / float(np.median(part["curvature"]))
         if "cant" in part:
             curve["cant_mm"] = float(np.median(part["cant"])) * 1e3
         of_wheels = [name for name in CURVE_CHANNELS if name in part and "wheel" in part[name].dims]
@@ -239,7 +233,6 @@ def _constant_stretches(distance: NDArray[Any], curvature: NDArray[Any]) -> list
 
 
 def _medians(part: xr.Dataset, names: Iterable[str]) -> dict[str, Any]:
-    """Medians of the channels that there are."""
     values = {name: part[name].values[np.isfinite(part[name].values)] for name in names if name in part}
     return {
         CHANNELS[name].column: finite(np.median(own), CHANNELS[name].shown.factor) if own.size else None
@@ -255,7 +248,6 @@ def _place(dataset: xr.Dataset, index: int) -> dict[str, Any]:
 
 
 def _stop(dataset: xr.Dataset) -> dict[str, Any] | None:
-    """Why, when and where the analysis stopped early; ``None`` when it did not."""
     attributes = dataset.attrs
     if attributes["status"] != "stopped":
         return None

@@ -173,7 +173,6 @@ def first_lines(lines: Sequence[str], what: str) -> tuple[str, ...]:
 
 
 def _integration(summary: Summary) -> list[str]:
-    """What the integration of a run took."""
     if (took := summary.get("integration")) is None:
         return []
     words = f"{took['integrator']}: {took['steps']} steps of {quantity(took['step_ms'], 'ms')}"
@@ -192,7 +191,6 @@ def wall_time(wall: float, run: float, compiling: float) -> str:
 
 
 def _placed(found: Summary | None) -> Placed:
-    """A peak of a summary."""
     if found is None or found["value"] is None:
         return Placed(None, "")
     if "distance_m" in found:
@@ -201,5 +199,4 @@ def _placed(found: Summary | None) -> Placed:
 
 
 def _known(rows: Sequence[Sequence[Cell]]) -> list[Sequence[Cell]]:
-    """Rows of peaks in which there is any number but zero."""
     return [row for row in rows if any(isinstance(cell, Placed) and cell.value for cell in row)]

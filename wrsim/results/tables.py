@@ -76,7 +76,6 @@ def _patch_table(one: xr.Dataset) -> list[Row]:
 
 
 def _strip_table(one: xr.Dataset) -> list[Row]:
-    """One row per strip of every pose or snapshot."""
     moment = "snapshot" if "snapshot" in one.dims else "pose"
     dims = (moment, "wheel", "patch", "strip")
     channels = present(one, dims)

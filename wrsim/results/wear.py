@@ -45,7 +45,6 @@ def worst_worn(dataset: xr.Dataset) -> str:
 
 
 def _of_wheel(one: xr.Dataset) -> dict[str, Any]:
-    """Mass by zone, and the deepest place."""
     unit = CHANNELS["wear_wheel_mass"].shown
     zones = zip(one["wear_zone"].values, one["wear_wheel_mass"].values, strict=True)
     mass = {f"{zone}_{unit.suffix}": finite(value, unit.factor) for zone, value in zones}
@@ -53,7 +52,6 @@ def _of_wheel(one: xr.Dataset) -> dict[str, Any]:
 
 
 def _deepest(one: xr.Dataset, name: str, place: str) -> dict[str, Any]:
-    """The largest value over a profile, and where it is."""
     own, values = CHANNELS[name].shown, one[name].values
     at = int(np.argmax(np.where(np.isfinite(values), values, -np.inf)))
     most, where = finite(values[at], own.factor), finite(one[place].values[at], 1e3)
