@@ -32,7 +32,8 @@ Finish = Callable[[], dict[str, bytes]]
 @contextmanager
 def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
     """Draw pictures while other work is done in the block, if there is a second processor. paint: figure to bytes."""
-    if not _worth_a_process(len(figures)):
+    alone = sys.platform != "linux" or multiprocessing.current_process().daemon or len(os.sched_getaffinity(0)) < 2
+    if alone or len(figures) < 2:
         yield lambda: {name: paint(make()) for name, make in figures.items()}
         return
     context = multiprocessing.get_context("fork")
@@ -63,13 +64,6 @@ def save_all(figures: Makers, directory: str | Path) -> list[Path]:
     """Write pictures as PNG by their names, when all are drawn; returns their paths. Raises ``WrsimError``."""
     with drawing(figures) as finish:
         return [write_atomically(Path(directory) / f"{name}.png", content) for name, content in finish().items()]
-
-
-def _worth_a_process(pictures: int) -> bool:
-    """Whether there is a second processor, a safe way to fork, and enough to draw."""
-    if sys.platform != "linux" or multiprocessing.current_process().daemon:
-        return False
-    return pictures > 1 and len(os.sched_getaffinity(0)) > 1
 
 
 def _share(figures: Makers, paint: Paint, taken: Any) -> dict[str, bytes]:

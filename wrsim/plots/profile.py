@@ -53,8 +53,7 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     for axes, draw in zip(panels, (draw_shape, draw_slope, draw_curvature), strict=False):
         draw(profile, axes)
     if smoothing:
-        compare_curvatures(smoothing, panels[2])
-        draw_changes(smoothing, panels[3])
+        draw_smoothing(smoothing, panels[2], panels[3])
     middle_u, middle_w = 0.5 * (u.min() + u.max()), 0.5 * (w.min() + w.max())
     panels[0].set_xlim(middle_u - 0.5 * across, middle_u + 0.5 * across)
     panels[0].set_ylim(middle_w - 0.5 * up, middle_w + 0.5 * up)
@@ -63,27 +62,22 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     return figure
 
 
-def compare_curvatures(smoothing: Sequence[SmoothingReport], axes: Axes) -> None:
-    """Curvature of the bare points in grey behind that of every cut-off; keeps the scale that is set."""
-    axes.lines[0].remove()
+def draw_smoothing(smoothing: Sequence[SmoothingReport], curvature: Axes, change: Axes) -> None:
+    """Curvature of the bare points in grey behind that of every cut-off, keeping the scale; distance of the points from
+    the smoothed curves, um."""
+    curvature.lines[0].remove()
     first = smoothing[0]
     look: Any = {"color": QUIET, "linewidth": 0.4, "alpha": 0.3, "zorder": 1.0}
-    axes.plot(1e3 * first.points.u, first.bare_curvature, label="bare points", **look)
+    curvature.plot(1e3 * first.points.u, first.bare_curvature, label="bare points", **look)
     for report, colour in zip(smoothing, SERIES_COLOURS, strict=False):
-        p = report.profile
-        label = f"cut-off {1e3 * report.cutoff:g} mm"
-        axes.plot(1e3 * p.u, p.curvature_after, color=colour, linewidth=1.0, label=label)
-    axes.legend(loc="upper center", ncols=5, fontsize=6.5, frameon=True, framealpha=0.9, edgecolor="none")
-    remark(axes, "positive: turns upward; as smoothed, and of a spline through the bare points")
-
-
-def draw_changes(smoothing: Sequence[SmoothingReport], axes: Axes) -> None:
-    """Distance of the measured points from the smoothed curves against u, um."""
-    for report, colour in zip(smoothing, SERIES_COLOURS, strict=False):
-        axes.plot(1e3 * report.points.u, 1e6 * report.change, ".", color=colour, markersize=1.6, zorder=2.0)
-    axes.axhline(0.0, color=INK, linewidth=0.5)
-    remark(axes, "distance of the points from the smoothed curve")
-    axes.set_ylabel("Change [µm]")
+        p, label = report.profile, f"cut-off {1e3 * report.cutoff:g} mm"
+        curvature.plot(1e3 * p.u, p.curvature_after, color=colour, linewidth=1.0, label=label)
+        change.plot(1e3 * report.points.u, 1e6 * report.change, ".", color=colour, markersize=1.6, zorder=2.0)
+    curvature.legend(loc="upper center", ncols=5, fontsize=6.5, frameon=True, framealpha=0.9, edgecolor="none")
+    remark(curvature, "positive: turns upward; as smoothed, and of a spline through the bare points")
+    change.axhline(0.0, color=INK, linewidth=0.5)
+    remark(change, "distance of the points from the smoothed curve")
+    change.set_ylabel("Change [µm]")
 
 
 def draw_shape(profile: Profile, axes: Axes) -> None:

@@ -17,9 +17,6 @@ from wrsim.recording.restoring import Restored
 from wrsim.results.channels import WHEELS
 
 Array = NDArray[np.float64]
-Line = tuple[str, Array, str]
-"""Name, values and colour of a line."""
-
 KINDS = ("curvature", "cant", "twist", "gauge", "gauge_deviation", "alignment", "level")
 
 
@@ -53,7 +50,7 @@ def _recorded(axes: Axes, restored: Restored, kind: str) -> None:
     _draw(axes, restored, lines, f"{kind.partition('_')[0].capitalize()}\n[{unit}]")
 
 
-def _draw(axes: Axes, restored: Restored, lines: Sequence[Line], label: str) -> None:
+def _draw(axes: Axes, restored: Restored, lines: Sequence[tuple[str, Array, str]], label: str) -> None:
     s = restored.recording.start + restored.recording.distance
     for name, values, colour in lines:
         axes.plot(s, values, color=colour, linewidth=1.8 if name == "design" else 0.5, label=name)

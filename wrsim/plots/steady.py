@@ -51,29 +51,24 @@ def steady_figure(dataset: xr.Dataset) -> Figure:
         words = f"{quantity(1e3 * cant, 'mm')}, {quantity(factor * other, unit, '.5g')}"
         entries.append(Line2D([], [], color=QUIET, linewidth=0.9, linestyle=line, label=words))
 
+    members = [np.flatnonzero(which.ravel() == k) for k in range(len(found))]
+    series = [(own[np.argsort(x[own])], line) for own, line in zip(members, cycle(LINES))]
+    outer = (radius > 0.0).astype(int)  # the right wheel in curves to the left
+
     def draw(axes: Axes, name: str) -> None:
-        _panel(axes, dataset, name, x, which.ravel())
-        axes.set_xlabel(label)
+        values, channel = shown(dataset, name), CHANNELS[name]
+        if of_wheels := values.ndim == 3:
+            values = np.take_along_axis(values, outer[:, None, None], axis=2)[..., 0]
+        for own, line in series:
+            look: Any = {"linestyle": line, "marker": "o", "markersize": 2.2, "linewidth": 0.9}
+            for of_wheelset, colour in zip(values[own].T, cycle(SERIES_COLOURS)):
+                axes.plot(x[own], of_wheelset, color=colour, **look)
+        if name != "Q":
+            axes.axhline(0.0, color=QUIET, linewidth=0.5)
+        axes.set(xlabel=label, ylabel=f"Outer wheel: {channel.short_label}" if of_wheels else channel.label)
         for at in x[failed]:
             axes.axvline(at, color=STOP_COLOUR, linewidth=0.5, linestyle=DOTS)
 
     note = f"{failed.sum()} of {failed.size} curves have no steady motion" if failed.any() else ""
     draws = [partial(draw, name=name) for name in PANELS]
     return panels(str(dataset.attrs["title"]), draws, 150.0, columns=2, legend=entries, note=note)
-
-
-def _panel(axes: Axes, dataset: xr.Dataset, name: str, x: np.ndarray, which: np.ndarray) -> None:
-    values = shown(dataset, name)
-    if values.ndim == 3:  # the outer wheel: the right one in curves to the left
-        outer = (dataset["pose_radius"].values > 0.0).astype(int)
-        values = np.take_along_axis(values, outer[:, None, None], axis=2)[..., 0]
-    for k in range(which.max() + 1):
-        own = np.flatnonzero(which == k)
-        own = own[np.argsort(x[own])]
-        look: Any = {"linestyle": LINES[k % len(LINES)], "marker": "o", "markersize": 2.2, "linewidth": 0.9}
-        for of_wheelset, colour in zip(values[own].T, cycle(SERIES_COLOURS)):
-            axes.plot(x[own], of_wheelset, color=colour, **look)
-    if name != "Q":
-        axes.axhline(0.0, color=QUIET, linewidth=0.5)
-    channel = CHANNELS[name]
-    axes.set_ylabel(channel.label if dataset[name].ndim == 2 else f"Outer wheel: {channel.short_label}")

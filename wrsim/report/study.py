@@ -34,8 +34,7 @@ def study_page(dataset: xr.Dataset, source: str) -> str:
     lost = [(labels[i], str(status[i]), str(words[i])) for i in without[:MOST_ROWS]]
     folder = source.rstrip("/").removesuffix("/study.nc")
     cases_more = [f"Case abcd… lies in {folder}/cases/ab/abcd…; study.csv has full names"]
-    if len(outputs) > MOST_OUTPUTS:
-        cases_more.append(f"{MOST_OUTPUTS} of {len(outputs)} outputs; study.csv has all")
+    cases_more += [f"{MOST_OUTPUTS} of {len(outputs)} outputs; study.csv has all"] * (len(outputs) > MOST_OUTPUTS)
     page = {
         "title": dataset.attrs["title"],
         "version": __version__,

@@ -3,7 +3,7 @@
 The pipeline in one line: ``write_run(Result(assemble(coords, channels, attributes)), directory)``.
 """
 
-from wrsim.results.channels import CHANNELS, Channel, channel
+from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.dataset import assemble, versions
 from wrsim.results.exports import write_run
 from wrsim.results.files import write_atomically
@@ -16,7 +16,6 @@ __all__ = [
     "Channel",
     "Result",
     "assemble",
-    "channel",
     "summarise",
     "tables",
     "versions",

@@ -19,8 +19,6 @@ from importlib.resources import files
 from math import pi
 from typing import Any, Literal
 
-from wrsim.errors import suggest
-
 Kind = Literal["number", "count", "text"]
 
 
@@ -123,11 +121,3 @@ PATCHES = ("main", "second", "third", "fourth", "fifth", "sixth")
 
 WHEELS = ("left", "right")
 """Values of the ``wheel`` coordinate; a static analysis of one wheel carries one of them."""
-
-
-def channel(name: str) -> Channel:
-    """Channel of that name. Raises ``KeyError`` with the nearest name when there is none."""
-    try:
-        return CHANNELS[name]
-    except KeyError:
-        raise KeyError(f"no channel is called {name!r}{suggest(name, list(CHANNELS))}") from None

@@ -2,10 +2,8 @@
 
 Every folder that a command writes into holds a manifest (``.wrsim``), one JSON object a line: names and digests of the
 files that wrsim wrote there, when an analysis began and when all of its files were complete. A file that is not in the
-manifest, or that has changed since, belongs to the user; so does every file that the scenario reads.
-
-Lines are only ever appended, each before its file gets its name: a process that is killed leaves a manifest that names
-the old and the new file. While an analysis writes into a folder, it holds a lock on the manifest.
+manifest, or has changed since, belongs to the user; so does every file that the scenario reads. Lines are appended,
+each before its file gets its name. While an analysis writes into a folder, it holds a lock on the manifest.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
 from wrsim.results.channels import CHANNELS, PATCHES
-from wrsim.results.table import Cell, Column, Table, finite, quantity
+from wrsim.results.table import Cell, Column, Table, finite, listed, quantity
 
 Array = NDArray[np.float64]
 
@@ -61,7 +61,9 @@ def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list
         names = [str(name) for name in dataset["pose"].values]
         for name in map(str, at):
             if name not in names:
-                raise InputError(f"{key} {name}: there is no such pose{suggest(name, names)}; {_some(names)}")
+                raise InputError(
+                    f"{key} {name}: there is no such pose{suggest(name, names)}; there are {listed(names, 12)}"
+                )
             moments.append(names.index(name))
         return moments
     distances = dataset["snapshot_distance"].values.tolist()
@@ -71,14 +73,10 @@ def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list
         except (TypeError, ValueError):
             raise InputError(f"{key} {place}: must be a distance in m") from None
         if not min(offsets) <= NEAR:
-            there = _some([f"{d:.1f}" for d in distances])
-            raise InputError(f"{key} {place}: no patches are kept within {NEAR:g} m of there; {there}")
+            there = listed([f"{d:.1f}" for d in distances], 12)
+            raise InputError(f"{key} {place}: no patches are kept within {NEAR:g} m of there; there are {there}")
         moments.append(offsets.index(min(offsets)))
     return moments
-
-
-def _some(names: list[str], most: int = 12) -> str:
-    return "there are " + ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 TRACTIONS = {"element_qx": "qx", "element_qs": "qs"}

@@ -12,7 +12,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, PATCHES, WHEELS
 from wrsim.results.moments import has_patches, with_patches
 from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_WHEELSET, PATCH_CHANNELS, PEAKS, wheel_peaks
-from wrsim.results.table import Cell, Column, Placed, Table, formatted, quantity, with_unit
+from wrsim.results.table import Cell, Column, Placed, Table, formatted, listed, quantity, with_unit
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 MOST_LINES = 10  # events and remarks that are listed
@@ -58,12 +58,13 @@ def overview(dataset: xr.Dataset) -> list[Table]:
     ending = f"stopped: {attributes['stop_reason']}" if attributes["status"] == "stopped" else "completed"
     names = wheelsets(dataset)
     about = [("analysis", f"{attributes['analysis']}, {ending}"), ("samples", extent_words(dataset))]
-    about.append(("wheelsets", _listed(names)))
+    about.append(("wheelsets", listed(names, MOST_NAMES)))
     if has_patches(dataset) and "snapshot_distance" in dataset:
         places = [formatted(float(distance), ".1f") for distance in dataset["snapshot_distance"].values]
-        about.append(("patches", f"{_listed(places)} m"))
+        about.append(("patches", f"{listed(places, MOST_NAMES)} m"))
     elif has_patches(dataset):
-        about.append(("patches", _listed([str(name) for name in dataset["pose"].values[with_patches(dataset)]])))
+        poses = [str(name) for name in dataset["pose"].values[with_patches(dataset)]]
+        about.append(("patches", listed(poses, MOST_NAMES)))
     tables = [Table("", (Column(), Column()), about)]
     if any(name in dataset for name in ("Y", "Q", "p0")):
         first = names[:MOST_NAMES]
@@ -83,10 +84,6 @@ def extent_words(dataset: xr.Dataset) -> str:
         words += f" over {quantity(float(np.ptp(time)), 's')}"
         words += f", {formatted(first, '.1f')} to {quantity(last, 'm', '.1f')}"
     return words
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names[:MOST_NAMES]) + (f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else "")
 
 
 def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: str = "Peaks") -> list[Table]:

@@ -90,6 +90,11 @@ def quantity(value: float | None, unit: str = "", form: str = ".4g") -> str:
     return f"{formatted(value, form)} {unit}".strip()
 
 
+def listed(names: Sequence[str], most: int) -> str:
+    """The first names with commas between, and how many more there are."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
 def duration(seconds: float) -> str:
     """A time in words: ``42 s``, ``3.5 min``, ``2.1 h``."""
     if seconds < 90.0:
