@@ -75,16 +75,12 @@ def read_recording(
     else:
         found = guessed(header, where, chord, band)
         if not any(c["quantity"] == "distance" for c in found):
-            raise InputError(
-                f"{where}: no column looks like a distance; write a column map ({path.stem}.toml beside it, or "
-                f"--columns) for: {', '.join(header)}"
-            )
+            hint = f"write a column map ({path.stem}.toml beside it, or --columns) for: {', '.join(header)}"
+            raise InputError(f"{where}: no column looks like a distance; {hint}")
         for guess in found:
             if guess["quantity"].startswith(("alignment", "level")) and not {"band", "chord_m"} & set(guess):
-                raise InputError(
-                    f"{where}: column '{guess['column']}': measured by a chord or inertially? Give "
-                    "--chord-m BEHIND AHEAD or --band D1, or write a column map"
-                )
+                hint = "give --chord-m BEHIND AHEAD or --band D1, or write a column map"
+                raise InputError(f"{where}: column '{guess['column']}': measured by a chord or inertially? {hint}")
 
         def place(key: tuple[str | int, ...]) -> str:
             number = next((k for k in key if isinstance(k, int)), None)
@@ -109,11 +105,9 @@ def read_recording(
     for c in measured:
         bad = np.flatnonzero(~np.isfinite(values[c.column][first:last]))
         if bad.size:
-            at = bad[0]
-            raise InputError(
-                f"{path}:{lines[at]}: column '{c.column}': is empty, a gap at {distance[at]:g} m: filters need "
-                f"every row; take a part without gaps{_longest(distance, values, measured, first, last)}"
-            )
+            at, hint = bad[0], _longest(distance, values, measured, first, last)
+            gap = f"is empty, a gap at {distance[at]:g} m: filters need every row; take a part without gaps{hint}"
+            raise InputError(f"{path}:{lines[at]}: column '{c.column}': {gap}")
     step = (distance[-1] - distance[0]) / (distance.size - 1)
     even = distance[0] + step * np.arange(distance.size)
     uneven = np.abs(even - distance).max() > 1e-3 * step
@@ -173,9 +167,8 @@ def _check_distance(path: Path, name: str, distance: Array, lines: list[int]) ->
     ):
         if bad.any():
             i = int(np.argmax(bad))
-            raise InputError(
-                f"{path}:{lines[i + 1]}: column '{name}' = {distance[i + 1]:.10g} m after {distance[i]:.10g} m {words}"
-            )
+            where = f"{path}:{lines[i + 1]}: column '{name}' = {distance[i + 1]:.10g} m after {distance[i]:.10g} m"
+            raise InputError(f"{where} {words}")
     wide = steps > GAP * usual
     if wide.any():
         i = int(np.argmax(wide))
@@ -188,7 +181,7 @@ def _check_distance(path: Path, name: str, distance: Array, lines: list[int]) ->
 
 
 def _longest(distance: Array, values: dict[str, Array], measured: list[ChannelSection], first: int, last: int) -> str:
-    """The longest part in which every cell is filled, in words."""
+    """A hint at the longest part in which every cell is filled."""
     filled = np.all([np.isfinite(values[c.column][first:last]) for c in measured], axis=0)
     edges = np.flatnonzero(np.diff(np.concatenate(([0], filled.astype(int), [0])))).reshape(-1, 2)
     if not len(edges):

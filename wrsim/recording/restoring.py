@@ -62,10 +62,8 @@ def restore(
     """
     step, s = recording.step, recording.distance
     if band[0] < 4.0 * step:
-        raise InputError(
-            f"{recording.path}: rows {step:g} m apart resolve no waves shorter than {4.0 * step:g} m; the shortest "
-            f"wanted is {band[0]:g} m (--wavelength-m)"
-        )
+        rows = f"rows {step:g} m apart resolve no waves shorter than {4.0 * step:g} m"
+        raise InputError(f"{recording.path}: {rows}; the shortest wanted is {band[0]:g} m (--wavelength-m)")
     if recording.length < 2.0 * band[1]:
         waves = f"two of the longest waves wanted, {band[1]:g} m each (--wavelength-m), or more"
         raise InputError(f"{recording.path}: is {recording.length:g} m long; must be {waves}")
@@ -86,9 +84,8 @@ def restore(
     arcs = [p for p in plateaus if not p.is_straight and abs(p.cant) > 0.01]
     outward = sum(p.cant * p.curvature < 0.0 for p in arcs)
     if 2 * outward > len(arcs):
-        work.notes.append(
-            f"the cant leans outward in {outward} of {len(arcs)} curves: is the sign of curvature or cant another?"
-        )
+        curves = f"{outward} of {len(arcs)} curves"
+        work.notes.append(f"the cant leans outward in {curves}: is the sign of curvature or cant another?")
 
     wide = None if off_gauge is None else work.undone_plain(off_gauge - design.widening, "gauge", "gauge_deviation")
     cross = None if cant is None else work.undone_plain(cant - design.cant, "cant")
@@ -186,12 +183,10 @@ def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights
         if apart is None:
             apart = own
         else:
-            off = own - _in_band(work, kind, apart)
-            words = "gauge" if kind == "alignment" else "cant"
-            work.notes.append(
-                f"{kind} left less right and the {words} differ by {1e3 * _rms(work.inner(off)):.3g} mm (rms) in their "
-                f"common band; the {words} is taken"
-            )
+            rms = f"{1e3 * _rms(work.inner(own - _in_band(work, kind, apart))):.3g} mm (rms)"
+            taken = "gauge" if kind == "alignment" else "cant"
+            differ = f"{kind} left less right and the {taken} differ by {rms} in their common band"
+            work.notes.append(f"{differ}; the {taken} is taken")
     elif left is not None or right is not None:
         one, weight = (left, weights[0]) if left is not None else (right, weights[1])
         mean = np.zeros(size) if one is None else one
@@ -244,11 +239,8 @@ def _holds_curve(work: _Work, channel: ChannelSection, record: Array, curve: Arr
         return True
     name, key = f"column '{channel.column}'", "give with_curvature = true or false in its [[channels]]"
     if share < -UNDECIDED[0]:
-        raise InputError(
-            f"{work.recording.path}: {name} holds {share:.2f} of the versine of its curves: the sign of alignment, or "
-            "that of curvature, is opposite (positive = ... in a column map)"
-        )
-    if UNDECIDED[0] < share < UNDECIDED[1]:
+        key = "the sign of alignment, or that of curvature, is opposite (positive = ... in a column map)"
+    if share < -UNDECIDED[0] or UNDECIDED[0] < share < UNDECIDED[1]:
         raise InputError(f"{work.recording.path}: {name} holds {share:.2f} of the versine of its curves: {key}")
     words = "holds the curves" if share > UNDECIDED[1] else "is freed of the curves"
     work.notes.append(f"{name} {words} ({share:.3g} of their versine)")

@@ -100,16 +100,10 @@ def read_points(
     Raises InputError with file, line and what is allowed.
     """
     path = Path(path)
-    choices = {
-        "kind": (kind, KINDS),
-        "unit": (unit, tuple(METRES)),
-        "heights": (heights, HEIGHTS),
-        "field_side": (field_side, SIDES),
-        "format": (format, tuple(PROFILE_FILES)),
-    }
-    for key, (value, allowed) in choices.items():
+    given = {"kind": kind, "unit": unit, "heights": heights, "field_side": field_side, "format": format}
+    for (key, value), allowed in zip(given.items(), (KINDS, METRES, HEIGHTS, SIDES, PROFILE_FILES), strict=True):
         if value is not None and value not in allowed:
-            raise InputError(f"{path}: {key} = '{value}'; allowed: {', '.join(allowed)}{suggest(value, allowed)}")
+            raise InputError(f"{path}: {key} = '{value}'; allowed: {', '.join(allowed)}{suggest(value, [*allowed])}")
     suffix = path.suffix.lower()
     if format is None and (fault := suffix_fault(path)):
         raise InputError(f"{path}: {fault}")

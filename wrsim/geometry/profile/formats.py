@@ -93,7 +93,7 @@ def _number(word: str, file: str, line: int) -> float:
 
 
 def _last_digit(word: str) -> float:
-    """Value of one unit in the last written digit of a number."""
+    """Value of one unit in the last digit of a number."""
     match = re.fullmatch(r"[-+]?\d*(?:\.(\d*))?(?:[eEdD]([-+]?\d+))?", word.strip())
     if match is None:
         return 0.0

@@ -71,11 +71,11 @@ def report_smoothing(reading: Reading) -> SmoothingReport:
     change = plane_cross(np.stack(profile.tangent(L), axis=-1), p - np.stack(profile.at(L), axis=-1))
     after, most = np.abs(profile.curvature_after), int(np.argmax(np.abs(change)))
     return SmoothingReport(
-        points=points,
-        cutoff=reading.cutoff,
-        profile=profile,
-        bare_curvature=bare,
-        change=change,
+        points,
+        reading.cutoff,
+        profile,
+        bare,
+        change,
         curvature_before=float(np.abs(bare).max()),
         curvature_after=float(max(np.abs(profile.curvature_before).max(), after.max())),
         sharpest=float(profile.u[int(np.argmax(after))]),

@@ -126,11 +126,9 @@ class RailSurface:
     @cached_property
     def constant(self) -> Profile | None:
         """The profile of all sections, if they are equal."""
-        first = self.sections[0].profile
-        alike = all(
-            np.array_equal(getattr(own.profile, part), getattr(first, part)) for own in self.sections for part in CURVE
-        )
-        return first if alike else None
+        first, *others = (own.profile for own in self.sections)
+        same = (np.array_equal(getattr(own, part), getattr(first, part)) for own in others for part in CURVE)
+        return first if all(same) else None
 
     def rows(self, s: Array) -> tuple[Array, NDArray[np.int64]]:
         """Points and tangents, of any length, at distances (n,) [m]: rows of all pieces one behind the other
@@ -164,20 +162,16 @@ class RailSurface:
         alone = before.astype(int) - behind
         parted = next((i, k) for i, k in pairwise(np.flatnonzero(alone).tolist()) if alone[i] != alone[k])
         end, begin = (self.sections[i].distance for i in parted)
-        raise InputError(
-            f"rail '{self.name}': has a gap of {begin - end:.4g} m from {end:.6g} to {begin:.6g} m, where one side of "
-            f"feature {feature} has ended and the other has not begun: nothing carries a wheel there; both sides must "
-            "be there in one section or more"
-        )
+        gap = f"has a gap of {begin - end:.4g} m from {end:.6g} to {begin:.6g} m"
+        between = f"where one side of feature {feature} has ended and the other has not begun"
+        must = "nothing carries a wheel there; both sides must be there in one section or more"
+        raise InputError(f"rail '{self.name}': {gap}, {between}: {must}")
 
     def _is_gap(self, feature: int) -> bool:
         """Whether a feature, 1 to regions - 1, lies deep wherever there is rail on both sides of it."""
         inner = np.logical_and(*self._beside(feature))
-        depths = [
-            own.profile.w.max() - own.profile.at(own.edges[feature])[1]
-            for own, there in zip(self.sections, inner, strict=True)
-            if there
-        ]
+        both = [own for own, there in zip(self.sections, inner, strict=True) if there]
+        depths = [own.profile.w.max() - own.profile.at(own.edges[feature])[1] for own in both]
         return bool(depths) and min(depths) > DEEP
 
     def _is_floor(self, first: int, last: int) -> bool:
@@ -342,8 +336,6 @@ def _features(points: ProfilePoints, marks: NDArray[Any], profile: Profile) -> t
             places[int(word)] = float(profile.arclength[node])
     missing = sorted(set(range(1, len(places) + 1)) - places.keys())
     if missing:
-        raise InputError(
-            f"{points.file}:{points.line[0]}: feature {missing[0]} is missing in the section that begins here; a part "
-            "that does not exist in a section has its features on one point"
-        )
+        where = f"{points.file}:{points.line[0]}: feature {missing[0]} is missing in the section that begins here"
+        raise InputError(f"{where}; a part that does not exist in a section has its features on one point")
     return tuple(places[k] for k in sorted(places))

@@ -173,10 +173,8 @@ def _effective(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
         found.append(rows)
     lowest = max(float(rows[:, 1].max()) for rows in found) - DEEP
     if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 7] == 0.0)).any() for rows in found):
-        raise InputError(
-            f"rail '{surface.name}': near {s:.4g} m it is so steep along the track that a wheel of radius "
-            f"{1e3 * radius:g} mm would touch it more than {1e3 * REACH:g} mm from its axle"
-        )
+        far = f"a wheel of radius {1e3 * radius:g} mm would touch it more than {1e3 * REACH:g} mm from its axle"
+        raise InputError(f"rail '{surface.name}': near {s:.4g} m it is so steep along the track that {far}")
     return [_curve(piece, rows, lowest) for piece, rows in zip(surface.pieces, found, strict=True)]
 
 

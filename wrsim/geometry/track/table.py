@@ -120,10 +120,8 @@ class TrackTable:
         steps = np.diff(self.distance)
         shortest, widest = ROWS_A_WAVE * float(np.median(steps)), float(steps.max())
         if band is not None and band[0] < ROWS_A_WAVE * widest:
-            raise InputError(
-                f"{self.path}: its rows are up to {widest:g} m apart and resolve no waves shorter than "
-                f"{ROWS_A_WAVE * widest:g} m; wavelength_m begins at {band[0]:g}"
-            )
+            rows = f"its rows are up to {widest:g} m apart and resolve no waves shorter than {ROWS_A_WAVE * widest:g} m"
+            raise InputError(f"{self.path}: {rows}; wavelength_m begins at {band[0]:g}")
         found = []
         for name in names:
             distance, values = self.distance, scale * self.columns[name] / 1e3

@@ -88,12 +88,7 @@ class Track:
 
     @classmethod
     def build(
-        cls,
-        segments: Sequence[Segment],
-        gauge: float = STANDARD_GAUGE,
-        *,
-        rounding: float = ROUNDING,
-        **options: Any,
+        cls, segments: Sequence[Segment], gauge: float = STANDARD_GAUGE, *, rounding: float = ROUNDING, **options: Any
     ) -> Track:
         """Lay segments one behind the other.
 
@@ -177,17 +172,8 @@ class Track:
         pitch = pitch_law(grades, length) if grades or law.pitch is None else law.pitch
         line = CentreLine(law.curvature, pitch, start, heading)
         swept = partial(SweptCurve, line, law.cant, law.widening, gauge, base)
-        return cls(
-            segments=segments,
-            nominal_gauge=gauge,
-            cant_base=base,
-            centre_line=line,
-            left_curve=swept(1, *left_offset, uneven[1]),
-            right_curve=swept(-1, *right_offset, uneven[-1]),
-            centre_rows=ROWS if step is None else step,
-            rail_rows=rows,
-            elasticity=elasticity,
-        )
+        left, right = swept(1, *left_offset, uneven[1]), swept(-1, *right_offset, uneven[-1])
+        return cls(segments, gauge, base, line, left, right, ROWS if step is None else step, rows, elasticity)
 
     def __repr__(self) -> str:
         pieces = ", ".join(f"{f.label} {f.start:g}..{f.end:g} m" for f in self.features())
@@ -267,14 +253,8 @@ class Track:
     def relaid(self, segments: Sequence[Segment]) -> Track:
         """Another track, of these segments, with the same rails, gauge and cant base."""
         left, right = ((curve.outward, curve.height) for curve in (self.left_curve, self.right_curve))
-        return Track.build(
-            segments,
-            self.nominal_gauge,
-            left_offset=left,
-            right_offset=right,
-            cant_base=self.cant_base,
-            elasticity=self.elasticity,
-        )
+        rails: dict[str, Any] = {"left_offset": left, "right_offset": right, "elasticity": self.elasticity}
+        return Track.build(segments, self.nominal_gauge, cant_base=self.cant_base, **rails)
 
     def features(self) -> tuple[Feature, ...]:
         """The segments in order, with labels and distances, for plots and reports."""
