@@ -22,13 +22,13 @@ ABSENT = {"needed": "has to be given", "none": "may be left out"}
 
 
 def check_kind(file: str) -> None:
-    """Raise InputError for what is no kind of file."""
+    """Raises InputError for an unknown kind of file."""
     if file not in FILES:
         raise InputError(f"--file {file}: must be {', '.join(FILES)}{suggest(file, list(FILES))}")
 
 
 def check_analysis(kind: str) -> None:
-    """Raise InputError for what is no analysis of a scenario."""
+    """Raises InputError for an unknown analysis."""
     if kind in FILES and kind != "scenario":
         shipped = f"; copy one of {shipped_models() / MODELS[kind]}" if kind in MODELS else ""
         raise InputError(
@@ -79,12 +79,12 @@ def tables_of_file(file: str) -> list[type[Section]]:
 
 
 def chosen_tables(section: str, tables: list[type[Section]]) -> list[type[Section]]:
-    """The tables that are meant. Raises InputError."""
-    asked = section.strip("[] ")
-    found = [kind for kind in tables if {asked, asked.rpartition(".")[2]} & set(_names(kind))]
+    """The tables of a name. Raises InputError."""
+    wanted = section.strip("[] ")
+    found = [kind for kind in tables if {wanted, wanted.rpartition(".")[2]} & set(_names(kind))]
     if not found:
         names = list(dict.fromkeys(name for kind in tables for name in _names(kind)))
-        raise InputError(f"no table is called '{section}'{suggest(asked, names)}; there is {', '.join(names)}")
+        raise InputError(f"no table is called '{section}'{suggest(wanted, names)}; there is {', '.join(names)}")
     return found
 
 
@@ -96,24 +96,18 @@ def _names(kind: type[Section]) -> list[str]:
 
 
 def schema_text(file: str) -> str:
-    """The JSON schema of a kind of file as it stands in ``docs/schema``."""
+    """The JSON schema of a kind of file, as in ``docs/schema``."""
     words, place = FILES[file]
     schema = json_schema(resolved(place), f"wrsim: {words}")
-    if file == "scenario":
-        _may_inherit(schema)
+    if file == "scenario":  # keys may come from the base or from a track file
+        start = "Scenario file to start from; keys of this file override it."
+        schema["properties"] = {BASE: {"type": "string", "description": start}} | schema["properties"]
+        schema |= {"if": {"not": {"required": [BASE]}}, "then": {"required": schema.pop("required")}}
+        for own in schema["properties"].values():
+            schema["definitions"].get(own.get("$ref", "").rpartition("/")[2], {}).pop("required", None)
     if file == "track":  # the table [track] is that of a scenario
         whole = json_schema(resolved(FILES["scenario"][1]), "")
         schema["properties"]["track"] = {"$ref": "#/definitions/TrackSection"}
         schema["definitions"] = whole["definitions"]
         schema["definitions"]["TrackSection"].pop("required", None)
     return json.dumps(schema, indent=1, ensure_ascii=False)
-
-
-def _may_inherit(schema: dict[str, Any]) -> None:
-    """A scenario may start from another one and take its track from a file: then keys stand there."""
-    start = "Scenario file to start from; keys of this file override it."
-    schema["properties"] = {BASE: {"type": "string", "description": start}} | schema["properties"]
-    schema |= {"if": {"not": {"required": [BASE]}}, "then": {"required": schema.pop("required")}}
-    for name in schema["properties"]:
-        kind = schema["properties"][name].get("$ref", "").rpartition("/")[2]
-        schema["definitions"].get(kind, {}).pop("required", None)

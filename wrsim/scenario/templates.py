@@ -61,16 +61,10 @@ def scenario_template(analysis: str) -> str:
     ]
     own = ANALYSES[analysis]
     for name, annotation in fields(ScenarioFile).items():
-        table = _table_of(annotation)
-        if table is None or name in own.unused:
-            continue
-        lines += ["", f"[{name}]", *_keys_of(table, start.get(name, {}), name)]
+        table = unpacked(annotation).base
+        if isinstance(table, type) and issubclass(table, Section) and name not in own.unused:
+            lines += ["", f"[{name}]", *_keys_of(table, start.get(name, {}), name)]
     return "\n".join(lines) + "\n"
-
-
-def _table_of(annotation: Any) -> type[Section] | None:
-    base = unpacked(annotation).base
-    return base if isinstance(base, type) and issubclass(base, Section) else None
 
 
 def _keys_of(table: type[Section], given: dict[str, Any], name: str) -> list[str]:

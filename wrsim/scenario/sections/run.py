@@ -10,7 +10,6 @@ from pydantic import Field
 
 from wrsim.contact.wear.laws import LawName, WearSettings
 from wrsim.errors import InputError
-from wrsim.geometry.track.track import Track
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number, positive
@@ -96,8 +95,8 @@ class RunPlan:
 
     At rest the speed is 0. profile: how it goes on from the start, constant unless given. step: of the integration [s],
     None: chosen for the integrator; output_interval: between two samples [s]; patches_at: distances [m], rising, at
-    which the strips of the patches are kept; left_out: those asked for on the track that the run does not pass; wear:
-    what is asked for of it, if anything.
+    which the strips of the patches are kept; left_out: those on the track that the run does not pass; wear: laws of
+    wear, if any.
     """
 
     start: float
@@ -189,12 +188,16 @@ class RunSection(PlanTable, header="[run]"):
             key = "distance_m" if self.distance_m is not None else "time_s"
             raise given.fault(("run", key), f"ends at {end:.6g} m: {room}")
         end = min(end, last, start + motion.stands_after)
-        asked = given.table(OutputSection).patches_at_m
-        for place in asked or ():
+        wanted = given.table(OutputSection).patches_at_m
+        for place in wanted or ():
             if place > given.track.length:
                 message = f"{place:g} m is not on the track: must lie from {start:.6g} to {end:.6g} m"
                 raise given.fault(("output", "patches_at_m"), message)
-        places = _middle_of_arcs(given.track, start, end) if asked is None else tuple(sorted(set(asked)))
+        if wanted is None:
+            wanted = (0.5 * (f.start + f.end) for f in given.track.features() if f.kind == "arc")
+            places = tuple(place for place in wanted if start <= place <= end)
+        else:
+            places = tuple(sorted(set(wanted)))
         return RunPlan(
             start=start,
             end=end,
@@ -207,12 +210,6 @@ class RunSection(PlanTable, header="[run]"):
             left_out=tuple(place for place in places if not start <= place <= end),
             wear=given.table(WearSection).settings(start, end, given.fault),
         )
-
-
-def _middle_of_arcs(track: Track, start: float, end: float) -> tuple[float, ...]:
-    """Where patches are kept unless the file says it: in the middle of every arc on the way."""
-    middles = (0.5 * (f.start + f.end) for f in track.features() if f.kind == "arc")
-    return tuple(s for s in middles if start <= s <= end)
 
 
 class OutputSection(AnalysisTable, header="[output]"):

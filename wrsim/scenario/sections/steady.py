@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
+from math import prod
 from typing import Annotated, Any, Literal
 
 from wrsim.inputs.section import Fault
@@ -68,11 +69,10 @@ class SteadySection(PlanTable, header="[steady]"):
                 yield Fault("radius_m", message)
                 return
         sizes = [len(self.radius_m), len(self.cant_mm), len(self.speed_kmh or (0.0,))]
-        longest = max(sizes)
-        if self.combine == "rows" and any(n not in (1, longest) for n in sizes):
+        if self.combine == "rows" and {*sizes} - {1, max(sizes)}:
             yield Fault((), f"the rows have {', '.join(map(str, sizes))} radii, cants and speeds: must be equally many")
-        if self.combine == "grid" and sizes[0] * sizes[1] * sizes[2] > MOST_POINTS:
-            yield Fault((), f"describes {sizes[0] * sizes[1] * sizes[2]} points; must be at most {MOST_POINTS}")
+        if self.combine == "grid" and prod(sizes) > MOST_POINTS:
+            yield Fault((), f"describes {prod(sizes)} points; must be at most {MOST_POINTS}")
 
     def plan(self, given: Given) -> SteadyPlan:
         one = None if self.speed_kmh else given.one_speed
