@@ -25,7 +25,7 @@ from wrsim.errors import InputError, WrsimError
 ONE_THREAD = {name: "1" for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
 """Environment of a worker: it computes one case at a time, on one processor."""
 QUIET = {"DASK_LOGGING__DISTRIBUTED": "critical"}
-"""What becomes of a worker is reported by the study."""
+"""Silent workers: the study reports what happens to them."""
 
 MEMORY = "2GB"
 """Requested of SLURM for a worker where the user's dask-jobqueue configuration sets nothing."""
@@ -80,9 +80,9 @@ def security_of(folder: Path | None, *roles: str) -> Security | None:
 
 @contextmanager
 def local_workers(count: int) -> Iterator[Client]:
-    """So many worker processes on this machine; one that dies is started again.
+    """Worker processes on this machine; one that dies is started again.
 
-    They listen on the loopback interface, and answer who has the certificate that is made here and lies in no file.
+    They listen on the loopback interface and accept the certificate that is made here, which is in no file.
     """
     security = Security.temporary()
     here: dict[str, Any] = {"host": LOOPBACK, "protocol": "tls://", "security": security, "dashboard": False}
@@ -115,7 +115,7 @@ def address_of(scheduler: str) -> str:
 def workers_at(address: str, certificates: Path | None) -> Iterator[Client]:
     """The workers of a scheduler that runs already; address: see `address_of`.
 
-    Raises ``InputError`` when nobody answers there, or certificates are lacking.
+    Raises ``InputError`` when no scheduler answers, or certificates are missing.
     """
     with _settings():
         encrypted = address.startswith("tls://")
@@ -139,7 +139,7 @@ def workers_at(address: str, certificates: Path | None) -> Iterator[Client]:
 
 @contextmanager
 def slurm_workers(count: int, certificates: Path | None, folder: Path) -> Iterator[Client]:
-    """So many jobs of one worker each; folder: one that all nodes see.
+    """SLURM jobs of one worker each; folder: one that all nodes see.
 
     Raises ``InputError`` where dask-jobqueue or SLURM are missing.
     """
@@ -154,10 +154,10 @@ def slurm_workers(count: int, certificates: Path | None, folder: Path) -> Iterat
 
 @contextmanager
 def slurm_security(certificates: Path | None, folder: Path) -> Iterator[Security]:
-    """What scheduler, jobs and client show each other.
+    """Certificates of scheduler, jobs and client.
 
-    Where nothing names certificates, they are made: in files that the jobs find in a folder, that only this user may
-    read, and that go when the cluster goes.
+    Where none are given, they are made: in files of a folder that the jobs see, readable by this user only, deleted
+    with the cluster.
     """
     roles = ("client", "scheduler", "worker")
     if named := security_of(certificates, *roles):
@@ -180,7 +180,7 @@ def slurm_cluster(security: Security) -> Any:
         from dask_jobqueue import SLURMCluster
     except ImportError:
         raise InputError("--slurm needs dask-jobqueue: install it with pip install 'wrsim[cluster]'") from None
-    finally:  # importing it makes Ctrl-C end the process with 0 and without a word
+    finally:  # its import makes Ctrl-C end the process with code 0 and no message
         if signal.getsignal(signal.SIGINT) is not before:
             signal.signal(signal.SIGINT, before)
 
@@ -210,7 +210,7 @@ def slurm_cluster(security: Security) -> Any:
 def _settings() -> Iterator[None]:
     """Settings of dask for a study: silent, no limit to how often a healthy worker may be lost, a folder of its own.
 
-    dask puts its folder of temporary files first where modules are looked up; the usual one belongs to who made it.
+    dask looks up modules in its folder of temporary files first; the usual one may belong to another user.
     """
     logger = logging.getLogger("distributed")
     level = logger.level

@@ -1,9 +1,7 @@
-"""How often a step of wear looks at the profile, and how far each look counts: a Runge-Kutta-Chebyshev method.
+"""Stages of a step of wear and their weights: a Runge-Kutta-Chebyshev method.
 
-Wear flattens what stands proud, the sooner the narrower it is: a spot that 10 um more would carry the whole load is
-gone after some ten kilometres, while a step takes a hundred. Heun's method digs such spots too deep in one step and
-leaves them too high in the next: its error falls only with the step, and the profile wavers. The method of second
-order of B. P. Sommeijer, L. F. Shampine and J. G. Verwer (RKC: an explicit solver for parabolic PDEs, Journal of
+Wear is stiff: it flattens a narrow bump of some 10 um within ten kilometres, while a step takes a hundred. Heun's
+method overshoots there, and the profile oscillates from step to step. The method of second order of B. P. Sommeijer, L. F. Shampine and J. G. Verwer (RKC: an explicit solver for parabolic PDEs, Journal of
 Computational and Applied Mathematics 88, 1998) is stable for steps of .65 (s^2 - 1) over the fastest rate, s being its
 stages: 9.8 with four, where two steps of Heun's have 4.
 """
@@ -19,7 +17,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 STAGES = 4
-"""Looks at a profile in one step of wear."""
+"""Profiles on which the cases run in one step of wear."""
 DAMPING = 2.0 / 13.0
 
 

@@ -1,9 +1,8 @@
 """Steps of wear: cases on one profile, the depth that they leave, and the mileage that this profile lasts.
 
 A step goes as far as the wear at its start leaves the largest depth that is allowed. On the way its cases run again on
-the profiles that are left by then, and what is lost is weighed from all of these looks
-(`wrsim.study.evolution.stages`): a spot of contact moves by its own width while a tenth of a millimetre wears off, and
-one look at it would dig too deep.
+the profiles that are left by then, and the loss is weighed from all of these stages (`wrsim.study.evolution.stages`):
+the contact moves by its own width while a tenth of a millimetre wears off, and a single stage would dig too deep.
 
 A step lies in its folder ``steps/000``, ``001``, ...: its wheel (``wheel.toml``, ``depths.csv``; the first step runs on
 the unworn profile itself), its cases as those of a study, the same for the profiles on its way in ``look1``, ``look2``,
