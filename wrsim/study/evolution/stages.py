@@ -1,9 +1,10 @@
 """Stages of a step of wear and their weights: a Runge-Kutta-Chebyshev method.
 
 Wear is stiff: it flattens a narrow bump of some 10 um within ten kilometres, while a step takes a hundred. Heun's
-method overshoots there, and the profile oscillates from step to step. The method of second order of B. P. Sommeijer, L. F. Shampine and J. G. Verwer (RKC: an explicit solver for parabolic PDEs, Journal of
-Computational and Applied Mathematics 88, 1998) is stable for steps of .65 (s^2 - 1) over the fastest rate, s being its
-stages: 9.8 with four, where two steps of Heun's have 4.
+method overshoots there, and the profile oscillates from step to step. The method of second order of B. P. Sommeijer,
+L. F. Shampine and J. G. Verwer (RKC: an explicit solver for parabolic PDEs, Journal of Computational and Applied
+Mathematics 88, 1998) is stable for steps of 0.65 (s^2 - 1) over the fastest rate with s stages: 9.8 with four, where
+two steps of Heun's method have 4.
 """
 
 from __future__ import annotations
