@@ -15,7 +15,7 @@ from wrsim.analysis.assessment import assess, limits
 from wrsim.analysis.assessment.filters import band_pass, low_pass, sliding_mean, sliding_rms, windows
 from wrsim.analysis.assessment.nadal import limit_of_climbing, longest_stretch, nadal_limit
 from wrsim.analysis.assessment.sections import sections_of, zone_of
-from wrsim.analysis.ride.evaluate import ride_section_of
+from wrsim.analysis.ride import ride_section_of
 from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment, assessment_json

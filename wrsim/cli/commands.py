@@ -12,19 +12,13 @@ from typing import Annotated
 import typer
 
 from wrsim import __version__
-from wrsim.cli.assess import assess_command, ride
-from wrsim.cli.compare import compare_command, resolve_command
-from wrsim.cli.conicity import conicity_command
+from wrsim.cli.assess import assess_command, conicity_command, ride, vehicle
 from wrsim.cli.console import print_lines, show_progress
-from wrsim.cli.diff import diff
+from wrsim.cli.data import export, profile, recording, track
 from wrsim.cli.errors import INTERRUPTED, any_output, usage_as_json
-from wrsim.cli.keys import keys, new
-from wrsim.cli.pictures import plot, profile, track
-from wrsim.cli.recording import recording
-from wrsim.cli.report import export, report, view
-from wrsim.cli.run import check_command, run_command, show, warm_command
-from wrsim.cli.study import study, wear
-from wrsim.cli.vehicle import vehicle
+from wrsim.cli.inspect import diff, plot, report, show, view
+from wrsim.cli.run import compare_command, resolve_command, run_command, study, wear
+from wrsim.cli.start import check_command, keys, new, warm_command
 
 app = typer.Typer(
     help="Railway vehicles and wheelsets on curved track, with conformal wheel-rail contact.",

@@ -1,35 +1,42 @@
-"""``wrsim check``, ``run``, ``show``, ``warm``: a scenario checked, run, its result shown; kernels compiled ahead."""
+"""``wrsim run``, ``study``, ``wear``, ``compare``, ``resolve``: what computes results."""
 
 from __future__ import annotations
 
 import logging
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_error, print_files, print_json, print_lines, print_numbers, progress_bar
-from wrsim.cli.errors import exit_code, reporting_errors
-from wrsim.cli.options import Force, Json, Models, Output, Quiet, ResultFile, ScenarioFile, Set
-
-
-def check_command(file: ScenarioFile, values: Set = None, models: Models = None, as_json: Json = False) -> None:
-    """Check a scenario and all the files it names, without running it."""
-    with reporting_errors(as_json):
-        from wrsim.analysis import check_step
-        from wrsim.scenario.build import build
-        from wrsim.scenario.loading import load
-        from wrsim.scenario.plausibility import facts, facts_table, warnings
-
-        scenario = load(file, models or ()).with_set(values or ())
-        setup = build(scenario)
-        if getattr(setup.plan, "limited", False):
-            check_step(scenario, setup)
-        found, warned = facts(setup), warnings(setup)
-        numbers = {"status": "valid", "scenario": str(file), "warnings": warned, **found}
-        print_numbers(as_json, numbers, [facts_table(f"{file}: valid", found)])
-        for words in [] if as_json else warned:
-            print_error(f"{file}: warning: {words}")
+from wrsim.cli.console import (
+    print_error,
+    print_files,
+    print_found,
+    print_json,
+    print_lines,
+    print_numbers,
+    progress_bar,
+)
+from wrsim.cli.errors import STOPPED, exit_code, reporting_errors
+from wrsim.cli.options import (
+    At,
+    Force,
+    Json,
+    Models,
+    OneWheelset,
+    Output,
+    Pictures,
+    Quiet,
+    ResultFile,
+    ScenarioFile,
+    Scheduler,
+    Set,
+    Slurm,
+    Tls,
+    Workers,
+    into,
+)
 
 
 def run_command(
@@ -93,22 +100,198 @@ def run_command(
             raise typer.Exit(code)
 
 
-def show(result: ResultFile, as_json: Json = False) -> None:
-    """Print the summary of a result, or of what there is of a run."""
+def study(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Study file (TOML).")],
+    output: Output = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    slurm: Slurm = False,
+    tls: Tls = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="List the cases and the time they will take; run nothing.")
+    ] = False,
+    retry: Annotated[bool, typer.Option("--retry", help="Run again what failed, stopped or ran out of time.")] = False,
+    models: Models = None,
+    pictures: Pictures = True,
+    force: Force = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scenario many times with some keys varied; start it again and only what is missing runs."""
     with reporting_errors(as_json):
-        from wrsim.report.output_folder import read
+        from wrsim.study.collect import OUTPUTS, faults_of, markers_of, study_report, study_tables, write_study
+        from wrsim.study.engine import check_workers, kept_folder, missing, worker_pool
+        from wrsim.study.estimate import estimate
+        from wrsim.study.plan import planned
 
-        loaded = read(result)
-        print_numbers(as_json, loaded.summary(), loaded.numbers())
-        if loaded.stop_reason and not as_json:
-            print_lines(f"stopped: {loaded.stop_reason}")
+        for warning in check_workers(workers, scheduler, slurm, tls):
+            print_error(warning)
+        bar = partial(progress_bar, not (quiet or as_json))
+        directory = output or Path("results") / file.stem
+        plan, reads = planned(file, directory, models or ())
+        if dry_run:
+            expected = estimate(plan, workers)
+            print_numbers(as_json, expected.numbers(), [expected.table()])
+            return
+        with kept_folder(directory, reads, force, OUTPUTS):
+            todo = missing(plan, retry)
+            if not (quiet or as_json):
+                known = len(plan.cases) - len(todo)
+                print_lines(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
+            try:
+                if todo:
+                    with worker_pool(workers, scheduler, slurm, tls, len(todo), bar) as work:
+                        work(plan, todo)
+            except KeyboardInterrupt:
+                write_study(plan, markers_of(plan), pictures=False)
+                raise interrupted(directory) from None
+            markers = markers_of(plan)
+            files = write_study(plan, markers, pictures)
+        report = study_report(plan, markers)
+        code = STOPPED if report["unfinished"] else 0
+        if as_json:
+            print_json(report | {"exit_code": code, "ran": len(todo), "files": [str(f) for f in files]})
+        elif not quiet:
+            print_numbers(False, report, study_tables(report))
+            print_files(len(files), directory)
+        for words in [] if as_json else faults_of(report, markers, quiet):
+            print_error(words)
+        if code:
+            raise typer.Exit(code)
 
 
-def warm_command(quiet: Quiet = False) -> None:
-    """Compile ahead what runs and poses need, so that the first of them starts at once."""
-    with reporting_errors(False):
-        from wrsim.analysis.warming import warm_up
+def wear(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="File of a profile evolution (TOML).")],
+    output: Output = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    slurm: Slurm = False,
+    tls: Tls = None,
+    models: Models = None,
+    pictures: Pictures = True,
+    force: Force = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on (docs/wear.md)."""
+    with reporting_errors(as_json):
+        from wrsim.study.engine import check_workers, kept_folder, worker_pool
+        from wrsim.study.evolution.history import OUTPUTS, evolution_report, mileage_table, write_history
+        from wrsim.study.evolution.reading import read_evolution
+        from wrsim.study.evolution.steps import Step, wear_steps
 
-        words = warm_up()
-        if not quiet:
-            print_lines(words)
+        for warning in check_workers(workers, scheduler, slurm, tls):
+            print_error(warning)
+        directory = output or Path("results") / file.stem
+        evolution, reads = read_evolution(file, models or ())
+        steps: list[Step] = []
+        bar = partial(progress_bar, not (quiet or as_json))
+        with (
+            kept_folder(directory, reads, force, OUTPUTS),
+            worker_pool(workers, scheduler, slurm, tls, len(evolution.shares), bar) as work,
+        ):
+            try:
+                for step in wear_steps(evolution, directory, work):
+                    steps.append(step)
+                    if not (quiet or as_json):
+                        print_lines(step.words(evolution.mileage))
+            except KeyboardInterrupt:
+                raise interrupted(directory) from None
+            dataset, files = write_history(evolution, steps, directory, pictures)
+        if as_json or not quiet:
+            numbers = evolution_report(dataset) | {"directory": str(directory)}
+            print_found(as_json, numbers, [mileage_table(dataset)], files, directory)
+
+
+def interrupted(directory: Path) -> KeyboardInterrupt:
+    """With where the finished part is."""
+    return KeyboardInterrupt(f"interrupted; what is done is safe in {directory}: start the same command again to go on")
+
+
+def compare_command(
+    file: ScenarioFile,
+    contact: Annotated[
+        str,
+        typer.Option(
+            metavar="A,B,...",
+            help="Contact models: half-space, kik-piotrowski+polach, kik-piotrowski+strips=80; file: as in FILE.",
+        ),
+    ],
+    reference: Annotated[
+        str | None, typer.Option(metavar="A", help="Whom the others are measured against; default: the first.")
+    ] = None,
+    output: Annotated[Path | None, into(metavar="DIR", help="Default: results/<name of FILE>_compared.")] = None,
+    models: Models = None,
+    pictures: Pictures = True,
+    force: Force = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""
+    from wrsim.report.output_folder import writing
+
+    with reporting_errors(as_json), writing(force, file):
+        from wrsim.analysis import exact_run_warning
+        from wrsim.analysis.compare import compare, comparison_report, comparison_tables
+        from wrsim.report.outputs import write_comparison
+        from wrsim.scenario.build import build
+        from wrsim.scenario.contact_choice import split_names, with_contact_model
+        from wrsim.scenario.loading import load
+
+        scenario = load(file, models or ())
+        names = split_names(contact)
+        for words in [w for name in names for w in exact_run_warning(build(with_contact_model(scenario, name)))]:
+            if not quiet:
+                print_error(words)
+        with progress_bar(not (quiet or as_json)) as progress:
+            found = compare(scenario, names, reference, progress)
+        directory = output or Path("results") / f"{file.stem}_compared"
+        report = comparison_report(found, str(file))
+        files = write_comparison(found, report, directory, pictures, scenario.title)
+        if as_json or not quiet:
+            print_found(as_json, report, comparison_tables(found, report), files, directory)
+        if code := max(exit_code(m.result) for m in found.models):
+            raise typer.Exit(code)
+
+
+def resolve_command(
+    result: ResultFile,
+    contact: Annotated[
+        str, typer.Option(metavar="NAME", help="Contact model, such as half-space+fastsim.")
+    ] = "half-space",
+    at: At = None,
+    wheelset: OneWheelset = None,
+    same: Annotated[
+        str, typer.Option(metavar="load|pose", help="What every wheel keeps: its vertical force or its height.")
+    ] = "load",
+    output: Annotated[Path | None, into(metavar="DIR", help="Default: <folder of RESULT>/<NAME>.")] = None,
+    models: Models = None,
+    pictures: Pictures = True,
+    force: Force = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model."""
+    with reporting_errors(as_json):
+        from wrsim.analysis.resolve import resolve
+        from wrsim.report.output_folder import claimed, folder_of_result, naming, read, write_resolved
+        from wrsim.report.outputs import file_name
+        from wrsim.results.moments import moments_at, resolved_table
+        from wrsim.results.summary_tables import first_lines, remarks
+        from wrsim.scenario.loading import load_text
+
+        before = read(result)
+        folder = folder_of_result(result)
+        with naming(result), progress_bar(not (quiet or as_json)) as progress:
+            moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
+            scenario = load_text(before.dataset.attrs["scenario_text"], folder, models or (), closed=True)
+            after = resolve(before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress)
+        directory = output or folder / file_name(contact)
+        with claimed(directory, force, (result,)) as keeper:
+            files = write_resolved(after, directory, pictures)
+            keeper.clear(files)
+        if as_json or not quiet:
+            notes = first_lines(remarks(after.summary()), "remarks")
+            tables = [resolved_table(before.wheelset(wheelset), after.wheelset(), notes)]
+            numbers = {"directory": str(directory), "summary": after.summary()}
+            print_found(as_json, numbers, tables, files, directory)

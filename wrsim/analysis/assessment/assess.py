@@ -10,12 +10,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.analysis.assessment import limits
-from wrsim.analysis.assessment.axles import Axle, quasi_static
 from wrsim.analysis.assessment.estimates import zones_of
 from wrsim.analysis.assessment.filters import on_raster, sampling_rate
 from wrsim.analysis.assessment.nadal import limit_of_climbing
-from wrsim.analysis.assessment.points import AssessedPoint, assessed_points
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, counts, sections_of
+from wrsim.analysis.assessment.signals import AssessedPoint, Axle, assessed_points, quasi_static
 from wrsim.analysis.assessment.track_quality import track_quality
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
@@ -97,7 +96,7 @@ class _Run:
     """
 
     def __init__(self, result: Result, settings: AssessmentSettings, name: str, before: int) -> None:
-        """Filter a run; before: how many sections other runs have."""
+        """before: how many sections other runs have."""
         self.name, self.settings = name, settings
         self.dataset = dataset = _checked(result)
         self.notes: list[str] = []

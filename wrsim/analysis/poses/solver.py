@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from math import sin
+from operator import or_
 from typing import NamedTuple
 
 import numpy as np
@@ -92,10 +94,7 @@ class PoseSolver:
 
     def _status(self) -> int:
         """Status of all the contacts found last."""
-        status = 0
-        for wheel in self.wheels:
-            status |= wheel.model.arrays.status
-        return status
+        return reduce(or_, (wheel.model.arrays.status for wheel in self.wheels))
 
     def _problem(self, load: float) -> str:
         """Why the state that was found is no solution; nothing when it is one."""

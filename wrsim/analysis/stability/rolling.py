@@ -29,7 +29,6 @@ class RollingVehicle:
     """Steady rolling on straight level track. ``law`` is that of the speed asked for last."""
 
     def __init__(self, setup: Setup, speed: float) -> None:
-        """speed [m/s]: any."""
         straight = setup.track.relaid([Straight(LENGTH)])
         self.setup = replace(setup, track=straight, plan=RunPlan(PLACE, PLACE, speed))
         self.law: VehicleOnTrack

@@ -59,7 +59,6 @@ def numbers_at_rest(
 
 
 def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
-    """Pose and wheel loads under its loads."""
     rest = static_state(vehicle)
     stops = [
         {"name": e.name, "travel_mm": 1e3 * reading[e.travel_place], "force_kN": 1e-3 * reading[e.travel_place - 3]}
@@ -93,7 +92,6 @@ def _unloading(vehicle: Vehicle, level: StaticState, rest: StaticState) -> dict[
 
 
 def _wheel_loads(vehicle: Vehicle, loads: NDArray[np.float64]) -> dict[str, Any]:
-    """Wheel loads (wheelsets, 2) [N] and their sum."""
     return {"wheel_loads_kN": _by_wheel(vehicle, loads / 1e3), "weight_kN": float(loads.sum()) / 1e3}
 
 
@@ -186,7 +184,6 @@ def _loads_table(found: Numbers, title: str) -> Table:
 
 
 def _under_loads_tables(found: Numbers) -> list[Table]:
-    """Pose and wheel loads of a vehicle under its loads."""
     if "problem" in found:
         return [Table("", notes=(found["problem"],))]
     heads = (Column("load"), *(Column(axis, "kN", ".3f") for axis in "xyz"))
@@ -203,7 +200,6 @@ def _under_loads_tables(found: Numbers) -> list[Table]:
 
 
 def _unloading_table(found: Numbers, title: str) -> Table:
-    """Wheel loads and the part of them that is lost."""
     if "problem" in found:
         return Table("", notes=(f"{title}: {found['problem']}",))
     title = f"{title}: unloading up to {formatted(found['largest_unloading'], '.3f')}"
@@ -212,7 +208,6 @@ def _unloading_table(found: Numbers, title: str) -> Table:
 
 
 def _leaning_tables(found: Numbers) -> list[Table]:
-    """Unloading and roll under cant deficiency."""
     title = f"at {quantity(found['cant_deficiency_mm'], 'mm', 'g')} of cant deficiency"
     if "problem" in found:
         return [_unloading_table(found, title)]
@@ -226,7 +221,6 @@ def _leaning_tables(found: Numbers) -> list[Table]:
 
 
 def _twist_table(found: Numbers) -> Table:
-    """The twist test of EN 14363."""
     twists = f"{formatted(found['body_twist_permille'], '.3g')} per mille under the body"
     if found["bogie_twist_permille"]:
         twists += f" and {formatted(found['bogie_twist_permille'], '.3g')} under every bogie"
@@ -241,7 +235,6 @@ def _twist_table(found: Numbers) -> Table:
 
 
 def _rotation_table(found: Sequence[Numbers]) -> Table:
-    """The rotation test of EN 14363."""
     heads = {
         "bogie": Column("bogie"), "rate_deg_per_s": Column("rate", "°/s"), "angle_deg": Column("angle", "°"),
         "moment_kNm": Column("moment", "kN m"), "axle_load_kN": Column("axle load", "kN"), "X": Column("X"),

@@ -1,4 +1,8 @@
-"""One wheelset of a run: its filtered signals, and their values section by section."""
+"""Filtered signals of a run and their values section by section: forces of a wheelset, accelerations at a point.
+
+Ride characteristics are of points on car bodies, instability also of bogie frames; sections of points go by the
+distance of the vehicle's reference body.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +12,20 @@ import numpy as np
 import xarray as xr
 
 from wrsim.analysis.assessment import limits
-from wrsim.analysis.assessment.filters import Hunting, extreme, low_pass, sampling_rate, sliding_mean, windows
+from wrsim.analysis.assessment.filters import (
+    Hunting,
+    band_pass,
+    extreme,
+    low_pass,
+    sampling_rate,
+    sliding_mean,
+    windows,
+)
 from wrsim.analysis.assessment.nadal import longest_stretch
+from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION
 from wrsim.errors import InputError
 from wrsim.results.assessment import Array, AssessedSection, Limit, Value
+from wrsim.results.channels import BOGIE_FRAME, CAR_BODY
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
 SIDES = (("left", 0), ("right", 1))
@@ -24,7 +38,6 @@ class Axle:
     """
 
     def __init__(self, name: str, label: str, dataset: xr.Dataset, settings: AssessmentSettings) -> None:
-        """Filter the channels of one wheelset."""
         rate = sampling_rate(dataset["time"].values)
 
         def of_wheels(channel: str) -> Array:
@@ -51,7 +64,6 @@ class Axle:
         self.attack, self.shift = (dataset[n].values if n in dataset else None for n in ("yaw", "lateral_shift"))
 
     def _mean(self, signal: Array) -> Array:
-        """Sliding mean over 2 m."""
         return sliding_mean(self.distance, signal, self.middles, limits.WINDOW)
 
     def values(self, section: AssessedSection, settings: AssessmentSettings, nadal: Limit | None) -> Iterator[Value]:
@@ -120,3 +132,50 @@ def quasi_static(runs: Sequence[tuple[Axle, Sequence[AssessedSection]]], radii: 
                 yield axle.value("Y_qst_reduced", section, y - limits.LEAN_FORCE * (inner - limits.LEAN), limit, wheel)
             yield axle.value("Q_qst", section, load, limits.QUASI_STATIC_VERTICAL, wheel)
             yield axle.value("B_qst", section, abs(y) + limits.Q_SHARE * load, limits.combined(radius), wheel)
+
+
+class AssessedPoint:
+    """Filtered accelerations [m/s2] of one point on a car body or a bogie frame."""
+
+    def __init__(self, one: xr.Dataset, level: str, settings: AssessmentSettings) -> None:
+        """one: what a result has of the point; level: ``CAR_BODY`` or ``BOGIE_FRAME``."""
+        self.name, self.is_frame = str(one["point"].item()), level == BOGIE_FRAME
+        self.bogie_mass = float(one["point_bogie_mass"]) if "point_bogie_mass" in one else np.nan
+        self.distance = one["distance"].values
+        rate, lateral, vertical = sampling_rate(one["time"].values), one["point_ay"].values, one["point_az"].values
+        self.hunting = Hunting(self.distance, lateral, rate, settings.instability_frequency)
+        self.ride = {
+            key: band_pass(signal, rate, *limits.RIDE_BAND) for key, signal in (("ay", lateral), ("az", vertical))
+        }
+        self.slow = low_pass(lateral, rate, limits.CUT_OFF)
+
+    def values(self, section: AssessedSection, settings: AssessmentSettings) -> Iterator[Value]:
+        """Everything in one section."""
+        if self.is_frame:
+            if (largest := self.hunting.largest(section)) is not None:
+                yield self._value("frame_instability", section, largest, limits.frame_instability(self.bogie_mass))
+            return
+        inside = section.holds(self.distance)
+        if inside.sum() < 2:
+            return
+        found: dict[str, float] = {}
+        for key, signal in self.ride.items():
+            found |= {key: extreme(signal[inside]), f"{key}_rms": np.sqrt((signal[inside] ** 2).mean())}
+        if section.zone not in (STRAIGHT, TRANSITION):
+            found["ay_qst"] = abs(np.median(self.slow[inside]))
+        for key, value in found.items():
+            yield self._value(f"body_{key}", section, float(value), limits.body(settings.kind, key))
+
+    def _value(self, key: str, section: AssessedSection, value: float, limit: Limit) -> Value:
+        return Value(limits.QUANTITIES[key], section, "", "", value, limit, self.name)
+
+
+def assessed_points(dataset: xr.Dataset, settings: AssessmentSettings) -> Iterator[AssessedPoint]:
+    """Points on car bodies and bogie frames with their filtered accelerations; none where the result has none."""
+    if "point_ay" not in dataset or "point_az" not in dataset:
+        return
+    for i in range(dataset.sizes["point"]):
+        one = dataset.isel(point=i)
+        level = str(one["point_level"].item()) if "point_level" in one else CAR_BODY
+        if level in (CAR_BODY, BOGIE_FRAME):
+            yield AssessedPoint(one, level, settings)

@@ -1,4 +1,4 @@
-"""``wrsim report``, ``view`` and ``export``: pages about results for a browser, and files of other programs."""
+"""``wrsim show``, ``plot``, ``report``, ``view``, ``diff``: results in numbers, pictures and pages."""
 
 from __future__ import annotations
 
@@ -8,10 +8,46 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_found
-from wrsim.cli.errors import reporting_errors
-from wrsim.cli.options import BesideResult, Force, Json, Models, ResultFile, check_ending, into
+from wrsim.cli.console import print_found, print_lines, print_numbers
+from wrsim.cli.errors import DIFFERENT, reporting_errors
+from wrsim.cli.options import At, BesideResult, Force, Json, Models, OneWheelset, ResultFile, check_ending, into
 from wrsim.errors import InputError
+
+
+def show(result: ResultFile, as_json: Json = False) -> None:
+    """Print the summary of a result, or of what there is of a run."""
+    with reporting_errors(as_json):
+        from wrsim.report.output_folder import read
+
+        loaded = read(result)
+        print_numbers(as_json, loaded.summary(), loaded.numbers())
+        if loaded.stop_reason and not as_json:
+            print_lines(f"stopped: {loaded.stop_reason}")
+
+
+def plot(
+    result: ResultFile,
+    output: BesideResult = None,
+    at: At = None,
+    wheelset: OneWheelset = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Draw the pictures of a result; with --at the contact patches at chosen places only."""
+    from wrsim.report.output_folder import folder_of_result, read, writing
+
+    with reporting_errors(as_json), writing(force, of=result):
+        from wrsim.report.outputs import draw_patches, draw_result
+        from wrsim.results.wheelsets import wheelset_folder, wheelsets, worst_wheelset
+
+        loaded = read(result)
+        dataset, directory = loaded.dataset, output or folder_of_result(result)
+        if wheelset is not None or at:
+            dataset = loaded.wheelset(wheelset or worst_wheelset(dataset))
+            if output is None:
+                directory /= wheelset_folder(wheelsets(loaded.dataset), str(dataset["wheelset"].item()))
+        files = draw_patches(dataset, at, directory) if at else draw_result(dataset, directory)
+        print_found(as_json, {}, [], files)
 
 
 def report(
@@ -88,22 +124,40 @@ def view(
         print_found(as_json, {}, [], [file])
 
 
-def export(
-    result: ResultFile,
-    to: Annotated[
-        str, typer.Option("--to", metavar="FORMAT,...", help="mat, csv, parquet, mdf; several with commas between.")
-    ],
-    output: BesideResult = None,
+def diff(
+    first: ResultFile,
+    second: ResultFile,
+    tolerance: Annotated[
+        float,
+        typer.Option(metavar="PART", help="Largest difference allowed, as a part of the quantity's largest value."),
+    ] = 0.01,
+    only: Annotated[
+        list[str] | None, typer.Option("--only", metavar="QUANTITY", help="Such as Y_over_Q_max; may be given again.")
+    ] = None,
+    output: Annotated[Path | None, into(metavar="DIR", help="Write a table and an overlay picture there.")] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Write a result for other programs: MATLAB, CSV, Parquet or MDF (result.mat, .csv, .parquet, .mf4)."""
-    from wrsim.report.output_folder import folder_of_result, read, writing
+    """Compare two results: peaks, medians in full curves, other numbers; exit code 4 when they differ."""
+    from wrsim.report.output_folder import naming, read, writing
 
-    with reporting_errors(as_json), writing(force, of=result):
-        from wrsim.results.exports import ENDINGS, export_result, formats
+    with reporting_errors(as_json), writing(force, first, second):
+        from wrsim.report.outputs import write_differences
+        from wrsim.results.differences import beyond, compared_tables, difference_table, differences, other_ends
+        from wrsim.results.render import as_records
 
-        asked = formats(to)
-        loaded, directory = read(result), output or folder_of_result(result)
-        files = [export_result(loaded, name, directory / f"result.{ENDINGS.get(name, name)}") for name in asked]
-        print_found(as_json, {}, [], files)
+        names, results = (str(first), str(second)), (read(first), read(second))
+        with naming(first, second):
+            found = differences(*results, only or (), tolerance)
+        ends = other_ends(*results)
+        files = [] if output is None else write_differences(found, results, names, output)
+        alike = not beyond(found, tolerance) and not ends
+        numbers = {
+            "alike": alike,
+            "tolerance": tolerance,
+            "ends": ends,
+            "differences": as_records(difference_table(found)),
+        }
+        print_found(as_json, numbers, compared_tables(found, ends, tolerance, names), files, output)
+        if not alike:
+            raise typer.Exit(DIFFERENT)

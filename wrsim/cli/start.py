@@ -1,0 +1,85 @@
+"""``wrsim new``, ``check``, ``keys``, ``warm``: a scenario to start from, checked; kernels compiled ahead."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wrsim.cli.console import print_error, print_json, print_lines, print_numbers
+from wrsim.cli.errors import reporting_errors
+from wrsim.cli.options import Force, Json, Models, Quiet, ScenarioFile, Set, into
+from wrsim.register import ANALYSES, FILES
+
+
+def new(
+    kind: Annotated[str, typer.Argument(metavar="ANALYSIS", help=f"One of {', '.join(ANALYSES)}.")] = "curving",
+    output: Annotated[Path | None, into(metavar="FILE", help="Default: <ANALYSIS>.toml here.")] = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Write a scenario to start from: it runs as it is, and names every other key in a comment."""
+    from wrsim.report.output_folder import writing
+
+    with reporting_errors(as_json), writing(force):
+        from wrsim.results import write_atomically
+        from wrsim.scenario.reference import check_analysis
+        from wrsim.scenario.templates import scenario_template
+
+        check_analysis(kind)
+        path = write_atomically(output or Path(f"{kind}.toml"), scenario_template(kind).encode())
+        if as_json:
+            print_json({"files": [str(path)]})
+        else:
+            print_lines(f"{path}: run it with: wrsim run {path}; wrsim keys SECTION explains its keys")
+
+
+def check_command(file: ScenarioFile, values: Set = None, models: Models = None, as_json: Json = False) -> None:
+    """Check a scenario and all the files it names, without running it."""
+    with reporting_errors(as_json):
+        from wrsim.analysis import check_step
+        from wrsim.scenario.build import build
+        from wrsim.scenario.loading import load
+        from wrsim.scenario.plausibility import facts, facts_table, warnings
+
+        scenario = load(file, models or ()).with_set(values or ())
+        setup = build(scenario)
+        if getattr(setup.plan, "limited", False):
+            check_step(scenario, setup)
+        found, warned = facts(setup), warnings(setup)
+        numbers = {"status": "valid", "scenario": str(file), "warnings": warned, **found}
+        print_numbers(as_json, numbers, [facts_table(f"{file}: valid", found)])
+        for words in [] if as_json else warned:
+            print_error(f"{file}: warning: {words}")
+
+
+def keys(
+    section: Annotated[
+        str | None, typer.Argument(metavar="SECTION", help="A table such as contact or track.segments; default: all.")
+    ] = None,
+    file: Annotated[str, typer.Option("--file", metavar="KIND", help=f"{', '.join(FILES)}.")] = "scenario",
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Print the JSON schema of that kind of file, for editors.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """List the keys of a table: unit, what is allowed, default, other names, an example."""
+    with reporting_errors(as_json):
+        from wrsim.scenario.reference import check_kind, keys_numbers, keys_text, schema_text
+
+        check_kind(file)
+        if as_json and not schema:
+            print_json(keys_numbers(file, section))
+        else:
+            print_lines(schema_text(file) if schema else keys_text(file, section))
+
+
+def warm_command(quiet: Quiet = False) -> None:
+    """Compile ahead what runs and poses need, so that the first of them starts at once."""
+    with reporting_errors(False):
+        from wrsim.analysis.warming import warm_up
+
+        words = warm_up()
+        if not quiet:
+            print_lines(words)
