@@ -20,6 +20,7 @@ from wrsim.contact.wear.laws import (
     wear_coefficient,
 )
 from wrsim.contact.wear.losses import Losses, ways
+from wrsim.core.contact.records import LOBE
 
 PAIR = "S1002/60E1 1:40"
 LAWS: tuple[LawName, ...] = ("usfd", "archard", "brr")
@@ -82,7 +83,7 @@ def test_severe_wear_is_a_rate_times_the_area() -> None:
     """Where every strip slides at 10.4 to 77.2 N/mm2 the loss is 55e-3 kg per metre and square metre; the edges, where
     the pressure falls, stay below."""
     found, wear = losses(60.0)
-    area = found._taken.lobes[0]["area"].sum()
+    area = found._samples["lobes"].view(LOBE)[0]["area"].sum()
     by_law = mass(found)
     assert 0.8 * 55e-3 * area < by_law[0] < 55e-3 * area
     assert by_law[0] < 5.3e-9 * wear
@@ -120,7 +121,7 @@ def test_what_the_flange_loses_is_told_apart() -> None:
 def test_wear_lies_where_the_contact_is() -> None:
     """What is worn off lies within the patches on both profiles, to the width of the places."""
     found, _ = losses(5.0)
-    lobes = found._taken.lobes[0, : found._taken.found[0]]
+    lobes = found._samples["lobes"].view(LOBE)[0, : found._samples["found"][0]]
     channels = found.channels()
     model = found.wheels[0][0].model
     for name, profile, arc, depth in (
