@@ -41,9 +41,7 @@ from wrsim.results.wear import has_wear
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets, worst_wheelset
 
 MOST_RESULTS = 8  # results in one report: more have no colours of their own
-
 MOST_MOMENTS = 6  # moments of a wheelset whose contacts are drawn
-
 DOTS = 140  # an inch of pictures that would be too large as drawings
 
 

@@ -30,7 +30,6 @@ GOOD, BAD, OPEN = "good", "bad", "open"
 """States of a verdict: within all limits; beyond one, or stopped; nothing to say."""
 
 MOST_CURVES = 10  # full curves of a result that are listed; summary.json has all of them
-
 APART = 1.05  # limits that differ by less are one line in a chart
 
 

@@ -16,9 +16,7 @@ from wrsim.results.table import Cell, Column, Placed, Table, formatted, listed, 
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 MOST_LINES = 10  # events and remarks that are listed
-
 MOST_NAMES = 8  # wheelsets and moments that the overview lists
-
 MOST_CURVES = 3  # full curves that are listed; summary.json has all of them
 
 Summary = Mapping[str, Any]
