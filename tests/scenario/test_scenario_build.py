@@ -174,7 +174,7 @@ def test_a_table_with_many_faults_tells_the_first_and_counts_the_rest(tmp_path: 
     ("gauge_mm", "reason"),
     [
         (1000, "the left wheel misses its rail"),
-        (1410, "the left wheel stands with its flange on the rail"),
+        (1410, "the left wheel rests with its flange on the rail"),
         (1424, "the left flange overlaps the gauge face by 0.45"),
         (1600, "the left wheel ends 33 mm inside of the top of its rail"),
         (1900, "the left wheel misses its rail"),

@@ -343,7 +343,7 @@ def test_a_fault_of_a_hook_in_a_later_case_is_told(serial: Plan, tmp_path: Path,
     plan = plan_of(study_file(tmp_path, AXES, '[outputs]\nhook = "h.py:numbers"\n'), tmp_path / "out")
     in_this_process(plan)
     answer = call("study", tmp_path / "study.toml", "-o", tmp_path / "out")
-    assert "3 cases lack outputs, study.csv says which: outputs.hook: " in answer.output
+    assert "3 cases lack outputs, listed in study.csv: outputs.hook: " in answer.output
     table = (tmp_path / "out" / "study.csv").read_text()
     assert table.count("ZeroDivisionError") == 3
 

@@ -21,7 +21,7 @@ Locate = Callable[[KeyPath], str]
 
 
 def opened(path: Path, what: str) -> tuple[dict[str, Any], Locate]:
-    """Tables of a TOML file, and where its keys stand. what: how such a file is called. Raises InputError."""
+    """Tables of a TOML file, and a function that locates its keys. what: name of such a file. Raises InputError."""
     text = read_text(path, what)
 
     def locate(key: KeyPath) -> str:

@@ -25,7 +25,7 @@ Row = tuple[int, list[str]]
 def read_columns(
     path: Path, columns: Mapping[str, Any], needed: Sequence[str] = (), rows: str = "rows"
 ) -> tuple[dict[str, NDArray[Any]], NDArray[np.intp]]:
-    """Columns of a table by name, each (n,), and the number of the line on which every row stands.
+    """Columns of a table by name, each (n,), and the line number of every row.
 
     columns: those allowed and what they hold, as for the keys of a section: limited numbers, or ``str``; needed: those
     that must be there; rows: how the rows are called in messages. Cells are separated by commas, or by semicolons where
@@ -44,7 +44,7 @@ def read_columns(
         raise InputError(f"{path}: {len(lines)} {rows}; allowed: {MOST_ROWS}")
     numbers = np.array([number for number, _ in lines], dtype=np.intp)
     table: list[Sequence[Any]]
-    try:  # all rows at once; what cannot be read so is read row by row, to say what is wrong where
+    try:  # all rows at once; if that fails row by row, for messages
         values = np.array([line.split(separator) for _, line in lines], dtype=np.float64)
         table = [*values.T]
         if len(table) != len(header) or not all(map(_allowed, (columns[n] for n in header), values.T)):

@@ -219,7 +219,7 @@ def _value_schema(own: dict[str, Any], annotation: Any) -> dict[str, Any]:
         if "from = " in description:
             span = {"type": "object", "properties": {k: {"type": "number"} for k in RANGE}, "required": list(RANGE)}
             others.append(span | {"additionalProperties": False})
-    elif base is float and not limits and _QUOTED.search(description):  # words that stand for numbers
+    elif base is float and not limits and _QUOTED.search(description):  # words in place of numbers
         others.append({"type": "string"})
     return ({"anyOf": [own, *others]} if others else own) | default
 

@@ -53,7 +53,7 @@ class Fault(NamedTuple):
     """One thing wrong in the combination of keys, with a sentence about it.
 
     path: key of the section, keys down into a table of it, or nothing for the section itself.
-    missing: the key has to be given; the message says what it must be.
+    missing: the key has to be given; the message is what it must be.
     """
 
     path: str | KeyPath

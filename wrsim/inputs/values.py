@@ -1,11 +1,11 @@
 """What keys may hold: pydantic's own types with limits, and what they allow in words.
 
-Limits and an example stand beside the type::
+Limits and an example are beside the type::
 
     Friction = Annotated[float, number(0, 2, "dry steel 0.3 to 0.5")]
 
 ``words`` makes "a number from 0 to 2 (dry steel 0.3 to 0.5)" of it. Other descriptions take the place of the words;
-``{each}`` in one stands for the words of an entry.
+``{each}`` in one is replaced by the words of an entry.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ def text(meaning: str) -> Any:
 
 
 def refuse(message: str) -> PydanticCustomError:
-    """The error with which a validator says why a value is refused."""
+    """The error of a validator, with its reason."""
     return PydanticCustomError("fault", message)  # type: ignore[arg-type]
 
 
 def spread(value: Any) -> Any:
-    """A number or a range as the numbers it stands for; the end of a range is kept if met within 1e-9 of a step."""
+    """A number or a range as its numbers; the end of a range is kept if met within 1e-9 of a step."""
     if not isinstance(value, dict):
         return value if isinstance(value, (list, tuple)) else (value,)
     if set(value) != {"from", "to", "step"}:
@@ -92,7 +92,7 @@ OrTable = Annotated[
     Annotated[Plain, Tag("plain")] | Annotated[T, Tag("table")],
     Discriminator(lambda value: "table" if isinstance(value, dict) else "plain"),
 ]
-"""A plain value, or a table that says more."""
+"""A plain value, or a table with more."""
 
 
 class Kind(NamedTuple):

@@ -151,7 +151,7 @@ def _unfit(scenario: Scenario, analysis: Analysis, vehicle: Vehicle) -> Iterator
         message = 'must be "train" or "wheels": something has to take the vehicle along at the speed of the table'
         yield ("vehicle", "drive"), message
     if analysis.own_track and spec.contact.normal == "half-space":
-        yield ("contact", "normal"), f"is for poses, rest and runs: {kind} asks for the contacts a thousand times"
+        yield ("contact", "normal"), f"is for poses, rest and runs: {kind} needs the contacts a thousand times"
     varying = [load.name for load in vehicle.loads if load.varies]
     if analysis.own_track and varying:
         own: list[KeyPath] = [("vehicle", "loads", i) for i, v in enumerate(spec.vehicle.loads) if v.name == varying[0]]
@@ -255,7 +255,7 @@ def _misplaced(s: Stand) -> str:
     if math.isnan(s.u_wheel):
         return "wheel misses its rail"
     if s.on_flange:
-        return "wheel stands with its flange on the rail"
+        return "wheel rests with its flange on the rail"
     if s.clearance < 0.0:
         return f"flange overlaps the gauge face by {-1e3 * s.clearance:.3g} mm"
     if s.rail_top > s.reach or s.u_wheel > s.reach - 2e-3:

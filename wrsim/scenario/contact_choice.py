@@ -1,7 +1,7 @@
 """Contact models by short names: ``half-space``, ``kik-piotrowski+polach``, ``kik-piotrowski+strips=80``.
 
 Parts are joined by ``+``: a normal model, a tangential model, and keys of [contact] with their values. What is not
-named stays as the scenario has it, but exact pressures get exact creep forces unless a part says otherwise or the
+named stays as the scenario has it, but exact pressures get exact creep forces unless a part sets others or the
 scenario is frictionless, and other pressures their usual creep forces where the scenario names exact ones. ``file`` is
 the scenario's own choice.
 """

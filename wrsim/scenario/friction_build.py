@@ -25,7 +25,7 @@ COLUMNS = {"at_m": Annotated[float, number(0, 1e6, "m along the track")]} | dict
 def contact_of(scenario: Scenario, track: Track, files: list[Path]) -> ContactSettings:
     """The contact of a scenario; adds the table that was read to ``files``.
 
-    In runs friction along the track stands at distances along each rail; other analyses have that of one place.
+    In runs friction is given over the distance along each rail; other analyses have that of one place.
     Raises InputError at the key, or the line of the table, that does not fit.
     """
     section = scenario.spec.contact

@@ -82,10 +82,10 @@ def track_file(restored: Restored, date: str) -> str:
     end = recording.start + recording.length
     head = (
         f"# Made by wrsim recording from {recording.path.name}, {recording.start:.10g} to {end:.10g} m, which is 0 to "
-        f"{recording.length:.10g} m here.\n# The rail and its inclination are not in a recording: say your own.\n"
+        f"{recording.length:.10g} m here.\n# The rail and its inclination are not in a recording: set your own.\n"
     )
     source = f"wrsim recording, from {recording.path.name}"
-    day = f"date = {date}\n"  # a date of TOML stands without quotes
+    day = f"date = {date}\n"  # dates of TOML have no quotes
     return head + write_toml({"name": name, "source": source}) + day + "\n" + write_toml({"track": track})
 
 
@@ -138,7 +138,7 @@ def restored_track(
 ) -> Restored:  # fmt: skip
     """The track of a recording, from the options of ``wrsim recording`` [m].
 
-    columns: column map; chord, band: how alignment and level were measured where no map says it; part: from and to;
+    columns: column map; chord, band: how alignment and level were measured without a map; part: from and to;
     wavelengths: those wanted; amplification: largest factor with which a wave is undone; transitions: "clothoid",
     "bloss", "either". Raises InputError.
     """
@@ -148,7 +148,7 @@ def restored_track(
         raise InputError("--band: cannot be given with --chord-m")
     if columns is not None and (chord is not None or band is not None):
         raise InputError(
-            f"--{'band' if chord is None else 'chord-m'}: {columns} says how alignment and level were measured"
+            f"--{'band' if chord is None else 'chord-m'}: how alignment and level were measured is in {columns}"
         )
     for length in chord or ():
         check_value(Annotated[float, number(0.2, 30, "m")], length, "--chord-m")

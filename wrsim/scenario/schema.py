@@ -28,7 +28,7 @@ class ScenarioSpec(Section, header="a scenario"):
     aliases = {"title": "name", "analysis": "type", "vehicle": "wheelset", "run": "simulation", "output": "results"}
 
     title: Annotated[str, text("a title")] = "untitled"
-    """Title of the scenario; it stands over its pictures, tables and reports."""
+    """Title of the scenario, of its pictures, tables and reports."""
     analysis: Literal[*ANALYSES]  # type: ignore[valid-type]
     """What is computed; it decides which further tables the file takes."""
     vehicle: VehicleSection
@@ -110,7 +110,7 @@ def _with_all_tables() -> type[ScenarioSpec]:
 
 
 def _link_tables() -> None:
-    """Let every table say where a key belongs that it does not know."""
+    """Give every table the keys of the others, for its messages."""
     tables = tuple(dict.fromkeys(tables_in(ScenarioFile)))
     for table in tables:
         table.elsewhere = {

@@ -15,7 +15,7 @@ from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.irregularities import TableSection
 
 LEVEL_TRACK = 100.0
-"""Length of the straight that static and equilibrium analyses stand on without segments in the file [m]."""
+"""Length of the straight of static and equilibrium analyses without segments in the file [m]."""
 TABLE_FADE = 20.0
 """Length over which the irregularities of a measured track begin and end [m]."""
 

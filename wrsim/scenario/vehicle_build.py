@@ -40,7 +40,7 @@ def vehicle_of(scenario: Scenario, files: list[Path]) -> Vehicle:
         vehicle = vehicle.with_wheelsets(methodcaller("with_wheel", side, profile, radius))
     if section.sprung_mass_kg is not None:
         if vehicle.bodies or len(vehicle.wheelsets) > 1:
-            message = "is what a single wheelset carries; the masses of a vehicle with bodies stand in its file"
+            message = "is what a single wheelset carries; the masses of a vehicle with bodies are in its file"
             raise scenario.fault(("vehicle", "sprung_mass_kg"), message)
         height = vehicle.carried[0].height if vehicle.carried else 0.0
         carried = CarriedMass(vehicle.wheelsets[0].name, section.sprung_mass_kg, height)

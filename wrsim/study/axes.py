@@ -1,4 +1,4 @@
-"""The values that an axis of a study asks for."""
+"""The values of an axis of a study."""
 
 from __future__ import annotations
 

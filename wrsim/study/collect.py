@@ -146,7 +146,7 @@ def read_numbers(
     if dataset.attrs.get("format") != form:
         raise InputError(f"{file}: a wrsim file, but no {what}")
     for fault in faults(dataset):
-        raise InputError(f"{file}: says that it is a {what}, but {fault}; run it again")
+        raise InputError(f"{file}: is marked as a {what}, but {fault}; run it again")
     return dataset
 
 
@@ -218,7 +218,7 @@ def faults_of(report: dict[str, Any], markers: Sequence[Marker | None], briefly:
     if others and not briefly:
         found.append(f"{others} cases were computed by other code of wrsim; delete their folders to run them again")
     if lacking:
-        found.append(f"{len(lacking)} cases lack outputs, study.csv says which: {lacking[0].faults[0]}")
+        found.append(f"{len(lacking)} cases lack outputs, listed in study.csv: {lacking[0].faults[0]}")
     if failed := len(report["unfinished"]):
         found.append(f"{failed} of {len(markers)} cases have no result; --retry runs them again")
     return found

@@ -41,7 +41,7 @@ AT_HAND = 2
 
 
 def missing(plan: Plan, retry: bool = False) -> list[int]:
-    """Cases without a marker, or whose outputs are not those asked for; each name once.
+    """Cases without a marker, or with other outputs than those of the plan; each name once.
 
     retry: also those that failed, stopped or ran out of time; their markers are taken away.
     """

@@ -27,7 +27,7 @@ USUAL = tuple(
         ("T_gamma", "max"), ("p0", "max"), ("lateral_shift", "peak"), ("yaw", "peak"),
     )
 )  # fmt: skip
-"""Kept of runs and poses when the study does not say; of other analyses the plain numbers of their summary."""
+"""Kept of runs and poses without an outputs section; of other analyses the plain numbers of their summary."""
 
 
 @dataclass
@@ -44,11 +44,11 @@ class Outputs:
         self.units[name] = "" if unit == "1" else unit
 
 
-def case_outputs(result: Result, asked: OutputsSection, hook: Path | None) -> Outputs:
-    """What is asked for, of one result. hook: the file of the hook, if there is one."""
+def case_outputs(result: Result, wanted: OutputsSection, hook: Path | None) -> Outputs:
+    """The outputs of one result. hook: the file of the hook, if there is one."""
     found = Outputs()
-    channels = asked.channels
-    if asked == OutputsSection():
+    channels = wanted.channels
+    if wanted == OutputsSection():
         analysis = ANALYSES[result.analysis]
         if analysis.moves or analysis.compared:
             channels = tuple(one for one in USUAL if one.channel in result.dataset)
@@ -58,14 +58,14 @@ def case_outputs(result: Result, asked: OutputsSection, hook: Path | None) -> Ou
                     found.take(name, value, _unit_in(name))
     for one in channels:
         _take_channel(found, result, one)
-    if asked.summary:
+    if wanted.summary:
         summary = result.summary()
-        for place in asked.summary:
+        for place in wanted.summary:
             _take_place(found, summary, place)
-    if asked.assessment:
-        _take_assessment(found, result, asked.assessment)
-    if asked.hook is not None and hook is not None:
-        _take_hook(found, result, hook, asked.hook.rpartition(":")[2])
+    if wanted.assessment:
+        _take_assessment(found, result, wanted.assessment)
+    if wanted.hook is not None and hook is not None:
+        _take_hook(found, result, hook, wanted.hook.rpartition(":")[2])
     return found
 
 
@@ -130,7 +130,7 @@ def _take_place(found: Outputs, summary: Mapping[str, Any], place: str) -> None:
 
 
 def _walk(tree: Any, place: str) -> tuple[Any, str]:
-    """Down a tree of tables and lists as far as the place leads: what stands there, and what is left of the place."""
+    """Down a tree of tables and lists as far as the place leads: the value there, and the rest of the place."""
     while place:
         parts = place.split(".")
         if isinstance(tree, list) and parts[0].isdecimal() and int(parts[0]) < len(tree):
@@ -150,11 +150,11 @@ def _unit_in(name: str) -> str:
     return units[max(units, key=len)] if units else ""
 
 
-def _take_assessment(found: Outputs, result: Result, asked: tuple[str, ...]) -> None:
+def _take_assessment(found: Outputs, result: Result, wanted: tuple[str, ...]) -> None:
     """The worst value of every quantity over all sections, and the least margin to its limit where it has one."""
     from wrsim.analysis.assessment import assess
 
-    columns = {key: "_".join(filter(None, ("assessment", key, QUANTITIES[key].shown.suffix))) for key in asked}
+    columns = {key: "_".join(filter(None, ("assessment", key, QUANTITIES[key].shown.suffix))) for key in wanted}
     for key, column in columns.items():
         found.take(column, None, QUANTITIES[key].shown.symbol)
     try:
@@ -215,9 +215,9 @@ def check_hook(file: Path, function: str) -> None:
         raise InputError(f"{file} has no function '{function}'{suggest(function, offered)}; {there}")
 
 
-def outputs_digest(asked: OutputsSection, hook: Path | None) -> str:
-    """Digest of what is asked for: with another one, kept results are reduced anew."""
-    digest = hashlib.sha256(asked.model_dump_json().encode())
+def outputs_digest(wanted: OutputsSection, hook: Path | None) -> str:
+    """Digest of the outputs section: with another one, stored results are reduced again."""
+    digest = hashlib.sha256(wanted.model_dump_json().encode())
     if hook is not None:
         digest.update(read_bytes(hook, "Python file"))
     return digest.hexdigest()[:16]

@@ -224,7 +224,7 @@ class ChannelOutput(Section, header="[[outputs.channels]]"):
             yield Fault("to_m", f"must be above from_m ({self.from_m:g})")
 
     def chosen(self) -> dict[str, str]:
-        """The labels that are asked for, by dimension."""
+        """The chosen labels by dimension."""
         return {label: getattr(self, label) for label in LABELS if getattr(self, label) is not None}
 
     @property

@@ -54,7 +54,7 @@ class OutOfTime(Exception):
 class Marker:
     """What is known of a case that has been handled; see ``STATUSES``.
 
-    numbers, units, faults: see `Outputs`; outputs: digest of what was asked for; wall_time: of this attempt,
+    numbers, units, faults: see `Outputs`; outputs: digest of the outputs section; wall_time: of this attempt,
     simulation: the part of it that the analysis took [s]; began, ended: by the clock [s]; resumed: it went on with a
     run that was cut off.
     """
@@ -248,7 +248,7 @@ def _run(scenario: Scenario, part: Path, limit: float, marker: Marker) -> Result
 
 
 def _reduce_again(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
-    """Other outputs than before are asked for: from the result where it is kept, else from a new run."""
+    """Outputs of a changed section: from the stored result, else from a new run."""
     if (folder / RESULT).exists():
         with _watched(folder, plan):
             marker.take(Result.load(folder / RESULT), plan)
@@ -271,7 +271,7 @@ def warm_cases(study: str, digest: str, indices: list[int]) -> str:
 
 
 class Enough(Exception):
-    """Whoever asks for the progress has seen enough."""
+    """Ends a run that has gone far enough."""
 
 
 def compile_for(scenario: Scenario) -> None:

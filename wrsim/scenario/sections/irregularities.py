@@ -99,7 +99,7 @@ class TableSection(_Stretch, kind="table"):
     aliases = {"file": "table csv", "wavelength_m": "band_m"}
 
     file: Annotated[str, text('a CSV file such as "measured.csv"')]
-    """Table of the measurement; the columns stand in docs/track.md."""
+    """Table of the measurement; docs/track.md has its columns."""
     wavelength_m: Band | None = None
     """Shortest and longest wave that are kept; all of them unless given."""
 
@@ -121,7 +121,7 @@ class _Defect(IrregularityTable):
     length_m: Annotated[float, number(0.1, 1000, "m")]
     """Its length along the track."""
     amplitude_mm: Annotated[float, number(-200, 200, "mm")]
-    """Its largest size; the sign says to which side."""
+    """Its largest size; its sign is the side."""
     shape: Literal["1-cosine", "kink", "ramp"] = "1-cosine"
     """A smooth wave, a kink with its tip in the middle, or a ramp to a value that stays."""
 

@@ -129,7 +129,7 @@ class RunPlan:
 
     @property
     def limited(self) -> bool:
-        """Whether the step that the file asks for may be too long for its integrator: its start decides."""
+        """Whether the step of the file may be too long for its integrator: its start decides."""
         return self.integrator == "rk44" and self.step is not None and self.speed > 0.0
 
     def facts(self) -> dict[str, Any]:

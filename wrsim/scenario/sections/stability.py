@@ -39,8 +39,8 @@ class CyclePlan:
 
 @dataclass(frozen=True)
 class StabilityPlan:
-    """Speeds [m/s] of the modes, rising; highest frequency of modes that are kept [Hz]; cycles: None where not asked
-    for.
+    """Speeds [m/s] of the modes, rising; highest frequency of modes that are kept [Hz]; cycles: None without
+    their search.
     """
 
     speeds: tuple[float, ...]

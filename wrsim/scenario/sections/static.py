@@ -31,7 +31,7 @@ MOST_POSES = 1_000_000
 
 @dataclass(frozen=True)
 class StaticPlan:
-    """Poses to solve: of one wheel (then ``side`` says which) or of the wheelset; rolling or frictionless.
+    """Poses to solve: of one wheel (that of ``side``) or of the wheelset; rolling or frictionless.
 
     files: what they were read from.
     """
@@ -73,7 +73,7 @@ class StaticSection(PlanTable, header="[static]"):
     cases: Annotated[str, text('a CSV file such as "poses.csv"')] | None = None
     """Table of poses, one a row, in place of all combinations."""
     rolling: Switch = True
-    """Whether the wheels roll and creep, or stand without friction."""
+    """Whether the wheels roll and creep, or rest without friction."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

@@ -1,4 +1,4 @@
-"""A table of a scenario that belongs to some analyses only; the register says to which."""
+"""A table of a scenario that belongs to some analyses only, by the register."""
 
 from __future__ import annotations
 

@@ -146,7 +146,7 @@ def _weighted(points: AxisPoints) -> tuple[AxisPoints, tuple[float, ...]]:
         file = points.places[0].rpartition(":")[0]
         own = ", ".join(str(name) for name in columns)
         raise InputError(
-            f'{file}: share is missing: needs a column "{SHARE}", part of the mileage that each case stands for; '
+            f'{file}: share is missing: needs a column "{SHARE}", the share of each case in the mileage; '
             f"its columns are {own}"
         )
     at = columns.index(SHARE)
