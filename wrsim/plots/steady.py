@@ -52,14 +52,14 @@ def steady_figure(dataset: xr.Dataset) -> Figure:
         entries.append(Line2D([], [], color=QUIET, linewidth=0.9, linestyle=line, label=words))
 
     members = [np.flatnonzero(which.ravel() == k) for k in range(len(found))]
-    series = [(own[np.argsort(x[own])], line) for own, line in zip(members, cycle(LINES))]
+    lines = [(own[np.argsort(x[own])], line) for own, line in zip(members, cycle(LINES))]
     outer = (radius > 0.0).astype(int)  # the right wheel in curves to the left
 
     def draw(axes: Axes, name: str) -> None:
         values, channel = shown(dataset, name), CHANNELS[name]
         if of_wheels := values.ndim == 3:
             values = np.take_along_axis(values, outer[:, None, None], axis=2)[..., 0]
-        for own, line in series:
+        for own, line in lines:
             look: Any = {"linestyle": line, "marker": "o", "markersize": 2.2, "linewidth": 0.9}
             for of_wheelset, colour in zip(values[own].T, cycle(SERIES_COLOURS)):
                 axes.plot(x[own], of_wheelset, color=colour, **look)
