@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from wrsim.core import linalg
-from wrsim.core.frames import BODY, VECTOR, BodyMotion, get_body, point_velocity, put, put_body
+from wrsim.core.frames import BODY, VECTOR, BodyMotion, get_body, point_velocity, put, put_at, put_body
 from wrsim.core.jit import kernel
 from wrsim.core.linalg import Vec, components, from_components
 
@@ -19,11 +19,19 @@ def test_vector_operations_are_those_of_numpy() -> None:
         (linalg.sub(u, v), a - b),
         (linalg.scale(3.0, u), 3.0 * a),
         (linalg.shifted(u, 3.0, v), a + 3.0 * b),
+        (linalg.mixed(2.0, u, -3.0, v), 2.0 * a - 3.0 * b),
+        (linalg.add(u, linalg.ZERO), a),
         (linalg.cross(u, v), np.cross(a, b)),
     ):
         assert found == pytest.approx(expected, rel=1e-15)
     assert linalg.dot(u, v) == pytest.approx(a @ b, rel=1e-15)
     assert linalg.norm(u) == pytest.approx(np.linalg.norm(a), rel=1e-15)
+
+
+def test_a_vector_is_written_to_three_places_of_a_row() -> None:
+    row = np.arange(6.0)
+    put_at(row, 2, Vec(*A))
+    assert row.tolist() == [0.0, 1.0, *A, 5.0]
 
 
 def test_components_along_orthonormal_axes_give_the_vector_back() -> None:
