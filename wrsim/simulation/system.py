@@ -41,6 +41,10 @@ SPAN = 1 << 20
 AfterStep = Callable[[float], bool]
 
 
+def _no_check(t: float) -> bool:
+    return True
+
+
 class NotFinite(SimulationError):
     """The force with this index is not a finite number at a time [s]."""
 
@@ -100,7 +104,7 @@ class BodySystem:
         self._out = np.zeros(self.size)
         self._error: BaseException | None = None
         self._newton: ImplicitStep | None = None
-        self._after_step: AfterStep | None = None
+        self._after_step: AfterStep = _no_check
         self._clock = (0.0, 1.0, 0)
         """Start [s], step [s], steps that precede Exudyn's time 0."""
         self._going, self._done, self._last = True, 0, 0
@@ -120,13 +124,13 @@ class BodySystem:
                 nodes.append(mbs.AddNode(node))
                 mass = self._matrix(np.eye(dampers))
                 mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes[-1:], massMatrix=mass))
-            force, jacobian = self._callback(self._force), self._callback(self._jacobian)
+            force, jacobian = self._callback(BodySystem._force), self._callback(BodySystem._jacobian)
             mbs.AddObject(
                 items.ObjectGenericODE2(nodeNumbers=nodes, forceUserFunction=force, jacobianUserFunction=jacobian)
             )
             mbs.Assemble()
-            mbs.SetPostStepUserFunction(self._callback(self._post_step))
-            mbs.SetPreNewtonResidualUserFunction(self._callback(self._pre_newton))
+            mbs.SetPostStepUserFunction(self._callback(BodySystem._post_step))
+            mbs.SetPreNewtonResidualUserFunction(self._callback(BodySystem._pre_newton))
         self._mbs = mbs
         current = exudyn.ConfigurationType.Current
         self.q: Array = cast(Array, mbs.systemData.GetODE2Coordinates(current, False))
@@ -139,14 +143,14 @@ class BodySystem:
         Exudyn keeps it for ever: it must not keep the system (and the tables of its law) alive. The module that checks
         ranges wraps an error in one of its own: the original is noted.
         """
-        reference = weakref.WeakMethod(method)
+        reference = cast(Any, weakref.ref(self))
 
-        def call(mbs: object, t: float, *arguments: Any) -> Any:
-            bound = cast(Any, reference())
+        def call(mbs: object, *arguments: Any) -> Any:
+            system = reference()
             try:
-                return bound(t, *arguments)
+                return method(system, *arguments)
             except BaseException as error:
-                bound.__self__._error = error
+                system._error = error
                 raise
 
         return call
@@ -197,7 +201,7 @@ class BodySystem:
         self._done = round(t / step)
         if self._newton is not None:
             self._newton.end_step()
-        self._going = cast(AfterStep, self._after_step)(start + (before + self._done) * step)
+        self._going = self._after_step(start + (before + self._done) * step)
         return self._going and self._done < self._last
 
     def solve(
@@ -255,7 +259,7 @@ class BodySystem:
                         raise
                     raise NotSolved(NOT_SOLVED) from None
             finally:
-                self._newton = self._after_step = None
+                self._newton, self._after_step = None, _no_check
         if self._error is not None:
             error, self._error = self._error, None
             raise error
