@@ -19,7 +19,7 @@ author = "the wrsim authors"
 copyright = "2026, the wrsim authors"
 release = version = wrsim.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_gallery.gen_gallery"]
+extensions = ["mathml", "myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_gallery.gen_gallery"]
 exclude_patterns = ["gallery", "data", "**/GALLERY_HEADER.*"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 highlight_language = "none"
@@ -31,7 +31,8 @@ nitpick_ignore_regex = [
     ("py:.*", r"(Contact|Finder|FrictionAlong|HalfSpaceSettings|Material|RailSurface|Setup)"),
 ]
 
-myst_enable_extensions = ["deflist"]
+myst_enable_extensions = ["amsmath", "deflist", "dollarmath"]
+html_math_renderer = "mathml"
 myst_heading_anchors = 3
 
 autodoc_typehints = "none"  # docstrings say the types in words
