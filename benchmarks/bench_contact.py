@@ -6,7 +6,7 @@ evaluations and FASTSIM cells in a plain loop as one patch needs, once with the 
 strip ("scalar") and once as the kernel does it, all strips side by side ("side by side"). A second table holds the
 tangential models: the time of each, what a strip more costs and what a cell more costs. A third one holds the strip
 model with FaStrip: cold as in static analyses, and from the last contact as in runs, at rest and moving sideways by
-up to 0.6 um from call to call. Grids: docs/strip_model.md.
+up to 0.6 um from call to call. Grids: docs/theory/strip_model.md.
 """
 
 import time

@@ -47,7 +47,7 @@ LEADING = 10.78  # of the coach's leading wheelset ahead of its origin [m]
 BEGIN, END = -0.53, 1.0  # of it that is laid [m]
 PLAIN, LEAD = -0.757, -2.2  # place of its last plain section, and where that stands before a lead-in [m]
 BEFORE, AFTER = 2.4, 1.1  # way of the leading wheelset to its origin and behind it [m]
-ELASTIC = {  # of the order of 60E1 on concrete sleepers and ballast, see docs/track.md
+ELASTIC = {  # of the order of 60E1 on concrete sleepers and ballast, see docs/user/track.md
     "lateral_stiffness_MN_per_m": 25, "vertical_stiffness_MN_per_m": 50,
     "lateral_damping_kNs_per_m": 40, "vertical_damping_kNs_per_m": 60,
     "lateral_mass_kg": 120, "vertical_mass_kg": 160,

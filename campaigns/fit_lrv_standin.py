@@ -3,7 +3,7 @@
     python campaigns/fit_lrv_standin.py            # some minutes; writes models/wheels/lrv_standin.toml
     python campaigns/fit_lrv_standin.py --check    # only tells how well the shipped file meets the table
 
-The wheel is a chain of tangent lines and arcs (docs/profiles.md). Five numbers of it are fitted, within bounds that a
+The wheel is a chain of tangent lines and arcs (docs/user/profiles.md). Five numbers are fitted, within bounds that a
 wheel of a light rail vehicle could have; two angles that the table does not tell, and flange tip and back, which touch
 nothing here, are set. Each candidate runs scenarios/static_paper.toml, so the options are those of the file. A
 differential evolution with a fixed seed looks for the best region, a least-squares fit finishes; then the numbers are
@@ -212,7 +212,7 @@ HEAD = f"""\
 # Nobody measured or drew this wheel. Five numbers of it, marked [fit], were chosen so that the paper's four static
 # cases (scenarios/static_paper.toml: 54E1 at 1:20, one wheel under 24 kN, shifted by 0, 8, 9, 10 mm, the paper's own
 # options) give the numbers of strips, pressures and angle variations of its table 2 as nearly as this wheel can.
-# Agreement with that table is therefore a fit and no validation; docs/static_paper.md tells what is met and what is
+# Agreement with that table is therefore a fit and no validation; docs/developers/static_paper.md says what does
 # not. The place of the flange is part of the fit, on metre gauge: see there. Two angles marked [chosen] the table
 # does not tell. Numbers marked [set] touch nothing in these cases; they close a flange of the size of a tram's.
 #

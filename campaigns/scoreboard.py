@@ -11,7 +11,7 @@ slashes: kik-piotrowski/constant (the paper's), strips=20 (any strip model), hal
 size, area by counting them), half-space/level (points paired as CONTACT does), half-space/angle-corrected.
 
 -o DIR: predictions as "TABLE MODEL.csv", one row a case: case_id, p0_MPa, area_mm2, approach_mm, N_N, Fx_N, n_patches.
---standing DIR: the errors of all cases and the times, as the figures of docs/standing.md read them; files there keep
+--standing DIR: errors of all cases and times, as the figures of docs/validation/report.md read them; files there keep
 what they hold of models that did not run.
 
 Scoring. The truth is contact_conf_hs, or contact_planar where that is missing, on cases where it is one patch of one

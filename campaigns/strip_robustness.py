@@ -5,7 +5,7 @@
 
 Six pairs of profiles, lateral shift +-12 mm, yaw +-60 mrad, approach from 1 to 300 um by its logarithm; poses that bear
 1 to 500 kN count. Every pose is solved afresh; "retried": solved, but not from the first guess; "straight": solved, but
-without shifts along the rail (docs/strip_model.md). Kik-Piotrowski is the first screen for the force: where the strip
+without shifts along the rail (docs/theory/strip_model.md). Kik-Piotrowski screens the force: where the strip
 model has more than SUSPECT of it, the half-space solver is asked. Poses come in blocks of their own seeds; --keep adds
 each to a file when it is done, and a run taken up again leaves out what stands there.
 

@@ -1,17 +1,27 @@
-"""Writes docs/keys.md and docs/schema/*.json from the sections of the code. Run: python docs/make_keys.py"""
+"""Writes the pages of keys and of commands and the schemas from the code. Run: python docs/make_keys.py
+
+They are docs/reference/keys.md, docs/reference/commands.md and docs/schema/*.json.
+"""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from typing import Any
 
+from typer.main import get_command
+
+from wrsim.cli import app
 from wrsim.inputs.reference import entries, heading, purpose
 from wrsim.inputs.section import Section
 from wrsim.register import FILES
 from wrsim.scenario.reference import schema_text, tables_of_file
 
 HERE = Path(__file__).parent
+REFERENCE = HERE / "reference"
 HEAD = """# Keys
-Every key of every file, made from the code by `python docs/make_keys.py`; a test fails when this page is stale.
+Every key of every file. This page is made from the code by `python docs/make_keys.py`.
+
 `wrsim keys contact` prints the keys of a table, `wrsim new curving` writes a scenario to start from.
 
 "needed": the key has no default; "none": left out, something else decides, as the row says.
@@ -35,6 +45,29 @@ wrsim keys --schema > scenario.schema.json
 `profile` (wheels and rails), `columns` (of a recording), `study` and `service`. Keys that go together, such as one
 radius or two, are beyond a schema: `wrsim check FILE` tells of them.
 """
+
+
+COMMANDS = """# Commands
+Every command with its arguments and options, made from the command line by `python docs/make_keys.py`. `wrsim --help`
+and `wrsim COMMAND --help` print the same. Results (`RESULT`) are a result file, the folder of a run, or a run that was
+cut off.
+
+Options of many commands:
+
+| option | meaning |
+|---|---|
+| `--json` | write one JSON object to stdout and nothing else |
+| `--quiet`, `-q` | no progress bar, no table |
+| `--force` | write also over files that wrsim did not write, or that were changed since |
+| `--models DIR` | folder with model files of your own; may be given again |
+| `--no-pictures` | draw no pictures |
+
+Exit codes: 0 completed; 1 a file cannot be read or written; 2 an input or the command line is not valid; 3 a run
+stopped before its end, or a case of a study has no result; 4 two results differ (`wrsim diff`); 70 an error of wrsim
+itself; 130 interrupted.
+"""
+SHARED = {"as_json", "quiet", "force", "models", "pictures"}
+"""Options that the head of the page of commands has."""
 
 
 def markdown(section: type[Section], level: str = "###") -> list[str]:
@@ -63,6 +96,33 @@ def _code(text: str) -> str:
     return f"`{text}`"
 
 
+def commands() -> str:
+    """The page of commands: what each does, its arguments and its options; options of many commands once."""
+    lines = [COMMANDS]
+    for name, command in get_command(app).commands.items():  # type: ignore[attr-defined]
+        words = [_plain(p.metavar or p.name) for p in command.params if p.param_type_name == "argument"]
+        lines += [f"## {name}", "", f"`{' '.join(['wrsim', name, *words])}`", "", _plain(command.help), ""]
+        rows = [_option(p) for p in command.params if p.name not in SHARED]
+        if rows:
+            lines += ["| argument, option | meaning | default |", "|---|---|---|", *rows, ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _option(parameter: Any) -> str:
+    """Row of one argument or option."""
+    name = parameter.metavar or parameter.name
+    if parameter.param_type_name == "option":
+        name = ", ".join([*parameter.opts, *parameter.secondary_opts]) + (f" {parameter.metavar or ''}")
+    default = parameter.default
+    shown = "" if default is None or callable(default) or isinstance(default, bool) else f"`{default}`"
+    return f"| `{_plain(name)}` | {_plain(parameter.help)} | {shown} |"
+
+
+def _plain(text: str | None) -> str:
+    """Help without line breaks and without the escapes of the terminal; bars are those of a table."""
+    return re.sub(r"\s+", " ", (text or "").replace("\\[", "[")).strip().replace("|", "\\|").replace("<", "\\<")
+
+
 def pages() -> dict[Path, str]:
     """Content of every generated file, by its path."""
     lines = [HEAD]
@@ -74,7 +134,7 @@ def pages() -> dict[Path, str]:
                 own = markdown(table)
                 lines += own[2:] if table.header == words else own  # the file itself has its heading
             shown.add(table)
-    found = {HERE / "keys.md": "\n".join(lines).rstrip() + "\n"}
+    found = {REFERENCE / "keys.md": "\n".join(lines).rstrip() + "\n", REFERENCE / "commands.md": commands()}
     return found | {HERE / "schema" / f"{name}.schema.json": schema_text(name) + "\n" for name in FILES}
 
 

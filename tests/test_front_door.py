@@ -18,7 +18,7 @@ import wrsim
 from wrsim import ContactSettings, InputError, Pose, Result, contact_model, load_profile, solve_poses
 
 ROOT = Path(__file__).parents[1]
-PAGE = ROOT / "docs" / "python.md"
+PAGE = ROOT / "docs" / "user" / "python.md"
 SHIFTS = (0.0, 3.0, 6.0)
 FIRST = 13.06532663
 """Place of the first kept patches [m]."""

@@ -38,7 +38,7 @@ def test_differences_are_those_of_the_results():
     assert told["contact_angle_difference"].values[:2] == pytest.approx(
         (paper["contact_angle"] - exact["contact_angle"])[:2]
     )
-    # Kik-Piotrowski's peaks are too low and its patches too large (docs/contact.md)
+    # Kik-Piotrowski's peaks are too low and its patches too large (docs/theory/normal_contact.md)
     assert (told["p0_difference"].values[:2] < -0.05).all()
     assert (told["area_difference"].values[:2] > 0.03).all()
     assert (

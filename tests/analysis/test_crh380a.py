@@ -19,7 +19,7 @@ from wrsim.vehicle.preload import preloads
 
 KMH = 1.0 / 3.6
 BETWEEN = 480
-"""Above 401 and 256, below 557 km/h, the linear critical speeds of docs/stability.md."""
+"""Above 401 and 256, below 557 km/h, the linear critical speeds of docs/user/stability.md."""
 
 
 @cache

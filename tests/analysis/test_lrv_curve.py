@@ -49,7 +49,7 @@ def test_in_the_curve_the_outer_wheel_rides_on_its_root_with_a_curved_patch(data
     root = at(dataset, 10.0)
     assert int(root["n_patches"]) == 1
     assert 30.0 < float(np.degrees(root["contact_angle"][0])) < 45.0
-    # the exact solver at this moment (wrsim resolve): 18.7 degrees, 1097 MPa; docs/strip_model.md on large yaw
+    # the exact solver at this moment (wrsim resolve): 18.7 degrees, 1097 MPa; docs/theory/strip_model.md on large yaw
     assert float(np.degrees(root["contact_angle_variation"][0])) == pytest.approx(18.7, abs=1.6)
     assert float(root["p0"][0]) == pytest.approx(1097e6, rel=0.03)
 

@@ -54,7 +54,7 @@ def test_the_exact_solver_takes_over_the_load(text):
     after = resolve(before, load_text(text)).wheelset()
     rows = samples(before)
     assert after["Q"].values == pytest.approx(before.wheelset()["Q"].values[rows], rel=1e-4)
-    # the strip model's peaks are near the exact ones (docs/standing.md), creepages are those of the same motion
+    # peaks of strips are near the exact ones (docs/validation/report.md), creepages are those of the same motion
     assert after["p0"].values[..., 0] == pytest.approx(before.wheelset()["p0"].values[rows][..., 0], rel=0.02)
     assert after["xi"].values[..., 0] == pytest.approx(before.wheelset()["xi"].values[rows][..., 0], abs=2e-5)
     assert np.isfinite(after["element_p"].values).any()
@@ -64,7 +64,7 @@ def test_the_exact_solver_takes_over_the_load(text):
 
 
 def test_a_height_kept_gives_another_load():
-    # at equal approach Kik-Piotrowski carries 2 to 5 % more than Hertz (docs/contact.md)
+    # at equal approach Kik-Piotrowski carries 2 to 5 % more than Hertz (docs/theory/normal_contact.md)
     text = POSES + '[contact]\nnormal = "kik-piotrowski"\n'
     after = resolve(ran(text), load_text(text), keep="pose", moments=[0]).wheelset()
     assert after["pose"].values.tolist() == ran(text).wheelset()["pose"].values[:1].tolist()

@@ -1,6 +1,6 @@
 """Every shipped scenario and model works, and contacts in its curves are those of the half-space solver.
 
-A run that starts in a full curve starts in steady curving (`docs/runs.md`): half a metre there shows what the whole run
+A run that starts in a full curve starts in steady curving (`docs/user/runs.md`): half a metre there shows what the run
 comes to. Pressures, widths and angles are those of the half-space solver at the same pose and load (`wrsim resolve`).
 """
 

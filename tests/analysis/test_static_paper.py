@@ -1,5 +1,5 @@
 """The paper's four static cases with the stand-in wheel. Agreement with the paper's table 2 is a fit, not a validation:
-see docs/static_paper.md. What is tested: that the fit stays what the page says, and laws that hold for any wheel."""
+see docs/developers/static_paper.md. Tested: the fit stays what the page says, and laws that hold for any wheel."""
 
 import numpy as np
 import pytest

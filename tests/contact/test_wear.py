@@ -60,7 +60,7 @@ def test_coefficients_of_archard_follow_the_map() -> None:
     k = (1.0, 2.0, 3.0, 4.0)
     speeds, pressures = [0.1, 0.5, 0.9, 0.1, 0.5], [1e9, 1e9, 1e9, 2.3e9, 2.3e9]
     np.testing.assert_array_equal(wear_coefficient(speeds, pressures, 2.8e9, k), [1.0, 2.0, 3.0, 4.0, 4.0])
-    assert WearSettings(("archard",)).coefficients == (5e-4, 35e-4, 5e-4, 350e-4)  # docs/wear.md
+    assert WearSettings(("archard",)).coefficients == (5e-4, 35e-4, 5e-4, 350e-4)  # docs/user/wear.md
 
 
 def test_three_laws_from_three_sources_agree_on_mild_wear() -> None:

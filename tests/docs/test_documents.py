@@ -23,7 +23,7 @@ def named(pattern: str, page: Path) -> list[str]:
 def listed_channels() -> dict[str, str]:
     """Unit for readers by channel, from the tables of the nomenclature page."""
     found = {}
-    for line in (ROOT / "docs" / "nomenclature.md").read_text().splitlines():
+    for line in (ROOT / "docs" / "reference" / "nomenclature.md").read_text().splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")]
         names = re.findall(r"`(\w+)`", cells[1]) if line.startswith("|") and len(cells) == 4 else []
         units = [unit.strip() for unit in cells[2].split(",")] if names else []
@@ -57,8 +57,8 @@ def test_files_that_a_page_names_exist(page: Path) -> None:
         assert (page.parent / link).exists(), f"{page.name}: {link}"
 
 
-def test_every_shipped_scenario_is_in_the_readme() -> None:
-    text = (ROOT / "README.md").read_text()
+def test_every_shipped_scenario_is_in_the_guide() -> None:
+    text = (ROOT / "docs" / "user" / "scenarios.md").read_text()
     for scenario in (ROOT / "scenarios").glob("*.toml"):
         short = f"`_{scenario.stem.split('_')[-1]}`"
         assert scenario.name in text or short in text, scenario.name

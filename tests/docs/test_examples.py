@@ -20,7 +20,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PARTS = {"carbody", "bogie", "front", "rear", "outer", "inner", "frame", "outer box", "motor", "motors"}
 NAMES = PARTS | {"from", "to", "step"}
 """Names that the files on the pages give to their parts, and the words of a series."""
-KEYS = set(re.findall(r"`(\w+)`", (ROOT / "docs" / "keys.md").read_text()))
+KEYS = set(re.findall(r"`(\w+)`", (ROOT / "docs" / "reference" / "keys.md").read_text()))
 
 
 def blocks(page: Path, language: str) -> list[str]:

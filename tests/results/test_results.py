@@ -53,9 +53,8 @@ def written(tmp_path_factory) -> dict[str, Path]:
 
 
 def documented_channels() -> dict[str, tuple[tuple[str, ...], str]]:
-    """Dimensions and unit by channel from the tables in docs/conventions.md."""
-    text = (ROOT / "docs" / "conventions.md").read_text()
-    text = text[text.index("## Channels of a Result") :]
+    """Dimensions and unit by channel from the tables in docs/reference/channels.md."""
+    text = (ROOT / "docs" / "reference" / "channels.md").read_text()
     found = {}
     for line in text.splitlines():
         cells = [c.strip() for c in line.strip("|").split("|")]
@@ -69,7 +68,7 @@ def documented_channels() -> dict[str, tuple[tuple[str, ...], str]]:
 
 
 # the register ------------------------------------------------------------------------------------------------------
-def test_the_conventions_page_lists_exactly_the_channels_of_the_register():
+def test_the_page_of_channels_lists_exactly_those_of_the_register():
     documented = documented_channels()
     data = {name: c for name, c in CHANNELS.items() if not c.coordinate or name == "distance"}
     assert set(documented) == set(data)

@@ -93,7 +93,7 @@ def conicity_command(
     ] = None,
     wheel_right: Annotated[str | None, typer.Option(metavar="WHEEL", help="Where the right wheel differs.")] = None,
     rail_right: Annotated[str | None, typer.Option(metavar="RAIL", help="Where the right rail differs.")] = None,
-    roll: Annotated[str, typer.Option(help="none (EN 15302), rail-top or centre: see docs/conicity.md.")] = "none",
+    roll: Annotated[str, typer.Option(help="none (EN 15302), rail-top or centre: see docs/user/conicity.md.")] = "none",
     curve_m: Annotated[
         list[float] | None, typer.Option(metavar="RADIUS", help="Radial steering index in this curve; may be repeated.")
     ] = None,

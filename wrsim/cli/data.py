@@ -95,7 +95,7 @@ def recording(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Make a track, its irregularities and a scenario of a track recording car's table (docs/recording.md)."""
+    """Make a track, its irregularities and a scenario of a track recording car's table (docs/user/recording.md)."""
     from wrsim.report.output_folder import writing
 
     beside = file.with_suffix(".toml")

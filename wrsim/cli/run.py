@@ -173,7 +173,7 @@ def wear(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on (docs/wear.md)."""
+    """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on."""
     with reporting_errors(as_json):
         from wrsim.study.engine import check_workers, kept_folder, worker_pool
         from wrsim.study.evolution.history import OUTPUTS, evolution_report, mileage_table, write_history

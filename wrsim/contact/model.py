@@ -113,7 +113,7 @@ class ContactModel:
     ) -> "Contact":
         """Contact for one pose.
 
-        Vectors (3,) in the axes of the rail on this side: along the track, outward, up; see docs/conventions.md.
+        Vectors (3,) in the axes of the rail on this side: along the track, outward, up (docs/reference/conventions.md).
 
         Parameters
         ----------

@@ -174,7 +174,7 @@ class ContactSettings:
     Parameters
     ----------
     normal : {"strips", "kik-piotrowski", "half-space"}
-        Model of the normal pressure: two contact conditions per strip (docs/strip_model.md); the paper's; the exact
+        Model of the normal pressure: two conditions per strip (docs/theory/strip_model.md); the paper's; the exact
         solver.
     approach : {"projected", "constant"}
         How a rigid approach closes the gap along the curved axis: by its share along the normal of each strip, or

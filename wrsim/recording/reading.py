@@ -23,7 +23,7 @@ FEWEST = 40  # rows that a recording has at least
 @dataclass(frozen=True, eq=False)
 class TrackRecording:
     """start: distance of the first row [m]; step: between rows [m]; records: channels with their values (n,) in SI
-    units and our signs (`docs/recording.md`); guessed: whether the columns' meaning comes from their names; unused:
+    units and our signs (`docs/user/recording.md`); guessed: whether columns' meaning comes from their names; unused:
     the other columns.
     """
 

@@ -1,6 +1,6 @@
 """The register of channels (``data/channels.csv``): names, dimensions, units and meanings of what a Result may carry.
 
-``docs/conventions.md`` prints the same list; a test compares the two. Values are in SI units; the register also gives
+``docs/reference/channels.md`` prints the same list, a test compares. Values are in SI units; the register also gives
 the unit for readers (mm, kN, degrees, MPa). Two dimensions depend on the analysis:
 
 - ``sample``: ``time`` in runs, ``pose`` in static analyses;

@@ -1,7 +1,7 @@
 """Where the cases run: workers of dask.distributed on this machine, at an address, or under SLURM.
 
 Whoever can talk to a scheduler or a worker can let it execute anything, and they to whoever connects: all of them talk
-TLS, and each shows a certificate (docs/security.md).
+TLS, and each shows a certificate (docs/user/security.md).
 """
 
 from __future__ import annotations

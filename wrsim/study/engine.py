@@ -174,7 +174,7 @@ def check_workers(workers: int | None, scheduler: str | None, slurm: bool, tls: 
         raise InputError(f"--tls {tls}: is for --slurm and --scheduler tls://...")
     warning = (
         f"warning: --scheduler {scheduler} is neither encrypted nor authenticated: whoever reaches it can execute "
-        "programs as you; start it with certificates and take tls:// (docs/security.md)"
+        "programs as you; start it with certificates and take tls:// (docs/user/security.md)"
     )
     return [warning] if open_to_all else []
 

@@ -2,7 +2,7 @@
 
 A file with bodies, parts, elements or [wheelsets] is assembled from its parts; one with nothing but [wheelset],
 [suspension] and [sprung] is a single wheelset that its bogie guides, one with [[vehicles]] a train. See
-docs/vehicles.md and docs/trains.md for the formats.
+docs/user/vehicles.md and docs/user/trains.md for the formats.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
     Parameters
     ----------
     path : str or Path
-        A vehicle file (docs/vehicles.md); a name that is not found as it stands is looked up among the models:
+        A vehicle file (docs/user/vehicles.md); a name that is not found as it stands is looked up among the models:
         ``"vehicles/manchester_1.toml"``.
     find : Finder, optional
         Where profiles are looked up after the folder of the vehicle file itself.

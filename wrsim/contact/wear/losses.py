@@ -168,7 +168,7 @@ class Losses:
             self.on_rails[:, w, side, : places.u.size] += _spread(rows.arc_rail[mine], width[mine], places, own)
 
     def channels(self) -> dict[str, Array]:
-        """Channels of a result, over laws, wheelsets, wheels, zones and places; see docs/conventions.md."""
+        """Channels of a result, over laws, wheelsets, wheels, zones and places; see docs/reference/channels.md."""
         self._work_through()
         laws = len(self.settings.laws)
         total = np.array([own.sum() for own in self.ways])

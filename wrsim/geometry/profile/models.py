@@ -130,7 +130,7 @@ def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
     Parameters
     ----------
     path : str or Path
-        A TOML file of one of the kinds of docs/profiles.md, or a file of points
+        A TOML file of one of the kinds of docs/user/profiles.md, or a file of points
         (``.prw .prr .whl .ban .csv .txt .dat``), here or among the models: ``"rails/60E1.toml"``.
     kind : {"wheel", "rail"}, optional
         Only two columns without a header of wrsim need it; where a file has it, it must be the same.

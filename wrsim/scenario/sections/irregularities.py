@@ -99,7 +99,7 @@ class TableSection(_Stretch, kind="table"):
     aliases = {"file": "table csv", "wavelength_m": "band_m"}
 
     file: Annotated[str, text('a CSV file such as "measured.csv"')]
-    """Table of the measurement; docs/track.md has its columns."""
+    """Table of the measurement; docs/user/track.md has its columns."""
     wavelength_m: Band | None = None
     """Shortest and longest wave that are kept; all of them unless given."""
 
