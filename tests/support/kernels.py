@@ -22,11 +22,12 @@ from numba.core.registry import CPUDispatcher
 import wrsim.core
 from support.contacts import bench, contact_of, numbers, pair_model
 from support.vehicles import manchester, on_track, shipped
+from wrsim.analysis.motion.monitor import Monitor
 from wrsim.contact.channels import WheelOnRail, wheel_outline
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ConicalWheels, ContactSettings, Friction, FrictionAlong, HalfSpaceSettings, Material
-from wrsim.core.body.kinematics import first_not_finite
+from wrsim.core.body.kinematics import first_not_finite, is_near
 from wrsim.core.body.rigid_body import kinetic_energies
 from wrsim.core.contact.rail import unfold
 from wrsim.core.contact.strips.changes import leave
@@ -38,6 +39,8 @@ from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import RailElasticity
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
+from wrsim.simulation.force_law import Array, force_derivative
+from wrsim.simulation.implicit_step import ImplicitStep
 from wrsim.simulation.law import ConicalVehicleOnTrack, VehicleOnTrack
 from wrsim.simulation.placement import design_state, poses_on_track
 from wrsim.simulation.steady_state import SteadyMotion
@@ -196,6 +199,7 @@ def vehicle_cases() -> dict[str, list[float]]:
     angles[-4:], rates[-4:] = 1e-3, 0.2
     apart(0.0, angles, rates, twist := np.zeros(apart.size))
     found["twist"] = list(twist)
+    found["implicit step"] = implicit_step(apart, angles, rates)
     motors = shipped("manchester_motor")
     moment = Effort(motors.drives[0].wheelset, ((0.0, 5e3),))
     geared = VehicleOnTrack(replace(motors, efforts=(moment,)), law.track, (), speed=20.0, start=60.0)
@@ -235,6 +239,29 @@ def vehicle_cases() -> dict[str, list[float]]:
     conical(0.01, q, q_t, out)
     found["conical"] = list(out)
     return found
+
+
+def implicit_step(law: VehicleOnTrack, q: Array, q_t: Array) -> list[float]:
+    """A step of generalised alpha: Jacobian, first guess, estimated and computed iterations, and what watches it."""
+    size, count = law.size, len(law.bodies)
+    newton = ImplicitStep(q.copy(), q_t.copy(), np.linspace(-1.0, 1.0, size), count, 1e-3, 1e3, 1e4)
+    derivative = force_derivative(law, q, q_t, count, 0.0, 1.0, 0.5, central=False)
+    forces = np.zeros(size)
+    newton.begin_iteration(0)
+    newton.update(np.ones(size))
+    newton.set_jacobian(derivative, 1.0)
+    for iteration in (1, 2):
+        newton.begin_iteration(iteration)
+        newton.q += 1e-9
+        if not newton.estimate(forces):
+            law(0.0, newton.q, newton.q_t, forces)
+            newton.update(forces)
+    newton.end_step()
+    monitor = Monitor(law, law.speed)
+    monitor.step(0.0, True)
+    ended = monitor.look(0.0, q, q_t)
+    near = is_near(np.array([q, q_t]), newton.q, newton.q_t, 6 * count, 1e-3)
+    return [*newton.q, *forces, *derivative.ravel(), *newton.rows.ravel(), float(near), float(ended is None)]
 
 
 def cases(full: bool = False) -> dict[str, list[float]]:

@@ -177,12 +177,11 @@ def test_derivatives_of_a_train_are_taken_vehicle_by_vehicle(model: str) -> None
     """Vehicles act on their neighbours alone: those that lie three apart are changed at once."""
     law = on_springs(coaches(5, model))
     q, q_t = displaced(law)
-    block = law.blocks()[0]
     size = max(len(own) for own in law.coordinates_of_units())
-    assert len(block.columns) == 3 * size < law.size
+    assert len(law.blocks()[0].groups) == 3 * size < law.size
     for by in ((1.0, 0.0), (0.3, 1.0)):
         grouped = force_derivative(law, q, q_t, len(law.bodies), 0.0, *by)
-        law.blocks = lambda: [Block.full(block.forces, law.size)]  # type: ignore[method-assign]
+        law.blocks = lambda: [Block.full(law.on_bodies, law.size)]  # type: ignore[method-assign]
         plain = force_derivative(law, q, q_t, len(law.bodies), 0.0, *by)
         del law.blocks
         np.testing.assert_array_equal(grouped, plain)

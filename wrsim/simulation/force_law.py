@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from wrsim.core.body import derivative as k
 
 Array = NDArray[np.float64]
 Groups = Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]
@@ -96,38 +97,51 @@ class ForceLaw:
             place += view.size
 
 
-@dataclass(frozen=True)
 class Block:
-    """One term of a law's sum, and which coordinates may be changed at once because their effects are separate: in
-    group g the j-th coordinate ``columns[g][j]`` acts on ``rows[g][j]`` alone.
-    """
+    """One term of a law's sum, and which coordinates may be changed at once because their effects are separate."""
 
-    forces: Forces
-    columns: tuple[NDArray[np.intp], ...]
-    rows: tuple[NDArray[np.intp], ...]
+    def __init__(self, forces: Forces, groups: Groups) -> None:
+        self.forces, self.groups = forces, groups
 
     @classmethod
     def full(cls, forces: Forces, size: int) -> Block:
         """Every coordinate may act on all."""
-        columns = tuple(np.array([i]) for i in range(size))
-        return cls(forces, columns, (np.arange(size)[None],) * size)
+        return cls(forces, all_on_all(size))
 
     @classmethod
     def apart(cls, forces: Forces, own: NDArray[np.intp]) -> Block:
         """Several independent things, each with coordinates of its own, a row of ``own``."""
-        return cls(forces, tuple(own.T), (own,) * own.shape[1])
+        return cls(forces, [(column, own) for column in own.T])
+
+    def add_differences(self, t: float, central: bool, work: Array, matrix: Array) -> None:
+        """Add the derivative of its forces to the matrix (size, size); work: see ``core.body.derivative``."""
+        state, rate, up, down = work[k.STATE], work[k.RATE], work[k.UP], work[k.DOWN]
+        if not central:
+            self.forces(t, state, rate, down)
+        for columns, rows in self.groups:
+            for by, out in ((1.0, up), (-1.0, down))[: 1 + central]:
+                state[columns] = work[k.HERE, columns] + by * work[k.MORE, columns]
+                rate[columns] = work[k.HERE_RATE, columns] + by * work[k.MORE_RATE, columns]
+                self.forces(t, state, rate, out)
+            state[columns], rate[columns] = work[k.HERE, columns], work[k.HERE_RATE, columns]
+            matrix[rows, columns[:, None]] += (up - down)[rows] / work[k.SPAN, columns, None]
+
+
+def all_on_all(size: int) -> Groups:
+    """Groups of one coordinate each, which may act on all."""
+    return [(np.array([i]), np.arange(size)[None]) for i in range(size)]
 
 
 def groups_in_a_row(own: Sequence[NDArray[np.intp]]) -> Groups:
     """Groups of the coordinates of things in a row, of which each acts on itself and its neighbours."""
     longest = max(map(len, own))
     groups: list[tuple[list[int], list[NDArray[np.intp]]]] = [([], []) for _ in range(min(3, len(own)) * longest)]
-    near = [np.concatenate(own[max(k - 1, 0) : k + 2]) for k in range(len(own))]
+    near = [np.concatenate(own[max(i - 1, 0) : i + 2]) for i in range(len(own))]
     widest = max(map(len, near))
-    for k, coordinates in enumerate(own):  # a duplicate row is written twice alike
-        rows = np.concatenate([near[k], np.full(widest - len(near[k]), near[k][0])])
+    for i, coordinates in enumerate(own):  # a duplicate row is written twice alike
+        rows = np.concatenate([near[i], np.full(widest - len(near[i]), near[i][0])])
         for j, place in enumerate(coordinates):
-            columns, of_columns = groups[k % 3 * longest + j]
+            columns, of_columns = groups[i % 3 * longest + j]
             columns.append(int(place))
             of_columns.append(rows)
     return [(np.array(columns), np.array(rows)) for columns, rows in groups if columns]
@@ -158,22 +172,10 @@ def force_derivative(
     with np.errstate(divide="ignore"):
         step = np.minimum(change / abs(by_q), change_t / abs(by_q_t))
     step[~np.isfinite(step)] = SMALL_EXTENSION
-    matrix = np.zeros((n, n))
-    here, here_t = np.array(q, dtype=float), np.array(q_t, dtype=float)
-    state, rate, up, down = here.copy(), here_t.copy(), np.zeros(n), np.zeros(n)
-    forward, forward_t, span = by_q * step, by_q_t * step, (2.0 if central else 1.0) * step
+    matrix, work = np.zeros((n, n)), np.zeros((k.ROWS, n))
+    work[[k.HERE, k.STATE]], work[[k.HERE_RATE, k.RATE]] = q, q_t
+    work[k.MORE], work[k.MORE_RATE], work[k.SPAN] = by_q * step, by_q_t * step, (2.0 if central else 1.0) * step
     with forces.undisturbed():
         for block in forces.blocks() or (Block.full(forces, n),):
-            if not central:
-                block.forces(t, state, rate, down)
-            for columns, rows in zip(block.columns, block.rows, strict=True):
-                state[columns] += forward[columns]
-                rate[columns] += forward_t[columns]
-                block.forces(t, state, rate, up)
-                if central:
-                    state[columns] = here[columns] - forward[columns]
-                    rate[columns] = here_t[columns] - forward_t[columns]
-                    block.forces(t, state, rate, down)
-                state[columns], rate[columns] = here[columns], here_t[columns]
-                matrix[rows, columns[:, None]] += (up - down)[rows] / span[columns, None]
+            block.add_differences(t, central, work, matrix)
     return matrix

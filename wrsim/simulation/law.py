@@ -14,11 +14,13 @@ from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.contact.workspace import pack
 from wrsim.core.body import conical, friction, vehicle_forces
+from wrsim.core.body import derivative as differences
 from wrsim.core.body import wheel_forces as wheel_kernel
+from wrsim.core.body.kinematics import is_near
 from wrsim.core.jit.compiling import use_threads
 from wrsim.core.jit.stages import make_ready
 from wrsim.errors import SimulationError
-from wrsim.simulation.force_law import Array, Block, groups_in_a_row
+from wrsim.simulation.force_law import Array, Block, Groups, all_on_all, groups_in_a_row
 from wrsim.simulation.vehicle_arrays import (
     RAIL_COORDINATES,
     Layout,
@@ -114,25 +116,22 @@ class VehicleOnTrack(Layout):
             placed_on_rails(mounted.wheelset, pair, track)
             for mounted, pair in zip(vehicle.wheelsets, zip(placed[::2], placed[1::2], strict=True), strict=False)
         )
-        self._evaluated: tuple[float, Array, Array] | None = None
-        """Time, coordinates and rates that the contacts belong to, where known."""
+        self._state, self._evaluated = np.zeros((2, self.size)), np.nan
+        """Coordinates and rates that the contacts belong to, and their time, nan where unknown."""
+        self._blocks: list[Block] = []
         self.look_near(start)
 
     def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> None:
         """See ``ForceLaw``. Raises SimulationError off the track."""
-        self._evaluated = None
+        self._evaluated = np.nan
         self.forces(t, q, q_t, out)
-        self._evaluated = t, q.copy(), q_t.copy()
+        self._state[0], self._state[1], self._evaluated = q, q_t, t
 
     def at(self, t: float, q: Array, q_t: Array, within: float = 0.0) -> None:
         """Evaluate the law at this state, unless the last evaluation was at this time and state, or at one whose
         positions differ from it by no more than ``within`` [m, rad]."""
-        if self._evaluated is not None and self._evaluated[0] == t:
-            _, last_q, last_q_t = self._evaluated
-            bodies = 6 * len(self.bodies)
-            same = np.array_equal(last_q, q) and np.array_equal(last_q_t, q_t)
-            if same or (within > 0.0 and np.abs(last_q[:bodies] - q[:bodies]).max() <= within):
-                return
+        if self._evaluated == t and is_near(self._state, q, q_t, 6 * len(self.bodies), within):
+            return
         self(t, q, q_t, np.zeros(self.size))
 
     def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
@@ -143,49 +142,39 @@ class VehicleOnTrack(Layout):
 
     def on_bodies(self, t: float, q: Array, q_t: Array, out: Array) -> None:
         """All forces but those of the contacts, which act on wheelsets alone."""
-        self._evaluated = None
+        self._evaluated = np.nan
         out[:] = 0.0
         if vehicle_forces.add_forces_on_bodies(t, q, q_t, out, self.workspace.buffer, self.workspace.index):
             raise SimulationError(OFF_TRACK.format(t))
 
     def blocks(self) -> list[Block]:
         """See ``ForceLaw``: forces on all bodies, and contacts, each of which acts on one wheelset."""
-        buffer, index, on_bodies = self.workspace.buffer, self.workspace.index, self.on_bodies
-
-        def on_wheels(t: float, q: Array, q_t: Array, out: Array) -> None:
-            out[:] = 0.0
-            vehicle_forces.add_forces_on_wheels(q, q_t, out, buffer, index)
-
-        units = self.coordinates_of_units()
-        found = [Block.full(on_bodies, self.size)]
-        if len(units) > 1:
-            columns, rows = zip(*groups_in_a_row(units), strict=True)
-            found = [Block(on_bodies, columns, rows)]
-        if self.wheels:
-            count = len(self.wheels)
+        if not self._blocks:
+            units = self.coordinates_of_units()
+            groups = groups_in_a_row(units) if len(units) > 1 else all_on_all(self.size)
+            self._blocks = [CompiledBlock(self, differences.ON_BODIES, groups)]
+            count, twisting = len(self.wheels), list(self.twists)
             own = np.arange(6 * count).reshape(count, 6)
-            if self.rails:
-                rails = np.arange(self.size - self.rails, self.size).reshape(count, RAIL_COORDINATES)
-                own = np.hstack([own, rails])
-            twisting = list(self.twists)
-            if twisting:
+            if self.rails and count:
+                own = np.hstack([own, np.arange(self.size - self.rails, self.size).reshape(count, RAIL_COORDINATES)])
+            if twisting and count:
                 with_twist = np.column_stack([own[twisting], list(self.twists.values())])
-                found.append(Block.apart(on_wheels, with_twist))
+                self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, [(c, with_twist) for c in with_twist.T]))
                 own = np.delete(own, twisting, axis=0)
             if len(own):
-                found.append(Block.apart(on_wheels, own))
-        return found
+                self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, [(c, own) for c in own.T]))
+        return self._blocks
 
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
         """See ``ForceLaw``."""
-        before, evaluated = [view.copy() for view in self._changing], self._evaluated
+        before, state, evaluated = [view.copy() for view in self._changing], self._state.copy(), self._evaluated
         try:
             yield
         finally:
             for view, values in zip(self._changing, before, strict=True):
                 view[...] = values
-            self._evaluated = evaluated
+            self._state[:], self._evaluated = state, evaluated
 
     def elements_of_contacts(self) -> list[list[list[ElementField]]]:
         """Elements of the patches of every wheel at the last evaluation, where the contact model has any."""
@@ -222,7 +211,7 @@ class VehicleOnTrack(Layout):
         """Change the constant speed [m/s] of the drive and of the frame of the track."""
         self.speed, self.profile = speed, SpeedProfile.constant(speed)
         self.workspace.views[vehicle_forces.MOTION][:] = pieces_of_motion(self.profile, self.start)
-        self._evaluated = None
+        self._evaluated = np.nan
 
     def own(self, wheelset: int) -> list[Any]:
         """The records WHEEL of both wheels of a wheelset (``core.body.wheel_forces``)."""
@@ -233,7 +222,7 @@ class VehicleOnTrack(Layout):
 
         Needed ahead of a state far from the last one.
         """
-        self._evaluated = None
+        self._evaluated = np.nan
         vehicle, rows = self.vehicle, self._near(origin)
         at = float(rows[0, 0]) - vehicle.wheelsets[0].x
         if self._records_of_wheels:
@@ -262,7 +251,7 @@ class VehicleOnTrack(Layout):
 
     def set_state(self, state: Array) -> None:
         """See ``ForceLaw``. Inverses of the contacts are dropped, for they are no part of the state."""
-        self._evaluated = None
+        self._evaluated = np.nan
         super().set_state(state)
         for wheels in self.wheels:
             for wheel in wheels:
@@ -301,11 +290,31 @@ class VehicleOnTrack(Layout):
         before = self.elements[name].copy()
         try:
             self.elements[name] = values
-            self._evaluated = None
+            self._evaluated = np.nan
             yield
         finally:
             self.elements[name] = before
-            self._evaluated = None
+            self._evaluated = np.nan
+
+
+class CompiledBlock(Block):
+    """A part of a vehicle's forces, all differences of which are one compiled call."""
+
+    def __init__(self, law: VehicleOnTrack, part: int, groups: Groups) -> None:
+        """part: ON_BODIES or ON_WHEELS of ``core.body.derivative``."""
+        self.workspace, self.part, self.groups = law.workspace, part, groups
+        widest, longest = max(len(columns) for columns, _ in groups), max(rows.shape[1] for _, rows in groups)
+        self._columns, self._rows = np.full((len(groups), widest), -1), np.zeros((len(groups), widest, longest), int)
+        for g, (columns, rows) in enumerate(groups):
+            self._columns[g, : len(columns)] = columns
+            self._rows[g, : len(columns)] = rows[:, :1]
+            self._rows[g, : len(columns), : rows.shape[1]] = rows
+
+    def add_differences(self, t: float, central: bool, work: Array, matrix: Array) -> None:
+        """See ``Block``. Raises SimulationError off the track."""
+        places, memory = (self._columns, self._rows), (self.workspace.buffer, self.workspace.index)
+        if differences.add_differences(t, self.part, central, *places, work, matrix, *memory):
+            raise SimulationError(OFF_TRACK.format(t))
 
 
 def placed_on_rails(wheelset: Wheelset, models: Contacts, track: Track) -> tuple[WheelOnRail, WheelOnRail]:

@@ -20,11 +20,12 @@ from typing import Any, cast
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from wrsim.core.body.implicit_step import CONTRACTION
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, Forces, force_derivative
-from wrsim.simulation.implicit_step import CONTRACTION, NOT_SOLVED, SPECTRAL_RADIUS, ImplicitStep, Integrator, NotSolved
+from wrsim.simulation.implicit_step import NOT_SOLVED, SPECTRAL_RADIUS, ImplicitStep, Integrator, NotSolved
 
 if not hasattr(sys, "exudynFast") and not os.environ.get("EXUDYN_MODULE"):
     sys.exudynFast = True  # type: ignore[attr-defined]
@@ -177,11 +178,9 @@ class BodySystem:
         self.work.evaluations += 1
         time = self._time(t)
         self.forces(time, self.q, self.q_t, out)
-        bad = first_not_finite(out, out)
+        bad = first_not_finite(out, out) if newton is None else newton.update(out)
         if bad >= 0:
             raise NotFinite(bad, time)
-        if newton is not None:
-            newton.update(out)
         return out
 
     def _jacobian(self, t: float, item: int, q: object, q_t: object, by_q: float, by_q_t: float) -> Any:

@@ -14,10 +14,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wrsim.analysis.motion.messages import NoSteadyMotion, OffRail, Overlap, Overturned, Side, wheel_words
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.status import status_words
+from wrsim.core.body.watch import WATCH
 from wrsim.core.contact.records import STATUS_TOO_DEEP
 from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Profile
@@ -72,6 +74,18 @@ def wheels_of(law: VehicleOnTrack) -> list[WatchedWheel]:
     """All wheels, front ones first, left before right."""
     pairs = zip(law.vehicle.wheelsets, law.wheels, strict=bool(law.wheels))
     return [WatchedWheel(mounted.name, wheel) for mounted, pair in pairs for wheel in pair]
+
+
+def watched(wheels: Sequence[WatchedWheel]) -> NDArray[np.void]:
+    """Records WATCH of wheels (``core.body.watch``), with their geometry."""
+    found = np.zeros(len(wheels), WATCH)
+    for row, wheel in zip(found, wheels, strict=True):
+        row.level, row.drop, row.face, row.substitutes = wheel.level, -DROP, wheel.face, wheel.model.arrays.substitutes
+        row.flanged = wheel.tip is not None
+        if wheel.tip is not None:
+            row.u, row.reach = wheel.tip[0], wheel.model.radius - wheel.tip[1]
+    found["most"], found["least"] = -np.inf, np.inf
+    return found
 
 
 def overlap(wheels: Sequence[WatchedWheel]) -> Overlap:

@@ -9,15 +9,15 @@ a step.
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.motion.derailment import WatchedWheel, overlap, wheels_of
+from wrsim.analysis.motion.derailment import WatchedWheel, overlap, watched, wheels_of
 from wrsim.analysis.motion.messages import Event, EventKind, OffRail, Overlap, stop_words
-from wrsim.contact.model import ContactModel
 from wrsim.contact.status import bits_of
+from wrsim.core.body import watch as kernel
+from wrsim.core.body.vehicle_forces import FIRST_WHEEL
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_TOO_DEEP
 from wrsim.simulation.integrate import EXPLICIT_PARTS
 from wrsim.simulation.law import VehicleOnTrack
@@ -55,60 +55,6 @@ SAME = 1.0  # events of one kind and place of the vehicle that follow each other
 MISSED = 0.05  # part of the mean wheel load by which a force between samples goes beyond them where it is reported
 
 
-class IntersamplePeaks:
-    """What the samples of a run miss: how far vertical wheel forces go beyond them at the steps that lie between.
-
-    Samples every 10 ms show what rings at 113 Hz as a slow swing of 13 Hz, and miss its peaks. Looks at the forces
-    after every step, as the law has computed them last; costs no evaluation.
-    """
-
-    def __init__(self, wheels: Sequence[ContactModel]) -> None:
-        self.forces = [model.arrays.rows.total["Fb"] for model in wheels]
-        n = len(self.forces)
-        self.sample, self.sampled = np.zeros(n), False
-        self.steps: list[list[float]] = []
-        """Rows (time, distance, forces) of the steps since the last sample."""
-        self.worst = np.zeros((n, 4))
-        """Of every wheel: beyond the samples by, force, time, distance."""
-
-    def step(self, t: float, distance: float, sampled: bool) -> None:
-        """After a step at time t [s]; sampled: whether its state is kept."""
-        row = [force.item() for force in self.forces]
-        if not sampled:
-            self.steps.append([t, distance, *row])
-            return
-        forces = np.array(row)
-        if self.steps and self.sampled:
-            rows = np.array(self.steps)
-            high, low = np.maximum(self.sample, forces), np.minimum(self.sample, forces)
-            beyond = np.maximum(rows[:, 2:] - high, low - rows[:, 2:])
-            at = np.argmax(beyond, axis=0)
-            for i in np.flatnonzero(beyond.max(axis=0) > self.worst[:, 0]):
-                place = rows[at[i]]
-                self.worst[i] = beyond[at[i], i], place[2 + i], place[0], place[1]
-        self.steps.clear()
-        self.sample, self.sampled = forces, True
-
-    def largest(self, least: float) -> tuple[int, list[float]] | None:
-        """The wheel whose force goes farthest beyond its samples, its row of ``worst``; None below ``least`` [N]."""
-        if not self.worst.size:
-            return None
-        i = int(np.argmax(self.worst[:, 0]))
-        return (i, self.worst[i].tolist()) if self.worst[i, 0] > least else None
-
-    def get_state(self) -> Array:
-        """What has been seen so far, in one row."""
-        rows = np.ravel(self.steps)
-        return np.concatenate([[float(len(self.steps)), float(self.sampled)], self.sample, self.worst.ravel(), rows])
-
-    def set_state(self, memory: Array) -> None:
-        """Put back what ``get_state`` gave."""
-        count, n = int(memory[0]), self.sample.size
-        self.sampled, self.sample, rest = bool(memory[1]), memory[2 : 2 + n].copy(), memory[2 + n :]
-        self.worst = rest[: 4 * n].reshape(n, 4).copy()
-        self.steps = rest[4 * n :].reshape(count, 2 + n).tolist()
-
-
 class Monitor:
     """Asked at regular intervals; answers with the reason to stop, or None. ``events`` gives what it has noted."""
 
@@ -119,18 +65,19 @@ class Monitor:
         self.interval = min(INTERVAL, STRETCH / speed)
         self.wheels = wheels_of(law)
         self.last_contact = np.full((len(self.wheels), 2), np.nan)
-        self.substitutes = np.array([wheel.model.arrays.substitutes for wheel in self.wheels], dtype=float)
+        self.watched = watched(self.wheels)
+        """Records WATCH: the geometry of every wheel, and its vertical force between samples."""
+        self._wheels = law.workspace.buffer, law.workspace.index[FIRST_WHEEL:]
         elements = law.vehicle.elements
         self.stops = [(i, e.limits, e.travel_place) for i, e in enumerate(elements) if e.limits]
         normals = [None if e.slider is None else e.slider.normal for e in elements]
         self.pressed = np.array([i for i, n in enumerate(normals) if n is not None and n.sense is None], dtype=int)
         self.notes = np.zeros((0, 6))
         """Rows (kind, which wheel or element, time, distance, last time, last distance)."""
-        self.peaks = IntersamplePeaks([wheel.model for wheel in self.wheels])
 
     def step(self, t: float, sampled: bool) -> None:
-        """After every step, with what the law has computed last; sampled: whether its state is kept."""
-        self.peaks.step(t, self.law.distance, sampled)
+        """After every step, at the law's last evaluation; sampled: whether its state is kept."""
+        kernel.watch_step(t, self.law.distance, sampled, self.watched, *self._wheels)
 
     def __call__(self, t: float, q: Array, q_t: Array) -> str | None:
         outcome = self.look(t, q, q_t)
@@ -139,18 +86,12 @@ class Monitor:
     def look(self, t: float, q: Array, q_t: Array) -> OffRail | Overlap | None:
         """What ends the run, if anything; notes what else there is."""
         self.law.at(t, q, q_t, WITHIN)
-        distance, too_deep = self.law.distance, 0
+        distance = self.law.distance
         ending: OffRail | Overlap | None = None
-        for i, wheel in enumerate(self.wheels):
-            ending = ending or self._look_at(i, wheel, t, distance)
-            status, substitutes = wheel.status, wheel.model.arrays.substitutes
-            too_deep |= status & STATUS_TOO_DEEP
-            flags = status & ~STATUS_TOO_DEEP
-            if substitutes > self.substitutes.item(i):  # also between two looks
-                self.substitutes[i] = substitutes
-                flags |= STATUS_NOT_CONVERGED
-            for bit in bits_of(flags):
-                self._note(bit, i, t, distance)
+        if kernel.all_on_rails(self.watched, *self._wheels):
+            self.last_contact[:] = t, distance
+        else:
+            ending = self._look_at_wheels(t, distance)
         for i, limits, place in self.stops:
             if not limits[0] <= self.law.records[i, place] <= limits[1]:
                 self._note(STOP, i, t, distance)
@@ -168,9 +109,23 @@ class Monitor:
         else:
             self.cut_looks = 0
         self.cut_steps = self.work.cut_steps
-        if too_deep:
-            ending = ending or overlap(self.wheels)
         return ending
+
+    def _look_at_wheels(self, t: float, distance: float) -> OffRail | Overlap | None:
+        """What ends the run at a wheel; notes lifted wheels and the remarks of contacts."""
+        ending: OffRail | Overlap | None = None
+        too_deep = 0
+        for i, (wheel, own) in enumerate(zip(self.wheels, self.watched, strict=True)):
+            ending = ending or self._look_at(i, wheel, t, distance)
+            status, substitutes = wheel.status, wheel.model.arrays.substitutes
+            too_deep |= status & STATUS_TOO_DEEP
+            flags = status & ~STATUS_TOO_DEEP
+            if substitutes > own.substitutes:  # also between two looks
+                own.substitutes = substitutes
+                flags |= STATUS_NOT_CONVERGED
+            for bit in bits_of(flags):
+                self._note(bit, i, t, distance)
+        return ending or (overlap(self.wheels) if too_deep else None)
 
     def _warn_of_cuts(self, t: float, distance: float) -> None:
         """Warn once, while the run lasts, that its steps are cut again and again."""
@@ -223,10 +178,12 @@ class Monitor:
             bit = int(kind) if name == "contact" else 0
             found.append(Event(name, part, (t, distance), (last_t, last_distance), side, bit))
         mean_load = 0.5 * self.law.vehicle.weight / len(self.law.vehicle.wheelsets)
-        if (peak := self.peaks.largest(MISSED * mean_load)) is not None:
-            wheel, (beyond, force, *at) = self.wheels[peak[0]], peak[1]
-            place = at[0], at[1]
-            found.append(Event("between", wheel.wheelset, place, place, wheel.side, 0, (force, beyond)))
+        if self.wheels:
+            worst = int(np.argmax(self.watched["beyond"]))
+            wheel, own = self.wheels[worst], self.watched[worst]
+            if own.beyond > MISSED * mean_load:
+                at, missed = (float(own.time), float(own.distance)), (float(own.force), float(own.beyond))
+                found.append(Event("between", wheel.wheelset, at, at, wheel.side, 0, missed))
         return sorted(found, key=lambda event: (event.start, event.part, event.side))
 
     @property
@@ -239,19 +196,15 @@ class Monitor:
 
     def get_state(self) -> Array:
         """See ``simulation.recorder.HasState``."""
-        between = self.peaks.get_state()
-        own = (self.last_contact.ravel(), self.substitutes, self.notes.ravel())
-        return np.concatenate([[self.cut_steps, between.size], between, *own])
+        own = self.watched.view(float), self.last_contact.ravel(), self.notes.ravel()
+        return np.concatenate([[self.cut_steps], *own])
 
     def set_state(self, memory: Array) -> None:
         """Put back what ``get_state`` gave."""
-        self.cut_steps, behind = int(memory[0]), 2 + int(memory[1])
-        self.peaks.set_state(memory[2:behind])
-        memory = memory[behind:]
-        size, wheels = self.last_contact.size, len(self.substitutes)
+        self.cut_steps, peaks, size = int(memory[0]), self.watched.view(float), self.last_contact.size
+        peaks[:], memory = memory[1 : 1 + peaks.size], memory[1 + peaks.size :]
         self.last_contact = memory[:size].reshape(self.last_contact.shape).copy()
-        self.substitutes = memory[size : size + wheels].copy()
-        self.notes = memory[size + wheels :].reshape(-1, 6).copy()
-        places = np.where(np.isin(self.notes[:, 0], (STOP, LOOSE)), len(self.law.vehicle.elements), wheels)
+        self.notes = memory[size:].reshape(-1, 6).copy()
+        places = np.where(np.isin(self.notes[:, 0], (STOP, LOOSE)), len(self.law.vehicle.elements), len(self.wheels))
         if not (np.isfinite(self.notes).all() and ((self.notes[:, 1] >= 0) & (self.notes[:, 1] < places)).all()):
             raise ValueError("events of a wheel or an element that is not there")

@@ -133,6 +133,17 @@ def poses_along(q: Array, q_t: Array, curve: CurveNodes, guess: float, out: Reco
 
 
 @kernel
+def is_near(known: Array, q: Array, q_t: Array, count: int, within: float) -> bool:
+    """Whether a known state (2, n) is this one, or none of its first positions differs by more than ``within`` > 0."""
+    farthest, same = 0.0, True
+    for i in range(q.shape[0]):
+        same = same and known[0, i] == q[i] and known[1, i] == q_t[i]
+        if i < count:
+            farthest = max(farthest, abs(known[0, i] - q[i]))
+    return same or 0.0 < within >= farthest
+
+
+@kernel
 def first_not_finite(q: Array, q_t: Array) -> int:
     """Index of the first coordinate (or, counted on, rate) that is not a finite number; -1 if all are."""
     n = q.shape[0]

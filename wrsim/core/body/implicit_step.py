@@ -1,0 +1,165 @@
+"""Newton's method within the implicit steps of generalised alpha: first guess, estimates, and failure.
+
+First guess: a step starts from the accelerations of the last one and a part of their trend; without the trend the
+remaining residual lies on the same side step after step. q, q_t and q_tt change together, as in an iteration (Arnold
+and Bruls, Multibody System Dynamics 18 (2007), algorithm 1).
+
+Estimates: the forces after an iteration differ from those predicted by the Jacobian by a part (``ratio``) of the
+predicted change. It is measured wherever forces are computed, and there the estimating Jacobian is updated (Broyden,
+body by body), not the one that the integrator holds. Where the difference is sure to be within the tolerance, the
+prediction ends the iteration (the test of Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).
+
+Failure: where new Jacobians predict less than half of the change, the force is discontinuous.
+"""
+
+from math import isfinite, sqrt
+
+from wrsim.core.body.kinematics import first_not_finite
+from wrsim.core.jit.arena import Array, Record, Records, record
+from wrsim.core.jit.compiling import kernel, summing
+
+CONTRACTION = 0.5
+"""Newton's method retains its Jacobian as long as an iteration reduces the residual below this part of it."""
+
+TREND = 0.5
+"""Part of the last change of the accelerations that is extrapolated to the next step."""
+
+NEAR, UNSEEN, FORGET = 30.0, 8, 0.9
+"""Forces are estimated, not computed, where the expected residual is within the tolerance and their change, also since
+the last step, within so many tolerances; in at most so many steps in succession. The contraction in a step counts as
+this part of it in the next."""
+
+MOST_ASTRAY = 2
+"""New Jacobians in a step that predict less than half of the change, at which the method stops or fails."""
+
+STEP = record(
+    "q_of_q_tt q_t_of_q_tt tolerance loosest predicted residual moved ratio",
+    "bodies steps iteration estimates known unseen new astray",
+)
+"""Changes of q and q_t for a change of q_tt (s2, s); norms of forces [N]: tolerance, largest residual at which the
+method may stop, predicted change, error of the last prediction, change since the last step; largest recent error of a
+prediction over the predicted change. Bodies; steps done; iteration of this step, -1 outside of steps; whether forces
+may be estimated; whether there is a Jacobian; steps since ``ratio`` was measured; whether the Jacobian is of this step;
+how many of its predictions have failed."""
+
+AT, FORCES, MOVED, CHANGE, LAST, AHEAD, WEIGHTS = range(7)
+"""Rows (size,): coordinates of the last computed forces, these, the change of the coordinates since, the predicted one
+of the forces; accelerations at the end of the last step, and predicted for the next; weights in Broyden's update."""
+ROWS = 7
+
+SOLVABLE, NOT_SOLVED = -1, -2
+"""What `update` returns beside the index of a force that is not finite."""
+
+
+@kernel
+def predict(step: Records, rows: Array, q: Array, q_t: Array, q_tt: Array) -> None:
+    """The first guess of a step; iteration 0."""
+    own = step[0]
+    own.iteration, own.new, own.astray = 0, 0, 0
+    for i in range(q.size):
+        more = rows[AHEAD, i]
+        q_tt[i] += more
+        q_t[i] += own.q_t_of_q_tt * more
+        q[i] += own.q_of_q_tt * more
+
+
+@kernel
+def end_step(step: Records, rows: Array, q_tt: Array) -> None:
+    """Predict the accelerations of the next step."""
+    own = step[0]
+    trend = TREND if own.steps > 0 else 0.0
+    for i in range(q_tt.size):
+        rows[AHEAD, i] = q_tt[i] + trend * (q_tt[i] - rows[LAST, i])
+        rows[LAST, i] = q_tt[i]
+    own.steps += 1
+
+
+@kernel
+def estimate(step: Records, rows: Array, jacobian: Array, q: Array, out: Array) -> bool:
+    """Fill ``out`` with the forces that the Jacobian predicts and return True, if that ends the iteration."""
+    own = step[0]
+    if own.iteration < 1 or own.known == 0:
+        return False
+    for i in range(q.size):
+        rows[MOVED, i] = q[i] - rows[AT, i]
+    for i in range(q.size):
+        rows[CHANGE, i] = _dot(jacobian[i], rows[MOVED])
+    own.predicted = sqrt(_dot(rows[CHANGE], rows[CHANGE]))
+    if own.estimates == 0:
+        return False
+    stuck = own.astray >= MOST_ASTRAY and own.residual <= own.loosest
+    calm = max(own.predicted, own.moved if own.iteration == 1 else 0.0) <= NEAR * own.tolerance
+    close = own.ratio <= CONTRACTION and own.ratio * own.predicted <= own.tolerance
+    if not (stuck or (calm and close and own.unseen < UNSEEN)):
+        return False
+    own.unseen += 1
+    for i in range(q.size):
+        out[i] = rows[FORCES, i] + rows[CHANGE, i]
+    return True
+
+
+@kernel
+def update(step: Records, rows: Array, jacobian: Array, q: Array, forces: Array) -> int:
+    """Compare computed forces with the prediction; SOLVABLE, NOT_SOLVED, or the index of a force that is not finite."""
+    own, n = step[0], q.size
+    status = first_not_finite(forces, forces)
+    if status >= 0:
+        return status
+    if own.iteration >= 1 and own.known != 0:
+        own.residual = _distance(forces, rows[FORCES], rows[CHANGE])
+        if own.residual <= CONTRACTION * own.predicted:
+            _bend(own, rows, jacobian, forces)
+        ratio = own.residual / max(own.predicted, 1e-300)
+        forgotten = 0.0 if own.iteration > 1 or not isfinite(own.ratio) else FORGET * own.ratio
+        own.ratio, own.unseen = max(ratio, forgotten), 0
+        if own.new != 0 and ratio > CONTRACTION:
+            own.astray += 1
+            if own.astray > MOST_ASTRAY and own.residual > own.loosest:
+                status = NOT_SOLVED
+    elif own.iteration == 0:
+        rows[CHANGE] = 0.0
+        own.moved = _distance(forces, rows[FORCES], rows[CHANGE])
+    for i in range(n):
+        rows[FORCES, i], rows[AT, i] = forces[i], q[i]
+    return status
+
+
+@kernel
+def set_jacobian(step: Records, jacobian: Array, derivative: Array, by_q: float) -> None:
+    """Take a new derivative of the forces with respect to by_q q."""
+    own = step[0]
+    for i in range(jacobian.shape[0]):
+        for j in range(jacobian.shape[0]):
+            jacobian[i, j] = derivative[i, j] / by_q
+    own.ratio, own.new, own.known = float("inf"), 1, 1
+
+
+@kernel
+def _bend(own: Record, rows: Array, jacobian: Array, forces: Array) -> None:
+    """Broyden's update of the estimating Jacobian, body by body: the one that would have left nothing."""
+    for b in range(own.bodies):
+        whole = 0.0
+        for j in range(6 * b, 6 * b + 6):
+            whole += rows[WEIGHTS, j] * rows[MOVED, j] ** 2
+        whole = max(whole, 1e-300)
+        for i in range(6 * b, 6 * b + 6):
+            missed = forces[i] - rows[FORCES, i] - rows[CHANGE, i]
+            for j in range(6 * b, 6 * b + 6):
+                jacobian[i, j] += missed * (rows[WEIGHTS, j] * rows[MOVED, j] / whole)
+
+
+@summing
+def _dot(a: Array, b: Array) -> float:
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
+
+
+@summing
+def _distance(a: Array, b: Array, c: Array) -> float:
+    """Norm of a - b - c."""
+    total = 0.0
+    for i in range(a.size):
+        total += (a[i] - b[i] - c[i]) ** 2
+    return sqrt(total)
