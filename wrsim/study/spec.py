@@ -274,7 +274,7 @@ class CasesSection(Section, header="[cases]"):
     aliases = {"time_limit_s": "timeout timeout_s limit_s max_time_s"}
 
     time_limit_s: TimeLimit = 3600.0
-    """How long one case may take before it is given up."""
+    """Longest time of one case."""
     keep: Literal["results", "numbers"] = "results"
     """Whole results of the cases, or their numbers alone."""
 
@@ -347,4 +347,4 @@ class EvolutionFile(Section, header="a profile evolution"):
     flange_back_mm: Annotated[float, number(20, 150)] = 70.0
     """Distance of the flange back from the tape circle, for the flange's thickness Sd."""
     time_limit_s: TimeLimit = 3600.0
-    """How long one case may take before it is given up."""
+    """Longest time of one case."""
