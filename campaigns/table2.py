@@ -1,9 +1,9 @@
 """Table 2 of the paper beside ours: the four static cases, with a stand-in wheel that was fitted to that table.
 
     python campaigns/table2.py            # runs scenarios/static_paper.toml and prints both
-    python campaigns/table2.py --write    # and renews tables and pictures of docs/static_paper.md
+    python campaigns/table2.py --write    # and renews tables and pictures of docs/developers/static_paper.md
 
-See docs/static_paper.md for what agreement means here and what it does not.
+See docs/developers/static_paper.md for what agreement means here and what it does not.
 """
 
 import argparse
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 ROOT = Path(__file__).parents[1]
 SCENARIO = ROOT / "scenarios" / "static_paper.toml"
 PUBLISHED = ROOT / "campaigns" / "paper_table2.csv"
-PAGE = ROOT / "docs" / "static_paper.md"
+PAGE = ROOT / "docs" / "developers" / "static_paper.md"
 PICTURES = ROOT / "docs" / "figures"
 
 QUANTITIES = ("strips", "p0_MPa", "variation_deg")
@@ -171,7 +171,7 @@ def _save(figure: Figure, name: str) -> None:
 def main() -> None:
     """Run the scenario and compare."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", 1)[0])
-    parser.add_argument("--write", action="store_true", help="renew docs/static_paper.md and its pictures")
+    parser.add_argument("--write", action="store_true", help="renew docs/developers/static_paper.md and its pictures")
     arguments = parser.parse_args()
     dataset = run(load(SCENARIO)).wheelset()
     print(comparison(dataset))

@@ -1,4 +1,4 @@
-"""Figures and tables of docs/standing.md from docs/data/standing. Run: python docs/figures/make_standing.py
+"""Figures and tables of docs/validation/report.md from docs/data/standing. Run: python docs/figures/make_standing.py
 
 The data are written by: python campaigns/scoreboard.py REFERENCE --standing docs/data/standing
 """
@@ -22,7 +22,7 @@ Rows = list[dict[str, str]]
 
 HERE = Path(__file__).parent
 DATA = HERE.parent / "data" / "standing"
-PAGE = HERE.parent / "standing.md"
+PAGE = HERE.parent / "validation" / "report.md"
 
 NAMES = {
     "contact_planar": "CONTACT, tangent plane",
