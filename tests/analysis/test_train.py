@@ -50,8 +50,10 @@ def test_vehicles_that_nothing_couples_run_as_each_does_alone() -> None:
     both = on_track(replace(train, elements=own, couplings=()), speed, segments, start)
     q, q_t = np.zeros((2, both.law.size))
     alone = []
-    for member, places in zip(train.members, both.law.coordinates_of_units(), strict=True):
-        one = on_track(manchester(), speed, segments, start + member.x)
+    axles = len(manchester().wheelsets)
+    for k, places in enumerate(both.law.coordinates_of_units()):
+        behind = train.wheelsets[k * axles].x - manchester().wheelsets[0].x
+        one = on_track(manchester(), speed, segments, start + behind)
         found = steady_state(one.law)
         q[places], q_t[places] = found.q, found.q_t
         alone.append(

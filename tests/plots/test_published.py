@@ -151,7 +151,7 @@ def test_the_floor_is_seen_beside_the_frames() -> None:
         {"band_rms": (("point", "axis", "band"), rms)},
         coords={"point": ["floor", "frame"], "axis": ["x", "y", "z"], "band": band},
     )
-    found = SimpleNamespace(data=data, points=["floor", "frame"], title="ride", start=0.0, end=1.0)
+    found = SimpleNamespace(data=data, points=["floor", "frame"], title="ride", stretch="0 to 1 m")
     axes = ride_figure({"": found}, bands).axes[0]
     assert axes.get_yscale() == "log"
     assert axes.get_ylim()[0] < 1e-3 < 2.0 < axes.get_ylim()[1]

@@ -328,12 +328,9 @@ def test_couplings_of_a_train_have_charts_of_their_own() -> None:
 
 def test_limits_of_wheelsets_of_nearly_one_load_are_one_line() -> None:
     shown = SimpleNamespace(factor=1e-3)
-    limits = (46.3e3, 46.1e3, 46.2e3, 60.0e3)
-    found = SimpleNamespace(
-        values=[
-            SimpleNamespace(quantity=SimpleNamespace(key="sum_Y", shown=shown), limit=SimpleNamespace(value=value))
-            for value in limits
-        ]
-    )
+    quantity = SimpleNamespace(key="sum_Y", shown=shown)
+    limits = (SimpleNamespace(value=value) for value in (46.3e3, 46.1e3, 46.2e3, 60.0e3))
+    values = [SimpleNamespace(quantity=quantity, limit=limit) for limit in limits]
+    found = SimpleNamespace(of=lambda key: values if key == "sum_Y" else [])
     drawn = [value for _, value in chart_limits([found])["sum_Y"]]  # type: ignore[list-item]
     assert drawn == pytest.approx([46.1, 60.0, -46.1, -60.0])
