@@ -6,7 +6,8 @@ evaluations and FASTSIM cells in a plain loop as one patch needs, once with the 
 strip ("scalar") and once as the kernel does it, all strips side by side ("side by side"). A second table holds the
 tangential models: the time of each, what a strip more costs and what a cell more costs. A third one holds the strip
 model with FaStrip: cold as in static analyses, and from the last contact as in runs, at rest and moving sideways by
-up to 0.6 um from call to call. Grids: docs/theory/strip_model.md.
+up to 0.6 um from call to call. Grids: docs/theory/strip_model.md. A fourth one holds poses at a prescribed load over a
+sweep of the shift: the time of a pose beside that of the cold contacts that a root finder on the height takes.
 """
 
 import time
@@ -145,6 +146,31 @@ def strip_model(wheel: Profile, rail: Profile) -> None:
             last = strips, moving
 
 
+ROOT_FINDER = 21.5  # cold contacts a pose of Brent's method from two heights on, the mean over this sweep
+
+
+def prescribed_load(wheel: Profile, rail: Profile) -> None:
+    """Print the time of a pose at a prescribed load, beside that of a cold contact in the same run."""
+    print(f"\n{'prescribed load, us':24s}{'a pose':>9s}{'cold':>9s}{'a pose / cold':>15s}{'root finder / a pose':>22s}")
+    origin = (0.7175 - rail.gauge_point()[0], -rail.top[1])
+    for normal in ("kik-piotrowski", "strips"):
+        model = contact_model(wheel, rail, 0.46, ContactSettings(normal=normal), 0.35)  # type: ignore[arg-type]
+        bench = PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46)
+        poses = np.empty((141, k.POSE))
+        for row, shift in zip(poses, np.linspace(-6e-3, 8e-3, len(poses)), strict=True):
+            bench.place(float(shift), 0.48, 2e-3, 0.0)
+            row[:] = model.arrays.pose
+        found = model.solve_many(poses, 55e3, threads=1).poses
+        pose, cold = (
+            microseconds(call, 1, 5) / len(poses)
+            for call in (
+                lambda model=model, poses=poses: model.solve_many(poses, 55e3, threads=1),
+                lambda model=model, found=found: model.evaluate_many(found, threads=1),
+            )
+        )
+        print(f"  {normal:22s}{pose:9.1f}{cold:9.1f}{pose / cold:15.2f}{ROOT_FINDER * cold / pose:22.1f}")
+
+
 def main() -> None:
     """Print the tables."""
     wheel = load_profile(MODELS / "wheels/S1002.toml")
@@ -188,6 +214,7 @@ def main() -> None:
             )
     ladder(wheel, rail)
     strip_model(wheel, rail)
+    prescribed_load(wheel, rail)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.analysis.contacts import wheels_on_rails
-from wrsim.analysis.poses.solver import Carried, LoadNotReached, height_for_load
+from wrsim.analysis.poses.solver import Carried, LoadNotReached, approach_of, height_for_load, lower
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact import channels
 from wrsim.contact.channels import POSE_CHANNELS, ElementField, WheelOnRail
@@ -26,7 +26,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.contact_choice import with_contact_model
 from wrsim.scenario.loading import Scenario
 
-TOLERANCE = 1e-5  # of the vertical force
+TOLERANCE = 1e-5  # of the vertical force, of the exact solver
 DEEPEST = 1e-3  # farthest a wheel is moved [m]
 
 
@@ -127,21 +127,23 @@ def _settle(wheel: WheelOnRail, load: float) -> tuple[list[ElementField], str]:
     Returns its elements, if any, and why the force is not met, if so.
     """
     model = wheel.model
-    pose, total = model.arrays.pose, model.arrays.total
+    pose = model.arrays.pose
+    if model.settings.normal != "half-space":
+        if load > 0.0:
+            lower(model, load, DEEPEST)  # the status has the reason where the load is not met
+        else:
+            model.solve()
+        return [], ""
     found: list[list[ElementField]] = [[]]
 
     def carried(height: float) -> Carried:
         pose[2] = height
-        if model.settings.normal == "half-space":
-            found[0] = element_fields(solve_into(model), len(model.arrays.patches))
-        else:
-            model.solve()
-        approaches = model.arrays.patches["approach"][: int(total["lobes"])]
-        return Carried(float(total["Fb"]), float(approaches.max(initial=0.0)))
+        found[0] = element_fields(solve_into(model), len(model.arrays.patches))
+        return Carried(float(model.arrays.total["Fb"]), approach_of(model))
 
     if load > 0.0:
         try:
-            height_for_load(carried, load, float(pose[2]), tolerance=TOLERANCE, farthest=DEEPEST)
+            height_for_load(carried, model, load, float(pose[2]), tolerance=TOLERANCE, farthest=DEEPEST)
         except LoadNotReached as problem:
             return found[0], str(problem)
     else:

@@ -7,6 +7,7 @@ Patches are put in the order of their normal force, largest first; absent ones b
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -102,23 +103,24 @@ def remarks_channel(remarks: Sequence[str]) -> dict[str, NDArray[np.str_]]:
     return {"contact_remark": np.array(remarks)} if any(remarks) else {}
 
 
-def contact_channels(
-    raw: RawContacts, wheels: Sequence[WheelOnRail], widening: Array | float = 0.0, uneven: Array | float = 0.0
-) -> dict[str, Array]:
-    """Channels of the wheels (sample, wheel), and of their patches (sample, wheel, patch).
-
-    widening: designed gauge beyond the nominal one, (S,) or one [m]; uneven: irregularities under the wheels, to the
-    left and up, (S, W, 2) or none [m].
-    """
+def patch_channels(raw: RawContacts) -> dict[str, Array]:
+    """Channels (sample, wheel, patch) that need no more than the kernel's results; not-a-number without a patch."""
     p = _patches(raw)
+    return {name: np.where(p.present, values, np.nan) for name, values in _of_patches(raw, p).items()}
 
-    def over(name: str) -> Array:
-        """Values of every lobe, seen from every patch: (S, W, patch, lobe)."""
-        return np.broadcast_to(raw.patches[name][..., None, :], p.member.shape)
 
-    def of_main(name: str) -> Array:
-        return np.take_along_axis(over(name), p.main[..., None], axis=-1)[..., 0]
+def _over(raw: RawContacts, p: _Patches, name: str) -> Array:
+    """Values of every lobe, seen from every patch: (S, W, patch, lobe)."""
+    return np.broadcast_to(raw.patches[name][..., None, :], p.member.shape)
 
+
+def _of_main(raw: RawContacts, p: _Patches, name: str) -> Array:
+    """Values of the main lobe of every patch."""
+    return np.take_along_axis(_over(raw, p, name), p.main[..., None], axis=-1)[..., 0]
+
+
+def _of_patches(raw: RawContacts, p: _Patches) -> dict[str, Array]:
+    over, of_main = partial(_over, raw, p), partial(_of_main, raw, p)
     channels = {name: np.where(p.member, over(c), 0.0).sum(axis=-1) for name, c in _SUMS.items()}
     channels |= {name: np.where(p.member, over(c), -np.inf).max(axis=-1) for name, c in _LARGEST.items()}
     channels |= {name: of_main(c) for name, c in _OF_MAIN.items()}
@@ -137,15 +139,29 @@ def contact_channels(
     lever_x = over("x") - of_main("x")[..., None]
     moments = over("Mz") + lever_x * over("Fy") - lever_s * over("Fx")
     channels["spin_moment"] = np.where(p.member, moments, 0.0).sum(axis=-1)
+    return channels
+
+
+def contact_channels(
+    raw: RawContacts, wheels: Sequence[WheelOnRail], widening: Array | float = 0.0, uneven: Array | float = 0.0
+) -> dict[str, Array]:
+    """Channels of the wheels (sample, wheel), and of their patches (sample, wheel, patch).
+
+    widening: designed gauge beyond the nominal one, (S,) or one [m]; uneven: irregularities under the wheels, to the
+    left and up, (S, W, 2) or none [m].
+    """
+    p = _patches(raw)
+    channels = _of_patches(raw, p)
     # main points on the profiles and in the track frame
     left, up = np.moveaxis(np.broadcast_to(uneven, (*raw.patches.shape[:2], 2)), -1, 0)
     half_widening = 0.5 * np.broadcast_to(widening, raw.patches.shape[:1])
+    of_main = {name: _of_main(raw, p, name) for name in ("arc_wheel", "arc_rail", "o", "b")}
     for name, body in (("u_wheel", "wheel"), ("u_rail", "rail")):
-        channels[name] = of_main(f"arc_{body}").copy()
+        channels[name] = of_main[f"arc_{body}"].copy()
         for i, wheel in enumerate(wheels):
             profile: Profile = getattr(wheel.model, body)
             channels[name][:, i] = profile.at(np.clip(channels[name][:, i], 0.0, profile.length))[0]
-    channels |= {"y_contact": of_main("o").copy(), "z_contact": of_main("b").copy()}
+    channels |= {"y_contact": of_main["o"].copy(), "z_contact": of_main["b"].copy()}
     for i, wheel in enumerate(wheels):
         o, b = wheel.rail_origin
         channels["y_contact"][:, i] = wheel.side * (o + half_widening[:, None] + channels["y_contact"][:, i])

@@ -6,7 +6,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +22,9 @@ from wrsim.core.contact.wheel_rail import compile_stages
 from wrsim.core.jit import Array, Records
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rolled_rail import RolledRail
+
+if TYPE_CHECKING:
+    from wrsim.contact.batch import Contacts
 
 SEARCH_REACH = 0.75e-3  # distance of the search's samples near the rail [m]
 EPSILON = 0.55  # [S 23]
@@ -139,6 +142,66 @@ class ContactModel:
         self.turn_rail(*turning)
         self.arrays.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
         return Contact.copy_from(self.arrays, self.solve())
+
+    def evaluate_many(self, poses: ArrayLike, *, place: float = 0.0, threads: int | None = None) -> "Contacts":
+        """Contacts at many poses, each to the bit as from `evaluate`, whatever their order and the threads.
+
+        Parameters
+        ----------
+        poses : array_like
+            (n, 12), a row for every pose: origin, axle, velocity and omega as in `evaluate` [m, 1, m/s, rad/s].
+        place : float
+            Distance along a rail that changes along the track [m].
+        threads : int, optional
+            That compute poses side by side; default all cores of the machine.
+
+        Returns
+        -------
+        Contacts
+            Arrays (n,), (n, 3) and, of the patches, (n, patches).
+
+        Raises
+        ------
+        InputError
+            For another shape, numbers that are not finite, more threads than cores, the exact half-space solver.
+        """
+        from wrsim.contact.batch import evaluate_poses
+
+        return evaluate_poses(self, poses, None, place, threads)
+
+    def solve_many(
+        self, poses: ArrayLike, load: ArrayLike, *, place: float = 0.0, threads: int | None = None
+    ) -> "Contacts":
+        """Contacts of many poses, each at the height at which its vertical force is the load to 1e-8 of it.
+
+        The search begins at the height of the pose, in contact or above its rail, and the strip model with the contact
+        of the pose before. Every contact is at last computed cold, so that order and threads act within the tolerance
+        of the load alone. The bits are those of ``evaluate_many(found.poses)``.
+
+        Parameters
+        ----------
+        poses : array_like
+            (n, 12) as in `evaluate_many`.
+        load : array_like
+            Vertical force of the rail on the wheel, of all or (n,) [N].
+        place, threads
+            As in `evaluate_many`.
+
+        Returns
+        -------
+        Contacts
+            ``poses`` with the heights found. Where a load is not met (no contact at any height; not within 5 mm of
+            approach; a force that jumps over it), ``status`` has a bit for it (`wrsim.contact.status`), and height and
+            contact are the last ones of the search.
+
+        Raises
+        ------
+        InputError
+            As `evaluate_many`, and for loads of another shape or not above 0.
+        """
+        from wrsim.contact.batch import evaluate_poses
+
+        return evaluate_poses(self, poses, load, place, threads)
 
     def turn_rail(self, twist: float, outward: float, up: float) -> None:
         """Set how the rail turns and bends where the wheel is; see `evaluate`."""

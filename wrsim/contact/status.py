@@ -6,8 +6,11 @@ stability analyses as a remark at the speed; an overlap ends a run and is no ste
 
 from wrsim.contact.model import MOST_STRIPS
 from wrsim.core.contact.records import (
+    STATUS_BESIDE,
+    STATUS_IN_A_JUMP,
     STATUS_NOT_CONVERGED,
     STATUS_NOT_REFINED,
+    STATUS_OUT_OF_REACH,
     STATUS_PROFILE_END,
     STATUS_TOO_DEEP,
 )
@@ -25,6 +28,9 @@ WORDS = {
     STATUS_PROFILE_END: "contact reaches the end of a profile, which is continued straight there",
     STATUS_TOO_DEEP: f"wheel and rail overlap by more than {1e3 * DEEPEST:g} mm",
     STATUS_NOT_CONVERGED: "the strip model was not solved: the forces are those of a substitute",
+    STATUS_BESIDE: "no contact at any height: the wheel is beside its rail",
+    STATUS_OUT_OF_REACH: "the load is not reached within the approach allowed",
+    STATUS_IN_A_JUMP: "no equilibrium: the contact force is discontinuous at this load",
     TOO_MANY: (
         f"contact needs more than {MOST_ELEMENTS} elements or {MOST_ROWS} rows of them: give larger ones "
         "(contact.half_space)"
@@ -32,6 +38,9 @@ WORDS = {
     GRID_EDGE: "contact reaches the edge of the grid of elements",
     NOT_CONVERGED: "pressures or tractions have not converged",
 }
+
+UNMET = STATUS_BESIDE | STATUS_OUT_OF_REACH | STATUS_IN_A_JUMP
+"""Bits of a prescribed load that is not met."""
 
 REMARKS = STATUS_NOT_REFINED | STATUS_PROFILE_END
 """Bits of contacts that are solved nevertheless."""

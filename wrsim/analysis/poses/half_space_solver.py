@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
+from math import sin
 
 import numpy as np
 
-from wrsim.analysis.poses.solver import DEEPEST, Carried, LoadNotReached, PoseSolver, Solved, height_for_load
+from wrsim.analysis.poses.solver import (
+    CLEARANCE,
+    Carried,
+    LoadNotReached,
+    PoseSolver,
+    Solved,
+    approach_of,
+    height_for_load,
+)
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
 from wrsim.contact.half_space.strips import element_fields, solve_into
@@ -67,10 +77,9 @@ class HalfSpacePoseSolver(PoseSolver):
 
     def _height(self, pose: Pose, roll: float) -> float:
         """See `PoseSolver._height`; starts from the fast model's height."""
-        try:
-            height = self._fast._height(pose, roll)
-        except LoadNotReached:
-            height = self._fast._first_contact(pose, roll)
+        start = self.radius + CLEARANCE + abs(sin(roll)) * self.wheels[0].half_spacing
+        with suppress(LoadNotReached):
+            start = self._fast._height(pose, roll)
         too_deep = 0
 
         def carried(z: float) -> Carried:
@@ -82,7 +91,6 @@ class HalfSpacePoseSolver(PoseSolver):
             if status & TOO_MANY:
                 raise LoadNotReached(status_words(TOO_MANY))
             too_deep += bool(status & STATUS_TOO_DEEP)
-            approach = max((p.approach for c in self.contacts if c is not None for p in c.patches), default=0.0)
-            return Carried(float(self.force[2]), approach)
+            return Carried(float(self.force[2]), max(approach_of(wheel.model) for wheel in self.wheels))
 
-        return height_for_load(carried, pose.load, height, tolerance=LOAD_TOLERANCE, farthest=DEEPEST)
+        return height_for_load(carried, self.wheels[0].model, pose.load, start, tolerance=LOAD_TOLERANCE)

@@ -7,7 +7,7 @@ at rest in the frictionless case. The height is found for the prescribed load; f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from math import sin
@@ -17,16 +17,20 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from wrsim.contact.batch import DEEPEST, LOAD_TOLERANCE, search_for
 from wrsim.contact.channels import ElementField, WheelOnRail
+from wrsim.contact.model import ContactModel
 from wrsim.contact.pose import Pose
-from wrsim.contact.status import REMARKS, status_words
+from wrsim.contact.status import REMARKS, UNMET, status_words
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_forces import set_pose, wheel_wrench
+from wrsim.core.contact.prescribed_load import SEARCHING, begin, meet_load, next_height
+from wrsim.core.contact.records import STATUS_IN_A_JUMP
 from wrsim.core.frames import Frame
 from wrsim.core.linalg import Vec
 
 ROLLING_SPEED = 2.0  # of the quasi-static rolling [m/s]; creepages do not depend on it
-DEEPEST = 5e-3  # approach at which the search for the load is given up [m]
+CLEARANCE = 0.02  # of the centre above a wheel's radius, from where it is let down [m]
 LARGEST_ROLL = 0.05  # of a wheelset that looks for its balance [rad]
 
 
@@ -56,24 +60,39 @@ class PoseSolver:
 
     def evaluate(self, lateral: float, height: float, yaw: float, roll: float) -> None:
         """Contact of all wheels at one pose; leaves ``force`` and ``moment`` at the centre of mass."""
+        self.place(lateral, height, yaw, roll)
+        for i in range(len(self.wheels)):
+            self._touch(i)
+        self._sum_up()
+
+    def place(self, lateral: float, height: float, yaw: float, roll: float) -> None:
+        """Set one pose in the arrays of all wheels."""
         q = np.array([height, 0.0, lateral, yaw, roll, 0.0])
         # spin rate about the axle; no other motion but along the track
         q_t = np.array([0.0, self.speed, 0.0, 0.0, 0.0, self.speed / self.radius])
-        body = kinematics(q, q_t)
-        self.force[:] = 0.0
-        self.moment[:] = 0.0
-        for i, wheel in enumerate(self.wheels):
-            o, b = wheel.rail_origin
-            side = float(wheel.side)
-            rail = Frame(Vec(0.0, side * o, b), Vec(1.0, 0.0, 0.0), Vec(0.0, 1.0, 0.0), Vec(0.0, 0.0, 1.0))
+        self._body = kinematics(q, q_t)
+        for wheel, rail in self._on_rails():
             a = wheel.model.arrays
-            set_pose(body, rail, side, wheel.half_spacing, a.pose)
+            set_pose(self._body, rail, float(wheel.side), wheel.half_spacing, a.pose)
             # the section of the rail beside the wheel
             a.pose[0] = 0.0
-            self._touch(i)
-            force, moment = wheel_wrench(body, rail, side, wheel.half_spacing, a.total)
+
+    def _sum_up(self) -> None:
+        """Force and moment of all wheels' contacts."""
+        self.force[:] = 0.0
+        self.moment[:] = 0.0
+        for wheel, rail in self._on_rails():
+            total = wheel.model.arrays.total
+            force, moment = wheel_wrench(self._body, rail, float(wheel.side), wheel.half_spacing, total)
             self.force += force
             self.moment += moment
+
+    def _on_rails(self) -> Iterator[tuple[WheelOnRail, Frame]]:
+        """The wheels and the frames of their rails."""
+        for wheel in self.wheels:
+            o, b = wheel.rail_origin
+            origin = Vec(0.0, float(wheel.side) * o, b)
+            yield wheel, Frame(origin, Vec(1.0, 0.0, 0.0), Vec(0.0, 1.0, 0.0), Vec(0.0, 0.0, 1.0))
 
     def solve(self, pose: Pose) -> Solved:
         """Height (and roll, with two wheels) for the pose's load. The models then hold the contact found."""
@@ -98,46 +117,43 @@ class PoseSolver:
 
     def _problem(self, load: float) -> str:
         """Why the state that was found is no solution; nothing when it is one."""
-        words = [status_words(self._status() & ~REMARKS)]
+        status, words = self._status() & ~REMARKS, []
         if abs(self.force[2] / load - 1.0) > self.load_tolerance:
-            words.insert(0, f"{self.missed}: {self.force[2]:.6g} N instead of {load:.6g} N")
+            words.append(f"{self.missed}: {self.force[2]:.6g} N instead of {load:.6g} N")
+            status &= ~STATUS_IN_A_JUMP
+        words.append(status_words(status))
         return "; ".join(filter(None, words))
-
-    def _first_contact(self, pose: Pose, roll: float) -> float:
-        """A height with contact, approached from above by the clearance between the profiles."""
-        height = self.radius + 0.02 + abs(sin(roll)) * self.wheels[0].half_spacing
-        lowest = height - 0.1
-        for _ in range(400):
-            self.evaluate(pose.lateral, height, pose.yaw, roll)
-            if any(w.model.arrays.total["lobes"] > 0 for w in self.wheels):
-                return height
-            height -= max(min(float(w.model.arrays.total["closest"]) for w in self.wheels), 1e-6)
-            if height < lowest:
-                break
-        raise LoadNotReached(
-            f"no contact: at a lateral shift of {1e3 * pose.lateral:g} mm the wheel is beside its rail"
-        )
 
     def _height(self, pose: Pose, roll: float) -> float:
         """Height at which the vertical force is the load. The models then hold the contact there."""
-
-        def excess(height: float) -> float:
-            self.evaluate(pose.lateral, height, pose.yaw, roll)
-            return float(self.force[2]) - pose.load
-
-        first = self._first_contact(pose, roll)
-        sign = 1.0 if excess(first) > 0.0 else -1.0
-        step = 1e-5
-        near, far = first, first + sign * step
-        while excess(far) * sign > 0.0:
-            near = far
-            step *= 1.6
-            far += sign * step
-            if step > DEEPEST:
-                raise LoadNotReached(f"{pose.load:g} N are not reached within {1e3 * DEEPEST:g} mm of approach")
-        height = float(brentq(excess, near, far, xtol=1e-16, rtol=8.9e-16, maxiter=200))
-        excess(height)
+        start = self.radius + CLEARANCE + abs(sin(roll)) * self.wheels[0].half_spacing
+        if len(self.wheels) > 1:
+            return self._searched(pose, roll, start)
+        self.place(pose.lateral, start, pose.yaw, roll)
+        model = self.wheels[0].model
+        shift = start - float(model.arrays.pose[2])
+        words = lower(model, pose.load)
+        if words and not model.arrays.status & STATUS_IN_A_JUMP:
+            raise LoadNotReached(self._words(words, pose))
+        height = float(model.arrays.pose[2]) + shift
+        self._sum_up()
         return height
+
+    def _searched(self, pose: Pose, roll: float, start: float) -> float:
+        """The same, of several wheels or another solver, from a height on."""
+
+        def carried(height: float) -> Carried:
+            self.evaluate(pose.lateral, height, pose.yaw, roll)
+            of = [approach_of(wheel.model) for wheel in self.wheels]
+            return Carried(float(self.force[2]), max(of))
+
+        try:
+            return height_for_load(carried, self.wheels[0].model, pose.load, start)
+        except LoadNotReached as problem:
+            raise LoadNotReached(self._words(str(problem), pose)) from None
+
+    def _words(self, words: str, pose: Pose) -> str:
+        return f"{words} (lateral shift {1e3 * pose.lateral:g} mm, {pose.load:g} N)"
 
     def _balanced_roll(self, pose: Pose) -> float:
         def moment(roll: float) -> float:
@@ -156,58 +172,47 @@ class PoseSolver:
         return float(brentq(moment, *ends, xtol=1e-15, rtol=8.9e-16, maxiter=200))
 
 
-LARGEST_MOVE = 0.3  # of the approach in one step
-EVALUATIONS = 40
-
-
 class LoadNotReached(Exception):
     """The load is not met within any sensible approach, or the wheel is beside its rail."""
 
 
 class Carried(NamedTuple):
-    """What a wheel carries at a height: vertical force [N], largest approach [m]."""
+    """What a wheel carries at a height: vertical force [N], largest approach [m], without contact less than 0 by the
+    distance of the profiles."""
 
     force: float
     approach: float
 
 
+def approach_of(model: ContactModel) -> float:
+    """Largest approach of the contact found last, or the distance to it, less than 0 [m]."""
+    a = model.arrays
+    lobes = int(a.total["lobes"])
+    return float(a.patches["approach"][:lobes].max()) if lobes else -max(float(a.total["closest"]), 1e-6)
+
+
+def lower(model: ContactModel, load: float, farthest: float = DEEPEST) -> str:
+    """Bring one wheel from the height set in its model's arrays to that at which its vertical force is the load [N];
+    the arrays then hold the contact there. Returns why the load is not met, empty if it is. Compiled models only."""
+    a = model.arrays
+    search = search_for([load], a.pose[2], model.radius, a.settings.E, farthest=farthest)[0]
+    return status_words(meet_load(a.buffer, a.index, search) & UNMET)
+
+
 def height_for_load(
-    carried: Callable[[float], Carried], load: float, height: float, *, tolerance: float, farthest: float
-) -> float:
-    """Height [m] at which ``carried`` gives the load [N] to a relative tolerance; the last one asked for.
+    carried: Callable[[float], Carried], model: ContactModel, load: float, height: float, *,
+    tolerance: float = LOAD_TOLERANCE, farthest: float = DEEPEST,
+) -> float:  # fmt: skip
+    """Height [m] at which ``carried`` gives the load [N] to a relative tolerance; the last one evaluated.
 
-    height: to begin with. Raises LoadNotReached when the load is not met within ``farthest`` of it [m]; a load in a
-    jump of the force ends at the jump.
+    model: of one of the wheels; height: to begin with. Raises LoadNotReached when there is no contact, or the load is
+    not met within ``farthest`` of the first contact [m]; a load in a jump of the force ends at the jump.
     """
-    target = load ** (2.0 / 3.0)
-    high, low = np.inf, -np.inf  # heights with too little and too much force
-    first, at = height, carried(height)
-    excess = _power(at) - target
-    # force^(2/3) is about proportional to the approach
-    rate = -max(_power(at), 0.1 * target) / max(at.approach, 1e-7)
-    for _ in range(EVALUATIONS):
-        if abs(at.force / load - 1.0) < tolerance:
-            break
-        if excess < 0.0:
-            high = min(high, height)
-        else:
-            low = max(low, height)
-        largest = LARGEST_MOVE * max(at.approach, 1e-6)
-        new = height + float(np.clip(-excess / rate, -largest, largest))
-        if not low < new < high:
-            new = 0.5 * (low + high) if np.isfinite(low) and np.isfinite(high) else height - excess / rate
-        if abs(new - first) > farthest:
-            raise LoadNotReached(f"{load:g} N are not reached within {1e3 * farthest:g} mm of approach")
-        if abs(new - height) < 1e-13:
-            break
-        last, last_height = excess, height
-        height = new
-        at = carried(height)
-        excess = _power(at) - target
-        if (excess - last) * (height - last_height) < 0.0:
-            rate = (excess - last) / (height - last_height)
-    return height
-
-
-def _power(at: Carried) -> float:
-    return float(np.cbrt(max(at.force, 0.0)) ** 2)
+    s = search_for([load], height, model.radius, model.arrays.settings.E, tolerance, farthest)[0]
+    begin(s)
+    outcome = SEARCHING
+    while outcome == SEARCHING:
+        outcome = next_height(s, *carried(float(s.height)), tolerance)
+    if outcome & ~STATUS_IN_A_JUMP:
+        raise LoadNotReached(status_words(outcome))
+    return float(s.height)

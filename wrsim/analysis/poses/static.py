@@ -94,17 +94,12 @@ def solve_poses(
     >>> model = contact_model(load_profile("wheels/S1002.toml"), rail, radius=0.46)
     >>> result = solve_poses(model, [Pose(lateral=1e-3 * y, load=60e3) for y in (0, 3, 6)])
     """
-    if side not in ("left", "right"):
-        raise InputError(f"side = {side!r:.40}: must be left or right")
     if isinstance(poses, Pose) or not poses:
         raise InputError("poses: must be a list of at least one Pose")
     for pose in poses:
         if not pose.load > 0.0:
             raise InputError(f"pose '{pose.name}': load = {pose.load:g}: must be a vertical force above 0 N")
-    if not rolling:
-        model = replace(model, settings=replace(model.settings, tangential="none"))
-    outward, height = 0.5 * gauge - model.rail.gauge_point()[0], -model.rail.top[1]
-    wheel = WheelOnRail(model, 1 if side == "left" else -1, 0.5 * profile_spacing, (outward, height))
+    wheel = on_rail(model, side, gauge, profile_spacing, rolling)
     attributes: dict[str, str | float | int] = {
         "title": title or f"{model.wheel.name} on {model.rail.name}",
         "analysis": "static",
@@ -112,6 +107,16 @@ def solve_poses(
         "scenario_text": "# poses that were solved from Python: there is no scenario file\n",
     }
     return _solved((wheel,), named(poses), rolling, model.radius, attributes, progress)
+
+
+def on_rail(model: ContactModel, side: str, gauge: float, profile_spacing: float, rolling: bool) -> WheelOnRail:
+    """The wheel of a side in its place; see `solve_poses`. One that does not roll has no friction."""
+    if side not in ("left", "right"):
+        raise InputError(f"side = {side!r:.40}: must be left or right")
+    if not rolling:
+        model = replace(model, settings=replace(model.settings, tangential="none"))
+    outward, height = 0.5 * gauge - model.rail.gauge_point()[0], -model.rail.top[1]
+    return WheelOnRail(model, 1 if side == "left" else -1, 0.5 * profile_spacing, (outward, height))
 
 
 def _solved(

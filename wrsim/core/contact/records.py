@@ -35,6 +35,8 @@ NO_CREEP_FORCES, FASTSIM, FASTRIP, POLACH, LINEAR, SHEN_HEDRICK_ELKINS = range(6
 
 KIK_PIOTROWSKI, FREE_STRIPS, CREEP_FORCES, CONTACT = range(4)
 """Stages (core.contact.wheel_rail). The first two are SETTINGS.normal; `wrsim.contact.models` lists the models."""
+POSES = 7
+"""Stage of many poses (core.contact.prescribed_load), behind those of a vehicle (core.body.wheel_forces)."""
 
 COLD_START, FROM_LAST = range(2)
 """SETTINGS.start of the strip model: cold, or from the last contact."""
@@ -69,7 +71,9 @@ STATUS_NOT_REFINED = 1  # a main point was not found to round-off
 STATUS_PROFILE_END = 2  # contact reaches the end of a profile
 STATUS_TOO_DEEP = 4  # an overlap, not a contact
 STATUS_NOT_CONVERGED = 8  # the strip model was not solved, a substitute is used
-"""`wrsim.contact.status` has the text of each, and every analysis reports it."""
+STATUS_BESIDE, STATUS_OUT_OF_REACH, STATUS_IN_A_JUMP = 16, 32, 512
+"""Of a prescribed load: no contact at any height; it is not met within the approach allowed; the force jumps over it.
+`wrsim.contact.status` has the text of each, and every analysis reports it."""
 
 
 class WheelPose(NamedTuple):

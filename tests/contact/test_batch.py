@@ -1,0 +1,137 @@
+"""Many poses in one call: the same contacts as one by one, each under its load; and the table made of them."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from support.contacts import PLAIN, RADIUS, bench, pair_model, rail_profile, wheel_profile
+
+from wrsim import ContactSettings, contact_map
+from wrsim.contact.batch import LOAD_TOLERANCE, search_for
+from wrsim.core.contact.prescribed_load import SEARCHING, begin, next_height
+from wrsim.core.contact.records import STATUS_BESIDE, STATUS_IN_A_JUMP, STATUS_OUT_OF_REACH
+from wrsim.core.jit.compiling import cores
+from wrsim.errors import InputError
+
+PAIR = "S1002/60E1 1:40"
+LOAD = 55e3
+SHIFTS = (0.0, 3e-3, 5.06e-3, 6.5e-3, 8e-3)  # tread with two patches, tread, tread and root, gauge corner, flange
+MODELS = ("kik-piotrowski", "strips")
+
+
+def model_of(normal):
+    return pair_model(PAIR, normal=normal, strips=12) if normal == "strips" else pair_model(PAIR, normal=normal)
+
+
+def poses_of(model, shifts=SHIFTS, side=1, yaw=2e-3, height=RADIUS + 0.02):
+    stand = bench(model, sides=(side,))
+    rows = []
+    for shift in shifts:
+        stand.place(shift, height, yaw, 0.0)
+        rows.append(model.arrays.pose.copy())
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("normal", MODELS)
+def test_many_contacts_are_those_of_one_by_one_to_the_bit_and_carry_their_loads(normal):
+    model = model_of(normal)
+    loads = np.linspace(0.2, 1.8, len(SHIFTS)) * LOAD
+    found = model.solve_many(poses_of(model), loads, threads=1)
+    assert not found.status.any()
+    assert found.force[:, 2] == pytest.approx(loads, rel=LOAD_TOLERANCE)
+    again = model.evaluate_many(found.poses, threads=1)
+    for i, row in enumerate(found.poses):
+        one = model.evaluate(*row.reshape(4, 3))
+        for many in (found, again):
+            assert np.array_equal(many.force[i], one.force)
+            assert np.array_equal(many.moment[i], one.moment)
+            assert np.array_equal(many.raw.patches[i, 0, : len(one.patches)], one.patches)
+    normal_forces = [model.evaluate(*row.reshape(4, 3)).normal_force for row in found.poses]
+    assert np.nansum(found.N, axis=1) == pytest.approx(normal_forces, rel=1e-14)
+
+
+@pytest.mark.parametrize("normal", MODELS)
+def test_order_and_threads_act_within_the_tolerance_of_the_load(normal):
+    model = model_of(normal)
+    poses = poses_of(model)
+    forth = model.solve_many(poses, LOAD, threads=1)
+    for found, order in (
+        (model.solve_many(poses[::-1], LOAD, threads=1), slice(None, None, -1)),
+        (model.solve_many(poses, LOAD, threads=min(2, cores())), slice(None)),
+    ):
+        assert found.force[order] == pytest.approx(forth.force, abs=10.0 * LOAD_TOLERANCE * LOAD)
+        # p0 goes with the cube root of the force
+        assert found.p0[order] == pytest.approx(forth.p0, rel=10.0 * LOAD_TOLERANCE, nan_ok=True)
+
+
+def test_both_sides_give_mirrored_contacts_to_the_bit():
+    model = model_of("kik-piotrowski")
+    left, right = (
+        model.solve_many(poses_of(model, s * np.array(SHIFTS), s, s * 2e-3), LOAD, threads=1) for s in (1, -1)
+    )
+    for name in ("poses", "force", "N", "p0", "area", "approach", "contact_angle"):
+        assert np.array_equal(getattr(left, name), getattr(right, name), equal_nan=True)
+
+
+@pytest.mark.parametrize("normal", MODELS)
+def test_the_normal_force_falls_with_the_height(normal):
+    model = pair_model(PAIR, normal=normal, **PLAIN)
+    row = model.solve_many(poses_of(model, (3e-3,)), LOAD, threads=1).poses
+    rows = np.repeat(row, 9, axis=0)
+    rows[:, 2] += np.linspace(-40e-6, 40e-6, 9)
+    assert (np.diff(np.nansum(model.evaluate_many(rows, threads=1).N, axis=1)) < 0.0).all()
+
+
+def test_a_wheel_beside_its_rail_and_a_load_beyond_reach_have_a_status():
+    model = model_of("kik-piotrowski")
+    poses = poses_of(model, (0.0, 0.3, 0.0))
+    found = model.solve_many(poses, [LOAD, LOAD, 1e9], threads=1)
+    assert found.status[0] == 0
+    assert found.status[1] & STATUS_BESIDE
+    assert found.status[2] & STATUS_OUT_OF_REACH
+
+
+def test_a_load_in_a_jump_of_the_force_ends_at_the_jump():
+    s = search_for([LOAD], 1e-4, RADIUS, 115e9)[0]
+    begin(s)
+    outcome = SEARCHING
+    while outcome == SEARCHING:
+        force = 1.1e9 * max(-s.height, 0.0) + (0.5 * LOAD if s.height < -30e-6 else 0.0)
+        outcome = next_height(s, force, -float(s.height), LOAD_TOLERANCE)
+    assert outcome == STATUS_IN_A_JUMP
+    assert s.height == pytest.approx(-30e-6, abs=1e-19)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"poses": np.zeros((2, 3))}, r"poses: must be of shape \(n, 12\)"),
+        ({"poses": np.full((1, 12), np.nan)}, "row 0 has numbers that are not finite"),
+        ({"load": [1e3, 2e3]}, "load: must be one number or 1 of them"),
+        ({"load": -1.0}, "load = -1 of pose 0: must be a vertical force above 0 N"),
+        ({"threads": 10_000}, "threads: must be a whole number from 1 to"),
+    ],
+)
+def test_bad_input_has_one_clear_error(change, words):
+    model = model_of("kik-piotrowski")
+    given = {"poses": np.zeros((1, 12)), "load": LOAD, "threads": 1} | change
+    with pytest.raises(InputError, match=words):
+        model.solve_many(given.pop("poses"), **given)
+
+
+def test_the_table_holds_every_combination_with_units_and_comes_back_from_its_file(tmp_path):
+    wheel, rail = wheel_profile("S1002"), rail_profile("60E1", 40)
+    settings = ContactSettings(normal="kik-piotrowski")
+    file = tmp_path / "map.nc"
+    table = contact_map(
+        wheel, rail, RADIUS, [0.0, 3e-3, 0.3], [0.0, 2e-3], 0.0, [40e3, LOAD], settings=settings, threads=1, file=file
+    )
+    assert dict(table["p0"].sizes) | {"patch": 0} == {"shift": 3, "yaw": 2, "roll": 1, "load": 2, "patch": 0}
+    assert all(table[name].attrs["units"] for name in table.variables if name != "patch")
+    on = table.isel(shift=slice(0, 2))
+    assert on["Q"].values == pytest.approx(np.broadcast_to(table["load"].values, on["Q"].shape), rel=LOAD_TOLERANCE)
+    beside = table.isel(shift=2)
+    assert beside["Q"].isnull().all()
+    assert (beside["status"].values & STATUS_BESIDE).all()
+    xr.testing.assert_identical(xr.load_dataset(file), table)
+    with pytest.raises(InputError, match="shifts: must be"):
+        contact_map(wheel, rail, RADIUS, [])

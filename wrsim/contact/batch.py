@@ -1,0 +1,137 @@
+"""Many poses of one wheel on one rail in one compiled call, and the search for the height that carries a load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wrsim.contact.channels import RawContacts, patch_channels
+from wrsim.contact.workspace import pack
+from wrsim.core.contact import records as k
+from wrsim.core.contact.prescribed_load import SEARCH, side_by_side, some_poses
+from wrsim.core.contact.wheel_rail import compile_stages
+from wrsim.core.jit import Array, Records, stages
+from wrsim.core.jit.compiling import cores, use_threads
+from wrsim.errors import InputError
+
+if TYPE_CHECKING:
+    from wrsim.contact.model import ContactModel
+
+LOAD_TOLERANCE = 1e-8  # of the vertical force: ten times what cold contacts of the strip model are solved to
+DEEPEST = 5e-3  # approach at which the search for the load is given up [m]
+LEAST_SCALE = 1e-9  # first approach, even for the smallest loads [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """Contacts at n poses, copied out of the kernel; not-a-number where there is no patch.
+
+    poses: (n, 12) as in `ContactModel.evaluate`, with the heights found; force, moment: (n, 3) on the wheel in rail
+    axes, the moment about the wheel's profile origin [N, N m]; wear_number: (n,) [N]; closest: (n,) smallest distance
+    between the profiles, negative in contact [m]; status: (n,) sums of bits (`wrsim.contact.status`), 0 where all is
+    well.
+    Of the patches, largest normal force first, (n, patches): N, Fx, Fy [N], p0 [Pa], area [m2], approach, length, width
+    [m], contact_angle [rad]. raw: the kernel's records of lobes (n, lobes) and totals (n,).
+    """
+
+    poses: Array
+    force: Array
+    moment: Array
+    wear_number: Array
+    closest: Array
+    status: NDArray[np.int64]
+    N: Array
+    Fx: Array
+    Fy: Array
+    p0: Array
+    area: Array
+    approach: Array
+    length: Array
+    width: Array
+    contact_angle: Array
+    raw: RawContacts
+
+
+def search_for(
+    load: ArrayLike, start: ArrayLike, radius: float, modulus: float, tolerance: float = LOAD_TOLERANCE,
+    farthest: float = DEEPEST,
+) -> Records:  # fmt: skip
+    """Searches for loads (n,) [N] from heights (n,) [m] on, as records SEARCH.
+
+    radius [m], modulus [Pa]: of the sphere whose approach is the first one; tolerance: of the load; farthest: from the
+    first height with contact [m].
+    """
+    load, start = np.broadcast_arrays(np.asarray(load, dtype=float), np.asarray(start, dtype=float))
+    own = np.zeros(load.shape, SEARCH)
+    own["load"], own["start"], own["tolerance"], own["farthest"] = load, start, tolerance, farthest
+    own["scale"] = np.maximum(np.cbrt(9.0 * load**2 / (16.0 * modulus**2 * radius)), LEAST_SCALE)
+    return own
+
+
+def evaluate_poses(
+    model: ContactModel, poses: ArrayLike, load: ArrayLike | None, place: float, threads: int | None
+) -> Contacts:
+    """See `ContactModel.evaluate_many` and `ContactModel.solve_many`; without a load the heights are as they are."""
+    rows = np.array(poses, dtype=float)
+    if rows.ndim != 2 or rows.shape[1] != k.POSE or not rows.size:
+        raise InputError(f"poses: must be of shape (n, {k.POSE}) with n above 0, not {rows.shape}")
+    if not np.isfinite(rows).all():
+        raise InputError(f"poses: row {int(np.argmin(np.isfinite(rows).all(axis=1)))} has numbers that are not finite")
+    n = len(rows)
+    if load is None:
+        wanted = np.zeros(n)
+    else:
+        try:
+            wanted = np.broadcast_to(np.asarray(load, dtype=float), (n,))
+        except ValueError:
+            raise InputError(f"load: must be one number or {n} of them, one a pose, not {np.shape(load)}") from None
+        bad = ~(np.isfinite(wanted) & (wanted > 0.0))
+        if bad.any():
+            i = int(np.argmax(bad))
+            raise InputError(f"load = {wanted[i]:g} of pose {i}: must be a vertical force above 0 N")
+    if model.normal.solve is not None:
+        raise InputError(f'normal = "{model.settings.normal}": has no compiled batch; solve_poses solves its poses')
+    count = cores() if threads is None else threads
+    use_threads(count)
+    count = min(count, n)
+    share = -(-n // count)
+    inputs = model.inputs
+    number = inputs.settings[0]
+    compile_stages(k.CONTACT)
+    stages.make_ready(k.POSES, some_poses)
+    lobes = len(inputs.patches)
+    searches = search_for(-1.0, np.zeros(share), number.radius, number.E)
+    parts = np.zeros((share, k.POSE)), searches, np.zeros(share, k.TOTAL), np.zeros((share, lobes), k.LOBE)
+    packed = pack([*parts, *inputs])
+    buffers = np.tile(packed.buffer, (count, 1))
+    index = packed.index
+
+    def view(i: int, like: NDArray[np.generic]) -> Records:
+        begin = int(index[i, 0])
+        return buffers[:, begin : begin + like.nbytes // 8].view(like.dtype).reshape(count, *like.shape)
+
+    at, asked, totals, found = (view(i, part) for i, part in enumerate(parts))
+    view(len(parts) + inputs._fields.index("settings"), inputs.settings)["place"] = place
+    mine = [(t, slice(t * share, min((t + 1) * share, n))) for t in range(count) if t * share < n]
+    own = search_for(wanted, rows[:, 2], number.radius, number.E)
+    for t, part in mine:
+        size = part.stop - part.start
+        at[t, :size], asked[t, :size] = rows[part], own[part]
+    if count == 1:
+        some_poses(buffers[0], index)
+    else:
+        side_by_side(buffers, index)
+    raw = RawContacts(np.zeros((n, 1, lobes), k.LOBE), np.zeros((n, 1), k.TOTAL))
+    for t, part in mine:
+        size = part.stop - part.start
+        rows[part], raw.patches[part, 0], raw.totals[part, 0] = at[t, :size], found[t, :size], totals[t, :size]
+    t = raw.totals[:, 0]
+    of = {name: values[:, 0] for name, values in patch_channels(raw).items()}
+    return Contacts(
+        rows, np.stack([t["Ft"], t["Fo"], t["Fb"]], axis=-1), np.stack([t["Mt"], t["Mo"], t["Mb"]], axis=-1),
+        t["wear"].copy(), t["closest"].copy(), t["status"].copy(),
+        *(of[name] for name in ("N", "Fx", "Fy", "p0", "area", "approach", "length", "width", "contact_angle")), raw,
+    )  # fmt: skip
