@@ -33,7 +33,6 @@ nitpick_ignore_regex = [
 
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath"]
 html_math_renderer = "mathml"
-math_number_all = True
 myst_heading_anchors = 3
 
 autodoc_typehints = "none"  # docstrings say the types in words
