@@ -13,6 +13,8 @@ from support.runs import FAST, SCENARIOS, arc, straight, transition
 from support.vehicles import coaches, manchester, on_track
 
 from wrsim.analysis import run
+from wrsim.analysis.contacts import force_law
+from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.analysis.steady import run_steady
 from wrsim.geometry.track.segments import Arc, Straight
@@ -21,7 +23,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation import recorder as recorders
 from wrsim.simulation.integrate import Integration
-from wrsim.simulation.steady_state import steady_state
+from wrsim.simulation.steady_state import TOLERANCE, SteadyMotion, steady_state
 
 TRAIN = (SCENARIOS.parent / "models/trains/manchester_3.toml").read_text(encoding="utf-8")
 LENGTH, PIVOTS = 26.4, 19.0
@@ -65,6 +67,17 @@ def test_vehicles_that_nothing_couples_run_as_each_does_alone() -> None:
     for places, motion in alone:
         np.testing.assert_allclose(together.q[:, places[:bodies]], motion.q[:, :bodies], rtol=0.0, atol=1e-9)
         np.testing.assert_allclose(together.q_t[:, places], motion.q_t, rtol=0.0, atol=1e-7)
+
+
+def test_four_coupled_coaches_start_on_uneven_track(tmp_path: Path) -> None:
+    """Neighbours stand some millimetres beside each other in height: plates and buffers stick there, which slip by the
+    first derivative. The forces balance within the tolerance."""
+    keys = {"track.segments": [straight(200.0)], "vehicle.speed_kmh": 100.0, "run.start_distance_m": 150.0,
+            "run.distance_m": 10.0, "track.irregularities": [{"kind": "spectrum", "spectrum": "ERRI-low", "seed": 1,
+            "wavelength_m": [3, 100]}]}  # fmt: skip
+    setup = build(scenario(tmp_path, ("count = 3", "count = 4"), **keys))
+    law = force_law(setup)
+    assert SteadyMotion(law).largest(*start_state(setup, law)) < TOLERANCE
 
 
 def test_the_ends_of_vehicles_swing_through_an_s_curve_as_chords_do(tmp_path: Path) -> None:

@@ -6,7 +6,10 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import splu
 
+from wrsim.errors import SimulationError
 from wrsim.simulation.force_law import Array, Groups
 
 DIFFERENCE = 0.01
@@ -20,6 +23,9 @@ PROBE, BENT = 0.1, 0.5
 
 REUSED = 0.1
 """Derivatives are used for another step as long as a step reduces the residual to this part."""
+
+HALVINGS, FALL = 6, 0.25
+"""Most halvings of a step, and the least fall of the residual as a part of the one that the step's part foretells."""
 
 STALLED, LITTLE = 20, 0.1
 """The search ends where so many iterations have not reduced the residual by this part."""
@@ -35,12 +41,19 @@ def damped_newton(
     while_deriving: Callable[[], AbstractContextManager[None]] = nullcontext,
     apart: Groups | None = None,
     difference: float | Array = DIFFERENCE,
+    held: Array | None = None,
 ) -> tuple[Array, Array, int]:
     """The best x, its residual (evaluated last), number of derivatives; the caller decides on convergence.
 
     small: changes of the unknowns that change the residual by a few per cent. near: a cheaper function for the
     derivatives. while_deriving: a context for the derivatives. apart: unknowns whose derivatives are taken at once,
-    default one by one. difference: steps of the derivatives as parts of the small changes.
+    default one by one. difference: steps of the derivatives as parts of the small changes. held: springs on the
+    unknowns in the derivatives alone, per small change; with them the equations are sparse, and a step becomes shorter
+    along its own direction ahead of any damping.
+
+    Friction of a coupling is stiff where it sticks and yields nothing where it slips: a step from slip leads far beyond
+    the place where it sticks. Levenberg's damping goes by the trace of all equations, in which the contacts are by far
+    the stiffest: its smallest value stops the bodies of a train, which have to move.
 
     A wheelset that moves across its rails rises and rolls with their profiles, on a curved path between stiff contacts:
     steps follow the curvature of the residual along them (geodesic acceleration, Transtrum and Sethna 2012, arXiv
@@ -52,7 +65,7 @@ def damped_newton(
     norms: list[float] = []
     while np.max(np.abs(r)) > tolerance:
         if jacobian is not None and damping == 0.0:
-            step = _step(jacobian, r, damping)
+            step = _step(jacobian, r, damping, held)
             trial = residual(x + small * step)
             if np.linalg.norm(trial) < REUSED * np.linalg.norm(r):
                 x, r = x + small * step, trial
@@ -64,9 +77,12 @@ def damped_newton(
         with while_deriving():
             jacobian = derivatives(near or residual, x, small, difference, apart)
         for _ in range(15):
-            step = _step(jacobian, r, damping)
+            step = _step(jacobian, r, damping, held)
+            if held is not None and damping == 0.0 and (shorter := _shorter(residual, x, small, step, r)) is not None:
+                step, trial = shorter
+                break
             bend = residual(x + PROBE * small * step) - r - PROBE * jacobian @ step
-            turn = _step(jacobian, bend / PROBE**2, damping)
+            turn = _step(jacobian, bend / PROBE**2, damping, held)
             if np.linalg.norm(turn) <= BENT * np.linalg.norm(step):  # false for not-a-number
                 step = step + turn
             trial = residual(x + small * step)
@@ -98,9 +114,32 @@ def derivatives(
     return columns_of_it.T
 
 
-def _step(jacobian: Array, r: Array, damping: float) -> Array:
-    """Levenberg's step, limited to the longest; undamped the shortest least-squares solution."""
-    if damping == 0.0:
+def _shorter(
+    residual: Callable[[Array], Array], x: Array, small: Array, step: Array, r: Array
+) -> tuple[Array, Array] | None:
+    """The largest of 1, 1/2, 1/4 ... of a step that reduces the residual enough, and what is left of it; else None."""
+    for part in 0.5 ** np.arange(HALVINGS + 1):
+        trial = residual(x + small * part * step)
+        if np.linalg.norm(trial) < (1.0 - FALL * part) * np.linalg.norm(r):
+            return part * step, trial
+    return None
+
+
+def _step(jacobian: Array, r: Array, damping: float, held: Array | None = None) -> Array:
+    """Levenberg's step, limited to the longest; undamped the shortest least-squares solution, or where unknowns are
+    held that of sparse equations."""
+    if held is not None:
+        matrix = csc_matrix(jacobian - np.diag(held))
+        right = -r
+        if damping > 0.0:
+            normal = matrix.T @ matrix
+            matrix = normal + damping * normal.trace() * csc_matrix(np.eye(len(r)))
+            right = jacobian.T @ -r
+        try:
+            step = splu(csc_matrix(matrix)).solve(right)
+        except RuntimeError:
+            raise SimulationError("steady motion: its equations are singular") from None
+    elif damping == 0.0:
         step = np.asarray(np.linalg.lstsq(jacobian, -r, rcond=1e-12)[0], dtype=float)
     else:
         normal = jacobian.T @ jacobian

@@ -41,6 +41,10 @@ COUPLED = 1e-4
 """Steps of the derivatives of coupled bodies as parts of these changes: sticking heads of buffers yield by some 0.1 mm,
 ten metres from the middle."""
 
+HELD = GOAL / DIFFERENCE
+"""Spring along the track on each vehicle of a train in the derivatives, per small change: a residual is known to GOAL,
+its derivative to this; on even track nothing else holds a train, or each vehicle that nothing couples."""
+
 FREE = 1e-9
 """Moment about its axle of a freely rolling independent wheel, over the weight times 1 m."""
 
@@ -126,6 +130,15 @@ class SteadyMotion:
         first = self.positions.start
         units = law.coordinates_of_units(alone=True)
         return groups_in_a_row([np.append(own[own < n], own[own >= first] - first + n) for own in units])
+
+    @property
+    def held(self) -> Array | None:
+        """Springs along the track on the reference parts of a train's vehicles; None for one vehicle."""
+        if self.law.units < 2:
+            return None
+        held = np.zeros(self.small.size)
+        held[[6 * unit.reference + COORDINATES.index("x") for unit in self.law.vehicle.units]] = HELD
+        return held
 
     def state(self, x: Array) -> tuple[Array, Array]:
         """State (q, q_t) with these unknowns; those of dampers in series with springs 0, of sliders ``slips``."""
@@ -227,7 +240,7 @@ def steady_state(
         # derivatives with warm starts, residuals from a cold start: the result does not depend on the iterations
         x, left, iterations = damped_newton(
             steady.residual, x, steady.small, goal, max_iterations, slope, (near or law).following,
-            steady.apart, steady.difference,
+            steady.apart, steady.difference, steady.held,
         )  # fmt: skip
     largest = float(np.max(np.abs(left)))
     if not largest <= tolerance:
