@@ -25,13 +25,16 @@ from support.hertz import hertz
 from support.sweeps import jumps, normal_forces, steepest
 
 from wrsim.contact.half_space.solver import HalfSpace
+from wrsim.contact.models import contact_model as wheel_on_rail
+from wrsim.contact.settings import ContactSettings, HalfSpaceSettings, Material
 from wrsim.contact.tables import combined_modulus, influence_table
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.core.contact.strips.grid import opposite
 from wrsim.core.contact.strips.influence import find_terms, pressed_at
-from wrsim.core.contact.strips.records import FROM, INVERSE, MIDDLE, PUSH, TERMS, TO, VECTORS
+from wrsim.core.contact.strips.records import FROM, INVERSE, MIDDLE, NB, PUSH, TERMS, TO, VECTORS
 from wrsim.core.contact.wheel_rail import bodies, wheel_rail
 from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.profile.wear import Removal, worn
 
 TWO_SOLUTIONS = pytest.mark.xfail(strict=True, reason="a cold start finds two solutions where the locus turns aside")
@@ -57,8 +60,8 @@ def test_primitive_of_the_influence_of_a_strip(xi, t):
     exact = quad(lambda v: np.cos(v) ** 2 * np.arcsinh(t / max(abs(xi - np.sin(v)), 1e-300)), -0.5 * np.pi,
                  0.5 * np.pi, points=[nearest], epsabs=1e-13, epsrel=1e-12, limit=400)[0]  # fmt: skip
     vectors = np.zeros((VECTORS, 1))
-    vectors[[FROM, TO, INVERSE, PUSH, MIDDLE], 0] = 0.0, t, 1.0, 1.0, 0.0
-    found = pressed_at(influence_table(), vectors, 0, 1, 0.0, 0.0, xi, 3)
+    vectors[[FROM, TO, INVERSE, PUSH, MIDDLE, NB], 0] = 0.0, t, 1.0, 1.0, 0.0, 1.0
+    found = pressed_at(influence_table(), vectors, 0, 1, 0.0, 0.0, xi, 3, 0.0, 1.0)
     assert found.fore == pytest.approx(exact, rel=2e-5)
     assert found.aft == pytest.approx(found.fore, rel=1e-12)
 
@@ -67,12 +70,12 @@ def test_primitive_of_the_influence_of_a_strip(xi, t):
 @pytest.mark.parametrize("t", [0.01, 0.4, 3.0])
 def test_terms_of_the_derivatives_are_those_of_the_displacement(xi, t):
     vectors = np.zeros((VECTORS, 1))
-    vectors[[FROM, TO, INVERSE, PUSH, MIDDLE], 0] = -0.3 * t, 1.2 * t, 1.0, 1.0, 0.0
+    vectors[[FROM, TO, INVERSE, PUSH, MIDDLE, NB], 0] = -0.3 * t, 1.2 * t, 1.0, 1.0, 0.0, 1.0
     terms = vectors[TERMS : TERMS + 5]
     find_terms(influence_table(), vectors, 0, 1, 0.0, xi, *terms)
     u, u_xi, turn, start, end = terms[:, 0]
     step = 1e-5
-    beside = pressed_at(influence_table(), vectors.copy(), 0, 1, 0.0, xi, step, 3)
+    beside = pressed_at(influence_table(), vectors.copy(), 0, 1, 0.0, xi, step, 3, 0.0, 1.0)
     assert u == pytest.approx(beside.middle, rel=1e-12)
     assert u_xi == pytest.approx((beside.fore - beside.aft) / (2.0 * step), rel=1e-4, abs=1e-6)
     assert (start, end) == pytest.approx((potential(xi, 0.3 * t), potential(xi, 1.2 * t)), rel=1e-4)
@@ -113,6 +116,35 @@ def test_hertz_ellipses_are_exact_up_to_the_strips(ratio, strips, wrong):
         lobe["p0"] / modulus / exact.p0,
     )
     assert measured == pytest.approx((1.0,) * 5, abs=wrong)
+
+
+def test_overlaps_far_apart_press_each_other_down_as_in_the_half_space():
+    # root and tread at once, 6 mm between their overlaps: with distances between contacts N is 4 % off
+    model = pair_model("S1002/54E1 1:20", **STRIPS, **PLAIN)
+    settle(bench(model, rolling=False), 5.627e-3, 2e-3, 60e3)
+    found = model.arrays.patches["N"][: model.arrays.total.lobes].sum()
+    assert found == pytest.approx(HalfSpace(resolution=24).solve_pose(model).normal_force, rel=0.005)
+
+
+@pytest.mark.parametrize(("groove", "spin", "approach", "p0"), [
+    (10.25, 1.0002301, 0.02237e-3, 520.6e6), (10.10, 1.0004411, 0.01928e-3, 397.6e6),
+    (10.05, 1.0006, 0.01718e-3, 336.1e6),
+])  # fmt: skip
+def test_a_ball_in_a_deep_groove_with_turned_influence(groove, spin, approach, p0):
+    """Published with CONTACT, version 3 of its corrections (after Li 2002): 10 kN, friction 0.3, patches of 33 to 67
+    degrees. By the influence of a plane half-space p0 is 2.0, 3.0 and 3.8 % higher, without creep forces 1.7 to 3.7."""
+    steel = Material(2.0 * 80e9 * 1.28, 0.28)
+    ball, trough = circle("ball", "wheel", -0.010, 0.0096), circle("groove", "rail", -1e-3 * groove, 0.0098)
+    turned = {"half_space": HalfSpaceSettings(influence="angle-corrected"), "wheel": steel, "rail": steel}
+    model = wheel_on_rail(ball, trough, 0.42, ContactSettings(**STRIPS, damping=0.0, **turned), 0.3)
+
+    def at(depth):
+        return model.evaluate((0.0, 0.0, 0.42 - depth), velocity=(0.42, 0.0, 0.0), omega=(0.0, spin, 0.0))
+
+    found = brentq(lambda depth: at(depth).force[2] - 1e4, 0.9 * approach, 1.1 * approach, xtol=1e-10)
+    # measured: 0.001 and 0.003
+    assert found == pytest.approx(approach, rel=0.002)
+    assert at(found).patches["p0"].max() == pytest.approx(p0, rel=0.005)
 
 
 @pytest.mark.parametrize("yaw", [12e-3, 16e-3, 20e-3, 24e-3, 28e-3])
@@ -300,9 +332,21 @@ def test_a_narrow_contact_with_an_end_as_long_as_can_be_is_solved(lateral, yaw, 
 
 
 @cache
+def test_a_cold_start_depends_on_the_pose_alone():
+    model = pair_model("S1002/60E1 1:40", **STRIPS, **PLAIN)
+    arrays = model.arrays
+    settle(bench(model, rolling=False), 6.5e-3, 8e-3, 50e3)
+    arrays.call()
+    pose, first = arrays.pose.copy(), arrays.total.copy()
+    settle(bench(model, rolling=False), 0.0, 0.0, 100e3)
+    arrays.pose[:] = pose
+    arrays.call()
+    assert arrays.total == first
+
+
 def rippled():
     """S1002 with furrows of .8 mm, some 40 um deep, on 60E1, with few strips: more contacts than they are made for."""
-    r = np.random.default_rng(4)
+    r = np.random.default_rng(8)
     furrows = [Removal("vertical", r.uniform(2e-5, 6e-5), c, 0.8e-3) for c in np.arange(-42e-3, 20e-3, 1.2e-3)]
     wheel = worn(wheel_profile("S1002"), furrows, "rippled")
     return contact_model(wheel, rail_profile("60E1", 40), normal="strips", strips=12, **PLAIN)
@@ -385,7 +429,7 @@ def test_what_a_run_remembers_gives_the_same_bits():
         ("worn/worn 1:40", 0.0, 100e3, (6.75e-3, 7.5e-3)),
         # what is a tail does not hang on which grids the ground beside it is parted into (0.31, and 0.024 by the end of
         # a tail that is not touched); places of the locus are told to some micrometres where the profiles bend (0.017)
-        pytest.param("S1002/60E1 1:40", 0.016, 100e3, (6.5e-3, 7e-3), marks=TWO_SOLUTIONS),
+        ("S1002/60E1 1:40", 0.016, 100e3, (6.5e-3, 7e-3)),
         ("S1002/60E1 1:20", -0.012, 100e3, (6.5e-3, 7e-3)),
         pytest.param("S1002/60E1 1:20", 0.02, 60e3, (6.25e-3, 6.75e-3), marks=TWO_SOLUTIONS),
         # a fourth lobe that hardly touches takes no grid from a tail (0.013)

@@ -275,6 +275,7 @@ def _inputs(model: ContactModel) -> Arrays:
     n.projected = settings.approach == "projected"
     n.strips = normal.rows(settings.strip_count) if normal.solves_for_strips else settings.strip_count or 0
     n.together, n.apart = settings.half_space.together, settings.half_space.apart
+    n.curved = normal.solves_for_strips and settings.half_space.influence == "angle-corrected"
     n.strip_width = settings.strip_width or 0.0
     n.tangential = TANGENTIAL[settings.creep_forces]
     n.parabolic, n.blended = parabolic, settings.flexibility == "blended"

@@ -59,7 +59,7 @@ class HalfSpaceSettings:
     element: size of the elements (along x, along s) [m]; None: so that the smallest patch that matters gets about
     ``resolution`` elements over its length and its width, across not larger than about 0.2 mm, and halved across until
     no peak of pressure is sharper than the rows can resolve. influence: of a plane half-space, or turned by the angle
-    between the normals.
+    between the normals (the strip model takes it too).
     tolerance: of the gap over the approach; tractions are solved to ten times that over the largest bound.
     together, apart: distances of two zones of overlap up to which they press each other down fully, and from which on
     not at all [m] (see contact.half_space.zones; the strip model takes them too). pairing: which points of the

@@ -13,7 +13,7 @@ from wrsim.core.linalg import Vec
 SETTINGS = record(
     "E G eps recess damping kA kS strip_width least_speed mu mu_gauge zone_start zone_end fall_ratio fall_decay"
     " wheel_step radius rail_step field_o field_b field_spacing hollow together apart place twist bow_o bow_b slack",
-    "tangential parabolic blended stride normal projected joint strips fewest start rows station field_rows",
+    "tangential parabolic blended stride normal projected joint strips fewest start rows station field_rows curved",
 )
 """Numbers of a contact model.
 
@@ -27,7 +27,8 @@ distances of two places of contact that press each other down fully, and not at 
 place: distance along the rail [m]; twist, bow_o, bow_b: how it turns [rad/m] and bends [1/m] there.
 tangential, normal, start: see below; projected, parabolic, blended: 0 or 1; joint: whether lobes of a patch share
 recess and strips; stride: nodes between two samples of the search; strips, fewest: their number on a lobe; rows: of a
-section of the rail; station: its last one; field_rows: of the distances of a section.
+section of the rail; station: its last one; field_rows: of the distances of a section; curved: whether the
+influence of strips is turned with their normals.
 """
 
 NO_CREEP_FORCES, FASTSIM, FASTRIP, POLACH, LINEAR, SHEN_HEDRICK_ELKINS = range(6)

@@ -40,6 +40,7 @@ from wrsim.core.contact.tangential.friction import set_law
 from wrsim.core.jit import Array, Ints, Record, Records, kernel, stages
 from wrsim.core.jit.cache import CONTACT as STORED
 
+TURNS = 2  # of creep forces and pressures that act on each other: each leaves a hundredth of the last change
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
 
 
@@ -79,7 +80,13 @@ def wheel_rail(buffer: Array, index: Ints) -> int:
         status |= _start_lobe(wheel, rail, a.found[i], lobes[i])
     _group(a.found, settings.eps, lobes, count)
     a.total[0].lobes = count
-    status |= stages.run(settings.normal, buffer, index)
+    a.memo[0].turn = 0
+    pressed = stages.run(settings.normal, buffer, index)
+    for turn in range(TURNS if settings.curved and settings.tangential != NO_CREEP_FORCES else 0):
+        stages.run(CREEP_FORCES, buffer, index)
+        a.memo[0].turn = turn + 1
+        pressed = stages.run(settings.normal, buffer, index)
+    status |= pressed
     _sum_up(a, pose, buffer, index)
     a.total[0].status = status
     return status

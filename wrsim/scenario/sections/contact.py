@@ -117,7 +117,7 @@ class HalfSpaceSection(Section, header="[contact.half_space]"):
     resolution: Annotated[int, number(8, 400)] = EXACT.resolution
     """Number of elements over length and width of the smallest patch that matters."""
     influence: Influence = EXACT.influence
-    """Elasticity of a plane half-space, or one turned by the angle between the normals."""
+    """Elasticity of a plane half-space, or one turned by the angle between the normals; of strips, too."""
     pairing: Pairing = EXACT.pairing
     """Which points of the profiles lie opposite each other; "level" is how CONTACT pairs them."""
 

@@ -1,7 +1,7 @@
 """Strips, edges and grids of the strip model that come into contact and leave it: what changes the equations."""
 
 from wrsim.core.contact.strips.equations import block_of, edge_wish, lay_strips, pressed, set_conditions
-from wrsim.core.contact.strips.records import EDGES, OF_A_STRIP, ROWS, STEP, X
+from wrsim.core.contact.strips.records import EDGES, NB, NO, OF_A_STRIP, ROWS, STEP, X
 from wrsim.core.jit.compiling import inlined, kernel
 
 ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
@@ -144,7 +144,8 @@ def _closing(system, n, g, r):
     """How far the bodies would overlap at a row, over what all strips press them down there [m]."""
     row = system.rows[g, r]
     x = row.x if system.memo[0].shifted else system.grids[g].x
-    return row.d - pressed(system, n, g, row.s, x, 0.0, 1).middle
+    no, nb = (row.no, row.nb) if system.memo[0].curved else (0.0, 1.0)
+    return row.d - pressed(system, n, g, row.s, x, 0.0, 1, no, nb).middle
 
 
 @kernel
@@ -232,7 +233,8 @@ def _reach_out(system, n, g):
         if before[0] <= place.s <= before[1]:
             continue
         # what presses down still are the strips as they lay before
-        u = pressed(system, n, g, place.s, place.x if memo.shifted else grid.x, 0.0, 1)
+        no, nb = system.vectors[NO, g * n + j], system.vectors[NB, g * n + j]
+        u = pressed(system, n, g, place.s, place.x if memo.shifted else grid.x, 0.0, 1, no, nb)
         x[base + j] = max(place.d - u.middle, 0.0) / place.bend
         touch += int(x[base + j] > 0.0)
     if touch < 2:

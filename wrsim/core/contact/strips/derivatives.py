@@ -2,9 +2,20 @@
 
 from math import sqrt
 
-from wrsim.core.contact.strips.equations import EDGE_RATIO, EVENNESS, REACH, THIRD, bending, block_of, fading
-from wrsim.core.contact.strips.influence import find_terms
-from wrsim.core.contact.strips.records import EDGES, MIDDLE, OF_A_POINT, OF_A_STRIP, SOLVED, TERMS
+from wrsim.core.contact.strips.equations import (
+    EDGE_RATIO,
+    EVEN_MIDDLES,
+    EVENNESS,
+    REACH,
+    THIRD,
+    all_touch,
+    block_of,
+    fading,
+    node_before,
+    three_nodes,
+)
+from wrsim.core.contact.strips.influence import facing, find_terms
+from wrsim.core.contact.strips.records import EDGES, MIDDLE, NB, NO, OF_A_POINT, OF_A_STRIP, SOLVED, TERMS
 from wrsim.core.jit.compiling import inlined, kernel
 
 
@@ -25,6 +36,7 @@ def _press_held(system, n, g, i):
     unit = 1.0 / (memo.stiffness * memo.deepest)
     row, x = g * block_of(n) + i, vectors[MIDDLE, g * n + i]
     p, p_xi, turn = vectors[TERMS], vectors[TERMS + 1], vectors[TERMS + 2]
+    no, nb, s = vectors[NO, g * n + i], vectors[NB, g * n + i], system.places[g * n + i].s
     for h in range(memo.grids):
         part = unit * fading(system, h, g)
         if part == 0.0:
@@ -35,7 +47,8 @@ def _press_held(system, n, g, i):
             place = system.places[j]
             if place.y > 0.0:
                 xi = (x - vectors[MIDDLE, j]) / place.root
-                m[row, column + j] = part * place.q * (p[j] - 0.5 * (xi * p_xi[j] + turn[j]))
+                share = part * facing(vectors, j, no, nb, s)
+                m[row, column + j] = share * place.q * (p[j] - 0.5 * (xi * p_xi[j] + turn[j]))
 
 
 @kernel
@@ -48,7 +61,8 @@ def _press_row(system, n, g, i):
     row, e = g * block + i, g * block + OF_A_STRIP * n
     middle, r = vectors[MIDDLE, g * n + i], REACH * at.root
     points = 3 if memo.shifted else 2
-    for point in range(points):
+    no, nb = vectors[NO, g * n + i], vectors[NB, g * n + i]
+    for point in range(points if at.node else 1):
         arm = r if point == 1 else -r if point == 2 else 0.0
         x = middle + arm
         # its shares of the three equations
@@ -70,10 +84,11 @@ def _press_row(system, n, g, i):
                 if place.y <= 0.0:
                     continue
                 column = base + j - h * n
-                q, a = part * place.q, place.root
+                share = part * facing(vectors, j, no, nb, at.s)
+                q, a = share * place.q, place.root
                 xi = (x - vectors[MIDDLE, j]) / a
                 by_y = q * (p[j] - 0.5 * (xi * p_xi[j] + lever[j]))
-                by_k = part * place.half * place.y * p[j]
+                by_k = share * place.half * place.y * p[j]
                 shift = q * a * p_xi[j]
                 lo, hi = q * a * f0[j], q * a * f1[j]
                 by_x += shift
@@ -124,7 +139,8 @@ def _own_row(system, n, g, i):
     r, off = REACH * at.root, at.off
     # u - d + off^2/(2 R);  -r^2/(2 R);  2 r off/R
     slopes = -at.d_s + 0.5 * at.bend_s * off * off, -0.5 * at.bend_s * r * r, 2.0 * at.bend_s * r * off
-    for equation in range(OF_A_STRIP if system.memo[0].shifted else 2):
+    equations = 1 if at.node == 0 else OF_A_STRIP if system.memo[0].shifted else 2
+    for equation in range(equations):
         m[row + equation * n, e] += slopes[equation] * at.mid_start / deepest
         m[row + equation * n, e + 1] += slopes[equation] * at.mid_end / deepest
     m[row + n, row] -= 0.5 * at.bend * REACH * REACH / deepest
@@ -173,27 +189,29 @@ def jacobian(system, n, held):
 def _even_rows(system, n, g):
     """What holds neighbouring strips alike."""
     places, m, base = system.places, system.matrix, g * block_of(n)
-    for j in range(1, n):
-        if places[g * n + j].y <= 0.0 or places[g * n + j - 1].y <= 0.0:
+    for j in range(n):
+        before = node_before(places, g * n + j, g * n)
+        if before < 0 or places[g * n + j].y <= 0.0 or places[g * n + j].node == 0:
             continue
-        r = base + n + j
+        r, b = base + n + j, base + n + before - g * n
         m[r, r] += EVENNESS
-        m[r, r - 1] -= EVENNESS
-        m[r - 1, r - 1] += EVENNESS
-        m[r - 1, r] -= EVENNESS
-    for j in range(1, n - 1 if system.memo[0].shifted else 1):
-        ratio = bending(places, g * n + j)
-        if j < n - 2 and min(ratio, bending(places, g * n + j + 1)) > 0.0:
+        m[r, b] -= EVENNESS
+        m[b, b] += EVENNESS
+        m[b, r] -= EVENNESS
+    for j in range(1, n - 2 if system.memo[0].shifted else 1):
+        if all_touch(places, g * n + j - 1, 4):
             weight, r = system.grids[g].calm * places[g * n + j].bend / system.memo[0].deepest, base + j - 1
             for p in range(4):
                 for q in range(4):
                     m[r + p, r + q] += weight * THIRD[p] * THIRD[q]
-        if ratio > 0.0:
-            weight, r = EVENNESS / system.grids[g].reach, base + 2 * n + j
-            parts = ratio, -1.0 - ratio, 1.0
-            for p in range(3):
-                for q in range(3):
-                    m[r + p - 1, r + q - 1] += weight * parts[p] * parts[q]
+    for j in range(n if system.memo[0].shifted else 0):
+        own, r = three_nodes(places, g * n + j, g * n), base + 2 * n - g * n
+        if own.before < 0:
+            continue
+        at, parts = (own.before, own.middle, g * n + j), (own.ratio, -1.0 - own.ratio, 1.0)
+        for p in range(3):
+            for q in range(3):
+                m[r + at[p], r + at[q]] += EVEN_MIDDLES / system.grids[g].reach * parts[p] * parts[q]
 
 
 @kernel
@@ -230,7 +248,7 @@ def _gather(system, n, held):
         grid, base = grids[g], g * block_of(n)
         for kind in range(1 if held else OF_A_STRIP if memo.shifted else 2):
             for j in range(n if grid.on else 0):
-                if system.places[g * n + j].y > 0.0:
+                if system.places[g * n + j].y > 0.0 and (kind == 0 or system.places[g * n + j].node):
                     solved[size] = base + kind * n + j
                     size += 1
         for side in range(EDGES if grid.on and not held else 0):
@@ -240,5 +258,13 @@ def _gather(system, n, held):
     memo.unknowns = size
     for i in range(size):
         row = int(solved[i])
+        for g in range(0 if held else memo.grids):
+            for j in range(n if grids[g].on else 0):
+                # what lies between two nodes has their mean
+                if system.places[g * n + j].y > 0.0 and system.places[g * n + j].node == 0:
+                    for kind in range(1, OF_A_STRIP):
+                        half, c = 0.5 * m[row, g * block_of(n) + kind * n + j], g * block_of(n) + kind * n + j
+                        m[row, c - 1] += half
+                        m[row, c + 1] += half
         for j in range(size):
             m[i, j] = m[row, int(solved[j])]

@@ -5,6 +5,7 @@ Equations in the same order, see `core.contact.strips.model`, all over the deepe
 """
 
 from math import sqrt
+from typing import NamedTuple
 
 from wrsim.core.contact.strips.grid import place_strips
 from wrsim.core.contact.strips.influence import Displacements, pressed_at
@@ -14,6 +15,8 @@ from wrsim.core.contact.strips.records import (
     FROM,
     INVERSE,
     MIDDLE,
+    NB,
+    NO,
     OF_A_STRIP,
     PUSH,
     TO,
@@ -27,7 +30,8 @@ EDGE_RATIO = (
     0.85  # of p^2 in the two outer strips, over what a straight line would give: Hertz's ellipses keep their width
 )
 LESS = 0.1  # weight of an edge's residual
-EVENNESS = 0.03  # weight with which factors of neighbouring strips are kept alike, and their middles on a line
+EVENNESS = 0.03  # weight with which factors of neighbouring nodes are held alike
+EVEN_MIDDLES = 0.3  # weight with which the middles of neighbouring nodes are held on a line
 THIRD = -1.0, 3.0, -3.0, 1.0  # difference
 WEAKENING = 0.8  # exponent, as in contact.half_space.zones
 
@@ -70,6 +74,32 @@ def fading(system, i, j):
     return system.vectors[FADING, i * system.memo[0].grids + j] if system.grids[i].on else 0.0
 
 
+@inlined
+def set_nodes(places, x, n):
+    """Which strips have a factor and a middle of their own: every other one of a stretch of contact, and its last one.
+
+    What lies between two nodes has their mean: from one strip to the next neither changes by much, and a single one
+    hardly moves the surface. places: of a grid; x: its unknowns.
+    """
+    run = 0
+    for j in range(n):
+        run = run + 1 if x[j] > 0.0 else 0
+        last = j == n - 1 or x[j + 1] <= 0.0
+        places[j].node = int(run > 0 or last)
+        if run > 0 and places[j].node == 0:
+            for kind in range(1, OF_A_STRIP):
+                at = kind * n + j
+                x[at] = 0.5 * (x[at - 1] + x[at + 1])
+
+
+@inlined
+def node_before(places, j, first):
+    """The node before strip j in its stretch of contact; -1 where there is none. first: of the grid."""
+    if j <= first or places[j - 1].y <= 0.0:
+        return -1
+    return j - 1 if places[j - 1].node else j - 2
+
+
 @kernel
 def lay_strips(system, n):
     """Strips of all grids in contact between the edges that the unknowns give, and their amplitudes."""
@@ -82,6 +112,7 @@ def lay_strips(system, n):
             continue
         grid.start, grid.end = x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1]
         place_strips(system.wheel, system.rail, grid, system.rows[g], places[g * n : (g + 1) * n])
+        set_nodes(places[g * n : (g + 1) * n], x[base : base + OF_A_STRIP * n], n)
         for j in range(n):
             i, place = g * n + j, places[g * n + j]
             place.q = place.y = place.off = 0.0
@@ -95,16 +126,20 @@ def lay_strips(system, n):
             vectors[INVERSE, i] = inverse
             vectors[PUSH, i] = place.q * place.y
             vectors[MIDDLE, i] = place.x + place.off if memo.shifted else grid.x
+            vectors[NO, i], vectors[NB, i] = (place.no, place.nb) if memo.curved else (0.0, 1.0)
 
 
 @kernel
-def pressed(system, n, g, s, x, r, points):
-    """Displacements at x, x + r and x - r of a place s of grid g under all strips [m], or the first of these."""
+def pressed(system, n, g, s, x, r, points, no, nb):
+    """Displacements at x, x + r and x - r of a place s of grid g under all strips [m], or the first of these.
+
+    no, nb: the normal there, (0, 1) where angles do not count.
+    """
     middle = fore = aft = 0.0
     for h in range(system.memo[0].grids):
         part = fading(system, h, g) / system.memo[0].stiffness
         if part > 0.0:
-            own = pressed_at(system.table, system.vectors, h * n, (h + 1) * n, s, x, r, points)
+            own = pressed_at(system.table, system.vectors, h * n, (h + 1) * n, s, x, r, points, no, nb)
             middle, fore, aft = middle + part * own.middle, fore + part * own.fore, aft + part * own.aft
     return Displacements(middle, fore, aft)
 
@@ -115,7 +150,8 @@ def set_conditions(system, n, g, j, points):
     3."""
     memo, place = system.memo[0], system.places[g * n + j]
     r = REACH * sqrt(place.y)
-    u = pressed(system, n, g, place.s, system.vectors[MIDDLE, g * n + j], r, points)
+    v, i = system.vectors, g * n + j
+    u = pressed(system, n, g, place.s, v[MIDDLE, i], r, points, v[NO, i], v[NB, i])
     place.gap = (u.middle - place.d + 0.5 * place.bend * place.off * place.off) / memo.deepest
     if points > 1:
         aft = u.aft if points > 2 else u.fore
@@ -150,34 +186,38 @@ def residuals(system, n, held):
             place = places[g * n + j]
             if place.y <= 0.0 and not held:
                 continue
-            set_conditions(system, n, g, j, 1 if held else points)
+            set_conditions(system, n, g, j, 1 if held or place.node == 0 else points)
             if place.y <= 0.0:
                 continue
             out[base + j] = place.gap
             if held:
                 largest = max(largest, abs(place.gap))
                 continue
+            if place.node == 0:
+                continue
             out[base + n + j] += place.bow
             out[base + 2 * n + j] += place.turn
-            if j > 0 and places[g * n + j - 1].y > 0.0:
-                uneven = EVENNESS * (place.k - places[g * n + j - 1].k)
+            p = node_before(places, g * n + j, g * n)
+            if p >= 0:
+                uneven = EVENNESS * (place.k - places[p].k)
                 out[base + n + j] += uneven
-                out[base + n + j - 1] -= uneven
+                out[base + n + p - g * n] -= uneven
         if held:
             continue
-        for j in range(1, n - 1 if memo.shifted else 1):
-            ratio = bending(places, g * n + j)
-            if j < n - 2 and min(ratio, bending(places, g * n + j + 1)) > 0.0:
+        for j in range(1, n - 2 if memo.shifted else 1):
+            if all_touch(places, g * n + j - 1, 4):
                 calm = grid.calm * third_difference(places, g * n + j, memo.deepest)
                 for p in range(4):
                     out[base + j + p - 1] += THIRD[p] * calm
-            if ratio > 0.0:
-                one, two, three = places[g * n + j - 1].off, places[g * n + j].off, places[g * n + j + 1].off
-                uneven = EVENNESS / grid.reach * (three - two - ratio * (two - one))
-                row = base + 2 * n + j
-                out[row - 1] += ratio * uneven
-                out[row] -= (1.0 + ratio) * uneven
-                out[row + 1] += uneven
+        for j in range(n if memo.shifted else 0):
+            own, row = three_nodes(places, g * n + j, g * n), base + 2 * n - g * n
+            if own.before < 0:
+                continue
+            one, two, three = places[own.before].off, places[own.middle].off, places[g * n + j].off
+            uneven = EVEN_MIDDLES / grid.reach * (three - two - own.ratio * (two - one))
+            out[row + own.before] += own.ratio * uneven
+            out[row + own.middle] -= (1.0 + own.ratio) * uneven
+            out[row + g * n + j] += uneven
         for i in range(base, base + OF_A_STRIP * n):
             largest = max(largest, abs(out[i]))
         for side in range(EDGES):
@@ -189,6 +229,24 @@ def residuals(system, n, held):
     return largest
 
 
+class Nodes(NamedTuple):
+    """Two nodes before a third one, -1 where there are none; distance from the second to the third over that before."""
+
+    before: int
+    middle: int
+    ratio: float
+
+
+@inlined
+def three_nodes(places, j, first):
+    """The two nodes before strip j, if it is a node itself."""
+    middle = node_before(places, j, first) if places[j].y > 0.0 and places[j].node else -1
+    before = node_before(places, middle, first) if middle >= 0 else -1
+    if before < 0:
+        return Nodes(-1, -1, 0.0)
+    return Nodes(before, middle, (places[j].s - places[middle].s) / (places[middle].s - places[before].s))
+
+
 @inlined
 def third_difference(places, j, deepest):
     """What holds a^2 of four neighbours on a parabola: nothing for Hertz's ellipse."""
@@ -197,11 +255,12 @@ def third_difference(places, j, deepest):
 
 
 @inlined
-def bending(places, j):
-    """Distance from a strip to the next one over that to the one before; 0 where one of the three is out of contact."""
-    before, place, after = places[j - 1], places[j], places[j + 1]
-    together = min(before.y, min(place.y, after.y)) > 0.0
-    return (after.s - place.s) / (place.s - before.s) if together else 0.0
+def all_touch(places, first, count):
+    """Whether so many strips from one on are all in contact."""
+    least = places[first].y
+    for j in range(first + 1, first + count):
+        least = min(least, places[j].y)
+    return least > 0.0
 
 
 @inlined

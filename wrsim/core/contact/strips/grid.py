@@ -18,7 +18,6 @@ from wrsim.core.contact.strips.records import ROWS
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.root import Bracket, crossing, narrowed
 
-LEVEL = 0.1  # of a lobe's depth: rows reach so far
 FLOOR = 0.3  # share of even density
 NEAR = 0.01  # of the rows' distance: how far ahead a point may be for the shift along the rail to be read there
 LEAST_FACING = 2.5e-3  # square of the sine between axle and normal, held above
@@ -61,12 +60,11 @@ def opposite(wheel, rail, arc_wheel, arc_rail):
 
 @kernel
 def find_end(wheel, rail, arc_wheel, arc_rail, depth, first, direction, limit):
-    """Arclength on the rail where the penetration has fallen to LEVEL of ``depth``, walking from a main point.
+    """Arclength on the rail where the overlap ends, walking from a main point of this depth.
 
     first: first step [m]; direction: +1.0 or -1.0; limit: largest distance. Returns (distance, status): status 0, or 1
     at the end of a profile.
     """
-    level = LEVEL * depth
     wheel_end, rail_end = length(wheel.profile), rail_length(rail)
     inner, inner_arc, inner_d = 0.0, arc_wheel, depth
     shrink = last = opposite(wheel, rail, arc_wheel, arc_rail).shrink
@@ -75,7 +73,7 @@ def find_end(wheel, rail, arc_wheel, arc_rail, depth, first, direction, limit):
         outer = min(inner + step, limit)
         arc = inner_arc + direction * (outer - inner) * (1.5 * shrink - 0.5 * last)
         at = opposite(wheel, rail, arc, arc_rail + direction * outer)
-        if at.d <= level:
+        if at.d <= 0.0:
             break
         if outer >= limit:
             return limit, 0
@@ -85,12 +83,12 @@ def find_end(wheel, rail, arc_wheel, arc_rail, depth, first, direction, limit):
         inner, inner_d = outer, at.d
         inner_arc = arc - at.ahead * at.shrink
         last, shrink = shrink, at.shrink
-    bracket = Bracket(inner, inner_d - level, outer, at.d - level, 0)
+    bracket = Bracket(inner, inner_d, outer, at.d, 0)
     s = outer
     for _ in range(60):
         s = crossing(bracket)
         arc = inner_arc + direction * (s - inner) * (1.5 * shrink - 0.5 * last)
-        h = opposite(wheel, rail, arc, arc_rail + direction * s).d - level
+        h = opposite(wheel, rail, arc, arc_rail + direction * s).d
         if abs(h) < 1e-6 * depth or bracket.hi - bracket.lo < 1e-12:
             break
         bracket = narrowed(bracket, s, h)
@@ -235,7 +233,7 @@ def place_strips(wheel, rail, grid, rows, places):
         taken = at.ahead * at.shrink
         if abs(taken) > NEAR * h:
             at = opposite(wheel, rail, arc - taken, s)
-        place.d = at.d
+        place.d, place.no, place.nb = at.d, at.no, at.nb
         d0, d1, d2, d3 = rows[c - 1].d, rows[c].d, rows[c + 1].d, rows[c + 2].d
         place.d_s = (
             -d0 / 3.0 - 0.5 * d1 + d2 - d3 / 6.0 + t * (d0 + d2 - 2.0 * d1 + t * (0.5 * (d3 - d0) + 1.5 * (d1 - d2)))

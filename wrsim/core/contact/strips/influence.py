@@ -17,7 +17,7 @@ which runs as the logarithm of xi far away and is fine beside the end of the lin
 from math import sqrt
 from typing import NamedTuple
 
-from wrsim.core.contact.strips.records import FROM, INVERSE, MIDDLE, PUSH, TERMS, TO
+from wrsim.core.contact.strips.records import FROM, INVERSE, LIFT, MIDDLE, NB, NO, PUSH, SIDE, TERMS, TO
 from wrsim.core.jit.arena import bits_of, number_of
 from wrsim.core.jit.compiling import filling, inlined, kernel
 
@@ -119,6 +119,23 @@ def _find_places(vectors, first, last, s, x, r, low, high, middle, fore, aft):
         middle[j], fore[j], aft[j] = _place_beside(xi), _place_beside(xi + r * inverse), _place_beside(xi - r * inverse)
 
 
+@inlined
+def facing(vectors, j, no, nb, s):
+    """How much of what strip j does to its own normal direction is felt along another normal (no, nb), at s.
+
+    The influence is that of the half-space tangent at the strip, turned by the angle from the normal there to that of
+    strip j: its cosine, and for the lateral creep forces its sine (contact.half_space.influence, "angle-corrected").
+    """
+    level = vectors[NO, j] * no + vectors[NB, j] * nb
+    if vectors[SIDE, j] == 0.0:
+        return level
+    t = (0.5 * (vectors[FROM, j] + vectors[TO, j]) - s) * vectors[INVERSE, j]
+    # a force along s acts as one along n does and nu/(1 - nu) s^2/r^2 of it, roughly with the mean r over the strip
+    return level + (vectors[NB, j] * no - vectors[NO, j] * nb) * (
+        vectors[SIDE, j] + vectors[LIFT, j] * abs(t) / sqrt(t * t + 0.5)
+    )
+
+
 class Displacements(NamedTuple):
     """At a point and beside it along the rail, times pi E*."""
 
@@ -128,8 +145,9 @@ class Displacements(NamedTuple):
 
 
 @kernel
-def pressed_at(table, vectors, first, last, s, x, r, points):
-    """Displacements under strips that follow each other at (x, s), x + r and x - r, or the first ``points`` of these.
+def pressed_at(table, vectors, first, last, s, x, r, points, no, nb):
+    """Displacements under strips that follow each other at (x, s), x + r and x - r, or the first ``points`` of these;
+    no, nb: the normal there.
 
     The places in the table are found for several strips at a time, its coefficients added up strip by strip.
     """
@@ -142,6 +160,7 @@ def pressed_at(table, vectors, first, last, s, x, r, points):
         push = vectors[PUSH, j] * vectors[INVERSE, j]
         if push == 0.0:
             continue
+        push *= facing(vectors, j, no, nb, s)
         lo, hi = (vectors[FROM, j] - s) * push, (vectors[TO, j] - s) * push
         start, end, at = _knot(low[j]), _knot(high[j]), _knot(beside[j])
         middle += hi * _sum(table, at, end) - lo * _sum(table, at, start)

@@ -1,4 +1,4 @@
-"""Normal pressure on strips that follow the bodies at three points each (docs/strip_model.md).
+"""Normal pressure on strips that follow the bodies at three points each (docs/theory/strip_model.md).
 
 Every strip carries a semi-ellipse p = Q sqrt(a^2 - x^2), as in Kik-Piotrowski, but with an amplitude Q, a half length a
 and a middle along the rail of its own. With f(a, x, s) of `core.contact.strips.influence` the displacement is
@@ -28,7 +28,7 @@ from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.grid import opposite
 from wrsim.core.contact.strips.ground import set_grids
 from wrsim.core.contact.strips.last_contact import carry_over
-from wrsim.core.contact.strips.records import OF_A_STRIP, ROWS, System, X
+from wrsim.core.contact.strips.records import LIFT, OF_A_STRIP, ROWS, SIDE, System, X
 from wrsim.core.contact.strips.solution import RETRIED, ROUGH, UNSOLVED, solve, substitute
 from wrsim.core.jit.compiling import kernel
 
@@ -43,13 +43,15 @@ def press_strips(a, wheel, rail, pose, count):
     n = settings.strips
     system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
     memo = a.memo[0]
-    if settings.start == COLD_START:
-        memo.known = 0
+    if settings.start == COLD_START and memo.turn == 0:
+        _forget(system)
     for i in range(count):
         _set_main_point(wheel, rail, lobes[i])
     memo.modulus = settings.E
     memo.together, memo.apart = settings.together, settings.apart
     memo.stiffness = pi * settings.E
+    memo.curved = settings.curved
+    _set_sides(system, memo.strips if memo.known > 0 else 0, settings.E / settings.G - 1.0, a.strips)
     status = set_grids(system, a.found, wheel, rail, pose, count, True)
     known = memo.known > 0
     if known and (memo.strips != n or not _same_grids(system, n, memo.known)):
@@ -72,6 +74,38 @@ def press_strips(a, wheel, rail, pose, count):
     for i in range(count):
         _report(settings, pose, lobes[i], a.strips[i])
     return status | (STATUS_NOT_CONVERGED if result >= ROUGH else 0)
+
+
+@kernel
+def _forget(system):
+    """A cold start depends on the pose alone: nothing of the last call is left."""
+    memo = system.memo[0]
+    memo.known = memo.strips = memo.grids = memo.inverted = memo.unknowns = 0
+    system.vectors[:] = 0.0
+    for g in range(system.grids.shape[0]):
+        grid = system.grids[g]
+        grid.on = grid.start_held = grid.end_held = 0
+    for i in range(system.places.shape[0]):
+        place = system.places[i]
+        place.y = place.q = place.k = place.off = place.gap = place.bow = place.lo = place.hi = place.s = 0.0
+
+
+@kernel
+def _set_sides(system, n, transverse, strips):
+    """How the lateral creep forces of strips press on others whose normals are turned: none before they are known.
+
+    n: strips of the grids of the last call; transverse: nu/(1 - nu).
+    """
+    memo, vectors = system.memo[0], system.vectors
+    vectors[SIDE : LIFT + 1] = 0.0
+    if memo.turn == 0:
+        return
+    for i in range(memo.known * n):
+        place = system.places[i]
+        if place.y > 0.0:
+            strip = strips[place.lobe, place.row]
+            vectors[SIDE, i] = strip.Fy / strip.N if strip.N > 0.0 else 0.0
+            vectors[LIFT, i] = transverse * vectors[SIDE, i]
 
 
 @kernel
@@ -127,6 +161,7 @@ def _hand_out(system, n, g, found, lobes, strips):
             lo, hi = max(place.lo, least), min(place.hi, most)
             if place.y <= 0.0 or hi - lo <= LEAST_PART * (place.hi - place.lo):
                 continue
+            place.lobe, place.row = i, lobe.n_strips
             strip = strips[i, lobe.n_strips]
             lobe.n_strips += 1
             s = 0.5 * (lo + hi)

@@ -19,15 +19,17 @@ ROW = record("s arc d x o b no nb r_t slope bend density xi closing")
 over, density of strips and its integral; closing of the gap, penetration less displacement."""
 
 PLACE = record(
-    "lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x x_s y q k off gap bow turn"
+    "lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x x_s no nb y q k off gap bow turn"
     # for the derivatives
-    " root half lean mid_start mid_end"
+    " root half lean mid_start mid_end",
+    "node lobe row",
 )
 """A strip: from lo to hi, middle s; slopes of lo and hi over both edges; penetration d and its slope; 1/R_x and its
-slope; shift x of the locus and its slope; a^2 (0 out of contact), amplitude, factor k, how far its middle lies off the
-locus; what is left of its three conditions, over the deepest penetration: u - d in its middle, how much more that is
-halfway to its ends, and the difference of both. a; amplitude over k; slope of the logarithm of 1/R_x; slopes of s over
-both edges."""
+slope; shift x of the locus and its slope; normal; a^2 (0 out of contact), amplitude, factor k, how far its middle lies
+off the locus; residuals of its three conditions, over the deepest penetration: u - d in its middle, how much more that
+is at its outer points, and the difference of both. a; amplitude over k; slope of the logarithm of 1/R_x; slopes of s
+over both edges.
+Whether it is a node (`equations.set_nodes`); lobe and strip of it that it was handed out to."""
 
 GRID = record(
     "start end least most deepest spacing x reach calm arc place chain",
@@ -41,19 +43,24 @@ moved out over a gap in this solution."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",
-    "known strips grids parted shifted inverted unknowns iterations factorisations result substitutes",
+    "known strips grids parted shifted curved turn inverted unknowns iterations factorisations result substitutes",
 )
-"""Of the whole system: about the worst of what the last steps left of the residual, pi E*, E*, deepest penetration;
-distances of grids up to which they press each other down fully and from which on not at all [m]; number of grids in the
-last call (0: nothing is known), strips of a grid in it, grids now; whether any of them is a part of a lobe; whether
-shifts along x count; whether ``matrix`` is an inverse of use, and of how many unknowns; residuals taken and Jacobians
-made in this call, and how it ended (`solution`); calls so far without a whole solution."""
+"""Of the whole system: about the worst of what the last steps left of the residual, pi E*, E*, deepest penetration,
+distances of grids up to which they press each other down fully and from which on not at all [m].
+Number of grids in the last call (0: nothing is known), strips of a grid in it, grids now; whether any of them is a part
+of a lobe; whether shifts along x count, and the angles between strips; how often creep forces were found in this call;
+whether ``matrix`` is an inverse of use, and of how many unknowns; residuals taken and Jacobians made in this call, and
+how it ended (`solution`); calls so far without a whole solution."""
 
-(X, F, STEP, SAVED, NEXT, LAST, WISH, PIVOT, SCALE, SOLVED, FADING, FROM, TO, INVERSE, PUSH, MIDDLE, TERMS) = range(17)
+(
+    X, F, STEP, SAVED, NEXT, LAST, WISH, PIVOT, SCALE, SOLVED, FADING, FROM, TO, INVERSE, PUSH, MIDDLE, NO, NB, SIDE,
+    LIFT, TERMS,
+) = range(21)  # fmt: skip
 """Rows of ``vectors``: unknowns, residuals, step, unknowns before a step; of the unknowns that are solved for the next
 step, the last one and the residuals; rows exchanged in the factors; weights of the unknowns; numbers of those that are
 solved for; how much of the influence of a grid reaches another one, row after row; of all strips both ends, 1/a,
-amplitude times a^2 (0 out of contact), middle along x; from TERMS on what all strips do to the derivatives at three
+amplitude times a^2 (0 out of contact), middle along x, normal (0, 1 where angles do not count), lateral
+over normal force, and that times nu/(1 - nu); from TERMS on what all strips do to the derivatives at three
 points (`influence.find_terms`)."""
 POINTS, OF_A_POINT = 3, 5
 VECTORS = TERMS + POINTS * OF_A_POINT
