@@ -68,17 +68,19 @@ class Overturned:
     beyond: float
 
 
-EventKind = Literal["lift", "stop", "contact", "steps", "between", "spins", "slides", "loose"]
+EventKind = Literal["lift", "stop", "contact", "steps", "between", "strike", "spins", "slides", "loose"]
 
 
 @dataclass(frozen=True)
 class Event:
     """A wheel without contact, a bump stop beyond the end of its table, a message of a contact (bit of
-    `wrsim.contact.status`), steps of the integration that had to be cut, a vertical force that the samples miss, an
-    axle that is driven or braked beyond adhesion, or a friction element without a normal force.
+    `wrsim.contact.status`), steps of the integration that had to be cut, a vertical force that the samples miss, a
+    strike of a wheel on its rail that the time step does not resolve, an axle that is driven or braked beyond adhesion,
+    or a friction element without a normal force.
 
     part: name of the wheelset or of the element; start, end: time [s] and distance of the vehicle [m]; missed: the
-    force between samples, and by how much it is beyond those beside it [N].
+    force between samples, and by how much it is beyond those beside it [N]; of a strike the force and the error of its
+    peaks [N]; step: that resolves the strike [s].
     """
 
     kind: EventKind
@@ -88,6 +90,7 @@ class Event:
     side: str = ""
     bit: int = 0
     missed: tuple[float, float] = (0.0, 0.0)
+    step: float = 0.0
 
 
 class NoSteadyMotion(SimulationError):
@@ -124,6 +127,12 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
         return (
             f"between two samples Q of {wheel} is {force:.4g} kN, {beyond:.3g} kN "
             "beyond both: a smaller run.output_interval_ms shows what happens there"
+        )
+    if event.kind == "strike":
+        force, error = (1e-3 * value for value in event.missed)
+        return (
+            f"{wheel} strikes its rail (Q {force:.4g} kN) faster than the time step resolves: peaks of Y and Q there "
+            f"are uncertain by some {error:.2g} kN before filtering; run.step_us = {1e6 * event.step:.0f} resolves them"
         )
     if event.kind == "stop" and any(event.part in coupling.elements for coupling in vehicle.couplings):
         return f"the stroke of {event.part} is used up {lasted}"

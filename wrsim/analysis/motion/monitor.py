@@ -52,7 +52,15 @@ their limit long before, or where slip control gives less than this part of the 
 
 SLIP_DISTANCE = 1.0  # ... and reported where that lasts for longer than this [m]
 SAME = 1.0  # events of one kind and place of the vehicle that follow each other within this distance are one [m]
-MISSED = 0.05  # part of the mean wheel load by which a force between samples goes beyond them where it is reported
+MISSED = 0.05  # part of the mean wheel load beyond which a force that samples or steps miss is reported
+
+STRIKE = np.pi / 12.0
+"""Error of a peak of force over its second difference from step to step. A trapezoidal rule such as generalised alpha
+makes a vibration A cos(w t) slower by the part (w h)^2 / 12, half a period later off by pi (w h)^2 / 12 A; the second
+difference is (w h)^2 A."""
+
+STEP_GRID = 5e-5
+"""Steps that are recommended are multiples of this [s]."""
 
 
 class Monitor:
@@ -184,6 +192,14 @@ class Monitor:
             if own.beyond > MISSED * mean_load:
                 at, missed = (float(own.time), float(own.distance)), (float(own.force), float(own.beyond))
                 found.append(Event("between", wheel.wheelset, at, at, wheel.side, 0, missed))
+            worst = int(np.argmax(self.watched["bend"]))
+            wheel, own = self.wheels[worst], self.watched[worst]
+            error = float(STRIKE * own.bend)
+            if error > MISSED * mean_load:
+                enough = float(own.bend_step) * (MISSED * mean_load / error) ** 0.5
+                at, missed = (float(own.bend_at), float(own.bend_s)), (float(own.bend_force), error)
+                enough = max(enough // STEP_GRID, 1.0) * STEP_GRID
+                found.append(Event("strike", wheel.wheelset, at, at, wheel.side, 0, missed, enough))
         return sorted(found, key=lambda event: (event.start, event.part, event.side))
 
     @property
