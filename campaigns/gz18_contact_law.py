@@ -1,12 +1,14 @@
-"""Does the contact law of the other codes explain where our GZ18 stands apart?
+"""Does the contact law of the other codes explain where the results of our GZ18 differ from theirs?
 
-Run: python campaigns/gz18_contact_law.py. Their law, as the source of the car states it: where undeformed profiles,
-moved by the pose, overlap, the overlap of depth p, half width w and area centroid y is taken for a Hertzian contact at
-y of the approach p / 0.55, with the lateral radius w^2 / (2 p) and the rolling radius of the wheel, in the plane of the
-rail's slope at y. So read, the static load and the rolling radius come out that the source prints for its offset of the
-rail at rest. Creep forces: FASTSIM 21 x 21 with a parabolic bound, friction falling with the slip, no spin moment.
-Everything else is ours: the car, the track, Newton's method for the steady motion. In numpy and slow; nothing in wrsim
-uses it.
+Run: python campaigns/gz18_contact_law.py [LINE ...]. It prints the steady motion with their law, the largest
+differences of ours from it over all wheelsets, and the least damped modes.
+
+Their law, as the source of the car states it: where undeformed profiles, moved by the pose, overlap, the overlap of
+depth p, half width w and area centroid y is taken for a Hertzian contact at y of the approach p / 0.55, with the
+lateral radius w^2 / (2 p) and the rolling radius of the wheel, in the plane of the rail's slope at y. So read, the
+static load and the rolling radius come out that the source prints for its offset of the rail at rest. Creep forces:
+FASTSIM 21 x 21 with a parabolic bound, friction falling with the slip, no spin moment. Everything else is ours: the
+car, the track, Newton's method for the steady motion. In numpy and slow; nothing in wrsim uses it.
 """
 
 import sys
@@ -16,10 +18,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from gz18 import has_tables, steady
+import xarray as xr
+from gz18 import CANT_MM, has_tables, steady
 from scipy.interpolate import CubicSpline
 from scipy.special import elliprd, elliprf
 
+from wrsim.analysis import run
 from wrsim.analysis import steady as solver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.tables import creep_coefficients
@@ -51,6 +55,7 @@ SHEAR, PLANE = 0.5 * E / (1.0 + NU), 0.5 * E / (1.0 - NU**2)
 STEP, SPACING = 2e-5, 5e-5  # of the points on the wheel, of those that the rail's spline goes through [m]
 LIFTED = 4.5e-5  # their wheels overlap the rails by so much less than ours do [m]
 ENOUGH = 1e-6  # force left over, as a part of the weight
+FRICTION = 0.3  # static
 
 
 class Contact(NamedTuple):
@@ -237,6 +242,28 @@ def pose_of(law: VehicleOnTrack, found: Equilibrium, wheelset: int) -> TrackPose
     return poses_on_track(law.track.centre, found.q[None, own], found.q_t[None, own], place)
 
 
+def differences(ours: xr.Dataset, law: EquivalentElasticOnTrack, found: Equilibrium) -> Array:
+    """Ours from theirs, of every wheelset (w, 5): lateral shift [mm], yaw [mrad], N as a part of it, Tx and Ty as parts
+    of mu N, of the worse wheel."""
+    rows = []
+    for w in range(len(law.vehicle.wheelsets)):
+        pose, own = pose_of(law, found, w), ours.isel(wheelset=w)
+        forces = []
+        for side, c in enumerate(law.found[w]):
+            one = own.isel(wheel=side)
+            angle = one["contact_angle"].values[np.nanargmax(one["N"].values)]
+            cosine, sine = np.cos(angle), np.sin(angle)
+            x, y, q = (float(one[name]) for name in "XYQ")
+            assert c is not None
+            more = (q * cosine + y * sine) - c.normal, -x - c.fx, (y * cosine - q * sine) + c.fy
+            forces.append(np.array(more) / (c.normal * np.array([1.0, FRICTION, FRICTION])))
+        worst = np.max(np.abs(forces), axis=0)
+        lateral, yaw = float(own["lateral_shift"]), float(own["yaw"])
+        shift = abs(abs(lateral) - abs(pose.lateral[0])), abs(abs(yaw) - abs(pose.yaw[0]))
+        rows.append([1e3 * shift[0], 1e3 * shift[1], *worst])
+    return np.array(rows)
+
+
 def liveliest(law: VehicleOnTrack, q: Array, q_t: Array) -> str:
     """The least damped mode above 20 Hz about a steady motion, in words. The turning of the axes, 0.06 rad/s in a curve
     of 300 m, is left out."""
@@ -254,7 +281,7 @@ def main() -> int:
         print("the tables of the source are not at hand: see campaigns/gz18.py")
         return 1
     with tempfile.TemporaryDirectory() as folder:
-        for line in sys.argv[1:] or ("r300", "r600"):
+        for line in sys.argv[1:] or CANT_MM:
             print(f"{line}; least damped mode above 20 Hz:")
             for name, values in VARIANTS.items():
                 setup = build(steady(Path(folder), line, values))
@@ -276,6 +303,11 @@ def main() -> int:
                             f"    {side:5s} N {c.normal / 1e3:.2f} Tx {c.fx / 1e3:.2f} Ty {c.fy / 1e3:.2f} kN, angle "
                             f"{np.degrees(c.angle):.2f} deg, creepages {1e3 * c.xi:.2f}, {1e3 * c.eta:.2f} per mille"
                         )
+            for name in ("strips", "kik-piotrowski"):
+                sample = run(steady(Path(folder), line, {"contact.normal": name})).dataset.isel(pose=0)
+                print(f"largest differences of {name} from it, wheelset by wheelset:")
+                for row in differences(sample, law, found):
+                    print("  {:.3f} mm, {:.3f} mrad, N {:.2%}, Tx {:.2%}, Ty {:.2%} of mu N".format(*row))
     return 0
 
 

@@ -8,13 +8,16 @@ from support.vehicles import ROOT, SHORT, into_the_curve
 
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.messages import OffRail, event_words
-from wrsim.analysis.motion.monitor import Monitor
+from wrsim.analysis.motion.monitor import STRIKE, Monitor
 from wrsim.plots import standard_figures
 from wrsim.plots.style import save
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
+from wrsim.simulation.bodies import Solid
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import lower_on_rails
+from wrsim.simulation.system import BodySystem
 
 CARBODY, FRONT_FRAME = 4, 5
 
@@ -76,6 +79,45 @@ def test_a_flange_over_its_rail_is_a_derailment() -> None:
     off = monitor.look(0.1, q, q_t)
     assert isinstance(off, OffRail)
     assert (off.wheelset, off.how) == ("front.outer", "climbed")
+
+
+def test_a_strike_that_the_step_does_not_resolve_is_an_event_with_the_step_that_does() -> None:
+    monitor, _, _ = monitored()
+    load_of_wheel = 0.5 * monitor.law.vehicle.weight / len(monitor.law.vehicle.wheelsets)
+    force = monitor.wheels[0].model.arrays.total
+    for k, times in enumerate((1.0, 1.0, 1.4, 1.0)):
+        force["Fb"] = times * load_of_wheel
+        monitor.step(0.002 * k, False)
+    (event,) = monitor.events()
+    assert (event.kind, event.part, event.side) == ("strike", "front.outer", "left")
+    assert event.missed == pytest.approx((1.4 * load_of_wheel, STRIKE * 0.8 * load_of_wheel))
+    assert event.step == pytest.approx(950e-6)  # 2 ms times the root of 0.05 / 0.209, on the grid
+    assert "run.step_us = 950 resolves them" in event_words(event, monitor.law.vehicle)
+    force["Fb"] = load_of_wheel
+    calm, _, _ = monitored()
+    for k in range(6):
+        calm.wheels[0].model.arrays.total["Fb"] = (1.0 + 0.03 * k) * load_of_wheel  # rises evenly
+        calm.step(0.002 * k, False)
+    assert calm.events() == []
+
+
+@pytest.mark.parametrize("phase", [0.3, 0.6])
+def test_the_error_of_a_peak_is_that_part_of_the_second_difference(phase: float) -> None:
+    """A body strikes a spring, integrated by generalised alpha with steps of a phase w h; exact: A sin(w t)."""
+    w, mass = 700.0, 1500.0
+
+    def spring(t: float, q: np.ndarray, q_t: np.ndarray, out: np.ndarray) -> None:
+        out.fill(0.0)
+        out[2] = -mass * w**2 * q[2]
+
+    system = BodySystem([Solid(mass, (900.0, 100.0, 900.0))], spring)
+    start, rate = np.zeros(6), np.zeros(6)
+    rate[2] = 0.1
+    motion = Integration(system, duration=np.pi / w, step=phase / w, weight=1.0).run(start, rate)
+    force = mass * w**2 * motion.q[:, 2]
+    exact = mass * w * rate[2] * np.sin(w * motion.times)
+    bend = np.abs(np.diff(force, 2)).max()
+    assert np.abs(force - exact).max() == pytest.approx(STRIKE * bend, rel=0.25)
 
 
 def test_a_monitor_that_recalls_its_memory_goes_on_where_it_was() -> None:

@@ -85,7 +85,6 @@ def watched(wheels: Sequence[WatchedWheel]) -> NDArray[np.void]:
         if wheel.tip is not None:
             row.u, row.reach = wheel.tip[0], wheel.model.radius - wheel.tip[1]
     found["most"], found["least"] = -np.inf, np.inf
-    found["earlier"] = found["last"] = np.nan
     return found
 
 

@@ -14,14 +14,14 @@ from wrsim.core.jit.compiling import kernel
 WATCH = record(
     "level drop u reach face sample most most_at most_s least least_at least_s beyond force time distance "
     "earlier last last_at last_s bend bend_force bend_at bend_s bend_step",
-    "flanged substitutes sampled",
+    "flanged substitutes sampled steps",
 )
 """Geometry [m]: height of the axle with the tape circle on the rail's top, how far below that a wheel has left the
 rail's head, place of the flange's lowest point along the axle and its distance from it, outward coordinate of the gauge
 face; whether there is a flange. Vertical force [N] at the last sample if there was one (``sampled``), the largest and
 the smallest since then with time [s] and distance [m]; the force that went farthest beyond both samples around it, by
-how much, when and where. Force at the last two steps; its largest second difference from step to step, with the force,
-time and distance in the middle and the step [s]. substitutes: those of the strip model so far."""
+how much, when and where. Force at the last two of ``steps``; its largest second difference from step to step, with the
+force, time and distance in the middle and the step [s]. substitutes: those of the strip model so far."""
 
 PATCHES, MEMO_PLACE = Arrays._fields.index("patches"), Arrays._fields.index("memo")
 
@@ -33,10 +33,10 @@ def watch_step(t: float, distance: float, sampled: bool, watched: Records, buffe
     for i in range(watched.shape[0]):
         own, force = watched[i], wheel_total(buffer, index, i).Fb
         bend = abs(own.earlier - 2.0 * own.last + force)
-        if bend > own.bend:  # false for not-a-number: the first two steps
+        if own.steps >= 2 and bend > own.bend:
             own.bend, own.bend_force, own.bend_at, own.bend_s = bend, own.last, own.last_at, own.last_s
             own.bend_step = t - own.last_at
-        own.earlier, own.last, own.last_at, own.last_s = own.last, force, t, distance
+        own.earlier, own.last, own.last_at, own.last_s, own.steps = own.last, force, t, distance, own.steps + 1
         if not sampled:
             if force > own.most:
                 own.most, own.most_at, own.most_s = force, t, distance
