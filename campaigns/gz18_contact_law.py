@@ -243,20 +243,23 @@ def pose_of(law: VehicleOnTrack, found: Equilibrium, wheelset: int) -> TrackPose
 
 
 def differences(ours: xr.Dataset, law: EquivalentElasticOnTrack, found: Equilibrium) -> Array:
-    """Ours from theirs, of every wheelset (w, 5): lateral shift [mm], yaw [mrad], N as a part of it, Tx and Ty as parts
-    of mu N, of the worse wheel."""
+    """Ours from theirs, of every wheelset (w, 7): lateral shift [mm], yaw [mrad], N as a part of it, Tx and Ty as parts
+    of mu N, Y and Q as parts of N, of the worse wheel."""
     rows = []
     for w in range(len(law.vehicle.wheelsets)):
         pose, own = pose_of(law, found, w), ours.isel(wheelset=w)
         forces = []
         for side, c in enumerate(law.found[w]):
             one = own.isel(wheel=side)
-            angle = one["contact_angle"].values[np.nanargmax(one["N"].values)]
+            normal = np.nan_to_num(one["N"].values)  # of the patches
+            angle = np.nan_to_num(one["contact_angle"].values) @ normal / normal.sum()
             cosine, sine = np.cos(angle), np.sin(angle)
             x, y, q = (float(one[name]) for name in "XYQ")
             assert c is not None
-            more = (q * cosine + y * sine) - c.normal, -x - c.fx, (y * cosine - q * sine) + c.fy
-            forces.append(np.array(more) / (c.normal * np.array([1.0, FRICTION, FRICTION])))
+            more = [(q * cosine + y * sine) - c.normal, -x - c.fx, (y * cosine - q * sine) + c.fy]
+            cosine, sine = np.cos(c.angle), np.sin(c.angle)
+            more += [y - (c.normal * sine - c.fy * cosine), q - (c.normal * cosine + c.fy * sine)]
+            forces.append(np.array(more) / (c.normal * np.array([1.0, FRICTION, FRICTION, 1.0, 1.0])))
         worst = np.max(np.abs(forces), axis=0)
         lateral, yaw = float(own["lateral_shift"]), float(own["yaw"])
         shift = abs(abs(lateral) - abs(pose.lateral[0])), abs(abs(yaw) - abs(pose.yaw[0]))
@@ -307,7 +310,8 @@ def main() -> int:
                 sample = run(steady(Path(folder), line, {"contact.normal": name})).dataset.isel(pose=0)
                 print(f"largest differences of {name} from it, wheelset by wheelset:")
                 for row in differences(sample, law, found):
-                    print("  {:.3f} mm, {:.3f} mrad, N {:.2%}, Tx {:.2%}, Ty {:.2%} of mu N".format(*row))
+                    words = "  {:.3f} mm, {:.3f} mrad, N {:.2%}, Tx {:.2%}, Ty {:.2%} of mu N, Y {:.2%}, Q {:.2%} of N"
+                    print(words.format(*row))
     return 0
 
 
