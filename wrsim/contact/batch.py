@@ -128,10 +128,11 @@ def evaluate_poses(
     for t, part in mine:
         size = part.stop - part.start
         rows[part], raw.patches[part, 0], raw.totals[part, 0] = at[t, :size], found[t, :size], totals[t, :size]
-    t = raw.totals[:, 0]
+    total = raw.totals[:, 0]
     of = {name: values[:, 0] for name, values in patch_channels(raw).items()}
+    force, moment = (np.stack([total[m + axis] for axis in "tob"], axis=-1) for m in "FM")
     return Contacts(
-        rows, np.stack([t["Ft"], t["Fo"], t["Fb"]], axis=-1), np.stack([t["Mt"], t["Mo"], t["Mb"]], axis=-1),
-        t["wear"].copy(), t["closest"].copy(), t["status"].copy(),
-        *(of[name] for name in ("N", "Fx", "Fy", "p0", "area", "approach", "length", "width", "contact_angle")), raw,
+        rows, force, moment, total["wear"].copy(), total["closest"].copy(), total["status"].copy(),
+        of["N"], of["Fx"], of["Fy"], of["p0"], of["area"], of["approach"], of["length"], of["width"],
+        of["contact_angle"], raw,
     )  # fmt: skip
