@@ -131,6 +131,13 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
         found[f"rail of sections, {normal}"] = numbers(model.evaluate((0.0, 0.0, 0.4593), place=0.02))
         yawed = model.evaluate((0.0, 1e-4, 0.4593), (-0.01, sqrt(1.0 - 1e-4), 0.0), place=0.021)
         found[f"rail of sections, {normal}, yawed"] = numbers(yawed)
+    few = ContactSettings(normal="kik-piotrowski", strips=6, cells=4)
+    many = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, few, FRICTION)
+    poses = np.array([[0.0, o, 0.45995, 0.0, 1.0, 0.0, 20.0, 0.0, 0.0, 0.0, 43.7, 0.0] for o in (0.0, 1e-4)])
+    for threads in (1, 2):
+        found[f"many poses, {threads} threads"] = many.evaluate_many(poses, threads=threads).force.ravel().tolist()
+    loaded = many.solve_many(poses, 3e4, threads=1)
+    found["many poses under a load"] = [*map(float, loaded.status), *map(float, abs(loaded.force[:, 2] - 3e4) < 0.1)]
     exact = ContactSettings(normal="half-space", cells=4, half_space=HalfSpaceSettings(resolution=3, tolerance=1e-9))
     model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, exact, FRICTION, dip)
     rolling = model.evaluate((0.0, 0.0, 0.4593), velocity=(20.0, 0.1, 0.0), omega=(0.0, 43.7, 0.0), place=0.02)
