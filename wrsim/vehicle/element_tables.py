@@ -111,7 +111,7 @@ class ElementTable(Choice, header="[[elements]]"):
 
     aliases: ClassVar[dict[str, str]] = {"kind": "type", "body": "from", "both_sides": "mirror", "body_mm": "from_mm"}
     glyph: ClassVar[Glyph | None] = None
-    """How its kind is drawn; None: not at all."""
+    """Mark of its kind in drawings; None: not drawn."""
 
     kind: str
     """Kind of element."""
@@ -125,6 +125,10 @@ class ElementTable(Choice, header="[[elements]]"):
     """What the points of the element are measured from: the part's origin or the centre of a body."""
     both_sides: Switch = False
     """Whether the element has a twin at -y."""
+
+    def __init_subclass__(cls, glyph: Glyph | None = None, **rest: Any) -> None:
+        super().__init_subclass__(**rest)
+        cls.glyph = glyph
 
     def points(self) -> Iterator[Triple]:
         """The points that are given [mm]."""
@@ -162,10 +166,8 @@ FRICTION_PART = "friction_force_kN friction_travel_mm"
 ACROSS: dict[str, Literal[0, 1, 2]] = {"yz": 0, "xz": 1, "xy": 2}
 
 
-class SpringTable(ElementTable, kind="spring"):
+class SpringTable(ElementTable, kind="spring", glyph=Glyph("o", BLUE, hollow=True)):
     """Springs and dampers along and about three axes at one point."""
-
-    glyph: ClassVar[Glyph | None] = Glyph("o", BLUE, hollow=True)
 
     at_mm: Place
     """Point at which it acts."""
@@ -189,10 +191,8 @@ class SpringTable(ElementTable, kind="spring"):
         )  # fmt: skip
 
 
-class ShearSpringTable(ElementTable, kind="shear-spring"):
+class ShearSpringTable(ElementTable, kind="shear-spring", glyph=Glyph("D", BLUE, hollow=True)):
     """A flexible column between two heights, with shear and bending stiffness."""
-
-    glyph: ClassVar[Glyph | None] = Glyph("D", BLUE, hollow=True)
 
     body_mm: Place
     """Its end on the body."""
@@ -222,10 +222,8 @@ class ShearSpringTable(ElementTable, kind="shear-spring"):
         )  # fmt: skip
 
 
-class TabulatedSpringTable(AxialTable, kind="tabulated-spring"):
+class TabulatedSpringTable(AxialTable, kind="tabulated-spring", glyph=Glyph("h", BLUE, hollow=True)):
     """Force against travel in one direction."""
-
-    glyph: ClassVar[Glyph | None] = Glyph("h", BLUE, hollow=True)
 
     travel_mm_force_kN: ForceOfTravel
     """Force over travel, row by row."""
@@ -237,11 +235,10 @@ class TabulatedSpringTable(AxialTable, kind="tabulated-spring"):
         return Strut(*self.placed(joint, axes), damping=1e3 * self.damping_kNs_per_m, spring_table=table)
 
 
-class BumpStopTable(AxialTable, kind="bump-stop"):
+class BumpStopTable(AxialTable, kind="bump-stop", glyph=Glyph("X", "#B00020")):
     """A stop of a given travel; force against travel, the same in both directions or in one."""
 
     aliases: ClassVar[dict[str, str]] = {**AxialTable.aliases, "travel_mm_force_kN": "gap_mm_force_N"}
-    glyph: ClassVar[Glyph | None] = Glyph("X", "#B00020")
 
     travel_mm_force_kN: ForceOfTravel
     """Force over travel, row by row; the free travel has no force."""
@@ -264,11 +261,10 @@ class BumpStopTable(AxialTable, kind="bump-stop"):
         return Strut(*self.placed(joint, axes), spring_table=table, limits=(low, high))
 
 
-class DamperTable(ElementTable, kind="damper"):
+class DamperTable(ElementTable, kind="damper", glyph=Glyph("s", "#D55E00")):
     """Viscous, along an axis (at_mm, direction) or along its line (body_mm, to_mm)."""
 
     one_of: ClassVar[tuple[str, ...]] = ("damping_kNs_per_m velocity_m_per_s_force_kN",)
-    glyph: ClassVar[Glyph | None] = Glyph("s", "#D55E00")
 
     at_mm: Place | None = None
     """Point at which it acts along an axis."""
@@ -315,10 +311,8 @@ class DamperTable(ElementTable, kind="damper"):
         )  # fmt: skip
 
 
-class TractionRodTable(ElementTable, kind="traction-rod"):
+class TractionRodTable(ElementTable, kind="traction-rod", glyph=Glyph("_", "#222222")):
     """A spring and damper along the line between two points."""
-
-    glyph: ClassVar[Glyph | None] = Glyph("_", "#222222")
 
     body_mm: Place
     """Its end on the body."""
@@ -353,13 +347,12 @@ class AntiRollBarTable(ElementTable, kind="anti-roll-bar"):
         return Spring(*joint, axes.point(ZERO), turning_stiffness=(1e3 * self.stiffness_kNm_per_rad, 0.0, 0.0))
 
 
-class FrictionTable(ElementTable, kind="friction"):
+class FrictionTable(ElementTable, kind="friction", glyph=Glyph("D", "#CC79A7", hollow=True)):
     """Coulomb friction along an axis (direction) or in a plane (plane), behind a stiffness where it sticks."""
 
     aliases: ClassVar[dict[str, str]] = {**ElementTable.aliases, "friction": "mu", "normal_force_kN": "force_kN"}
     one_of: ClassVar[tuple[str, ...]] = ("direction plane", "normal_force_kN normal_spring")
     goes_with: ClassVar[dict[str, str]] = {"normal_spring_axis": "normal_spring", "normal_factor": "normal_spring"}
-    glyph: ClassVar[Glyph | None] = Glyph("D", "#CC79A7", hollow=True)
 
     at_mm: Place
     """Point at which it acts."""
@@ -396,11 +389,10 @@ class FrictionTable(ElementTable, kind="friction"):
         return Strut(*joint, (at, at), AXIS[self.direction or "x"], slider=slider)
 
 
-class LeafSpringTable(AxialTable, kind="leaf-spring"):
+class LeafSpringTable(AxialTable, kind="leaf-spring", glyph=Glyph("v", BLUE, hollow=True)):
     """An elastic spring and the friction of its leaves, which builds up over a distance (Fancher)."""
 
     one_of: ClassVar[tuple[str, ...]] = ("friction_force_kN friction_share",)
-    glyph: ClassVar[Glyph | None] = Glyph("v", BLUE, hollow=True)
 
     stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
     """Stiffness of the middle line of its loop."""
@@ -421,11 +413,10 @@ class LeafSpringTable(AxialTable, kind="leaf-spring"):
         return Strut(*place, 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m, slider=slider)
 
 
-class RubberSpringTable(AxialTable, kind="rubber-spring"):
+class RubberSpringTable(AxialTable, kind="rubber-spring", glyph=Glyph("H", BLUE)):
     """Rubber in one direction: stiffer at small strokes (friction) and at high frequencies (viscous part)."""
 
     together: ClassVar[tuple[str, ...]] = (FRICTION_PART, "series_stiffness_kN_per_m damping_kNs_per_m")
-    glyph: ClassVar[Glyph | None] = Glyph("H", BLUE)
 
     stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
     """Elastic part: stiffness of slow, large strokes."""
@@ -445,11 +436,10 @@ class RubberSpringTable(AxialTable, kind="rubber-spring"):
         )  # fmt: skip
 
 
-class AirSpringTable(AxialTable, kind="air-spring"):
+class AirSpringTable(AxialTable, kind="air-spring", glyph=Glyph("8", BLUE)):
     """An air spring with its reservoir in one direction; the mass of the air in the pipe is left out."""
 
     together: ClassVar[tuple[str, ...]] = (FRICTION_PART, "series_stiffness_kN_per_m orifice_damping")
-    glyph: ClassVar[Glyph | None] = Glyph("8", BLUE)
 
     stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
     """Stiffness of slow strokes: bellows and reservoir together."""
@@ -492,10 +482,8 @@ def orifice(force: float, exponent: float) -> Table:
     return both_ways(tuple((float(v), float(force * v**exponent)) for v in velocities))
 
 
-class BilinearSpringTable(AxialTable, kind="bilinear-spring"):
+class BilinearSpringTable(AxialTable, kind="bilinear-spring", glyph=Glyph("p", BLUE, hollow=True)):
     """A nest of springs that only pushes, the inner one touched from a certain load on: of freight wagons."""
-
-    glyph: ClassVar[Glyph | None] = Glyph("p", BLUE, hollow=True)
 
     direction: Along = "z"
     """Axis of the body along which it acts."""
