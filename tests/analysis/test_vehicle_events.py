@@ -91,8 +91,8 @@ def test_a_strike_that_the_step_does_not_resolve_is_an_event_with_the_step_that_
     (event,) = monitor.events()
     assert (event.kind, event.part, event.side) == ("strike", "front.outer", "left")
     assert event.missed == pytest.approx((1.4 * load_of_wheel, STRIKE * 0.8 * load_of_wheel))
-    assert event.step == pytest.approx(950e-6)  # 2 ms times the root of 0.05 / 0.209, on the grid
-    assert "run.step_us = 950 resolves them" in event_words(event, monitor.law.vehicle)
+    assert event.step == 500e-6  # 2 ms times the root of 0.05 / 0.209 is 978 us
+    assert "run.step_us = 500 resolves them" in event_words(event, monitor.law.vehicle)
     force["Fb"] = load_of_wheel
     calm, _, _ = monitored()
     for k in range(6):

@@ -59,8 +59,8 @@ STRIKE = np.pi / 12.0
 makes a vibration A cos(w t) slower by the part (w h)^2 / 12, half a period later off by pi (w h)^2 / 12 A; the second
 difference is (w h)^2 A."""
 
-STEP_GRID = 5e-5
-"""Steps that are recommended are multiples of this [s]."""
+FINER_STEPS = (1e-3, 5e-4, 2.5e-4, 1e-4, 5e-5)
+"""Steps that are recommended [s]: whole parts of a millisecond, and so of most sample intervals."""
 
 
 class Monitor:
@@ -198,7 +198,7 @@ class Monitor:
             if error > MISSED * mean_load:
                 enough = float(own.bend_step) * (MISSED * mean_load / error) ** 0.5
                 at, missed = (float(own.bend_at), float(own.bend_s)), (float(own.bend_force), error)
-                enough = max(enough // STEP_GRID, 1.0) * STEP_GRID
+                enough = next((finer for finer in FINER_STEPS if finer <= enough), FINER_STEPS[-1])
                 found.append(Event("strike", wheel.wheelset, at, at, wheel.side, 0, missed, enough))
         return sorted(found, key=lambda event: (event.start, event.part, event.side))
 
