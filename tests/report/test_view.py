@@ -80,9 +80,9 @@ def test_pressures_between_the_kept_moments_are_those_of_the_samples(coach: Resu
     found = with_moments(coach.dataset, setup, samples)
     p0 = coach.dataset["p0"].values[samples]
     again = np.nanmax(np.nan_to_num(found["strip_p"].values), axis=-1)
-    # p0 is the vertex between the middles of strips: above the largest of them by the sag of a step, some per cent
+    # p0 is the vertex between the middles of strips: up to 2.3 % above the largest of them
     ratio = again[np.isfinite(p0)] / p0[np.isfinite(p0)]
-    assert ratio.min() > 0.95 and ratio.max() < 1.003
+    assert ratio.min() > 0.975 and ratio.max() < 1.003
 
 
 def test_what_contacts_solved_again_have_to_say_stands_among_the_notes(
