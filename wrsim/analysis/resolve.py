@@ -86,7 +86,7 @@ def resolve(
                 wheel.model.turn_rail(wheel.side * twist, wheel.side * left, up)
                 wheel.model.arrays.pose[:] = poses[moment, j]
                 fields, words = _settle(wheel, float(loads[row, j]) if keep == "load" else 0.0)
-                raw.store(row, j, wheel.model)
+                raw.store(row, j, wheel.model.arrays)
                 words = "; ".join(filter(None, (words, status_words(wheel.model.arrays.status))))
                 remarks[row] += f"{'; ' if remarks[row] else ''}the {wheel.name} wheel: {words}" if words else ""
             elements.append(fields)

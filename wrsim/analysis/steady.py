@@ -20,7 +20,8 @@ from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.result import stack_wheelsets
 from wrsim.analysis.motion.start import enough, on_the_rails, start_state
 from wrsim.analysis.progress import Progress, Report
-from wrsim.contact.channels import RawContacts, contact_channels, remarks_channel
+from wrsim.contact.channels import contact_channels, remarks_channel
+from wrsim.contact.patches import RawContacts
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
 from wrsim.results import Result, assemble
@@ -106,7 +107,7 @@ def _store(i: int, found: Found, raw: list[RawContacts], poses: Array) -> None:
     law = found.law
     for w, (pair, mounted) in enumerate(zip(law.wheels, law.vehicle.wheelsets, strict=True)):
         for j, wheel in enumerate(pair):
-            raw[w].store(i, j, wheel.model)
+            raw[w].store(i, j, wheel.model.arrays)
         own = slice(6 * w, 6 * w + 6)
         poses[i, w] = np.ravel(
             poses_on_track(law.track.centre, found.q[None, own], found.q_t[None, own], law.start + mounted.x)

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wrsim.contact.channels import RawContacts, patch_channels
+from wrsim.contact.patches import RawContacts, patch_channels
 from wrsim.contact.workspace import pack
 from wrsim.core.contact import records as k
+from wrsim.core.contact.arrays import Arrays
 from wrsim.core.contact.prescribed_load import SEARCH, side_by_side, some_poses
 from wrsim.core.contact.wheel_rail import compile_stages
 from wrsim.core.jit import Array, Records, stages
 from wrsim.core.jit.compiling import cores, use_threads
 from wrsim.errors import InputError
-
-if TYPE_CHECKING:
-    from wrsim.contact.model import ContactModel
 
 LOAD_TOLERANCE = 1e-8  # of the vertical force: ten times what cold contacts of the strip model are solved to
 DEEPEST = 5e-3  # approach at which the search for the load is given up [m]
@@ -72,7 +69,7 @@ def search_for(
 
 
 def evaluate_poses(
-    model: ContactModel, poses: ArrayLike, load: ArrayLike | None, place: float, threads: int | None
+    inputs: Arrays, poses: ArrayLike, load: ArrayLike | None, place: float, threads: int | None
 ) -> Contacts:
     """See `ContactModel.evaluate_many` and `ContactModel.solve_many`; without a load the heights are as they are."""
     rows = np.array(poses, dtype=float)
@@ -92,13 +89,10 @@ def evaluate_poses(
         if bad.any():
             i = int(np.argmax(bad))
             raise InputError(f"load = {wanted[i]:g} of pose {i}: must be a vertical force above 0 N")
-    if model.normal.solve is not None:
-        raise InputError(f'normal = "{model.settings.normal}": has no compiled batch; solve_poses solves its poses')
     count = cores() if threads is None else threads
     use_threads(count)
     count = min(count, n)
     share = -(-n // count)
-    inputs = model.inputs
     number = inputs.settings[0]
     compile_stages(k.CONTACT)
     stages.make_ready(k.POSES, some_poses)

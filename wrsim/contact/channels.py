@@ -1,27 +1,18 @@
-"""From the kernel's records to named channels.
-
-Raw arrays are stacked over samples and wheels, one row per lobe. Lobes that share a patch (core.contact.search.lobes)
-are joined here: forces and areas add up, extremes are taken over all, the main point is that of the deepest lobe.
-Patches are put in the order of their normal force, largest first; absent ones become not-a-number.
-"""
+"""From the kernel's records to named channels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.model import ContactModel
+from wrsim.contact.patches import RawContacts, of_main, of_patches, patches_of
 from wrsim.core.contact import records as k
 from wrsim.core.contact.search.locus import outline
 from wrsim.core.jit import Array, Records
 from wrsim.geometry.profile.profile import Profile
 
-_SUMS = {"N": "N", "Fx": "Fx", "Fy": "Fy", "area": "area", "n_strips": "n_strips"}
-_LARGEST = {"p0": "p0", "contact_angle_max": "angle_max", "length": "length"}
-_OF_MAIN = {"contact_angle": "angle", "approach": "approach", "xi": "xi", "eta": "eta", "phi": "phi", "x_contact": "x"}
 _OF_STRIPS = ("s", "ds", "x", "a", "p", "o", "b", "N", "Fx", "Fy", "xi", "eta", "phi", "mu")
 _RENAMED = {"o": "y", "b": "z", "mu": "friction"}
 _STRIP_CHANNELS = {f"strip_{_RENAMED.get(name, name)}": name for name in _OF_STRIPS}
@@ -30,9 +21,6 @@ POSE_CHANNELS = {"wheel_origin": 0, "wheel_axle": 3, "wheel_velocity": 6, "wheel
 
 OUTLINE_POINTS = 500
 MOST_FIELDS = 100
-
-
-NO_CONTACT = tuple(np.nan if k.TOTAL[name].kind == "f" else 0 for name in k.TOTAL.names)
 
 
 @dataclass(frozen=True)
@@ -51,95 +39,9 @@ class WheelOnRail:
         return "left" if self.side > 0 else "right"
 
 
-@dataclass(frozen=True)
-class RawContacts:
-    """Copies of the kernel's results over samples: LOBE records (S, W, P) and TOTAL records (S, W)."""
-
-    patches: Records
-    totals: Records
-
-    @classmethod
-    def empty(cls, samples: int, wheels: int, patches: int) -> "RawContacts":
-        """Zeros for that many samples."""
-        return cls(np.zeros((samples, wheels, patches), k.LOBE), np.zeros((samples, wheels), k.TOTAL))
-
-    def store(self, sample: int, wheel: int, model: ContactModel) -> None:
-        """Copy what the model computed last."""
-        self.patches[sample, wheel] = model.arrays.patches
-        self.totals[sample, wheel] = model.arrays.total
-
-    def clear(self, sample: int) -> None:
-        """Nothing was found at this sample."""
-        self.patches[sample] = np.zeros((), k.LOBE)
-        self.totals[sample] = NO_CONTACT
-
-    def first(self, samples: int) -> "RawContacts":
-        """The first samples alone."""
-        return RawContacts(self.patches[:samples], self.totals[:samples])
-
-
-class _Patches(NamedTuple):
-    """Which lobes make which patch: member (S, W, patch, lobe), main lobe (S, W, patch), present (S, W, patch)."""
-
-    member: NDArray[np.bool_]
-    main: NDArray[np.intp]
-    present: NDArray[np.bool_]
-
-
-def _patches(raw: RawContacts) -> _Patches:
-    lobes = raw.patches.shape[2]
-    loaded = (np.arange(lobes) < raw.totals["lobes"][..., None]) & (raw.patches["N"] > 0.0)
-    group = np.where(loaded, raw.patches["group"], -1.0)
-    member = group[..., None, :] == np.arange(lobes)[:, None]
-    force = np.where(member, raw.patches["N"][..., None, :], 0.0).sum(axis=-1)
-    order = np.argsort(-force, axis=-1, kind="stable")
-    member = np.take_along_axis(member, order[..., None], axis=2)
-    depth = np.where(member, raw.patches["approach"][..., None, :], -1.0)
-    return _Patches(member, depth.argmax(axis=-1), np.any(member, axis=-1))
-
-
 def remarks_channel(remarks: Sequence[str]) -> dict[str, NDArray[np.str_]]:
     """The channel ``contact_remark``, where solved contacts have remarks."""
     return {"contact_remark": np.array(remarks)} if any(remarks) else {}
-
-
-def patch_channels(raw: RawContacts) -> dict[str, Array]:
-    """Channels (sample, wheel, patch) that need no more than the kernel's results; not-a-number without a patch."""
-    p = _patches(raw)
-    return {name: np.where(p.present, values, np.nan) for name, values in _of_patches(raw, p).items()}
-
-
-def _over(raw: RawContacts, p: _Patches, name: str) -> Array:
-    """Values of every lobe, seen from every patch: (S, W, patch, lobe)."""
-    return np.broadcast_to(raw.patches[name][..., None, :], p.member.shape)
-
-
-def _of_main(raw: RawContacts, p: _Patches, name: str) -> Array:
-    """Values of the main lobe of every patch."""
-    return np.take_along_axis(_over(raw, p, name), p.main[..., None], axis=-1)[..., 0]
-
-
-def _of_patches(raw: RawContacts, p: _Patches) -> dict[str, Array]:
-    over, of_main = partial(_over, raw, p), partial(_of_main, raw, p)
-    channels = {name: np.where(p.member, over(c), 0.0).sum(axis=-1) for name, c in _SUMS.items()}
-    channels |= {name: np.where(p.member, over(c), -np.inf).max(axis=-1) for name, c in _LARGEST.items()}
-    channels |= {name: of_main(c) for name, c in _OF_MAIN.items()}
-    channels["contact_angle_min"] = np.where(p.member, over("angle_min"), np.inf).min(axis=-1)
-    weight = np.where(p.member, over("N"), 0.0)
-    mean = over("angle_mean")
-    channels["contact_angle_mean"] = np.arctan2(
-        (weight * np.sin(mean)).sum(axis=-1), (weight * np.cos(mean)).sum(axis=-1)
-    )
-    place = over("arc_rail")
-    ends = np.where(p.member, place + over("end"), -np.inf).max(axis=-1)
-    starts = np.where(p.member, place + over("start"), np.inf).min(axis=-1)
-    channels["width"] = np.where(p.present, ends, 0.0) - np.where(p.present, starts, 0.0)
-    # moments of the lobes about their own main points, brought to the patch's one
-    lever_s = place - of_main("arc_rail")[..., None]
-    lever_x = over("x") - of_main("x")[..., None]
-    moments = over("Mz") + lever_x * over("Fy") - lever_s * over("Fx")
-    channels["spin_moment"] = np.where(p.member, moments, 0.0).sum(axis=-1)
-    return channels
 
 
 def contact_channels(
@@ -150,18 +52,18 @@ def contact_channels(
     widening: designed gauge beyond the nominal one, (S,) or one [m]; uneven: irregularities under the wheels, to the
     left and up, (S, W, 2) or none [m].
     """
-    p = _patches(raw)
-    channels = _of_patches(raw, p)
+    p = patches_of(raw)
+    channels = of_patches(raw, p)
     # main points on the profiles and in the track frame
     left, up = np.moveaxis(np.broadcast_to(uneven, (*raw.patches.shape[:2], 2)), -1, 0)
     half_widening = 0.5 * np.broadcast_to(widening, raw.patches.shape[:1])
-    of_main = {name: _of_main(raw, p, name) for name in ("arc_wheel", "arc_rail", "o", "b")}
+    main = {name: of_main(raw, p, name) for name in ("arc_wheel", "arc_rail", "o", "b")}
     for name, body in (("u_wheel", "wheel"), ("u_rail", "rail")):
-        channels[name] = of_main[f"arc_{body}"].copy()
+        channels[name] = main[f"arc_{body}"].copy()
         for i, wheel in enumerate(wheels):
             profile: Profile = getattr(wheel.model, body)
             channels[name][:, i] = profile.at(np.clip(channels[name][:, i], 0.0, profile.length))[0]
-    channels |= {"y_contact": of_main["o"].copy(), "z_contact": of_main["b"].copy()}
+    channels |= {"y_contact": main["o"].copy(), "z_contact": main["b"].copy()}
     for i, wheel in enumerate(wheels):
         o, b = wheel.rail_origin
         channels["y_contact"][:, i] = wheel.side * (o + half_widening[:, None] + channels["y_contact"][:, i])
@@ -170,13 +72,6 @@ def contact_channels(
     t = raw.totals
     own = {"Y": -t["Fo"], "Q": t["Fb"], "X": -t["Ft"], "T_gamma": t["wear"], "n_patches": t["patches"].astype(float)}
     return own | {name: np.where(p.present, values, np.nan) for name, values in channels.items()}
-
-
-def patch_wear_numbers(raw: RawContacts) -> Array:
-    """T-gamma of every patch [N], (sample, wheel, patch); not-a-number where there is none."""
-    p = _patches(raw)
-    own = np.where(p.member, raw.patches["wear"][..., None, :], 0.0).sum(axis=-1)
-    return np.where(p.present, own, np.nan)
 
 
 @dataclass(frozen=True)
@@ -212,8 +107,8 @@ class StripRecorder:
         patches = self.wheels[0].model.arrays.patches.shape[0]
         raw = RawContacts.empty(1, len(self.wheels), patches)
         for i, wheel in enumerate(self.wheels):
-            raw.store(0, i, wheel.model)
-        found, strips = _patches(raw), {}
+            raw.store(0, i, wheel.model.arrays)
+        found, strips = patches_of(raw), {}
         for i, j in zip(*np.nonzero(found.present[0]), strict=True):
             a, main = self.wheels[i].model.arrays, found.main[0, i, j]
             parts = []

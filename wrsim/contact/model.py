@@ -6,12 +6,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from wrsim.contact import tables
+from wrsim.contact.batch import Contacts, evaluate_poses
 from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, Tangential
 from wrsim.contact.workspace import KernelArrays, Workspace, pack
 from wrsim.core.contact import records as k
@@ -20,11 +21,9 @@ from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECTORS
 from wrsim.core.contact.wheel_rail import compile_stages
 from wrsim.core.jit import Array, Records
+from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rolled_rail import RolledRail
-
-if TYPE_CHECKING:
-    from wrsim.contact.batch import Contacts
 
 SEARCH_REACH = 0.75e-3  # distance of the search's samples near the rail [m]
 EPSILON = 0.55  # [S 23]
@@ -143,7 +142,7 @@ class ContactModel:
         self.arrays.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
         return Contact.copy_from(self.arrays, self.solve())
 
-    def evaluate_many(self, poses: ArrayLike, *, place: float = 0.0, threads: int | None = None) -> "Contacts":
+    def evaluate_many(self, poses: ArrayLike, *, place: float = 0.0, threads: int | None = None) -> Contacts:
         """Contacts at many poses, each to the bit as from `evaluate`, whatever their order and the threads.
 
         Parameters
@@ -165,13 +164,11 @@ class ContactModel:
         InputError
             For another shape, numbers that are not finite, more threads than cores, the exact half-space solver.
         """
-        from wrsim.contact.batch import evaluate_poses
-
-        return evaluate_poses(self, poses, None, place, threads)
+        return evaluate_poses(self._batch_inputs, poses, None, place, threads)
 
     def solve_many(
         self, poses: ArrayLike, load: ArrayLike, *, place: float = 0.0, threads: int | None = None
-    ) -> "Contacts":
+    ) -> Contacts:
         """Contacts of many poses, each at the height at which its vertical force is the load to 1e-8 of it.
 
         The search begins at the height of the pose, in contact or above its rail, and the strip model with the contact
@@ -199,14 +196,18 @@ class ContactModel:
         InputError
             As `evaluate_many`, and for loads of another shape or not above 0.
         """
-        from wrsim.contact.batch import evaluate_poses
-
-        return evaluate_poses(self, poses, load, place, threads)
+        return evaluate_poses(self._batch_inputs, poses, load, place, threads)
 
     def turn_rail(self, twist: float, outward: float, up: float) -> None:
         """Set how the rail turns and bends where the wheel is; see `evaluate`."""
         settings = self.arrays.settings
         settings.twist, settings.bow_o, settings.bow_b = twist, outward, up
+
+    @property
+    def _batch_inputs(self) -> Arrays:
+        if self.normal.solve is not None:
+            raise InputError(f'normal = "{self.settings.normal}": has no compiled batch; solve_poses solves its poses')
+        return self.inputs
 
     @property
     def friction_here(self) -> Friction:

@@ -18,7 +18,8 @@ from wrsim.analysis.contacts import friction_channels
 from wrsim.analysis.motion import body_channels as states
 from wrsim.analysis.motion.body_channels import uneven
 from wrsim.analysis.motion.messages import Event, event_words
-from wrsim.contact.channels import RawContacts, StripRecorder, contact_channels, patch_wear_numbers
+from wrsim.contact.channels import StripRecorder, contact_channels
+from wrsim.contact.patches import RawContacts, patch_wear_numbers
 from wrsim.contact.wear.laws import fatigue_channels
 from wrsim.contact.wear.losses import ZONES, Losses, ways
 from wrsim.errors import SimulationError
@@ -133,7 +134,7 @@ def _block(
         law(times[i], q[i], q_t[i], out)
         for w, pair in enumerate(law.wheels):
             for j, wheel in enumerate(pair):
-                raw[w].store(i, j, wheel.model)
+                raw[w].store(i, j, wheel.model.arrays)
             if losses is not None:
                 losses.store(w, block.start + i)
         records[i] = law.records

@@ -13,8 +13,9 @@ from wrsim.analysis.contacts import wheels_on_rails
 from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
 from wrsim.analysis.poses.solver import PoseSolver, Solved
 from wrsim.analysis.progress import Progress, Report
-from wrsim.contact.channels import RawContacts, StripRecorder, WheelOnRail, contact_channels, remarks_channel
+from wrsim.contact.channels import StripRecorder, WheelOnRail, contact_channels, remarks_channel
 from wrsim.contact.model import ContactModel
+from wrsim.contact.patches import RawContacts
 from wrsim.contact.pose import Pose
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.track import STANDARD_GAUGE
@@ -136,7 +137,7 @@ def _solved(
         for i, pose in enumerate(poses):
             solved = solver.solve(pose)
             for j, wheel in enumerate(wheels):
-                raw.store(i, j, wheel.model)
+                raw.store(i, j, wheel.model.arrays)
             strips.store(solver.elements())
             if not np.isfinite(solved.height):
                 raw.clear(i)

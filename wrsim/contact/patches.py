@@ -1,0 +1,118 @@
+"""Of the kernel's records: which lobes make which patch, and the quantities of patches.
+
+Raw arrays are stacked over samples and wheels, one row per lobe. Lobes that share a patch (core.contact.search.lobes)
+are joined here: forces and areas add up, extremes are taken over all, the main point is that of the deepest lobe.
+Patches are put in the order of their normal force, largest first; absent ones become not-a-number.
+"""
+
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.contact.workspace import KernelArrays
+from wrsim.core.contact import records as k
+from wrsim.core.jit import Array, Records
+
+_SUMS = {"N": "N", "Fx": "Fx", "Fy": "Fy", "area": "area", "n_strips": "n_strips"}
+_LARGEST = {"p0": "p0", "contact_angle_max": "angle_max", "length": "length"}
+_OF_MAIN = {"contact_angle": "angle", "approach": "approach", "xi": "xi", "eta": "eta", "phi": "phi", "x_contact": "x"}
+
+NO_CONTACT = tuple(np.nan if k.TOTAL[name].kind == "f" else 0 for name in k.TOTAL.names)
+
+
+@dataclass(frozen=True)
+class RawContacts:
+    """Copies of the kernel's results over samples: LOBE records (S, W, P) and TOTAL records (S, W)."""
+
+    patches: Records
+    totals: Records
+
+    @classmethod
+    def empty(cls, samples: int, wheels: int, patches: int) -> "RawContacts":
+        """Zeros for that many samples."""
+        return cls(np.zeros((samples, wheels, patches), k.LOBE), np.zeros((samples, wheels), k.TOTAL))
+
+    def store(self, sample: int, wheel: int, arrays: KernelArrays) -> None:
+        """Copy what the kernel computed last."""
+        self.patches[sample, wheel] = arrays.patches
+        self.totals[sample, wheel] = arrays.total
+
+    def clear(self, sample: int) -> None:
+        """Nothing was found at this sample."""
+        self.patches[sample] = np.zeros((), k.LOBE)
+        self.totals[sample] = NO_CONTACT
+
+    def first(self, samples: int) -> "RawContacts":
+        """The first samples alone."""
+        return RawContacts(self.patches[:samples], self.totals[:samples])
+
+
+class PatchesOf(NamedTuple):
+    """Which lobes make which patch: member (S, W, patch, lobe), main lobe (S, W, patch), present (S, W, patch)."""
+
+    member: NDArray[np.bool_]
+    main: NDArray[np.intp]
+    present: NDArray[np.bool_]
+
+
+def patches_of(raw: RawContacts) -> PatchesOf:
+    """Lobes by patch, patches in the order of their normal force."""
+    lobes = raw.patches.shape[2]
+    loaded = (np.arange(lobes) < raw.totals["lobes"][..., None]) & (raw.patches["N"] > 0.0)
+    group = np.where(loaded, raw.patches["group"], -1.0)
+    member = group[..., None, :] == np.arange(lobes)[:, None]
+    force = np.where(member, raw.patches["N"][..., None, :], 0.0).sum(axis=-1)
+    order = np.argsort(-force, axis=-1, kind="stable")
+    member = np.take_along_axis(member, order[..., None], axis=2)
+    depth = np.where(member, raw.patches["approach"][..., None, :], -1.0)
+    return PatchesOf(member, depth.argmax(axis=-1), np.any(member, axis=-1))
+
+
+def patch_channels(raw: RawContacts) -> dict[str, Array]:
+    """Channels (sample, wheel, patch) that need no more than the kernel's results; not-a-number without a patch."""
+    p = patches_of(raw)
+    return {name: np.where(p.present, values, np.nan) for name, values in of_patches(raw, p).items()}
+
+
+def _over(raw: RawContacts, p: PatchesOf, name: str) -> Array:
+    """Values of every lobe, seen from every patch: (S, W, patch, lobe)."""
+    return np.broadcast_to(raw.patches[name][..., None, :], p.member.shape)
+
+
+def of_main(raw: RawContacts, p: PatchesOf, name: str) -> Array:
+    """Values of the main lobe of every patch."""
+    return np.take_along_axis(_over(raw, p, name), p.main[..., None], axis=-1)[..., 0]
+
+
+def of_patches(raw: RawContacts, p: PatchesOf) -> dict[str, Array]:
+    """Channels (sample, wheel, patch) of patches, and any number where there is none."""
+    over, main = partial(_over, raw, p), partial(of_main, raw, p)
+    channels = {name: np.where(p.member, over(c), 0.0).sum(axis=-1) for name, c in _SUMS.items()}
+    channels |= {name: np.where(p.member, over(c), -np.inf).max(axis=-1) for name, c in _LARGEST.items()}
+    channels |= {name: main(c) for name, c in _OF_MAIN.items()}
+    channels["contact_angle_min"] = np.where(p.member, over("angle_min"), np.inf).min(axis=-1)
+    weight = np.where(p.member, over("N"), 0.0)
+    mean = over("angle_mean")
+    channels["contact_angle_mean"] = np.arctan2(
+        (weight * np.sin(mean)).sum(axis=-1), (weight * np.cos(mean)).sum(axis=-1)
+    )
+    place = over("arc_rail")
+    ends = np.where(p.member, place + over("end"), -np.inf).max(axis=-1)
+    starts = np.where(p.member, place + over("start"), np.inf).min(axis=-1)
+    channels["width"] = np.where(p.present, ends, 0.0) - np.where(p.present, starts, 0.0)
+    # moments of the lobes about their own main points, brought to the patch's one
+    lever_s = place - main("arc_rail")[..., None]
+    lever_x = over("x") - main("x")[..., None]
+    moments = over("Mz") + lever_x * over("Fy") - lever_s * over("Fx")
+    channels["spin_moment"] = np.where(p.member, moments, 0.0).sum(axis=-1)
+    return channels
+
+
+def patch_wear_numbers(raw: RawContacts) -> Array:
+    """T-gamma of every patch [N], (sample, wheel, patch); not-a-number where there is none."""
+    p = patches_of(raw)
+    own = np.where(p.member, raw.patches["wear"][..., None, :], 0.0).sum(axis=-1)
+    return np.where(p.present, own, np.nan)
