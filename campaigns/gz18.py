@@ -2,7 +2,7 @@
 
 Run: python campaigns/gz18.py [--json] [MODEL ...]. How fast it runs through the curve of 300 m with AAR5
 irregularities at 60 km/h: simulated over processor time of the integration, least of the repetitions, one core; beside
-that of ORVD and that of Kik-Piotrowski with RK44 at 0.5 ms in the same process.
+that of Kik-Piotrowski with RK44 at 0.5 ms in the same process.
 
 The tables lie in ``shared/reference/gz18`` beside the clone, or in the folder that WRSIM_SHARED names in the place of
 ``shared``. Their axes are y right, z down; here they become ours.
@@ -30,8 +30,6 @@ from wrsim.simulation.system import BodySystem
 
 ROOT = Path(__file__).parents[1]
 TABLES = Path(os.environ.get("WRSIM_SHARED", ROOT.parent / "shared")) / "reference" / "gz18"
-PEER = 0.34
-"""Times real time of ORVD in this case on this class of machine."""
 RUN_M = 150.0
 REPETITIONS = 2
 REFERENCE = "kik-piotrowski, rk44"
@@ -167,7 +165,6 @@ def main(arguments: list[str]) -> int:
         for name in names:
             found[name] = timed(Path(folder), CASES[name])
             speed = found[name]["real_time"]
-            found[name]["times_orvd"] = speed / PEER
             if REFERENCE in found:
                 found[name]["times_rk44"] = speed / found[REFERENCE]["real_time"]
             print(f"{name}: " + ", ".join(f"{key} {value:.3g}" for key, value in found[name].items()), flush=True)
