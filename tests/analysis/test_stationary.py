@@ -12,8 +12,7 @@ from support.vehicles import COARSE, manchester, on_track, shipped
 
 from wrsim.analysis import run
 from wrsim.analysis.ride import evaluate_ride
-from wrsim.analysis.stationary import rotation_test as rotation
-from wrsim.analysis.stationary import twist_test as twist
+from wrsim.analysis.stationary import loops
 from wrsim.analysis.stationary.at_rest import tables_at_rest
 from wrsim.errors import InputError
 from wrsim.scenario.loading import load
@@ -21,7 +20,7 @@ from wrsim.vehicle.bogies import bogies_of
 from wrsim.vehicle.elements import Slider, Strut
 from wrsim.vehicle.vehicle import Member, Vehicle
 
-SLOW, FAST = rotation.RATES
+SLOW, FAST = loops.RATES
 
 
 def with_struts(kind: str, places: list[tuple[str, str, tuple[float, float, float]]], **keys: object) -> Vehicle:
@@ -33,16 +32,16 @@ def with_struts(kind: str, places: list[tuple[str, str, tuple[float, float, floa
 # --- twist ------------------------------------------------------------------------------------------------
 def test_the_twists_of_the_standard_join_where_their_formulas_meet():
     for length in (4.0, 20.0, 30.0):
-        assert twist.lone_twist(length) == pytest.approx(twist.lone_twist(length * (1 + 1e-9)), rel=1e-6)
-    assert twist.body_twist(3.0) == pytest.approx(7e-3) and twist.body_twist(1.0) == pytest.approx(7e-3)
+        assert loops.lone_twist(length) == pytest.approx(loops.lone_twist(length * (1 + 1e-9)), rel=1e-6)
+    assert loops.body_twist(3.0) == pytest.approx(7e-3) and loops.body_twist(1.0) == pytest.approx(7e-3)
     # together under the whole length: 2 per mille and 20 mm less what the bogie has of its own
-    assert 19.0 * twist.body_twist(19.0) == pytest.approx(15e-3 + 2e-3 * 19.0)
-    assert 2.56 * twist.bogie_twist(2.56) == pytest.approx(7e-3 * 2.56 - 5e-3)
+    assert 19.0 * loops.body_twist(19.0) == pytest.approx(15e-3 + 2e-3 * 19.0)
+    assert 2.56 * loops.bogie_twist(2.56) == pytest.approx(7e-3 * 2.56 - 5e-3)
 
 
 def test_twisted_bogies_unload_wheels_by_the_roll_stiffness_of_their_axles():
     # primary springs of 1220 kN/m, 1 m to either side; each axle rolls against a level frame, wheels 1.5 m apart
-    found = twist.twist_test(manchester(), 0.0, 5e-3)
+    found = loops.twist_test(manchester(), 0.0, 5e-3)
     force = 2.0 * 1220e3 * 1.0**2 * (5e-3 * 1.28 / 1.5) / 1.5
     assert found.unloading == pytest.approx(force / found.static, rel=2e-3)
     assert found.friction == pytest.approx(0.0, abs=1e-9)
@@ -51,7 +50,7 @@ def test_twisted_bogies_unload_wheels_by_the_roll_stiffness_of_their_axles():
 def test_a_twisted_body_unloads_wheels_by_both_stages_in_series():
     # of a bogie: 4 primary springs; 2 secondary springs that also bend, and an anti-roll bar. The body yaws until
     # nothing pushes sideways: its load leans by half of the roll of the columns, and half of load over shear stiffness
-    found = twist.twist_test(manchester(), 4e-3, 0.0)
+    found = loops.twist_test(manchester(), 4e-3, 0.0)
     load = 16e3 * 9.80665
     aside = 0.525 - 0.46 + 0.5 * 0.605 + 0.5 * load / (2.0 * 160e3)
     primary, secondary = 4.0 * 1220e3, 2.0 * 430e3 + 2.0 * 10.5e3 + 940e3 - load * aside
@@ -70,19 +69,19 @@ def test_friction_in_a_box_opens_the_loop_by_its_force():
         for y in (1.0, -1.0)
     ]
     vehicle = with_struts("friction", places, axis=2, slider=Slider("coulomb", 8e6, force))
-    found, free = (twist.twist_test(v, 0.0, 5e-3) for v in (vehicle, manchester()))
+    found, free = (loops.twist_test(v, 0.0, 5e-3) for v in (vehicle, manchester()))
     assert found.static == pytest.approx(free.static, rel=1e-6)
     # two faces 1 m from the middle against wheels 0.75 m from it; what slides at the end of the twist, too
     assert found.friction == pytest.approx(2.0 * force / 1.5 / free.static, rel=1e-3)
     assert found.unloading - free.unloading == pytest.approx(found.friction, rel=1e-3)
     # the loop is closed, and its first way lies within it
-    closed = found.wheel_loads[found.closed]
+    closed = found.wheel_loads[loops.TWIST_STEPS :]
     assert closed[0] == pytest.approx(closed[-1], abs=1.0)
-    assert (found.wheel_loads[: twist.QUARTER] >= closed.min(axis=0) - 1.0).all()
+    assert (found.wheel_loads[: loops.TWIST_STEPS] >= closed.min(axis=0) - 1.0).all()
 
 
 def test_both_ways_of_the_freight_wagon_differ_by_no_more_than_its_guides_hold():
-    found = twist.twist_test(shipped("freight_y25"))
+    found = loops.twist_test(shipped("freight_y25"))
     # 0.3 * 0.364 of what the spring carries: the wheel less half of a wheelset
     carried = found.static - 0.5 * 1300 * 9.80665
     bound = 2.0 * 0.3 * 0.364 * carried / 1.5 / found.static
@@ -99,7 +98,7 @@ GIVING = OWN / (4.0 * 160e3 * 9.5**2 + OWN) + OWN / (4.0 * (31391e3 * 1.0**2 + 3
 
 
 def test_linear_springs_resist_by_their_stiffness_in_series_with_what_holds_body_and_frame():
-    found = rotation.rotation_test(manchester(), bogies_of(manchester())[0], 0.01 * SLOW, 1500.0)
+    found = loops.rotation_test(manchester(), bogies_of(manchester())[0], 0.01 * SLOW, 1500.0)
     stiffness = OWN / (1.0 + GIVING)
     assert found.moment == pytest.approx(stiffness * found.angle, abs=5e-4 * found.largest)
     assert found.angle.max() == pytest.approx(9.5 / 1500.0, rel=1e-4)
@@ -112,7 +111,7 @@ def test_yaw_dampers_resist_with_the_rate_of_the_turntable():
     places = [("front.frame", "carbody", (9.5, y, 0.8)) for y in (b, -b)]
     vehicle = with_struts("damper", places, axis=0, damping=c, series=5e6)
     slow, fast, free = (
-        rotation.rotation_test(v, bogies_of(v)[0], rate, 1500.0)
+        loops.rotation_test(v, bogies_of(v)[0], rate, 1500.0)
         for v, rate in ((vehicle, SLOW), (vehicle, FAST), (manchester(), 0.01 * SLOW))
     )
     damping = 2.0 * c * b**2 / (1.0 + GIVING) ** 2  # what gives way takes of the rate, and of the springs' angle
@@ -121,7 +120,7 @@ def test_yaw_dampers_resist_with_the_rate_of_the_turntable():
 
 
 def test_sliding_bearers_and_a_bowl_resist_by_friction_times_load_times_arm():
-    found = rotation.rotation_test(shipped("freight_y25"), bogies_of(shipped("freight_y25"))[0], SLOW)
+    found = loops.rotation_test(shipped("freight_y25"), bogies_of(shipped("freight_y25"))[0], SLOW)
     bowl = 0.25 * 0.5 * (12600 * 9.80665 / 2.0 - 2 * 14e3) * 0.12
     bearers = 0.3 * 14e3 * 0.85
     assert found.largest == pytest.approx(2.0 * (bowl + bearers), rel=1e-3)
@@ -136,7 +135,7 @@ LONG = (pytest.param(name, marks=pytest.mark.campaign) for name in ("gz18", "irw
 @pytest.mark.parametrize("name", ["manchester_1", *LONG])
 def test_bogies_at_either_end_are_alike(name):
     vehicle = shipped(name)
-    front, rear = (rotation.rotation_test(vehicle, b, FAST).factor for b in bogies_of(vehicle))
+    front, rear = (loops.rotation_test(vehicle, b, FAST).factor for b in bogies_of(vehicle))
     assert front == pytest.approx(rear, rel=1e-6)
 
 
@@ -154,12 +153,12 @@ def test_an_axle_is_held_by_a_frame_and_not_by_its_own_bridge():
 
 # --- the command ------------------------------------------------------------------------------------------
 def test_the_command_makes_both_tests_and_draws_their_loops(tmp_path):
-    loops = tmp_path / "loops.png"
-    linear = ["vehicle", "vehicles/manchester_1.toml", "--twist-test", "--rotation-test", "--loops", str(loops)]
+    picture = tmp_path / "loops.png"
+    linear = ["vehicle", "vehicles/manchester_1.toml", "--twist-test", "--rotation-test", "--loops", str(picture)]
     found = json.loads(call(*linear, "--twists", "0", "0", "--json").stdout)
     assert found["twist_test"]["largest_unloading"] == pytest.approx(0.0, abs=1e-6)
     assert [t["bogie"] for t in found["rotation_test"]] == ["front.frame"] * 2 + ["rear.frame"] * 2
-    assert loops.stat().st_size > 10_000
+    assert picture.stat().st_size > 10_000
     (table,) = (t for t in tables_at_rest(found) if t.title.startswith("rotation test"))
     assert [row[-1] for row in table.rows] == [t["X"] for t in found["rotation_test"]]
 
@@ -180,14 +179,14 @@ def test_options_without_their_test_are_refused(asked, said):
 def test_a_train_is_tested_vehicle_by_vehicle():
     train = replace(manchester(), members=(Member("coach", 4, 3),))
     with pytest.raises(InputError, match="is a train: its vehicles are tested one by one"):
-        twist.twist_test(train)
+        loops.twist_test(train)
 
 
 def test_a_vehicle_without_bogies_cannot_turn_them():
     with pytest.raises(InputError, match="has no bogies to turn"):
-        rotation.turning_bogies(shipped("cooperrider_bogie"))
+        loops.turning_bogies(shipped("cooperrider_bogie"))
     with pytest.raises(InputError, match="no wider than half of its pivots"):
-        rotation.rotation_test(manchester(), bogies_of(manchester())[0], SLOW, 9.0)
+        loops.rotation_test(manchester(), bogies_of(manchester())[0], SLOW, 9.0)
 
 
 # The shipped ride of the coach, in short: from even track onto ERRI low.

@@ -7,7 +7,7 @@ import pytest
 from support.vehicles import ROOT, SHORT, into_the_curve
 
 from wrsim.analysis.contacts import force_law
-from wrsim.analysis.motion.messages import OffRail, event_words
+from wrsim.analysis.motion.messages import event_words
 from wrsim.analysis.motion.monitor import STRIKE, Monitor
 from wrsim.plots import standard_figures
 from wrsim.plots.style import save
@@ -77,8 +77,7 @@ def test_a_flange_over_its_rail_is_a_derailment() -> None:
     assert reason is not None
     assert "of wheelset front.outer has climbed over its rail" in reason
     off = monitor.look(0.1, q, q_t)
-    assert isinstance(off, OffRail)
-    assert (off.wheelset, off.how) == ("front.outer", "climbed")
+    assert off is not None and off.kind == "derailed" and off.words in reason
 
 
 def test_a_strike_that_the_step_does_not_resolve_is_an_event_with_the_step_that_does() -> None:

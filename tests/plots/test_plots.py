@@ -9,14 +9,13 @@ from matplotlib.figure import Figure
 from support import synthetic_result
 
 from wrsim.plots import new_figure, patch_gallery, section_gallery, standard_figures, standard_pictures, style
-from wrsim.plots.colours import WHEEL_COLOUR
 from wrsim.plots.cross_section import cross_section_zoom
 from wrsim.plots.histories import channels_figure, contact_angle, history, overview_figure, track_layout
 from wrsim.plots.marks import broken
 from wrsim.plots.moments import PatchAt, choose_moments, moment_title, snapshot_letter
 from wrsim.plots.patches import contact_patch, pressure_scale
 from wrsim.plots.static import against_pose, static_figure
-from wrsim.plots.style import pressure_map
+from wrsim.plots.style import WHEEL_COLOUR, pressure_map
 from wrsim.results import Result
 
 

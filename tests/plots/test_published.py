@@ -11,11 +11,11 @@ from matplotlib.collections import QuadMesh
 from support import synthetic_result
 
 from wrsim.plots import patch_gallery, section_gallery, standard_figures
-from wrsim.plots.colours import STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.histories import channels_figure, overview_figure, wheelsets_figure
 from wrsim.plots.ride import bands, ride_figure
 from wrsim.plots.stability import bifurcation_figure, modes_figure
 from wrsim.plots.static import static_figure
+from wrsim.plots.style import STOP_COLOUR, WHEEL_COLOUR
 from wrsim.results import Result
 
 

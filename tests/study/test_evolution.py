@@ -205,7 +205,7 @@ def test_the_page_of_a_service_holds_numbers_pictures_and_files(
 def test_a_page_takes_one_service_alone(evolution: Evolution, steps: list[Step], tmp_path: Path) -> None:
     write_history(evolution, steps, tmp_path, pictures=False)
     two = forked("report", tmp_path, tmp_path)
-    assert two.returncode == 2 and "is a service: a report takes one service" in two.stderr
+    assert two.returncode == 2 and "is a profile evolution: a report takes one profile evolution" in two.stderr
     view = forked("report", tmp_path, "--view")
     assert view.returncode == 2 and "it is for results of runs" in view.stderr
     dataset = read_history(tmp_path)

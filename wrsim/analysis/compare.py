@@ -151,18 +151,6 @@ def of_wheels(dataset: xr.Dataset) -> xr.Dataset:
     return xr.Dataset(arrays, {sample: d[sample].values, "wheel": labels})
 
 
-def spread_of_differences(comparison: Comparison, name: str) -> dict[str, dict[str, float]]:
-    """Median, 95 % quantile and largest of abs(difference) of a model, by quantity."""
-    found = {}
-    for quantity in DIFFERENCES:
-        difference = np.abs(comparison.values[f"{quantity}_difference"].sel(model=name).values)
-        difference = difference[np.isfinite(difference)]
-        if difference.size:
-            median, most = np.quantile(difference, (0.5, 0.95))
-            found[quantity] = {"median": float(median), "p95": float(most), "max": float(difference.max())}
-    return found
-
-
 def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
     """Time of one contact of one wheel of the first wheelset [s]: median over some of the moments that the result
     keeps; nan without any."""
@@ -223,9 +211,11 @@ def comparison_report(found: Comparison, scenario: str) -> dict[str, Any]:
     models = {}
     for model in found.models:
         differences = {}
-        for quantity, numbers in spread_of_differences(found, model.name).items():
-            own = DIFFERENCES[quantity]
-            differences[f"{quantity}_{own.unit}"] = {name: own.factor * value for name, value in numbers.items()}
+        for quantity, own in DIFFERENCES.items():
+            off = np.abs(found.values[f"{quantity}_difference"].sel(model=model.name).values)
+            if (off := off[np.isfinite(off)]).size:
+                spread = zip(("median", "p95", "max"), np.quantile(off, (0.5, 0.95, 1.0)).tolist(), strict=True)
+                differences[f"{quantity}_{own.unit}"] = {name: own.factor * value for name, value in spread}
         dataset = model.result.dataset
         unsolved = int((dataset["pose_message"].values != "").sum()) if "pose_message" in dataset else 0
         models[model.name] = {

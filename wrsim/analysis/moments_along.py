@@ -71,7 +71,7 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
         for recorder in recorders:
             recorder.store()
         for wheel in wheels_of(law):
-            found_remarks.update(filter(None, [contact_words([wheel], setup.vehicle)]))
+            found_remarks.update(filter(None, [contact_words([wheel])]))
         kept.append(i)
     if not kept:
         raise InputError("no sample of the result has a place on the track of its scenario")

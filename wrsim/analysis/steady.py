@@ -71,7 +71,7 @@ def run_steady(setup: Setup, progress: Progress | None = None) -> Result:
                     own.clear(i)
             else:
                 known.append(found)
-                left[i], remark = found.left, contact_words(wheels_of(found.law), vehicle)
+                left[i], remark = found.left, contact_words(wheels_of(found.law))
                 _store(i, found, raw, poses)
             messages.append(message)
             remarks.append(remark)
@@ -139,7 +139,8 @@ def steady_in_curve(setup: Setup, point: SteadyPoint, solved: Sequence[Found] = 
     """
     base, curvature = setup.track.cant_base, 1.0 / point.radius
     tilt = float(np.copysign(np.arcsin(point.cant / base), point.cant * curvature))
-    check_upright(resultant(setup.vehicle, 0.0, curvature, tilt, point.speed), base, curvature)
+    acting = resultant(setup.vehicle, 0.0, curvature, tilt, point.speed)
+    check_upright(acting, base, curvature, setup.vehicle)
     if any(mounted.wheelset.independent for mounted in setup.vehicle.wheelsets):
         return _from_design(setup, point)  # between flanges nothing leads from curve to curve
     same = [found for found in solved if found.point.radius * point.radius > 0.0]

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from wrsim.cli.console import print_found, print_lines, print_numbers
-from wrsim.cli.errors import reporting_errors
+from wrsim.cli.errors import writing_files
 from wrsim.cli.options import BesideResult, Force, Json, Models, Pictures, ResultFile, SectionsOf, check_ending, into
 from wrsim.errors import InputError
 
@@ -28,11 +28,9 @@ def assess_command(
 
     Sections of several runs of one vehicle count together; they need a folder to write to (-o).
     """
-    from wrsim.report.output_folder import folder_of_result, read, writing
-
-    with reporting_errors(as_json), writing(force, *results[1:], of=results[0]):
+    with writing_files(as_json, force, *results[1:], of=results[0]):
         from wrsim.analysis.assessment import assess as assessed
-        from wrsim.report.output_folder import names_apart, naming
+        from wrsim.report.output_folder import folder_of_result, names_apart, naming, read
         from wrsim.report.outputs import write_assessment
         from wrsim.results.assessment import assessment_dict, assessment_numbers
         from wrsim.scenario.loading import load
@@ -57,11 +55,9 @@ def ride(
     as_json: Json = False,
 ) -> None:
     """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
-    from wrsim.report.output_folder import folder_of_result, read, writing
-
-    with reporting_errors(as_json), writing(force, of=result):
+    with writing_files(as_json, force, of=result):
         from wrsim.analysis.ride import evaluate_ride
-        from wrsim.report.output_folder import naming
+        from wrsim.report.output_folder import folder_of_result, naming, read
         from wrsim.report.outputs import write_ride
         from wrsim.scenario.loading import load
         from wrsim.scenario.sections.run import RideSection
@@ -105,9 +101,7 @@ def conicity_command(
     as_json: Json = False,
 ) -> None:
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
-    from wrsim.report.output_folder import writing
-
-    with reporting_errors(as_json), writing(force):
+    with writing_files(as_json, force):
         from wrsim.analysis.conicity.pairs import Pairing
         from wrsim.report.outputs import write_conicity, write_conicity_map
         from wrsim.results.conicity import conicity_numbers
@@ -163,9 +157,7 @@ def vehicle(
     as_json: Json = False,
 ) -> None:
     """Print mass, centre, static wheel loads, natural modes and stationary tests of a vehicle; draw it."""
-    from wrsim.report.output_folder import writing
-
-    with reporting_errors(as_json), writing(force):
+    with writing_files(as_json, force):
         from wrsim.analysis.stationary import at_rest
         from wrsim.scenario.vehicle_build import vehicle_model
 

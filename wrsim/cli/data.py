@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from wrsim.cli.console import print_found, print_lines
-from wrsim.cli.errors import reporting_errors
+from wrsim.cli.errors import writing_files
 from wrsim.cli.options import BesideResult, Force, Json, Models, Pictures, ResultFile, ScenarioFile, check_ending, into
 
 
@@ -27,9 +27,7 @@ def profile(
     as_json: Json = False,
 ) -> None:
     """Draw a profile with its slope and curvature; of measured points also what smoothing did to them."""
-    from wrsim.report.output_folder import writing
-
-    with reporting_errors(as_json), writing(force, Path(file)):
+    with writing_files(as_json, force, Path(file)):
         from wrsim.report.outputs import draw_model
         from wrsim.results.smoothing import profile_and_reports, smoothing_table
 
@@ -49,9 +47,7 @@ def track(
     as_json: Json = False,
 ) -> None:
     """Draw the track of a scenario: plan, curvature, cant, gauge, height, irregularities."""
-    from wrsim.report.output_folder import writing
-
-    with reporting_errors(as_json), writing(force, file):
+    with writing_files(as_json, force, file):
         from wrsim.report.outputs import draw_model
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
@@ -96,11 +92,9 @@ def recording(
     as_json: Json = False,
 ) -> None:
     """Make a track, its irregularities and a scenario of a track recording car's table (docs/user/recording.md)."""
-    from wrsim.report.output_folder import writing
-
     beside = file.with_suffix(".toml")
     chosen = columns if columns is not None else beside if beside.is_file() else None
-    with reporting_errors(as_json), writing(force, *([file] if chosen is None else [file, chosen])):
+    with writing_files(as_json, force, *([file] if chosen is None else [file, chosen])):
         from wrsim.report.outputs import write_recording
         from wrsim.results.recording import recording_numbers, recording_tables
         from wrsim.scenario.recorded import restored_track
@@ -123,9 +117,8 @@ def export(
     as_json: Json = False,
 ) -> None:
     """Write a result for other programs: MATLAB, CSV, Parquet or MDF (result.mat, .csv, .parquet, .mf4)."""
-    from wrsim.report.output_folder import folder_of_result, read, writing
-
-    with reporting_errors(as_json), writing(force, of=result):
+    with writing_files(as_json, force, of=result):
+        from wrsim.report.output_folder import folder_of_result, read
         from wrsim.results.exports import ENDINGS, export_result, formats
 
         asked = formats(to)

@@ -20,6 +20,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
@@ -96,6 +97,16 @@ def reporting_errors(as_json: bool) -> Iterator[None]:
             f"{DEBUG}=1 shows where it happened."
         )
         _fail(message, "InternalError", INTERNAL, as_json)
+
+
+@contextmanager
+def writing_files(as_json: bool, force: bool, *reads: Path, of: Path | None = None) -> Iterator[None]:
+    """The same of a command that writes files; see `wrsim.report.output_folder.writing`."""
+    with reporting_errors(as_json):
+        from wrsim.report.output_folder import writing
+
+        with writing(force, *reads, of=of):
+            yield
 
 
 def _takes_no_text() -> bool:

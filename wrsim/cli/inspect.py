@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from wrsim.cli.console import print_found, print_lines, print_numbers
-from wrsim.cli.errors import DIFFERENT, reporting_errors
+from wrsim.cli.errors import DIFFERENT, reporting_errors, writing_files
 from wrsim.cli.options import At, BesideResult, Force, Json, Models, OneWheelset, ResultFile, check_ending, into
 from wrsim.errors import InputError
 
@@ -34,10 +34,10 @@ def plot(
     as_json: Json = False,
 ) -> None:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
-    from wrsim.report.output_folder import folder_of_result, read, writing
-
-    with reporting_errors(as_json), writing(force, of=result):
-        from wrsim.report.outputs import draw_patches, draw_result
+    with writing_files(as_json, force, of=result):
+        from wrsim.plots import standard_pictures
+        from wrsim.report.output_folder import folder_of_result, read
+        from wrsim.report.outputs import draw_patches
         from wrsim.results.wheelsets import wheelset_folder, wheelsets, worst_wheelset
 
         loaded = read(result)
@@ -46,14 +46,16 @@ def plot(
             dataset = loaded.wheelset(wheelset or worst_wheelset(dataset))
             if output is None:
                 directory /= wheelset_folder(wheelsets(loaded.dataset), str(dataset["wheelset"].item()))
-        files = draw_patches(dataset, at, directory) if at else draw_result(dataset, directory)
+        files = draw_patches(dataset, at, directory) if at else standard_pictures(dataset, directory)
         print_found(as_json, {}, [], files)
 
 
 def report(
     results: Annotated[
         list[Path],
-        typer.Argument(metavar="RESULT...", help="Results: files, folders, cut-off runs; or one study or service."),
+        typer.Argument(
+            metavar="RESULT...", help="Results: files, folders, cut-off runs; one study or profile evolution."
+        ),
     ],
     output: Annotated[Path | None, into(metavar="HTML", help="Default: report.html beside the first result.")] = None,
     with_view: Annotated[bool, typer.Option("--view", help="With the viewer of each result inside.")] = False,
@@ -61,13 +63,12 @@ def report(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Write a page about a result, several results beside each other, a study, or wheels in service.
+    """Write a page about a result, several results beside each other, a study, or a profile evolution.
 
     It holds identity, verdict, assessment, histories, contacts and wear; of a study outputs, pictures and cases.
     """
-    from wrsim.report.output_folder import folder_of_result, writing
-
-    with reporting_errors(as_json), writing(force, *results[1:], of=results[0]):
+    with writing_files(as_json, force, *results[1:], of=results[0]):
+        from wrsim.report.output_folder import folder_of_result
         from wrsim.results import write_atomically
 
         check_ending("-o", output, ".html")
@@ -77,17 +78,17 @@ def report(
 
 
 def _page_of(paths: Sequence[Path], with_view: bool, models: Sequence[Path]) -> str:
-    """The page about results of runs, one study, or one service; with_view: with the viewer of each result inside."""
+    """The page about results of runs, a study or a profile evolution; with_view: with viewers of the results inside."""
     from wrsim.report.output_folder import folder_of_result, read
     from wrsim.report.page import report_page
-    from wrsim.report.study import service_page, study_page
+    from wrsim.report.study import evolution_page, study_page
     from wrsim.report.view_data import view_page
     from wrsim.study import collect
     from wrsim.study.evolution import history
 
     for path in paths:
         kind = "study" if collect.holds(path, collect.NUMBERS) else ""
-        kind = "service" if collect.holds(path, history.NUMBERS) else kind
+        kind = "profile evolution" if collect.holds(path, history.NUMBERS) else kind
         if not kind:
             continue
         if len(paths) > 1:
@@ -97,7 +98,7 @@ def _page_of(paths: Sequence[Path], with_view: bool, models: Sequence[Path]) -> 
         if kind == "study":
             return study_page(collect.read_study(path), str(path))
         dataset = history.read_history(path)
-        return service_page(dataset, str(path), history.mileage_table(dataset))
+        return evolution_page(dataset, str(path), history.mileage_table(dataset))
     results = [read(path) for path in paths]
     pairs = zip(results, paths, strict=True)
     viewers = [view_page(result, folder_of_result(path), models) for result, path in pairs] if with_view else []
@@ -112,9 +113,8 @@ def view(
     as_json: Json = False,
 ) -> None:
     """Write a page to look at a run: wheels on their rails, the vehicle on its track, modes of a stability analysis."""
-    from wrsim.report.output_folder import folder_of_result, read, writing
-
-    with reporting_errors(as_json), writing(force, of=result):
+    with writing_files(as_json, force, of=result):
+        from wrsim.report.output_folder import folder_of_result, read
         from wrsim.report.view_data import view_page
         from wrsim.results import write_atomically
 
@@ -139,9 +139,8 @@ def diff(
     as_json: Json = False,
 ) -> None:
     """Compare two results: peaks, medians in full curves, other numbers; exit code 4 when they differ."""
-    from wrsim.report.output_folder import naming, read, writing
-
-    with reporting_errors(as_json), writing(force, first, second):
+    with writing_files(as_json, force, first, second):
+        from wrsim.report.output_folder import naming, read
         from wrsim.report.outputs import write_differences
         from wrsim.results.differences import beyond, compared_tables, difference_table, differences, other_ends
         from wrsim.results.render import as_records

@@ -9,41 +9,15 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import (
-    print_error,
-    print_files,
-    print_found,
-    print_json,
-    print_lines,
-    print_numbers,
-    progress_bar,
-)
-from wrsim.cli.errors import STOPPED, exit_code, reporting_errors
-from wrsim.cli.options import (
-    At,
-    Force,
-    Json,
-    Models,
-    OneWheelset,
-    Output,
-    Pictures,
-    Quiet,
-    ResultFile,
-    ScenarioFile,
-    Scheduler,
-    Set,
-    Slurm,
-    Tls,
-    Workers,
-    into,
-)
+from wrsim.cli import console, options
+from wrsim.cli.errors import STOPPED, exit_code, reporting_errors, writing_files
 
 
 def run_command(
-    file: ScenarioFile,
-    output: Output = None,
-    values: Set = None,
-    models: Models = None,
+    file: options.ScenarioFile,
+    output: options.Output = None,
+    values: options.Set = None,
+    models: options.Models = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the run in DIR that was cut off or interrupted.")
     ] = False,
@@ -51,9 +25,9 @@ def run_command(
         int, typer.Option("--threads", min=1, help="Cores that compute the wheels' contacts side by side.")
     ] = 1,
     pictures: Annotated[bool, typer.Option(help="Draw the standard pictures.")] = True,
-    force: Force = False,
-    as_json: Json = False,
-    quiet: Quiet = False,
+    force: options.Force = False,
+    as_json: options.Json = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Run a scenario; writes dataset, tables, summary and pictures to DIR.
 
@@ -72,72 +46,72 @@ def run_command(
             logging.getLogger("wrsim").setLevel(logging.ERROR)
         else:
             for words in (*(f"{file}: warning: {w}" for w in warnings(setup)), *exact_run_warning(setup)):
-                print_error(words)
+                console.print_error(words)
         directory = output or Path("results") / file.stem
         written = run_into(
             directory, scenario, setup, file, resume=resume, threads=threads, pictures=pictures, force=force,
-            progress=progress_bar(not (quiet or as_json)),
+            progress=console.progress_bar(not (quiet or as_json)),
         )  # fmt: skip
         result, code = written.result, exit_code(written.result)
         if as_json:
             own = {"status": result.status, "exit_code": code, "directory": str(directory)}
             lists = {"files": [str(f) for f in written.files], "removed": [str(f) for f in written.removed]}
-            print_json(own | lists | {"summary": {**result.summary(), **written.took}})
+            console.print_json(own | lists | {"summary": {**result.summary(), **written.took}})
         elif not written.files:
-            print_error(written.note)
+            console.print_error(written.words)
         else:
             if not quiet:
-                print_numbers(False, {}, result.numbers())
-                print_lines(*written.wall_words())
-                print_files(len(written.files), directory, len(written.removed))
+                console.print_numbers(False, {}, result.numbers())
+                console.print_lines(*filter(None, [written.words]))
+                console.print_files(len(written.files), directory, len(written.removed))
             if code:
-                print_error(f"{file}: stopped: {result.stop_reason}")
+                console.print_error(f"{file}: stopped: {result.stop_reason}")
             if code and not quiet:
-                print_error(f"what was computed is in {directory}; draw it with: wrsim plot {directory}")
+                console.print_error(f"what was computed is in {directory}; draw it with: wrsim plot {directory}")
                 if can_go_on(result):
-                    print_error("go on with the same command and --resume")
+                    console.print_error("go on with the same command and --resume")
         if code:
             raise typer.Exit(code)
 
 
 def study(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Study file (TOML).")],
-    output: Output = None,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    slurm: Slurm = False,
-    tls: Tls = None,
+    output: options.Output = None,
+    workers: options.Workers = None,
+    scheduler: options.Scheduler = None,
+    slurm: options.Slurm = False,
+    tls: options.Tls = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="List the cases and the time they will take; run nothing.")
     ] = False,
     retry: Annotated[bool, typer.Option("--retry", help="Run again what failed, stopped or ran out of time.")] = False,
-    models: Models = None,
-    pictures: Pictures = True,
-    force: Force = False,
-    as_json: Json = False,
-    quiet: Quiet = False,
+    models: options.Models = None,
+    pictures: options.Pictures = True,
+    force: options.Force = False,
+    as_json: options.Json = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Run a scenario many times with some keys varied; start it again and only what is missing runs."""
     with reporting_errors(as_json):
-        from wrsim.study.collect import OUTPUTS, faults_of, markers_of, study_report, study_tables, write_study
+        from wrsim.study.collect import OUTPUTS, faults_of, markers_of, study_tables, write_study
         from wrsim.study.engine import check_workers, kept_folder, missing, worker_pool
         from wrsim.study.estimate import estimate
         from wrsim.study.plan import planned
 
         for warning in check_workers(workers, scheduler, slurm, tls):
-            print_error(warning)
-        bar = partial(progress_bar, not (quiet or as_json))
+            console.print_error(warning)
+        bar = partial(console.progress_bar, not (quiet or as_json))
         directory = output or Path("results") / file.stem
         plan, reads = planned(file, directory, models or ())
         if dry_run:
-            expected = estimate(plan, workers)
-            print_numbers(as_json, expected.numbers(), [expected.table()])
+            numbers, table = estimate(plan, workers)
+            console.print_numbers(as_json, numbers, [table])
             return
         with kept_folder(directory, reads, force, OUTPUTS):
             todo = missing(plan, retry)
             if not (quiet or as_json):
                 known = len(plan.cases) - len(todo)
-                print_lines(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
+                console.print_lines(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
             try:
                 if todo:
                     with worker_pool(workers, scheduler, slurm, tls, len(todo), bar) as work:
@@ -146,32 +120,31 @@ def study(
                 write_study(plan, markers_of(plan), pictures=False)
                 raise interrupted(directory) from None
             markers = markers_of(plan)
-            files = write_study(plan, markers, pictures)
-        report = study_report(plan, markers)
+            report, files = write_study(plan, markers, pictures)
         code = STOPPED if report["unfinished"] else 0
         if as_json:
-            print_json(report | {"exit_code": code, "ran": len(todo), "files": [str(f) for f in files]})
+            console.print_json(report | {"exit_code": code, "ran": len(todo), "files": [str(f) for f in files]})
         elif not quiet:
-            print_numbers(False, report, study_tables(report))
-            print_files(len(files), directory)
+            console.print_numbers(False, report, study_tables(report))
+            console.print_files(len(files), directory)
         for words in [] if as_json else faults_of(report, markers, quiet):
-            print_error(words)
+            console.print_error(words)
         if code:
             raise typer.Exit(code)
 
 
 def wear(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File of a profile evolution (TOML).")],
-    output: Output = None,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    slurm: Slurm = False,
-    tls: Tls = None,
-    models: Models = None,
-    pictures: Pictures = True,
-    force: Force = False,
-    as_json: Json = False,
-    quiet: Quiet = False,
+    output: options.Output = None,
+    workers: options.Workers = None,
+    scheduler: options.Scheduler = None,
+    slurm: options.Slurm = False,
+    tls: options.Tls = None,
+    models: options.Models = None,
+    pictures: options.Pictures = True,
+    force: options.Force = False,
+    as_json: options.Json = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on."""
     with reporting_errors(as_json):
@@ -181,11 +154,11 @@ def wear(
         from wrsim.study.evolution.steps import Step, wear_steps
 
         for warning in check_workers(workers, scheduler, slurm, tls):
-            print_error(warning)
+            console.print_error(warning)
         directory = output or Path("results") / file.stem
         evolution, reads = read_evolution(file, models or ())
         steps: list[Step] = []
-        bar = partial(progress_bar, not (quiet or as_json))
+        bar = partial(console.progress_bar, not (quiet or as_json))
         with (
             kept_folder(directory, reads, force, OUTPUTS),
             worker_pool(workers, scheduler, slurm, tls, len(evolution.shares), bar) as work,
@@ -194,13 +167,13 @@ def wear(
                 for step in wear_steps(evolution, directory, work):
                     steps.append(step)
                     if not (quiet or as_json):
-                        print_lines(step.words(evolution.mileage))
+                        console.print_lines(step.words(evolution.mileage))
             except KeyboardInterrupt:
                 raise interrupted(directory) from None
             dataset, files = write_history(evolution, steps, directory, pictures)
         if as_json or not quiet:
             numbers = evolution_report(dataset) | {"directory": str(directory)}
-            print_found(as_json, numbers, [mileage_table(dataset)], files, directory)
+            console.print_found(as_json, numbers, [mileage_table(dataset)], files, directory)
 
 
 def interrupted(directory: Path) -> KeyboardInterrupt:
@@ -209,7 +182,7 @@ def interrupted(directory: Path) -> KeyboardInterrupt:
 
 
 def compare_command(
-    file: ScenarioFile,
+    file: options.ScenarioFile,
     contact: Annotated[
         str,
         typer.Option(
@@ -220,17 +193,15 @@ def compare_command(
     reference: Annotated[
         str | None, typer.Option(metavar="A", help="Whom the others are measured against; default: the first.")
     ] = None,
-    output: Annotated[Path | None, into(metavar="DIR", help="Default: results/<name of FILE>_compared.")] = None,
-    models: Models = None,
-    pictures: Pictures = True,
-    force: Force = False,
-    as_json: Json = False,
-    quiet: Quiet = False,
+    output: Annotated[Path | None, options.into(metavar="DIR", help="Default: results/<FILE>_compared.")] = None,
+    models: options.Models = None,
+    pictures: options.Pictures = True,
+    force: options.Force = False,
+    as_json: options.Json = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""
-    from wrsim.report.output_folder import writing
-
-    with reporting_errors(as_json), writing(force, file):
+    with writing_files(as_json, force, file):
         from wrsim.analysis import exact_run_warning
         from wrsim.analysis.compare import compare, comparison_report, comparison_tables
         from wrsim.report.outputs import write_comparison
@@ -242,56 +213,58 @@ def compare_command(
         names = split_names(contact)
         for words in [w for name in names for w in exact_run_warning(build(with_contact_model(scenario, name)))]:
             if not quiet:
-                print_error(words)
-        with progress_bar(not (quiet or as_json)) as progress:
+                console.print_error(words)
+        with console.progress_bar(not (quiet or as_json)) as progress:
             found = compare(scenario, names, reference, progress)
         directory = output or Path("results") / f"{file.stem}_compared"
         report = comparison_report(found, str(file))
         files = write_comparison(found, report, directory, pictures, scenario.title)
         if as_json or not quiet:
-            print_found(as_json, report, comparison_tables(found, report), files, directory)
+            console.print_found(as_json, report, comparison_tables(found, report), files, directory)
         if code := max(exit_code(m.result) for m in found.models):
             raise typer.Exit(code)
 
 
 def resolve_command(
-    result: ResultFile,
+    result: options.ResultFile,
     contact: Annotated[
         str, typer.Option(metavar="NAME", help="Contact model, such as half-space+fastsim.")
     ] = "half-space",
-    at: At = None,
-    wheelset: OneWheelset = None,
+    at: options.At = None,
+    wheelset: options.OneWheelset = None,
     same: Annotated[
         str, typer.Option(metavar="load|pose", help="What every wheel keeps: its vertical force or its height.")
     ] = "load",
-    output: Annotated[Path | None, into(metavar="DIR", help="Default: <folder of RESULT>/<NAME>.")] = None,
-    models: Models = None,
-    pictures: Pictures = True,
-    force: Force = False,
-    as_json: Json = False,
-    quiet: Quiet = False,
+    output: Annotated[Path | None, options.into(metavar="DIR", help="Default: <folder of RESULT>/<NAME>.")] = None,
+    models: options.Models = None,
+    pictures: options.Pictures = True,
+    force: options.Force = False,
+    as_json: options.Json = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model."""
     with reporting_errors(as_json):
         from wrsim.analysis.resolve import resolve
-        from wrsim.report.output_folder import claimed, folder_of_result, naming, read, write_resolved
+        from wrsim.report.output_folder import RECORD, claimed, folder_of_result, naming, read, write
         from wrsim.report.outputs import file_name
+        from wrsim.results import write_atomically
         from wrsim.results.moments import moments_at, resolved_table
         from wrsim.results.summary_tables import first_lines, remarks
         from wrsim.scenario.loading import load_text
 
         before = read(result)
         folder = folder_of_result(result)
-        with naming(result), progress_bar(not (quiet or as_json)) as progress:
+        with naming(result), console.progress_bar(not (quiet or as_json)) as progress:
             moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
             scenario = load_text(before.dataset.attrs["scenario_text"], folder, models or (), closed=True)
             after = resolve(before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress)
         directory = output or folder / file_name(contact)
         with claimed(directory, force, (result,)) as keeper:
-            files = write_resolved(after, directory, pictures)
+            write_atomically(directory / RECORD, after.dataset.attrs["scenario_text"].encode())
+            files = write(after, directory, pictures)
             keeper.clear(files)
         if as_json or not quiet:
             notes = first_lines(remarks(after.summary()), "remarks")
             tables = [resolved_table(before.wheelset(wheelset), after.wheelset(), notes)]
             numbers = {"directory": str(directory), "summary": after.summary()}
-            print_found(as_json, numbers, tables, files, directory)
+            console.print_found(as_json, numbers, tables, files, directory)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from wrsim.cli.console import print_error, print_json, print_lines, print_numbers
-from wrsim.cli.errors import reporting_errors
+from wrsim.cli.errors import reporting_errors, writing_files
 from wrsim.cli.options import Force, Json, Models, Quiet, ScenarioFile, Set, into
 from wrsim.register import ANALYSES, FILES
 
@@ -20,9 +20,7 @@ def new(
     as_json: Json = False,
 ) -> None:
     """Write a scenario to start from: it runs as it is, and names every other key in a comment."""
-    from wrsim.report.output_folder import writing
-
-    with reporting_errors(as_json), writing(force):
+    with writing_files(as_json, force):
         from wrsim.results import write_atomically
         from wrsim.scenario.reference import check_analysis
         from wrsim.scenario.templates import scenario_template

@@ -5,23 +5,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
 from wrsim.plots.marks import broken, minus, note, panels, remark
-from wrsim.plots.style import pressure_map, shown
+from wrsim.plots.style import INK, QUIET, WHEEL_COLOUR, pressure_map, shown
 from wrsim.results import CHANNELS
-from wrsim.results.conicity import steering_summary
+from wrsim.results.conicity import ConicityMap, steering_summary
 from wrsim.results.table import formatted, quantity
 from wrsim.results.wheelsets import of_wheelset, wheelsets
-
-if TYPE_CHECKING:
-    from wrsim.results.conicity import ConicityMap
 
 LINES = 6  # as many pairs of profiles are drawn as lines over the gauge
 JUMP = 1.5

@@ -17,20 +17,11 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
-from wrsim.plots.colours import INK, QUIET, RAIL_FILL, WHEEL_COLOUR, WHEEL_FILL
-from wrsim.plots.gallery import (
-    PATCH_NAMES,
-    GalleryRow,
-    Page,
-    columns_of,
-    draw_gallery,
-    patches_in,
-    selection_words,
-)
+from wrsim.plots import gallery
 from wrsim.plots.marks import few_ticks, stop_note
 from wrsim.plots.moments import PatchAt, choose_moments, patches_of, select, touching_runs
 from wrsim.plots.patches import NEAR_EDGE, Array, patch_note, pressure_scale, rounded
-from wrsim.plots.style import pressure_map, shown
+from wrsim.plots.style import INK, QUIET, RAIL_FILL, WHEEL_COLOUR, WHEEL_FILL, pressure_map, shown
 from wrsim.results.moments import moment_dim
 
 MOST_MOMENTS = 6
@@ -127,8 +118,8 @@ def zoom_window(dataset: xr.Dataset, where: PatchAt) -> tuple[float, float, floa
 def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> Figure:
     """Cross-sections of the chosen moments (default: up to six): overviews of wheels, close views of patches."""
     chosen = choose_moments(dataset, MOST_MOMENTS) if moments is None else list(moments)
-    columns = columns_of(dataset, chosen)
-    page = Page(max(len(columns), 1))
+    columns = gallery.columns_of(dataset, chosen)
+    page = gallery.Page(max(len(columns), 1))
     scale = pressure_scale(dataset, chosen)
     flat = page.panel * (OVERVIEW[3] - OVERVIEW[2]) / (OVERVIEW[1] - OVERVIEW[0])
 
@@ -146,20 +137,20 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
         cross_section_zoom(axes, dataset, where, scale)
 
     rows = []
-    found = patches_in(dataset, columns)
+    found = gallery.patches_in(dataset, columns)
     for wheel in [""] if any(c.wheel for c in columns) else [str(w) for w in dataset["wheel"].values]:
         colour, label = WHEEL_COLOUR.get(wheel, INK), f"{wheel} wheel" if wheel else ""
         whole = [partial(overview, moment=c.moment, wheel=wheel or c.wheel, first=not j) for j, c in enumerate(columns)]
-        rows.append(GalleryRow(label, colour, flat, 8.5, dict(enumerate(whole))))
+        rows.append(gallery.GalleryRow(label, colour, flat, 8.5, dict(enumerate(whole))))
         for (_, patch), places in (row for row in found.items() if row[0][0] == wheel):
             cells = {j: partial(close, where=where, first=j == min(places)) for j, where in places.items()}
-            rows.append(GalleryRow(PATCH_NAMES[patch], colour, page.panel, 15.0, cells))
+            rows.append(gallery.GalleryRow(gallery.PATCH_NAMES[patch], colour, page.panel, 15.0, cells))
     reading = (
         "Axes: outward o (field side to the right) and up b\nfrom the rail's profile origin.\n"
-        "Thin lines: pressure along the normals." + selection_words(dataset, chosen)
+        "Thin lines: pressure along the normals." + gallery.selection_words(dataset, chosen)
     )
     title = dataset.attrs.get("title", "")
-    return draw_gallery(title, stop_note(dataset), dataset, page, [(columns, rows)], scale, reading)
+    return gallery.draw_gallery(title, stop_note(dataset), dataset, page, [(columns, rows)], scale, reading)
 
 
 def _framed(axes: Axes, ticks: int, first: bool, beneath: str = "") -> None:

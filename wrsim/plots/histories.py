@@ -18,23 +18,9 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wrsim.plots.colours import CANT_COLOUR, DOTS, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots import marks, style
 from wrsim.plots.gallery import PATCH_NAMES
-from wrsim.plots.marks import (
-    broken,
-    draw_line,
-    is_stopped,
-    legend_beneath,
-    mark_stop,
-    note,
-    note_above,
-    right_axis,
-    stop_note,
-    wheel_entries,
-    without_neighbours,
-)
 from wrsim.plots.moments import snapshot_letter
-from wrsim.plots.style import FULL_WIDTH, abscissa, headline, mm_axes, new_figure, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.assessment import DERAILMENT_LIMIT, DERAILMENT_RADIUS
 from wrsim.results.moments import is_history
@@ -45,8 +31,8 @@ ANGLE_JUMP = 6.0
 CLOSE = 0.015  # share of the axis within which letters of snapshots are written together
 ANGLES = ("contact_angle", "contact_angle_min", "contact_angle_max", "contact_angle_mean")
 
-FINE: Any = {"color": INK, "linewidth": 0.6, "zorder": 3.1}
-SNAPSHOT: Any = {"color": QUIET, "linewidth": 0.5, "linestyle": DOTS, "zorder": 1.2}
+FINE: Any = {"color": style.INK, "linewidth": 0.6, "zorder": 3.1}
+SNAPSHOT: Any = {"color": style.QUIET, "linewidth": 0.5, "linestyle": style.DOTS, "zorder": 1.2}
 CROWDED = 60
 """How often a line goes through its whole range before it is drawn thin and transparent."""
 SEEN = 2.5
@@ -59,23 +45,23 @@ LETTERS, LINE = 115, 4.2
 Panel = Callable[[Axes, xr.Dataset], object]
 
 
-def history(axes: Axes, dataset: xr.Dataset, name: str, *, largest: float | None = None, **options: Any) -> Axes:
+def history(axes: Axes, dataset: xr.Dataset, name: str, *, largest: float | None = None) -> Axes:
     """Draw a channel: one line, one a wheel, or one a wheel and patch, as its dimensions ask. Lines of patches are
     interrupted where the contact jumps or two patches change their order. largest: absolute value in all panels that
     share the scale, by default in this one."""
-    x, _ = abscissa(dataset)
-    values = shown(dataset, name)
+    x, _ = style.abscissa(dataset)
+    values = style.shown(dataset, name)
     if values.ndim == 1:
-        draw_line(axes, x, values, **({"color": INK} | options))
+        marks.draw_line(axes, x, values, color=style.INK)
     else:
         of_patches = values.ndim == 3
         values = values.reshape(*values.shape[:2], -1)
         for j, k in zip(*np.nonzero(np.isfinite(values).any(axis=0)), strict=True):
             line = x, values[:, j, k]
             if of_patches and "contact_angle" in dataset:
-                line = broken(*line, ANGLE_JUMP, by=shown(dataset, "contact_angle")[:, j, k])
-            look: Any = {"color": WHEEL_COLOUR[str(dataset["wheel"].values[j])], "linestyle": GROUP_LINE[k]}
-            draw_line(axes, *line, **(look | crowded(values[:, j, k]) | options))
+                line = marks.broken(*line, ANGLE_JUMP, by=style.shown(dataset, "contact_angle")[:, j, k])
+            look: Any = {"color": style.WHEEL_COLOUR[str(dataset["wheel"].values[j])], "linestyle": style.GROUP_LINE[k]}
+            marks.draw_line(axes, *line, **(look | crowded(values[:, j, k])))
     if name == "Y_over_Q":
         _derailment_limit(axes, dataset, largest or float(np.nanmax(np.abs(values), initial=0.0)))
     before = "$" if CHANNELS[name].symbol else "["
@@ -92,34 +78,34 @@ def crowded(values: NDArray[Any]) -> dict[str, Any]:
 
 def _derailment_limit(axes: Axes, dataset: xr.Dataset, largest: float) -> None:
     """The limit of the filtered quotient where there is one: a red line, or words alone where that is far above."""
-    x, _ = abscissa(dataset)
+    x, _ = style.abscissa(dataset)
     curvature = dataset["curvature"].values if "curvature" in dataset else np.zeros(x.shape)
     limit = np.where(np.abs(curvature) * DERAILMENT_RADIUS <= 1.0 + 1e-6, DERAILMENT_LIMIT, np.nan)
     if not np.isfinite(limit).any():
         return
     if largest * SEEN >= DERAILMENT_LIMIT:
-        axes.plot(x, limit, color=STOP_COLOUR, linewidth=0.8, gid="limit")
+        axes.plot(x, limit, color=style.STOP_COLOUR, linewidth=0.8, gid="limit")
         axes.set_ylim(top=max(axes.get_ylim()[1], 1.08 * DERAILMENT_LIMIT))
     words = f"limit {DERAILMENT_LIMIT:g} after 20 Hz\nand 2 m (EN 14363)"
-    look: Any = {"xycoords": "axes fraction", "rotation": 90, "ha": "left", "va": "center", "color": STOP_COLOUR}
-    note(axes, words, (1.0, 0.5), (2.5, 0.0), **look)
+    look: Any = {"xycoords": "axes fraction", "rotation": 90, "ha": "left", "va": "center", "color": style.STOP_COLOUR}
+    marks.note(axes, words, (1.0, 0.5), (2.5, 0.0), **look)
 
 
 def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
     """Contact angles of one wheel: main point (line), mean over strips (thin), least to largest (band). The band of a
     sample without neighbours is a bar."""
-    x, _ = abscissa(dataset)
-    colour = WHEEL_COLOUR[wheel]
+    x, _ = style.abscissa(dataset)
+    colour = style.WHEEL_COLOUR[wheel]
     of_wheel = dataset[[*ANGLES]].sel(wheel=wheel)
-    main, low, high, mean = (shown(of_wheel, name) for name in ANGLES)
+    main, low, high, mean = (style.shown(of_wheel, name) for name in ANGLES)
     for k in np.flatnonzero(np.isfinite(main).any(axis=0)):
         for values, look in ((main, {"color": colour, "zorder": 3.0}), (mean, FINE)):
             thin: Any = look | crowded(values[:, k])
-            draw_line(axes, *broken(x, values[:, k], ANGLE_JUMP), linestyle=GROUP_LINE[k], **thin)
+            marks.draw_line(axes, *marks.broken(x, values[:, k], ANGLE_JUMP), linestyle=style.GROUP_LINE[k], **thin)
         shade: Any = {"color": colour, "alpha": 0.28 if k == 0 else 0.16, "zorder": 2.0}
-        (band_x, least), (_, largest) = (broken(x, end[:, k], ANGLE_JUMP, by=main[:, k]) for end in (low, high))
+        (band_x, least), (_, largest) = (marks.broken(x, end[:, k], ANGLE_JUMP, by=main[:, k]) for end in (low, high))
         axes.fill_between(band_x, least, largest, linewidth=0.0, **shade)
-        alone = without_neighbours(least)
+        alone = marks.without_neighbours(least)
         if alone.any():
             axes.vlines(band_x[alone], least[alone], largest[alone], linewidth=1.5, **shade)
     axes.set_ylabel(f"{wheel.capitalize()} wheel\ncontact angle [°]")
@@ -128,20 +114,20 @@ def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
 
 def track_layout(axes: Axes, dataset: xr.Dataset) -> Axes:
     """Curvature (grey area, left axis) and cant (dashed, right axis) in a slim panel; up is to the left."""
-    x, name = abscissa(dataset)
+    x, name = style.abscissa(dataset)
     axes.set_xlabel(CHANNELS[name].label)
-    curvature = shown(dataset, "curvature")
+    curvature = style.shown(dataset, "curvature")
     axes.fill_between(x, 0.0, curvature, color="#ccd2da", linewidth=0.0, zorder=1.5)
-    draw_line(axes, x, curvature, color="#8f98a5", linewidth=0.7)
+    marks.draw_line(axes, x, curvature, color="#8f98a5", linewidth=0.7)
     _limits_with_zero(axes, curvature, least=1.0, margin=0.12)
-    axes.set_ylabel("Curvature\n[1/km]", color=QUIET)
+    axes.set_ylabel("Curvature\n[1/km]", color=style.QUIET)
     if "cant" in dataset:
-        cant = shown(dataset, "cant")
-        right = right_axis(axes)
-        draw_line(right, x, cant, color=CANT_COLOUR, linestyle=GROUP_LINE[1], linewidth=1.0)
+        cant = style.shown(dataset, "cant")
+        right = marks.right_axis(axes)
+        marks.draw_line(right, x, cant, color=style.CANT_COLOUR, linestyle=style.GROUP_LINE[1], linewidth=1.0)
         _limits_with_zero(right, cant, least=20.0, margin=0.5)
-        right.set_ylabel("Cant\n[mm]", color=CANT_COLOUR)
-        right.tick_params(axis="y", colors=CANT_COLOUR)
+        right.set_ylabel("Cant\n[mm]", color=style.CANT_COLOUR)
+        right.tick_params(axis="y", colors=style.CANT_COLOUR)
     return axes
 
 
@@ -160,17 +146,17 @@ def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> 
     snapshots close together are one word over their middle."""
     if "snapshot" not in dataset.dims:
         return axes
-    x, name = abscissa(dataset)
-    places = shown(dataset, f"snapshot_{name}")
+    x, name = style.abscissa(dataset)
+    places = style.shown(dataset, f"snapshot_{name}")
     for at in places:
         axes.axvline(at, **SNAPSHOT)
     close = np.diff(places, prepend=-np.inf) <= CLOSE * np.ptp(x)
     for group in np.split(np.arange(places.size), np.flatnonzero(~close))[1:] if letters else ():
-        note_above(axes, " ".join(map(snapshot_letter, group.tolist())), float(places[group].mean()))
+        marks.note_above(axes, " ".join(map(snapshot_letter, group.tolist())), float(places[group].mean()))
     return axes
 
 
-@style()
+@style.style()
 def stacked(
     dataset: xr.Dataset,
     panels: Sequence[Panel],
@@ -182,11 +168,11 @@ def stacked(
     """Panels above each other over a slim one of the track, unless that is straight and level; one horizontal axis.
     legend: labelled artists of one legend beneath everything; titled: panels have titles. Every panel has a place of
     its own in mm: a layout that measures all words first takes half of the drawing time."""
-    title, note = dataset.attrs.get("title", ""), stop_note(dataset)
+    title, note = dataset.attrs.get("title", ""), marks.stop_note(dataset)
     if dataset.sizes["time"] == 0:
-        figure = new_figure(FULL_WIDTH, 24.0, constrained=False)
-        headline(figure, title, note)
-        figure.text(0.5, 0.2, "No samples to draw.", ha="center", color=QUIET)
+        figure = style.new_figure(style.FULL_WIDTH, 24.0, constrained=False)
+        style.headline(figure, title, note)
+        figure.text(0.5, 0.2, "No samples to draw.", ha="center", color=style.QUIET)
         return figure
     gap = GAP + (2.6 if titled else 0.0)
     rows = [(panel, panel_height_mm - gap) for panel in panels]
@@ -199,25 +185,25 @@ def stacked(
         legend.append(Line2D([], [], label=f"{letters}: see patches, sections", **(SNAPSHOT | {"linewidth": 0.8})))
     lines = max(ceil(sum(7 + len(str(e.get_label())) for e in legend) / LETTERS), 1 if len(legend) <= 5 else 2)
     total = top + sum(height for _, height in rows) + gap * (len(rows) - 1) + FOOT + LINE * (lines - 1)
-    figure = new_figure(FULL_WIDTH, total, constrained=False)
-    headline(figure, title, note)
-    width = FULL_WIDTH - LEFT - RIGHT
+    figure = style.new_figure(style.FULL_WIDTH, total, constrained=False)
+    style.headline(figure, title, note)
+    width = style.FULL_WIDTH - LEFT - RIGHT
     for i, (panel, height) in enumerate(rows):
-        axes = mm_axes(figure, LEFT, top, width, height)
+        axes = style.mm_axes(figure, LEFT, top, width, height)
         if i:
             axes.sharex(figure.axes[0])
         axes.tick_params(labelbottom=i == len(rows) - 1)
         axes.yaxis.set_label_coords(-LABEL / width, 0.5)
         panel(axes, dataset)
         mark_snapshots(axes, dataset, letters=i == 0)
-        mark_stop(axes, dataset)
+        marks.mark_stop(axes, dataset)
         top += height + gap
-    x, name = abscissa(dataset)
+    x, name = style.abscissa(dataset)
     axes.set_xlabel(CHANNELS[name].label)
     if x[-1] > x[0]:
-        axes.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if is_stopped(dataset) else 0.0))
+        axes.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if marks.is_stopped(dataset) else 0.0))
     if legend:
-        legend_beneath(figure, legend, ceil(len(legend) / lines))
+        marks.legend_beneath(figure, legend, ceil(len(legend) / lines))
     return figure
 
 
@@ -226,10 +212,10 @@ def overview_figure(dataset: xr.Dataset) -> Figure:
     panels: list[Panel] = [partial(contact_angle, wheel=str(wheel)) for wheel in dataset["wheel"].values]
     panels += [partial(history, name=name) for name in ("Y_over_Q", "lateral_shift", "yaw") if name in dataset]
     legend = [
-        *wheel_entries(dataset["wheel"].values),
-        Line2D([], [], color=QUIET, linewidth=1.6, label="main contact point"),
-        Line2D([], [], color=INK, linewidth=0.6, label="mean over the strips"),
-        Patch(facecolor=QUIET, alpha=0.3, label="smallest to largest"),
+        *marks.wheel_entries(dataset["wheel"].values),
+        Line2D([], [], color=style.QUIET, linewidth=1.6, label="main contact point"),
+        Line2D([], [], color=style.INK, linewidth=0.6, label="mean over the strips"),
+        Patch(facecolor=style.QUIET, alpha=0.3, label="smallest to largest"),
         *_later_patches(dataset["contact_angle"]),
     ]
     return stacked(dataset, panels, panel_height_mm=32.0, legend=legend)
@@ -239,7 +225,7 @@ def channels_figure(dataset: xr.Dataset, names: Sequence[str]) -> Figure:
     """Histories of the named channels above each other; channels that the dataset lacks are left out."""
     present = [name for name in names if name in dataset]
     of_wheels = any("wheel" in dataset[name].dims for name in present)
-    legend = wheel_entries(dataset["wheel"].values) if of_wheels else []
+    legend = marks.wheel_entries(dataset["wheel"].values) if of_wheels else []
     of_patches = [dataset[name] for name in present if "patch" in dataset[name].dims]
     legend += _later_patches(of_patches[0]) if of_patches else []
     return stacked(dataset, [partial(history, name=name) for name in present], legend=legend)
@@ -247,10 +233,10 @@ def channels_figure(dataset: xr.Dataset, names: Sequence[str]) -> Figure:
 
 def _later_patches(data: xr.DataArray) -> list[Artist]:
     used = [k for k in range(1, data.sizes["patch"]) if np.isfinite(data.isel(patch=k)).any()]
-    return [Line2D([], [], color=QUIET, linestyle=GROUP_LINE[k], label=PATCH_NAMES[k]) for k in used]
+    return [Line2D([], [], color=style.QUIET, linestyle=style.GROUP_LINE[k], label=PATCH_NAMES[k]) for k in used]
 
 
-PART_COLOURS = (INK, "#0072B2", "#D55E00", "#009E73", "#9467A9", "#B8860B")
+PART_COLOURS = (style.INK, "#0072B2", "#D55E00", "#009E73", "#9467A9", "#B8860B")
 """Colours of wheelsets, bodies and points, in their order."""
 
 VEHICLE_PICTURES = {
@@ -288,7 +274,7 @@ def vehicle_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
 
 def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
     """A channel of the wheels, a panel for each wheelset against its own distance, on one scale."""
-    values, names = shown(dataset, name), numbered(wheelsets(dataset))
+    values, names = style.shown(dataset, name), numbered(wheelsets(dataset))
     low, high = (float(f(values, initial=0.0)) for f in (np.nanmin, np.nanmax))
     space = 0.05 * max(high - low, 1e-9)
 
@@ -301,21 +287,21 @@ def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
     panels = [partial(panel, wheelset=wheelset) for wheelset in names]
     track = _track_of(dataset)
     track.attrs["title"] += f": {CHANNELS[name].long_name}"
-    return stacked(track, panels, panel_height_mm=28.0, legend=wheel_entries(), titled=True)
+    return stacked(track, panels, panel_height_mm=28.0, legend=marks.wheel_entries(), titled=True)
 
 
 def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> Figure:
     """Channels of wheelsets, bodies or points, a panel each, and a line for each of them, the smallest in front."""
     names = [str(n) for n in dataset[dim].values]
     labels = numbered(names).values() if dim == "wheelset" else names
-    pairs = zip(cycle(PART_COLOURS), cycle(GROUP_LINE), labels)
+    pairs = zip(cycle(PART_COLOURS), cycle(style.GROUP_LINE), labels)
     looks: list[dict[str, Any]] = [{"color": colour, "linestyle": line} for colour, line, _ in pairs]
 
     def panel(axes: Axes, _: xr.Dataset, name: str) -> None:
-        (x, _name), values = abscissa(dataset), shown(dataset, name)
+        (x, _name), values = style.abscissa(dataset), style.shown(dataset, name)
         for i in np.argsort(-np.ptp(values, axis=0), kind="stable"):  # small ones last, or large ones hide them
             at = dataset["wheelset_distance"].values[:, i] if dim == "wheelset" else x
-            draw_line(axes, at, values[:, i], **(looks[i] | crowded(values[:, i])))
+            marks.draw_line(axes, at, values[:, i], **(looks[i] | crowded(values[:, i])))
         axes.set_ylabel(CHANNELS[name].label.replace(" of the body", "").replace(" [", "\n["))
 
     legend = [Line2D([], [], label=label, **look) for label, look in zip(labels, looks, strict=True)]

@@ -16,8 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wrsim.plots.colours import QUIET, STOP_COLOUR, WHEEL_COLOUR
-from wrsim.plots.style import FULL_WIDTH, abscissa, new_figure, style, write_words
+from wrsim.plots.style import FULL_WIDTH, QUIET, STOP_COLOUR, WHEEL_COLOUR, abscissa, new_figure, style, write_words
 from wrsim.results import CHANNELS
 from wrsim.results.table import finite, quantity
 
@@ -30,9 +29,9 @@ def note(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, fl
     axes.annotate(minus(text), at, xytext=offset, **settings)
 
 
-def note_above(axes: Axes, text: str, x: float, lift: float = 1.5, **options: Any) -> None:
+def note_above(axes: Axes, text: str, x: float, lift: float = 1.5) -> None:
     """Small words above the axes, over x."""
-    note(axes, text, (x, 1.0), (0.0, lift), xycoords=("data", "axes fraction"), ha="center", va="bottom", **options)
+    note(axes, text, (x, 1.0), (0.0, lift), xycoords=("data", "axes fraction"), ha="center", va="bottom")
 
 
 def remark(axes: Axes, words: str) -> None:

@@ -16,19 +16,10 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
-from wrsim.plots.gallery import (
-    PATCH_NAMES,
-    GalleryRow,
-    Page,
-    columns_of,
-    draw_gallery,
-    patches_in,
-    selection_words,
-)
+from wrsim.plots import gallery
 from wrsim.plots.marks import few_ticks, minus, stop_note
 from wrsim.plots.moments import PatchAt, choose_moments, select, select_elements, touching_runs
-from wrsim.plots.style import pressure_map, shown
+from wrsim.plots.style import INK, QUIET, WHEEL_COLOUR, pressure_map, shown
 from wrsim.results import CHANNELS
 from wrsim.results.moments import sample_of
 from wrsim.results.table import formatted
@@ -113,12 +104,12 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
     """Patches of the chosen moments (default: up to twelve, evenly spread), to one scale. A column for every moment and
     a row for every wheel and patch in contact; long rows are folded."""
     chosen = choose_moments(dataset, MOST_MOMENTS) if moments is None else list(moments)
-    columns = columns_of(dataset, chosen)
+    columns = gallery.columns_of(dataset, chosen)
     count = len(columns)
-    folded = count > 6 and len(patches_in(dataset, columns)) < 2  # so that the last line is as full as can be
-    page = Page(min((6, 5, 4), key=lambda n: -count % n) if folded else max(min(count, 6), 1))
+    folded = count > 6 and len(gallery.patches_in(dataset, columns)) < 2  # so that the last line is as full as can be
+    page = gallery.Page(min((6, 5, 4), key=lambda n: -count % n) if folded else max(min(count, 6), 1))
     parts = (columns[i : i + page.columns] for i in range(0, len(columns), page.columns))
-    blocks = [(part, patches_in(dataset, part)) for part in parts]
+    blocks = [(part, gallery.patches_in(dataset, part)) for part in parts]
     reaches = {where: _reach(dataset, where) for _, rows in blocks for own in rows.values() for where in own.values()}
     wide, tall = np.max([np.ptp(reach, axis=1) for reach in reaches.values()] or [np.ones(2)], axis=0)
     wide = max(wide, tall * page.panel / TALLEST_PANEL)
@@ -134,19 +125,19 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
         if first:
             axes.set_ylabel("x [mm]", labelpad=1.0, fontsize=6.8)
 
-    def row(wheel: str, patch: int, own: dict[int, PatchAt]) -> GalleryRow:
+    def row(wheel: str, patch: int, own: dict[int, PatchAt]) -> gallery.GalleryRow:
         up = max(float(np.ptp(reaches[where][1])) for where in own.values())
         cells = {j: partial(draw, where=where, up=up, first=j == min(own)) for j, where in own.items()}
         label = f"{wheel} wheel" * bool(wheel) + "\n" * bool(wheel and patch)
-        label += PATCH_NAMES[patch] if patch or not wheel else ""
-        return GalleryRow(label, WHEEL_COLOUR.get(wheel, INK), page.panel / wide * up, 15.0, cells)
+        label += gallery.PATCH_NAMES[patch] if patch or not wheel else ""
+        return gallery.GalleryRow(label, WHEEL_COLOUR.get(wheel, INK), page.panel / wide * up, 15.0, cells)
 
     rows = [(part, [row(*key, own) for key, own in found.items()]) for part, found in blocks]
     reading = (
         "Across: curved axis s, field side to the right. Up: rolling direction x.\n"
-        "One scale everywhere; every panel is cut out around its patch." + selection_words(dataset, chosen)
+        "One scale everywhere; every panel is cut out around its patch." + gallery.selection_words(dataset, chosen)
     )
-    return draw_gallery(dataset.attrs.get("title", ""), stop_note(dataset), dataset, page, rows, scale, reading)
+    return gallery.draw_gallery(dataset.attrs.get("title", ""), stop_note(dataset), dataset, page, rows, scale, reading)
 
 
 def _reach(dataset: xr.Dataset, where: PatchAt) -> tuple[tuple[float, float], tuple[float, float]]:

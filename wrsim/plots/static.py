@@ -15,11 +15,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from wrsim.plots.colours import GROUP_LINE, GROUP_MARK, QUIET, WHEEL_COLOUR
 from wrsim.plots.histories import ANGLE_JUMP
 from wrsim.plots.marks import broken, draw_line, panels, stop_note, wheel_entries
 from wrsim.plots.moments import pose_abscissa, pose_groups
-from wrsim.plots.style import shown
+from wrsim.plots.style import GROUP_LINE, GROUP_MARK, QUIET, WHEEL_COLOUR, shown
 from wrsim.results import CHANNELS
 
 PANELS = ("contact_angle", "p0", "N", "area")

@@ -13,9 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from wrsim.plots.colours import DOTS, GROUP_LINE, QUIET, SERIES_COLOURS, STOP_COLOUR
 from wrsim.plots.marks import panels
-from wrsim.plots.style import shown
+from wrsim.plots.style import DOTS, GROUP_LINE, QUIET, SERIES_COLOURS, STOP_COLOUR, shown
 from wrsim.results import CHANNELS
 from wrsim.results.table import quantity
 

@@ -1,4 +1,8 @@
-"""One look for all pictures: sizes, fonts, units. No pyplot, no global state."""
+"""One look for all pictures: sizes, fonts, units, colours, dashes and marks. No pyplot, no global state.
+
+Colours are from Okabe and Ito's set: they differ with any common colour vision deficiency and in grey. The left wheel
+is blue and the right one vermilion in every picture.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,7 @@ import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -17,8 +21,26 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from wrsim.plots.colours import INK, STOP_COLOUR
 from wrsim.results import CHANNELS, write_atomically
+
+WHEEL_COLOUR = {"left": "#0072B2", "right": "#D55E00"}
+INK = "#222222"
+QUIET = "#6b6b6b"
+FAINT = "#d9d9d9"
+CANT_COLOUR = "#9467A9"
+STOP_COLOUR = "#B00020"
+RAIL_FILL = "#e4e7eb"
+WHEEL_FILL = "#f4efe4"
+Dashes = tuple[float, tuple[float, ...]]
+
+DOTS: Dashes = (0, (1, 2))
+GROUP_LINE: tuple[Dashes | Literal["-"], ...] = (
+    "-", (0, (4, 1.2)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (2, 2)), (0, (7, 1, 1, 1, 1, 1)),
+)  # fmt: skip
+"""Line style of the first, second, ... patch, wheelset, yaw or load."""
+GROUP_MARK = ("o", "s", "^", "D", "v", "x")
+SERIES_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", CANT_COLOUR, QUIET)
+"""Colours of the first, second, ... mode or wheelset."""
 
 MM = 1.0 / 25.4  # inches in a millimetre
 FULL_WIDTH = 170.0  # width of a page of a journal, mm

@@ -17,9 +17,8 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from wrsim.geometry.track.track import Feature, Track
-from wrsim.plots.colours import CANT_COLOUR, INK, QUIET, WHEEL_COLOUR
 from wrsim.plots.marks import note, note_above
-from wrsim.plots.style import FULL_WIDTH, new_figure, style
+from wrsim.plots.style import CANT_COLOUR, FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, new_figure, style
 from wrsim.results.table import quantity
 
 Law = Callable[[NDArray[np.float64]], NDArray[np.float64]]

@@ -12,9 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
-from wrsim.plots.colours import FAINT, INK, QUIET, RAIL_FILL, WHEEL_FILL
 from wrsim.plots.marks import panels
-from wrsim.plots.style import FULL_WIDTH, mm_axes, new_figure, style
+from wrsim.plots.style import FAINT, FULL_WIDTH, INK, QUIET, RAIL_FILL, WHEEL_FILL, mm_axes, new_figure, style
 from wrsim.vehicle.couplings import GLYPHS
 from wrsim.vehicle.element_tables import KINDS, Glyph
 from wrsim.vehicle.elements import Element

@@ -1,4 +1,4 @@
-"""Pictures of wear: depths and rolling contact fatigue of a run; profiles, flange and conicity of wheels in service."""
+"""Pictures of wear: depths and rolling contact fatigue of a run; evolution of profiles, flange and conicity."""
 
 from __future__ import annotations
 
@@ -14,9 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from wrsim.plots.colours import GROUP_LINE, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.marks import large_and_small, panels
-from wrsim.plots.style import shown, style
+from wrsim.plots.style import GROUP_LINE, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, WHEEL_COLOUR, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.table import formatted, quantity, with_unit
 from wrsim.results.wear import worst_worn
@@ -27,7 +26,7 @@ BESIDE = 4.0  # room beside what is worn, mm of the profile
 MOST_POINTS = 4000  # patches of a wheel in the shakedown map
 LARGEST_FRICTION = 0.6
 
-MOST_LINES = 7  # profiles in service that are drawn, the first and the last among them
+MOST_LINES = 7  # profiles of an evolution that are drawn, the first and the last among them
 SEEN = 0.02  # part of the largest depth from which on a place counts as worn
 
 
@@ -107,7 +106,7 @@ def _legend(laws: list[str]) -> list[Line2D]:
     return sides + [Line2D([], [], color=INK, linestyle=line, label=LAW_WORDS[law]) for law, line in lines]
 
 
-def service_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+def evolution_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of profile evolution, by file name without ending."""
     return {"wear_profiles": partial(profiles_figure, dataset), "wear_mileage": partial(mileage_figure, dataset)}
 

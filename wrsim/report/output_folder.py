@@ -6,9 +6,8 @@ import logging
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wrsim.errors import InputError, in_one_line
 from wrsim.register import ANALYSES, resolved
@@ -91,12 +90,6 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
     return files
 
 
-def write_resolved(result: Result, directory: Path, pictures: bool) -> list[Path]:
-    """A result whose contacts were solved again, with its scenario."""
-    write_atomically(directory / RECORD, result.dataset.attrs["scenario_text"].encode())
-    return write(result, directory, pictures)
-
-
 def can_go_on(result: Result) -> bool:
     """True for a run that Ctrl-C has ended, or the death of its process."""
     return result.dataset.attrs.get("stop_cause") in ("interrupt", "cut-off")
@@ -165,35 +158,26 @@ def names_apart(results: Sequence[Path], output: Path | None) -> list[str]:
     return ["/".join(path.parts[-parts:]) for path in paths]
 
 
-@dataclass(frozen=True)
-class Written:
-    """What a run left in a folder. removed: files of an earlier result; wall, compiling: time it took without and for
-    compiling [s], of a resumed run nothing; note: why nothing ran."""
+class Written(NamedTuple):
+    """What a run left in a folder. took: wall times [s], and their ratio to real time, of a resumed run nothing; words:
+    these, or why nothing ran; removed: files of an earlier result."""
 
     result: Result
+    took: dict[str, float]
+    words: str
     files: Sequence[Path] = ()
     removed: Sequence[Path] = ()
-    wall: float = 0.0
-    compiling: float = 0.0
-    note: str = ""
 
-    @property
-    def lasted(self) -> float:
-        """How long the vehicle has run [s]; 0 of what does not run along the track."""
-        times = self.result.dataset.coords.get("time")
-        return 0.0 if times is None or times.size == 0 else float(times[-1] - times[0])
 
-    @property
-    def took(self) -> dict[str, float]:
-        """Wall times [s], and their ratio to real time."""
-        if not self.wall:
-            return {}
-        times = {"wall_time_s": round(self.wall, 3), "compiling_s": round(self.compiling, 3)}
-        return times | ({"times_real_time": round(self.wall / self.lasted, 4)} if self.lasted else {})
-
-    def wall_words(self) -> list[str]:
-        """How long it took beside how long it lasts on the track."""
-        return [wall_time(self.wall, self.lasted, self.compiling)] if self.wall and self.lasted else []
+def _times(result: Result, wall: float, compiling: float) -> tuple[dict[str, float], str]:
+    """Wall times [s] of an analysis without and for compiling, and their ratio to real time; the same in words, of what
+    runs along the track."""
+    times = result.dataset.coords.get("time")
+    lasted = 0.0 if times is None or times.size == 0 else float(times[-1] - times[0])
+    took = {"wall_time_s": round(wall, 3), "compiling_s": round(compiling, 3)}
+    if not lasted:
+        return took, ""
+    return took | {"times_real_time": round(wall / lasted, 4)}, wall_time(wall, lasted, compiling)
 
 
 def run_into(
@@ -211,7 +195,7 @@ def run_into(
     with claimed(directory, force, (*scenario.files, *setup.files), file) as keeper:
         result = whole_result(directory, scenario) if resume else None
         if result is not None and Manifest(directory).is_done(scenario.text, pictures):
-            return Written(result, note=f"{directory} holds the whole result of this scenario already")
+            return Written(result, {}, f"{directory} holds the whole result of this scenario already")
         if resume and result is None and not record.exists():
             LOGGER.warning("there is no run in %s to resume; it starts from the beginning", directory)
             resume = False
@@ -226,8 +210,8 @@ def run_into(
             compiling = COUNT.seconds - before
             wall = time.perf_counter() - started - compiling
             files = write(result, directory, pictures)
-            took: dict[str, Any] = {} if resume else {"wall": wall, "compiling": compiling}
-            return Written(result, files, keeper.clear(files), **took)
+            took = ({}, "") if resume else _times(result, wall, compiling)
+            return Written(result, *took, files, keeper.clear(files))
         except KeyboardInterrupt:
             if record.exists():
                 raise KeyboardInterrupt(f"interrupted; the run is safe in {record}: go on with --resume") from None

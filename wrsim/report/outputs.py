@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from wrsim.plots import patch_gallery, save, section_gallery, standard_figures
+from wrsim.plots import patch_gallery, save, section_gallery, standard_pictures
 from wrsim.plots.assessment import assessment_figures
 from wrsim.plots.compare import has_curves, overlay_figure, patches_figure, values_figure
 from wrsim.plots.conicity import conicity_map_figure
@@ -36,8 +36,7 @@ from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 
 if TYPE_CHECKING:
     from wrsim.analysis.compare import Comparison
-    from wrsim.analysis.stationary.rotation_test import RotationTest
-    from wrsim.analysis.stationary.twist_test import TwistTest
+    from wrsim.analysis.stationary.loops import RotationTest, TwistTest
     from wrsim.recording.restoring import Restored
     from wrsim.results import Result
     from wrsim.vehicle.vehicle import Vehicle
@@ -101,7 +100,7 @@ def write_differences(
 def write_conicity(result: Result, directory: Path, pictures: bool) -> list[Path]:
     """``conicity.csv`` and pictures."""
     files = [write_table(result.dataset, "conicity", directory / "conicity.csv")]
-    return files + (draw_result(result.dataset, directory) if pictures else [])
+    return files + (standard_pictures(result.dataset, directory) if pictures else [])
 
 
 def write_conicity_map(found: ConicityMap, directory: Path, pictures: bool) -> list[Path]:
@@ -131,11 +130,6 @@ def write_recording(
     files = _written(directory, contents, {})
     build(load(directory / recorded.SCENARIO, tuple(models)))  # refuses what of the track or the vehicle cannot be
     return files + save_all({"recording": lambda: recording_figure(restored)} if pictures else {}, directory)
-
-
-def draw_result(dataset: xr.Dataset, directory: Path) -> list[Path]:
-    """The standard pictures of a result."""
-    return save_all(standard_figures(dataset), directory)
 
 
 def draw_patches(dataset: xr.Dataset, at: list[str], directory: Path) -> list[Path]:

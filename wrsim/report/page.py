@@ -55,10 +55,14 @@ def report_page(results: Sequence[Result], sources: Sequence[str], *, viewers: S
     names = [f"{chr(ord('A') + i)} {last_part(source)}" for i, source in enumerate(sources)]
     names = names if len(names) > 1 else [""]
     summaries = [r.summary() for r in results]
-    both = [tables.assessed(r) for r in results]
+    from wrsim.analysis.assessment import assess
+    from wrsim.analysis.ride import evaluate_ride
+
+    both = [tables.evaluated(assess, r) for r in results]
     found = [assessment for assessment, _ in both]
     charts = charts_of([r.dataset for r in results], names, tables.chart_limits(found))
-    rides = [tables.ridden(r) for r in results]
+    moves = [{"point", "time"} <= set(r.dataset.dims) for r in results]
+    rides = [tables.evaluated(evaluate_ride, r) if so else (None, "") for r, so in zip(results, moves, strict=True)]
     ridden = {name: ride for name, (ride, _) in zip(names, rides, strict=True) if ride}
     histories = _histories(results, names, found) if charts else {}
     contacts = {name: _contacts(r.dataset, name) for name, r in zip(names, results, strict=True)}

@@ -1,4 +1,4 @@
-"""The reports of a study, one page about all its cases, and of wheels that wear in service."""
+"""The reports of a study, one page about all its cases, and of a profile evolution."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import xarray as xr
 
 from wrsim import __version__
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, numbers_in, of_cases, study_figures
-from wrsim.plots.wear import service_figures
+from wrsim.plots.wear import evolution_figures
 from wrsim.report.page import as_picture, last_part, page_template
 from wrsim.report.tables import BAD, OPEN, Verdict
 from wrsim.results.table import Column, Table, formatted, quantity
@@ -105,13 +105,13 @@ def _text(value: object) -> str:
     return formatted(float(value), ".6g") if isinstance(value, float | np.floating) else str(value)
 
 
-OF_SERVICE = {"service_text": "Service file", "cases_text": "Table of cases", "scenario_text": "Scenario"}
-"""Files that a service holds, and words for them."""
+OF_EVOLUTION = {"service_text": "File of the evolution", "cases_text": "Table of cases", "scenario_text": "Scenario"}
+"""Files that a profile evolution holds, and words for them."""
 
 
-def service_page(dataset: xr.Dataset, source: str, numbers: Table) -> str:
-    """The report of a service as HTML. dataset: ``wear.nc``; source: where it was read from; numbers: of it against the
-    mileage."""
+def evolution_page(dataset: xr.Dataset, source: str, numbers: Table) -> str:
+    """The report of a profile evolution as HTML. dataset: ``wear.nc``; source: where it was read from; numbers: of it
+    against the mileage."""
     about = dataset.attrs
     steps = dataset.sizes["point"] - 1
     mileage = quantity(1e-3 * float(dataset["mileage"].values[-1]), "km", ".6g")
@@ -124,8 +124,8 @@ def service_page(dataset: xr.Dataset, source: str, numbers: Table) -> str:
         "verdict": f"{mileage} in {steps} steps; {deepest} worn off at the deepest place.",
         "identity": identity + _versions(dataset),
         "numbers": numbers,
-        "pictures": [as_picture(name, make()) for name, make in service_figures(dataset).items()],
-        "command": f"wrsim wear service.toml -o {shlex.quote(last_part(source) or 'service')}",
-        "texts": {words: str(about[key]) for key, words in OF_SERVICE.items() if about.get(key)},
+        "pictures": [as_picture(name, make()) for name, make in evolution_figures(dataset).items()],
+        "command": f"wrsim wear evolution.toml -o {shlex.quote(last_part(source) or 'evolution')}",
+        "texts": {words: str(about[key]) for key, words in OF_EVOLUTION.items() if about.get(key)},
     }
-    return page_template("service.html").render(page)
+    return page_template("evolution.html").render(page)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import xarray as xr
 
@@ -17,11 +17,12 @@ from wrsim.results.channels import PATCHES
 from wrsim.results.dataset import table_of_scenario
 from wrsim.results.files import from_json
 from wrsim.results.moments import sample_of
-from wrsim.results.ride import Ride
 from wrsim.results.summary_tables import Summary, curve_tables, extent_words, numbers_of, wheelset_tables
 from wrsim.results.table import Cell, Column, Table, formatted, quantity
 from wrsim.results.wear import summarise_wear
 from wrsim.results.wheelsets import numbered, wheelsets
+
+T = TypeVar("T")
 
 OF_PATCHES = ("N", "p0", "contact_angle", "contact_angle_variation", "area")
 """Channels in the table of contacts."""
@@ -40,22 +41,10 @@ class Verdict(NamedTuple):
     words: str
 
 
-def assessed(result: Result) -> tuple[Assessment | None, str]:
-    """The assessment of a run, or why there is none."""
-    from wrsim.analysis.assessment import assess
-
+def evaluated(evaluate: Callable[[Result], T], result: Result) -> tuple[T | None, str]:
+    """The assessment or the ride of a run, or why there is none."""
     try:
-        return assess(result), ""
-    except InputError as problem:
-        return None, str(problem)
-
-
-def ridden(result: Result) -> tuple[Ride | None, str]:
-    """The ride of a run with points, or why there is none."""
-    from wrsim.analysis.ride import evaluate_ride
-
-    try:
-        return (evaluate_ride(result) if {"point", "time"} <= set(result.dataset.dims) else None), ""
+        return evaluate(result), ""
     except InputError as problem:
         return None, str(problem)
 

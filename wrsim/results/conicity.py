@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import degrees, radians
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -110,21 +110,17 @@ def conicity_numbers(result: Result) -> dict[str, Any]:
     }
 
 
-@dataclass(frozen=True)
-class RadialSteering:
+class RadialSteering(NamedTuple):
     """radius R, needed and available difference of the rolling radii, shift of the wheelset at which the needed one is
-    there, not-a-number where it is not [m]; the less able side of the two counts.
+    there, not-a-number where it is not [m]; index: q_E, infinite where there is no difference at all. The less able
+    side of the two counts.
     """
 
     radius: float
     needed: float
     available: float
     shift: float
-
-    @property
-    def index(self) -> float:
-        """q_E, infinite where there is no difference at all."""
-        return self.needed / self.available if self.available > 0.0 else np.inf
+    index: float
 
 
 def radial_steering(dataset: xr.Dataset, radius: float) -> RadialSteering:
@@ -133,7 +129,7 @@ def radial_steering(dataset: xr.Dataset, radius: float) -> RadialSteering:
     needed = CONTACT_DISTANCE * mean / radius
     hands = [_towards(dataset, sign, needed) for sign in (1.0, -1.0)]
     available, shift = min(hands, key=lambda hand: hand[0])
-    return RadialSteering(radius, needed, available, shift)
+    return RadialSteering(radius, needed, available, shift, needed / available if available > 0.0 else np.inf)
 
 
 def _towards(dataset: xr.Dataset, sign: float, needed: float) -> tuple[float, float]:

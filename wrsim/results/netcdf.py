@@ -60,7 +60,7 @@ def write_netcdf(path: str | Path, dataset: xr.Dataset) -> Path:
 def read_netcdf(path: Path, what: str) -> xr.Dataset:
     """The dataset in a file that `write_netcdf` wrote; what: it should be, in words for errors. Raises InputError when
     it is missing, damaged or none of wrsim's."""
-    again = f"run the {what if what in ('study', 'service') else 'scenario'} again"
+    again = f"run the {'scenario' if what == 'result' else what} again"
     try:
         with open(open_plain(path, f"{what} file"), "rb") as stream:
             begin, checked, whole = _looked_through(stream)

@@ -34,24 +34,14 @@ FRAME = struct.Struct("<QI")
 
 
 class _Known(BaseModel):
-    """Entries of a header, and what they may be."""
+    """Entries of a header that are more than compared, and what they may be."""
 
     model_config = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
 
-    title: str = ""
-    analysis: str = ""
     scenario_text: str = ""
     folders: Annotated[list[str], Field(min_length=1)] = []
     files: dict[str, str] = {}
-    numbers: str = ""
     inputs: dict[str, str] = {}
-    code: str = ""
-    wrsim_version: str = ""
-    python_version: str = ""
-    numpy_version: str = ""
-    numba_version: str = ""
-    exudyn_version: str = ""
-    scipy_version: str = ""
     integrator: str = ""
     size: Annotated[int, Field(ge=1, le=10**6)] = 1
     step_s: Annotated[float, Field(ge=1e-9, le=1e3)] = 1.0

@@ -116,19 +116,20 @@ def times_of_cases(plan: Plan, markers: Sequence[Marker | None]) -> list[Row]:
     return rows
 
 
-def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) -> list[Path]:
-    """Write ``study.nc``, ``study.csv``, ``times.csv``, ``study.json`` and pictures into the folder of a study."""
-    folder = Path(plan.folder)
-    dataset = collected(plan, markers)
+def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) -> tuple[dict[str, Any], list[Path]]:
+    """Write ``study.nc``, ``study.csv``, ``times.csv``, ``study.json`` and pictures into the folder of a study; gives
+    what is in ``study.json`` as well."""
+    folder, dataset = Path(plan.folder), collected(plan, markers)
+    report = study_report(plan, markers, dataset)
     files = [
         write_netcdf(folder / NUMBERS, dataset),
         write_atomically(folder / "study.csv", as_csv(rows_of_cases(plan, markers))),
         write_atomically(folder / "times.csv", as_csv(times_of_cases(plan, markers))),
-        write_atomically(folder / "study.json", as_json(study_report(plan, markers))),
+        write_atomically(folder / "study.json", as_json(report)),
     ]
     if pictures:
         files += save_all(study_figures(dataset), folder)
-    return files
+    return report, files
 
 
 def read_study(path: Path) -> xr.Dataset:
@@ -172,9 +173,8 @@ def _faults(dataset: xr.Dataset) -> Iterator[str]:
             yield f"its {name!s:.40} has a key that is no text"
 
 
-def study_report(plan: Plan, markers: Sequence[Marker | None]) -> dict[str, Any]:
-    """A study in a few numbers: cases, how they ended, range of every output."""
-    dataset = collected(plan, markers)
+def study_report(plan: Plan, markers: Sequence[Marker | None], dataset: xr.Dataset) -> dict[str, Any]:
+    """A study in a few numbers: cases, how they ended, range of every output in its dataset."""
     ranges = {}
     for name, variable in dataset.data_vars.items():
         values = variable.values

@@ -12,28 +12,15 @@ from pathlib import Path
 
 from distributed import Client, Future, KilledWorker, as_completed
 
+from wrsim.analysis.progress import Progress, Report
 from wrsim.errors import InputError, WrsimError
 from wrsim.results import write_atomically
 from wrsim.results.manifest import Keeper, Manifest, digest_of, keeping
-from wrsim.study import cluster
+from wrsim.study import cluster, task
 from wrsim.study.cluster import ATTEMPTS, address_of, check_threads
 from wrsim.study.plan import PLAN, Plan, texts_in
-from wrsim.study.task import (
-    COMPLETED,
-    DERAILED,
-    FAILED,
-    MARKER,
-    Marker,
-    compile_for,
-    read_marker,
-    run_case,
-    warm_cases,
-    write_marker,
-)
 
 LOGGER = logging.getLogger("wrsim.study")
-Progress = Callable[[float, float], None]
-"""Called with the fraction of cases done and the seconds left."""
 Bar = Callable[[], AbstractContextManager[Progress | None]]
 """Makes a progress bar, or none."""
 AT_HAND = 2
@@ -49,9 +36,9 @@ def missing(plan: Plan, retry: bool = False) -> list[int]:
     for i, case in enumerate(plan.cases):
         if case.name in found:
             continue
-        marker = read_marker(plan.folder_of(case))
-        if marker is not None and retry and marker.status not in (COMPLETED, DERAILED):
-            (plan.folder_of(case) / MARKER).unlink()
+        marker = task.read_marker(plan.folder_of(case))
+        if marker is not None and retry and marker.status not in (task.COMPLETED, task.DERAILED):
+            (plan.folder_of(case) / task.MARKER).unlink()
             marker = None
         if marker is None or not marker.has_come_to(plan) or marker.outputs != plan.outputs_digest:
             found[case.name] = i
@@ -81,7 +68,7 @@ def warm_remotely(client: Client, plan: Plan, digest: str, cases: Sequence[int])
     for address, worker in client.scheduler_info(n_workers=-1)["workers"].items():
         by_host.setdefault(worker["host"], address)
     for address in by_host.values():
-        future = client.submit(warm_cases, plan.folder, digest, list(cases), workers=[address], pure=False)
+        future = client.submit(task.warm_cases, plan.folder, digest, list(cases), workers=[address], pure=False)
         try:
             future.result()
         except Exception as error:
@@ -101,22 +88,20 @@ def execute(
     the first completed case shows that an output cannot be had, ``WrsimError`` when a worker cannot work at all.
     """
     check_threads(client)
-    began = time.perf_counter()
+    report = Report(progress)
     suspects: list[int] = []
     checked, count = False, 0
     for index, died in _handed_out(client, plan, cases, expected):
         if died:  # or another case on the same worker: looked at again when nothing else runs
             suspects.append(index)
             continue
-        marker = None if checked else read_marker(plan.folder_of(plan.cases[index]))
-        if marker is not None and marker.status == COMPLETED:  # it shows whether all outputs can be had
+        marker = None if checked else task.read_marker(plan.folder_of(plan.cases[index]))
+        if marker is not None and marker.status == task.COMPLETED:  # it shows whether all outputs can be had
             checked = True
             if marker.faults:
                 raise InputError("\n".join(marker.faults))
         count += 1
-        if progress is not None:
-            fraction = count / len(cases)
-            progress(fraction, (time.perf_counter() - began) * (1.0 - fraction) / fraction)
+        report(count / len(cases))
     for suspect in suspects:
         for index, died in _handed_out(client, plan, [suspect], 1):
             if died:
@@ -135,7 +120,7 @@ def _handed_out(client: Client, plan: Plan, cases: Sequence[int], expected: int)
     def submitted(index: int) -> Future:
         key = f"{plan.cases[index].name}-{session}"
         running[key] = index
-        return client.submit(run_case, plan.folder, digest, index, key=key)
+        return client.submit(task.run_case, plan.folder, digest, index, key=key)
 
     def room() -> int:
         return AT_HAND * max(expected, sum(client.nthreads().values())) - len(running)
@@ -156,13 +141,15 @@ def _note_killed(plan: Plan, index: int) -> None:
     """The entry of a case that no worker survives."""
     case = plan.cases[index]
     folder = plan.folder_of(case)
-    marker = read_marker(folder)
+    marker = task.read_marker(folder)
     if marker is None or marker.outputs != plan.outputs_digest:
         hook = f", or {plan.hook} ends the process" if plan.hook else ""
         deaths = f"{2 * ATTEMPTS} workers died at it one after the other"
         message = f"{deaths}: too little memory, a crash below Python{hook}"
-        marker = Marker(case.name, case.label, FAILED, message, outputs=plan.outputs_digest, ended=time.time())
-        write_marker(folder, marker)
+        marker = task.Marker(
+            case.name, case.label, task.FAILED, message, outputs=plan.outputs_digest, ended=time.time()
+        )
+        task.write_marker(folder, marker)
 
 
 def check_workers(workers: int | None, scheduler: str | None, slurm: bool, tls: Path | None) -> list[str]:
@@ -202,7 +189,7 @@ def worker_pool(
     def started(plan: Plan, first: Sequence[int]) -> Client:
         if scheduler is None and not slurm:
             for i in first:  # compile once
-                compile_for(plan.scenario(plan.cases[i]))
+                task.compile_for(plan.scenario(plan.cases[i]))
             return stack.enter_context(cluster.local_workers(min(expected, most)))
         if scheduler is not None:
             found = stack.enter_context(cluster.workers_at(address_of(scheduler), tls))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from wrsim.analysis import run
@@ -45,7 +44,7 @@ def time_of(scenario: Scenario) -> float:
     def progress(fraction: float, seconds_left: float) -> None:
         seen.append((fraction, time.perf_counter()))
         if seen[-1][1] - seen[0][1] > PROBE:
-            raise Enough
+            raise Enough(fraction)
 
     try:
         run(scenario, progress)
@@ -57,46 +56,24 @@ def time_of(scenario: Scenario) -> float:
     return time.perf_counter() - begin
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """Cases, their states, and how long those to run will take. each: one [s]; source: from where that is known."""
+def estimate(plan: Plan, workers: int | None) -> tuple[dict[str, Any], Table]:
+    """What a study will take on so many workers, one a processor unless given.
 
-    plan: Plan
-    states: tuple[str, ...]
-    todo: int
-    each: float
-    source: str
-    workers: int
-
-    @property
-    def total(self) -> float:
-        """Of all that are to run [s]."""
-        return self.each * self.todo / min(self.workers, max(self.todo, 1))
-
-    def numbers(self) -> dict[str, Any]:
-        """Plain numbers, units in the keys."""
-        cases = [
-            {"case": c.name, "label": c.label, "values": c.values, "status": s}
-            for c, s in zip(self.plan.cases, self.states, strict=True)
-        ]
-        expected = {"of_one_case_s": self.each, "on_workers": self.workers, "of_all_s": self.total}
-        return {"cases": cases, "missing": self.todo, "time": expected}
-
-    def table(self) -> Table:
-        """The first cases and the time."""
-        count = len(self.plan.cases)
-        rows = [(c.name, c.label, s) for c, s in zip(self.plan.cases[:MOST_LISTED], self.states, strict=False)]
-        notes = [f"... and {count - MOST_LISTED} more; --json lists all"] if count > MOST_LISTED else []
-        notes.append(f"{count} cases, {self.todo} to run")
-        if self.todo:
-            on = f"on {self.workers} workers the study takes {duration(self.total)}"
-            notes.append(f"one case takes {duration(self.each)} ({self.source}); {on}")
-        return Table(self.plan.title, (Column("case"), Column("values"), Column("state")), rows, tuple(notes))
-
-
-def estimate(plan: Plan, workers: int | None) -> Estimate:
-    """What a study will take on so many workers, one a processor unless given."""
+    Plain numbers with units in the keys, of all cases; a table of the first cases and the time.
+    """
     markers, todo = markers_of(plan), missing(plan)
     each, source = time_of_cases(plan, todo, markers)
-    states = tuple(MISSING if m is None else m.status for m in markers)
-    return Estimate(plan, states, len(todo), each, source, workers or processors())
+    workers, count = workers or processors(), len(plan.cases)
+    total = each * len(todo) / min(workers, max(len(todo), 1))
+    states = [MISSING if m is None else m.status for m in markers]
+    pairs = list(zip(plan.cases, states, strict=True))
+    cases = [{"case": c.name, "label": c.label, "values": c.values, "status": s} for c, s in pairs]
+    expected = {"of_one_case_s": each, "on_workers": workers, "of_all_s": total}
+    notes = [f"... and {count - MOST_LISTED} more; --json lists all"] if count > MOST_LISTED else []
+    notes.append(f"{count} cases, {len(todo)} to run")
+    if todo:
+        on = f"on {workers} workers the study takes {duration(total)}"
+        notes.append(f"one case takes {duration(each)} ({source}); {on}")
+    rows = [(c.name, c.label, s) for c, s in pairs[:MOST_LISTED]]
+    table = Table(plan.title, (Column("case"), Column("values"), Column("state")), rows, tuple(notes))
+    return {"cases": cases, "missing": len(todo), "time": expected}, table

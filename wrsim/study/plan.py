@@ -172,12 +172,11 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
         own = StudyInput(file, "study file", StudyFile, models)
         spec: StudyFile = own.spec
         axes = tuple(axis_points(axis, own.finder, own.locate(("vary", i))) for i, axis in enumerate(spec.vary))
-        seen_keys: dict[str, str] = {}
-        for axis in axes:
-            for key in (key for group in axis.keys for key in group):
-                if key in seen_keys:
-                    raise InputError(f"{axis.places[0]}: {key}: is varied by axis '{seen_keys[key]}' already")
-                seen_keys[key] = axis.name
+        owners: dict[str, str] = {}
+        for axis, key in ((own, key) for own in axes for group in own.keys for key in group):
+            if key in owners:
+                raise InputError(f"{axis.places[0]}: {key}: is varied by axis '{owners[key]}' already")
+            owners[key] = axis.name
         count = prod(len(axis.values) for axis in axes)
         if count > MOST_CASES:
             with own.naming("vary"):

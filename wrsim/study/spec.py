@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BeforeValidator, Field
@@ -64,11 +64,6 @@ class GridAxis(Section, header='[[vary]] with kind = "grid"'):
     name: Name | None = None
     """Name of the axis in the results; the last part of the key unless given."""
 
-    @property
-    def varied(self) -> tuple[str, ...]:
-        """Keys of the scenario that the axis varies, as far as its table names them."""
-        return self.key
-
 
 class CsvAxis(Section, header='[[vary]] with kind = "csv"'):
     """Rows of a table: the header holds dotted keys, a column ``id`` names the rows."""
@@ -81,8 +76,6 @@ class CsvAxis(Section, header='[[vary]] with kind = "csv"'):
     """The table; its header holds keys of the scenario."""
     name: Name = "case"
     """Name of the axis in the results."""
-
-    varied: ClassVar[tuple[str, ...]] = ()
 
 
 class SampledKey(Section, header="[[vary.over]]"):
@@ -132,11 +125,6 @@ class _Sampled(Section):
     """Keys that are sampled and their ranges."""
     name: Name = "case"
     """Name of the axis in the results."""
-
-    @property
-    def varied(self) -> tuple[str, ...]:
-        """Keys of the scenario that are sampled."""
-        return tuple(key for one in self.over for key in one.key)
 
 
 class SobolAxis(_Sampled, header='[[vary]] with kind = "sobol"'):
@@ -296,17 +284,9 @@ class StudyFile(Section, header="a study"):
     """Limits of a case, and what is kept of it."""
 
     def consistency(self) -> Iterator[Fault]:
-        names: list[str] = []
-        keys: dict[str, int] = {}
-        for i, axis in enumerate(self.vary):
-            name = axis_name(axis)
-            if name in names:
+        for name, count in Counter(map(axis_name, self.vary)).items():
+            if count > 1:
                 yield Fault("vary", f'two axes are called "{name}": give one of them another name')
-            names.append(name)
-            for key in axis.varied:
-                if key in keys:
-                    yield Fault("vary", f'"{key}" is varied by vary[{keys[key]}] and again by vary[{i}]')
-                keys[key] = i
 
 
 def axis_name(axis: Axis) -> str:

@@ -46,8 +46,8 @@ GRACE = 5.0
 """Time beyond its limit after which a case that does not answer loses its process [s]; and a tenth of the limit."""
 
 
-class OutOfTime(Exception):
-    """A case has used up its time; its argument: how much of it is done."""
+class Enough(Exception):
+    """Ends a run that has used up its time, or gone far enough; its argument: how much of it is done."""
 
 
 @dataclass
@@ -177,7 +177,7 @@ def _attempt(plan: Plan, case: Case, folder: Path) -> None:
         begin = time.perf_counter()
         try:
             _simulate(plan, case, folder, marker)
-        except OutOfTime as late:
+        except Enough as late:
             marker.status = LATE
             marker.message = (
                 f"not done after {plan.time_limit:g} s, at {100.0 * late.args[0]:.0f} %; with a larger "
@@ -236,7 +236,7 @@ def _run(scenario: Scenario, part: Path, limit: float, marker: Marker) -> Result
 
     def progress(fraction: float, seconds_left: float) -> None:
         if time.monotonic() > until:
-            raise OutOfTime(fraction)
+            raise Enough(fraction)
 
     if ANALYSES[scenario.analysis].moves and part.exists():
         try:
@@ -270,15 +270,11 @@ def warm_cases(study: str, digest: str, indices: list[int]) -> str:
     return platform.node()
 
 
-class Enough(Exception):
-    """Ends a run that has gone far enough."""
-
-
 def compile_for(scenario: Scenario) -> None:
     """Compile what a scenario needs, by a short run; what fails in it fails again where it is reported."""
 
     def progress(fraction: float, seconds_left: float) -> None:
-        raise Enough
+        raise Enough(fraction)
 
     with suppress(Enough, WrsimError):
         if not ANALYSES[scenario.analysis].moves:

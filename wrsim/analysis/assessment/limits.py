@@ -51,12 +51,8 @@ def quasi_static_guiding(radius: float) -> Limit | None:
     return Limit(60e3, EN, "mem")
 
 
-def combined(radius: float) -> Limit | None:
-    """Bqst: 180 kN, where Yqst has a limit. radius: see ``quasi_static_guiding``."""
-    return None if quasi_static_guiding(radius) is None else Limit(180e3, f"{EN}:2016", "mem")
-
-
 QUASI_STATIC_VERTICAL = Limit(145e3, EN, "mem")  # of Qqst
+COMBINED = Limit(180e3, f"{EN}:2016", "mem")  # of Bqst, where Yqst has a limit
 
 CLIMB_DISTANCE = Limit(1.524, "49 CFR 213.333: Nadal's limit exceeded for no more than 5 ft", "mem")
 

@@ -11,16 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from wrsim.analysis.assessment import limits
-from wrsim.analysis.assessment.filters import (
-    Hunting,
-    band_pass,
-    extreme,
-    low_pass,
-    sampling_rate,
-    sliding_mean,
-    windows,
-)
+from wrsim.analysis.assessment import filters, limits
 from wrsim.analysis.assessment.nadal import longest_stretch
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION
 from wrsim.errors import InputError
@@ -38,7 +29,7 @@ class Axle:
     """
 
     def __init__(self, name: str, label: str, dataset: xr.Dataset, settings: AssessmentSettings) -> None:
-        rate = sampling_rate(dataset["time"].values)
+        rate = filters.sampling_rate(dataset["time"].values)
 
         def of_wheels(channel: str) -> Array:
             return np.asarray(dataset[channel].transpose("time", "wheel").sel(wheel=["left", "right"]).values)
@@ -49,22 +40,22 @@ class Axle:
         self.name, self.label = name, label
         self.load = settings.axle_load if settings.axle_load is not None else float(raw_q.sum(axis=1).mean())
         self.distance: Array = dataset["distance"].values
-        self.y, self.q = (low_pass(values, rate, limits.CUT_OFF) for values in (raw_y, raw_q))
+        self.y, self.q = (filters.low_pass(values, rate, limits.CUT_OFF) for values in (raw_y, raw_q))
         # beyond any limit where a wheel is pushed outward without load, 0 where it is without either
         free = self.q <= 0.0
         self.quotient = np.where(free, np.where(self.y > 1e3, np.inf, 0.0), self.y / np.where(free, 1.0, self.q))
-        self.middles = windows(self.distance, limits.WINDOW, limits.STEP)
+        self.middles = filters.windows(self.distance, limits.WINDOW, limits.STEP)
         self.sum_y_mean = self._mean(self.y[:, 0] - self.y[:, 1])
         lifted = ~np.isfinite(self.quotient)
         mean, touched = self._mean(np.where(lifted, 0.0, self.quotient)), self._mean(lifted.astype(float))
         self.quotient_mean = np.where(touched > 1e-12, np.inf, mean)
-        self.hunting = Hunting(self.distance, raw_y[:, 0] - raw_y[:, 1], rate, settings.instability_frequency)
+        self.hunting = filters.Hunting(self.distance, raw_y[:, 0] - raw_y[:, 1], rate, settings.instability_frequency)
         self.wear = of_wheels("T_gamma") if "T_gamma" in dataset else None
         self.wear_mean = None if self.wear is None else self._mean(self.wear)
         self.attack, self.shift = (dataset[n].values if n in dataset else None for n in ("yaw", "lateral_shift"))
 
     def _mean(self, signal: Array) -> Array:
-        return sliding_mean(self.distance, signal, self.middles, limits.WINDOW)
+        return filters.sliding_mean(self.distance, signal, self.middles, limits.WINDOW)
 
     def values(self, section: AssessedSection, settings: AssessmentSettings, nadal: Limit | None) -> Iterator[Value]:
         """Everything in one section but the quasi-static values."""
@@ -75,7 +66,7 @@ class Axle:
         within = (self.middles - half >= section.start) & (self.middles + half <= section.end)
         if within.any():
             limit = limits.track_shift(self.load, settings.kind)
-            yield self.value("sum_Y", section, extreme(self.sum_y_mean[within]), limit)
+            yield self.value("sum_Y", section, filters.extreme(self.sum_y_mean[within]), limit)
         if (hunting := self.hunting.largest(section)) is not None:
             yield self.value("instability", section, hunting, limits.instability(self.load, settings.kind))
         for wheel, side in SIDES:
@@ -100,7 +91,7 @@ class Axle:
         if self.attack is not None:
             yield self.value("angle_of_attack", section, abs(np.median(self.attack[inside])), None)
         if self.shift is not None:
-            yield self.value("lateral_shift", section, extreme(self.shift[inside]), None)
+            yield self.value("lateral_shift", section, filters.extreme(self.shift[inside]), None)
 
     def value(
         self, key: str, section: AssessedSection, value: np.floating | float, limit: Limit | None, wheel: str = ""
@@ -131,7 +122,7 @@ def quasi_static(runs: Sequence[tuple[Axle, Sequence[AssessedSection]]], radii: 
             if reduced:
                 yield axle.value("Y_qst_reduced", section, y - limits.LEAN_FORCE * (inner - limits.LEAN), limit, wheel)
             yield axle.value("Q_qst", section, load, limits.QUASI_STATIC_VERTICAL, wheel)
-            yield axle.value("B_qst", section, abs(y) + limits.Q_SHARE * load, limits.combined(radius), wheel)
+            yield axle.value("B_qst", section, abs(y) + limits.Q_SHARE * load, limit and limits.COMBINED, wheel)
 
 
 class AssessedPoint:
@@ -142,12 +133,14 @@ class AssessedPoint:
         self.name, self.is_frame = str(one["point"].item()), level == BOGIE_FRAME
         self.bogie_mass = float(one["point_bogie_mass"]) if "point_bogie_mass" in one else np.nan
         self.distance = one["distance"].values
-        rate, lateral, vertical = sampling_rate(one["time"].values), one["point_ay"].values, one["point_az"].values
-        self.hunting = Hunting(self.distance, lateral, rate, settings.instability_frequency)
+        rate = filters.sampling_rate(one["time"].values)
+        lateral, vertical = one["point_ay"].values, one["point_az"].values
+        self.hunting = filters.Hunting(self.distance, lateral, rate, settings.instability_frequency)
         self.ride = {
-            key: band_pass(signal, rate, *limits.RIDE_BAND) for key, signal in (("ay", lateral), ("az", vertical))
+            key: filters.band_pass(signal, rate, *limits.RIDE_BAND)
+            for key, signal in (("ay", lateral), ("az", vertical))
         }
-        self.slow = low_pass(lateral, rate, limits.CUT_OFF)
+        self.slow = filters.low_pass(lateral, rate, limits.CUT_OFF)
 
     def values(self, section: AssessedSection, settings: AssessmentSettings) -> Iterator[Value]:
         """Everything in one section."""
@@ -160,7 +153,7 @@ class AssessedPoint:
             return
         found: dict[str, float] = {}
         for key, signal in self.ride.items():
-            found |= {key: extreme(signal[inside]), f"{key}_rms": np.sqrt((signal[inside] ** 2).mean())}
+            found |= {key: filters.extreme(signal[inside]), f"{key}_rms": np.sqrt((signal[inside] ** 2).mean())}
         if section.zone not in (STRAIGHT, TRANSITION):
             found["ay_qst"] = abs(np.median(self.slow[inside]))
         for key, value in found.items():

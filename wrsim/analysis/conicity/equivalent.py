@@ -43,11 +43,7 @@ class EquivalentConicity:
 
 
 def equivalent_conicity(
-    shift: Array,
-    radius_difference: Array,
-    mean_radius: float,
-    amplitude: ArrayLike,
-    contact_distance: float = CONTACT_DISTANCE,
+    shift: Array, radius_difference: Array, mean_radius: float, amplitude: ArrayLike
 ) -> EquivalentConicity:
     """Equivalent conicity of a rolling radius difference given at rising shifts (n,), linear in between.
 
@@ -58,39 +54,33 @@ def equivalent_conicity(
     nothing = np.full(amplitude.shape, np.nan)
     known = np.ma.flatnotmasked_contiguous(np.ma.masked_invalid(radius_difference))
     part = max(known, key=lambda own: own.stop - own.start, default=slice(0, 0))
-    y, rate = shift[part], radius_difference[part] / (contact_distance * mean_radius)
+    y, rate = shift[part], radius_difference[part] / (CONTACT_DISTANCE * mean_radius)
     if y.size < 3:
         return EquivalentConicity(amplitude, nothing, nothing, np.nan)
-    well = _Well(y, rate)
-    wavelength = np.array([well.wavelength(a) for a in amplitude])
-    conicity = (2.0 * np.pi / wavelength) ** 2 * 0.5 * contact_distance * mean_radius
-    return EquivalentConicity(amplitude, conicity, wavelength, well.bottom)
+    slope = np.diff(rate) / np.diff(y)
+    potential = PPoly(np.array([slope, rate[:-1]]), y).antiderivative()
+    # P is lowest at an end of the range or where the rate crosses zero upwards
+    crossing = np.flatnonzero((rate[:-1] <= 0.0) & (rate[1:] > 0.0))
+    places = y[crossing] - rate[crossing] / slope[crossing]
+    bottom = float(places[np.argmin(potential(places))]) if places.size else np.nan
+    wavelength = np.array([_wavelength(potential, bottom, a) for a in amplitude])
+    conicity = (2.0 * np.pi / wavelength) ** 2 * 0.5 * CONTACT_DISTANCE * mean_radius
+    return EquivalentConicity(amplitude, conicity, wavelength, bottom)
 
 
-class _Well:
-    """The potential P of a piecewise linear restoring term."""
+def _wavelength(potential: PPoly, bottom: float, amplitude: float) -> float:
+    """Of the swing of this amplitude about the bottom of the potential P; not-a-number when there is none."""
+    low = max(bottom - 2.0 * amplitude, float(potential.x[0]))
+    high = min(bottom, float(potential.x[-1]) - 2.0 * amplitude)
 
-    def __init__(self, y: Array, rate: Array) -> None:
-        slope = np.diff(rate) / np.diff(y)
-        self.y, self.potential = y, PPoly(np.array([slope, rate[:-1]]), y).antiderivative()
-        # P is lowest at an end of the range or where the rate crosses zero upwards
-        crossing = np.flatnonzero((rate[:-1] <= 0.0) & (rate[1:] > 0.0))
-        places = y[crossing] - rate[crossing] / slope[crossing]
-        self.bottom = float(places[np.argmin(self.potential(places))]) if places.size else np.nan
+    def unbalance(start: float) -> float:
+        return float(potential(start + 2.0 * amplitude) - potential(start))
 
-    def wavelength(self, amplitude: float) -> float:
-        """Of the swing of this amplitude; not-a-number when there is none."""
-        low = max(self.bottom - 2.0 * amplitude, float(self.y[0]))
-        high = min(self.bottom, float(self.y[-1]) - 2.0 * amplitude)
-
-        def unbalance(start: float) -> float:
-            return float(self.potential(start + 2.0 * amplitude) - self.potential(start))
-
-        if not low < high or unbalance(low) > 0.0 or unbalance(high) < 0.0:
-            return np.nan
-        start = brentq(unbalance, low, high, xtol=1e-16)
-        angle = (np.arange(POINTS) + 0.5) * np.pi / POINTS
-        left = 2.0 * (self.potential(start) - self.potential(start + amplitude * (1.0 - np.cos(angle))))
-        if (left <= 0.0).any():
-            return np.nan
-        return float(2.0 * np.pi / POINTS * np.sum(amplitude * np.sin(angle) / np.sqrt(left)))
+    if not low < high or unbalance(low) > 0.0 or unbalance(high) < 0.0:
+        return np.nan
+    start = brentq(unbalance, low, high, xtol=1e-16)
+    angle = (np.arange(POINTS) + 0.5) * np.pi / POINTS
+    left = 2.0 * (potential(start) - potential(start + amplitude * (1.0 - np.cos(angle))))
+    if (left <= 0.0).any():
+        return np.nan
+    return float(2.0 * np.pi / POINTS * np.sum(amplitude * np.sin(angle) / np.sqrt(left)))

@@ -41,39 +41,29 @@ def body_channels(law: VehicleOnTrack, q: Array, q_t: Array, near: Array) -> dic
     return found
 
 
-class PointMotion:
-    """Accelerations of the vehicle's points, as accelerometers fixed to their bodies show them."""
+def point_accelerations(law: VehicleOnTrack, q: Array, q_t: Array, forces: Array) -> Array:
+    """Accelerations (points, 3) of the vehicle's points along their bodies' axes [m/s2] under the generalised forces.
 
-    def __init__(self, law: VehicleOnTrack) -> None:
-        self.law = law
-        vehicle = law.vehicle
-        self.bodies = [vehicle.index(point.body) for point in vehicle.points]
-        self.arms = [
-            np.array(point.at) - np.array(vehicle.parts[i].centre)
-            for point, i in zip(vehicle.points, self.bodies, strict=True)
-        ]
-
-    def at(self, q: Array, q_t: Array, forces: Array) -> Array:
-        """Accelerations (points, 3) along the body's axes [m/s2] under the generalised forces.
-
-        They contain gravity as an accelerometer does, less its share at rest on level track: zero there; on canted
-        track the lateral one shows the plane's component of gravity against the centrifugal acceleration.
-        """
-        law = self.law
-        q_tt = accelerations(law.bodies, q, q_t, forces)
-        found = np.zeros((len(self.bodies), 3))
-        for j, (i, arm) in enumerate(zip(self.bodies, self.arms, strict=True)):
-            at, rates, changes = (state[6 * i : 6 * i + 6].copy() for state in (q, q_t, q_tt.ravel()))
-            if i < len(law.vehicle.wheelsets):  # an axle box does not spin
-                at[5] = rates[5] = changes[5] = 0.0
-            state = pitched(kinematics(at, rates), at[5])
-            axes = np.array([state.forward, state.left, state.up])
-            omega = axes @ state.omega
-            acceleration = axes @ (np.array([changes[1], changes[2], changes[0] + law.vehicle.gravity]))
-            alpha = _angular_acceleration(at, rates, changes)
-            found[j] = acceleration + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
-            found[j, 2] -= law.vehicle.gravity
-        return found
+    They contain gravity as an accelerometer fixed to the body does, less its share at rest on level track: zero there;
+    on canted track the lateral one shows the plane's component of gravity against the centrifugal acceleration.
+    """
+    vehicle = law.vehicle
+    q_tt = accelerations(law.bodies, q, q_t, forces)
+    found = np.zeros((len(vehicle.points), 3))
+    for j, point in enumerate(vehicle.points):
+        i = vehicle.index(point.body)
+        arm = np.array(point.at) - np.array(vehicle.parts[i].centre)
+        at, rates, changes = (state[6 * i : 6 * i + 6].copy() for state in (q, q_t, q_tt.ravel()))
+        if i < len(vehicle.wheelsets):  # an axle box does not spin
+            at[5] = rates[5] = changes[5] = 0.0
+        state = pitched(kinematics(at, rates), at[5])
+        axes = np.array([state.forward, state.left, state.up])
+        omega = axes @ state.omega
+        acceleration = axes @ (np.array([changes[1], changes[2], changes[0] + vehicle.gravity]))
+        alpha = _angular_acceleration(at, rates, changes)
+        found[j] = acceleration + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
+        found[j, 2] -= vehicle.gravity
+    return found
 
 
 def _angular_acceleration(q: Array, q_t: Array, q_tt: Array) -> Array:

@@ -16,11 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.motion.messages import NoSteadyMotion, OffRail, Overlap, Overturned, Side, wheel_words
+from wrsim.analysis.motion.messages import Lost, NoSteadyMotion, wheel_words
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.status import status_words
 from wrsim.core.body.watch import WATCH
 from wrsim.core.contact.records import STATUS_TOO_DEEP
+from wrsim.core.contact.wheel_rail import DEEPEST
 from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Profile
 from wrsim.scenario.build import Setup
@@ -32,26 +33,28 @@ DROP = 15e-3  # depth of the tape circle below the top of its rail at which a wh
 
 
 class WatchedWheel:
-    """One wheel of a vehicle on its rail, looked at in the pose that its model computed last."""
+    """One wheel of a vehicle on its rail, looked at in the pose that its model computed last. words: which wheel."""
 
-    def __init__(self, wheelset: str, wheel: WheelOnRail) -> None:
-        self.wheelset, self.side, self.model = wheelset, wheel.name, wheel.model
+    def __init__(self, wheelset: str, wheel: WheelOnRail, words: str) -> None:
+        self.wheelset, self.side, self.model, self.words = wheelset, wheel.name, wheel.model, words
         self.tip = flange_tip(wheel.model.wheel)
         self.face = gauge_face(wheel.model.rail)
         self.level = self.model.radius + self.model.rail.top[1]  # height of the axle on the rail's highest point
         rows = wheel.model.arrays.rows
         self._lobes, self._closest, self._N = rows.total["lobes"], rows.total["closest"], rows.patches["N"]
 
-    def off_the_rail(self) -> OffRail | None:
+    def off_the_rail(self) -> Lost | None:
         """How the wheel has left its rail, if it has."""
         pose = self.model.arrays.pose
         height = pose.item(2) - self.level
         if height < -DROP:
-            return OffRail(self.wheelset, self.side, "dropped" if self.model.rolled is None else "sunk")
+            where = "beside its rail" if self.model.rolled is None else "into a gap of its rail, or beside it"
+            return Lost("derailed", f"{self.words} has dropped {where}")
         if self.tip is not None:
             u, w = self.tip  # on the wheel profile; its outward coordinate in the rail's axes:
             if pose.item(1) + u * pose.item(4) + (self.model.radius - w) * pose.item(5) > self.face:
-                return OffRail(self.wheelset, self.side, "climbed", height)
+                lifted = f"(lifted by {1e3 * height:.0f} mm)"
+                return Lost("derailed", f"the flange of {self.words} has climbed over its rail {lifted}")
         return None
 
     @property
@@ -73,7 +76,11 @@ class WatchedWheel:
 def wheels_of(law: VehicleOnTrack) -> list[WatchedWheel]:
     """All wheels, front ones first, left before right."""
     pairs = zip(law.vehicle.wheelsets, law.wheels, strict=bool(law.wheels))
-    return [WatchedWheel(mounted.name, wheel) for mounted, pair in pairs for wheel in pair]
+    return [
+        WatchedWheel(mounted.name, wheel, wheel_words(wheel.name, mounted.name, law.vehicle))
+        for mounted, pair in pairs
+        for wheel in pair
+    ]
 
 
 def watched(wheels: Sequence[WatchedWheel]) -> NDArray[np.void]:
@@ -88,13 +95,14 @@ def watched(wheels: Sequence[WatchedWheel]) -> NDArray[np.void]:
     return found
 
 
-def overlap(wheels: Sequence[WatchedWheel]) -> Overlap:
+def overlap(wheels: Sequence[WatchedWheel]) -> Lost:
     """The wheel that is deepest in its rail."""
-    deepest = max(wheels, key=lambda wheel: wheel.depth)
-    return Overlap(deepest.wheelset, deepest.side, deepest.depth)
+    own = max(wheels, key=lambda wheel: wheel.depth)
+    depth = f"{1e3 * own.depth:.2g} mm (more than {1e3 * DEEPEST:g} mm)"
+    return Lost("overlap", f"{own.words} and its rail overlap by {depth}")
 
 
-def derailed(law: VehicleOnTrack) -> OffRail | Overlap | None:
+def derailed(law: VehicleOnTrack) -> Lost | None:
     """A wheel in its rail, off it, or without load, at the state that the law was asked for last."""
     wheels = wheels_of(law)
     if any(wheel.status & STATUS_TOO_DEEP for wheel in wheels):
@@ -104,18 +112,15 @@ def derailed(law: VehicleOnTrack) -> OffRail | Overlap | None:
         if off is not None:
             return off
         if not wheel.in_contact:
-            return OffRail(wheel.wheelset, wheel.side, "no contact")
+            return Lost("derailed", f"{wheel.words} has no contact with its rail")
     return None
 
 
-def contact_words(wheels: Sequence[WatchedWheel], vehicle: Vehicle, statuses: Sequence[int] | None = None) -> str:
+def contact_words(wheels: Sequence[WatchedWheel], statuses: Sequence[int] | None = None) -> str:
     """Messages of the contacts of wheels, of their last state unless statuses are given; empty when all is well."""
     statuses = [wheel.status for wheel in wheels] if statuses is None else statuses
-    return "; ".join(
-        f"{wheel_words(wheel.side, wheel.wheelset, vehicle)}: {words}"
-        for wheel, status in zip(wheels, statuses, strict=True)
-        if (words := status_words(status))
-    )
+    pairs = zip(wheels, map(status_words, statuses), strict=True)
+    return "; ".join(f"{wheel.words}: {words}" for wheel, words in pairs if words)
 
 
 def flange_tip(wheel: Profile) -> tuple[float, float] | None:
@@ -172,16 +177,19 @@ def pushed(setup: Setup[RunPlan], speed: float) -> Resultant:
     curvature = float(track.curvature(start))
     tilt = float(np.arcsin(track.cant(start) / track.cant_base))
     found = resultant(setup.vehicle, start, curvature, tilt, speed)
-    check_upright(found, track.cant_base, curvature)
+    check_upright(found, track.cant_base, curvature, setup.vehicle)
     return found
 
 
-def check_upright(found: Resultant, base: float, curvature: float) -> None:
+def check_upright(found: Resultant, base: float, curvature: float, vehicle: Vehicle) -> None:
     """Raise NoSteadyMotion when it points beside the rails. base: distance between them [m]."""
     beyond = abs(found.point) - 0.5 * base
     if beyond <= 0.0:
         return
-    side: Side = "left" if found.point > 0.0 else "right"
+    side = "left" if found.point > 0.0 else "right"
     if curvature != 0.0:
         side = "inner" if found.point * curvature > 0.0 else "outer"
-    raise NoSteadyMotion(Overturned(side, float(beyond)))
+    what = "weight, centrifugal force and loads" if vehicle.loads else "weight and centrifugal force"
+    far = f"{1e3 * beyond:.0f} mm" if np.isfinite(beyond) else "far"
+    words = f"the vehicle would overturn: its {what} together point {far} beyond the {side} rail"
+    raise NoSteadyMotion(Lost("overturned", words))

@@ -5,67 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
 from wrsim.contact.status import WORDS
-from wrsim.core.contact.wheel_rail import DEEPEST
 from wrsim.errors import SimulationError
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.steady_state import Unbalanced
 from wrsim.vehicle.vehicle import Vehicle
 
-Side = Literal["left", "right", "outer", "inner"]
-"""Of the track; of a curve."""
-
 
 @dataclass(frozen=True)
-class OffRail:
-    """A wheel that has left its rail.
+class Lost:
+    """What ends a run or a search: a wheel off its rail; one so deep in its rail that no contact law covers it, a lost
+    solution; a vehicle that overturns. words: which and how."""
 
-    how: its flange has climbed over the rail, lifting it by ``amount`` [m]; it has dropped beside the rail, or sunk
-    beside one that changes along the track or into a gap of it; or it has had no contact for ``amount`` [m], 0 where
-    nothing is known of the way.
-    """
-
-    wheelset: str
-    side: str
-    how: Literal["climbed", "dropped", "sunk", "no contact"]
-    amount: float = 0.0
-
-    def words(self, vehicle: Vehicle) -> str:
-        """How the wheel has left its rail."""
-        wheel = wheel_words(self.side, self.wheelset, vehicle)
-        if self.how == "no contact" and self.amount > 0.0:
-            return f"{wheel} has had no contact with its rail for {self.amount:.2f} m"
-        return {
-            "climbed": f"the flange of {wheel} has climbed over its rail (lifted by {1e3 * self.amount:.0f} mm)",
-            "dropped": f"{wheel} has dropped beside its rail",
-            "sunk": f"{wheel} has dropped into a gap of its rail, or beside it",
-            "no contact": f"{wheel} has no contact with its rail",
-        }[self.how]
-
-
-@dataclass(frozen=True)
-class Overlap:
-    """A wheel so deep in its rail, ``depth`` [m], that no contact law covers it: a lost solution."""
-
-    wheelset: str
-    side: str
-    depth: float
-
-    def words(self, vehicle: Vehicle) -> str:
-        """How deep the wheel is in its rail."""
-        wheel = wheel_words(self.side, self.wheelset, vehicle)
-        return f"{wheel} and its rail overlap by {1e3 * self.depth:.2g} mm (more than {1e3 * DEEPEST:g} mm)"
-
-
-@dataclass(frozen=True)
-class Overturned:
-    """All that acts on the vehicle together points so far beyond a rail [m]."""
-
-    side: Side
-    beyond: float
+    kind: Literal["derailed", "overlap", "overturned"]
+    words: str
 
 
 EventKind = Literal["lift", "stop", "contact", "steps", "between", "strike", "spins", "slides", "loose"]
@@ -96,7 +50,7 @@ class Event:
 class NoSteadyMotion(SimulationError):
     """No steady motion was found; ``reason``: what became of the search."""
 
-    def __init__(self, reason: OffRail | Overlap | Overturned | SimulationError) -> None:
+    def __init__(self, reason: Lost | SimulationError) -> None:
         super().__init__(str(reason))
         self.reason = reason
 
@@ -106,12 +60,11 @@ class NoSteadyMotion(SimulationError):
         return fault if isinstance(fault, cls) else cls(fault)
 
 
-def stop_words(outcome: OffRail | Overlap, vehicle: Vehicle, time: float, distance: float) -> str:
+def stop_words(outcome: Lost, time: float, distance: float) -> str:
     """Why a run has to stop, when [s] and where [m]."""
-    if isinstance(outcome, OffRail):
-        reason = f"derailed: {outcome.words(vehicle)}"
-    else:
-        reason = f"the contact solution is lost: {outcome.words(vehicle)}; a shorter step may help"
+    reason = f"derailed: {outcome.words}"
+    if outcome.kind == "overlap":
+        reason = f"the contact solution is lost: {outcome.words}; a shorter step may help"
     return f"{reason}, at t = {time:.4g} s, {distance:.2f} m along the track"
 
 
@@ -149,15 +102,12 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
 def steady_words(problem: NoSteadyMotion, vehicle: Vehicle) -> str:
     """Why there is no steady motion."""
     reason = problem.reason
-    if isinstance(reason, OffRail):
-        return f"the steady motion found is a derailed one: {reason.words(vehicle)}{_unequal(vehicle)}"
-    if isinstance(reason, Overlap):
-        return f"the state found is no contact: {reason.words(vehicle)}"
-    if isinstance(reason, Overturned):
-        what = "weight, centrifugal force and loads" if vehicle.loads else "weight and centrifugal force"
-        beyond = f"{1e3 * reason.beyond:.0f} mm" if np.isfinite(reason.beyond) else "far"
-        return f"the vehicle would overturn: its {what} together point {beyond} beyond the {reason.side} rail"
-    return f"no steady motion found; {reason}{_unequal(vehicle)}" if isinstance(reason, Unbalanced) else str(reason)
+    if not isinstance(reason, Lost):
+        steady = isinstance(reason, Unbalanced)
+        return f"no steady motion found; {reason}{_unequal(vehicle)}" if steady else str(reason)
+    if reason.kind == "derailed":
+        return f"the steady motion found is a derailed one: {reason.words}{_unequal(vehicle)}"
+    return f"the state found is no contact: {reason.words}" if reason.kind == "overlap" else reason.words
 
 
 def start_words(problem: NoSteadyMotion, setup: Setup[RunPlan]) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.analysis.motion.derailment import WatchedWheel, overlap, watched, wheels_of
-from wrsim.analysis.motion.messages import Event, EventKind, OffRail, Overlap, stop_words
+from wrsim.analysis.motion.messages import Event, EventKind, Lost, stop_words
 from wrsim.contact.status import bits_of
 from wrsim.core.body import watch as kernel
 from wrsim.core.body.vehicle_forces import FIRST_WHEEL
@@ -89,13 +89,13 @@ class Monitor:
 
     def __call__(self, t: float, q: Array, q_t: Array) -> str | None:
         outcome = self.look(t, q, q_t)
-        return None if outcome is None else stop_words(outcome, self.law.vehicle, t, self.law.distance)
+        return None if outcome is None else stop_words(outcome, t, self.law.distance)
 
-    def look(self, t: float, q: Array, q_t: Array) -> OffRail | Overlap | None:
+    def look(self, t: float, q: Array, q_t: Array) -> Lost | None:
         """What ends the run, if anything; notes what else there is."""
         self.law.at(t, q, q_t, WITHIN)
         distance = self.law.distance
-        ending: OffRail | Overlap | None = None
+        ending: Lost | None = None
         if kernel.all_on_rails(self.watched, *self._wheels):
             self.last_contact[:] = t, distance
         else:
@@ -119,9 +119,9 @@ class Monitor:
         self.cut_steps = self.work.cut_steps
         return ending
 
-    def _look_at_wheels(self, t: float, distance: float) -> OffRail | Overlap | None:
+    def _look_at_wheels(self, t: float, distance: float) -> Lost | None:
         """What ends the run at a wheel; notes lifted wheels and the remarks of contacts."""
-        ending: OffRail | Overlap | None = None
+        ending: Lost | None = None
         too_deep = 0
         for i, (wheel, own) in enumerate(zip(self.wheels, self.watched, strict=True)):
             ending = ending or self._look_at(i, wheel, t, distance)
@@ -147,7 +147,7 @@ class Monitor:
                 since[2], since[3], SLOWEST,
             )  # fmt: skip
 
-    def _look_at(self, i: int, wheel: WatchedWheel, t: float, distance: float) -> OffRail | None:
+    def _look_at(self, i: int, wheel: WatchedWheel, t: float, distance: float) -> Lost | None:
         """How the vehicle has derailed at a wheel, if it has. Notes a lifted wheel."""
         off = wheel.off_the_rail()
         if off is not None:
@@ -159,7 +159,7 @@ class Monitor:
         self._note(LIFT, i, t, distance)
         way = distance - since[1]
         if way >= LIFT_DISTANCE and t - since[0] >= LIFT_TIME:
-            return OffRail(wheel.wheelset, wheel.side, "no contact", float(way))
+            return Lost("derailed", f"{wheel.words} has had no contact with its rail for {way:.2f} m")
         return None
 
     def _note(self, kind: float, which: int, t: float, distance: float) -> None:

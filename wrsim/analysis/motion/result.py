@@ -122,7 +122,6 @@ def _block(
     times, q, q_t = motion.times[block], motion.q[block], motion.q_t[block]
     n, count, out = len(times), len(vehicle.wheelsets), np.zeros(law.size)
     raw = [RawContacts.empty(n, 2, setup.contact.patch_count) for _ in range(count)]
-    points = states.PointMotion(law)
     accelerations = np.zeros((n, len(vehicle.points), 3))
     records = np.zeros((n, *law.records.shape))
     reference, drive = np.zeros(n), np.zeros(n)
@@ -144,7 +143,7 @@ def _block(
         if vehicle.bodies:
             powers[:, i] = states.lost_at(law, q_t[i])
         if vehicle.points:
-            accelerations[i] = points.at(q[i], q_t[i], out)
+            accelerations[i] = states.point_accelerations(law, q[i], q_t[i], out)
     moved = np.zeros((n, count, 2, 2))  # rails under the wheels: left and right, lateral and up
     if law.rails:
         moved = q[:, law.size - law.rails :].reshape(moved.shape)

@@ -21,17 +21,10 @@ from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc, Straight, Transition
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
+from wrsim.simulation import steady_state as steady
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.steady_state import (
-    TOLERANCE,
-    Equilibrium,
-    SteadyMotion,
-    lower_on_rails,
-    relaxed_state,
-    steady_state,
-)
 from wrsim.simulation.step_size import implicit_step
 from wrsim.simulation.system import Array, BodySystem
 from wrsim.vehicle.vehicle import Vehicle
@@ -72,13 +65,13 @@ def shifts(setup: Setup[RunPlan], direction: float) -> list[Array]:
     return [np.zeros(len(radii)), *(step * way for way in ways if way.any() for step in steps)]
 
 
-def first_steady(law: VehicleOnTrack, shifts: Sequence[Array]) -> Equilibrium:
+def first_steady(law: VehicleOnTrack, shifts: Sequence[Array]) -> steady.Equilibrium:
     """The steady motion that the first of these shifts leads to. Raises what stopped the search from the first one."""
     problems = []
     for shift in shifts:
         try:
             law.look_near(law.start)
-            return steady_state(law, lower_on_rails(law, *design_state(law, lateral=shift)))
+            return steady.steady_state(law, steady.lower_on_rails(law, *design_state(law, lateral=shift)))
         except SimulationError as fault:
             problems.append(fault)
     raise problems[0]
@@ -105,26 +98,26 @@ def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
         if near.contact != setup.contact:
             held = force_law(setup, law.speed, held_by(setup))
             with suppress(SimulationError):  # the fast model's state is near enough to start from
-                found = steady_state(held, (found.q, found.q_t), tolerance=EXACT, max_iterations=8, near=fast)
+                found = steady.steady_state(held, (found.q, found.q_t), tolerance=EXACT, max_iterations=8, near=fast)
     finally:
         LOGGER.info("")
     law.look_near(law.start)
     return found.q, found.q_t
 
 
-def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
+def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibrium:
     curvature = float(setup.track.curvature(setup.plan.start))
     aside = pushed(setup, law.speed).left
     ways = shifts(setup, -curvature if curvature != 0.0 else aside)
     problems: list[SimulationError] = []
-    near: list[Equilibrium] = []
+    near: list[steady.Equilibrium] = []
 
-    def searched(ways: list[Array]) -> Equilibrium | None:
+    def searched(ways: list[Array]) -> steady.Equilibrium | None:
         for shift in ways:
             LOGGER.info("steady motion at the start: from %.0f mm aside", 1e3 * float(np.abs(shift).max()))
             try:
                 near.append(on_the_rails(law, _from_shift(setup, law, shift)))
-                if near[-1].residual <= TOLERANCE:
+                if near[-1].residual <= steady.TOLERANCE:
                     return near[-1]
             except SimulationError as fault:
                 problems.append(fault)
@@ -148,12 +141,13 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     raise NoSteadyMotion.of(problems[0])
 
 
-def _from_shift(setup: Setup[RunPlan], law: VehicleOnTrack, shift: Array) -> Equilibrium:
+def _from_shift(setup: Setup[RunPlan], law: VehicleOnTrack, shift: Array) -> steady.Equilibrium:
     """The steady motion that Newton's method finds with the wheelsets so far aside; of a train first each vehicle by
     itself, in its own place, then all of them together with the forces of their couplings."""
     law.look_near(law.start)
     if not setup.vehicle.members:
-        return steady_state(law, lower_on_rails(law, *design_state(law, lateral=shift)), tolerance=enough(setup))
+        lowered = steady.lower_on_rails(law, *design_state(law, lateral=shift))
+        return steady.steady_state(law, lowered, tolerance=enough(setup))
     q, q_t = np.zeros((2, law.size))
     for k, places in enumerate(law.coordinates_of_units(alone=True)):
         alone = replace(setup, vehicle=setup.vehicle.alone(k))
@@ -161,33 +155,33 @@ def _from_shift(setup: Setup[RunPlan], law: VehicleOnTrack, shift: Array) -> Equ
         own = _from_shift(alone, force_law(alone, law.speed, held_by(alone)), aside)
         q[places], q_t[places] = own.q, own.q_t
     q_t[law.sliders] = 0.0  # friction goes on from the design position, as it did in each vehicle
-    return steady_state(law, (q, q_t), tolerance=enough(setup))
+    return steady.steady_state(law, (q, q_t), tolerance=enough(setup))
 
 
-def _relaxed(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
+def _relaxed(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibrium:
     """The steady motion of a vehicle with independent wheels, which creeps to its flanges. Raises NoSteadyMotion."""
     LOGGER.info("steady motion at the start: wheels creep to their flanges")
     law.look_near(law.start)
     try:
-        near = relaxed_state(law, lower_on_rails(law, *design_state(law)))
-        return steady_state(law, (near.q, near.q_t), tolerance=enough(setup))
+        near = steady.relaxed_state(law, steady.lower_on_rails(law, *design_state(law)))
+        return steady.steady_state(law, (near.q, near.q_t), tolerance=enough(setup))
     except SimulationError as fault:
         raise NoSteadyMotion.of(fault) from None
 
 
-def _reached(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float | None) -> Equilibrium:
+def _reached(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float | None) -> steady.Equilibrium:
     """The motion that a vehicle has come to from straight track: into a curve as that of the start, and steady there,
     or along the track from a straight place [m] into its transition. Raises NoSteadyMotion where it does not arrive."""
     held = replace(setup, vehicle=setup.vehicle.loaded_as_at(setup.plan.start))
     if straight is None:
-        return on_the_rails(law, steady_state(law, _run_in(held), tolerance=enough(setup)))
+        return on_the_rails(law, steady.steady_state(law, _run_in(held), tolerance=enough(setup)))
     # it ends some millimetres off the start: moved there as a whole, the vehicle would not suit the changing track
     plan = replace(setup.plan, start=straight, end=setup.plan.start, profile=None)
     _, q, q_t = _run(replace(held, plan=plan))
-    return on_the_rails(law, Equilibrium(q, q_t, SteadyMotion(law).largest(q, q_t), 0))
+    return on_the_rails(law, steady.Equilibrium(q, q_t, steady.SteadyMotion(law).largest(q, q_t), 0))
 
 
-def on_the_rails(law: VehicleOnTrack, found: Equilibrium) -> Equilibrium:
+def on_the_rails(law: VehicleOnTrack, found: steady.Equilibrium) -> steady.Equilibrium:
     """The state itself. Raises NoSteadyMotion when a wheel has left its rail."""
     law(0.0, found.q, found.q_t, np.zeros(law.size))
     off = derailed(law)

@@ -62,7 +62,7 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
             "point": [str(p) for p in part["point"].values],
             "axis": list(AXES),
         },
-        attrs={"blocks": each[0].blocks, "weightings": " ".join(WEIGHTINGS[a] for a in AXES)},
+        attrs={"blocks": len(each[0].continuous), "weightings": " ".join(WEIGHTINGS[a] for a in AXES)},
     )
     times, places = part["time"].values, part["distance"].values
     return Ride(result.title, float(places[0]), float(places[-1]), float(times[-1] - times[0]), found.segments, data)

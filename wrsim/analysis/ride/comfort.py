@@ -87,27 +87,15 @@ PERCENTILE = 95.0
 class Comfort:
     """Weighted rms over the whole run by axis, and over every block of 5 s (blocks, 3), all of one point.
 
-    weighted_rms [m/s2]: x, y, z. continuous (C_Cx, C_Cy, C_Cz) [m/s2] of every block. The standard asks for sixty
-    blocks, five minutes; ``blocks`` is how many there were.
+    weighted_rms [m/s2]: x, y, z. continuous (C_Cx, C_Cy, C_Cz) [m/s2] of every block; the standard asks for sixty
+    blocks, five minutes. percentiles: 95 % of the blocks, by axis; not-a-number for a run shorter than a block. mean:
+    N_MV = 6 sqrt(sum of the squares of the percentiles).
     """
 
     weighted_rms: Array
     continuous: Array
-
-    @property
-    def blocks(self) -> int:
-        """How many."""
-        return int(self.continuous.shape[0])
-
-    @property
-    def percentiles(self) -> Array:
-        """95 % of the blocks, by axis; not-a-number for a run shorter than a block."""
-        return np.percentile(self.continuous, PERCENTILE, axis=0) if self.blocks else np.full(3, np.nan)
-
-    @property
-    def mean(self) -> float:
-        """N_MV = 6 sqrt(sum of the squares of the percentiles)."""
-        return 6.0 * float(np.sqrt((self.percentiles**2).sum()))
+    percentiles: Array
+    mean: float
 
 
 def comfort(acceleration: Array, rate: float) -> Comfort:
@@ -117,4 +105,6 @@ def comfort(acceleration: Array, rate: float) -> Comfort:
     count = signals.shape[0] // length
     blocks = signals[: count * length].reshape(count, length, 3)
     continuous = np.sqrt((blocks**2).mean(axis=1))
-    return Comfort(np.sqrt((signals**2).mean(axis=0)), continuous)
+    percentiles = np.percentile(continuous, PERCENTILE, axis=0) if count else np.full(3, np.nan)
+    mean = 6.0 * float(np.sqrt((percentiles**2).sum()))
+    return Comfort(np.sqrt((signals**2).mean(axis=0)), continuous, percentiles, mean)

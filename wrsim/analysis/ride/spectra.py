@@ -65,16 +65,15 @@ class Bands:
 _NOMINAL = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
 
 
-def third_octaves(spectrum: Spectrum, lowest: float = 0.4, highest: float | None = None) -> Bands:
-    """rms in third-octave bands (IEC 61260: middles 10^(k/10) Hz) that lie between two frequencies [Hz].
+def third_octaves(spectrum: Spectrum, lowest: float = 0.4) -> Bands:
+    """rms in third-octave bands (IEC 61260: middles 10^(k/10) Hz) from a frequency [Hz] to half the sampling rate.
 
-    highest: default half the sampling rate. A band narrower than the resolution of the spectrum is left out.
+    A band narrower than the resolution of the spectrum is left out.
     """
-    top = float(spectrum.frequency[-1]) if highest is None else highest
     k = np.arange(-30, 51)
     middle = 10.0 ** (k / 10.0)
     low, high = middle * 10.0**-0.05, middle * 10.0**0.05
-    kept = (middle >= lowest * 0.99) & (high <= top * 1.0001) & (high - low >= spectrum.frequency[1])
+    kept = (middle >= lowest * 0.99) & (high <= spectrum.frequency[-1] * 1.0001) & (high - low >= spectrum.frequency[1])
     rms = [spectrum.rms(a, b) for a, b in zip(low[kept], high[kept], strict=True)]
     nominal = tuple(float(f"{_NOMINAL[i % 10] * 10.0 ** (i // 10):.6g}") for i in k[kept])
     return Bands(nominal, low[kept], high[kept], np.array(rms))

@@ -177,7 +177,7 @@ class CycleSearch:
                 ending = "rest"
         most = int(np.argmax(amplitudes))
         frequency = _frequency(motion.times, lateral[:, most]) if ending in ("cycle", "not converged") else float("nan")
-        remark = contact_words(monitor.wheels, law.vehicle, statuses.tolist())
+        remark = contact_words(monitor.wheels, statuses.tolist())
         cycle = Cycle(speed, branch, amplitudes, frequency, held, ending, message, remark)
         self.found.append(cycle)
         self.report(min(len(self.found) / self.expected, 0.99))

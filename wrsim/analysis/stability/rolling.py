@@ -58,7 +58,7 @@ class RollingVehicle:
         wheels = wheels_of(law)
         if any(wheel.status & STATUS_TOO_DEEP for wheel in wheels):
             raise SimulationError(steady_words(NoSteadyMotion(overlap(wheels)), law.vehicle))
-        self.remark = contact_words(wheels, law.vehicle)
+        self.remark = contact_words(wheels)
         return found.q.copy(), found.q_t.copy()
 
     def _from_design(self) -> Equilibrium:

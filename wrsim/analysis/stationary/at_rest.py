@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.analysis.assessment.sections import CANT_BASE
-from wrsim.analysis.stationary.rotation_test import LIMIT, RATES, RotationTest, rotation_test, turning_bogies
+from wrsim.analysis.stationary import loops
+from wrsim.analysis.stationary.loops import RotationTest, TwistTest
 from wrsim.analysis.stationary.statics import StaticState, canted, static_state
-from wrsim.analysis.stationary.twist_test import UNLOADING_LIMIT, TwistTest, twist_test
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.table import Column, Table, formatted, quantity
 from wrsim.simulation.modes import natural_modes
@@ -111,9 +111,9 @@ def stationary_tests(
     for value in twists or ():
         if not 0.0 <= value <= 20.0:
             raise InputError(f"--twists {value:g}: must be from 0 to 20 per mille")
-    twisted = twist_test(vehicle, *(1e-3 * t for t in twists or ())) if twist else None
-    pairs = [(bogie, rate) for bogie in turning_bogies(vehicle) for rate in RATES] if rotation else []
-    return twisted, tuple(rotation_test(vehicle, bogie, rate, radius) for bogie, rate in pairs)
+    twisted = loops.twist_test(vehicle, *(1e-3 * t for t in twists or ())) if twist else None
+    pairs = [(bogie, rate) for bogie in loops.turning_bogies(vehicle) for rate in loops.RATES] if rotation else []
+    return twisted, tuple(loops.rotation_test(vehicle, bogie, rate, radius) for bogie, rate in pairs)
 
 
 def numbers_of_tests(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest]) -> dict[str, Any]:
@@ -127,7 +127,7 @@ def numbers_of_tests(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequen
             "unloading": _by_wheel(vehicle, twisted.unloading),
             "of_friction": _by_wheel(vehicle, twisted.friction),
             "largest_unloading": float(twisted.unloading.max()),
-            "limit": UNLOADING_LIMIT,
+            "limit": loops.UNLOADING_LIMIT,
         }
     if turned:
         found["rotation_test"] = [
@@ -139,7 +139,7 @@ def numbers_of_tests(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequen
                 "axle_load_kN": test.axle_load / 1e3,
                 "wheelbase_mm": 1e3 * test.bogie.wheelbase,
                 "X": test.factor,
-                "limit": LIMIT,
+                "limit": loops.X_LIMIT,
             }
             for test in turned
         ]

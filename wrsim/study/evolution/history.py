@@ -15,7 +15,7 @@ from wrsim.errors import InputError
 from wrsim.geometry.profile.flange import flange_dimensions
 from wrsim.geometry.profile.profile import Profile
 from wrsim.plots.drawing import save_all
-from wrsim.plots.wear import service_figures
+from wrsim.plots.wear import evolution_figures
 from wrsim.results import write_atomically
 from wrsim.results.dataset import faults_of_attributes, faults_of_variable, versions
 from wrsim.results.files import as_csv, as_json
@@ -78,15 +78,12 @@ def wear_history(evolution: Evolution, steps: Sequence[Step]) -> xr.Dataset:
     }
     for (name, (dims, words)), values in zip(PROFILES.items(), (*places, np.stack(depths), unworn[0]), strict=True):
         variables[name] = (dims, values, {"units": "m", "long_name": words})
-    about = {"format": FORMAT, "title": evolution.given.title, "law": evolution.law, "wheel": evolution.unworn.name}
-    about |= {
-        "service_text": evolution.given.text,
-        "cases_text": evolution.cases_text,
-        "scenario_text": evolution.base.text,
-    }
-    return xr.Dataset(
-        variables, attrs=about | {"conicity_amplitude_m": 1e-3 * evolution.spec.conicity_amplitude_mm} | versions()
-    )
+    attributes = {
+        "format": FORMAT, "title": evolution.given.title, "law": evolution.spec.law, "wheel": evolution.unworn.name,
+        "service_text": evolution.given.text, "cases_text": evolution.cases_text, "scenario_text": evolution.base.text,
+        "conicity_amplitude_m": 1e-3 * evolution.spec.conicity_amplitude_mm,
+    }  # fmt: skip
+    return xr.Dataset(variables, attrs=attributes | versions())
 
 
 def _numbers(
@@ -133,7 +130,7 @@ def write_history(
         wheel = write_wheel(evolution, directory, areas, label, WORN)
         files += [wheel] if wheel != evolution.wheel else []
     if pictures:
-        files += save_all(service_figures(dataset), directory)
+        files += save_all(evolution_figures(dataset), directory)
     return dataset, files
 
 

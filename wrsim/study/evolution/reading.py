@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.wear.laws import LawName
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
@@ -42,40 +41,23 @@ SHARPEST = 1000.0
 class Evolution:
     """A profile evolution in SI units.
 
-    given: the file as it was read, base: its scenario with all that holds for every case; points, cases_text: the cases
-    and their table; shares: of the mileage, in their order; wheel: file of the unworn profile, which is ``unworn``;
-    digest: of everything that shapes the numbers.
+    given: the file as it was read, spec: its content, base: its scenario with all that holds for every case; mileage
+    [m]; points, cases_text: the cases and their table; shares: of the mileage, in their order; wheel: file of the
+    unworn profile, which is ``unworn``; places: edges of the bins of its arclength [m]; digest: of everything that
+    shapes the numbers.
     """
 
     given: StudyInput
+    spec: EvolutionFile
     base: Scenario
+    mileage: float
     points: AxisPoints
     cases_text: str
     shares: tuple[float, ...]
     wheel: Path
     unworn: Profile
+    places: Array
     digest: str
-
-    @property
-    def spec(self) -> EvolutionFile:
-        """What the file holds."""
-        own: EvolutionFile = self.given.spec
-        return own
-
-    @property
-    def law(self) -> LawName:
-        """Law of wear."""
-        return self.spec.law
-
-    @property
-    def mileage(self) -> float:
-        """How far the vehicle runs [m]."""
-        return 1e3 * self.spec.mileage_km
-
-    @property
-    def places(self) -> Array:
-        """Edges of the bins of the unworn profile's arclength [m]."""
-        return bin_edges(self.unworn, PLACE_STEP)
 
     @cached_property
     def setup(self) -> Setup[RunPlan]:
@@ -103,7 +85,8 @@ def read_evolution(file: Path, models: Sequence[str | Path] = ()) -> tuple[Evolu
     """A profile evolution, and all files that were read. Raises InputError with file, key and what is allowed."""
     with noting_reads() as seen:
         given = StudyInput(file, "profile evolution file", EvolutionFile, models)
-        spec, base = given.spec, given.base
+        spec: EvolutionFile = given.spec
+        base = given.base
         with given.naming("largest_depth_mm", value=spec.largest_depth_mm):
             _check_bend(spec)
         if base.analysis != "curving":
@@ -120,8 +103,11 @@ def read_evolution(file: Path, models: Sequence[str | Path] = ()) -> tuple[Evolu
     digest = hashlib.sha256(repr((spec, STAGES, base.text, sorted(setup.inputs.items()))).encode())
     for path, content in sorted((str(path), content) for path, content in seen.items()):
         digest.update(f"{path} {content}\n".encode())
-    cases_text = table.read_text(encoding="utf-8")
-    return Evolution(given, base, points, cases_text, shares, wheel, unworn, digest.hexdigest()[:32]), tuple(seen)
+    evolution = Evolution(
+        given, spec, base, 1e3 * spec.mileage_km, points, table.read_text(encoding="utf-8"), shares, wheel, unworn,
+        bin_edges(unworn, PLACE_STEP), digest.hexdigest()[:32],
+    )  # fmt: skip
+    return evolution, tuple(seen)
 
 
 def _check_bend(spec: EvolutionFile) -> None:

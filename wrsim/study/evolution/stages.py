@@ -23,9 +23,9 @@ DAMPING = 2.0 / 13.0
 
 
 @cache
-def tableau(stages: int = STAGES) -> tuple[Array, Array]:
-    """Weights (stages, stages) of the rates before each stage, and those of all of them for the step (stages,)."""
-    s = stages
+def tableau() -> tuple[Array, Array]:
+    """Weights (STAGES, STAGES) of the rates before each stage, and those of all of them for the step (STAGES,)."""
+    s = STAGES
     w0 = 1.0 + DAMPING / s**2
     bases = [Chebyshev.basis(j) for j in range(s + 1)]
     T, T1, T2 = (np.array([own.deriv(m)(w0) if m else own(w0) for own in bases]) for m in range(3))

@@ -223,7 +223,7 @@ def _lost(evolution: Evolution, plan: Plan) -> tuple[Array, float, float]:
             words = "no result" if marker is None else f"{marker.status}: {marker.message}"
             faults.append(f"{plan.folder}: case {case.label}: {words}")
             continue
-        dataset = Result.load(folder / RESULT).dataset.sel(wear_law=evolution.law)
+        dataset = Result.load(folder / RESULT).dataset.sel(wear_law=evolution.spec.law)
         depth = dataset["wear_wheel_depth"].values.reshape(-1, dataset.sizes["wheel_place"]).mean(axis=0)
         areas = share * depth + (areas if areas.size else 0.0)
         zones += share * dataset["wear_wheel_mass"].values.reshape(-1, 2).mean(axis=0)
