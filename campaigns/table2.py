@@ -22,7 +22,7 @@ from scipy.special import ellipk
 from wrsim import load, run
 from wrsim.plots.cross_section import section_gallery
 from wrsim.plots.patches import patch_gallery
-from wrsim.plots.style import style
+from wrsim.plots.theme import style
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle, FancyArrowPatch, Polygon
 
 from wrsim.geometry.profile.models import load_profile
-from wrsim.plots.style import INK, MM, QUIET, RAIL_FILL, STYLE, WHEEL_COLOUR, WHEEL_FILL, new_figure
+from wrsim.plots.theme import INK, MM, QUIET, RAIL_FILL, STYLE, WHEEL_COLOUR, WHEEL_FILL, new_figure
 
 HERE = Path(__file__).parent
 MODELS = HERE.parents[1] / "models"

@@ -15,7 +15,7 @@ from wrsim.plots.cross_section import cross_section_zoom
 from wrsim.plots.histories import contact_angle, history, track_layout
 from wrsim.plots.moments import PatchAt
 from wrsim.plots.patches import contact_patch, pressure_scale
-from wrsim.plots.style import pressure_map
+from wrsim.plots.theme import pressure_map
 
 HERE = Path(__file__).parent
 

@@ -10,7 +10,7 @@ from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.messages import event_words
 from wrsim.analysis.motion.monitor import STRIKE, Monitor
 from wrsim.plots import standard_figures
-from wrsim.plots.style import save
+from wrsim.plots.theme import save
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.bodies import Solid

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from support.waiting import wait_until
 
 from wrsim.plots import drawing
-from wrsim.plots.style import new_figure, rendered
+from wrsim.plots.theme import new_figure, rendered
 
 HERE = os.getpid()
 

@@ -15,7 +15,7 @@ from wrsim.plots.marks import broken
 from wrsim.plots.moments import PatchAt, choose_moments, moment_title, snapshot_letter
 from wrsim.plots.patches import contact_patch, pressure_scale
 from wrsim.plots.static import against_pose, static_figure
-from wrsim.plots.style import WHEEL_COLOUR, pressure_map
+from wrsim.plots.theme import WHEEL_COLOUR, pressure_map
 from wrsim.results import Result
 
 

@@ -15,7 +15,7 @@ from wrsim.plots.histories import channels_figure, overview_figure, wheelsets_fi
 from wrsim.plots.ride import bands, ride_figure
 from wrsim.plots.stability import bifurcation_figure, modes_figure
 from wrsim.plots.static import static_figure
-from wrsim.plots.style import STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.theme import STOP_COLOUR, WHEEL_COLOUR
 from wrsim.results import Result
 
 

@@ -8,7 +8,7 @@ from wrsim.plots.cross_section import section_gallery
 from wrsim.plots.drawing import drawing
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.pictures import standard_figures, standard_pictures
-from wrsim.plots.style import new_figure, save, style
+from wrsim.plots.theme import new_figure, save, style
 
 __all__ = [
     "drawing", "new_figure", "patch_gallery", "save", "section_gallery", "standard_figures", "standard_pictures",

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 
 from wrsim.plots.histories import mark_snapshots, track_layout
 from wrsim.plots.marks import mark_stop, note, note_above, panels, wheel_entries
-from wrsim.plots.style import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.theme import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.results.assessment import INFLUENCES, AssessedSection, Assessment, Value, ZoneValue
 from wrsim.results.table import formatted, quantity, with_unit
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets

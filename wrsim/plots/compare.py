@@ -19,7 +19,7 @@ from wrsim.plots.gallery import GalleryColumn, GalleryRow, Page, draw_gallery
 from wrsim.plots.marks import draw_line, few_ticks, panels, wheel_entries
 from wrsim.plots.moments import PatchAt, choose_moments, patches_of, pose_abscissa, pose_groups, select
 from wrsim.plots.patches import contact_patch, extent_of_patches
-from wrsim.plots.style import GROUP_LINE, INK, QUIET, SERIES_COLOURS, WHEEL_COLOUR, abscissa, shown
+from wrsim.plots.theme import GROUP_LINE, INK, QUIET, SERIES_COLOURS, WHEEL_COLOUR, abscissa, shown
 from wrsim.results import CHANNELS
 from wrsim.results.moments import moment_dim, moments_at
 from wrsim.results.table import quantity

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wrsim.plots.marks import broken, minus, note, panels, remark
-from wrsim.plots.style import INK, QUIET, WHEEL_COLOUR, pressure_map, shown
+from wrsim.plots.theme import INK, QUIET, WHEEL_COLOUR, pressure_map, shown
 from wrsim.results import CHANNELS
 from wrsim.results.conicity import ConicityMap, steering_summary
 from wrsim.results.table import formatted, quantity

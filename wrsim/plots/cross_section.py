@@ -21,7 +21,7 @@ from wrsim.plots import gallery
 from wrsim.plots.marks import few_ticks, stop_note
 from wrsim.plots.moments import PatchAt, choose_moments, patches_of, select, touching_runs
 from wrsim.plots.patches import NEAR_EDGE, Array, patch_note, pressure_scale, rounded
-from wrsim.plots.style import INK, QUIET, RAIL_FILL, WHEEL_COLOUR, WHEEL_FILL, pressure_map, shown
+from wrsim.plots.theme import INK, QUIET, RAIL_FILL, WHEEL_COLOUR, WHEEL_FILL, pressure_map, shown
 from wrsim.results.moments import moment_dim
 
 MOST_MOMENTS = 6

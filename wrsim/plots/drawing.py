@@ -20,7 +20,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from wrsim.plots.style import rendered
+from wrsim.plots.theme import rendered
 from wrsim.results import write_atomically
 
 Paint = Callable[[Figure], bytes]

@@ -18,7 +18,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from wrsim.plots import style
+from wrsim.plots import theme
 from wrsim.plots.moments import PatchAt, moment_title
 from wrsim.results.channels import PATCHES
 from wrsim.results.moments import moment_dim, with_patches
@@ -63,7 +63,7 @@ class Page:
     @property
     def panel(self) -> float:
         """Width of a panel."""
-        room = style.FULL_WIDTH - self.left - self.right - (self.columns - 1) * self.gap
+        room = theme.FULL_WIDTH - self.left - self.right - (self.columns - 1) * self.gap
         return min(self.widest, room / self.columns)
 
     @property
@@ -102,7 +102,7 @@ def selection_words(dataset: xr.Dataset, chosen: Sequence[int]) -> str:
     return f"\n{len(chosen)} of {there} {what}; any other: wrsim plot --at." if len(chosen) < there else ""
 
 
-@style.style()
+@theme.style()
 def draw_gallery(
     title: str,
     note: str,
@@ -118,25 +118,25 @@ def draw_gallery(
     above = 5.0 + 3.0 * max((text.count("\n") for own in titles for text in own), default=0)
     top = 11.0 if note else 7.0
     heights = sum(row.height + row.beneath for _, rows in blocks for row in rows)
-    figure = style.new_figure(page.width, top + heights + len(blocks) * above + FOOT, constrained=False)
-    style.headline(figure, title, note)
+    figure = theme.new_figure(page.width, top + heights + len(blocks) * above + FOOT, constrained=False)
+    theme.headline(figure, title, note)
     for (columns, rows), words in zip(blocks, titles, strict=True):
         for j, (column, text) in enumerate(zip(columns, words, strict=True)):
-            colour = style.WHEEL_COLOUR.get(column.wheel, style.INK)
-            style.write_words(figure, page.place_of(j), top + 0.8, text, fontsize=6.8, color=colour)
+            colour = theme.WHEEL_COLOUR.get(column.wheel, theme.INK)
+            theme.write_words(figure, page.place_of(j), top + 0.8, text, fontsize=6.8, color=colour)
         top += above
         for row in rows:
             look: Any = {"rotation": 90, "va": "center", "fontsize": 7.0} if page.upright else {"fontsize": 6.0}
             left, down = (2.0, 0.5) if page.upright else (1.5, 0.3)
-            style.write_words(figure, left, top + down * row.height, row.label, color=row.colour, **look)
+            theme.write_words(figure, left, top + down * row.height, row.label, color=row.colour, **look)
             for j, draw in row.cells.items():
-                draw(style.mm_axes(figure, page.place_of(j), top, page.panel, row.height))
+                draw(theme.mm_axes(figure, page.place_of(j), top, page.panel, row.height))
             top += row.height + row.beneath
-    colours, place = ScalarMappable(scale, style.pressure_map()), style.mm_axes(figure, 16.0, top + 1.0, 55.0, 2.2)
+    colours, place = ScalarMappable(scale, theme.pressure_map()), theme.mm_axes(figure, 16.0, top + 1.0, 55.0, 2.2)
     bar = figure.colorbar(colours, cax=place, orientation="horizontal")
     bar.set_label("Contact pressure p [MPa]", labelpad=1.0)
     bar.ax.tick_params(width=0.4)
-    style.write_words(figure, 76.0, top + 1.0, reading, fontsize=6.8, color=style.QUIET)
+    theme.write_words(figure, 76.0, top + 1.0, reading, fontsize=6.8, color=theme.QUIET)
     return figure
 
 

@@ -18,7 +18,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wrsim.plots import marks, style
+from wrsim.plots import marks, theme
 from wrsim.plots.gallery import PATCH_NAMES
 from wrsim.plots.moments import snapshot_letter
 from wrsim.results import CHANNELS
@@ -31,8 +31,8 @@ ANGLE_JUMP = 6.0
 CLOSE = 0.015  # share of the axis within which letters of snapshots are written together
 ANGLES = ("contact_angle", "contact_angle_min", "contact_angle_max", "contact_angle_mean")
 
-FINE: Any = {"color": style.INK, "linewidth": 0.6, "zorder": 3.1}
-SNAPSHOT: Any = {"color": style.QUIET, "linewidth": 0.5, "linestyle": style.DOTS, "zorder": 1.2}
+FINE: Any = {"color": theme.INK, "linewidth": 0.6, "zorder": 3.1}
+SNAPSHOT: Any = {"color": theme.QUIET, "linewidth": 0.5, "linestyle": theme.DOTS, "zorder": 1.2}
 CROWDED = 60
 """How often a line goes through its whole range before it is drawn thin and transparent."""
 SEEN = 2.5
@@ -49,18 +49,18 @@ def history(axes: Axes, dataset: xr.Dataset, name: str, *, largest: float | None
     """Draw a channel: one line, one a wheel, or one a wheel and patch, as its dimensions ask. Lines of patches are
     interrupted where the contact jumps or two patches change their order. largest: absolute value in all panels that
     share the scale, by default in this one."""
-    x, _ = style.abscissa(dataset)
-    values = style.shown(dataset, name)
+    x, _ = theme.abscissa(dataset)
+    values = theme.shown(dataset, name)
     if values.ndim == 1:
-        marks.draw_line(axes, x, values, color=style.INK)
+        marks.draw_line(axes, x, values, color=theme.INK)
     else:
         of_patches = values.ndim == 3
         values = values.reshape(*values.shape[:2], -1)
         for j, k in zip(*np.nonzero(np.isfinite(values).any(axis=0)), strict=True):
             line = x, values[:, j, k]
             if of_patches and "contact_angle" in dataset:
-                line = marks.broken(*line, ANGLE_JUMP, by=style.shown(dataset, "contact_angle")[:, j, k])
-            look: Any = {"color": style.WHEEL_COLOUR[str(dataset["wheel"].values[j])], "linestyle": style.GROUP_LINE[k]}
+                line = marks.broken(*line, ANGLE_JUMP, by=theme.shown(dataset, "contact_angle")[:, j, k])
+            look: Any = {"color": theme.WHEEL_COLOUR[str(dataset["wheel"].values[j])], "linestyle": theme.GROUP_LINE[k]}
             marks.draw_line(axes, *line, **(look | crowded(values[:, j, k])))
     if name == "Y_over_Q":
         _derailment_limit(axes, dataset, largest or float(np.nanmax(np.abs(values), initial=0.0)))
@@ -78,30 +78,30 @@ def crowded(values: NDArray[Any]) -> dict[str, Any]:
 
 def _derailment_limit(axes: Axes, dataset: xr.Dataset, largest: float) -> None:
     """The limit of the filtered quotient where there is one: a red line, or words alone where that is far above."""
-    x, _ = style.abscissa(dataset)
+    x, _ = theme.abscissa(dataset)
     curvature = dataset["curvature"].values if "curvature" in dataset else np.zeros(x.shape)
     limit = np.where(np.abs(curvature) * DERAILMENT_RADIUS <= 1.0 + 1e-6, DERAILMENT_LIMIT, np.nan)
     if not np.isfinite(limit).any():
         return
     if largest * SEEN >= DERAILMENT_LIMIT:
-        axes.plot(x, limit, color=style.STOP_COLOUR, linewidth=0.8, gid="limit")
+        axes.plot(x, limit, color=theme.STOP_COLOUR, linewidth=0.8, gid="limit")
         axes.set_ylim(top=max(axes.get_ylim()[1], 1.08 * DERAILMENT_LIMIT))
     words = f"limit {DERAILMENT_LIMIT:g} after 20 Hz\nand 2 m (EN 14363)"
-    look: Any = {"xycoords": "axes fraction", "rotation": 90, "ha": "left", "va": "center", "color": style.STOP_COLOUR}
+    look: Any = {"xycoords": "axes fraction", "rotation": 90, "ha": "left", "va": "center", "color": theme.STOP_COLOUR}
     marks.note(axes, words, (1.0, 0.5), (2.5, 0.0), **look)
 
 
 def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
     """Contact angles of one wheel: main point (line), mean over strips (thin), least to largest (band). The band of a
     sample without neighbours is a bar."""
-    x, _ = style.abscissa(dataset)
-    colour = style.WHEEL_COLOUR[wheel]
+    x, _ = theme.abscissa(dataset)
+    colour = theme.WHEEL_COLOUR[wheel]
     of_wheel = dataset[[*ANGLES]].sel(wheel=wheel)
-    main, low, high, mean = (style.shown(of_wheel, name) for name in ANGLES)
+    main, low, high, mean = (theme.shown(of_wheel, name) for name in ANGLES)
     for k in np.flatnonzero(np.isfinite(main).any(axis=0)):
         for values, look in ((main, {"color": colour, "zorder": 3.0}), (mean, FINE)):
             thin: Any = look | crowded(values[:, k])
-            marks.draw_line(axes, *marks.broken(x, values[:, k], ANGLE_JUMP), linestyle=style.GROUP_LINE[k], **thin)
+            marks.draw_line(axes, *marks.broken(x, values[:, k], ANGLE_JUMP), linestyle=theme.GROUP_LINE[k], **thin)
         shade: Any = {"color": colour, "alpha": 0.28 if k == 0 else 0.16, "zorder": 2.0}
         (band_x, least), (_, largest) = (marks.broken(x, end[:, k], ANGLE_JUMP, by=main[:, k]) for end in (low, high))
         axes.fill_between(band_x, least, largest, linewidth=0.0, **shade)
@@ -114,20 +114,20 @@ def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
 
 def track_layout(axes: Axes, dataset: xr.Dataset) -> Axes:
     """Curvature (grey area, left axis) and cant (dashed, right axis) in a slim panel; up is to the left."""
-    x, name = style.abscissa(dataset)
+    x, name = theme.abscissa(dataset)
     axes.set_xlabel(CHANNELS[name].label)
-    curvature = style.shown(dataset, "curvature")
+    curvature = theme.shown(dataset, "curvature")
     axes.fill_between(x, 0.0, curvature, color="#ccd2da", linewidth=0.0, zorder=1.5)
     marks.draw_line(axes, x, curvature, color="#8f98a5", linewidth=0.7)
     _limits_with_zero(axes, curvature, least=1.0, margin=0.12)
-    axes.set_ylabel("Curvature\n[1/km]", color=style.QUIET)
+    axes.set_ylabel("Curvature\n[1/km]", color=theme.QUIET)
     if "cant" in dataset:
-        cant = style.shown(dataset, "cant")
+        cant = theme.shown(dataset, "cant")
         right = marks.right_axis(axes)
-        marks.draw_line(right, x, cant, color=style.CANT_COLOUR, linestyle=style.GROUP_LINE[1], linewidth=1.0)
+        marks.draw_line(right, x, cant, color=theme.CANT_COLOUR, linestyle=theme.GROUP_LINE[1], linewidth=1.0)
         _limits_with_zero(right, cant, least=20.0, margin=0.5)
-        right.set_ylabel("Cant\n[mm]", color=style.CANT_COLOUR)
-        right.tick_params(axis="y", colors=style.CANT_COLOUR)
+        right.set_ylabel("Cant\n[mm]", color=theme.CANT_COLOUR)
+        right.tick_params(axis="y", colors=theme.CANT_COLOUR)
     return axes
 
 
@@ -146,8 +146,8 @@ def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> 
     snapshots close together are one word over their middle."""
     if "snapshot" not in dataset.dims:
         return axes
-    x, name = style.abscissa(dataset)
-    places = style.shown(dataset, f"snapshot_{name}")
+    x, name = theme.abscissa(dataset)
+    places = theme.shown(dataset, f"snapshot_{name}")
     for at in places:
         axes.axvline(at, **SNAPSHOT)
     close = np.diff(places, prepend=-np.inf) <= CLOSE * np.ptp(x)
@@ -156,7 +156,7 @@ def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> 
     return axes
 
 
-@style.style()
+@theme.style()
 def stacked(
     dataset: xr.Dataset,
     panels: Sequence[Panel],
@@ -170,9 +170,9 @@ def stacked(
     its own in mm: a layout that measures all words first takes half of the drawing time."""
     title, note = dataset.attrs.get("title", ""), marks.stop_note(dataset)
     if dataset.sizes["time"] == 0:
-        figure = style.new_figure(style.FULL_WIDTH, 24.0, constrained=False)
-        style.headline(figure, title, note)
-        figure.text(0.5, 0.2, "No samples to draw.", ha="center", color=style.QUIET)
+        figure = theme.new_figure(theme.FULL_WIDTH, 24.0, constrained=False)
+        theme.headline(figure, title, note)
+        figure.text(0.5, 0.2, "No samples to draw.", ha="center", color=theme.QUIET)
         return figure
     gap = GAP + (2.6 if titled else 0.0)
     rows = [(panel, panel_height_mm - gap) for panel in panels]
@@ -185,11 +185,11 @@ def stacked(
         legend.append(Line2D([], [], label=f"{letters}: see patches, sections", **(SNAPSHOT | {"linewidth": 0.8})))
     lines = max(ceil(sum(7 + len(str(e.get_label())) for e in legend) / LETTERS), 1 if len(legend) <= 5 else 2)
     total = top + sum(height for _, height in rows) + gap * (len(rows) - 1) + FOOT + LINE * (lines - 1)
-    figure = style.new_figure(style.FULL_WIDTH, total, constrained=False)
-    style.headline(figure, title, note)
-    width = style.FULL_WIDTH - LEFT - RIGHT
+    figure = theme.new_figure(theme.FULL_WIDTH, total, constrained=False)
+    theme.headline(figure, title, note)
+    width = theme.FULL_WIDTH - LEFT - RIGHT
     for i, (panel, height) in enumerate(rows):
-        axes = style.mm_axes(figure, LEFT, top, width, height)
+        axes = theme.mm_axes(figure, LEFT, top, width, height)
         if i:
             axes.sharex(figure.axes[0])
         axes.tick_params(labelbottom=i == len(rows) - 1)
@@ -198,7 +198,7 @@ def stacked(
         mark_snapshots(axes, dataset, letters=i == 0)
         marks.mark_stop(axes, dataset)
         top += height + gap
-    x, name = style.abscissa(dataset)
+    x, name = theme.abscissa(dataset)
     axes.set_xlabel(CHANNELS[name].label)
     if x[-1] > x[0]:
         axes.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if marks.is_stopped(dataset) else 0.0))
@@ -213,9 +213,9 @@ def overview_figure(dataset: xr.Dataset) -> Figure:
     panels += [partial(history, name=name) for name in ("Y_over_Q", "lateral_shift", "yaw") if name in dataset]
     legend = [
         *marks.wheel_entries(dataset["wheel"].values),
-        Line2D([], [], color=style.QUIET, linewidth=1.6, label="main contact point"),
-        Line2D([], [], color=style.INK, linewidth=0.6, label="mean over the strips"),
-        Patch(facecolor=style.QUIET, alpha=0.3, label="smallest to largest"),
+        Line2D([], [], color=theme.QUIET, linewidth=1.6, label="main contact point"),
+        Line2D([], [], color=theme.INK, linewidth=0.6, label="mean over the strips"),
+        Patch(facecolor=theme.QUIET, alpha=0.3, label="smallest to largest"),
         *_later_patches(dataset["contact_angle"]),
     ]
     return stacked(dataset, panels, panel_height_mm=32.0, legend=legend)
@@ -233,10 +233,10 @@ def channels_figure(dataset: xr.Dataset, names: Sequence[str]) -> Figure:
 
 def _later_patches(data: xr.DataArray) -> list[Artist]:
     used = [k for k in range(1, data.sizes["patch"]) if np.isfinite(data.isel(patch=k)).any()]
-    return [Line2D([], [], color=style.QUIET, linestyle=style.GROUP_LINE[k], label=PATCH_NAMES[k]) for k in used]
+    return [Line2D([], [], color=theme.QUIET, linestyle=theme.GROUP_LINE[k], label=PATCH_NAMES[k]) for k in used]
 
 
-PART_COLOURS = (style.INK, "#0072B2", "#D55E00", "#009E73", "#9467A9", "#B8860B")
+PART_COLOURS = (theme.INK, "#0072B2", "#D55E00", "#009E73", "#9467A9", "#B8860B")
 """Colours of wheelsets, bodies and points, in their order."""
 
 VEHICLE_PICTURES = {
@@ -274,7 +274,7 @@ def vehicle_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
 
 def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
     """A channel of the wheels, a panel for each wheelset against its own distance, on one scale."""
-    values, names = style.shown(dataset, name), numbered(wheelsets(dataset))
+    values, names = theme.shown(dataset, name), numbered(wheelsets(dataset))
     low, high = (float(f(values, initial=0.0)) for f in (np.nanmin, np.nanmax))
     space = 0.05 * max(high - low, 1e-9)
 
@@ -294,11 +294,11 @@ def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> F
     """Channels of wheelsets, bodies or points, a panel each, and a line for each of them, the smallest in front."""
     names = [str(n) for n in dataset[dim].values]
     labels = numbered(names).values() if dim == "wheelset" else names
-    pairs = zip(cycle(PART_COLOURS), cycle(style.GROUP_LINE), labels)
+    pairs = zip(cycle(PART_COLOURS), cycle(theme.GROUP_LINE), labels)
     looks: list[dict[str, Any]] = [{"color": colour, "linestyle": line} for colour, line, _ in pairs]
 
     def panel(axes: Axes, _: xr.Dataset, name: str) -> None:
-        (x, _name), values = style.abscissa(dataset), style.shown(dataset, name)
+        (x, _name), values = theme.abscissa(dataset), theme.shown(dataset, name)
         for i in np.argsort(-np.ptp(values, axis=0), kind="stable"):  # small ones last, or large ones hide them
             at = dataset["wheelset_distance"].values[:, i] if dim == "wheelset" else x
             marks.draw_line(axes, at, values[:, i], **(looks[i] | crowded(values[:, i])))

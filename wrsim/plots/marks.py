@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wrsim.plots.style import FULL_WIDTH, QUIET, STOP_COLOUR, WHEEL_COLOUR, abscissa, new_figure, style, write_words
+from wrsim.plots.theme import FULL_WIDTH, QUIET, STOP_COLOUR, WHEEL_COLOUR, abscissa, new_figure, style, write_words
 from wrsim.results import CHANNELS
 from wrsim.results.table import finite, quantity
 

@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.plots.marks import minus
-from wrsim.plots.style import shown
+from wrsim.plots.theme import shown
 from wrsim.results import CHANNELS
 from wrsim.results.moments import moment_dim, order_of_strips, with_patches
 from wrsim.results.table import quantity

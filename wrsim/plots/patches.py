@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wrsim.plots import gallery
 from wrsim.plots.marks import few_ticks, minus, stop_note
 from wrsim.plots.moments import PatchAt, choose_moments, select, select_elements, touching_runs
-from wrsim.plots.style import INK, QUIET, WHEEL_COLOUR, pressure_map, shown
+from wrsim.plots.theme import INK, QUIET, WHEEL_COLOUR, pressure_map, shown
 from wrsim.results import CHANNELS
 from wrsim.results.moments import sample_of
 from wrsim.results.table import formatted

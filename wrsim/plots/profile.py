@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.smoothing_report import SmoothingReport
-from wrsim.plots import style
+from wrsim.plots import theme
 from wrsim.plots.marks import minus, note, remark, right_axis
 from wrsim.results.table import formatted, quantity
 
@@ -27,7 +27,7 @@ CURVATURES = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 """Ticks of curvature on either side of zero, 1/m, and of radius, mm."""
 
 
-@style.style()
+@theme.style()
 def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) -> Figure:
     """Shape, slope angle and curvature of a profile against the outward coordinate. smoothing: a report for every
     cut-off; curvatures are drawn over that of the bare points, distances of the points from the smoothed curves in a
@@ -35,19 +35,19 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     u, w = 1e3 * profile.u, 1e3 * profile.w
     pad = 0.03 * np.ptp(u)
     across, up = float(np.ptp(u) + 2.0 * pad), float(np.ptp(w) + 4.0 * pad)
-    width = style.FULL_WIDTH - LEFT - RIGHT
+    width = theme.FULL_WIDTH - LEFT - RIGHT
     height = width * up / across
     if height > TALLEST:
         across, height = across * height / TALLEST, TALLEST
     rows = 3 if smoothing else 2
-    figure = style.new_figure(style.FULL_WIDTH, TOP + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
-    style.headline(figure, f"{profile.name} ({profile.kind})")
+    figure = theme.new_figure(theme.FULL_WIDTH, TOP + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
+    theme.headline(figure, f"{profile.name} ({profile.kind})")
     source = shorten(profile.source, 130, placeholder=" ...")
-    style.write_words(figure, 0.012 * style.FULL_WIDTH, 6.5, source, fontsize=6.5, color=style.QUIET)
-    panels = [style.mm_axes(figure, LEFT, TOP, width, height)]
+    theme.write_words(figure, 0.012 * theme.FULL_WIDTH, 6.5, source, fontsize=6.5, color=theme.QUIET)
+    panels = [theme.mm_axes(figure, LEFT, TOP, width, height)]
     for row in range(rows):
         panels[-1].tick_params(axis="x", labelbottom=False)
-        panels.append(style.mm_axes(figure, LEFT, TOP + height + GAP + row * (PANEL + GAP), width, PANEL))
+        panels.append(theme.mm_axes(figure, LEFT, TOP + height + GAP + row * (PANEL + GAP), width, PANEL))
         panels[-1].sharex(panels[0])
     for axes, draw in zip(panels, (draw_shape, draw_slope, draw_curvature), strict=False):
         draw(profile, axes)
@@ -66,15 +66,15 @@ def draw_smoothing(smoothing: Sequence[SmoothingReport], curvature: Axes, change
     the smoothed curves, um."""
     curvature.lines[0].remove()
     first = smoothing[0]
-    look: Any = {"color": style.QUIET, "linewidth": 0.4, "alpha": 0.3, "zorder": 1.0}
+    look: Any = {"color": theme.QUIET, "linewidth": 0.4, "alpha": 0.3, "zorder": 1.0}
     curvature.plot(1e3 * first.points.u, first.bare_curvature, label="bare points", **look)
-    for report, colour in zip(smoothing, style.SERIES_COLOURS, strict=False):
+    for report, colour in zip(smoothing, theme.SERIES_COLOURS, strict=False):
         p, label = report.profile, f"cut-off {1e3 * report.cutoff:g} mm"
         curvature.plot(1e3 * p.u, p.curvature_after, color=colour, linewidth=1.0, label=label)
         change.plot(1e3 * report.points.u, 1e6 * report.change, ".", color=colour, markersize=1.6, zorder=2.0)
     curvature.legend(loc="upper center", ncols=5, fontsize=6.5, frameon=True, framealpha=0.9, edgecolor="none")
     remark(curvature, "positive: turns upward; as smoothed, and of a spline through the bare points")
-    change.axhline(0.0, color=style.INK, linewidth=0.5)
+    change.axhline(0.0, color=theme.INK, linewidth=0.5)
     remark(change, "distance of the points from the smoothed curve")
     change.set_ylabel("Change [µm]")
 
@@ -84,10 +84,10 @@ def draw_shape(profile: Profile, axes: Axes) -> None:
     u, w = 1e3 * profile.u, 1e3 * profile.w
     reach = 10.0 * np.ptp(w) + 10.0
     beyond = w.max() + reach if profile.kind == "wheel" else w.min() - reach
-    fill = style.WHEEL_FILL if profile.kind == "wheel" else style.RAIL_FILL
+    fill = theme.WHEEL_FILL if profile.kind == "wheel" else theme.RAIL_FILL
     axes.fill(np.pad(u, 1, "edge"), np.pad(w, 1, constant_values=beyond), facecolor=fill, edgecolor="none")
-    axes.plot(u, w, color=style.INK, linewidth=1.2)
-    axes.plot([0.0], [0.0], "+", color=style.INK, markersize=7.0, markeredgewidth=0.8)
+    axes.plot(u, w, color=theme.INK, linewidth=1.2)
+    axes.plot([0.0], [0.0], "+", color=theme.INK, markersize=7.0, markeredgewidth=0.8)
     if profile.kind == "rail":
         _gauge(profile, axes)
     axes.set_aspect("equal")
@@ -115,7 +115,7 @@ def _gauge(profile: Profile, axes: Axes) -> None:
 def draw_slope(profile: Profile, axes: Axes) -> None:
     """Tangent angle against u, degrees, positive where the profile rises outward."""
     axes.plot(1e3 * profile.u, np.degrees(profile.angle), color=LINE)
-    axes.axhline(0.0, color=style.INK, linewidth=0.5)
+    axes.axhline(0.0, color=theme.INK, linewidth=0.5)
     low, high = float(np.degrees(profile.angle.min())), float(np.degrees(profile.angle.max()))
     if (steep := high - low > 60.0) or high - low < 1e-6:
         space = 6.0 if steep else 1.0
@@ -131,7 +131,7 @@ def draw_curvature(profile: Profile, axes: Axes) -> None:
     u = np.repeat(1e3 * profile.u, 2)
     k = np.column_stack([profile.curvature_before, profile.curvature_after]).ravel()
     axes.plot(u, k, color=LINE)
-    axes.axhline(0.0, color=style.INK, linewidth=0.5)
+    axes.axhline(0.0, color=theme.INK, linewidth=0.5)
     axes.set_yscale("asinh", linear_width=1.0)
     reach = [next((c for c in CURVATURES if c >= side), CURVATURES[-1]) for side in (-k.min(), k.max())]
     every = 1 if max(reach) <= 100.0 else 2  # thin out the ticks of a long scale

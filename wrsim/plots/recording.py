@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from wrsim.plots.marks import panels
-from wrsim.plots.style import CANT_COLOUR, INK, WHEEL_COLOUR
+from wrsim.plots.theme import CANT_COLOUR, INK, WHEEL_COLOUR
 from wrsim.recording.restoring import Restored
 from wrsim.results.channels import WHEELS
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wrsim.plots.marks import panels
-from wrsim.plots.style import GROUP_LINE, GROUP_MARK, SERIES_COLOURS
+from wrsim.plots.theme import GROUP_LINE, GROUP_MARK, SERIES_COLOURS
 from wrsim.results.ride import Ride
 
 DIRECTIONS = {"x": "longitudinal", "y": "lateral", "z": "vertical"}

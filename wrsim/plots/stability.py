@@ -14,7 +14,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from wrsim.plots.marks import large_and_small, note, panels
-from wrsim.plots.style import INK, QUIET, SERIES_COLOURS, STOP_COLOUR, pressure_map, shown, style
+from wrsim.plots.theme import INK, QUIET, SERIES_COLOURS, STOP_COLOUR, pressure_map, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.stability import summarise_stability
 from wrsim.results.table import formatted, quantity

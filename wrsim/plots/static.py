@@ -18,7 +18,7 @@ from matplotlib.patches import Patch
 from wrsim.plots.histories import ANGLE_JUMP
 from wrsim.plots.marks import broken, draw_line, panels, stop_note, wheel_entries
 from wrsim.plots.moments import pose_abscissa, pose_groups
-from wrsim.plots.style import GROUP_LINE, GROUP_MARK, QUIET, WHEEL_COLOUR, shown
+from wrsim.plots.theme import GROUP_LINE, GROUP_MARK, QUIET, WHEEL_COLOUR, shown
 from wrsim.results import CHANNELS
 
 PANELS = ("contact_angle", "p0", "N", "area")

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wrsim.plots.marks import panels
-from wrsim.plots.style import DOTS, GROUP_LINE, QUIET, SERIES_COLOURS, STOP_COLOUR, shown
+from wrsim.plots.theme import DOTS, GROUP_LINE, QUIET, SERIES_COLOURS, STOP_COLOUR, shown
 from wrsim.results import CHANNELS
 from wrsim.results.table import quantity
 

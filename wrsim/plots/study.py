@@ -23,7 +23,7 @@ from scipy.stats import spearmanr
 
 from wrsim.inputs.section import UNITS
 from wrsim.plots.marks import note, panels
-from wrsim.plots.style import DOTS, GROUP_MARK, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, pressure_map
+from wrsim.plots.theme import DOTS, GROUP_MARK, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, pressure_map
 from wrsim.results.channels import SHOWN
 from wrsim.results.table import formatted, with_unit
 

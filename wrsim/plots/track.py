@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wrsim.geometry.track.track import Feature, Track
 from wrsim.plots.marks import note, note_above
-from wrsim.plots.style import CANT_COLOUR, FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, new_figure, style
+from wrsim.plots.theme import CANT_COLOUR, FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, new_figure, style
 from wrsim.results.table import quantity
 
 Law = Callable[[NDArray[np.float64]], NDArray[np.float64]]

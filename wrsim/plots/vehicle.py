@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
 from wrsim.plots.marks import panels
-from wrsim.plots.style import FAINT, FULL_WIDTH, INK, QUIET, RAIL_FILL, WHEEL_FILL, mm_axes, new_figure, style
+from wrsim.plots.theme import FAINT, FULL_WIDTH, INK, QUIET, RAIL_FILL, WHEEL_FILL, mm_axes, new_figure, style
 from wrsim.vehicle.couplings import GLYPHS
 from wrsim.vehicle.element_tables import KINDS, Glyph
 from wrsim.vehicle.elements import Element

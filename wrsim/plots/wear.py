@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from wrsim.plots.marks import large_and_small, panels
-from wrsim.plots.style import GROUP_LINE, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, WHEEL_COLOUR, shown, style
+from wrsim.plots.theme import GROUP_LINE, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, WHEEL_COLOUR, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.table import formatted, quantity, with_unit
 from wrsim.results.wear import worst_worn

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.plots.style import INK, SERIES_COLOURS, WHEEL_COLOUR
+from wrsim.plots.theme import INK, SERIES_COLOURS, WHEEL_COLOUR
 from wrsim.results import CHANNELS
 from wrsim.results.channels import PATCHES
 from wrsim.results.moments import is_history

@@ -28,7 +28,7 @@ from wrsim.plots.moments import choose_moments
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.pictures import standard_figures
 from wrsim.plots.ride import bands, ride_figure
-from wrsim.plots.style import rendered
+from wrsim.plots.theme import rendered
 from wrsim.plots.wear import fatigue_figure, wear_figure
 from wrsim.report import tables
 from wrsim.report.charts import charts_of

@@ -19,7 +19,7 @@ from wrsim.errors import InputError, SimulationError, in_one_line
 from wrsim.geometry.profile.profile import Profile
 from wrsim.plots.cross_section import has_outlines, pressed_curve
 from wrsim.plots.moments import patches_of, select, touching_runs
-from wrsim.plots.style import pressure_map
+from wrsim.plots.theme import pressure_map
 from wrsim.plots.wear import LAW_WORDS
 from wrsim.report.page import page_template
 from wrsim.results import CHANNELS, Result

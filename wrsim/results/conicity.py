@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import degrees, radians
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -110,7 +110,8 @@ def conicity_numbers(result: Result) -> dict[str, Any]:
     }
 
 
-class RadialSteering(NamedTuple):
+@dataclass(frozen=True)
+class RadialSteering:
     """radius R, needed and available difference of the rolling radii, shift of the wheelset at which the needed one is
     there, not-a-number where it is not [m]; index: q_E, infinite where there is no difference at all. The less able
     side of the two counts.
