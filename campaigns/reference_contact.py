@@ -18,8 +18,7 @@ from typing import get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
-from wrsim.analysis.poses.solver import PoseSolver
+from wrsim.analysis.poses.solver import HalfSpacePoseSolver, PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
 from wrsim.contact.model import Contact, ContactModel

@@ -15,8 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.contacts import GAUGE, HALF_SPACING, RADIUS, contact_model, finite, rail_profile, strips_of, wheel_profile
 
-from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
-from wrsim.analysis.poses.solver import PoseSolver
+from wrsim.analysis.poses.solver import HalfSpacePoseSolver, PoseSolver
 from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.pose import Pose

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from support.contacts import HALF_SPACING, bench, contact_model, flat_rail, pair_model, round_wheel
 from support.hertz import Ellipse
 
-from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
+from wrsim.analysis.poses.solver import HalfSpacePoseSolver
 from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space import HalfSpace

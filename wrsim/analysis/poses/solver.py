@@ -8,7 +8,8 @@ at rest in the frictionless case. The height is found for the prescribed load; f
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import reduce
 from math import sin
 from operator import or_
@@ -19,19 +20,24 @@ from scipy.optimize import brentq
 
 from wrsim.contact.batch import DEEPEST, LOAD_TOLERANCE, search_for
 from wrsim.contact.channels import ElementField, WheelOnRail
+from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
+from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.contact.model import ContactModel
+from wrsim.contact.models import fast_model
 from wrsim.contact.pose import Pose
-from wrsim.contact.status import REMARKS, UNMET, status_words
+from wrsim.contact.status import REMARKS, TOO_MANY, UNMET, status_words
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_forces import set_pose, wheel_wrench
 from wrsim.core.contact.prescribed_load import SEARCHING, begin, meet_load, next_height
-from wrsim.core.contact.records import STATUS_IN_A_JUMP
+from wrsim.core.contact.records import STATUS_IN_A_JUMP, STATUS_TOO_DEEP
 from wrsim.core.frames import Frame
 from wrsim.core.linalg import Vec
 
 ROLLING_SPEED = 2.0  # of the quasi-static rolling [m/s]; creepages do not depend on it
 CLEARANCE = 0.02  # of the centre above a wheel's radius, from where it is let down [m]
 LARGEST_ROLL = 0.05  # of a wheelset that looks for its balance [rad]
+EXACT_TOLERANCE = 2e-5  # of the vertical force, with the exact half-space solver
+PATIENCE = 4  # evaluations of it with an overlap that is no contact any more
 
 
 @dataclass(frozen=True)
@@ -170,6 +176,72 @@ class PoseSolver:
                     raise LoadNotReached("the wheelset finds no balance in roll")
             ends.append(roll)
         return float(brentq(moment, *ends, xtol=1e-15, rtol=8.9e-16, maxiter=200))
+
+
+class HalfSpacePoseSolver(PoseSolver):
+    """Wheels over their rails; ``contacts`` holds what the solver found at the last pose, one for each wheel.
+
+    The elements are chosen at the first height of a pose and kept while its height is looked for.
+    """
+
+    load_tolerance = 10.0 * EXACT_TOLERANCE
+    missed = "the load is not reached"
+
+    def __init__(
+        self, wheels: Sequence[WheelOnRail], rolling: bool, radius: float, solver: HalfSpace | None = None
+    ) -> None:
+        super().__init__(wheels, rolling, radius)
+        self.solver = solver if solver is not None else HalfSpace.of(self.wheels[0].model.settings.half_space)
+        self.contacts: list[HalfSpaceContact | None] = [None] * len(self.wheels)
+        self._solvers = [self.solver] * len(self.wheels)
+        self._fast = PoseSolver([replace(w, model=fast_model(w.model)) for w in wheels], rolling, radius)
+
+    def solve(self, pose: Pose) -> Solved:
+        """See `PoseSolver.solve`; ``contacts`` then holds the contact found."""
+        self._fix_elements(pose)
+        solved = super().solve(pose)
+        if np.isnan(solved.height):
+            self.contacts = [None] * len(self.wheels)
+        return solved
+
+    def elements(self) -> list[list[ElementField]]:
+        """See `PoseSolver.elements`."""
+        most = self.wheels[0].model.settings.patch_count
+        return [[] if contact is None else element_fields(contact, most) for contact in self.contacts]
+
+    def _touch(self, wheel: int) -> None:
+        self.contacts[wheel] = solve_into(self.wheels[wheel].model, self._solvers[wheel], self.contacts[wheel])
+
+    def _fix_elements(self, pose: Pose) -> None:
+        """Elements for the deepest patch of every wheel, at the fast model's height."""
+        self.contacts = [None] * len(self.wheels)
+        self._solvers = [self.solver] * len(self.wheels)
+        self._fast.solve(pose)
+        for i, (wheel, fast) in enumerate(zip(self.wheels, self._fast.wheels, strict=True)):
+            wheel.model.arrays.pose[:] = fast.model.arrays.pose
+            element = self.solver.elements_at(wheel.model)
+            if element is not None:
+                self._solvers[i] = replace(self.solver, element=element)
+
+    def _height(self, pose: Pose, roll: float) -> float:
+        """See `PoseSolver._height`; starts from the fast model's height."""
+        start = self.radius + CLEARANCE + abs(sin(roll)) * self.wheels[0].half_spacing
+        with suppress(LoadNotReached):
+            start = self._fast._height(pose, roll)
+        too_deep = 0
+
+        def carried(z: float) -> Carried:
+            nonlocal too_deep
+            if too_deep == PATIENCE:
+                raise LoadNotReached(f"{pose.load:g} N are not met: {status_words(STATUS_TOO_DEEP)}")
+            self.evaluate(pose.lateral, z, pose.yaw, roll)
+            status = self._status()
+            if status & TOO_MANY:
+                raise LoadNotReached(status_words(TOO_MANY))
+            too_deep += bool(status & STATUS_TOO_DEEP)
+            return Carried(float(self.force[2]), max(approach_of(wheel.model) for wheel in self.wheels))
+
+        return height_for_load(carried, self.wheels[0].model, pose.load, start, tolerance=EXACT_TOLERANCE)
 
 
 class LoadNotReached(Exception):

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.analysis.contacts import wheels_on_rails
-from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
-from wrsim.analysis.poses.solver import PoseSolver, Solved
+from wrsim.analysis.poses.solver import HalfSpacePoseSolver, PoseSolver, Solved
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import StripRecorder, WheelOnRail, contact_channels, remarks_channel
 from wrsim.contact.model import ContactModel
