@@ -12,8 +12,8 @@ from support import synthetic_result
 
 from wrsim.plots import patch_gallery, section_gallery, standard_figures
 from wrsim.plots.histories import channels_figure, overview_figure, wheelsets_figure
-from wrsim.plots.ride import bands, ride_figure
-from wrsim.plots.stability import bifurcation_figure, modes_figure
+from wrsim.plots.ride import ride_figure
+from wrsim.plots.stability import modes_figure, stability_figures
 from wrsim.plots.static import static_figure
 from wrsim.plots.theme import STOP_COLOUR, WHEEL_COLOUR
 from wrsim.results import Result
@@ -152,7 +152,7 @@ def test_the_floor_is_seen_beside_the_frames() -> None:
         coords={"point": ["floor", "frame"], "axis": ["x", "y", "z"], "band": band},
     )
     found = SimpleNamespace(data=data, points=["floor", "frame"], title="ride", stretch="0 to 1 m")
-    axes = ride_figure({"": found}, bands).axes[0]
+    axes = ride_figure({"": found}, "ride_bands").axes[0]
     assert axes.get_yscale() == "log"
     assert axes.get_ylim()[0] < 1e-3 < 2.0 < axes.get_ylim()[1]
 
@@ -183,7 +183,8 @@ def test_two_modes_of_one_name_can_be_told_apart() -> None:
 
 
 def test_no_line_runs_over_a_motion_that_has_not_settled() -> None:
-    (axes,) = bifurcation_figure(stability(["cycle", "cycle", "unsettled", "cycle", "cycle"])).axes
+    drawn = stability_figures(stability(["cycle", "cycle", "unsettled", "cycle", "cycle"]))["bifurcation"]()
+    (axes,) = drawn.axes
     (line,) = [line for line in axes.lines if line.get_gid() == "from above"]
     assert np.isfinite(np.asarray(line.get_ydata())).tolist() == [True, True, False, True, True]
 

@@ -14,10 +14,13 @@ from wrsim.plots.theme import GROUP_LINE, GROUP_MARK, SERIES_COLOURS
 from wrsim.results.ride import Ride
 
 DIRECTIONS = {"x": "longitudinal", "y": "lateral", "z": "vertical"}
-LOWEST = 0.3  # least frequency drawn [Hz]
 TICKS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200)
-DECADES, BAND_DECADES = 6, 4
-"""Decades beneath the highest density that are drawn; of third-octaves, whose rms is a root of density."""
+PICTURES = {
+    "ride_spectra": ("frequency", "density", "density\n[(m/s²)²/Hz]", 0.3, 6, 0.0),
+    "ride_bands": ("band", "band_rms", "rms\n[m/s²] in 1/3 octave", 0.0, 4, 2.4),
+}
+"""Variables, label, least frequency drawn [Hz], decades drawn beneath the highest value, size of the marks; the rms of
+third-octaves is a root of density."""
 
 Rides = Mapping[str, Ride]
 """By the names of their runs."""
@@ -25,14 +28,15 @@ Rides = Mapping[str, Ride]
 
 def ride_figures(found: Ride) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of a ride, by file name without ending."""
-    draws = {"ride_spectra": density} | ({"ride_bands": bands} if found.data.sizes["band"] else {})
-    return {name: partial(ride_figure, {"": found}, draw) for name, draw in draws.items()}
+    drawn = (name for name, (across, *_) in PICTURES.items() if found.data.sizes[across])
+    return {name: partial(ride_figure, {"": found}, name) for name in drawn}
 
 
-def ride_figure(rides: Rides, draw: Callable[[Rides, str, Axes], object]) -> Figure:
-    """``density`` or ``bands`` of all directions against frequency."""
+def ride_figure(rides: Rides, picture: str) -> Figure:
+    """One of ``PICTURES``: all directions against frequency."""
     titles = "\n".join(dict.fromkeys(f"{one.title}: {one.stretch}" for one in rides.values()))
-    figure = panels(titles, [partial(draw, rides, axis) for axis in DIRECTIONS], 150.0, legend=None, across=5)
+    draws = [partial(spectra, found=rides, axis=axis, picture=picture) for axis in DIRECTIONS]
+    figure = panels(titles, draws, 150.0, legend=None, across=5)
     lowest = figure.axes[-1]
     low, high = lowest.get_xlim()
     ticks = [f for f in TICKS if low <= f <= high]
@@ -41,30 +45,18 @@ def ride_figure(rides: Rides, draw: Callable[[Rides, str, Axes], object]) -> Fig
     return figure
 
 
-def density(found: Rides, axis: str, axes: Axes) -> None:
-    """Power spectral density of one direction at every point."""
-    axes.set_ylabel(f"{DIRECTIONS[axis].capitalize()} density\n[(m/s²)²/Hz]")
-    _spectra(axes, found, axis, ("frequency", "density"), LOWEST, DECADES)
-
-
-def bands(found: Rides, axis: str, axes: Axes) -> None:
-    """rms of one direction in third-octaves at every point."""
-    axes.set_ylabel(f"{DIRECTIONS[axis].capitalize()} rms\n[m/s²] in 1/3 octave")
-    _spectra(axes, found, axis, ("band", "band_rms"), 0.0, BAND_DECADES, markersize=2.4)
-
-
-def _spectra(
-    axes: Axes, found: Rides, axis: str, names: tuple[str, str], lowest: float, decades: int, markersize: float = 0.0
-) -> None:
-    """A line a point on logarithmic scales; with marks, if they have a size."""
+def spectra(axes: Axes, found: Rides, axis: str, picture: str) -> None:
+    """One of ``PICTURES`` in one direction: a line a point on logarithmic scales; with marks, if they have a size."""
+    across, name, label, lowest, decades, markersize = PICTURES[picture]
+    axes.set_ylabel(f"{DIRECTIONS[axis].capitalize()} {label}")
     highest = 0.0
-    lines = [(name, point, one.data) for name, one in found.items() for point in one.points]
-    for i, (name, point, data) in enumerate(lines):
-        x = data[names[0]].values
-        values = np.maximum(data[names[1]].sel(point=point, axis=axis).values[x >= lowest], 1e-300)
+    lines = [(run, point, one.data) for run, one in found.items() for point in one.points]
+    for i, (run, point, data) in enumerate(lines):
+        x = data[across].values
+        values = np.maximum(data[name].sel(point=point, axis=axis).values[x >= lowest], 1e-300)
         highest = max(highest, float(values.max(initial=0.0)))
         colour, line = SERIES_COLOURS[i % len(SERIES_COLOURS)], GROUP_LINE[i // len(SERIES_COLOURS) % len(GROUP_LINE)]
-        label = f"{name}: {point}" if len(found) > 1 else point
+        label = f"{run}: {point}" if len(found) > 1 else point
         (drawn,) = axes.loglog(x[x >= lowest], values, color=colour, linestyle=line, linewidth=0.8, label=label)
         drawn.set(marker=GROUP_MARK[i % len(GROUP_MARK)], markersize=markersize)
     if highest > 1e-300:

@@ -27,8 +27,10 @@ BRANCHES = {"from above": (STOP_COLOUR, "v"), "from below": ("#0072B2", "^")}
 
 def stability_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of a stability analysis, by file name without ending: modes, bifurcation."""
-    makers = {"modes": modes_figure} | ({"bifurcation": bifurcation_figure} if "cycle" in dataset.dims else {})
-    return {name: partial(make, dataset) for name, make in makers.items()}
+    makers: dict[str, Callable[[], Figure]] = {"modes": partial(modes_figure, dataset)}
+    if "cycle" in dataset.dims:
+        makers["bifurcation"] = partial(panels, _title(dataset), [partial(bifurcation, dataset=dataset)], 90.0)
+    return makers
 
 
 @style()
@@ -81,11 +83,6 @@ def over_speed(axes: Axes, dataset: xr.Dataset, name: str) -> None:
     if (critical := summarise_stability(dataset)["linear_critical_speed_kmh"]) is not None:
         axes.axvline(critical, color=STOP_COLOUR, linewidth=0.8, linestyle=(0, (3, 2)))
     axes.set(xlabel=CHANNELS["pose_speed"].label, ylabel=CHANNELS[name].label)
-
-
-def bifurcation_figure(dataset: xr.Dataset) -> Figure:
-    """The bifurcation diagram on a page of its own."""
-    return panels(_title(dataset), [partial(bifurcation, dataset=dataset)], 90.0)
 
 
 def bifurcation(axes: Axes, dataset: xr.Dataset) -> None:

@@ -14,7 +14,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results import Result, write_atomically, write_run
 from wrsim.results.files import sweep
 from wrsim.results.manifest import Keeper, Manifest, digest_of, keeping
-from wrsim.results.summary_tables import wall_time
+from wrsim.results.table import quantity
 
 if TYPE_CHECKING:
     from wrsim.plots.drawing import Finish
@@ -38,12 +38,10 @@ def folder_of_result(result: Path) -> Path:
     return result if result.is_dir() else result.parent
 
 
-@contextmanager
-def writing(force: bool, *reads: Path, of: Path | None = None) -> Iterator[None]:
+def writing(force: bool, *reads: Path, of: Path | None = None) -> AbstractContextManager[None]:
     """While this lasts, no file of the user's is written over, none of ``reads`` above all (`wrsim.results.manifest`).
     of: the result that is reported on."""
-    with keeping(Keeper(reads if of is None else (*reads, of), force, None if of is None else folder_of_result(of))):
-        yield
+    return keeping(Keeper(reads if of is None else (*reads, of), force, None if of is None else folder_of_result(of)))
 
 
 @contextmanager
@@ -177,7 +175,11 @@ def _times(result: Result, wall: float, compiling: float) -> tuple[dict[str, flo
     took = {"wall_time_s": round(wall, 3), "compiling_s": round(compiling, 3)}
     if not lasted:
         return took, ""
-    return took | {"times_real_time": round(wall / lasted, 4)}, wall_time(wall, lasted, compiling)
+    ratio, how = (lasted / wall, "faster") if lasted >= wall else (wall / lasted, "slower")
+    more = f"; compiling kernels, once, took {quantity(compiling, 's', '.3g')} besides" if compiling >= 0.1 else ""
+    words = f"{quantity(lasted, 's')} on the track in {quantity(wall, 's', '.3g')} of wall time"
+    words += f": {quantity(ratio, 'times', '.3g')} {how} than real time{more}"
+    return took | {"times_real_time": round(wall / lasted, 4)}, words
 
 
 def run_into(

@@ -27,7 +27,7 @@ from wrsim.plots.drawing import Makers, drawing
 from wrsim.plots.moments import choose_moments
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.pictures import standard_figures
-from wrsim.plots.ride import bands, ride_figure
+from wrsim.plots.ride import ride_figure
 from wrsim.plots.theme import rendered
 from wrsim.plots.wear import fatigue_figure, wear_figure
 from wrsim.report import tables
@@ -64,6 +64,7 @@ def report_page(results: Sequence[Result], sources: Sequence[str], *, viewers: S
     moves = [{"point", "time"} <= set(r.dataset.dims) for r in results]
     rides = [tables.evaluated(evaluate_ride, r) if so else (None, "") for r, so in zip(results, moves, strict=True)]
     ridden = {name: ride for name, (ride, _) in zip(names, rides, strict=True) if ride}
+    bands = [partial(ride_figure, ridden, "ride_bands")] if ridden else []
     histories = _histories(results, names, found) if charts else {}
     contacts = {name: _contacts(r.dataset, name) for name, r in zip(names, results, strict=True)}
     rows, sources_of_limits = tables.assessment_rows(found)
@@ -93,7 +94,7 @@ def report_page(results: Sequence[Result], sources: Sequence[str], *, viewers: S
             "wear": [_wear(r, name) for r, name in zip(results, names, strict=True) if has_wear(r.dataset)],
             "ride": [ride.table(name) for name, ride in ridden.items()],
             "ride_notes": [why for _, why in rides if why],
-            "bands": [as_picture("third octaves of the accelerations", ride_figure(ridden, bands))] if ridden else [],
+            "bands": [as_picture("third octaves of the accelerations", make()) for make in bands],
             "events": tables.events(results, summaries, names),
             "viewers": list(zip(names, viewers, strict=False)),
             "histories": list(histories),

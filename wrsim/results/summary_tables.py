@@ -177,14 +177,6 @@ def _integration(summary: Summary) -> list[str]:
     return [words + (f"{cut}, {took['explicit_steps']} of them for rk44" if took["cut_steps"] else "")]
 
 
-def wall_time(wall: float, run: float, compiling: float) -> str:
-    """How long a run took, without compiling, beside how long it lasts on the track [s]."""
-    ratio, words = (run / wall, "faster") if run >= wall else (wall / run, "slower")
-    more = f"; compiling kernels, once, took {quantity(compiling, 's', '.3g')} besides" if compiling >= 0.1 else ""
-    took = f"{quantity(run, 's')} on the track in {quantity(wall, 's', '.3g')} of wall time"
-    return f"{took}: {quantity(ratio, 'times', '.3g')} {words} than real time{more}"
-
-
 def _placed(found: Summary | None) -> Placed:
     if found is None or found["value"] is None:
         return Placed(None, "")
