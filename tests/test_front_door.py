@@ -96,13 +96,8 @@ def test_poses_in_python_are_those_of_a_scenario(study: Result, request: pytest.
         {"static.side": "right", "static.lateral_mm": list(SHIFTS), "static.yaw_mrad": 2, "static.load_kN": 60}
     )
     normal = request.node.callspec.params["study"]
-    changes = {
-        "vehicle.radius_mm": 460,
-        "contact": {"normal": normal},
-        "track.gauge_mm": 1435,
-        "track.inclination": "1:40",
-    }
-    same = wrsim.run(scenario.with_values(changes))
+    track = {"track.gauge_mm": 1435, "track.inclination": "1:40"}
+    same = wrsim.run(scenario.with_values(track | {"vehicle.radius_mm": 460, "contact": {"normal": normal}}))
     assert list(same.dataset["pose"].values) == list(study.dataset["pose"].values) == ["y+0", "y+3", "y+6"]
     for name in ("N", "p0", "contact_angle", "Fy", "strip_p"):
         np.testing.assert_allclose(study.dataset[name], same.dataset[name], rtol=1e-9, err_msg=name)
@@ -187,41 +182,11 @@ def test_a_result_draws_its_standard_pictures_and_any_channel(curve: Result, stu
     assert isinstance(study.plot(), Figure)
 
 
-def test_the_data_frame_says_its_units(curve: Result) -> None:
-    table = curve.to_dataframe()
-    np.testing.assert_allclose(table["Y_wheelset_left_kN"], curve.dataset["Y"].sel(wheel="left")[:, 0] / 1e3)
-    assert table.attrs["units"]["Y_wheelset_left_kN"] == "kN"
-    assert "Y_left_kN" in curve.to_dataframe("wheelset")
-
-
-def test_a_result_introduces_itself(curve: Result, study: Result) -> None:
-    words = repr(curve)
-    peak = curve.summary()["wheelsets"]["wheelset"]["wheels"]["left"]["Q_max_kN"]["value"]
-    assert curve.title in words and f"{peak:.4g}" in words and "completed" in words
-    assert "3 poses" in repr(study) and "y+3" in repr(study)
-    stopped = Result(curve_run(stopped=True))
-    assert stopped.stop_reason in repr(stopped)
-    for result in (curve, study, stopped):
-        assert max(map(len, repr(result).splitlines())) < 160
-
-
 def test_the_card_for_notebooks_escapes_what_users_wrote() -> None:
     dataset = curve_run()
     dataset.attrs["title"] = "<script>alert('x')</script> & more"
     card = Result(dataset)._repr_html_()
     assert "<script>" not in card and "&lt;script&gt;" in card and "&amp; more" in card
-
-
-def test_what_is_put_together_introduces_itself_in_one_line() -> None:
-    rail = load_profile("rails/60E1.toml").inclined(1 / 40)
-    things = [
-        (contact_model(load_profile("wheels/S1002.toml"), rail, 0.46), "S1002 on 60E1"),
-        (wrsim.load_vehicle("vehicles/manchester_1.toml"), "4 wheelsets, 3 bodies"),
-        (wrsim.Track.build([wrsim.Straight(30.0), wrsim.Arc(20.0, radius=-300.0)]), "R 300 m right 30..50 m"),
-        (wrsim.load(ROOT / "scenarios/curve_r300.toml"), "curving"),
-    ]
-    for thing, words in things:
-        assert words in repr(thing) and "\n" not in repr(thing) and len(repr(thing)) < 160
 
 
 def test_a_result_with_no_contacts_still_introduces_itself() -> None:

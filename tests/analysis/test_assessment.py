@@ -185,14 +185,8 @@ def test_a_large_quotient_of_the_inner_wheel_lowers_the_guiding_force_that_count
 
 
 def test_the_combined_load_of_the_outer_rail():
-    found = assess(
-        run(
-            900.0,
-            curvature=curve(300.0),
-            y=lambda s: (0.0 * s, 55e3 + 0.0 * s),
-            q=lambda s: (Q0 + 0.0 * s, 150e3 + 0.0 * s),
-        )
-    )
+    y, q = (lambda s: (0.0 * s, 55e3 + 0.0 * s)), (lambda s: (Q0 + 0.0 * s, 150e3 + 0.0 * s))
+    found = assess(run(900.0, curvature=curve(300.0), y=y, q=q))
     assert {round(v.value) for v in found.of("B_qst")} == {round(55e3 + 0.83 * 150e3)}
     assert {v.passed for v in found.of("B_qst")} == {True}  # 179.5 of 180 kN
     assert all(v.limit is None for v in assess(run(900.0, curvature=curve(200.0))).of("B_qst"))
@@ -236,15 +230,8 @@ def test_the_quality_of_track_is_the_deviation_of_its_waves_of_3_to_25_m():
     faster = [t for t in uneven(2e-3, 9.0, 60.0).track if t.section.number == 2]  # 216 km/h
     assert [(t.by_deviation, t.tl90) for t in faster] == [("above QN2", "above"), ("above QN2", "within")]
     assert not assess(run()).track
-    coarse = assess(
-        run(
-            900.0,
-            60.0,
-            2e-2,
-            rail_lateral=lambda s: np.zeros((s.size, 2)),
-            rail_vertical=lambda s: np.zeros((s.size, 2)),
-        )
-    )
+    still = dict.fromkeys(("rail_lateral", "rail_vertical"), lambda s: np.zeros((s.size, 2)))
+    coarse = assess(run(900.0, 60.0, 2e-2, **still))
     assert not coarse.track and any("1.20 m apart" in note for note in coarse.notes)
 
 
@@ -276,14 +263,6 @@ def test_a_hunting_wheelset_is_found_with_its_frequency_and_rms():
     faster = assess(run(900.0, speed=speed, y=lambda s: (2.0 * amplitude * np.sin(2.0 * pi * 0.1 * s), 0.0 * s)))
     assert faster.passed is False
     assert all(v.passed is False for v in faster.of("instability"))
-
-
-def test_every_wheelset_is_assessed_for_itself():
-    one, two = (run(250.0, y=lambda s, f=f: (f + 0.0 * s, 0.0 * s)) for f in (4e3, 9e3))
-    found = assess(with_wheelsets([one, two]), NADAL)
-    assert [(v.wheelset, round(v.value)) for v in found.of("sum_Y")] == [("1", 4000), ("2", 9000)]
-    (zone,) = [z for z in found.zones if z.worst.quantity.key == "sum_Y"]
-    assert (zone.worst.wheelset, zone.sections) == ("2", 1)
 
 
 def test_wheelsets_are_assessed_where_they_are_themselves():
@@ -341,15 +320,6 @@ def test_bodies_of_the_manchester_vehicle_are_told_apart():
     assert level_of(vehicle, vehicle.wheelsets[0].name) == "wheelset"
     assert bogie_mass(vehicle, "front.frame") == pytest.approx(2615.0 + 2 * 1813.0)
     assert np.isnan(bogie_mass(vehicle, "carbody"))
-
-
-def test_an_estimated_maximum_is_mean_plus_three_deviations_over_the_sections():
-    found = assess(run(3000.0, y=lambda s: (1e3 * np.floor(s / 250.0 + 1e-9), 0.0 * s)), NADAL)
-    (zone,) = [z for z in found.zones if z.worst.quantity.key == "sum_Y"]
-    values = np.array([v.value for v in found.of("sum_Y")])
-    assert zone.sections == 12
-    assert zone.estimate == pytest.approx(values.mean() + 3.0 * values.std(ddof=1))
-    assert values == pytest.approx(1e3 * np.arange(12), abs=300.0)
 
 
 # --- derailment ---------------------------------------------------------------------------------------------
@@ -506,6 +476,7 @@ def test_runs_of_different_vehicles_or_settings_are_no_test():
         assess([one, Result(one.dataset.drop_vars("Q"))], names=("a", "b"))
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_the_command_assesses_several_runs_as_one(tmp_path):
     for name, radius in (("slow", 300.0), ("fast", 390.0)):
         (tmp_path / name).mkdir()

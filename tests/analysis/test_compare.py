@@ -89,8 +89,6 @@ def test_names_choose_models():
         ("kik-piotrowsky,half-space", "did you mean 'kik-piotrowski'?"),
         ("half-space+fastsym,file", "did you mean 'fastsim'?"),
         ("half-space+kik-piotrowski,file", "there is a normal model already"),
-        ("file,kik-piotrowski+strips=3", "must be a whole number from 5 to 1000"),
-        ("file,kik-piotrowski+strps=30", "did you mean 'strips'?"),
         ("file,kik-piotrowski+half-space", 'needs normal = "half-space"'),
         ("file,,half-space", "has an empty name"),
         ("file,file", "duplicate"),

@@ -113,20 +113,6 @@ def test_where_all_is_well_nothing_is_said(name: str) -> None:
     assert ANALYSES[name]().strip() == ""
 
 
-def test_the_kernel_leaves_its_status_beside_its_numbers() -> None:
-    setup = build(wheelset("curve_r300.toml"))
-    law = force_law(setup)
-    q, q_t = lower_on_rails(law, *design_state(law))
-    law(0.0, q, q_t, np.zeros(law.size))
-    arrays = law.wheels[0][0].model.arrays
-    assert arrays.status == 0
-    q[0] -= 4e-3
-    law(0.0, q, q_t, np.zeros(law.size))
-    assert arrays.status & STATUS_TOO_DEEP
-    arrays.pose[2] += 1.0
-    assert arrays.call() == 0 == arrays.status
-
-
 def watch() -> tuple[Monitor, Work, np.ndarray, np.ndarray]:
     """A monitor of a wheelset on straight track, the work it looks at, and the state."""
     setup = build(wheelset("curve_r300.toml"))

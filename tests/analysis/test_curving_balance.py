@@ -155,16 +155,6 @@ def test_the_strips_of_all_patches_balance_the_overturning_moment(case):
     assert np.diff(moments).item() == pytest.approx(overturning(curve), abs=1e-4 * static)
 
 
-@pytest.mark.parametrize("case", [DEFICIENCY, EXCESS, RIGHT])
-def test_a_wheelset_free_to_steer_runs_outward_until_the_wheels_radii_fit_the_curve(case):
-    curve = steady(*case)
-    assert curve.shift > 3e-3
-    inner, outer = curve.both("contact_angle")[:, 0]
-    assert outer > inner > 0.0  # the outer wheel climbs towards its flange, the inner one rolls on its field side
-    assert curve.both("u_wheel")[0, 0] > 5e-3 > -5e-3 > curve.both("u_wheel")[1, 0]
-    assert abs(float(curve.sample["yaw"])) < 1e-3  # nearly radial
-
-
 @pytest.mark.parametrize("case", [BOGIE, BOGIE_RIGHT])
 def test_a_leading_axle_attacks_the_outer_rail_and_spreads_the_track(case):
     curve = steady(*case)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 from support.boxes import AT, FIXED, MASS, box, displaced, motion, on_springs, slides, spring
+from support.runs import straight
 from support.vehicles import COARSE, ROOT, manchester
 
 from wrsim.analysis import run
@@ -22,7 +23,7 @@ def ride(*cases: str) -> Result:
     """The coach on straight track, driven by its wheels; cases: what is different."""
     uphill = [{"from_m": 0, "grade_permille": 20}]
     hollow = [{"from_m": 0, "grade_permille": -10}, {"from_m": 80, "grade_permille": 20, "vertical_radius_m": 1000}]
-    long = {"track.segments": [{"kind": "straight", "length_m": 220.0}]}
+    long = {"track.segments": [straight(220.0)]}
     keys = {
         "speeding": {"vehicle.speed_kmh": SPEEDING, "run.time_s": 5.0},
         "uphill": {"track.grades": uphill},
@@ -30,12 +31,8 @@ def ride(*cases: str) -> Result:
         "pulled": {"vehicle.drive": "train"},
         "at once": {"run.time_s": 0.3},
     }
-    values = COARSE | {
-        "track.segments": [{"kind": "straight", "length_m": 160.0}],
-        "run.start_distance_m": 14.0,
-        "run.output_interval_ms": 5.0,
-        "vehicle.drive": "wheels",
-    }
+    values = COARSE | {"track.segments": [straight(160.0)], "vehicle.drive": "wheels"}
+    values |= {"run.start_distance_m": 14.0, "run.output_interval_ms": 5.0}
     for case in cases:
         values |= keys[case]
     return run(load(ROOT / "scenarios/manchester_r300.toml").with_values(values))

@@ -129,7 +129,6 @@ def test_the_command_tells_and_draws_what_values_depend_on(tmp_path):
 @pytest.mark.parametrize(
     ("lines", "said"),
     [
-        ('estimate_over = ["cant"]', "estimate_over"),
         ('estimate_over = ["speed", "speed"]', "has a duplicate"),
         ("estimate_speed_kmh = 100", 'goes with "speed" in estimate_over'),
     ],

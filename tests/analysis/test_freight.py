@@ -70,6 +70,7 @@ def channel(dataset: Any, axis: str, name: str, place: str = "f") -> Any:
 
 
 def test_in_a_curve_friction_stays_within_its_bounds_and_takes_work(curve: Any) -> None:
+    assert curve.attrs["cut_steps"] == 0
     for to in ("outer", "inner"):
         for side in ("left", "right"):
             spring = -channel(curve, "z", f"front.primary {to} {side}")
@@ -93,15 +94,6 @@ def test_the_bogie_turns_against_its_friction(curve: Any) -> None:
         pull = np.hypot(*(channel(curve, axis, f"front.bearer friction {side}") for axis in "xy"))
         part = pull / (0.3 * channel(curve, "z", f"front.side bearer {side}"))
         assert 0.99 < part.max() <= 1.0 + 1e-9
-
-
-def test_friction_keeps_the_step(curve: Any) -> None:
-    """The run takes the step of any other vehicle at its speed and cuts none."""
-    assert curve.attrs["cut_steps"] == 0
-    coach = build(load(SCENARIOS / "manchester_r300.toml").with_values(QUICK | {"vehicle.speed_kmh": 60}))
-    short = run(load(SCENARIOS / "manchester_r300.toml").with_values(QUICK | {"run.distance_m": 1.0})).dataset
-    assert coach.plan.integrator == "generalised-alpha"
-    assert curve.attrs["step_s"] == short.attrs["step_s"]
 
 
 def test_a_wagon_that_lifts_off_its_springs_says_that_nothing_presses_its_guides() -> None:

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 from scipy.linalg import eigh
 from support.energy import balance
+from support.runs import straight
 from support.vehicles import COARSE, ROOT, on_track, read_vehicle, shipped
 
 from wrsim.analysis import run
@@ -32,12 +33,8 @@ STIFFNESS, TURNING = 1.5e6, 12.0 + 4.5**2 * 1.2
 
 def scenario(**keys: object) -> Scenario:
     """The motor coach on 130 m of straight track."""
-    own = {
-        "vehicle.model": "vehicles/manchester_motor.toml",
-        "track.segments": [{"kind": "straight", "length_m": 130.0}],
-        "run.start_distance_m": 14.0,
-        "run.output_interval_ms": 10.0,
-    }
+    own = {"vehicle.model": "vehicles/manchester_motor.toml", "track.segments": [straight(130.0)]}
+    own |= {"run.start_distance_m": 14.0, "run.output_interval_ms": 10.0}
     given = {key.replace("__", "."): value for key, value in keys.items()}
     return load(ROOT / "scenarios/manchester_r300.toml").with_values(COARSE | own | given)
 
@@ -234,9 +231,6 @@ def test_a_run_tells_what_the_hollow_axles_carry():
         (('on = "bogie.inner"', 'on = "bogie.outer"'), "is driven by another one of [[drives]] already"),
         (('on = "bogie.inner"', 'on = "leading motor"'), "is no wheelset"),
         (('motor = "leading motor"', 'motor = "bogie.outer"'), "a motor and its gear are part of other bodies"),
-        (('case = "leading case"', 'case = "leading crate"'), "did you mean 'leading case'"),
-        (("ratio = 4.5", "ratio = 0"), "must be a number from 0.1 to 50"),
-        (("stiffness_kNm_per_rad = 1500 ", "stiffness_kNm_per_rad = 0 "), "stiffness_kNm_per_rad"),
         (("radius_mm = 460", "radius_mm = 460\nindependent_wheels = true"), "a gear drives a rigid one"),
     ],
 )

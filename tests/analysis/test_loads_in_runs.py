@@ -61,18 +61,14 @@ def test_a_coach_that_the_wind_would_overturn_does_not_rest() -> None:
 ROWS = [[26, 0, 0, 0], [30, 0, 30, 0], [44, 0, 30, 0], [50, 0, 0, 0]]
 
 
+START = FAST | {"run.start_distance_m": 20.0, "output.patches_at_m": []}
+
+
 def gusty() -> Scenario:
     """The coach through a gust on straight track."""
-    keys = FAST | {
-        "vehicle.speed_kmh": 120.0,
-        "vehicle.loads": wind(distance_m_force_kN=ROWS),
-        "track.segments": [straight(90.0)],
-        "run.start_distance_m": 20.0,
-        "run.distance_m": 36.0,
-        "run.output_interval_ms": 4.0,
-        "output.patches_at_m": [],
-    }
-    return load(SCENARIOS / "manchester_r300.toml").with_values(keys)
+    keys = {"vehicle.speed_kmh": 120.0, "vehicle.loads": wind(distance_m_force_kN=ROWS)}
+    keys |= {"track.segments": [straight(90.0)], "run.distance_m": 36.0, "run.output_interval_ms": 4.0}
+    return load(SCENARIOS / "manchester_r300.toml").with_values(START | keys)
 
 
 @pytest.fixture(scope="module")
@@ -122,15 +118,9 @@ def test_a_run_through_a_gust_goes_on_with_the_same_numbers(gust: tuple[Any, Pat
 
 @pytest.mark.parametrize(("segment", "speed"), [(straight(80.0), 100.0), (arc(80.0, 600.0, 60.0), 70.0)])
 def test_a_run_starts_from_the_motion_that_belongs_to_the_load(segment: dict[str, Any], speed: float) -> None:
-    keys = FAST | {
-        "vehicle.speed_kmh": speed,
-        "vehicle.loads": wind(force_kN=[0, -20, 0]),
-        "track.segments": [segment],
-        "run.start_distance_m": 20.0,
-        "run.distance_m": 4.0,
-        "output.patches_at_m": [],
-    }
-    d = run(load(SCENARIOS / "manchester_r300.toml").with_values(keys)).dataset
+    keys = {"vehicle.speed_kmh": speed, "vehicle.loads": wind(force_kN=[0, -20, 0]), "run.distance_m": 4.0}
+    scenario = load(SCENARIOS / "manchester_r300.toml")
+    d = run(scenario.with_values(START | keys | {"track.segments": [segment]})).dataset
     y = d.Y.transpose("time", "wheelset", "wheel").values
     net = (y[:, :, 0] - y[:, :, 1]).sum(axis=1)
     curvature, tilt = d.curvature.values[0, 0], np.arcsin(d.cant.values[0, 0] / 1.5)

@@ -77,8 +77,3 @@ def test_nothing_jumps_between_one_patch_and_two(dataset: xr.Dataset) -> None:
     assert second[begins] < 200.0
     near = np.abs(distance - distance[begins]) < 0.25
     assert np.ptp(y[near]) < 0.02 * y[begins]
-
-
-def test_the_wheel_is_far_from_climbing(dataset: xr.Dataset) -> None:
-    """Nadal's limit at 70 degrees and friction 0.35 is 1.22."""
-    assert float(dataset["Y_over_Q"].max()) < 0.5

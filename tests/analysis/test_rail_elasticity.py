@@ -4,14 +4,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support.scenario_texts import CURVE
 from support.vehicles import Train, manchester, on_track
 
-from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import RailElasticity
-from wrsim.scenario.build import build
-from wrsim.scenario.loading import load_text
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import lower_on_rails, steady_state
 from wrsim.simulation.step_size import eigenvalues
@@ -102,17 +98,3 @@ def test_a_rail_without_its_wheel_swings_at_its_own_frequency() -> None:
         half = 0.5 * damping / mass
         expected = -half + 1j * np.sqrt(stiffness / mass - half**2)
         assert (np.abs(found - expected) < 1e-3 * abs(expected)).sum() == 8
-
-
-def test_missing_and_impossible_keys_are_refused() -> None:
-    section = "[track.elasticity]\n" + "".join(
-        f"{way}_{key}\n"
-        for way in ("lateral", "vertical")
-        for key in ("stiffness_MN_per_m = 30", "damping_kNs_per_m = 50", "mass_kg = 100")
-    )
-    with pytest.raises(InputError, match=r"track\.elasticity\.lateral_mass_kg is missing"):
-        build(load_text(CURVE + section.replace("lateral_mass_kg = 100\n", "")))
-    with pytest.raises(InputError, match=r"vertical_stiffness_MN_per_m = -1: must be a number from 0\.1"):
-        build(
-            load_text(CURVE + section.replace("vertical_stiffness_MN_per_m = 30", "vertical_stiffness_MN_per_m = -1"))
-        )

@@ -84,13 +84,6 @@ def test_weightings_have_the_factors_of_the_table_of_ISO_2631(name, frequency, v
     assert abs(WEIGHTINGS[name].response(np.array([frequency])))[0] == pytest.approx(value, abs=6e-4)
 
 
-def test_a_weighted_sine_has_the_factors_amplitude():
-    signal = np.sin(2.0 * pi * 2.0 * TIME)
-    factor = abs(WEIGHTINGS["Wd"].response(np.array([2.0])))[0]
-    middle = slice(TIME.size // 4, -TIME.size // 4)
-    assert sqrt(2.0) * weighted(signal, RATE, "Wd")[middle].std() == pytest.approx(factor, rel=1e-3)
-
-
 def test_the_weighted_rms_is_the_weighted_power():
     signal = noise(3)
     found = spectrum(signal, RATE)

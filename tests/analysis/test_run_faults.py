@@ -52,12 +52,6 @@ REASONS = {
 }
 
 
-def mirror_image(keys: dict[str, Any]) -> dict[str, Any]:
-    """The same in a right curve."""
-    segments = [s | {"radius_m": -s["radius_m"]} if "radius_m" in s else s for s in keys["track.segments"]]
-    return keys | {"track.segments": segments}
-
-
 def setup(keys: dict[str, Any], **more: Any) -> Setup:
     """Set-up of one of the cases."""
     values = {key: value for key, value in keys.items() if not key.startswith(("vehicle.model", "vehicle.sp", "track"))}
@@ -149,13 +143,6 @@ def test_a_hop_is_no_derailment_however_fast_nor_a_slow_creep_in_the_air_however
     assert "no contact with its rail" in str(watched(2.0, 4e-3, 1.7))
 
 
-def test_the_watch_looks_at_least_every_quarter_of_a_metre():
-    for speed in (1.0, 20.0, 100.0):
-        _, going, _ = fast_ride(speed)
-        assert Monitor(going.law, speed).interval * speed <= 0.25
-        assert Monitor(going.law, speed).interval <= 5e-3
-
-
 def test_wheels_deep_in_their_rails_are_a_lost_solution():
     _, going, found = fast_ride(20.0)
     q = found.q.copy()
@@ -217,12 +204,6 @@ def test_a_lost_solution_stops_the_run_in_good_order(monkeypatch, tmp_path):
     assert result.stop_reason == "the solution is lost at t = 0.3 s"
     assert 0.29 < result.dataset["time"].values[-1] < 0.3  # the state at which the law fails is left out
     assert Result.load(result.save(tmp_path / "x.nc")).status == "stopped"
-
-
-def test_a_step_beyond_the_stability_limit_is_refused():
-    values = {"run.step_us": 1000, "run.integrator": "rk44"}
-    with pytest.raises(InputError, match=r"run\.step_us = 1000: must be at most 4\d\d, where rk44 becomes unstable"):
-        run_in_time(setup_of([straight(10.0)], 10.0, STEERING, values=values))
 
 
 def test_the_complaint_about_a_long_step_names_file_and_line(tmp_path):

@@ -6,7 +6,6 @@ comes to. Pressures, widths and angles are those of the half-space solver at the
 
 from functools import cache
 from math import radians
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,11 +15,9 @@ from support.runs import ROOT, SCENARIOS
 
 from wrsim.analysis import run
 from wrsim.errors import InputError
-from wrsim.inputs.lookup import Finder
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.plausibility import facts
-from wrsim.vehicle.vehicle_files import load_vehicle
 
 FILES = sorted(SCENARIOS.glob("*.toml"))
 MODELS = ROOT / "models"
@@ -107,13 +104,6 @@ def test_grease_on_the_gauge_corner_saves_wear_and_costs_steering():
     assert 1.0 < greased["Y"].values[0] / dry["Y"].values[0] < 0.4 / 0.35
 
 
-def test_both_curves_of_the_s_show_the_same_on_opposite_wheels():
-    first, second = in_the_curve("s_curve", 0), in_the_curve("s_curve", 1)
-    assert second["lateral_shift"].item() == pytest.approx(-first["lateral_shift"].item(), rel=1e-6)
-    for name in ("Y", "Q", "contact_angle", "p0", "T_gamma"):
-        assert second[name].values == pytest.approx(first[name].values[::-1], rel=1e-6, nan_ok=True), name
-
-
 def test_the_static_scenario_moves_the_contact_from_field_side_to_flange():
     dataset = run(load(SCENARIOS / "static_s1002.toml")).wheelset()
     assert dataset.sizes["pose"] == 42
@@ -163,10 +153,3 @@ def test_rails_without_a_gauge_point_are_told_how_to_stand():
         build(scenario)
     with pytest.raises(InputError, match=r'gauge_between = "origins": may be "origins" with analysis = "static" only'):
         load(SCENARIOS / "curve_r300.toml").with_values({"track.gauge_between": "origins"})
-
-
-@pytest.mark.parametrize("file", sorted(MODELS.glob("vehicles/*")), ids=lambda f: f.stem)
-def test_every_shipped_vehicle_loads(file: Path):
-    vehicle = load_vehicle(file, Finder((MODELS,)))
-    assert vehicle.name and vehicle.source
-    assert 40e3 < vehicle.weight / len(vehicle.wheelsets) < 250e3

@@ -117,15 +117,9 @@ def over_a_dip(folder: Path, **values: object) -> Scenario:
     """The axle of ``FILE`` over a dip, at 20 m/s."""
     (folder / "axle.toml").write_text(FILE)
     dip = {"kind": "dip", "at_m": 20.0, "length_m": 2.0, "amplitude_mm": 3.0, "rail": "left"}
-    keys = FAST | {
-        "vehicle.model": str(folder / "axle.toml"),
-        "vehicle.speed_kmh": 72.0,
-        "track.segments": [straight(120.0)],
-        "track.irregularities": [dip],
-        "run.start_distance_m": 5.0,
-        "ride.from_m": 15.0,
-        "output.patches_at_m": [20.0],
-    }
+    keys = FAST | {"vehicle.model": str(folder / "axle.toml"), "vehicle.speed_kmh": 72.0, "run.start_distance_m": 5.0}
+    keys |= {"track.segments": [straight(120.0)], "track.irregularities": [dip]}
+    keys |= {"ride.from_m": 15.0, "output.patches_at_m": [20.0]}
     return load(SCENARIOS / "manchester_ride_160.toml").with_values(keys | values)
 
 

@@ -7,18 +7,14 @@ from math import radians
 import numpy as np
 import pytest
 from support.commands import call
-from support.runs import SCENARIOS
-from support.vehicles import COARSE, manchester, on_track, shipped
+from support.vehicles import manchester, on_track, shipped
 
-from wrsim.analysis import run
-from wrsim.analysis.ride import evaluate_ride
 from wrsim.analysis.stationary import loops
 from wrsim.analysis.stationary.at_rest import tables_at_rest
 from wrsim.errors import InputError
-from wrsim.scenario.loading import load
 from wrsim.vehicle.bogies import bogies_of
 from wrsim.vehicle.elements import Slider, Strut
-from wrsim.vehicle.vehicle import Member, Vehicle
+from wrsim.vehicle.vehicle import Vehicle
 
 SLOW, FAST = loops.RATES
 
@@ -176,37 +172,8 @@ def test_options_without_their_test_are_refused(asked, said):
     assert told.exit_code != 0 and said in " ".join(told.output.split())
 
 
-def test_a_train_is_tested_vehicle_by_vehicle():
-    train = replace(manchester(), members=(Member("coach", 4, 3),))
-    with pytest.raises(InputError, match="is a train: its vehicles are tested one by one"):
-        loops.twist_test(train)
-
-
 def test_a_vehicle_without_bogies_cannot_turn_them():
     with pytest.raises(InputError, match="has no bogies to turn"):
         loops.turning_bogies(shipped("cooperrider_bogie"))
     with pytest.raises(InputError, match="no wider than half of its pivots"):
         loops.rotation_test(manchester(), bogies_of(manchester())[0], SLOW, 9.0)
-
-
-# The shipped ride of the coach, in short: from even track onto ERRI low.
-EVEN = 30.0  # metres at the begin of the track without irregularities
-
-
-def test_the_coach_is_quiet_up_to_the_uneven_track_and_its_springs_keep_the_floor_quieter_than_the_frames():
-    keys = COARSE | {"run.start_distance_m": 5.0, "run.distance_m": 65.0, "ride.from_m": 40.0}
-    result = run(load(SCENARIOS / "manchester_ride_160.toml").with_values(keys))
-    assert result.status == "completed"
-    dataset = result.dataset
-    first = manchester().wheelsets[0].x
-    even = dataset["distance"].values + first < EVEN
-    assert 5 < even.sum() < dataset.sizes["time"] // 2
-    for channel in ("point_ay", "point_az"):
-        values = dataset[channel].values
-        # steady motion, to what Newton's method leaves over, before the first wheel meets the irregularities
-        assert np.abs(values[even]).max() < 1e-3 * np.abs(values[~even]).max()
-    points = evaluate_ride(result).as_dict()["points"]
-    for end in ("front", "rear"):
-        for axis in ("y", "z"):
-            floor, above = (points[f"{where} {end}"]["rms_m_s2"][axis] for where in ("floor", "frame"))
-            assert 0.0 < floor < 0.5 * above

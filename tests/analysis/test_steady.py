@@ -12,7 +12,6 @@ from wrsim.analysis.contacts import force_law
 from wrsim.analysis.steady import BALANCED, steady_in_curve
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc
-from wrsim.plots import standard_pictures
 from wrsim.results import Result
 from wrsim.results.tables import tables
 from wrsim.scenario.build import build
@@ -106,16 +105,12 @@ def test_a_curve_without_steady_motion_says_so_and_the_others_are_there():
     assert list(summary["without_steady_motion"]) == [str(result.dataset["pose"].values[2])]
 
 
-def test_it_reads_well_on_screen_on_disk_and_as_a_picture(tmp_path):
+def test_its_tables_have_a_row_for_every_wheel_and_curve(tmp_path):
     result = curves()
-    rows = tables(result.dataset)["steady"]
-    assert len(rows) == 1 + 2 * 8 + 1
-    assert all(len(row) == len(rows[0]) for row in rows)
+    assert len(tables(result.dataset)["steady"]) == 1 + 2 * 8 + 1
     (steady,) = result.numbers()
     assert any(row[0] == "rear.inner left" for row in steady.rows) and "overturn" in " ".join(steady.notes)
-    assert [p.stem for p in standard_pictures(result.dataset, tmp_path)] == ["steady"]
-    result.save(tmp_path / "result.nc")
-    assert Result.load(tmp_path / "result.nc").dataset.identical(result.dataset)
+    assert Result.load(result.save(tmp_path / "result.nc")).dataset.identical(result.dataset)
 
 
 def test_an_interrupted_study_keeps_the_curves_it_has():
@@ -130,10 +125,7 @@ def test_an_interrupted_study_keeps_the_curves_it_has():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"steady.radius_m": [300, 5]}, "has 5: must be 20 m or more"),
         ({"steady.combine": "rows", "steady.cant_mm": [0, 50]}, "must be equally many"),
-        ({"steady.speed_kmh": []}, "list is empty"),
-        ({"steady.cant": 3}, "did you mean 'cant_mm'|'cant_mm'"),
         ({"contact.normal": "half-space"}, "is for poses, rest and runs"),
         ({"track.grades": [{"start_m": 0}]}, "lays its own track"),
     ],

@@ -1,7 +1,6 @@
 """A tram's wheelset on grooved rails in a curve of 25 m: flange, guard face, and how they share."""
 
 from functools import cache
-from math import radians, sin
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ from support.runs import SCENARIOS
 
 from wrsim.analysis import run
 from wrsim.results import Result
-from wrsim.scenario.loading import load, load_text
+from wrsim.scenario.loading import load
 
 RADIUS, AHEAD, MASS, SPEED = 25.0, 0.65, 700.0 + 4500.0, 10.0 / 3.6
 FACE = -80.538
@@ -100,37 +99,3 @@ def test_what_the_pull_gives_creep_takes():
     energy = car().summary()["energy"]
     assert abs(energy["left_over_kJ"]) < 0.015 * energy["work_of_pull_kJ"]
     assert energy["work_of_pull_kJ"] > 100.0
-
-
-POSE = """
-title = "the inner wheel against its guard face"
-analysis = "static"
-[vehicle]
-model = "vehicles/wheelset_tram.toml"
-[track]
-gauge_mm = {gauge}
-rail = "rails/grooved_narrow.toml"
-inclination = "none"
-[contact]
-normal = "kik-piotrowski"
-[static]
-target = "wheel"
-side = "right"
-lateral_mm = {shift}
-yaw_mrad = 20
-load_kN = 25
-rolling = false
-"""
-
-
-def test_a_rail_that_is_moved_meets_the_back_of_the_flange_as_much_later():
-    """2 mm of gauge are 1 mm of either rail; upright forces carry the load, the face pushes sideways."""
-    here, there = (
-        run(load_text(POSE.format(gauge=gauge, shift=shift))).wheelset().isel(pose=0, wheel=0)
-        for gauge, shift in ((1435, 3.8), (1433, 4.8))
-    )
-    assert there["N"].values == pytest.approx(here["N"].values, rel=1e-6, nan_ok=True)
-    assert here["Q"].item() == pytest.approx(25e3, rel=1e-6)
-    on_face = np.degrees(here["contact_angle"].values) < -60.0
-    assert on_face.sum() == 1
-    assert here["N"].values[on_face][0] * sin(radians(-FACE)) > 1e3

@@ -1,16 +1,12 @@
 """What a whole vehicle's run tells of on the way: lifted wheels, stops at their end, derailment; its pictures."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from support.vehicles import ROOT, SHORT, into_the_curve
+from support.vehicles import ROOT, SHORT
 
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.messages import event_words
 from wrsim.analysis.motion.monitor import STRIKE, Monitor
-from wrsim.plots import standard_figures
-from wrsim.plots.theme import save
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.bodies import Solid
@@ -117,24 +113,3 @@ def test_the_error_of_a_peak_is_that_part_of_the_second_difference(phase: float)
     exact = mass * w * rate[2] * np.sin(w * motion.times)
     bend = np.abs(np.diff(force, 2)).max()
     assert np.abs(force - exact).max() == pytest.approx(STRIKE * bend, rel=0.25)
-
-
-def test_a_monitor_that_recalls_its_memory_goes_on_where_it_was() -> None:
-    monitor, q, q_t = monitored()
-    q[6 * CARBODY + 2] += 0.07
-    monitor(0.1, q, q_t)
-    other, _, _ = monitored()
-    other.set_state(monitor.get_state())
-    assert other.events() == monitor.events()
-    for each in (monitor, other):
-        each(0.105, q, q_t)
-    assert other.events() == monitor.events()
-    assert np.array_equal(other.get_state(), monitor.get_state())
-
-
-def test_a_vehicle_gets_pictures_of_its_own_and_those_of_its_worst_wheelset(tmp_path: Path) -> None:
-    figures = standard_figures(into_the_curve().dataset)
-    assert {"vehicle_guiding", "vehicle_steering", "vehicle_bodies", "vehicle_accelerations"} < set(figures)
-    assert {"wheelset_1/overview", "wheelset_1/patches"} < set(figures)
-    picture = save(figures["vehicle_steering"](), tmp_path / "steering.png")
-    assert picture.stat().st_size > 10_000

@@ -9,7 +9,7 @@ from support.vehicles import ROOT, SHORT, into_the_curve, manchester
 from wrsim.analysis import run
 from wrsim.analysis.motion.start import straight_before
 from wrsim.errors import InputError
-from wrsim.results import CHANNELS, Result
+from wrsim.results import CHANNELS
 from wrsim.results.tables import tables
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
@@ -42,21 +42,6 @@ def test_the_wheelsets_follow_each_other_at_the_distance_of_the_vehicle() -> Non
     places = np.array([m.x for m in manchester().wheelsets])
     assert np.allclose(apart, places, atol=0.05)
     assert np.allclose(dataset["speed"].values, 60.0 / 3.6, rtol=2e-3)  # held by the pull
-
-
-def test_the_leading_wheelset_is_pushed_outward_first_and_the_body_leans() -> None:
-    end = into_the_curve().dataset.isel(time=-1)
-    shift = end["lateral_shift"].values
-    assert shift[0] < -3e-3  # the curve is to the left
-    assert shift[0] == shift.min()
-    assert end["Y"].values[0, 1] > end["Y"].values[3, 1]
-    assert end["suspension_fz"].sel(suspension="front.secondary left").item() > 60e3  # carries a quarter of the body
-
-
-def test_a_result_is_the_same_after_a_trip_to_the_disk(tmp_path) -> None:
-    result = into_the_curve()
-    result.save(tmp_path / "result.nc")
-    assert Result.load(tmp_path / "result.nc").dataset.identical(result.dataset)
 
 
 def test_a_coach_at_rest_on_canted_track_leans_and_its_loads_sum_to_the_weight() -> None:

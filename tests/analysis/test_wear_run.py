@@ -97,7 +97,6 @@ def test_runs_without_a_law_have_no_wear() -> None:
 
 
 FAULTS: list[tuple[dict[str, Any], str]] = [
-    ({"wear.laws": ["usdf"]}, 'did you mean "usfd"?'),
     ({"wear.laws": ["usfd", "usfd"]}, "must hold each law once"),
     ({"wear.laws": ["usfd"], "wear.from_m": 400.0}, "must lie on the run, from 0 to 250 m"),
     ({"wear.laws": ["usfd"], "wear.from_m": 40.0, "wear.to_m": 30.0}, "must lie beyond from_m (40 m)"),
@@ -132,11 +131,8 @@ def test_the_viewer_draws_the_wear_of_a_run(left: xr.Dataset) -> None:
 
 @pytest.mark.usefixtures("unpainted")
 def test_the_report_has_the_wear_of_a_run(left: xr.Dataset) -> None:
-    result = Result(left)
-    page = report_page([result], ["run"])
+    page = report_page([Result(left)], ["run"])
+    own = Result(left).summary()["wear"]["laws"]["archard"]["wheelsets"]["wheelset"]["right"]
     section = page[page.index('<section id="wear"') : page.index('<section id="again"')]
-    own = result.summary()["wear"]["laws"]["archard"]["wheelsets"]["wheelset"]["right"]
     assert f"<td>{own['tread_g_per_km']:.4g}</td><td>{own['flange_g_per_km']:.4g}</td>" in section
-    for words in ("Wheels, USFD", "Wheels, BRR", "Rails, Archard", "Fatigue of the rails"):
-        assert words in section
     assert section.count("<img ") == 2

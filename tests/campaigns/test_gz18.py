@@ -6,7 +6,6 @@ curves published for SIMPACK to the width of a line. Forces of a contact are tak
 
 import numpy as np
 import pytest
-from support.hertz import COMPLIANCE, Ellipse
 from support.scripts import script
 
 from wrsim.analysis import run
@@ -82,16 +81,6 @@ def test_their_contact_law_is_read_as_the_source_has_it(tmp_path):
     assert wrench[2] == pytest.approx(68295.994, rel=0.005)
     height = theirs.sections(wheel.profile, setup.rails[0])[-1](contact.across)
     assert pose[2] - height == pytest.approx(0.42024171, abs=1e-6)
-
-
-def test_their_hertz_is_hertz():
-    for a, b in ((6e-3, 3e-3), (4e-3, 4e-3), (2e-3, 7e-3)):
-        ellipse = Ellipse(a, b)
-        along, across = ellipse.curvatures
-        normal, *axes = theirs.hertz(ellipse.approach, 0.5 / along, 0.5 / across)
-        assert axes == pytest.approx([a, b], rel=1e-5)
-        same = theirs.PLANE / COMPLIANCE.modulus  # the steel of either
-        assert normal == pytest.approx(same * 2.0 / 3.0 * np.pi * a * b * ellipse.p0, rel=1e-5)
 
 
 # --- the light rail vehicle with independent wheels ---------------------------------------------------------

@@ -61,12 +61,6 @@ def test_a_region_ends_where_no_strip_touches_the_next(scoreboard):
     assert first.area == pytest.approx(3 * 8e-6)
 
 
-@pytest.mark.parametrize("name", ["kik", "kik-piotrowski/fine", "half-space/strips", "half-space/table/round"])
-def test_models_that_are_not_known_are_refused(scoreboard, name):
-    with pytest.raises(SystemExit, match=r"allowed|unknown option"):
-        scoreboard.Chosen.parse(name)
-
-
 def test_the_page_says_what_its_data_say():
     standing = script("docs/figures/make_standing.py")
     page = standing.PAGE.read_text(encoding="utf-8")

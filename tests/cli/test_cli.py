@@ -14,7 +14,6 @@ from support.scenario_texts import CURVE, edited
 from support.synthetic_result import curve_run, static_poses
 
 import wrsim.analysis
-from wrsim.cli.console import time_left
 from wrsim.errors import SimulationError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.results import Result
@@ -48,11 +47,6 @@ def stopped() -> Result:
 
 
 # --- check ---------------------------------------------------------------------------------------------
-def test_check_says_it_to_machines_as_json(scenario: Path) -> None:
-    facts = json.loads(call("check", scenario, "--json").stdout)
-    assert facts["status"] == "valid"
-    assert facts["axle_load_kN"] == pytest.approx(109.05, abs=0.01)
-    assert facts["to_m"] == pytest.approx(190.0)
 
 
 def test_bad_input_is_one_message_on_stderr_and_exit_code_2(scenario: Path) -> None:
@@ -145,21 +139,6 @@ def test_a_run_that_stops_keeps_what_was_computed_and_says_why(
     assert call("plot", tmp_path / "out").exit_code == 0, "what was computed can be drawn"
 
 
-def test_a_run_interrupted_with_ctrl_c_keeps_what_was_computed_and_ends_with_130(
-    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def interrupted() -> Result:
-        dataset = curve_run(samples=40, stopped=True)
-        dataset.attrs["stop_reason"] = "interrupted by the user at t = 1 s"
-        return Result(dataset)
-
-    analysis_that(monkeypatch, interrupted)
-    result = call("run", scenario, "-o", tmp_path / "out", "--json", "--no-pictures")
-    assert result.exit_code == 130
-    assert json.loads(result.stdout)["exit_code"] == 130
-    assert Result.load(tmp_path / "out").stop_reason.startswith("interrupted")
-
-
 def failing(error: BaseException) -> Any:
     def fail() -> Result:
         raise error
@@ -217,13 +196,6 @@ def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.usefixtures("unpainted")
-def test_plot_draws_the_standard_pictures_beside_the_result(run_folder: Path) -> None:
-    result = ok("plot", run_folder / "result.nc")
-    assert str(run_folder / "overview.png") in result.stdout.split("\n")
-    assert (run_folder / "overview.png").is_file()
-
-
 def test_plot_draws_patches_at_a_place_where_they_are_kept(run_folder: Path, tmp_path: Path) -> None:
     distances = completed().dataset["snapshot_distance"].values
     ok("plot", run_folder, "-o", tmp_path, "--at", f"{distances[0] + 0.2:.2f}")
@@ -250,11 +222,3 @@ def test_the_command_ends_quietly_when_the_reader_of_its_output_goes(scenario: P
     os.close(writing)
     assert "Traceback" not in done.stderr
     assert "Error" not in done.stderr
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"), [(0.2, "0 s left"), (89.0, "89 s left"), (600.0, "10 min left"), (7200.0, "2 h left")]
-)
-def test_the_time_left_is_told_in_few_words(seconds: float, words: str) -> None:
-    assert time_left(seconds) == words
-    assert time_left(float("nan")) == time_left(float("inf")) == ""

@@ -115,8 +115,6 @@ def test_keys_of_a_table_are_printed_and_a_slip_names_the_nearest() -> None:
     # one sentence for the terminal, the schema of editors and new scenarios
     meaning = "Number of cells of a strip along the rolling direction"
     assert meaning in answer.output and meaning in schema_text("scenario")
-    answer = ok("keys", "track.elasticity")
-    assert "rail sideways under one wheel" in answer.output
     answer = ok("keys", "rail-head", "--file", "profile")
     assert "half_widths_mm" in answer.output and "conicity" not in answer.output
     assert "did you mean 'contact'?" in refusal("keys", "contcat")

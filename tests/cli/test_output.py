@@ -84,9 +84,3 @@ def test_wrong_usage_is_json_for_machines(arguments: tuple[str, ...], words: str
     assert error["kind"] == "UsageError"
     assert words in error["messages"][0]
     assert done.stderr == ""
-
-
-def test_exit_codes_of_commands_are_the_same_for_machines(tmp_path: Path) -> None:
-    for json_too in ((), ("--json",)):
-        assert forked("check", tmp_path / "none.toml", *json_too).returncode == 2
-    assert forked("--version").returncode == 0

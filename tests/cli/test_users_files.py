@@ -67,13 +67,6 @@ def test_a_run_does_not_write_over_a_file_of_the_users(
     assert (out / "scenario.toml").read_text() == CURVE
 
 
-def test_files_of_the_user_that_are_in_nobodys_way_stay(scenario: Path, tmp_path: Path) -> None:
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out/notes.txt").write_text("mine")
-    assert call("run", scenario, "-o", tmp_path / "out", "--no-pictures").exit_code == 0
-    assert (tmp_path / "out/notes.txt").read_text() == "mine"
-
-
 def test_what_wrsim_wrote_it_may_write_again_but_not_what_was_changed_since(scenario: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     for _ in range(2):
@@ -247,14 +240,6 @@ def test_what_a_killed_run_had_not_finished_goes_and_nothing_else(scenario: Path
     left = {path.name for path in out.iterdir()}
     assert not left & set(unfinished)
     assert left >= {*own, ".link.csv.0a1b2c3d.part"}
-
-
-def test_pictures_that_were_not_wanted_can_be_had_later(scenario: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    assert call("run", scenario, "-o", out, "--no-pictures").exit_code == 0
-    assert "already" in call("run", scenario, "-o", out, "--no-pictures", "--resume").stderr
-    assert call("run", scenario, "-o", out, "--resume").exit_code == 0
-    assert (out / "overview.png").exists()
 
 
 def test_a_folder_deleted_during_a_run_is_made_anew(

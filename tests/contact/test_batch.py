@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from support.contacts import PLAIN, RADIUS, bench, pair_model, rail_profile, wheel_profile
+from support.contacts import RADIUS, bench, pair_model, rail_profile, wheel_profile
 
 from wrsim import ContactSettings, contact_map
 from wrsim.contact.batch import LOAD_TOLERANCE, search_for
@@ -70,15 +70,6 @@ def test_both_sides_give_mirrored_contacts_to_the_bit():
     )
     for name in ("poses", "force", "N", "p0", "area", "approach", "contact_angle"):
         assert np.array_equal(getattr(left, name), getattr(right, name), equal_nan=True)
-
-
-@pytest.mark.parametrize("normal", MODELS)
-def test_the_normal_force_falls_with_the_height(normal):
-    model = pair_model(PAIR, normal=normal, **PLAIN)
-    row = model.solve_many(poses_of(model, (3e-3,)), LOAD, threads=1).poses
-    rows = np.repeat(row, 9, axis=0)
-    rows[:, 2] += np.linspace(-40e-6, 40e-6, 9)
-    assert (np.diff(np.nansum(model.evaluate_many(rows, threads=1).N, axis=1)) < 0.0).all()
 
 
 def test_a_wheel_beside_its_rail_and_a_load_beyond_reach_have_a_status():

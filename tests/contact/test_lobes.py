@@ -48,12 +48,6 @@ def test_coupling_of_two_lobes(first, second, share):
         assert partner[shallow] == 1 - shallow
 
 
-@given(depth=depths, share=shares)
-def test_equal_lobes_are_coupled_equally(depth, share):
-    coupling, _ = coupled([depth, depth], [share * depth])
-    assert coupling[0] == pytest.approx(coupling[1], abs=1e-9)
-
-
 @given(depth=depths, other=depths)
 def test_a_lobe_that_is_about_to_vanish_hangs_on_its_neighbour_and_leaves_it_free(depth, other):
     low, high = sorted((depth, other * 1.01 + 1e-7))
@@ -62,12 +56,6 @@ def test_a_lobe_that_is_about_to_vanish_hangs_on_its_neighbour_and_leaves_it_fre
     coupling, _ = coupled([high, low], [low])  # the saddle has reached the lower top
     assert coupling[1] == 1.0
     assert coupling[0] == 0.0
-
-
-@pytest.mark.parametrize("saddle", [-1.0, 0.0])
-def test_lobes_apart_are_not_coupled(saddle):
-    coupling, _ = coupled([1e-4, 2e-4, 5e-5], [saddle, saddle])
-    assert (coupling == 0.0).all()
 
 
 def test_a_lobe_looks_over_its_lower_neighbour_for_a_deeper_one():

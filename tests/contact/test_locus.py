@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq, minimize
+from scipy.optimize import brentq
 from support.contacts import RADIUS, round_wheel, wheel_at, wheel_profile
 
 from wrsim.core.contact.search.locus import locus_point
@@ -76,31 +76,6 @@ def test_the_locus_is_where_the_wheels_normal_is_across_the_rail(profile, yaw):
 
 
 @pytest.mark.parametrize("yaw", YAWS)
-def test_the_point_nearest_to_a_straight_cylinder_lies_on_the_locus(yaw):
-    # a round bar along t below the tread, and one beside the flange root
-    profile = WHEELS["S1002"]
-    surface = Surface(profile, yaw)
-    for u, lean in ((0.0, 0.05), (-0.02, 0.1), (-0.034, 0.6)):
-        start = float(profile.arclength_of(u))
-        foot, normal, *_ = kernel(profile, yaw, start)
-        bar = foot[1:] + 8e-3 * (normal[1:] + lean * np.array([normal[2], -normal[1]]))
-
-        def distance(x, bar=bar):
-            return float(np.hypot(*(surface(x[0] * 1e-3, x[1] * 1e-2)[1:] - bar)))
-
-        found = minimize(
-            distance, [start * 1e3, surface.outline_angle(start) * 1e2], method="Nelder-Mead",
-            options={"xatol": 1e-7, "fatol": 1e-16, "maxiter": 4000},
-        )  # fmt: skip
-        arc = found.x[0] * 1e-3
-        point, normal, *_ = kernel(profile, yaw, arc)
-        # the place of a minimum of a distance is known to the root of its own accuracy: 1e-8 of 8 mm
-        np.testing.assert_allclose(surface(arc, found.x[1] * 1e-2), point, atol=2e-6)
-        connection = bar - point[1:]
-        assert abs(connection[0] * normal[2] - connection[1] * normal[1]) < 1e-6
-
-
-@pytest.mark.parametrize("yaw", YAWS)
 @pytest.mark.parametrize("profile", WHEELS.values(), ids=WHEELS)
 def test_curvature_along_the_rail(profile, yaw):
     # the wheel cut by the plane through t and the normal: its depth at +-h along t
@@ -157,16 +132,6 @@ def k1_k2_over_kt(profile, yaw, arc, r_t, k2):
     _, w = profile.at(arc)
     k1 = profile.tangent(arc)[0] / (RADIUS - w)
     return k1 * k2 * r_t
-
-
-def test_opposite_yaw_mirrors_the_locus_along_the_rail():
-    profile = WHEELS["S1002"]
-    for arc in places(profile, 0.02):
-        point, normal, shrink, r_t, _ = kernel(profile, 0.02, arc)
-        back, normal_back, shrink_back, r_back, _ = kernel(profile, -0.02, arc)
-        assert tuple(back - ORIGIN) == pytest.approx(tuple((point - ORIGIN) * [-1.0, 1.0, 1.0]), abs=1e-15)
-        assert (shrink_back, r_back) == (shrink, r_t)
-        assert tuple(normal_back) == tuple(normal)
 
 
 @pytest.mark.parametrize("yaw", YAWS)

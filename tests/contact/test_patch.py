@@ -9,7 +9,6 @@ from support.contacts import (
     bench,
     columns,
     contact_model,
-    flat_rail,
     pair_model,
     rail_origin,
     round_wheel,
@@ -100,25 +99,6 @@ def groove(wheel_radius, rail_radius, approach, strips=41):
     """A round wheel that lies in a hollow rail; radii in metres."""
     rail = circle("hollow", "rail", -rail_radius, 0.9 * rail_radius)
     return contact_model(round_wheel(wheel_radius, 0.9 * wheel_radius), rail, approach=approach, strips=strips, **PLAIN)
-
-
-def test_on_a_flat_pair_projected_is_constant():
-    # the patch leans by 9 mm / 0.46 m at its ends: cosine 1 - 2e-4 there, less within
-    lobes = []
-    for approach in ("constant", "projected"):
-        model = contact_model(round_wheel(RADIUS), flat_rail(), approach=approach, **PLAIN)
-        lobes.append(model.evaluate((0.0, 0.0, RADIUS - 1e-4)).patches[0])
-    for column in ("N", "p0", "area", "width"):
-        assert lobes[1][column] == pytest.approx(lobes[0][column], rel=2e-4)
-        assert lobes[1][column] != lobes[0][column]
-
-
-def test_in_a_groove_a_rigid_approach_closes_less_at_the_sides():
-    widths = {}
-    for approach in ("constant", "projected"):
-        model = groove(0.0130, 0.0135, approach)
-        widths[approach] = model.evaluate((0.0, 0.0, RADIUS - 5e-5)).patches["width"][0]
-    assert widths["projected"] < 0.99 * widths["constant"]
 
 
 @pytest.mark.parametrize(("wheel_radius", "rail_radius"), [(0.013, 0.0135), (0.013, 0.015), (0.02, 0.05)])

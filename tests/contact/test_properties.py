@@ -33,17 +33,8 @@ states = st.fixed_dictionaries(
 
 
 def model_of(state):
-    return pair_model(
-        state["pair"],
-        friction=state["friction"],
-        tangential=state["tangential"],
-        traction_bound=state["bound"],
-        flexibility=state["flexibility"],
-        approach=state["approach"],
-        damping=state["damping"],
-        strips=16,
-        cells=8,
-    )
+    choices = {name: state[name] for name in ("friction", "tangential", "flexibility", "approach", "damping")}
+    return pair_model(state["pair"], traction_bound=state["bound"], strips=16, cells=8, **choices)
 
 
 def press(state):

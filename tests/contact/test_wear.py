@@ -135,14 +135,6 @@ def test_wear_lies_where_the_contact_is() -> None:
         assert high.max() - 1.5e-3 < worn.max() < high.max() + 0.3e-3
 
 
-def test_harder_steel_wears_less_by_archard() -> None:
-    found, _ = losses(5.0)
-    soft = mass(found)[1]
-    harder, _ = losses(5.0)
-    harder.settings = WearSettings(LAWS, hardness=5.6e9)
-    assert mass(harder)[1] == pytest.approx(0.5 * soft, rel=1e-12)
-
-
 def test_a_strip_slides_behind_its_zone_of_adhesion() -> None:
     """Carter: none, half and all of a strip slides; beyond that the slip evens out. Nothing jumps in between."""
     half = slip_along([0.5], 40)[0]

@@ -180,18 +180,6 @@ def test_a_carried_mass_presses_with_its_weight_and_its_centrifugal_force():
     assert moment == pytest.approx([1.3 * outward, 0.0, 0.0], rel=1e-9, abs=1e-3)
 
 
-def test_at_the_balanced_speed_cant_takes_the_whole_lateral_force_of_the_carried_mass():
-    cant_angle = np.arcsin(0.1 / 1.5)
-    speed = np.sqrt(9.80665 * 300.0 * np.tan(cant_angle))
-    track = Track.build([Arc(100.0, 300.0, cant=0.1)])
-    vehicle = guided(carried_mass=1e4, carried_height=1.3)
-    q, q_t = state_on_track(track.centre, 50.0, speed=speed, height=0.46, spin_rate=0.0)
-    force, moment = pushed(vehicle, track, 50.0, speed, q, q_t)
-    assert force[1] == pytest.approx(0.0, abs=1e-2)
-    assert moment[0] == pytest.approx(0.0, abs=1e-2)
-    assert force[2] == pytest.approx(-1e4 * 9.80665 / np.cos(cant_angle), rel=1e-9)
-
-
 def test_a_wheelset_with_unequal_roll_and_yaw_inertia_is_refused():
     with pytest.raises(InputError, match=r"'example': roll inertia 900 and yaw inertia 950"):
         Solid.of_wheelset(replace(bare_wheelset(), inertia=(900.0, 100.0, 950.0)))

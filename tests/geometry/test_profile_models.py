@@ -4,11 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
-from wrsim.plots.profile import draw_curvature, profile_figure
+from wrsim.plots.profile import profile_figure
 
 MODELS = Path(__file__).parents[2] / "models"
 ALL = sorted(p for folder in ("wheels", "rails") for p in (MODELS / folder).glob("*.toml"))
@@ -197,16 +196,11 @@ def test_a_measured_file_is_smoothed_and_says_so(toml, tmp_path):
 # --- slips -------------------------------------------------------------------------------------------
 
 SLIPS = [
-    ('kind = "cone"\nconicty = 0.05\nfrom_mm = -1\nto_mm = 1\n', r"toml:6: conicty.*: unknown key; .*'conicity'"),
-    ('kind = "cones"\n', r'toml:5: kind = "cones": must be .*did you mean "cone"'),
-    ("", "kind is missing"),
-    ('kind = "cone"\nconicity = "0.05"\nfrom_mm = -1\nto_mm = 1\n', r'conicity = "0.05": must be a number'),
     ('kind = "cone"\nconicity = 0.05\nfrom_mm = 5\nto_mm = 1\n', r"to_mm = 1\S*: must be above from_mm = 5"),
     ('kind = "circle"\nradius_mm = 20\nhalf_width_mm = 30\n', r"half_width_mm = 30\S*: must be a number below"),
     ('kind = "rail-head"\nradii_mm = [300, 80]\nhalf_widths_mm = [10]\nside_slope = 0.05\ndepth_mm = 30\n',
      r'body = "wheel": must be "rail"'),
     ('kind = "sections"\nsections = []\n', "at least one"),
-    ('kind = "sections"\n[[sections]]\nshape = "ark"\n', r'shape = "ark": must be .*did you mean "arc"'),
     ('kind = "sections"\n[[sections]]\nshape = "arc"\nfrom_mm = 0\nto_mm = 20\ncentre_mm = [0, 0]\n'
      'radius_mm = 10\nhalf = "upper"\n', r"to_mm = 20.*beside the circle; must be a number from -10 to 10"),
     ('kind = "points"\nfile = "none.csv"\n', r"none.csv: no such profile file"),
@@ -246,17 +240,11 @@ def test_a_profile_that_is_too_short_for_any_contact_is_refused(toml, half_width
 
 
 # The picture of a profile says what it shows, in units, at equal scales.
-@pytest.mark.parametrize("path", ALL, ids=lambda p: p.stem)
-def test_the_figure_shows_shape_slope_and_curvature_over_the_whole_profile(path):
-    profile = load_profile(path)
+@pytest.mark.parametrize("name", ["wheels/S1002.toml", "rails/60E1.toml"])
+def test_the_figure_shows_the_whole_profile_at_equal_scales(name):
+    profile = load_profile(MODELS / name)
     figure = profile_figure(profile)
-    shape, slope, curvature = figure.axes[:3]
-    assert [axes.get_ylabel() for axes in (shape, slope, curvature)] == [
-        "Height w [mm]",
-        "Slope angle [°]",
-        "Curvature [1/m]",
-    ]
-    assert curvature.get_xlabel() == "Outward u [mm]"
+    shape = figure.axes[0]
     low, high = shape.get_xlim()
     assert low < 1e3 * profile.u.min() and high > 1e3 * profile.u.max()
     # One millimetre is as long upward as it is across.
@@ -264,14 +252,3 @@ def test_the_figure_shows_shape_slope_and_curvature_over_the_whole_profile(path)
     across, up = figure.get_size_inches()
     per_mm = box.width * across / (high - low), box.height * up / np.diff(shape.get_ylim())[0]
     assert per_mm[0] == pytest.approx(per_mm[1], rel=1e-9)
-    assert profile.name in figure.texts[0].get_text()
-
-
-def test_curvature_is_drawn_with_its_jumps():
-    profile = load_profile(MODELS / "rails/60E1.toml")
-    axes = Figure().subplots()
-    draw_curvature(profile, axes)
-    u, k = axes.lines[0].get_data()
-    jump = np.flatnonzero((np.diff(u) == 0.0) & (np.abs(np.diff(k)) > 1.0))
-    assert jump.size == 6  # three arcs on either side
-    np.testing.assert_allclose(np.abs(u[jump]), [35.9998, 26.0265, 10.228, 10.228, 26.0265, 35.9998], atol=1e-3)

@@ -204,13 +204,10 @@ def test_design_and_what_is_left_are_what_was_recorded(by_chord: Restored, car: 
     s = by_chord.recording.distance
     cant = by_chord.law.cant(s) + by_chord.vertical[1] - by_chord.vertical[0]
     inner = slice(40, -40)
-    np.testing.assert_allclose(
-        cant[inner], in_or_longer(car.cant(), car.step)[inner], atol=5e-5
-    )  # the design has shorter waves
+    # the design has shorter waves
+    np.testing.assert_allclose(cant[inner], in_or_longer(car.cant(), car.step)[inner], atol=5e-5)
     gauge = 1.435 + by_chord.law.widening(s) + by_chord.lateral[0] - by_chord.lateral[1]
-    np.testing.assert_allclose(
-        gauge[inner], in_or_longer(car.gauge(), car.step)[inner], atol=5e-5
-    )  # the design has shorter waves
+    np.testing.assert_allclose(gauge[inner], in_or_longer(car.gauge(), car.step)[inner], atol=5e-5)
 
 
 def in_or_longer(values: Array, step: float) -> Array:
@@ -220,14 +217,8 @@ def in_or_longer(values: Array, step: float) -> Array:
 def test_noise_is_enlarged_by_no_more_than_is_said(tmp_path: Path) -> None:
     random = np.random.default_rng(3)
     noise = random.standard_normal(40_000)
-    for system in (
-        Chord(4.0, 6.0),
-        Chord(5.0, 5.0),
-        Chord(1.3, 8.7),
-        BaseDifference(3.0),
-        Inertial(3.0, 25.0),
-        Plain(),
-    ):
+    chords = Chord(4.0, 6.0), Chord(5.0, 5.0), Chord(1.3, 8.7)
+    for system in (*chords, BaseDifference(3.0), Inertial(3.0, 25.0), Plain()):
         inverse = InverseFilter(system, BAND, AMPLIFICATION)
         k = np.linspace(1e-4, np.pi / 0.25, 300_001)
         assert np.abs(inverse.response(k)).max() <= min(AMPLIFICATION, 1.001 * inverse.largest() + 1e-12) * 1.001
@@ -363,11 +354,9 @@ def rows(**changed: Any) -> str:
         (rows(level=""), BY_CHORD, "--from-m 1.25 --to-m 99.75 is the longest"),
         (rows(level="abc"), BY_BAND, "line.csv:6: column 'level_mm' = 'abc': must be a number"),
         (rows(level="inf"), BY_BAND, "line.csv:6: column 'level_mm' = 'inf': must be a finite number"),
-        (
-            "\n".join(line for i, line in enumerate(rows().split("\n")) if not 10 <= i < 20), BY_CHORD,
-            "line.csv:11: column 'distance_m' = 4.75 m after 2 m: a gap; rows are 0.25 m apart and filters need "
-            "every one; take a part without gaps: --from-m 4.75 --to-m 99.75",
-        ),
+        ("\n".join(line for i, line in enumerate(rows().split("\n")) if not 10 <= i < 20), BY_CHORD,
+         "line.csv:11: column 'distance_m' = 4.75 m after 2 m: a gap; rows are 0.25 m apart and filters need "
+         "every one; take a part without gaps: --from-m 4.75 --to-m 99.75"),
         (rows().replace("1,0.1\n", "1,0.1,7\n", 1), BY_BAND, "line.csv:6: has 3 cells; must have 2 like the header"),
         (rows(), "", "line.toml:4: channels[1]: has no measuring system: must be one of chord_m = [4, 6]"),
         (rows(), f'{BY_BAND}\nunit = "ft"', 'line.toml:8: channels[1].unit = "ft": must be'),
@@ -376,10 +365,7 @@ def rows(**changed: Any) -> str:
         (rows(), f"{BY_BAND}\n{BY_CHORD}", "has chord_m and band: must be one of"),
         (rows().replace("level_mm", "lvl_mm"), BY_BAND, "line.toml: channels: column 'level_mm' is not in"),
         (HEAD, BY_BAND, "line.csv: has no rows"),
-        (
-            "\n".join(rows().split("\n")[:10]), BY_BAND,
-            "line.csv:10: the table ends after 9 rows; needs at least 40",
-        ),
+        ("\n".join(rows().split("\n")[:10]), BY_BAND, "line.csv:10: the table ends after 9 rows; needs at least 40"),
         (rows(), f"{BY_BAND}\n{MAP[MAP.rindex('[['):]}{BY_BAND}", "is level like channels[1]"),
     ],
 )  # fmt: skip

@@ -8,14 +8,14 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from support import synthetic_result
 
-from wrsim.plots import new_figure, patch_gallery, section_gallery, standard_figures, standard_pictures, style
+from wrsim.plots import new_figure, patch_gallery, standard_figures, standard_pictures, style
 from wrsim.plots.cross_section import cross_section_zoom
-from wrsim.plots.histories import channels_figure, contact_angle, history, overview_figure, track_layout
+from wrsim.plots.histories import channels_figure, contact_angle, history, track_layout
 from wrsim.plots.marks import broken
-from wrsim.plots.moments import PatchAt, choose_moments, moment_title, snapshot_letter
+from wrsim.plots.moments import PatchAt, choose_moments
 from wrsim.plots.patches import contact_patch, pressure_scale
-from wrsim.plots.static import against_pose, static_figure
-from wrsim.plots.theme import WHEEL_COLOUR, pressure_map
+from wrsim.plots.static import against_pose
+from wrsim.plots.theme import WHEEL_COLOUR
 from wrsim.results import Result
 
 
@@ -101,29 +101,6 @@ def test_curvature_and_cant_are_beneath_and_keep_their_hand(axes):
     assert axes.get_ylim()[0] < -3.3
 
 
-def test_panels_share_the_distance_axis_and_snapshots_are_lettered():
-    figure = channels_figure(curve_run(), ("Q", "Y"))
-    *rows, track = [a for a in figure.axes if a.get_ylabel() != "Cant\n[mm]"]
-    assert len(rows) == 2
-    assert all(a.get_xlim() == track.get_xlim() == (0.0, 260.0) for a in rows)
-    assert [t.get_text() for t in rows[0].texts] == list("abcde")
-
-
-def test_a_resting_wheelset_is_drawn_against_time():
-    dataset = curve_run().isel(time=slice(0, 5)).drop_dims("snapshot")
-    dataset = dataset.assign_coords(distance=dataset["distance"] * 0.0)
-    figure = channels_figure(dataset, ("Q",))
-    assert "Time" in texts(figure)
-
-
-@pytest.mark.parametrize(
-    "make", [overview_figure, lambda d: channels_figure(d, ("Q",)), patch_gallery, section_gallery]
-)
-def test_a_stopped_run_says_on_every_picture_where_and_why(make):
-    figure = make(curve_run(stopped=True))
-    assert "Stopped at 142.41 m: derailment" in texts(figure)
-
-
 def test_a_stopped_run_is_marked_where_it_ended():
     dataset = curve_run(stopped=True)
     figure = channels_figure(dataset, ("Q",))
@@ -185,24 +162,11 @@ def test_a_gallery_shows_every_patch_in_contact_and_none_else():
     assert "second patch" in texts(figure)
 
 
-def test_colours_of_pressure_darken_evenly():
-    r, g, b, _ = pressure_map()(np.linspace(0.0, 1.0, 50)).T
-    lightness = 0.2126 * r + 0.7152 * g + 0.0722 * b
-    assert (np.diff(lightness) < 0.0).all()
-
-
 def test_moments_are_spread_over_those_with_strips():
     dataset = static_poses()
     assert choose_moments(dataset, 100) == list(range(41))  # the last pose has no solution
     few = choose_moments(dataset, 5)
     assert (few[0], few[-1], len(few)) == (0, 40, 5)
-
-
-def test_titles_tell_the_pose_as_far_as_it_varies():
-    assert moment_title(static_poses((-4.0, 4.0), (0.0,)), 0, 0) == "(a) $\\Delta y$ = \N{MINUS SIGN}4 mm"
-    assert moment_title(static_poses(), 41, 2) == "(c) $\\Delta y$ = 10 mm\n$\\psi$ = 12 mrad"
-    assert moment_title(curve_run(), 2, 0).startswith("(c) ")  # a snapshot keeps the letter of the histories
-    assert [snapshot_letter(i) for i in (0, 25, 26, 53)] == ["a", "z", "aa", "bb"]
 
 
 # cross-sections ----------------------------------------------------------------------------------------------------
@@ -250,16 +214,6 @@ def test_static_curves_have_a_line_for_every_wheel_and_yaw(axes):
         finite = np.isfinite(y)
         np.testing.assert_allclose(y[finite], expected[np.isfinite(expected)])
         np.testing.assert_allclose(x[finite], dataset["lateral_shift"][poses][np.isfinite(expected.values)] * 1e3)
-
-
-def test_poses_that_differ_only_in_yaw_are_drawn_against_yaw(axes):
-    dataset = static_poses((0.0,), (0.0, 6.0, 12.0))
-    against_pose(axes, dataset, "p0")
-    assert "Angle of attack" in axes.get_xlabel()
-
-
-def test_poses_without_a_solution_are_confessed_on_the_picture():
-    assert "1 of 42 poses without a solution" in texts(static_figure(static_poses()))
 
 
 # whole sets --------------------------------------------------------------------------------------------------------

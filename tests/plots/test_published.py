@@ -2,7 +2,6 @@
 
 import io
 from itertools import pairwise
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,12 +9,10 @@ import xarray as xr
 from matplotlib.collections import QuadMesh
 from support import synthetic_result
 
-from wrsim.plots import patch_gallery, section_gallery, standard_figures
+from wrsim.plots import patch_gallery, standard_figures
 from wrsim.plots.histories import channels_figure, overview_figure, wheelsets_figure
-from wrsim.plots.ride import ride_figure
 from wrsim.plots.stability import modes_figure, stability_figures
-from wrsim.plots.static import static_figure
-from wrsim.plots.theme import STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.theme import STOP_COLOUR
 from wrsim.results import Result
 
 
@@ -95,22 +92,6 @@ def test_a_straight_track_takes_no_panel(one) -> None:
     assert without.axes[-1].get_xlabel() == "Distance along the track [m]"
 
 
-def test_letters_are_explained(one) -> None:
-    last = "abcdefgh"[one.sizes["snapshot"] - 1]
-    assert f"a to {last}: see patches, sections" in labels(channels_figure(one, ("Q",)))
-
-
-def test_a_wheel_does_not_hide_the_other_where_lines_are_crowded(one) -> None:
-    long = xr.concat([one[["Q"]]] * 20, "time").assign_coords(time=np.arange(20.0 * one.sizes["time"]))
-    noise = np.random.default_rng(1).standard_normal(long["Q"].shape)
-    crowd = long.assign(Q=long["Q"] + 1e4 * noise).assign_attrs(one.attrs).drop_vars("distance")
-    (axes, *_) = channels_figure(crowd, ("Q",)).axes
-    (left, right) = [line for line in axes.lines if line.get_color() in WHEEL_COLOUR.values()]
-    assert left.get_alpha() == right.get_alpha() < 1.0
-    (quiet, *_) = channels_figure(one.assign(Q=one["Q"] + 1e-6 * one["Y"]), ("Q",)).axes
-    assert {line.get_alpha() for line in quiet.lines} == {None}
-
-
 def test_a_panel_is_cut_out_around_its_patch(one) -> None:
     """Large yaw carries patches far ahead; no panel is mostly empty for that, and one scale holds for all."""
     far = one.copy(deep=True)
@@ -124,37 +105,6 @@ def test_a_panel_is_cut_out_around_its_patch(one) -> None:
             if meshes and axes.get_xlabel().startswith("$s$"):
                 (low, high), (line, *_) = axes.get_ylim(), axes.lines
                 assert low < np.min(line.get_ydata()) < np.max(line.get_ydata()) < high
-
-
-def test_galleries_say_of_how_many_poses_theirs_are_a_choice() -> None:
-    poses = Result(synthetic_result.static_poses()).wheelset()
-    for make, most in ((patch_gallery, 12), (section_gallery, 6)):
-        assert any(f"{most} of 41 poses" in text.get_text() for text in make(poses).texts)
-    assert not any(" of 41 poses" in text.get_text() for text in patch_gallery(poses, list(range(41))).texts)
-
-
-def test_sections_name_their_axes_and_statics_their_lines() -> None:
-    poses = Result(synthetic_result.static_poses((0.0, 4.0, 7.0), (0.0,), ("left",), 24e3)).wheelset()
-    panels = [axes for axes in section_gallery(poses).axes if axes.lines]
-    named = [axes for axes in panels if axes.get_xticks().size]
-    assert named and all(axes.get_xlabel().startswith("o [mm]") for axes in named)
-    # overviews beside the first show the same window, without numbers
-    assert all(axes.get_xlim() == named[0].get_xlim() for axes in panels if axes not in named)
-    assert {axes.get_ylabel() for axes in panels} == {"b [mm]", ""}
-    assert {"left wheel", "angles over the main patch"} <= set(labels(static_figure(poses)))
-
-
-def test_the_floor_is_seen_beside_the_frames() -> None:
-    band = np.array([1.0, 2.0, 4.0])
-    rms = np.stack([np.full((3, 3), 1e-3), np.full((3, 3), 2.0)])
-    data = xr.Dataset(
-        {"band_rms": (("point", "axis", "band"), rms)},
-        coords={"point": ["floor", "frame"], "axis": ["x", "y", "z"], "band": band},
-    )
-    found = SimpleNamespace(data=data, points=["floor", "frame"], title="ride", stretch="0 to 1 m")
-    axes = ride_figure({"": found}, "ride_bands").axes[0]
-    assert axes.get_yscale() == "log"
-    assert axes.get_ylim()[0] < 1e-3 < 2.0 < axes.get_ylim()[1]
 
 
 def stability(ending: list[str]) -> xr.Dataset:

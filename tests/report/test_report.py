@@ -6,11 +6,9 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 from markupsafe import escape
@@ -21,7 +19,6 @@ from support.synthetic_result import curve_run, static_poses
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.charts import charts_of, envelope, pieces_of
 from wrsim.report.page import report_page
-from wrsim.report.tables import cards, chart_limits
 from wrsim.report.view_data import needed
 from wrsim.results import Result
 from wrsim.results.wheelsets import wheelsets
@@ -176,14 +173,6 @@ def test_results_of_other_analyses_have_reports_too() -> None:
     assert text.count("data:image/svg+xml;base64") == 2
 
 
-@pytest.mark.usefixtures("unpainted")
-def test_two_results_stand_beside_each_other() -> None:
-    text = page_of(Result(curve_run()), Result(curve_run(radius=-300.0)), sources=("a/result.nc", "b"))
-    assert text.count('class="verdict') == 2
-    assert ">A a<" in text and ">B b<" in text
-    assert "A a, left" in text and "B b, left" in text
-
-
 def test_contacts_have_a_picture_and_numbers_of_every_patch_in_contact(page: str, coach: Result) -> None:
     contacts = page[page.index('id="contacts"') : page.index('id="ride"')]
     in_contact = np.isfinite(coach.dataset["strip_p"].values).any(axis=-1).sum()
@@ -253,23 +242,6 @@ def test_the_charts_answer_with_the_envelope_of_the_dataset(
     assert chromium.complaints() == []
 
 
-def test_quantities_stay_in_sight_where_their_table_is_scrolled(chromium: Browser, page: str, tmp_path: Path) -> None:
-    """On a telephone the assessment is wider than the page: its last column comes into sight, the first one stays."""
-    file = tmp_path / "report.html"
-    file.write_text(page)
-    chromium.open(file, width=500)
-    places = """
-        const table = document.querySelector(".assessment"), box = table.closest(".wide");
-        box.scrollLeft = 1e5;
-        const edges = (element) => { const r = element.getBoundingClientRect(); return [r.left, r.right]; };
-        return [box, table.querySelector("tbody th"), table.querySelector("tbody tr td:last-child")].map(edges);
-    """
-    box, quantity, last = chromium.run(places)
-    assert quantity[0] == pytest.approx(box[0], abs=1.0) and quantity[1] < last[1]
-    assert last[1] == pytest.approx(box[1], abs=1.0)
-    assert chromium.run("return document.querySelector('.assessment').closest('.wide').scrollLeft > 50")
-
-
 @pytest.mark.usefixtures("unpainted")
 def test_texts_of_users_run_nothing(chromium: Browser, curve: Result, tmp_path: Path) -> None:
     evil = replace(curve, dataset=curve.dataset.assign_attrs(title=EVIL, scenario_text=EVIL))
@@ -305,14 +277,6 @@ def test_pictures_in_a_page_keep_their_colours(chromium: Browser, tmp_path: Path
     assert chromium.complaints() == []
 
 
-def test_cards_number_the_wheelsets_from_the_front() -> None:
-    front = curve_run(samples=40).assign_coords(wheelset=["front.outer"])
-    rear = front.assign_coords(wheelset=["rear.outer"])
-    both = Result(xr.concat([front, rear], "wheelset", data_vars="minimal", coords="minimal", join="override"))
-    assert [name for name, _ in cards([both.summary()], ["A"])] == ["1 front.outer", "2 rear.outer"]
-    assert [name for name, _ in cards([Result(front).summary()], ["A"])] == ["front.outer"]
-
-
 @pytest.mark.usefixtures("unpainted")
 def test_couplings_of_a_train_have_charts_of_their_own() -> None:
     data = curve_run(samples=40)
@@ -324,13 +288,3 @@ def test_couplings_of_a_train_have_charts_of_their_own() -> None:
     assert [line["label"] for line in chart["lines"]] == ["a-b", "b-c"] and chart["unit"] == "kN"
     assert chart["peak"].startswith("largest magnitude -200 kN") and chart["peak"].endswith("b-c")
     assert "Coupling force" in page_of(Result(train)) and "Coupling force" not in page_of(Result(data))
-
-
-def test_limits_of_wheelsets_of_nearly_one_load_are_one_line() -> None:
-    shown = SimpleNamespace(factor=1e-3)
-    quantity = SimpleNamespace(key="sum_Y", shown=shown)
-    limits = (SimpleNamespace(value=value) for value in (46.3e3, 46.1e3, 46.2e3, 60.0e3))
-    values = [SimpleNamespace(quantity=quantity, limit=limit) for limit in limits]
-    found = SimpleNamespace(of=lambda key: values if key == "sum_Y" else [])
-    drawn = [value for _, value in chart_limits([found])["sum_Y"]]  # type: ignore[list-item]
-    assert drawn == pytest.approx([46.1, 60.0, -46.1, -60.0])

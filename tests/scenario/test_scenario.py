@@ -22,18 +22,15 @@ ONE_FAULT = [
     ("speed_kmh = 54", "", 'vehicle.speed_kmh is missing: analysis = "curving" needs a speed'),
     ("speed_kmh = 54", "speed_kmh = 0", "vehicle.speed_kmh = 0: must be a number from 1 to 500"),
     ("speed_kmh = 54", 'speed_kmh = "54"', 'vehicle.speed_kmh = "54": must be a number'),
-    ("speed_kmh = 54", "speed_kmh = true", "vehicle.speed_kmh = true: must be a number"),
     ("speed_kmh = 54", "speed_kmh = nan", "vehicle.speed_kmh = nan: must be a number"),
     ("gauge_mm = 1435", "gauge_mm = -1435", "case.toml:7: track.gauge_mm = -1435: must be a number from 400 to 2000"),
     ("gauge_mm = 1435", "gauge_mm = 1435\ncant_base_mm = 1000", "track.cant_base_mm = 1000: must be from the gauge"),
     ('inclination = "1:40"', "inclination = 40",
      'must be "1:40", "1:20", "none" or a slope from 0 to 0.2; did you mean "1:40"?'),
-    ('inclination = "1:40"', 'inclination = "1/40"', 'track.inclination = "1/40": must be'),
     ('rail = "rails/60E1.toml"', "", "track.rail is missing: must be a rail profile file"),
     ('rail = "rails/60E1.toml"', 'rail_left = "rails/60E1.toml"', "track.rail_right is missing"),
     ('rail = "rails/60E1.toml"', 'rail = "rails/60E1.toml"\nrail_left = "rails/54E1.toml"',
      "cannot be given with rail_left"),
-    ('rail = "rails/60E1.toml"', "rail = 60", "track.rail = 60: must be a rail profile file"),
     ("radius_m = 300", "radius_m = 0", "case.toml:18: track.segments[2].radius_m = 0: must be a number of size 10 to"),
     ("radius_m = 300", "radius_mm = 300",
      "track.segments[2].radius_mm = 300: unknown key; did you mean 'radius_m' (in m)?"),
@@ -61,7 +58,6 @@ ONE_FAULT = [
     ("output_interval_ms = 5", "distance_m = 10\ntime_s = 1", "run.time_s = 1: cannot be given with distance_m"),
     ("output_interval_ms = 5", "distance_m = 500",
      "run.distance_m = 500: ends at 500 m: must lie on the track, which is 190 m long"),
-    ("output_interval_ms = 5", "time_s = 60", "run.time_s = 60: ends at 900 m: must lie on the track"),
     ("output_interval_ms = 5", "start_distance_m = 190", "run.start_distance_m = 190: must lie on the track"),
     ("output_interval_ms = 5", "[output]\npatches_at_m = [10, 200]", "200 m is not on the track"),
     ("output_interval_ms = 5", "[output]\npatches_at_m = 10", "output.patches_at_m = 10: must be a list"),
@@ -99,7 +95,6 @@ STATIC_FAULTS = [
     ("load_kN = 60", "load_kN = 0", "static.load_kN = 0: must be a number above 0 and at most 1000"),
     ("load_kN = 60", "load_kN = [60, 0]", "static.load_kN = [60, 0]: entry [1] must be a number above 0"),
     ("load_kN = 60", "load_kN = 60\nside = 'rihgt'", 'must be "left" or "right"; did you mean "right"?'),
-    ("load_kN = 60", "load_kN = 60\nrolling = 'yes'", 'static.rolling = "yes": must be true or false'),
     ("lateral_mm = 0", "lateral_mm = []", "static.lateral_mm = []: the list is empty"),
     ("lateral_mm = 0", "lateral_mm = [0, nan]", "static.lateral_mm = [0, nan]: entry [1] must be"),
     ("lateral_mm = 0", "lateral_mm = {from = 0, to = 5}", "a range needs exactly the keys from, to and step"),
@@ -207,14 +202,6 @@ def test_keys_override_those_of_the_base_and_lists_are_replaced(tmp_path: Path) 
     assert scenario.spec.vehicle.model == "vehicles/wheelset_s1002.toml"
     assert [s.kind for s in scenario.spec.track.segments] == ["straight"]
     assert load_text(scenario.text).spec == scenario.spec, "the merged text stands for the whole"
-
-
-def test_bases_may_have_bases(tmp_path: Path) -> None:
-    (tmp_path / "a.toml").write_text(CURVE)
-    (tmp_path / "b.toml").write_text('base = "a.toml"\n[contact]\nfriction = 0.2\n')
-    (tmp_path / "c.toml").write_text('base = "b.toml"\n[vehicle]\nspeed_kmh = 40\n')
-    spec = load(tmp_path / "c.toml").spec
-    assert (spec.vehicle.speed_kmh, spec.contact.friction, spec.track.gauge_mm) == (40.0, 0.2, 1435.0)
 
 
 def test_scenarios_that_start_from_each_other_are_refused(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from wrsim.register import ANALYSES, TABLES, resolved
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.placement import stand
-from wrsim.scenario.plausibility import facts, facts_table, warnings
+from wrsim.scenario.plausibility import facts, warnings
 from wrsim.scenario.schema import ScenarioFile
 from wrsim.scenario.sections.static import read_cases
 
@@ -26,9 +26,8 @@ SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
 
 # --- units end at the wall -----------------------------------------------------------------------------
-def test_everything_is_si_behind_build(tmp_path: Path) -> None:
-    (tmp_path / "case.toml").write_text(CURVE + "step_us = 500\n")
-    setup = build(load(tmp_path / "case.toml"))
+def test_everything_is_si_behind_build() -> None:
+    setup = build(load_text(CURVE + "step_us = 500\n"))
     assert setup.plan.speed == pytest.approx(15.0)
     assert (setup.plan.start, setup.plan.end) == (0.0, pytest.approx(190.0))
     assert setup.plan.duration == pytest.approx(190.0 / 15.0)
@@ -42,21 +41,19 @@ def test_everything_is_si_behind_build(tmp_path: Path) -> None:
     assert setup.contact.rail.shear_modulus == pytest.approx(82.03e9, rel=1e-4)
 
 
-def test_rails_of_the_inclined_profile_stand_at_the_gauge(tmp_path: Path) -> None:
+def test_rails_of_the_inclined_profile_stand_at_the_gauge() -> None:
     """60E1 at 1:40: the highest point is 43.036 mm outside of the gauge point (EN 13674 geometry)."""
-    (tmp_path / "case.toml").write_text(CURVE)
-    rail = build(load(tmp_path / "case.toml")).rails[0]
+    rail = build(load_text(CURVE)).rails[0]
     assert rail.top[0] - rail.gauge_point()[0] == pytest.approx(43.036e-3, abs=1e-5)
 
 
-def test_overrides_of_the_vehicle_hold_for_their_side(tmp_path: Path) -> None:
+def test_overrides_of_the_vehicle_hold_for_their_side() -> None:
     text = edited(
         CURVE,
         "speed_kmh = 54",
         'speed_kmh = 54\nradius_left_mm = 459\nwheel_right = "wheels/cone_1in20.toml"\nsprung_mass_kg = 100',
     )
-    (tmp_path / "case.toml").write_text(text)
-    setup = build(load(tmp_path / "case.toml"))
+    setup = build(load_text(text))
     wheelset = setup.wheelset
     assert (wheelset.left.radius, wheelset.right.radius) == (0.459, 0.46)
     assert wheelset.left.profile.name == "S1002"
@@ -64,7 +61,7 @@ def test_overrides_of_the_vehicle_hold_for_their_side(tmp_path: Path) -> None:
     assert setup.vehicle.carried[0].mass == 100.0
 
 
-def test_each_rail_has_its_own_profile_and_friction_and_each_body_its_own_material(tmp_path: Path) -> None:
+def test_each_rail_has_its_own_profile_and_friction_and_each_body_its_own_material() -> None:
     text = edited(CURVE, 'rail = "rails/60E1.toml"', 'rail_left = "rails/60E1.toml"\nrail_right = "rails/54E1.toml"')
     text = edited(
         text,
@@ -72,8 +69,7 @@ def test_each_rail_has_its_own_profile_and_friction_and_each_body_its_own_materi
         "friction_left = 0.1\nfriction_right = 0.5\n[contact.material]\npoisson = 0.3\n"
         "[contact.material.wheel]\nyoungs_modulus_GPa = 200",
     )
-    (tmp_path / "case.toml").write_text(text)
-    setup = build(load(tmp_path / "case.toml"))
+    setup = build(load_text(text))
     assert setup.rails[0].name != setup.rails[1].name
     assert setup.contact.friction == (0.1, 0.5)
     assert setup.contact.wheel.youngs_modulus == pytest.approx(200e9)
@@ -81,14 +77,13 @@ def test_each_rail_has_its_own_profile_and_friction_and_each_body_its_own_materi
     assert setup.contact.wheel.poisson_ratio == setup.contact.rail.poisson_ratio == 0.3
 
 
-def test_an_arc_by_its_angle_is_as_long_as_radius_times_angle(tmp_path: Path) -> None:
-    (tmp_path / "case.toml").write_text(edited(CURVE, "length_m = 120", "angle_deg = 90"))
-    assert build(load(tmp_path / "case.toml")).track.length == pytest.approx(70 + 300 * math.pi / 2)
+def test_an_arc_by_its_angle_is_as_long_as_radius_times_angle() -> None:
+    track = build(load_text(edited(CURVE, "length_m = 120", "angle_deg = 90"))).track
+    assert track.length == pytest.approx(70 + 300 * math.pi / 2)
 
 
-def test_values_can_be_changed_from_python_and_are_checked_again(tmp_path: Path) -> None:
-    (tmp_path / "case.toml").write_text(CURVE)
-    scenario = load(tmp_path / "case.toml")
+def test_values_can_be_changed_from_python_and_are_checked_again() -> None:
+    scenario = load_text(CURVE)
     changed = scenario.with_values({"vehicle.speed_kmh": 36, "track.segments[2].radius_m": -500, "run.distance_m": 5})
     assert changed.spec.vehicle.speed_kmh == 36.0
     assert changed.spec.track.segments[2].radius_m == -500.0
@@ -101,10 +96,9 @@ def test_values_can_be_changed_from_python_and_are_checked_again(tmp_path: Path)
 
 
 # --- static poses --------------------------------------------------------------------------------------
-def test_a_grid_gives_every_combination_with_names_that_differ(tmp_path: Path) -> None:
+def test_a_grid_gives_every_combination_with_names_that_differ() -> None:
     text = edited(STATIC, "lateral_mm = 0", "lateral_mm = {from = -1, to = 1, step = 0.1}\nyaw_mrad = [0, 12]")
-    (tmp_path / "case.toml").write_text(text)
-    poses = build(load(tmp_path / "case.toml")).plan.poses
+    poses = build(load_text(text)).plan.poses
     assert len(poses) == len({p.name for p in poses}) == 42
     assert poses[0].lateral == pytest.approx(-1e-3)
     assert poses[-1].lateral == 1e-3
@@ -142,8 +136,6 @@ TABLE_FAULTS = [
     ("id,lateral_mm,load_kN\na,0\n", ":2: has 2 cells; must have 3 like the header"),
     ("id,lateral_mm,load_kN\na,0,24\n\na,1,24\n", ':4: id = "a": is taken by line 2 already'),
     ("id,lateral_mm,load_kN\n,0,24\n", ":2: id is empty"),
-    ("id,lateral_mm,load_kN\na,0,0\n", ":2: load_kN = 0: must be a number above 0"),
-    ("id;lateral_mm;load_kN\na;0,5;24\n", ':2: lateral_mm = "0,5": must be a number'),
     ("id,lateral_mm,load_kN\n", "has no poses below its header"),
     ("\n", "is empty"),
     ('id,lateral_mm,load_kN\n"a,0,24\n', ":2: no line of a CSV table"),
@@ -195,10 +187,9 @@ def test_a_narrowing_that_leaves_no_room_for_the_flanges_is_refused(tmp_path: Pa
     assert "flange" in line
 
 
-def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing(tmp_path: Path) -> None:
+def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing() -> None:
     """Flange thickness 32.5 mm, flange backs 1360 mm: (1435 - 1360)/2 - 32.5 = 5 mm a side."""
-    (tmp_path / "case.toml").write_text(CURVE)
-    setup = build(load(tmp_path / "case.toml"))
+    setup = build(load_text(CURVE))
     standing = stand(setup.wheelset.left.profile, setup.rails[0], setup.wheelset.profile_spacing, 1.435)
     assert standing.clearance == pytest.approx(5e-3, abs=1e-4)
     assert not standing.on_flange
@@ -264,13 +255,3 @@ def test_a_scenario_takes_the_tables_of_all_analyses() -> None:
     assert set(TABLES) < set(ScenarioFile.model_fields)
     for name, place in TABLES.items():
         assert resolved(place).header == f"[{name}]"
-
-
-def test_the_terminal_lists_twenty_segments_and_counts_the_rest(tmp_path: Path) -> None:
-    arcs = "".join(f'[[track.segments]]\nkind = "arc"\nradius_m = {300 + i}\nlength_m = 20\n' for i in range(25))
-    head, rest = CURVE.split("[[track.segments]]", 1)
-    (tmp_path / "case.toml").write_text(head + arcs + rest[rest.index("[contact]") :])
-    found = facts(build(load(tmp_path / "case.toml")))
-    assert len(found["segments"]) == 25
-    row = dict(facts_table("", found).rows)["segments"]
-    assert row.count("arc R") == 20 and row.endswith("arc R 319 m left and 5 more")

@@ -15,7 +15,6 @@ from support.scenario_texts import edited
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.track import segments
 from wrsim.inputs.checking import check_section
 from wrsim.inputs.lines import key_lines
 from wrsim.inputs.section import MOST_FAULTS
@@ -149,14 +148,6 @@ def test_a_result_with_its_models_beside_it_is_shown_whole(tmp_path):
     setup, why = setup_of(Result(xr.Dataset(attrs={"scenario_text": text})), own)
     assert setup is not None
     assert why == ""
-
-
-def test_the_hands_of_many_curves_are_found_in_one_go(monkeypatch):
-    looked_at, hands = [], segments._hands
-    monkeypatch.setattr(segments, "_hands", lambda row: looked_at.extend(row) or hands(row))
-    row = [segments.Straight(5.0), segments.Arc(5.0, 3000.0)] * 300
-    segments.laws(row, 1.435, 1.0)
-    assert len(looked_at) == len(row)
 
 
 def test_a_value_of_many_lines_leaves_the_keys_behind_it_their_lines():

@@ -20,7 +20,6 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.step_size import SAFETY, round_step, stable_step
 from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
@@ -164,29 +163,3 @@ def test_the_frame_gives_what_the_creep_forces_dissipate(curve):
     dissipated = sum(a.total["wear"] * a.pose[6] for a in arrays)
     # .10 % in R 160: bisectors of the normals pass the axle of a yawed wheel by some micrometres
     assert given @ q_t == pytest.approx(dissipated, rel=1.5e-3)
-
-
-@pytest.mark.parametrize(("vehicle", "radius"), [(STEERING, 300.0), (LEADING, 150.0)])
-def test_creep_forces_never_do_positive_work_on_a_patch(vehicle, radius):
-    """At every look on the way into a curve, on every patch: dissipation, also while patches come and go."""
-    segments = [straight(2.0), transition(10.0), arc(6.0, radius, 40.0, 5.0)]
-    setup = setup_of(segments, 12.0, vehicle)
-    curve = ride(setup)
-    q, q_t = start_state(setup, curve.law)
-    out = np.zeros(6)
-    seen = []
-
-    def look(t, q, q_t):
-        curve.law(t, q, q_t, out)
-        for wheel in curve.law.wheels[0]:
-            a = wheel.model.arrays
-            seen.extend(a.patches["wear"][: int(a.total["lobes"])])
-
-    system = curve.system
-    step = round_step(SAFETY * stable_step(system, q, q_t))
-    motion = Integration(system, duration=1.4, step=step, integrator="rk44", monitor=look, monitor_interval=1e-3).run(
-        q, q_t
-    )
-    assert motion.status == "completed"
-    assert len(seen) > 2000
-    assert min(seen) >= 0.0

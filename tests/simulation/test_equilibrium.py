@@ -61,13 +61,6 @@ def test_a_lateral_force_is_held_by_the_springs():
     assert 0.0 < found.q[2] < 1e3 / 4e5
 
 
-def test_a_wheelset_stands_on_both_rails_at_a_given_shift():
-    forces = KnifeEdgeForces(example_wheelset(), SPEED)
-    found = forces.rolling({"y": 4e-3}, ("z", "roll"))
-    assert found.q[2] == 4e-3
-    assert found.q[4] == pytest.approx(0.05 * 4e-3 / 0.75, rel=0.05)
-
-
 def test_an_equilibrium_stays_at_rest_in_time():
     vehicle = example_wheelset(axle_load=84e3, carried_mass=2000.0, carried_height=1.0)
     forces = KnifeEdgeForces(vehicle, SPEED)

@@ -23,12 +23,6 @@ def free(t, q, q_t, out):
     out.fill(0.0)
 
 
-def oscillator(t, q, q_t, out):
-    """A stiff lateral spring, 20 rad/s."""
-    out.fill(0.0)
-    out[2] = -1500.0 * 400.0 * q[2]
-
-
 def run(forces=free, *, duration=0.1, step=1e-3, bodies=(BODY,), **keys):
     """Integrate from rolling along x."""
     n = len(bodies)
@@ -46,16 +40,6 @@ def test_samples_stand_at_the_start_at_each_interval_and_at_the_end():
     assert motion.end == motion.times[-1]
 
 
-def test_a_run_goes_on_where_another_ended():
-    system = BodySystem([BODY], oscillator)
-    start = np.add(Q0, [0.0, 0.0, 0.01, 0.0, 0.0, 0.0])
-    whole = Integration(system, duration=0.2, step=1e-3).run(start, V0)
-    first = Integration(system, duration=0.1, step=1e-3).run(start, V0)
-    second = Integration(system, duration=0.1, step=1e-3, start=first.end).run(first.q[-1], first.q_t[-1])
-    assert second.times[-1] == pytest.approx(0.2)
-    assert second.q[-1] == pytest.approx(whole.q[-1], abs=1e-14)
-
-
 def test_a_law_knows_the_time_of_its_stage():
     def push(t, q, q_t, out):
         out.fill(0.0)
@@ -66,17 +50,6 @@ def test_a_law_knows_the_time_of_its_stage():
     # generalised alpha knows it at the end of a step, and converges with the square of the step
     errors = [abs(run(push, duration=1.0, step=h).q[-1, 2] - 1.0 / 12.0) for h in (0.02, 0.01)]
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
-
-
-def test_several_bodies_share_one_law():
-    def law(t, q, q_t, out):
-        assert q.shape == q_t.shape == out.shape == (12,)
-        out.fill(0.0)
-        out[2] = 1500.0
-        out[8] = -3000.0
-
-    motion = run(law, bodies=(BODY, BODY))
-    assert motion.q[-1, [2, 8]] == pytest.approx([0.5 * 0.1**2, -(0.1**2)])
 
 
 def test_progress_runs_from_nothing_to_the_end(monkeypatch):
@@ -204,14 +177,6 @@ def test_a_second_ctrl_c_ends_at_once():
     motion = run(stuck)
     assert motion.cause == "interrupt"
     assert motion.end == pytest.approx(0.05)
-
-
-def test_keyboard_interrupt_of_a_callback_ends_the_run_in_good_order():
-    def press(t, q, q_t):
-        if t > 0.05:
-            raise KeyboardInterrupt
-
-    assert run(monitor=press).cause == "interrupt"
 
 
 def test_runs_work_outside_the_main_thread():

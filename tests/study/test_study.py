@@ -391,16 +391,6 @@ deviation = 0.5
         assert {c.name for c in other.cases}.isdisjoint(c.name for c in first.cases)
 
 
-def test_a_dry_run_lists_cases_and_foretells_the_time(serial: Plan) -> None:
-    file = Path(serial.folder).parent / "study.toml"
-    answer = ok("study", file, "-o", serial.folder, "--dry-run")
-    assert "friction 0.1, speed_kmh 40" in answer.output and "6 cases, 0 to run" in answer.output
-    elsewhere = Path(serial.folder).parent / "elsewhere"
-    answer = ok("study", file, "-o", elsewhere, "--dry-run")
-    assert "6 cases, 6 to run" in answer.output and "one case takes" in answer.output
-    assert not elsewhere.exists()
-
-
 def test_jobs_of_slurm_have_one_thread_and_leave_ctrl_c_as_it_was(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

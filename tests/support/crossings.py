@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
@@ -48,6 +49,8 @@ def turning(rail: Profile, places: NDArray[np.float64], twist: float) -> RailSur
 def crossing(start: float, end: float) -> RailSurface:
     """The sections of the crossing between two places [m]; features: edges of the nose, foot of the gap, wing's
     corner."""
+    if not CROSSING.exists():
+        pytest.skip("the reference folder is not beside the project")
     with TemporaryDirectory() as folder:
         table = Path(folder) / "crossing.csv"
         write_crossing(table, start, end)

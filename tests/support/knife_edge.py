@@ -14,7 +14,7 @@ how deep that point lies below the edge.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from math import atan, cos, sin, sqrt
 
 import numpy as np
@@ -106,18 +106,7 @@ class KnifeEdge:
 
     def numbers(self) -> NDArray[np.float64]:
         """As the kernels read them."""
-        return np.array(
-            [
-                self.hertz,
-                self.damping,
-                self.creep,
-                self.normal0,
-                self.friction,
-                self.radius,
-                self.half_spacing,
-                atan(self.conicity),
-            ]
-        )
+        return np.array([*astuple(self)[:-1], atan(self.conicity)])
 
     def approach(self, wheel_load: float) -> float:
         """Static approach [m] under a vertical load on each wheel [N]."""

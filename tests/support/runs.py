@@ -63,13 +63,8 @@ def setup_of(
     values: Mapping[str, Any] | None = None,
 ) -> Setup:
     """A run of an S1002 wheelset on 60E1 1:40 along the given track; speed [m/s]; values: further keys."""
-    keys = {
-        "vehicle.model": vehicle,
-        "vehicle.speed_kmh": 3.6 * speed,
-        "track.segments": list(segments),
-        "output.patches_at_m": [start],
-        "run.start_distance_m": start,
-    }
+    keys = {"vehicle.model": vehicle, "vehicle.speed_kmh": 3.6 * speed, "track.segments": list(segments)}
+    keys |= {"output.patches_at_m": [start], "run.start_distance_m": start}
     return build(load(SCENARIOS / "curve_r300.toml").with_values(keys | dict(values or {})))
 
 
@@ -87,16 +82,8 @@ def mirrored(setup: Setup) -> Setup:
 def _on(setup: Setup, segments: Sequence[Segment], heading: float, start: tuple[float, float, float]) -> Setup:
     track = setup.track
     offsets = [(c.outward, c.height) for c in (track.left_curve, track.right_curve)]
-    laid = Track.build(
-        segments,
-        track.nominal_gauge,
-        left_offset=offsets[0],
-        right_offset=offsets[1],
-        cant_base=track.cant_base,
-        heading=heading,
-        start=start,
-    )
-    return replace(setup, track=laid)
+    sides = {"left_offset": offsets[0], "right_offset": offsets[1], "cant_base": track.cant_base}
+    return replace(setup, track=Track.build(segments, track.nominal_gauge, heading=heading, start=start, **sides))
 
 
 # --- conical wheels on crowns -----------------------------------------------------------------------------
@@ -183,14 +170,7 @@ def cone_ride(
 ) -> Ride:
     """A conical wheelset (Manchester mass and inertia, 100 kN) on crowned rails, by default without suspension."""
     wheel = Wheel(cone(), RADIUS)
-    wheelset = Wheelset(
-        name="conical",
-        mass=mass,
-        inertia=(1120.0, 112.0, 1120.0),
-        profile_spacing=2.0 * HALF_TOPS,
-        left=wheel,
-        right=wheel,
-    )
+    wheelset = Wheelset("conical", mass, (1120.0, 112.0, 1120.0), 2.0 * HALF_TOPS, wheel, wheel)
     carried = AXLE_LOAD / STANDARD_GRAVITY - mass
     vehicle = single_wheelset(wheelset, stiffness=stiffness, carried_mass=carried)
     track = Track.build(segments, 2.0 * HALF_TOPS)

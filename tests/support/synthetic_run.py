@@ -27,15 +27,8 @@ def run(
     """A run whose channels are functions of distance [m]; y, q: of both wheels [N]."""
     time = np.arange(int(length / speed / step) + 1) * step
     s = speed * time
-    given = {
-        "distance": s,
-        "speed": np.full(s.size, speed),
-        "curvature": curvature(s),
-        "cant": np.zeros(s.size),
-        "Y": np.column_stack(y(s)),
-        "Q": np.column_stack(q(s)),
-        **{name: value(s) for name, value in channels.items()},
-    }
+    given = {"distance": s, "speed": np.full(s.size, speed), "curvature": curvature(s), "cant": np.zeros(s.size)}
+    given |= {"Y": np.column_stack(y(s)), "Q": np.column_stack(q(s))} | {n: of(s) for n, of in channels.items()}
     known = {"title": "synthetic", "analysis": "curving", "status": "completed", "scenario_text": ""}
     return Result(assemble({"time": time}, given, known | dict(attributes or {})))
 

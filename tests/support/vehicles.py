@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from support.runs import FAST
+from support.runs import FAST, arc, straight, transition
 from wrsim.analysis import run
 from wrsim.contact.models import contact_model
 from wrsim.geometry.track.segments import Segment, Straight
@@ -85,15 +85,8 @@ def on_track(
     """The vehicle on track of these segments, its origin at ``start`` [m]; speed [m/s]; rigid or elastic rails."""
     setup = rails_and_contact()
     left, right = ((curve.outward, curve.height) for curve in (setup.track.left_curve, setup.track.right_curve))
-    track = Track.build(
-        segments,
-        setup.track.nominal_gauge,
-        left_offset=left,
-        right_offset=right,
-        cant_base=setup.track.cant_base,
-        heading=heading,
-        elasticity=elasticity,
-    )
+    laid = {"cant_base": setup.track.cant_base, "heading": heading, "elasticity": elasticity}
+    track = Track.build(segments, setup.track.nominal_gauge, left_offset=left, right_offset=right, **laid)
     contacts = []
     for mounted in vehicle.wheelsets:
         wheels = (mounted.wheelset.left, mounted.wheelset.right)
@@ -102,23 +95,12 @@ def on_track(
             for wheel, rail, friction in zip(wheels, setup.rails, setup.contact.friction, strict=True)
         ]
         contacts.append((models[0], models[1]))
-    law = VehicleOnTrack(
-        vehicle, track, contacts, speed=speed, start=start, drive=drive, gravity=gravity, threads=threads
-    )
-    return Train(law)
+    going = {"speed": speed, "start": start, "drive": drive, "gravity": gravity, "threads": threads}
+    return Train(VehicleOnTrack(vehicle, track, contacts, **going))
 
 
-SHORT = {
-    "track.segments": [
-        {"kind": "straight", "length_m": 22.0},
-        {"kind": "transition", "length_m": 12.0},
-        {"kind": "arc", "radius_m": 300.0, "length_m": 14.0, "cant_mm": 60.0},
-    ],
-    "contact.strips": 12,
-    "contact.cells": 6,
-    "run.start_distance_m": 12.0,
-    "run.output_interval_ms": 20.0,
-}
+SHORT = {"track.segments": [straight(22.0), transition(12.0), arc(14.0, 300.0, 60.0)]}
+SHORT |= {"contact.strips": 12, "contact.cells": 6, "run.start_distance_m": 12.0, "run.output_interval_ms": 20.0}
 
 
 @cache

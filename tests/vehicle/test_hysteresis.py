@@ -1,21 +1,17 @@
 """Leaf springs, rubber, air springs, nested springs and play: their loops against closed forms."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from support.boxes import AT, FIXED, HEIGHT, MASS, box, motion, on_springs, spring
-from support.vehicle_texts import GOOD
-from support.vehicles import read_vehicle
 
-from wrsim.errors import InputError
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.placement import design_state
 from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Joint
-from wrsim.vehicle.elements import TRACK, BilinearSpring, Slider, Strut
+from wrsim.vehicle.elements import TRACK, BilinearSpring
 
 Z, X = 6, 7
 """Places of the box in the state."""
@@ -199,27 +195,3 @@ def test_a_mass_between_two_stops_with_play_swings_with_the_time_that_it_flies()
     assert len(crossings) >= 3
     period = 2.0 * np.pi * np.sqrt(MASS / k) + 4.0 * play / speed
     np.testing.assert_allclose(np.diff(crossings), period, rtol=3e-3)
-
-
-def test_rubber_that_is_given_by_halves_is_refused(tmp_path: Path) -> None:
-    rubber = """[[elements]]
-kind = "rubber-spring"
-name = "rubber"
-body = "body"
-to = "front"
-origin = "to"
-at_mm = [0, 0, 0]
-direction = "y"
-stiffness_kN_per_m = 500
-friction_force_kN = 2
-"""
-    file = tmp_path / "car.toml"
-    file.write_text(GOOD.replace("[[elements]]", rubber + "[[elements]]", 1))
-    with pytest.raises(InputError, match="friction_travel_mm is missing: goes with friction_force_kN"):
-        read_vehicle(file)
-
-
-def test_sliders_of_a_distance_come_to_their_limit_over_it() -> None:
-    slider = Slider("berg", bound=LIMIT, distance=X2)
-    law = on_springs(box(FIXED, Strut("b", "friction", TRACK, "box", (AT, AT), 0, slider=slider)))
-    assert law.elements["stick"][1] == pytest.approx(LIMIT / X2)

@@ -1,11 +1,9 @@
 """What an acceptance measures on a vehicle that stands still: sway on canted rails, wheel unloading on twisted ones."""
 
-import json
-from math import asin, cos, degrees, sin
+from math import asin, cos, sin
 
 import numpy as np
 import pytest
-from support.commands import call, refusal
 from support.vehicles import manchester, shipped
 
 from wrsim.analysis.stationary.statics import canted, static_state
@@ -71,19 +69,3 @@ def test_a_twist_turns_no_vehicle_and_works_alike_both_ways():
 def test_more_cant_than_the_weight_can_hold_overturns():
     with pytest.raises(SimulationError, match="overturns"):
         static_state(canted(manchester(), 0.5))
-
-
-def test_the_command_says_sway_and_unloading():
-    file = "vehicles/manchester_1.toml"
-    asked = ["vehicle", file, "--cant-deficiency", "150", "--twist", "5"]
-    found = json.loads(call(*asked, "--json").stdout)
-    lean = static_state(canted(manchester(), ANGLE))
-    own = found["leaning"]
-    assert own["roll_deg"]["carbody"] == pytest.approx(-degrees(lean.moved[0, 2]))
-    assert own["flexibility_coefficient"]["carbody"] == pytest.approx(-lean.moved[0, 2] / ANGLE)
-    assert own["largest_unloading"] == pytest.approx(1.0 - 8.0 * lean.wheel_loads.min() / manchester().weight)
-    twisted = static_state(manchester(), TWIST).wheel_loads
-    assert found["twisted"]["unloading"]["front.outer"]["right"] == pytest.approx(
-        1.0 - 8.0 * twisted[0, 1] / manchester().weight
-    )
-    assert "--cant-deficiency" in refusal("vehicle", file, "--cant-deficiency", "0")

@@ -91,48 +91,18 @@ def test_the_shipped_s1002_wheelset_is_that_of_manchester_vehicle_1() -> None:
     assert vehicle.carried[0].height == pytest.approx(height, abs=1e-3)
 
 
-def test_the_vertical_spring_is_left_out_because_the_load_is_prescribed() -> None:
-    """A spring to a frame at fixed height would carry a part of the load that nobody knows."""
-    for file in sorted((MODELS / "vehicles").glob("*.toml")):
-        text = file.read_text()
-        if "wheels/lrv_standin.toml" in text and not (MODELS / "wheels/lrv_standin.toml").exists():
-            continue
-        vehicle = load_vehicle(file, FIND)
-        assert all(spring.stiffness[2] == 0.0 for spring in springs(vehicle))
-
-
-def test_the_light_rail_wheelset_has_the_numbers_of_the_paper_and_its_wheel_load(tmp_path: Path) -> None:
-    """Marques et al., table 1: R 375 mm, H 1055 mm; 24 kN a wheel."""
-    text = (MODELS / "vehicles/wheelset_lrv.toml").read_text()
-    assert "wheels/lrv_standin.toml" in text
-    assert "stand-in" in text and "[assumed]" in text
-    (tmp_path / "vehicle.toml").write_text(text.replace("wheels/lrv_standin.toml", "wheels/S1002.toml"))
-    vehicle = load_vehicle(tmp_path / "vehicle.toml", FIND)
-    w = vehicle.wheelsets[0].wheelset
-    assert (w.profile_spacing, w.mean_radius) == (pytest.approx(1.055), 0.375)
-    assert 0.5 * vehicle.weight == pytest.approx(24e3, rel=1e-3)
-
-
 ONE_FAULT = [
     ("mass_kg = 1000", "mass = 1000", "car.toml:5: wheelset.mass = 1000: unknown key; did you mean 'mass_kg' (in kg)?"),
-    ("mass_kg = 1000", "mass_kg = 0", "wheelset.mass_kg = 0: must be a number above 0"),
-    ("roll_inertia_kg_m2 = 600", "ixx_kg_m2 = 600", "did you mean 'roll_inertia_kg_m2'?"),
     ("roll_inertia_kg_m2 = 600", "roll_inertia_kg_m2 = 610",
      "wheelset.roll_inertia_kg_m2 = 610: must equal yaw_inertia_kg_m2 = 600"),
     ("spin_inertia_kg_m2 = 100", "spin_inertia_kg_m2 = 1201", "must be at most twice yaw_inertia_kg_m2 = 600"),
-    ("roll_inertia_kg_m2 = 600", "", "wheelset.roll_inertia_kg_m2 is missing: must be a number above 0"),
     ("flange_back_mm = 1360", "", "wheelset.profile_spacing_mm is missing: must be a number from 400"),
     ("flange_back_mm = 1360", "flange_back_mm = 1360\nprofile_spacing_mm = 1500",
      "cannot be given with profile_spacing_mm"),
     ("flange_back_mm = 1360", "profile_spacing_mm = 1500\nback_to_tape_circle_mm = 70", "goes with flange_back_mm"),
-    ("radius_mm = 450", "radius_mm = 0.45", "wheelset.radius_mm = 0.45: must be a number from 100 to 1500"),
     ("radius_mm = 450", "radius_left_mm = 450", "wheelset.radius_right_mm is missing: goes with radius_left_mm"),
-    ('wheel = "wheels/S1002.toml"', "", "wheelset.wheel is missing: must be a wheel profile file"),
-    ('"wheels/S1002.toml"', '"wheels/S1003.toml"', 'car.toml:11: wheelset.wheel = "wheels/S1003.toml": not found in'),
     ('"wheels/S1002.toml"', '"rails/60E1.toml"', "a wheel profile is needed here"),
     ("[1, 2, 3]", "[1, 2]", "suspension.stiffness_kN_per_m = [1, 2]: must be three numbers not below 0"),
-    ("date = 2026-01-31", 'date = "2026-01-31"', "must be a date without quotes"),
-    ("[sprung]", "[spring]", "spring: unknown key; did you mean 'sprung'?"),
 ]  # fmt: skip
 
 
@@ -226,12 +196,8 @@ BAD = {
      'elements[0].normal_spring = "guide": depends on the load of a spring itself: must be that spring'),
     "normal spring without load": (guide(('"primary"', '"damper"')),
      "friction 'guide front left' has no normal force: 'damper front left' carries nothing along its direction"),
-    "missing mass": ((("mass_kg = 8000\n", ""),),
-     "car.toml:15: bodies.body.mass_kg is missing: must be a number above 0"),
-    "negative mass": ((("8000", "-8000"),), "car.toml:16: bodies.body.mass_kg = -8000: must be a number above 0"),
     "impossible inertia": ((("4000, 9000", "400, 900"),),
      "inertia_kg_m2 = [400, 900, 9500]: the one about z is larger"),
-    "misspelt key": ((("stiffness_kN", "stifness_kN"),), "did you mean 'stiffness_kN_per_m'?"),
     "misspelt body": ((('body = "body"', 'body = "bdy"'),),
      'elements[0].body = "bdy": is no body; there is body, front'),
     "attached to itself": ((('to = ["front", "rear"]', 'to = "body"'),), "is the body that the element comes from"),
@@ -257,9 +223,6 @@ BAD = {
      "loads[0].on = \"bdoy\": is no body; there is body, front, rear (did you mean 'body'?)"),
     "load of two ways": ((("[bodies.body]", PUSH + "time_s_force_kN = [[0, 0, 0, 0]]\n[bodies.body]"),),
      "loads[0].time_s_force_kN = [[0, 0, 0, 0]]: cannot be given with force_kN"),
-    "load of no way": (before(PUSH.replace("force_kN = [0, 9, 0]\n", "")),
-     "loads[0].force_kN is missing: must be three numbers"),
-    "load without a number": (before(PUSH.replace("[0, 9, 0]", "[0, nan, 0]")), "loads[0].force_kN = [0, nan, 0]: "),
     "times that do not rise": (before(PUSH.replace("force_kN = [0, 9, 0]", ROWS)), "loads[0].time_s_force_kN"),
     "rows of three": (before(PUSH.replace("force_kN = [0, 9, 0]", "distance_m_force_kN = [[0, 1, 2]]")),
      "four numbers [distance m, x kN, y kN, z kN]"),
@@ -272,7 +235,6 @@ BAD = {
      'payloads[0].on = "front": is a wheelset, which spins'),
     "mass far out": (before(BALLAST.replace("[0, 0, 900]", "[3000, 0, 3000]")),
      "the payload turns the principal axes of body 'body' about y"),
-    "missing wheel": ((("wheels/S1002", "wheels/S1003"),), 'did you mean "wheels/S1002.toml"?'),
 }  # fmt: skip
 
 
@@ -324,7 +286,6 @@ def test_a_payload_is_part_of_its_body(tmp_path: Path) -> None:
     ({"vehicle.loads": [WIND, WIND]}, "vehicle.loads[1].name = .wind.: is the name of another load"),
     ({"vehicle.payloads": [COAL | {"on": "front.outer"}]}, "vehicle.payloads[0].on = .*is a wheelset, which spins"),
     ({"vehicle.payloads": [COAL | {"at_mm": [8000, 0, 6800]}]}, "turns the principal axes of body 'carbody' about y"),
-    ({"vehicle.drive": "wheel"}, 'did you mean "wheels"?'),
     ({"run.distance_m": 285.0}, "the first wheelset is 10.78 m ahead of the vehicle's origin"),
 ])  # fmt: skip
 def test_a_scenario_that_does_not_suit_its_vehicle_is_refused(values: dict[str, object], words: str) -> None:

@@ -202,15 +202,6 @@ def test_a_narrow_peak_gets_finer_rows():
     assert patch.p0 == pytest.approx(fine.p0, rel=0.01)
 
 
-def test_planar_patch_needs_no_angle_correction():
-    model = contact_model(round_wheel(0.3), flat_rail(), radius=0.46, **EXACT)
-    pose = lowered(0.46, 0.08e-3, yaw=3e-3, speed=10.0)
-    plain = solve(model, pose)
-    corrected = solve(model, pose, HalfSpace(influence="angle-corrected"))
-    assert corrected.force == pytest.approx(plain.force, abs=2e-3 * plain.normal_force)
-    assert corrected.patches[0].p0 == pytest.approx(plain.patches[0].p0, rel=2e-3)
-
-
 def test_forces_are_the_sum_over_the_patch():
     b = pose_solver()
     b.solve(Pose("", 6e-3, 0.0, 80e3))

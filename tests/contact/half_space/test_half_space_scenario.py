@@ -8,7 +8,6 @@ from support.contacts import pair_model
 from support.scenario_texts import STATIC, faults
 
 from wrsim import run
-from wrsim.contact.settings import ContactSettings
 from wrsim.errors import SimulationError
 from wrsim.scenario.loading import load_text
 
@@ -118,11 +117,6 @@ def test_wrong_keys_are_told(tmp_path):
     )
     assert "did you mean 'element_x_mm'?" in said("half_space = {dx_mm = 0.2, element_s_mm = 0.2}")[0]
     assert said(EXACT + "\nhalf_space = {resolution = 20, influence = 'angle-corrected'}") == []
-
-
-def test_exact_creep_needs_exact_pressure():
-    with pytest.raises(ValueError, match="half-space"):
-        ContactSettings(tangential="half-space")
 
 
 def test_damping_multiplies_the_pressure_by_the_rate_of_approach():
