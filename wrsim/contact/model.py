@@ -6,6 +6,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from wrsim.contact import tables
 from wrsim.contact.batch import Contacts, evaluate_poses
+from wrsim.contact.library_file import save
 from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, Tangential
 from wrsim.contact.workspace import KernelArrays, Workspace, pack
 from wrsim.core.contact import records as k
@@ -198,15 +200,36 @@ class ContactModel:
         """
         return evaluate_poses(self._batch_inputs, poses, load, place, threads)
 
+    def save_for_library(self, path: str | Path) -> None:
+        """Write the file that the C library opens (docs/user/library.md).
+
+        Parameters
+        ----------
+        path : str or Path
+            A file there is replaced.
+
+        Raises
+        ------
+        InputError
+            For the exact half-space solver.
+        WrsimError
+            Where the file cannot be written.
+        """
+        self._check_compiled()
+        save(_inputs(self), repr(self), path)
+
     def turn_rail(self, twist: float, outward: float, up: float) -> None:
         """Set how the rail turns and bends where the wheel is; see `evaluate`."""
         settings = self.arrays.settings
         settings.twist, settings.bow_o, settings.bow_b = twist, outward, up
 
+    def _check_compiled(self) -> None:
+        if self.normal.solve is not None:
+            raise InputError(f'normal = "{self.settings.normal}": is not compiled; solve_poses solves its poses')
+
     @property
     def _batch_inputs(self) -> Arrays:
-        if self.normal.solve is not None:
-            raise InputError(f'normal = "{self.settings.normal}": has no compiled batch; solve_poses solves its poses')
+        self._check_compiled()
         return self.inputs
 
     @property

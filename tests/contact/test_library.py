@@ -1,0 +1,332 @@
+"""The contact as a C library: the bits of Python, from C and through ctypes, on two threads; files that are wrong."""
+
+import ctypes
+import os
+import re
+import shutil
+import subprocess
+import sys
+import zlib
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+from support.contacts import RADIUS, bench, pair_model, rail_profile, settle, wheel_profile
+from support.scripts import script
+
+from wrsim.contact.library_file import MAGIC
+from wrsim.contact.models import contact_model
+from wrsim.contact.settings import Friction, FrictionAlong
+from wrsim.contact.status import WORDS, status_words
+from wrsim.errors import InputError, WrsimError
+from wrsim.library.build import HEADER, LIBRARY, SOURCE, build_library
+
+ROOT = Path(__file__).parents[2]
+TABLES = ROOT.parent / "shared/reference/contact"
+CC = os.environ.get("CC", "cc")
+PAIR = "S1002/60E1 1:40"
+NORMALS = ("kik-piotrowski", "strips")
+LOAD, SPEED = 55e3, 2.0
+SHIFTS = (0.0, 3e-3, 5.06e-3, 6.5e-3, 8e-3)  # tread with two patches, tread, tread and root, gauge corner, flange
+
+pytestmark = [
+    pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="there is nothing compiled"),
+    pytest.mark.skipif(sys.platform != "linux" or shutil.which(CC) is None, reason="there is no C compiler here"),
+]
+
+
+def row_type(name):
+    """numpy's type of a struct of the header, with its names."""
+    body = re.search(r"typedef struct \{([^}]*)\} " + name + ";", (SOURCE / HEADER).read_text())[1]
+    plain = re.sub(r"/\*.*?\*/", "", body, flags=re.S)
+    fields = []
+    for kind, names in re.findall(r"(double|int32_t) ([^;]*);", plain):
+        for one in names.split(","):
+            shape = re.search(r"\[(\d)\]", one)
+            of = "f8" if kind == "double" else "i4"
+            fields.append((one.split("[")[0].strip(), of, (int(shape[1]),)) if shape else (one.strip(), of))
+    return np.dtype(fields, align=True)
+
+
+RESULT, PATCH, STRIP = (row_type(f"wrsim_contact_{name}") for name in ("result", "patch", "strip"))
+
+
+def rows_of(records, kind):
+    """Rows as the library has them, of records of Python."""
+    rows = np.zeros(len(records), kind)
+    for name in kind.names:
+        rows[name] = records["n_strips" if name == "strips" else name]
+    return rows
+
+
+def bytes_of(contact):
+    """What the program writes of a contact."""
+    result = np.zeros((), RESULT)
+    result["force"], result["moment"] = contact.force, contact.moment
+    result["wear_number"], result["closest"] = contact.wear_number, contact.closest
+    result["patches"], result["status"] = len(contact.patches), contact.status
+    parts = [result]
+    for patch, strips in zip(rows_of(contact.patches, PATCH), contact.strips, strict=True):
+        parts += [patch, rows_of(strips, STRIP)]
+    return b"".join(part.tobytes() for part in parts)
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """Folder with the library, its header and the program of this file."""
+    folder = tmp_path_factory.mktemp("library")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CC", f"{CC} -Wall -Wextra -Werror")
+        build_library(folder)
+    compile_program(folder, Path(__file__).with_name("library_poses.c"), "-pthread")
+    return folder
+
+
+def compile_program(folder, source, *options):
+    """Compile a program beside the library, as its users do."""
+    flags = ["-std=c11", "-Wall", "-Wextra", "-Werror", *options, f"-I{folder}", f"-L{folder}", f"-Wl,-rpath,{folder}"]
+    command = [CC, *flags, str(source), "-o", str(folder / source.stem), "-lwrsim_contact", "-lm"]
+    subprocess.run(command, check=True)
+
+
+def contacts_in_c(built, model, rows, follow=False, threads=1):
+    """What the program writes for poses and places (n, 13)."""
+    files = [built / name for name in ("model.contact", "poses", "results")]
+    model.save_for_library(files[0])
+    np.ascontiguousarray(rows, dtype=float).tofile(files[1])
+    command = [built / "library_poses", *files, str(int(follow)), str(threads)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, (done.returncode, done.stderr)
+    return files[2].read_bytes()
+
+
+def contacts_in_python(model, rows, follow=False):
+    """The same from Python."""
+    model.arrays.follow(follow)
+    return b"".join(bytes_of(model.evaluate(*row[:12].reshape(4, 3), place=row[12])) for row in rows)
+
+
+def poses_under_load(model, shifts=SHIFTS, yaw=2e-3):
+    """Poses and places (n, 13) that carry the load."""
+    rows, stand = [], bench(model)
+    for shift in shifts:
+        settle(stand, shift, yaw, LOAD)
+        rows.append([*model.arrays.pose, 0.0])
+    return np.array(rows)
+
+
+def around(rows, number, seed):
+    """Poses at random around those: up to 1 mm, 5 mrad, 0.05 m/s and 0.2 rad/s off, with and without contact."""
+    random = np.random.default_rng(seed)
+    chosen = rows[random.integers(len(rows), size=number)].copy()
+    chosen[:, :12] += np.repeat([1e-3, 5e-3, 0.05, 0.2], 3) * random.uniform(-1.0, 1.0, (number, 12))
+    chosen[:, 3:6] /= np.linalg.norm(chosen[:, 3:6], axis=1, keepdims=True)
+    return chosen
+
+
+@pytest.mark.parametrize("normal", NORMALS)
+def test_c_has_the_bits_of_python_for_forces_patches_and_strips(built, normal):
+    model = pair_model(PAIR, normal=normal)
+    rows = np.concatenate([poses_under_load(model), [[0.0, 0.0, 1.0, *(0.0, 1.0, 0.0), *[0.0] * 6, 0.0]]])
+    assert contacts_in_c(built, model, rows) == contacts_in_python(model, rows)
+
+
+def test_two_threads_that_follow_a_moving_wheel_have_the_bits_of_python(built):
+    model = pair_model(PAIR, normal="strips")
+    rows = np.repeat(poses_under_load(model, (5.06e-3,)), 60, axis=0)
+    rows[:, 1] += 2e-6 * np.sin(0.3 * np.arange(60))
+    warm, cold = (contacts_in_python(model, rows, follow) for follow in (True, False))
+    assert contacts_in_c(built, model, rows, follow=True, threads=2) == warm
+    assert warm != cold
+
+
+def test_friction_changes_along_the_rail_in_c_as_in_python(built):
+    along = FrictionAlong((0.0, 10.0), (Friction(0.1), Friction(0.4, gauge_corner=0.2)))
+    model = contact_model(wheel_profile("S1002"), rail_profile("60E1", 40), RADIUS, friction=along)
+    rows = np.repeat(poses_under_load(model, (6.5e-3,)), 3, axis=0)
+    rows[:, 12] = 0.0, 4.0, 20.0
+    results = contacts_in_c(built, model, rows)
+    assert results == contacts_in_python(model, rows)
+    assert len({result.tobytes() for result in np.frombuffer(results, np.uint8).reshape(3, -1)}) == 3
+
+
+class Opened:
+    """A contact through ctypes."""
+
+    def __init__(self, built, path):
+        self.library = ctypes.CDLL(str(built / LIBRARY))
+        self.library.wrsim_contact_description.restype = ctypes.c_char_p
+        self.library.wrsim_contact_free.argtypes = [ctypes.c_void_p]
+        self.handle, text = ctypes.c_void_p(), ctypes.create_string_buffer(1000)
+        name = os.fsencode(path)
+        self.status = self.library.wrsim_contact_open(name, ctypes.byref(self.handle), text, ctypes.c_size_t(1000))
+        self.message = text.value.decode()
+
+    def evaluate(self, pose, place=0.0):
+        parts = [(ctypes.c_double * 3)(*part) for part in np.reshape(pose, (4, 3))]
+        return self.library.wrsim_contact_evaluate(self.handle, *parts, ctypes.c_double(place))
+
+    def result(self):
+        room = np.zeros((), RESULT)
+        assert self.library.wrsim_contact_forces(self.handle, ctypes.c_void_p(room.ctypes.data)) == 0
+        return room
+
+    def words(self, status, size=1000):
+        text = ctypes.create_string_buffer(b"x" * size)
+        length = self.library.wrsim_contact_words(status, text, ctypes.c_size_t(size))
+        return text.value.decode(), length
+
+    def close(self):
+        self.library.wrsim_contact_free(self.handle)
+
+
+@pytest.fixture
+def saved(built, tmp_path):
+    """A file for the library, and the model in it."""
+    model = pair_model(PAIR)
+    model.save_for_library(tmp_path / "one.contact")
+    return tmp_path / "one.contact", model
+
+
+def test_a_turned_rail_gives_the_same_forces_through_ctypes(built, saved):
+    path, model = saved
+    row = poses_under_load(model, (3e-3,))[0, :12]
+    opened = Opened(built, path)
+    assert (opened.status, opened.message) == (0, "")
+    forces = []
+    for turning in ((0.0, 0.0, 0.0), (2e-3, 1 / 150.0, -1e-3)):
+        assert opened.library.wrsim_contact_turn_rail(opened.handle, *map(ctypes.c_double, turning)) == 0
+        assert opened.evaluate(row) == 0
+        contact = model.evaluate(*row.reshape(4, 3), turning=turning)
+        forces.append(opened.result()["force"])
+        assert np.array_equal(forces[-1], contact.force)
+    assert not np.array_equal(*forces)
+    assert "S1002" in opened.library.wrsim_contact_description(opened.handle).decode()
+    opened.close()
+
+
+def test_every_status_has_the_text_of_python(built, saved):
+    opened = Opened(built, saved[0])
+    bits = sum(WORDS)
+    for status in (0, *WORDS, bits):
+        assert opened.words(status) == (status_words(status), len(status_words(status)))
+    assert opened.words(bits, 20) == (status_words(bits)[:19], len(status_words(bits)))
+    assert all(opened.words(-error)[0] for error in range(1, 9))
+    opened.close()
+
+
+def test_a_call_with_bad_arguments_does_nothing_and_has_a_status(built, saved):
+    path, model = saved
+    opened = Opened(built, path)
+    library, room = opened.library, (ctypes.c_char * 1000)()
+    assert library.wrsim_contact_forces(opened.handle, room) == -7  # there is no evaluation yet
+    row = poses_under_load(model, (3e-3,))[0, :12]
+    assert opened.evaluate(row) == 0
+    before = opened.result()
+    for i in range(12):
+        for bad in (np.nan, np.inf, -1e300):
+            assert opened.evaluate(np.where(np.arange(12) == i, bad, row)) == -7
+    assert opened.evaluate(row, np.nan) == -7
+    for axle in ((0.0, 1.001, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)):  # no unit vectors, and one along the track
+        assert opened.evaluate([*row[:3], *axle, *row[6:]]) == -7
+    assert library.wrsim_contact_evaluate(None, None, None, None, None, ctypes.c_double(0.0)) == -7
+    assert library.wrsim_contact_strips(opened.handle, 99, room, 1) == -7
+    assert library.wrsim_contact_patches(opened.handle, None, 1) == -7
+    assert library.wrsim_contact_open(None, None, None, ctypes.c_size_t(0)) == -7
+    library.wrsim_contact_free(None)
+    assert opened.result().tobytes() == before.tobytes()
+    opened.close()
+
+
+def test_wrong_and_damaged_files_have_a_status_and_a_text(built, saved):
+    path, _ = saved
+    content = path.read_bytes()
+    random = np.random.default_rng(1)
+    cases = [(b"", -2), (b"[vehicle]\n" * 100, -2), (content[: len(MAGIC)], -2), (content + b"\0" * 8, -4)]
+    cases += [(content[:size], -4) for size in (100, 1000, len(content) - 1, len(content) - 8, len(content) // 2)]
+    for place in (8, 16, 31):  # version, digest of the kernels
+        cases.append((content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :], -3))
+    for place in (32, 40, 48, 55, 60, *random.integers(56, len(content), 40)):
+        bit = 1 << int(random.integers(8))
+        cases.append((content[:place] + bytes([content[place] ^ bit]) + content[place + 1 :], -4))
+    for wrong, status in cases:
+        path.write_bytes(wrong)
+        opened = Opened(built, path)
+        assert (opened.status, opened.handle.value) == (status, None), opened.message
+        assert opened.message.startswith(f"{path}: ") and len(opened.message) > len(str(path)) + 20
+    for place in (path.parent, path.parent / "none"):
+        opened = Opened(built, place)
+        assert opened.status == -1 and "cannot be read" in opened.message
+    assert zlib.crc32(content[:-8]) == int.from_bytes(content[-8:], "little")
+
+
+def test_the_library_needs_the_c_library_alone_and_shows_its_functions_alone(built):
+    run = {"check": True, "capture_output": True, "text": True}
+    needed = re.findall(r"NEEDED\s+(\S+)", subprocess.run(["objdump", "-p", str(built / LIBRARY)], **run).stdout)
+    assert {name.split(".")[0] for name in needed} <= {"libc", "libm"}
+    listed = subprocess.run(["nm", "-D", "--defined-only", str(built / LIBRARY)], **run).stdout
+    shown = {line.split()[-1] for line in listed.splitlines()}
+    assert shown == set(re.findall(r"WRSIM_API [^;(]*?(wrsim_\w+)\(", (SOURCE / HEADER).read_text()))
+    assert len(shown) <= 15
+
+
+def test_the_example_of_the_manual_runs(built, tmp_path):
+    page = (ROOT / "docs/user/library.md").read_text()
+    python, c = (re.search(rf"^```{language}\n(.*?)^```", page, re.M | re.S)[1] for language in ("python", "c"))
+    exec(python.replace('"s1002_60e1.contact"', f'r"{tmp_path / "s1002_60e1.contact"}"'), {})
+    (built / "example.c").write_text(c)
+    compile_program(built, built / "example.c")
+    done = subprocess.run([built / "example"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == re.search(r"^```text\n(.*?)^```", page, re.M | re.S)[1]
+    failed = subprocess.run([built / "example"], cwd=built, capture_output=True, text=True)
+    assert failed.returncode == 1 and "s1002_60e1.contact: the file cannot be read" in failed.stderr
+
+
+def test_what_cannot_be_saved_or_built_has_one_clear_error(tmp_path, monkeypatch):
+    with pytest.raises(InputError, match='normal = "half-space": is not compiled'):
+        pair_model(PAIR, normal="half-space", tangential="half-space").save_for_library(tmp_path / "a")
+    with pytest.raises(WrsimError, match=r"none.a: cannot be written"):
+        pair_model(PAIR).save_for_library(tmp_path / "none" / "a")
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(WrsimError, match="no C compiler"):
+        build_library(tmp_path)
+
+
+@pytest.mark.campaign
+@pytest.mark.skipif(not TABLES.is_dir(), reason="the reference tables are not here")
+@pytest.mark.parametrize("normal", NORMALS)
+def test_the_poses_of_the_reference_tables_have_the_bits_of_python(built, normal):
+    reference = script("campaigns/reference_contact.py")
+    chosen, found = reference.Chosen.parse(normal), {}
+    for methods in reference.by_case(reference.read(TABLES / "own_static.csv")).values():
+        row = next(iter(methods.values()))[0]
+        place = reference.own_place(row["wheel"], row["rail"], row["cant_label"], row["tang"] == "3")
+        reference.solve(chosen, place, reference.pose_of(row), abs(float(row["vpitch_radps"])))
+        settings = chosen.settings if place.rolling else chosen.with_tangential("none")
+        model = reference._model(place.wheel, place.rail, place.radius, settings)
+        found.setdefault(id(model), (model, []))[1].append([*model.arrays.pose, 0.0])
+    assert sum(len(rows) for _, rows in found.values()) >= 809
+    for model, rows in found.values():
+        assert contacts_in_c(built, model, rows) == contacts_in_python(model, np.array(rows))
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("normal", NORMALS)
+def test_twenty_thousand_random_poses_have_the_bits_of_python(built, normal):
+    model = pair_model(PAIR, normal=normal)
+    rows = around(poses_under_load(model), 20_000, 7)
+    results = contacts_in_c(built, model, rows, threads=2)
+    assert results == contacts_in_python(model, rows)
+
+
+@pytest.mark.campaign
+def test_a_library_for_common_processors_has_the_bits_of_this_machine(built, tmp_path):
+    env = os.environ | {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}
+    subprocess.run([sys.executable, "-m", "wrsim.library.build", tmp_path], env=env, check=True)
+    compile_program(tmp_path, Path(__file__).with_name("library_poses.c"), "-pthread")
+    for normal in NORMALS:
+        model = pair_model(PAIR, normal=normal)
+        rows = around(poses_under_load(model), 500, 3)
+        assert contacts_in_c(tmp_path, model, rows) == contacts_in_python(model, rows)
