@@ -1,5 +1,6 @@
 """Wheels on rails for the tests of the contact model: shipped and synthetic profiles, one model for each choice."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -84,7 +85,9 @@ def rail_origin(rail: Profile, gauge: float = GAUGE) -> tuple[float, float]:
 def bench(model: ContactModel, *, rolling: bool = True, sides: tuple[int, ...] = (1,)) -> PoseSolver:
     """One wheel (or two alike) of a wheelset on straight track."""
     origin = rail_origin(model.rail)
-    wheels = [WheelOnRail(model, side, HALF_SPACING, origin) for side in sides]
+    # each with arrays of its own
+    models = [model, *(replace(model) for _ in sides[1:])]
+    wheels = [WheelOnRail(m, side, HALF_SPACING, origin) for m, side in zip(models, sides, strict=True)]
     return PoseSolver(wheels, rolling, model.radius)
 
 

@@ -16,6 +16,7 @@ makes both equal when the two are equally deep and vanishes when the shallower o
 from wrsim.core.jit import Records, inlined, kernel
 
 WIDEST = 0.08  # half width at which the search for an edge is given up [m]
+LEAST_ROOM = 1e-7  # of a lobe beside its main point [m]
 
 
 @kernel
@@ -23,9 +24,9 @@ def room_beside(found: Records, i: int, count: int) -> tuple[float, float]:
     """Distances from a lobe's main point to the saddles beside it, where its neighbours begin."""
     left = right = WIDEST
     if i > 0 and found[i - 1].saddle >= 0.0:
-        left = max(found[i].arc_rail - found[i - 1].saddle_arc, 1e-7)
+        left = max(found[i].arc_rail - found[i - 1].saddle_arc, LEAST_ROOM)
     if i < count - 1 and found[i].saddle >= 0.0:
-        right = max(found[i].saddle_arc - found[i].arc_rail, 1e-7)
+        right = max(found[i].saddle_arc - found[i].arc_rail, LEAST_ROOM)
     return left, right
 
 

@@ -10,7 +10,7 @@ from math import sqrt
 
 from wrsim.core.contact.patch import first_step
 from wrsim.core.contact.records import STATUS_PROFILE_END
-from wrsim.core.contact.search.lobes import room_beside
+from wrsim.core.contact.search.lobes import LEAST_ROOM, room_beside
 from wrsim.core.contact.strips.equations import set_fading
 from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, make_room, next_corner
 from wrsim.core.contact.strips.records import ROWS
@@ -37,24 +37,27 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
     memo.deepest = 1e-12
     i = 0
     while i < count:
-        last = i
-        while last < count - 1 and found[last].saddle > gathered * min(found[last].depth, found[last + 1].depth):
-            last += 1
         first = memo.grids
         grid = system.grids[first]
-        for side in range(2):
-            k = i if side == 0 else last
-            own = found[k]
-            limit = room_beside(found, k, count)[side]
-            step = first_step(own.depth, own.curvature)
-            way, beyond = find_end(
-                wheel, rail, own.arc_wheel, own.arc_rail, own.depth, step, 1.0 if side == 1 else -1.0, limit
-            )
-            status |= STATUS_PROFILE_END if beyond else 0
-            if side == 0:
-                grid.least = own.arc_rail - way
-            else:
-                grid.most = own.arc_rail + way
+        limit = room_beside(found, i, count)[0]
+        if first > 0 and found[i - 1].saddle < 0.0:
+            limit = max(found[i].arc_rail - system.grids[first - 1].most, LEAST_ROOM)
+        way, beyond = _end_of(wheel, rail, found[i], -1.0, limit)
+        grid.least = found[i].arc_rail - way
+        status |= STATUS_PROFILE_END if beyond else 0
+        last, reached = i, True
+        while reached:
+            while last < count - 1 and found[last].saddle > gathered * min(found[last].depth, found[last + 1].depth):
+                last += 1
+            limit, reached = room_beside(found, last, count)[1], False
+            if last < count - 1 and found[last].saddle < 0.0:
+                limit = found[last + 1].arc_rail - found[last].arc_rail
+            way, beyond = _end_of(wheel, rail, found[last], 1.0, limit)
+            grid.most = found[last].arc_rail + way
+            if last < count - 1 and found[last].saddle < 0.0 and way >= limit:
+                # the gap before the next lobe is narrower than a step of the walk: the ground goes on
+                last, reached = last + 1, True
+        status |= STATUS_PROFILE_END if beyond else 0
         grid.arc, grid.place = found[i].arc_wheel, found[i].arc_rail
         lay_rows(wheel, rail, grid, system.rows[first])
         room = system.grids.size - first - (count - 1 - last)
@@ -77,6 +80,13 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
     set_fading(system)
     set_shifts(system)
     return status
+
+
+@inlined
+def _end_of(wheel, rail, lobe, direction, limit):
+    """How far the overlap reaches from a lobe's main point, and whether to the end of a profile."""
+    step = first_step(lobe.depth, lobe.curvature)
+    return find_end(wheel, rail, lobe.arc_wheel, lobe.arc_rail, lobe.depth, step, direction, limit)
 
 
 @inlined
