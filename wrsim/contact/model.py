@@ -16,7 +16,7 @@ from wrsim.contact import tables
 from wrsim.contact.batch import Contacts, evaluate_poses
 from wrsim.contact.library_file import save
 from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, Tangential
-from wrsim.contact.workspace import KernelArrays, Workspace, pack
+from wrsim.contact.workspace import WARM_TOLERANCE, KernelArrays, Workspace, pack
 from wrsim.core.contact import records as k
 from wrsim.core.contact.arrays import Arrays
 from wrsim.core.contact.strips.equations import block_of
@@ -299,6 +299,7 @@ def _inputs(model: ContactModel) -> Arrays:
     n.projected = settings.approach == "projected"
     n.strips = normal.rows(settings.strip_count) if normal.solves_for_strips else settings.strip_count or 0
     n.together, n.apart = settings.half_space.together, settings.half_space.apart
+    n.tolerance = WARM_TOLERANCE
     n.curved = normal.solves_for_strips and settings.half_space.influence == "angle-corrected"
     n.strip_width = settings.strip_width or 0.0
     n.tangential = TANGENTIAL[settings.creep_forces]

@@ -13,6 +13,7 @@ from wrsim.core.contact.strips.records import X
 from wrsim.core.contact.wheel_rail import search, wheel_rail
 from wrsim.core.jit import Array, Records
 
+WARM_TOLERANCE = 1e-8  # of the strip model from its last contact, over the deepest penetration
 ALIGNMENT = 8  # doubles: every array starts on a cache line of its own
 
 
@@ -118,10 +119,11 @@ class KernelArrays:
         """Calls so far in which the strip model was not solved and a substitute stood for it."""
         return self._substitutes.item()
 
-    def follow(self, on: bool) -> None:
+    def follow(self, on: bool, tolerance: float = WARM_TOLERANCE) -> None:
         """From now on the strip model starts from the contact asked for last (in runs), or cold each time. Its answer
-        is the same to its tolerance."""
+        is the same to this tolerance."""
         self.settings.start = k.FROM_LAST if on else k.COLD_START
+        self.settings.tolerance = tolerance
         self.rows.memo["known"] = 0
 
     def kept(self) -> tuple[NDArray[Any], ...]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.contact.workspace import WARM_TOLERANCE
 from wrsim.core.body import derivative as k
 
 Array = NDArray[np.float64]
@@ -57,13 +58,16 @@ class ForceLaw:
     def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> object:
         return self._function(t, q, q_t, out)
 
-    def follow(self, on: bool) -> None:
-        """Start every call from the solution of the last one (a warm start, faster in a run), or without it."""
+    def follow(self, on: bool, tolerance: float = WARM_TOLERANCE) -> None:
+        """Start every call from the solution of the last one (a warm start, faster in a run), or without it.
+
+        tolerance: of the force, in parts of it.
+        """
 
     @contextmanager
-    def following(self) -> Iterator[None]:
+    def following(self, tolerance: float = WARM_TOLERANCE) -> Iterator[None]:
         """While this lasts, warm starts."""
-        self.follow(True)
+        self.follow(True, tolerance)
         try:
             yield
         finally:

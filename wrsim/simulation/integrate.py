@@ -19,6 +19,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from wrsim.contact.workspace import WARM_TOLERANCE
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
@@ -39,6 +40,9 @@ SEGMENT = 100
 
 TOLERANCE = 1e-4
 """Norm of the residual forces at which Newton's method ends, as a part of the weight."""
+
+OF_CONTACTS = 0.01 * TOLERANCE
+"""To which contacts solve their own equations in implicit steps: a hundredth of what is left of theirs."""
 
 LOOSE = 10.0
 """Factor on this in a step that is not solved otherwise, and in a part of a step, times the number of parts: where the
@@ -180,6 +184,7 @@ class Integration:
         self._monitor_every = self._every if interval is None else max(1, round(interval / step))
         weight = STANDARD_GRAVITY * sum(body.mass for body in system.bodies) if self.weight is None else self.weight
         self._tolerance = TOLERANCE * weight
+        self._of_contacts = WARM_TOLERANCE if self.integrator == "rk44" else OF_CONTACTS
         self._recorder = Recorder(system.size) if self.recorder is None else self.recorder
         self._with_state = (system.work, system.forces, self.monitor)
         self._watch = getattr(self.monitor, "step", None)
@@ -197,10 +202,10 @@ class Integration:
         system.work.set_state(Work().get_state())
         if recorder.ending is not None:
             if recorder.last is not None:
-                with system.forces.following():
+                with system.forces.following(self._of_contacts):
                     set_states(self._with_state, recorder.last.states, recorder.name)
             return _motion(recorder.rows(), self.step, recorder.ending, self.integrator, system.work)
-        with _interruptible() as self._interrupt, system.forces.following():
+        with _interruptible() as self._interrupt, system.forces.following(self._of_contacts):
             begin = recorder.checkpoint
             if begin is None:
                 begin = Checkpoint(0, q, q_t, get_states(self._with_state))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
-from wrsim.contact.workspace import pack
+from wrsim.contact.workspace import WARM_TOLERANCE, pack
 from wrsim.core.body import conical, friction, vehicle_forces
 from wrsim.core.body import derivative as differences
 from wrsim.core.body import wheel_forces as wheel_kernel
@@ -239,11 +239,11 @@ class VehicleOnTrack(Layout):
             return self.places(float(origin) + np.array([m.x for m in self.vehicle.wheelsets]))  # type: ignore[arg-type]
         return np.asarray(origin)
 
-    def follow(self, on: bool) -> None:
+    def follow(self, on: bool, tolerance: float = WARM_TOLERANCE) -> None:
         """See ``ForceLaw``: a warm start of every contact, or a cold one."""
         for wheels in self.wheels:
             for wheel in wheels:
-                wheel.model.arrays.follow(on)
+                wheel.model.arrays.follow(on, tolerance)
 
     def memory(self) -> list[NDArray[Any]]:
         """See ``ForceLaw``: places on the track, and contacts."""

@@ -56,7 +56,7 @@ for, whether the last one and any one touched, steps within the bracket."""
 SEARCHING, REACHED = -1, 0
 """Outcomes of a step of the search besides the STATUS bits of a load that is not reached."""
 
-WARM = 1e-7  # of the load: tenfold what two warm contacts of one pose differ by (WARM_TOLERANCE of core.contact.strips)
+WARM = 1e-7  # of the load: tenfold what two warm contacts of one pose differ by (contact.workspace.WARM_TOLERANCE)
 NOISE = 1e-4  # of the load's 2/3 power: a difference of two forces that gives the rate to a thousandth of it
 HIGHEST = 0.1  # above its rail, from where a wheel is let down [m]
 

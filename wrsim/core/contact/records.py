@@ -12,7 +12,8 @@ from wrsim.core.linalg import Vec
 
 SETTINGS = record(
     "E G eps recess damping kA kS strip_width least_speed mu mu_gauge zone_start zone_end fall_ratio fall_decay"
-    " wheel_step radius rail_step field_o field_b field_spacing hollow together apart place twist bow_o bow_b slack",
+    " wheel_step radius rail_step field_o field_b field_spacing hollow together apart tolerance place twist bow_o bow_b"
+    " slack",
     "tangential parabolic blended stride normal projected joint strips fewest start rows station field_rows curved",
 )
 """Numbers of a contact model.
@@ -23,7 +24,8 @@ mu, mu_gauge: friction on the top and on the gauge corner [1]; zone_start, zone_
 ramp between them; fall_ratio, fall_decay: of its fall with the slip [1, s/m].
 wheel_step, rail_step: of the tables [m]; radius: of the wheel [m]; field_o, field_b, field_spacing: grid of the rail's
 distances [m]; slack: how far these may be off [m]; hollow: largest hollows of both bodies [1/m]; together, apart:
-distances of two places of contact that press each other down fully, and not at all (strip model) [m].
+distances of two places of contact that press each other down fully, and not at all [m], tolerance: of a contact that
+starts from the last one, of the deepest penetration [1] (strip model).
 place: distance along the rail [m]; twist, bow_o, bow_b: how it turns [rad/m] and bends [1/m] there.
 tangential, normal, start: see below; projected, parabolic, blended: 0 or 1; joint: whether lobes of a patch share
 recess and strips; stride: nodes between two samples of the search; strips, fewest: their number on a lobe; rows: of a

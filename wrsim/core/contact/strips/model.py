@@ -57,10 +57,10 @@ def press_strips(a, wheel, rail, pose, count):
     if known and (memo.strips != n or not _same_grids(system, n, memo.known)):
         memo.inverted = 0
         known = carry_over(system, memo.strips, n)
-    result = solve(system, n, known, memo.parted == 0)
+    result = solve(system, n, known, settings.tolerance, memo.parted == 0)
     if result == UNSOLVED and memo.parted:
         set_grids(system, a.found, wheel, rail, pose, count, False)
-        result = max(solve(system, n, False, True), RETRIED)
+        result = max(solve(system, n, False, settings.tolerance, True), RETRIED)
     memo.known = memo.grids if result != UNSOLVED else 0
     if result == UNSOLVED:
         substitute(system, n)

@@ -24,8 +24,7 @@ from wrsim.core.contact.strips.newton import NEAR, descend, newton
 from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS, OF_A_STRIP, ROWS, X
 from wrsim.core.jit.compiling import inlined, kernel
 
-# Residuals, over the deepest penetration: from the last contact, and from a cold start
-WARM_TOLERANCE, TOLERANCE = 1e-8, 1e-9
+TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
 ROUGHLY, FAIRLY = 5e-3, 5e-4  # the same with given factors and edges: in turns of the first attempt, and else
 WARM_STEPS, HELD_STEPS, DIRECT_STEPS, COLD_STEPS = 25, 15, 20, 40
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
@@ -49,8 +48,9 @@ the rail, with edges and factors only roughly; or not."""
 
 
 @kernel
-def solve(system, n, known, whole):
-    """Solve; known: the unknowns are those of a contact near by. Returns one of SETTLED to UNSOLVED.
+def solve(system, n, known, tolerance, whole):
+    """Solve; known: the unknowns are those of a contact near by, solved to the tolerance. Returns one of SETTLED to
+    UNSOLVED.
 
     whole: else there are other grids to try before strips count as not shifted, and there is no substitute.
     ``memo.strips`` says with how many strips a grid.
@@ -60,7 +60,7 @@ def solve(system, n, known, whole):
     memo.strips = n
     for g in range(memo.grids):
         system.grids[g].reaches = 0
-    if known and newton(system, n, WARM_TOLERANCE, WARM_STEPS) and _sound(system, n):
+    if known and newton(system, n, tolerance, WARM_STEPS) and _sound(system, n):
         return SETTLED
     result = SETTLED
     for attempt in range(2):
