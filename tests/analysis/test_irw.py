@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
-from support.runs import SCENARIOS
+from support.runs import FAST, SCENARIOS
 
 from wrsim.analysis import run
 from wrsim.scenario.build import build
@@ -17,7 +17,7 @@ RADIUS, CANT = 300.0, np.arcsin(0.12 / 1.5)
 @cache
 def through() -> xr.Dataset:
     """The shipped scenario into the full curve, its last 30 m."""
-    found = run(load(SCENARIOS / "irw_r300.toml").with_values({"run.distance_m": 138})).dataset
+    found = run(load(SCENARIOS / "irw_r300.toml").with_values(FAST | {"run.distance_m": 138})).dataset
     assert found.attrs["status"] == "completed"
     return found.where(found["distance"] > 120.0, drop=True)
 
