@@ -19,6 +19,8 @@ from wrsim.contact.library_file import MAGIC
 from wrsim.contact.models import contact_model
 from wrsim.contact.settings import Friction, FrictionAlong
 from wrsim.contact.status import WORDS, status_words
+from wrsim.core.contact import records as k
+from wrsim.core.jit import kernel
 from wrsim.errors import InputError, WrsimError
 from wrsim.library.build import HEADER, LIBRARY, SOURCE, build_library
 
@@ -236,6 +238,23 @@ def test_a_call_with_bad_arguments_does_nothing_and_has_a_status(built, saved):
     assert library.wrsim_contact_open(None, None, None, ctypes.c_size_t(0)) == -7
     library.wrsim_contact_free(None)
     assert opened.result().tobytes() == before.tobytes()
+    opened.close()
+
+
+@kernel
+def raises(buffer, index):
+    """A contact that assigns arrays of unequal lengths."""
+    buffer[: index[0, 1]] = buffer[: index[0, 1] + 1]
+    return 0
+
+
+def test_a_kernel_that_raises_an_error_gives_a_status(saved, tmp_path, monkeypatch):
+    path, model = saved
+    monkeypatch.setattr("wrsim.library.build.STAGES", {k.CONTACT: raises})
+    build_library(tmp_path)
+    opened = Opened(tmp_path, path)
+    assert opened.evaluate(poses_under_load(model, (3e-3,))[0, :12]) == -8
+    assert opened.library.wrsim_contact_forces(opened.handle, (ctypes.c_char * 1000)()) == -7
     opened.close()
 
 

@@ -15,7 +15,7 @@
 
 #define HIDDEN __attribute__((visibility("hidden")))
 #define ALIGNMENT 64 /* bytes: of a cache line */
-#define LARGEST 1e9  /* of an argument: beyond, products of several overflow */
+#define LARGEST 1e9  /* of an argument: products of thirty of them are finite */
 #define ROUGH 1e-6   /* of the axle's length: ten times the round-off of single precision */
 
 struct wrsim_contact {
