@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_banded
 
 from wrsim.contact.settings import ContactSettings
-from wrsim.core.contact.strips.influence import HIGHEST, INNER, LOWEST, OUTER, SHARP, STEPS, STEPS_BESIDE
+from wrsim.core.contact.strips.influence import HIGHEST, INNER, LOWEST, OUTER, RISE, SHARP, STEPS, STEPS_BESIDE
 from wrsim.geometry.profile.distance_field import DistanceField, distance_field
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rolled_rail import RolledRail, station_fields
@@ -116,9 +116,9 @@ def influence_table() -> Array:
 
     PHI is the integral of sqrt(1 - x^2) asinh(t/|x - xi|) over x; its pieces begin and end where that is singular.
     """
-    octave = INNER + np.arange((OUTER - INNER) * STEPS_BESIDE + 1) / STEPS_BESIDE
-    xi = np.sqrt(np.maximum(1.0 + np.sinh(octave * np.log(2.0)) / SHARP, 0.0))
-    t = 2.0 ** (LOWEST + np.arange((HIGHEST - LOWEST) * STEPS + 1) / STEPS)
+    beside = _at_octave(INNER + np.arange((OUTER - INNER) * STEPS_BESIDE + 1) / STEPS_BESIDE)
+    xi = np.sqrt(np.maximum(1.0 + 0.5 * (beside - 1.0 / beside) / SHARP, 0.0))
+    t = _at_octave(LOWEST + np.arange((HIGHEST - LOWEST) * STEPS + 1) / STEPS)
     z, w = np.polynomial.legendre.leggauss(40)
     z, w = 0.5 * (1.0 + z), 0.5 * w
     # flat at both ends of a piece: takes the singularities off
@@ -130,6 +130,16 @@ def influence_table() -> Array:
             weights = (hi - lo) * w * np.sqrt(1.0 - x * x)
             value[i] += weights @ np.arcsinh(t / np.maximum(np.abs(x - middle), 1e-300)[:, None])
     return np.ascontiguousarray(_spline(_spline(value / t).T).T)
+
+
+def _at_octave(octave: Array) -> Array:
+    """The numbers with these octaves, see `core.contact.strips.influence.octave`, by Newton's method."""
+    whole = np.floor(octave)
+    z = part = octave - whole
+    rise = np.polynomial.Polynomial((0.0, *RISE))
+    for _ in range(6):
+        z = z - (rise(z) - part) / rise.deriv()(z)
+    return np.asarray(2.0**whole * (1.0 + z))
 
 
 def _spline(values: Array) -> Array:

@@ -11,8 +11,7 @@ from wrsim.core.contact.strips.equations import (
     all_touch,
     block_of,
     fading,
-    node_before,
-    three_nodes,
+    step_ratio,
 )
 from wrsim.core.contact.strips.influence import facing, find_terms
 from wrsim.core.contact.strips.records import EDGES, MIDDLE, NB, NO, OF_A_POINT, OF_A_STRIP, SOLVED, TERMS
@@ -62,7 +61,7 @@ def _press_row(system, n, g, i):
     middle, r = vectors[MIDDLE, g * n + i], REACH * at.root
     points = 3 if memo.shifted else 2
     no, nb = vectors[NO, g * n + i], vectors[NB, g * n + i]
-    for point in range(points if at.node else 1):
+    for point in range(points):
         arm = r if point == 1 else -r if point == 2 else 0.0
         x = middle + arm
         # its shares of the three equations
@@ -139,8 +138,7 @@ def _own_row(system, n, g, i):
     r, off = REACH * at.root, at.off
     # u - d + off^2/(2 R);  -r^2/(2 R);  2 r off/R
     slopes = -at.d_s + 0.5 * at.bend_s * off * off, -0.5 * at.bend_s * r * r, 2.0 * at.bend_s * r * off
-    equations = 1 if at.node == 0 else OF_A_STRIP if system.memo[0].shifted else 2
-    for equation in range(equations):
+    for equation in range(OF_A_STRIP if system.memo[0].shifted else 2):
         m[row + equation * n, e] += slopes[equation] * at.mid_start / deepest
         m[row + equation * n, e + 1] += slopes[equation] * at.mid_end / deepest
     m[row + n, row] -= 0.5 * at.bend * REACH * REACH / deepest
@@ -189,11 +187,11 @@ def jacobian(system, n, held):
 def _even_rows(system, n, g):
     """What holds neighbouring strips alike."""
     places, m, base = system.places, system.matrix, g * block_of(n)
-    for j in range(n):
-        before = node_before(places, g * n + j, g * n)
-        if before < 0 or places[g * n + j].y <= 0.0 or places[g * n + j].node == 0:
+    for j in range(1, n):
+        if not all_touch(places, g * n + j - 1, 2):
             continue
-        r, b = base + n + j, base + n + before - g * n
+        r = base + n + j
+        b = r - 1
         m[r, r] += EVENNESS
         m[r, b] -= EVENNESS
         m[b, b] += EVENNESS
@@ -204,14 +202,14 @@ def _even_rows(system, n, g):
             for p in range(4):
                 for q in range(4):
                     m[r + p, r + q] += weight * THIRD[p] * THIRD[q]
-    for j in range(n if system.memo[0].shifted else 0):
-        own, r = three_nodes(places, g * n + j, g * n), base + 2 * n - g * n
-        if own.before < 0:
+    for j in range(2, n if system.memo[0].shifted else 0):
+        if not all_touch(places, g * n + j - 2, 3):
             continue
-        at, parts = (own.before, own.middle, g * n + j), (own.ratio, -1.0 - own.ratio, 1.0)
+        ratio, r = step_ratio(places, g * n + j), base + 2 * n + j - 2
+        parts = ratio, -1.0 - ratio, 1.0
         for p in range(3):
             for q in range(3):
-                m[r + at[p], r + at[q]] += EVEN_MIDDLES / system.grids[g].reach * parts[p] * parts[q]
+                m[r + p, r + q] += EVEN_MIDDLES / system.grids[g].reach * parts[p] * parts[q]
 
 
 @kernel
@@ -248,7 +246,7 @@ def _gather(system, n, held):
         grid, base = grids[g], g * block_of(n)
         for kind in range(1 if held else OF_A_STRIP if memo.shifted else 2):
             for j in range(n if grid.on else 0):
-                if system.places[g * n + j].y > 0.0 and (kind == 0 or system.places[g * n + j].node):
+                if system.places[g * n + j].y > 0.0:
                     solved[size] = base + kind * n + j
                     size += 1
         for side in range(EDGES if grid.on and not held else 0):
@@ -258,13 +256,5 @@ def _gather(system, n, held):
     memo.unknowns = size
     for i in range(size):
         row = int(solved[i])
-        for g in range(0 if held else memo.grids):
-            for j in range(n if grids[g].on else 0):
-                # what lies between two nodes has their mean
-                if system.places[g * n + j].y > 0.0 and system.places[g * n + j].node == 0:
-                    for kind in range(1, OF_A_STRIP):
-                        half, c = 0.5 * m[row, g * block_of(n) + kind * n + j], g * block_of(n) + kind * n + j
-                        m[row, c - 1] += half
-                        m[row, c + 1] += half
         for j in range(size):
             m[i, j] = m[row, int(solved[j])]

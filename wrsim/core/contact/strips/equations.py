@@ -5,7 +5,6 @@ Equations in the same order, see `core.contact.strips.model`, all over the deepe
 """
 
 from math import sqrt
-from typing import NamedTuple
 
 from wrsim.core.contact.strips.grid import place_strips
 from wrsim.core.contact.strips.influence import Displacements, pressed_at
@@ -30,8 +29,8 @@ EDGE_RATIO = (
     0.85  # of p^2 in the two outer strips, over what a straight line would give: Hertz's ellipses keep their width
 )
 LESS = 0.1  # weight of an edge's residual
-EVENNESS = 0.03  # weight with which factors of neighbouring nodes are held alike
-EVEN_MIDDLES = 0.3  # weight with which the middles of neighbouring nodes are held on a line
+EVENNESS = 0.03  # weight with which factors of neighbouring strips are held alike
+EVEN_MIDDLES = 0.3  # weight with which the middles of neighbouring strips are held on a line
 THIRD = -1.0, 3.0, -3.0, 1.0  # difference
 WEAKENING = 0.8  # exponent, as in contact.half_space.zones
 
@@ -74,32 +73,6 @@ def fading(system, i, j):
     return system.vectors[FADING, i * system.memo[0].grids + j] if system.grids[i].on else 0.0
 
 
-@inlined
-def set_nodes(places, x, n):
-    """Which strips have a factor and a middle of their own: every other one of a stretch of contact, and its last one.
-
-    What lies between two nodes has their mean: from one strip to the next neither changes by much, and a single one
-    hardly moves the surface. places: of a grid; x: its unknowns.
-    """
-    run = 0
-    for j in range(n):
-        run = run + 1 if x[j] > 0.0 else 0
-        last = j == n - 1 or x[j + 1] <= 0.0
-        places[j].node = int(run > 0 or last)
-        if run > 0 and places[j].node == 0:
-            for kind in range(1, OF_A_STRIP):
-                at = kind * n + j
-                x[at] = 0.5 * (x[at - 1] + x[at + 1])
-
-
-@inlined
-def node_before(places, j, first):
-    """The node before strip j in its stretch of contact; -1 where there is none. first: of the grid."""
-    if j <= first or places[j - 1].y <= 0.0:
-        return -1
-    return j - 1 if places[j - 1].node else j - 2
-
-
 @kernel
 def lay_strips(system, n):
     """Strips of all grids in contact between the edges that the unknowns give, and their amplitudes."""
@@ -112,7 +85,6 @@ def lay_strips(system, n):
             continue
         grid.start, grid.end = x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1]
         place_strips(system.wheel, system.rail, grid, system.rows[g], places[g * n : (g + 1) * n])
-        set_nodes(places[g * n : (g + 1) * n], x[base : base + OF_A_STRIP * n], n)
         for j in range(n):
             i, place = g * n + j, places[g * n + j]
             place.q = place.y = place.off = 0.0
@@ -186,22 +158,19 @@ def residuals(system, n, held):
             place = places[g * n + j]
             if place.y <= 0.0 and not held:
                 continue
-            set_conditions(system, n, g, j, 1 if held or place.node == 0 else points)
+            set_conditions(system, n, g, j, 1 if held else points)
             if place.y <= 0.0:
                 continue
             out[base + j] = place.gap
             if held:
                 largest = max(largest, abs(place.gap))
                 continue
-            if place.node == 0:
-                continue
             out[base + n + j] += place.bow
             out[base + 2 * n + j] += place.turn
-            p = node_before(places, g * n + j, g * n)
-            if p >= 0:
-                uneven = EVENNESS * (place.k - places[p].k)
+            if j > 0 and places[g * n + j - 1].y > 0.0:
+                uneven = EVENNESS * (place.k - places[g * n + j - 1].k)
                 out[base + n + j] += uneven
-                out[base + n + p - g * n] -= uneven
+                out[base + n + j - 1] -= uneven
         if held:
             continue
         for j in range(1, n - 2 if memo.shifted else 1):
@@ -209,15 +178,15 @@ def residuals(system, n, held):
                 calm = grid.calm * third_difference(places, g * n + j, memo.deepest)
                 for p in range(4):
                     out[base + j + p - 1] += THIRD[p] * calm
-        for j in range(n if memo.shifted else 0):
-            own, row = three_nodes(places, g * n + j, g * n), base + 2 * n - g * n
-            if own.before < 0:
-                continue
-            one, two, three = places[own.before].off, places[own.middle].off, places[g * n + j].off
-            uneven = EVEN_MIDDLES / grid.reach * (three - two - own.ratio * (two - one))
-            out[row + own.before] += own.ratio * uneven
-            out[row + own.middle] -= (1.0 + own.ratio) * uneven
-            out[row + g * n + j] += uneven
+        for j in range(2, n if memo.shifted else 0):
+            i = g * n + j
+            if all_touch(places, i - 2, 3):
+                ratio, row = step_ratio(places, i), base + 2 * n + j
+                one, two, three = places[i - 2].off, places[i - 1].off, places[i].off
+                uneven = EVEN_MIDDLES / grid.reach * (three - two - ratio * (two - one))
+                out[row - 2] += ratio * uneven
+                out[row - 1] -= (1.0 + ratio) * uneven
+                out[row] += uneven
         for i in range(base, base + OF_A_STRIP * n):
             largest = max(largest, abs(out[i]))
         for side in range(EDGES):
@@ -229,22 +198,10 @@ def residuals(system, n, held):
     return largest
 
 
-class Nodes(NamedTuple):
-    """Two nodes before a third one, -1 where there are none; distance from the second to the third over that before."""
-
-    before: int
-    middle: int
-    ratio: float
-
-
 @inlined
-def three_nodes(places, j, first):
-    """The two nodes before strip j, if it is a node itself."""
-    middle = node_before(places, j, first) if places[j].y > 0.0 and places[j].node else -1
-    before = node_before(places, middle, first) if middle >= 0 else -1
-    if before < 0:
-        return Nodes(-1, -1, 0.0)
-    return Nodes(before, middle, (places[j].s - places[middle].s) / (places[middle].s - places[before].s))
+def step_ratio(places, i):
+    """Distance of strip i from the one before, over that from there to the one before it."""
+    return (places[i].s - places[i - 1].s) / (places[i - 1].s - places[i - 2].s)
 
 
 @inlined

@@ -9,8 +9,8 @@ difference of two values of
 
     PHI(xi, t) = int_0..t f(1, xi, z) dz,    xi = x/a,    t = s/a,
 
-however wide it is, near or far. PHI/t is a cubic spline at equal steps of log2(t) and of asinh(SHARP (xi^2 - 1))/ln 2,
-which runs as the logarithm of xi far away and is fine beside the end of the line, xi = 1, where f bends within t.
+however wide it is, near or far. PHI/t is a cubic spline at equal steps of the octaves of t and of y + sqrt(y^2 + 1),
+y = SHARP (xi^2 - 1), which is fine beside the end of the line, xi = 1, where f bends within t.
 `wrsim.contact.tables` makes its coefficients.
 """
 
@@ -21,28 +21,34 @@ from wrsim.core.contact.strips.records import FROM, INVERSE, LIFT, MIDDLE, NB, N
 from wrsim.core.jit.arena import bits_of, number_of
 from wrsim.core.jit.compiling import filling, inlined, kernel
 
-LOWEST, HIGHEST, STEPS = -12, 12, 4
+LOWEST, HIGHEST, STEPS = -12, 12, 6
 """Octaves of t in the table, and steps in each; below the first t counts as its start."""
 SHARP, OUTER, STEPS_BESIDE = 128.0, 24, 8
 """Of the other axis: how fine it is at xi = 1; octaves beyond, and steps in each."""
-INNER = -8  # octave of xi = 0: asinh(SHARP)/ln 2 = 8.0
+INNER = -8  # octave of xi = 0
 _MOST_T = (HIGHEST - LOWEST) * STEPS - 1e-6
 _MOST_XI = (OUTER - INNER) * STEPS_BESIDE - 1e-6
 _LEAST_T = 2.0**LOWEST
 _ONE = 1023 << 52
 _MANTISSA = (1 << 52) - 1
-_ROOT = sqrt(2.0)
-_PER_LN2 = 1.4426950408889634
+RISE = 942.0 / 651.0, -472.0 / 651.0, 272.0 / 651.0, -112.0 / 651.0, 21.0 / 651.0  # within an octave
 
 
 @inlined
-def _log2(x):
-    """The logarithm to base 2 of x > 0, to 1e-8: the exponent and a series of the mantissa, without a branch."""
+def octave(x):
+    """The logarithm of x > 0 to base 2, to 0.0005: exact at powers of two, between them the quintic of the mantissa
+    that leaves no step in the first four derivatives."""
     bits = bits_of(x)
-    m = number_of((bits & _MANTISSA) | _ONE)
-    z = (m - _ROOT) / (m + _ROOT)
-    q = z * z
-    return (bits >> 52) - 1022.5 + 2.0 * _PER_LN2 * z * (1.0 + q * (1.0 / 3.0 + q * (0.2 + q * (1.0 / 7.0 + q / 9.0))))
+    z = number_of((bits & _MANTISSA) | _ONE) - 1.0
+    return (bits >> 52) - 1023.0 + z * (RISE[0] + z * (RISE[1] + z * (RISE[2] + z * (RISE[3] + z * RISE[4]))))
+
+
+@inlined
+def _octave_rate(x):
+    """Derivative of the octave by the natural logarithm of x."""
+    z = number_of((bits_of(x) & _MANTISSA) | _ONE) - 1.0
+    slope = RISE[0] + z * (2.0 * RISE[1] + z * (3.0 * RISE[2] + z * (4.0 * RISE[3] + z * 5.0 * RISE[4])))
+    return (1.0 + z) * slope
 
 
 class Knot(NamedTuple):
@@ -74,15 +80,14 @@ def _slopes(i, z):
 @inlined
 def _place_across(t):
     """Steps up to t."""
-    return min((_log2(max(abs(t), _LEAST_T)) - LOWEST) * STEPS, _MOST_T)
+    return min((octave(max(abs(t), _LEAST_T)) - LOWEST) * STEPS, _MOST_T)
 
 
 @inlined
 def _place_beside(xi):
     """Steps up to xi."""
     y = SHARP * (xi * xi - 1.0)
-    octave = _log2(abs(y) + sqrt(y * y + 1.0))
-    return min(max(((octave if y > 0.0 else -octave) - INNER) * STEPS_BESIDE, 0.0), _MOST_XI)
+    return min(max((octave(y + sqrt(y * y + 1.0)) - INNER) * STEPS_BESIDE, 0.0), _MOST_XI)
 
 
 @inlined
@@ -109,14 +114,20 @@ def _sum(table, u, v):
 
 
 @filling
-def _find_places(vectors, first, last, s, x, r, low, high, middle, fore, aft):
-    """Places on both axes of the table, each (>= last,): of both ends of strips, seen from s, and of three points."""
+def _find_places(vectors, first, last, s, x, low, high, beside):
+    """Places on both axes of the table, each (>= last,): of both ends of strips, seen from s, and of the point x."""
     for j in range(first, last):
         inverse = vectors[INVERSE, j]
         low[j] = _place_across((vectors[FROM, j] - s) * inverse)
         high[j] = _place_across((vectors[TO, j] - s) * inverse)
-        xi = (x - vectors[MIDDLE, j]) * inverse
-        middle[j], fore[j], aft[j] = _place_beside(xi), _place_beside(xi + r * inverse), _place_beside(xi - r * inverse)
+        beside[j] = _place_beside((x - vectors[MIDDLE, j]) * inverse)
+
+
+@filling
+def _find_point(vectors, first, last, x, beside):
+    """The same of another point."""
+    for j in range(first, last):
+        beside[j] = _place_beside((x - vectors[MIDDLE, j]) * vectors[INVERSE, j])
 
 
 @inlined
@@ -154,7 +165,11 @@ def pressed_at(table, vectors, first, last, s, x, r, points, no, nb):
     low, high, beside, before, behind = (
         vectors[TERMS], vectors[TERMS + 1], vectors[TERMS + 2], vectors[TERMS + 3], vectors[TERMS + 4],
     )  # fmt: skip
-    _find_places(vectors, first, last, s, x, r, low, high, beside, before, behind)
+    _find_places(vectors, first, last, s, x, low, high, beside)
+    if points > 1:
+        _find_point(vectors, first, last, x + r, before)
+    if points > 2:
+        _find_point(vectors, first, last, x - r, behind)
     middle = fore = aft = 0.0
     for j in range(first, last):
         push = vectors[PUSH, j] * vectors[INVERSE, j]
@@ -185,14 +200,16 @@ def find_terms(table, vectors, first, last, s, x, p, p_xi, turn, f0, f1):
         k = _place_beside(xi)
         i = int(k)
         beside, by_xi = _weights(i, k - i), _slopes(i, k - i)
-        rate = STEPS_BESIDE * _PER_LN2 * 2.0 * SHARP * xi / sqrt((SHARP * (xi * xi - 1.0)) ** 2 + 1.0)
+        y = SHARP * (xi * xi - 1.0)
+        root = sqrt(y * y + 1.0)
+        rate = STEPS_BESIDE * _octave_rate(y + root) * 2.0 * SHARP * xi / root
         lo, hi = (vectors[FROM, j] - s) * inverse, (vectors[TO, j] - s) * inverse
         u, v = _place_across(lo), _place_across(hi)
         m, n = int(u), int(v)
         start, end = _weights(m, u - m), _weights(n, v - n)
         low, high = _sum(table, beside, start), _sum(table, beside, end)
-        f0[j] = low + STEPS * _PER_LN2 * _sum(table, beside, _slopes(m, u - m))
-        f1[j] = high + STEPS * _PER_LN2 * _sum(table, beside, _slopes(n, v - n))
+        f0[j] = low + STEPS * _octave_rate(max(abs(lo), _LEAST_T)) * _sum(table, beside, _slopes(m, u - m))
+        f1[j] = high + STEPS * _octave_rate(max(abs(hi), _LEAST_T)) * _sum(table, beside, _slopes(n, v - n))
         p[j] = hi * high - lo * low
         p_xi[j] = rate * (hi * _sum(table, by_xi, end) - lo * _sum(table, by_xi, start))
         turn[j] = hi * f1[j] - lo * f0[j]

@@ -22,14 +22,14 @@ PLACE = record(
     "lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x x_s no nb y q k off gap bow turn"
     # for the derivatives
     " root half lean mid_start mid_end",
-    "node lobe row",
+    "lobe row",
 )
 """A strip: from lo to hi, middle s; slopes of lo and hi over both edges; penetration d and its slope; 1/R_x and its
 slope; shift x of the locus and its slope; normal; a^2 (0 out of contact), amplitude, factor k, how far its middle lies
 off the locus; residuals of its three conditions, over the deepest penetration: u - d in its middle, how much more that
 is at its outer points, and the difference of both. a; amplitude over k; slope of the logarithm of 1/R_x; slopes of s
 over both edges.
-Whether it is a node (`equations.set_nodes`); lobe and strip of it that it was handed out to."""
+Lobe and strip of it that it was handed out to."""
 
 GRID = record(
     "start end least most deepest spacing x reach calm arc place chain",
