@@ -8,7 +8,8 @@ may give their numbers, whatever they are, or refuse as below.
 
 With ``--commands``, M more files, of runs, poses, studies and services, go through every command that reads them. One
 in four is damaged, one in four is damaged and has a right checksum, two have odd content and a right checksum
-(``crafted.py``). A command may give its numbers, or refuse in one line and with exit code 2, within 60 s and 2 GB.
+(``crafted.py``). A command may give its numbers, or refuse in one line and with exit code 2, within 60 s of a processor
+and 2 GB.
 """
 
 import argparse
@@ -67,7 +68,7 @@ COMMANDS = {
 }
 GOOD = ("refused", "numbers")
 LONGEST, ROOM = 60, 2 << 30
-"""Of one command: time [s], and memory beyond that of its parent [bytes]."""
+"""Of one command: processor time [s], and memory beyond that of its parent [bytes]."""
 
 
 def corrupted(content: bytes, rng: random.Random) -> bytes:
@@ -165,7 +166,7 @@ def answer_of(words: Sequence[str], file: Path) -> str:
     """How the command ends in a process that is forked from this one: a word, and what is wrong with it if anything."""
     done = forked(*words, first=_bound)
     code, told, lines = done.returncode, done.stderr, done.stderr.count("\n")
-    if code == -signal.SIGALRM:
+    if code in (-signal.SIGALRM, -signal.SIGXCPU, -signal.SIGKILL):
         return "HANGS"
     if code in (0, 3, 4) and not any(word in told for word in ("Traceback", "HDF5-DIAG")):
         return "numbers"
@@ -179,7 +180,8 @@ def _bound() -> None:
     used = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
     resource.setrlimit(resource.RLIMIT_AS, (used + ROOM, used + ROOM))
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.alarm(LONGEST)
+    signal.alarm(10 * LONGEST)  # it may wait for a processor
+    resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
 
 
 def sources(folder: Path) -> list[Path]:
