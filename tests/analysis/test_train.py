@@ -17,6 +17,7 @@ from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.analysis.steady import run_steady
+from wrsim.core.jit.compiling import cores, use_threads
 from wrsim.geometry.track.segments import Arc, Straight
 from wrsim.plots.histories import vehicle_figures
 from wrsim.scenario.build import build
@@ -221,3 +222,16 @@ def test_a_train_goes_on_to_the_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     whole = run(asked, record=path)
     path.write_bytes(path.read_bytes()[: int(0.6 * path.stat().st_size)])
     assert run(asked, record=path, resume=True).dataset.identical(whole.dataset)
+
+
+def test_a_train_of_three_takes_all_cores_and_a_coach_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Unless told otherwise, and where threads can be had."""
+    asked: list[int] = []
+    monkeypatch.setattr("wrsim.analysis.resolved", lambda _: lambda setup, *_: asked.append(setup.threads))
+    train, coach = load(SCENARIOS / "train_s_curve.toml"), load(SCENARIOS / "manchester_r300.toml")
+    for case, given in ((train, {}), (train, {"threads": 1}), (coach, {})):
+        run(case, **given)
+    assert asked == [cores(), 1, 1]
+    monkeypatch.setattr("wrsim.analysis.use_threads", lambda _: use_threads(10**6))
+    run(train)
+    assert asked[-1] == 1

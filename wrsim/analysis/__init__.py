@@ -14,6 +14,7 @@ from typing import Any
 from wrsim.analysis.motion.record import RunRecord, recorded_setup
 from wrsim.analysis.motion.run import StepTooLong, refuse_step
 from wrsim.analysis.progress import Progress
+from wrsim.core.jit.compiling import cores, use_threads
 from wrsim.errors import InputError
 from wrsim.register import ANALYSES, resolved
 from wrsim.results import Result
@@ -21,6 +22,19 @@ from wrsim.results.table import duration
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario
 from wrsim.simulation.step_size import evaluations_for
+
+MANY = 3  # vehicles whose contacts take all cores unless told otherwise
+
+
+def _usual_threads(setup: Setup) -> int:
+    """How many compute the contacts of this vehicle or train: one also where there is no OpenMP."""
+    if len(setup.vehicle.units) < MANY:
+        return 1
+    try:
+        use_threads(cores())
+    except InputError:
+        return 1
+    return cores()
 
 
 def run(
@@ -30,7 +44,7 @@ def run(
     record: str | Path | None = None,
     resume: bool = False,
     setup: Setup | None = None,
-    threads: int = 1,
+    threads: int | None = None,
 ) -> Result:
     """Run what a scenario asks for.
 
@@ -47,9 +61,9 @@ def run(
         Go on with the run in that file, with the same numbers as if it had never been interrupted.
     setup : Setup, optional
         What was built from this scenario, if it has been.
-    threads : int
-        How many compute the contacts of a vehicle's wheels side by side. More are quicker, each takes a core for itself
-        as long as the run lasts, and no number changes.
+    threads : int, optional
+        How many compute the contacts of a vehicle's wheels side by side, which changes no number. Default all cores for
+        trains of three vehicles and more, else one.
 
     Returns
     -------
@@ -65,7 +79,8 @@ def run(
     SimulationError
         When there is not even a start.
     """
-    setup = replace(setup or build(scenario), threads=threads)
+    setup = setup or build(scenario)
+    setup = replace(setup, threads=_usual_threads(setup) if threads is None else threads)
     analysis = ANALYSES[setup.analysis]
     function = resolved(analysis.run)
     if not analysis.moves:

@@ -22,8 +22,14 @@ def run_command(
         bool, typer.Option("--resume", help="Go on with the run in DIR that was cut off or interrupted.")
     ] = False,
     threads: Annotated[
-        int, typer.Option("--threads", min=1, help="Cores that compute the wheels' contacts side by side.")
-    ] = 1,
+        int | None,
+        typer.Option(
+            "--threads",
+            min=1,
+            help="Cores that compute the wheels' contacts side by side; all for trains of three vehicles and more.",
+            show_default="1",
+        ),
+    ] = None,
     pictures: Annotated[bool, typer.Option(help="Draw the standard pictures.")] = True,
     force: options.Force = False,
     as_json: options.Json = False,

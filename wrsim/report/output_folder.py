@@ -184,7 +184,7 @@ def _times(result: Result, wall: float, compiling: float) -> tuple[dict[str, flo
 
 def run_into(
     directory: Path, scenario: Scenario, setup: Setup[Any], file: Path,
-    *, resume: bool, threads: int, pictures: bool, force: bool, progress: AbstractContextManager[Any],
+    *, resume: bool, threads: int | None, pictures: bool, force: bool, progress: AbstractContextManager[Any],
 ) -> Written:  # fmt: skip
     """Run a scenario and write all of its files; while it lasts, the run is kept in ``result.nc.part``. file: the
     scenario's own; progress: a context that gives the callback of `wrsim.run`. Raises InputError, SimulationError;
@@ -192,7 +192,8 @@ def run_into(
     from wrsim.analysis import run
     from wrsim.core.jit.compiling import COUNT, use_threads
 
-    use_threads(threads)
+    if threads is not None:
+        use_threads(threads)
     record = directory / PART
     with claimed(directory, force, (*scenario.files, *setup.files), file) as keeper:
         result = whole_result(directory, scenario) if resume else None

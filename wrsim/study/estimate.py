@@ -47,7 +47,7 @@ def time_of(scenario: Scenario) -> float:
             raise Enough(fraction)
 
     try:
-        run(scenario, progress)
+        run(scenario, progress, threads=1)
     except Enough:
         (first, start), (last, now) = seen[0], seen[-1]
         return now - begin + (1.0 - last) * (now - start) / max(last - first, 1e-9)

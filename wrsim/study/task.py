@@ -241,10 +241,10 @@ def _run(scenario: Scenario, part: Path, limit: float, marker: Marker) -> Result
     if ANALYSES[scenario.analysis].moves and part.exists():
         try:
             marker.resumed = True
-            return run(scenario, progress, record=part, resume=True)
+            return run(scenario, progress, record=part, resume=True, threads=1)
         except InputError:  # cut off before its start, or by another state of the code
             marker.resumed = False
-    return run(scenario, progress, record=part)
+    return run(scenario, progress, record=part, threads=1)
 
 
 def _reduce_again(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
@@ -278,10 +278,10 @@ def compile_for(scenario: Scenario) -> None:
 
     with suppress(Enough, WrsimError):
         if not ANALYSES[scenario.analysis].moves:
-            run(scenario, progress)
+            run(scenario, progress, threads=1)
             return
         own = {key: value for key, value in scenario.tables.get("run", {}).items() if key != "distance_m"}
-        run(scenario.with_values({"run": own | {"time_s": SHORT}, "output.patches_at_m": []}))
+        run(scenario.with_values({"run": own | {"time_s": SHORT}, "output.patches_at_m": []}), threads=1)
 
 
 SHORT = 0.02
