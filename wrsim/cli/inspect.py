@@ -35,9 +35,8 @@ def plot(
 ) -> None:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
     with writing_files(as_json, force, of=result):
-        from wrsim.plots import standard_pictures
         from wrsim.report.output_folder import folder_of_result, read
-        from wrsim.report.outputs import draw_patches
+        from wrsim.report.outputs import draw_pictures
         from wrsim.results.wheelsets import wheelset_folder, wheelsets, worst_wheelset
 
         loaded = read(result)
@@ -46,16 +45,13 @@ def plot(
             dataset = loaded.wheelset(wheelset or worst_wheelset(dataset))
             if output is None:
                 directory /= wheelset_folder(wheelsets(loaded.dataset), str(dataset["wheelset"].item()))
-        files = draw_patches(dataset, at, directory) if at else standard_pictures(dataset, directory)
-        print_found(as_json, {}, [], files)
+        print_found(as_json, {}, [], draw_pictures(dataset, at, directory))
 
 
 def report(
     results: Annotated[
         list[Path],
-        typer.Argument(
-            metavar="RESULT...", help="Results: files, folders, cut-off runs; one study or profile evolution."
-        ),
+        typer.Argument(metavar="RESULT...", help="Results: files, folders, cut-off runs; one study or evolution."),
     ],
     output: Annotated[Path | None, into(metavar="HTML", help="Default: report.html beside the first result.")] = None,
     with_view: Annotated[bool, typer.Option("--view", help="With the viewer of each result inside.")] = False,

@@ -132,8 +132,10 @@ def write_recording(
     return files + save_all({"recording": lambda: recording_figure(restored)} if pictures else {}, directory)
 
 
-def draw_patches(dataset: xr.Dataset, at: list[str], directory: Path) -> list[Path]:
-    """Patches and sections of one wheelset at distances [m] or poses."""
+def draw_pictures(dataset: xr.Dataset, at: Sequence[str] | None, directory: Path) -> list[Path]:
+    """The standard pictures of a result; at distances [m] or poses patches and sections of one wheelset there alone."""
+    if not at:
+        return standard_pictures(dataset, directory)
     moments = moments_at(dataset, at, "--at")
     name = "_".join(file_name(place) for place in at)
     galleries = {"patches": patch_gallery} | ({"sections": section_gallery} if has_outlines(dataset) else {})
