@@ -11,9 +11,7 @@ from support.commands import ok
 from support.runs import SCENARIOS
 from support.synthetic_run import run, with_points
 
-from wrsim.analysis.ride import evaluate_ride
-from wrsim.analysis.ride.comfort import WEIGHTINGS, comfort, weighted
-from wrsim.analysis.ride.spectra import spectrum, third_octaves
+from wrsim.analysis.ride import WEIGHTINGS, comfort, evaluate_ride, spectrum, third_octaves, weighted
 from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.scenario.build import build

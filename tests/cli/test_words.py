@@ -19,8 +19,7 @@ import wrsim.analysis
 from wrsim.cli import app
 from wrsim.core.jit.compiling import Kernel
 from wrsim.results import Result
-from wrsim.results.render import on_terminal
-from wrsim.results.table import Column, Table
+from wrsim.results.table import Column, Table, on_terminal
 from wrsim.simulation.recorder import Recorder
 
 runner = CliRunner()

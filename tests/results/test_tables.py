@@ -9,9 +9,8 @@ from support.synthetic_result import curve_run
 
 from wrsim.results import Result
 from wrsim.results.files import as_csv
-from wrsim.results.render import as_html, as_records, as_rows, as_text
 from wrsim.results.summary import PEAKS
-from wrsim.results.table import Column, Placed, Table, formatted, quantity
+from wrsim.results.table import Column, Placed, Table, as_html, as_records, as_rows, as_text, formatted, quantity
 
 TABLE = Table(
     "forces <b>",

@@ -24,9 +24,8 @@ from wrsim.contact.settings import Array
 from wrsim.errors import InputError, SimulationError, suggest
 from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
-from wrsim.results.render import csv_numbers
 from wrsim.results.summary_tables import first_lines, happened, remarks
-from wrsim.results.table import MISSING, Cell, Column, Table, formatted
+from wrsim.results.table import MISSING, Cell, Column, Table, csv_numbers, formatted
 from wrsim.results.tables import channel_cells, rows_of
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 from wrsim.scenario.build import Setup, build

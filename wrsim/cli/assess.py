@@ -105,7 +105,7 @@ def conicity_command(
         from wrsim.analysis.conicity.pairs import Pairing
         from wrsim.report.outputs import write_conicity, write_conicity_map
         from wrsim.results.conicity import conicity_numbers
-        from wrsim.results.render import as_records
+        from wrsim.results.table import as_records
 
         pairing, files = Pairing(flange_back_mm / 1e3, inclination, roll, models or ()), []
         if gauges_mm is not None or Path(wheel).is_dir() or Path(rail).is_dir():

@@ -24,7 +24,7 @@ def print_numbers(as_json: bool, numbers: dict[str, Any], tables: Iterable[Table
     if as_json:
         print_json(numbers)
         return
-    from wrsim.results.render import on_terminal
+    from wrsim.results.table import on_terminal
 
     on_terminal(tables)
 

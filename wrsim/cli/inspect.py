@@ -139,7 +139,7 @@ def diff(
         from wrsim.report.output_folder import naming, read
         from wrsim.report.outputs import write_differences
         from wrsim.results.differences import beyond, compared_tables, difference_table, differences, other_ends
-        from wrsim.results.render import as_records
+        from wrsim.results.table import as_records
 
         names, results = (str(first), str(second)), (read(first), read(second))
         with naming(first, second):

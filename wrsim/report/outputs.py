@@ -28,9 +28,8 @@ from wrsim.results.conicity import ConicityMap
 from wrsim.results.differences import Deviation, difference_table
 from wrsim.results.files import KEEPER, as_csv, as_json, write_atomically
 from wrsim.results.moments import has_patches, moments_at
-from wrsim.results.render import as_rows
 from wrsim.results.ride import Ride
-from wrsim.results.table import quantity
+from wrsim.results.table import as_rows, quantity
 from wrsim.results.tables import write_table
 from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 

@@ -35,8 +35,7 @@ from wrsim.report.charts import charts_of
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment
 from wrsim.results.moments import has_patches, moment_dim
-from wrsim.results.render import as_html
-from wrsim.results.table import formatted, quantity
+from wrsim.results.table import as_html, formatted, quantity
 from wrsim.results.wear import has_wear
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets, worst_wheelset
 

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from wrsim.results.channels import SHOWN, Shown
 from wrsim.results.files import as_csv, as_json
-from wrsim.results.render import as_rows
-from wrsim.results.table import Cell, Column, Table, finite, formatted, quantity
+from wrsim.results.table import Cell, Column, Table, as_rows, finite, formatted, quantity
 
 Array = NDArray[np.float64]
 

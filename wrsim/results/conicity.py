@@ -110,29 +110,6 @@ def conicity_numbers(result: Result) -> dict[str, Any]:
     }
 
 
-@dataclass(frozen=True)
-class RadialSteering:
-    """radius R, needed and available difference of the rolling radii, shift of the wheelset at which the needed one is
-    there, not-a-number where it is not [m]; index: q_E, infinite where there is no difference at all. The less able
-    side of the two counts.
-    """
-
-    radius: float
-    needed: float
-    available: float
-    shift: float
-    index: float
-
-
-def radial_steering(dataset: xr.Dataset, radius: float) -> RadialSteering:
-    """Of a wheelset (channels of a conicity analysis) in curves of a radius [m] to either hand."""
-    mean = 0.5 * (float(dataset.attrs["radius_left_m"]) + float(dataset.attrs["radius_right_m"]))
-    needed = CONTACT_DISTANCE * mean / radius
-    hands = [_towards(dataset, sign, needed) for sign in (1.0, -1.0)]
-    available, shift = min(hands, key=lambda hand: hand[0])
-    return RadialSteering(radius, needed, available, shift, needed / available if available > 0.0 else np.inf)
-
-
 def _towards(dataset: xr.Dataset, sign: float, needed: float) -> tuple[float, float]:
     """Largest difference towards the left (+1) or right (-1) wheel as the outer one; shift where it is as needed."""
     place = sign * (dataset["lateral_shift"].values - float(dataset.attrs["equilibrium_shift_m"]))
@@ -151,20 +128,28 @@ def _towards(dataset: xr.Dataset, sign: float, needed: float) -> tuple[float, fl
 
 
 def steering_summary(dataset: xr.Dataset) -> dict[str, Any]:
-    """The radial steering index of the curves that were asked for; nothing where none were."""
-    found = [radial_steering(dataset, float(r)) for r in str(dataset.attrs.get("curve_radii_m", "")).split()]
-    if not found:
+    """The radial steering index of a wheelset (channels of a conicity analysis) in the curves that were asked for, to
+    either hand; nothing where none were.
+
+    Needed and available difference of the rolling radii, shift at which the needed one is there; ``None`` where it is
+    not, and for q_E where there is no difference at all. The less able side of the two counts.
+    """
+    if not (radii := [float(r) for r in str(dataset.attrs.get("curve_radii_m", "")).split()]):
         return {}
-    able = found[0].available > 0.0
-    return {
-        "flange_from_deg": degrees(float(dataset.attrs["flange_from_rad"])),
-        "smallest_radial_curve_m": found[0].needed * found[0].radius / found[0].available if able else None,
-        "radial_steering": [
-            {"curve_radius_m": own.radius, "needed_mm": 1e3 * own.needed, "available_mm": 1e3 * own.available}
-            | {"q_E": finite(own.index), "shift_mm": finite(own.shift, 1e3)}
-            for own in found
-        ],
-    }
+    mean = 0.5 * (float(dataset.attrs["radius_left_m"]) + float(dataset.attrs["radius_right_m"]))
+    rows: list[dict[str, float | None]] = []
+    smallest = None
+    for radius in radii:
+        needed = CONTACT_DISTANCE * mean / radius
+        hands = [_towards(dataset, sign, needed) for sign in (1.0, -1.0)]
+        available, shift = min(hands, key=lambda hand: hand[0])
+        index = needed / available if available > 0.0 else None
+        rows.append({"curve_radius_m": radius, "needed_mm": 1e3 * needed, "available_mm": 1e3 * available})
+        rows[-1] |= {"q_E": index, "shift_mm": finite(shift, 1e3)}
+        if smallest is None and index is not None:
+            smallest = needed * radius / available
+    angle = degrees(float(dataset.attrs["flange_from_rad"]))
+    return {"flange_from_deg": angle, "smallest_radial_curve_m": smallest, "radial_steering": rows}
 
 
 @dataclass(frozen=True)

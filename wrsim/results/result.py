@@ -45,8 +45,8 @@ class Result:
     dataset: xr.Dataset
 
     def __repr__(self) -> str:
-        from wrsim.results.render import as_text
         from wrsim.results.summary_tables import overview
+        from wrsim.results.table import as_text
 
         return f"<Result: {self.title}>\n{as_text(overview(self.dataset))}"
 
@@ -57,8 +57,8 @@ class Result:
         return numbers_of(self.dataset, self.summary())
 
     def _repr_html_(self) -> str:
-        from wrsim.results.render import as_html
         from wrsim.results.summary_tables import overview
+        from wrsim.results.table import as_html
 
         tables = Markup("").join(map(as_html, overview(self.dataset)))
         return Markup("<div><strong>{}</strong>{}</div>").format(self.title, tables)

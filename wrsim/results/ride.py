@@ -10,8 +10,7 @@ import numpy as np
 import xarray as xr
 
 from wrsim.results.files import as_csv, as_json
-from wrsim.results.render import as_rows
-from wrsim.results.table import Column, Table, finite, formatted, quantity
+from wrsim.results.table import Column, Table, as_rows, finite, formatted, quantity
 
 AXES = ("x", "y", "z")
 OF_AXES = {"rms": "rms", "peak": "peak", "weighted_rms": "weighted rms", "comfort_95": "95 % of 5 s"}

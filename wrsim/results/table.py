@@ -1,14 +1,20 @@
-"""Tables of numbers for people, as analyses give them: nothing in here is formatted before a renderer does it.
+"""Tables of numbers for people, as analyses give them, and the renderers of tables: terminal, HTML, CSV, JSON.
 
-``wrsim.results.render`` puts them on a terminal, into a page, into CSV and JSON files.
+Nothing in a table is formatted before a renderer does it; no other code formats numbers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import io
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import isfinite
+from textwrap import fill
+from typing import IO, Any
 
+from markupsafe import Markup
+
+from wrsim.errors import plain
 from wrsim.results.channels import Channel
 
 MISSING = "-"  # in place of a number where there is none
@@ -100,3 +106,89 @@ def duration(seconds: float) -> str:
     if seconds < 90.0:
         return quantity(seconds, "s", ".3g")
     return quantity(seconds / 60.0, "min", ".3g") if seconds < 5400.0 else quantity(seconds / 3600.0, "h", ".3g")
+
+
+def as_text(tables: Iterable[Table]) -> str:
+    """Tables as plain text."""
+    stream = io.StringIO()
+    on_terminal(tables, stream)
+    return stream.getvalue().rstrip("\n")
+
+
+def on_terminal(tables: Iterable[Table], stream: IO[str] | None = None) -> None:
+    """Print tables, on stdout unless a stream is given. Words are flush left, numbers flush right. No cell is ever cut,
+    headings are wrapped: where the terminal is narrower, lines are longer than it."""
+    from rich.cells import cell_len
+    from rich.console import Console
+    from rich.table import Table as Grid
+
+    for i, table in enumerate(tables):
+        console = Console(file=stream, highlight=False, markup=False)
+        if i:
+            console.print()
+        rows = [[*map(plain, row)] for row in table.texts()]
+        heads = [plain(column.heading) for column in table.columns]
+        columns = [[*head.split(), *(row[j] for row in rows if len(row) > 1)] for j, head in enumerate(heads)]
+        least = [max(map(cell_len, column), default=0) for column in columns]
+        whole = [max(letters, cell_len(head)) for letters, head in zip(least, heads, strict=True)]
+        if sum(whole) + 2 * len(heads) > console.width:
+            whole = least
+            console.width = max(console.width, sum(least) + 2 * len(heads))
+        if table.title:
+            console.print(plain(table.title), style="bold", soft_wrap=True)
+        grid = Grid(show_header=any(heads), box=None, pad_edge=False)
+        for j, (head, letters) in enumerate(zip(heads, whole, strict=True)):
+            grid.add_column(fill(head, max(letters, 1)), justify="left" if table.is_text(j) else "right", no_wrap=True)
+        for row in rows:
+            grid.add_row(*row, style="bold" if len(row) == 1 else None)
+        if heads:
+            with console.capture() as kept:
+                console.print(grid)
+            print("\n".join(line.rstrip() for line in kept.get().splitlines()), file=stream)
+        for note in table.notes:
+            print(plain(note), file=stream)
+
+
+def as_html(table: Table, look: str = "") -> Markup:
+    """A table of a page; every text is escaped. look: its class."""
+    heads = Markup("").join(Markup('<th scope="col">{}</th>').format(column.heading) for column in table.columns)
+    rows = Markup("\n").join(
+        Markup('<tr><th scope="row">{}</th>{}</tr>').format(
+            row[0], Markup("").join(Markup("<td>{}</td>").format(cell) for cell in row[1:])
+        )
+        for row in table.texts()
+    )
+    head = Markup("<thead><tr>{}</tr></thead>").format(heads) if any(c.heading for c in table.columns) else ""
+    caption = Markup("<caption>{}</caption>").format(table.title) if table.title else ""
+    notes = Markup("").join(Markup('<p class="note">{}</p>').format(note) for note in table.notes)
+    return Markup('<table class="{}">{}{}<tbody>\n{}\n</tbody></table>{}').format(look, caption, head, rows, notes)
+
+
+def as_rows(table: Table) -> list[list[str]]:
+    """Rows of a CSV file, the names of the columns first: ten digits, yes or no, empty for not-a-number."""
+
+    def text(value: Any) -> str:
+        if value is None:
+            return ""
+        if isinstance(value, bool):
+            return "yes" if value else "no"
+        return csv_numbers([value])[0] if isinstance(value, float) else str(value)
+
+    return [[c.key for c in table.columns], *([text(_bare(cell)) for cell in row] for row in table.rows)]
+
+
+def csv_numbers(values: Iterable[float]) -> list[str]:
+    """Cells of numbers in a CSV file: ten digits, empty for not-a-number."""
+    return ["" if v != v else f"{v:z.10g}" for v in values]
+
+
+def as_records(table: Table) -> list[dict[str, Any]]:
+    """Rows of a JSON file by the names of the columns: plain numbers and texts, null for not-a-number."""
+    keys = [column.key for column in table.columns]
+    return [dict(zip(keys, map(_bare, row), strict=True)) for row in table.rows]
+
+
+def _bare(cell: Any) -> Any:
+    """The value of a cell without its place; None for not-a-number."""
+    value = cell.value if isinstance(cell, Placed) else cell
+    return None if value != value else value

@@ -15,7 +15,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.dataset import OF_VEHICLE
 from wrsim.results.files import csv_parts, write_atomically
-from wrsim.results.render import csv_numbers
+from wrsim.results.table import csv_numbers
 from wrsim.results.wheelsets import of_wheelset, wheelset_folder, wheelsets
 
 if TYPE_CHECKING:

@@ -226,6 +226,10 @@ class ChannelOutput(Section, header="[[outputs.channels]]"):
         return "_".join(word.replace(" ", "_").replace(".", "_") for word in words if word)
 
 
+HOOK = 'a file and a function in it, such as "outputs.py:numbers", in quotes'
+Hook = Annotated[str, Field(pattern=r"^[^\x00]*\.py:[A-Za-z_]\w*$", description=HOOK)]
+
+
 class OutputsSection(Section, header="[outputs]"):
     """Numbers that are kept of every case; without this table, those that people ask for first.
 
@@ -238,16 +242,7 @@ class OutputsSection(Section, header="[outputs]"):
     """Quantities of EN 14363, the worst of all sections."""
     channels: List[ChannelOutput] = ()
     """Channels of the result, each reduced to one number."""
-    hook: (
-        Annotated[
-            str,
-            Field(
-                pattern=r"^[^\x00]*\.py:[A-Za-z_]\w*$",
-                description='a file and a function in it, such as "outputs.py:numbers", in quotes',
-            ),
-        ]
-        | None
-    ) = None
+    hook: Hook | None = None
     """Your own function of a result, which gives a dict of numbers."""
 
     def consistency(self) -> Iterator[Fault]:

@@ -7,13 +7,13 @@ acceptance run should lie. The numbers come from a program that cites them [mem]
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
 from wrsim.analysis.assessment.filters import band_pass
-from wrsim.results.assessment import Array, AssessedSection, TrackQuality
+from wrsim.results.assessment import AssessedSection, TrackQuality
 
 WAVES = 3.0, 25.0  # wavelengths that count [m]
 RASTER = 0.25  # distance of the places at which the track is looked at [m]
@@ -56,11 +56,7 @@ def track_quality(
         rails = channel.reshape(len(place), -1, channel.shape[-1])[:, 0]
         signal = np.column_stack([np.interp(raster, place, rail) for rail in rails.T])
         waves[direction] = band_pass(signal, 1.0 / RASTER, 1.0 / WAVES[1], 1.0 / WAVES[0])
-    return tuple(_qualities(raster, waves, sections))
-
-
-def _qualities(raster: Array, waves: dict[str, Array], sections: Sequence[AssessedSection]) -> Iterator[TrackQuality]:
-    """waves: irregularity of both rails (places, 2) in the band by direction [m]."""
+    found = []
     for section in sections:
         inside = (raster >= section.start) & (raster <= section.end)
         if inside.sum() * RASTER < SHORTEST:
@@ -73,7 +69,8 @@ def _qualities(raster: Array, waves: dict[str, Array], sections: Sequence[Assess
             mm = 1e3 * deviation
             steps = _step(mm, usual), _step(1e3 * largest, (first, second, QN3 * second))
             band = "below" if mm < low else "within" if mm <= high else "above"
-            yield TrackQuality(section, direction, deviation, largest, *steps, band)
+            found.append(TrackQuality(section, direction, deviation, largest, *steps, band))
+    return tuple(found)
 
 
 def _row(table: Sequence[Sequence[float]], speeds: Sequence[float], kmh: float) -> tuple[float, ...]:

@@ -191,7 +191,8 @@ def coupling_channels(law: VehicleOnTrack, q: Array, records: Array) -> dict[str
                 force -= records[:, i, :1] * line / np.linalg.norm(line, axis=1, keepdims=True)
             else:
                 force += np.einsum("nk,nkj->nj", records[:, i, :3], ahead.axes)
-        forward, left, up = (_unit(ahead.axes[:, k] + behind.axes[:, k]) for k in range(3))
+        middle = ahead.axes + behind.axes
+        forward, left, up = np.moveaxis(middle / np.linalg.norm(middle, axis=2, keepdims=True), 1, 0)
         apart = ahead.point(coupling.at) - behind.point(coupling.at)
         turned = np.cross(behind.axes[:, 0], ahead.axes[:, 0])
         values = (
@@ -221,7 +222,3 @@ class _Moved:
 
 def _along(vectors: Array, direction: Array) -> Array:
     return np.asarray(np.einsum("nj,nj->n", vectors, direction))
-
-
-def _unit(vectors: Array) -> Array:
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))

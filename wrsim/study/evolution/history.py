@@ -20,8 +20,7 @@ from wrsim.results import write_atomically
 from wrsim.results.dataset import faults_of_attributes, faults_of_variable, versions
 from wrsim.results.files import as_csv, as_json
 from wrsim.results.netcdf import write_netcdf
-from wrsim.results.render import as_records, as_rows
-from wrsim.results.table import Column, Table
+from wrsim.results.table import Column, Table, as_records, as_rows
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.study.collect import read_numbers
 from wrsim.study.evolution.reading import Evolution
