@@ -13,8 +13,7 @@ from support.commands import call, ok, refusal
 from support.runs import ROOT
 
 from wrsim.analysis import run
-from wrsim.analysis.conicity.conicity import conicity
-from wrsim.analysis.conicity.equivalent import equivalent_conicity
+from wrsim.analysis.conicity.conicity import conicity, equivalent_conicity
 from wrsim.analysis.conicity.pairs import conicity_map, profiles_of
 from wrsim.analysis.conicity.rigid import rigid_contact
 from wrsim.errors import InputError

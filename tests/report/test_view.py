@@ -16,8 +16,8 @@ from support.runs import SCENARIOS
 from support.synthetic_result import curve_run, static_poses
 
 from wrsim.analysis import run
-from wrsim.analysis.moments_along import with_moments
 from wrsim.analysis.motion.derailment import WatchedWheel
+from wrsim.analysis.resolve import with_moments
 from wrsim.contact.status import WORDS
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.errors import InputError

@@ -1,30 +1,41 @@
-"""The kept moments of a result solved again by another contact model, as a result of just these moments.
+"""Contacts of a result solved again: its snapshots by another contact model, or a run at any of its samples.
 
-Every wheel keeps its pose and motion but for its height, which follows from the vertical force that it had: two models
-need different approaches for one force. With ``keep = "pose"`` the height stays and the force follows.
+By another model every wheel keeps its pose and motion but for its height, which follows from the vertical force that it
+had: two models need different approaches for one force. With ``keep = "pose"`` the height stays and the force follows.
+
+Strips and outlines are in a result at its snapshots only. At any other sample the normal contact follows from the pose
+of the wheelset, by the model of the run. Rates of the pose are left out: they act through the contact damping alone,
+some thousandths of the force.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.analysis.contacts import wheels_on_rails
+from wrsim.analysis.contacts import force_law, wheels_on_rails
+from wrsim.analysis.motion.derailment import contact_words, wheels_of
+from wrsim.analysis.motion.result import RAIL_CHANNELS, stack_wheelsets
 from wrsim.analysis.poses.solver import Carried, LoadNotReached, approach_of, height_for_load, lower
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact import channels
-from wrsim.contact.channels import POSE_CHANNELS, ElementField, WheelOnRail
+from wrsim.contact.channels import POSE_CHANNELS, ElementField, StripRecorder, WheelOnRail
 from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.contact.status import status_words
-from wrsim.errors import InputError
+from wrsim.errors import InputError, SimulationError
 from wrsim.results import CHANNELS, Result, assemble
 from wrsim.results.moments import sample_of
-from wrsim.scenario.build import build
+from wrsim.results.wheelsets import wheelsets
+from wrsim.scenario.build import Setup, build
 from wrsim.scenario.contact_choice import with_contact_model
 from wrsim.scenario.loading import Scenario
+from wrsim.scenario.sections.run import RunPlan
+from wrsim.simulation.placement import design_state, state_on_track
 
 TOLERANCE = 1e-5  # of the vertical force, of the exact solver
 DEEPEST = 1e-3  # farthest a wheel is moved [m]
@@ -149,3 +160,63 @@ def _settle(wheel: WheelOnRail, load: float) -> tuple[list[ElementField], str]:
     else:
         carried(float(pose[2]))
     return found[0], ""
+
+
+NEEDED = ("wheelset_distance", "lateral_shift", "vertical_shift", "yaw", "roll", "spin_rate")
+
+
+def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[int]) -> xr.Dataset:
+    """The dataset of a run with snapshots at these samples, all of them solved again.
+
+    Its attribute ``contact_remark``: remarks on the contacts, and at how many of the samples; empty without any.
+    Raises InputError when the result does not hold what is needed, belongs to another vehicle, or was solved by the
+    exact solver, which takes too long for this.
+    """
+    names = [mounted.name for mounted in setup.vehicle.wheelsets]
+    missing = [name for name in NEEDED if name not in dataset.variables]
+    if missing or "time" not in dataset.dims or list(wheelsets(dataset)) != names:
+        raise InputError("the result does not hold the poses of the wheelsets of its scenario")
+    if setup.contact.normal == "half-space":
+        raise InputError("contacts of the exact solver are drawn at kept moments only: anywhere else takes minutes")
+    law = force_law(replace(setup, contact=replace(setup.contact, tangential="none")))
+    recorders = [StripRecorder(pair) for pair in law.wheels]
+    q, q_t = design_state(law)  # bodies stay there: contacts depend on the wheelsets alone
+    out = np.zeros(law.size)
+    columns = {name: dataset[name].transpose("time", "wheelset", ...).values for name in NEEDED}
+    time, distance, speed = (dataset[name].values for name in ("time", "distance", "speed"))
+    kept = []
+    found_remarks: Counter[str] = Counter()
+    for i in samples:
+        for w, mounted in enumerate(setup.vehicle.wheelsets):
+            own = {name: float(values[i, w]) for name, values in columns.items()}
+            q[6 * w : 6 * w + 6], q_t[6 * w : 6 * w + 6] = state_on_track(
+                law.track.centre, own["wheelset_distance"], speed=float(speed[i]),
+                height=own["vertical_shift"] + mounted.wheelset.mean_radius, spin_rate=own["spin_rate"],
+                lateral=own["lateral_shift"], yaw=own["yaw"], roll=own["roll"],
+            )  # fmt: skip
+        for w, twist in law.twists.items():
+            q_t[twist] = float(dataset["spin_difference"].values[i, w])
+        if law.rails and all(name in dataset for name in RAIL_CHANNELS):
+            moved = np.stack([dataset[name].values[i] for name in RAIL_CHANNELS], axis=-1)
+            q[law.size - law.rails : law.size] = moved.ravel()
+        try:
+            law.look_near(law.places(columns["wheelset_distance"][i : i + 1])[0])
+            law(float(time[i]), q, q_t, out)
+        except SimulationError:  # a derailed wheelset may have no place on the track
+            continue
+        for recorder in recorders:
+            recorder.store()
+        for wheel in wheels_of(law):
+            found_remarks.update(filter(None, [contact_words([wheel])]))
+        kept.append(i)
+    if not kept:
+        raise InputError("no sample of the result has a place on the track of its scenario")
+    found = stack_wheelsets([recorder.channels() for recorder in recorders])
+    coords = {"snapshot_time": time[kept], "snapshot_distance": distance[kept]}
+    variables = {
+        name: (CHANNELS[name].dims_in("time"), values, {"units": CHANNELS[name].unit})
+        for name, values in (found | coords).items()
+    }
+    dims = {"snapshot", "strip", "column", "axis", "rail_point", "wheel_point"}
+    remarks = [f"{words} (at {count} of {len(kept)} places)" for words, count in found_remarks.items()]
+    return dataset.drop_dims(dims & set(dataset.dims)).assign(variables).assign_attrs(contact_remark="; ".join(remarks))

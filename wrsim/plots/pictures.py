@@ -20,7 +20,7 @@ from wrsim.plots.wear import fatigue_figure, wear_figure
 from wrsim.register import ANALYSES, resolved
 from wrsim.results import CHANNELS, Result
 from wrsim.results.moments import has_patches, is_history
-from wrsim.results.wear import has_wear
+from wrsim.results.summary import has_wear
 from wrsim.results.wheelsets import of_wheelset, wheelset_folder, wheelsets, worst_wheelset
 
 HISTORIES = {

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from wrsim.plots.marks import large_and_small, panels
 from wrsim.plots.theme import GROUP_LINE, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, WHEEL_COLOUR, shown, style
 from wrsim.results import CHANNELS
+from wrsim.results.summary import worst_worn
 from wrsim.results.table import formatted, quantity, with_unit
-from wrsim.results.wear import worst_worn
 from wrsim.results.wheelsets import numbered, wheelsets
 
 LAW_WORDS = {"usfd": "USFD", "archard": "Archard", "brr": "BRR"}

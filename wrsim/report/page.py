@@ -35,8 +35,8 @@ from wrsim.report.charts import charts_of
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment
 from wrsim.results.moments import has_patches, moment_dim
+from wrsim.results.summary import has_wear
 from wrsim.results.table import as_html, formatted, quantity
-from wrsim.results.wear import has_wear
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets, worst_wheelset
 
 MOST_RESULTS = 8  # results in one report: more have no colours of their own

@@ -17,9 +17,9 @@ from wrsim.results.channels import PATCHES
 from wrsim.results.dataset import table_of_scenario
 from wrsim.results.files import from_json
 from wrsim.results.moments import sample_of
+from wrsim.results.summary import summarise_wear
 from wrsim.results.summary_tables import Summary, curve_tables, extent_words, numbers_of, wheelset_tables
 from wrsim.results.table import Cell, Column, Table, formatted, quantity
-from wrsim.results.wear import summarise_wear
 from wrsim.results.wheelsets import numbered, wheelsets
 
 T = TypeVar("T")

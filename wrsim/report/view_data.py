@@ -25,8 +25,8 @@ from wrsim.report.page import page_template
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import PATCHES
 from wrsim.results.moments import has_patches, is_history, moment_dim, sample_of
+from wrsim.results.summary import has_wear
 from wrsim.results.table import quantity
-from wrsim.results.wear import has_wear
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[s
 
 def _dense(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp], notes: list[str]) -> xr.Dataset:
     """The run with contacts at many places, where they can be solved again; else with its own kept moments."""
-    from wrsim.analysis.moments_along import with_moments
+    from wrsim.analysis.resolve import with_moments
 
     if setup is None:
         return dataset

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from wrsim.errors import InputError, suggest
 from wrsim.results.channels import PATCHES
@@ -19,28 +18,17 @@ LISTED = 20  # differences that are listed for people
 SMALLEST = 1e-6  # values below this, in their unit for readers, count as zero
 
 
-@dataclass(frozen=True)
-class Deviation:
+class Deviation(NamedTuple):
     """One number of two results; None where one of them does not have it. place: wheelset, wheel, curve; quantity: with
-    its unit at the end; scale: its largest magnitude anywhere in both results, by which differences are measured."""
+    its unit at the end; absolute: second minus first, infinite where one is missing; relative: its magnitude over the
+    largest magnitude of the quantity anywhere in both results."""
 
     place: str
     quantity: str
     first: float | None
     second: float | None
-    scale: float
-
-    @property
-    def absolute(self) -> float:
-        """Second minus first; infinite where one is missing."""
-        if self.first is None or self.second is None:
-            return 0.0 if self.first is self.second else math.inf
-        return self.second - self.first
-
-    @property
-    def relative(self) -> float:
-        """Magnitude of the difference over the scale."""
-        return abs(self.absolute) / self.scale
+    absolute: float
+    relative: float
 
 
 def differences(first: Result, second: Result, only: Sequence[str] = (), tolerance: float = 0.0) -> list[Deviation]:
@@ -66,7 +54,11 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
     scales = dict.fromkeys(chosen, SMALLEST)
     for key in keys:
         scales[key[1]] = max(scales[key[1]], *(abs(values.get(key) or 0.0) for values in (one, other)))
-    found = [Deviation(p, q, one.get((p, q)), other.get((p, q)), scales[q]) for p, q in keys]
+    found = []
+    for key in keys:
+        a, b = one.get(key), other.get(key)
+        off = (0.0 if a is b else math.inf) if a is None or b is None else b - a
+        found.append(Deviation(*key, a, b, off, abs(off) / scales[key[1]]))
     return sorted(found, key=lambda d: -d.relative)
 
 

@@ -67,10 +67,6 @@ class Table:
         forms = [column.form for column in self.columns]
         return [[formatted(cell, form) for cell, form in zip(row, forms, strict=False)] for row in self.rows]
 
-    def is_text(self, column: int) -> bool:
-        """Whether a column holds words and no number."""
-        return all(isinstance(row[column], str) for row in self.rows if len(row) > 1)
-
 
 def finite(value: float | None, factor: float = 1.0) -> float | None:
     """A number in another unit, as JSON knows it: None where it is infinite or not-a-number."""
@@ -138,7 +134,8 @@ def on_terminal(tables: Iterable[Table], stream: IO[str] | None = None) -> None:
             console.print(plain(table.title), style="bold", soft_wrap=True)
         grid = Grid(show_header=any(heads), box=None, pad_edge=False)
         for j, (head, letters) in enumerate(zip(heads, whole, strict=True)):
-            grid.add_column(fill(head, max(letters, 1)), justify="left" if table.is_text(j) else "right", no_wrap=True)
+            words = all(isinstance(row[j], str) for row in table.rows if len(row) > 1)
+            grid.add_column(fill(head, max(letters, 1)), justify="left" if words else "right", no_wrap=True)
         for row in rows:
             grid.add_row(*row, style="bold" if len(row) == 1 else None)
         if heads:

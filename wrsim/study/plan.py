@@ -122,11 +122,7 @@ class StudyInput:
         self.spec = check_section(kind, data, self.locate)
         self.finder = Finder(tuple(dict.fromkeys((file.parent, *user_folders(tuple(models)), shipped_models()))))
         self.base = load(self.found("base", self.spec.base), models)
-
-    @property
-    def title(self) -> str:
-        """That of the file, else of its scenario."""
-        return self.spec.title or self.base.title
+        self.title: str = self.spec.title or self.base.title
 
     def found(self, key: str, name: str) -> Path:
         """The file that a key names."""

@@ -6,7 +6,6 @@ import hashlib
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -43,8 +42,8 @@ class Evolution:
 
     given: the file as it was read, spec: its content, base: its scenario with all that holds for every case; mileage
     [m]; points, cases_text: the cases and their table; shares: of the mileage, in their order; wheel: file of the
-    unworn profile, which is ``unworn``; places: edges of the bins of its arclength [m]; digest: of everything that
-    shapes the numbers.
+    unworn profile, which is ``unworn``; places: edges of the bins of its arclength [m]; setup: of ``base``; digest: of
+    everything that shapes the numbers.
     """
 
     given: StudyInput
@@ -57,12 +56,8 @@ class Evolution:
     wheel: Path
     unworn: Profile
     places: Array
+    setup: Setup[RunPlan]
     digest: str
-
-    @cached_property
-    def setup(self) -> Setup[RunPlan]:
-        """The scenario that all cases start from, for its rails and its wheelset."""
-        return build(self.base)
 
     def table(self, areas: Array) -> DepthTable | None:
         """Depths after so much was lost, areas over the bins' widths [m]; None for the unworn profile."""
@@ -105,7 +100,7 @@ def read_evolution(file: Path, models: Sequence[str | Path] = ()) -> tuple[Evolu
         digest.update(f"{path} {content}\n".encode())
     evolution = Evolution(
         given, spec, base, 1e3 * spec.mileage_km, points, table.read_text(encoding="utf-8"), shares, wheel, unworn,
-        bin_edges(unworn, PLACE_STEP), digest.hexdigest()[:32],
+        bin_edges(unworn, PLACE_STEP), setup, digest.hexdigest()[:32],
     )  # fmt: skip
     return evolution, tuple(seen)
 
