@@ -24,7 +24,7 @@ from wrsim.results.table import Column, Table, with_unit
 from wrsim.results.tables import Row
 from wrsim.study.axes import AxisPoints
 from wrsim.study.plan import Plan, in_words
-from wrsim.study.task import Marker, read_marker
+from wrsim.study.task import COMPLETED, DERAILED, Marker, read_marker
 
 FORMAT = "wrsim study"
 NUMBERS = "study.nc"
@@ -36,14 +36,14 @@ MISSING = "missing"
 """Status of a case without a marker."""
 
 
-def markers_of(plan: Plan) -> list[Marker | None]:
-    """The marker of every case; None where there is none."""
+def markers_of(plan: Plan) -> list[Marker]:
+    """The marker of every case, of the status ``MISSING`` where there is none."""
     known = {case.name: case for case in plan.cases}
-    markers = {name: read_marker(plan.folder_of(case)) for name, case in known.items()}
-    return [markers[case.name] for case in plan.cases]
+    read = {n: read_marker(plan.folder_of(case)) or Marker(n, case.label, MISSING, "") for n, case in known.items()}
+    return [read[case.name] for case in plan.cases]
 
 
-def collected(plan: Plan, markers: Sequence[Marker | None]) -> xr.Dataset:
+def collected(plan: Plan, markers: Sequence[Marker]) -> xr.Dataset:
     """All outputs along the axes of the study.
 
     One dimension an axis, labelled by its values; rows and samples have a coordinate for every key that they vary.
@@ -51,17 +51,16 @@ def collected(plan: Plan, markers: Sequence[Marker | None]) -> xr.Dataset:
     """
     units: dict[str, str] = {}
     for marker in markers:
-        units |= {} if marker is None else marker.units
+        units |= marker.units
     dims = tuple(axis.name for axis in plan.axes)
     variables: dict[str, Any] = {}
     for name, unit in units.items():
-        values = [None if m is None else m.numbers.get(name) for m in markers]
-        array = np.array([np.nan if v is None else v for v in values], dtype=float).reshape(plan.shape)
+        array = np.array([m.numbers.get(name) for m in markers], dtype=float).reshape(plan.shape)  # None: not-a-number
         own = f"output_{name}" if name in (*dims, "status", "message", "name") else name
         variables[own] = (dims, array, {"units": unit or "1"})
     texts = {
-        "status": [MISSING if m is None else m.status for m in markers],
-        "message": ["" if m is None else m.message for m in markers],
+        "status": [m.status for m in markers],
+        "message": [m.message for m in markers],
         "name": [case.name for case in plan.cases],
     }
     for name, words in texts.items():
@@ -91,32 +90,31 @@ def _labels(values: Sequence[Any]) -> NDArray[Any]:
     return np.array([in_words(v) for v in values])
 
 
-def rows_of_cases(plan: Plan, markers: Sequence[Marker | None]) -> list[Row]:
+def rows_of_cases(plan: Plan, markers: Sequence[Marker]) -> list[Row]:
     """One row a case: name, what is varied, status, message, outputs; the first is the header."""
-    units = list(dict.fromkeys(name for m in markers if m is not None for name in m.units))
+    units = list(dict.fromkeys(name for m in markers for name in m.units))
     varied = [group[0] for axis in plan.axes for group in axis.keys]
     rows: list[Row] = [["case", *varied, "status", "message", *units]]
     for case, marker in zip(plan.cases, markers, strict=True):
         values = [axis.values[i] for axis, i in zip(plan.axes, case.place, strict=True)]
         cells = [str(v) if isinstance(v, float) else in_words(v) for row in values for v in row]
-        status, message = (MISSING, "") if marker is None else (marker.status, marker.message.replace("\n", "; "))
-        numbers = (None if marker is None else marker.numbers.get(name) for name in units)
-        cells += [status, message, *("" if n is None else f"{n:.10g}" for n in numbers)]
+        cells += [marker.status, marker.message.replace("\n", "; ")]
+        cells += ["" if n is None else f"{n:.10g}" for n in map(marker.numbers.get, units)]
         rows.append([case.name, *cells])
     return rows
 
 
-def times_of_cases(plan: Plan, markers: Sequence[Marker | None]) -> list[Row]:
+def times_of_cases(plan: Plan, markers: Sequence[Marker]) -> list[Row]:
     """One row a case: what it took and where; the first is the header."""
     rows: list[Row] = [["case", "host", "process", "began_s", "wall_time_s", "simulation_s", "resumed"]]
     for case, m in zip(plan.cases, markers, strict=True):
-        if m is not None:
+        if m.status != MISSING:
             times = (f"{m.began:.3f}", f"{m.wall_time:.4g}", f"{m.simulation:.4g}")
             rows.append([case.name, m.host, str(m.process), *times, "yes" if m.resumed else ""])
     return rows
 
 
-def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) -> tuple[dict[str, Any], list[Path]]:
+def write_study(plan: Plan, markers: Sequence[Marker], pictures: bool) -> tuple[dict[str, Any], list[Path]]:
     """Write ``study.nc``, ``study.csv``, ``times.csv``, ``study.json`` and pictures into the folder of a study; gives
     what is in ``study.json`` as well."""
     folder, dataset = Path(plan.folder), collected(plan, markers)
@@ -173,7 +171,7 @@ def _faults(dataset: xr.Dataset) -> Iterator[str]:
             yield f"its {name!s:.40} has a key that is no text"
 
 
-def study_report(plan: Plan, markers: Sequence[Marker | None], dataset: xr.Dataset) -> dict[str, Any]:
+def study_report(plan: Plan, markers: Sequence[Marker], dataset: xr.Dataset) -> dict[str, Any]:
     """A study in a few numbers: cases, how they ended, range of every output in its dataset."""
     ranges = {}
     for name, variable in dataset.data_vars.items():
@@ -184,13 +182,13 @@ def study_report(plan: Plan, markers: Sequence[Marker | None], dataset: xr.Datas
     unfinished = [
         {"case": case.name, "label": case.label, "status": m.status, "message": m.message}
         for case, m in zip(plan.cases, markers, strict=True)
-        if m is not None and m.status not in ("completed", "derailed")
+        if m.status not in (COMPLETED, DERAILED, MISSING)
     ]
     return {
         "title": plan.title,
         "cases": len(plan.cases),
         "axes": {axis.name: {"keys": [list(g) for g in axis.keys], "points": len(axis.values)} for axis in plan.axes},
-        "status": Counter(MISSING if m is None else m.status for m in markers),
+        "status": Counter(m.status for m in markers),
         "unfinished": unfinished,
         "outputs": ranges,
     }
@@ -210,10 +208,10 @@ def study_tables(report: dict[str, Any]) -> list[Table]:
     return found
 
 
-def faults_of(report: dict[str, Any], markers: Sequence[Marker | None], briefly: bool) -> list[str]:
+def faults_of(report: dict[str, Any], markers: Sequence[Marker], briefly: bool) -> list[str]:
     """What went wrong: outputs that are lacking, cases without a result; results of other code unless briefly."""
-    others = sum(m is not None and m.code not in ("", code_digest()) for m in markers)
-    lacking = [m for m in markers if m is not None and m.faults]
+    others = sum(m.code not in ("", code_digest()) for m in markers)
+    lacking = [m for m in markers if m.faults]
     found = []
     if others and not briefly:
         found.append(f"{others} cases were computed by other code of wrsim; delete their folders to run them again")

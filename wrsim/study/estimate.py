@@ -11,7 +11,7 @@ from wrsim.errors import WrsimError
 from wrsim.results.table import Column, Table, duration
 from wrsim.scenario.loading import Scenario
 from wrsim.study.cluster import processors
-from wrsim.study.collect import MISSING, MOST_LISTED, markers_of
+from wrsim.study.collect import MOST_LISTED, markers_of
 from wrsim.study.engine import kinds, missing
 from wrsim.study.plan import Plan
 from wrsim.study.task import COMPLETED, Enough, Marker, compile_for
@@ -22,9 +22,9 @@ PROBE = 2.0
 """How long each is tried [s]."""
 
 
-def time_of_cases(plan: Plan, todo: Sequence[int], markers: Sequence[Marker | None]) -> tuple[float, str]:
+def time_of_cases(plan: Plan, todo: Sequence[int], markers: Sequence[Marker]) -> tuple[float, str]:
     """Time of one case [s], and from where that is known: from cases that are done, or from the starts of a few."""
-    known = [m.wall_time for m in markers if m is not None and m.status == COMPLETED and not m.resumed]
+    known = [m.wall_time for m in markers if m.status == COMPLETED and not m.resumed]
     if known:
         return sum(known) / len(known), f"mean of the {len(known)} that are done"
     if not todo:
@@ -65,15 +65,14 @@ def estimate(plan: Plan, workers: int | None) -> tuple[dict[str, Any], Table]:
     each, source = time_of_cases(plan, todo, markers)
     workers, count = workers or processors(), len(plan.cases)
     total = each * len(todo) / min(workers, max(len(todo), 1))
-    states = [MISSING if m is None else m.status for m in markers]
-    pairs = list(zip(plan.cases, states, strict=True))
-    cases = [{"case": c.name, "label": c.label, "values": c.values, "status": s} for c, s in pairs]
+    pairs = list(zip(plan.cases, markers, strict=True))
+    cases = [{"case": c.name, "label": c.label, "values": c.values, "status": m.status} for c, m in pairs]
     expected = {"of_one_case_s": each, "on_workers": workers, "of_all_s": total}
     notes = [f"... and {count - MOST_LISTED} more; --json lists all"] if count > MOST_LISTED else []
     notes.append(f"{count} cases, {len(todo)} to run")
     if todo:
         on = f"on {workers} workers the study takes {duration(total)}"
         notes.append(f"one case takes {duration(each)} ({source}); {on}")
-    rows = [(c.name, c.label, s) for c, s in pairs[:MOST_LISTED]]
+    rows = [(c.name, c.label, m.status) for c, m in pairs[:MOST_LISTED]]
     table = Table(plan.title, (Column("case"), Column("values"), Column("state")), rows, tuple(notes))
     return {"cases": cases, "missing": len(todo), "time": expected}, table
