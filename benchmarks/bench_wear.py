@@ -17,7 +17,7 @@ from typing import Any
 
 from wrsim import load, run
 from wrsim.results import write_atomically
-from wrsim.results.manifest import digest_of
+from wrsim.results.files import digest_of
 from wrsim.study.evolution.reading import read_evolution
 from wrsim.study.evolution.stages import STAGES
 from wrsim.study.evolution.steps import wear_steps

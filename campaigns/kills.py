@@ -25,7 +25,7 @@ from hostile import until_ctrl_c
 from wrsim.cli import main as command
 from wrsim.errors import InputError
 from wrsim.results import Result
-from wrsim.results.manifest import MANIFEST
+from wrsim.results.files import MANIFEST
 from wrsim.scenario.loading import load
 from wrsim.simulation.recorder import RecordedRun
 

@@ -15,7 +15,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.output_folder import OUTPUTS
 from wrsim.results import Result, write_atomically, write_run
-from wrsim.results.manifest import MANIFEST, Keeper, Manifest, keeping
+from wrsim.results.files import MANIFEST, Keeper, Manifest, keeping
 from wrsim.results.run_file import RunFile
 
 

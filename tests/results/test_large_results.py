@@ -14,7 +14,8 @@ from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.run import recorded_run
 from wrsim.results import Result, netcdf, write_run
-from wrsim.results.tables import write_table
+from wrsim.results.files import csv_parts, write_atomically
+from wrsim.results.tables import each_table
 from wrsim.scenario.build import Setup
 from wrsim.simulation import recorder
 from wrsim.simulation.integrate import Integration, Motion, recorded_motion
@@ -83,7 +84,7 @@ def test_memory_does_not_go_with_the_length_of_a_run(
         motion = Motion(1e-3 * np.arange(len(rows[0])), *rows, one.step, "completed")
         tracemalloc.start()
         result = result_of(setup, law, motion, [], tmp_path)
-        write_table(result.dataset, "patches", tmp_path / "patches.csv")
+        write_atomically(tmp_path / "patches.csv", csv_parts(dict(each_table(result.dataset))["patches"]))
         size = Result.load(result.save(tmp_path / "result.nc")).dataset.nbytes
         found = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()

@@ -17,8 +17,7 @@ from support.synthetic_result import curve_run, static_poses
 from wrsim.errors import InputError, WrsimError
 from wrsim.report.output_folder import read
 from wrsim.results import CHANNELS, Result, assemble, netcdf, summarise, tables, write_atomically, write_run
-from wrsim.results.files import as_csv
-from wrsim.results.manifest import Manifest
+from wrsim.results.files import Manifest, as_csv
 from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.run_file import RunFile
 

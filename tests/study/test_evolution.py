@@ -17,8 +17,7 @@ from support.runs import SCENARIOS
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.wear import smoothed_table
 from wrsim.results import write_atomically
-from wrsim.results.files import as_json
-from wrsim.results.manifest import digest_of
+from wrsim.results.files import as_json, digest_of
 from wrsim.results.netcdf import write_netcdf
 from wrsim.study.collect import holds
 from wrsim.study.evolution.history import NUMBERS, read_history, wear_history, write_history

@@ -30,7 +30,7 @@ from support.waiting import wait_until
 from wrsim.errors import InputError
 from wrsim.report.study import study_page
 from wrsim.results import Result, write_atomically
-from wrsim.results.manifest import Keeper, digest_of, keeping
+from wrsim.results.files import Keeper, digest_of, keeping
 from wrsim.study import task
 from wrsim.study.cluster import CA, CERT, KEY, ONE_THREAD, local_workers, slurm_cluster, slurm_security, workers_at
 from wrsim.study.collect import collected, markers_of, rows_of_cases

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from wrsim.errors import InputError, in_one_line
 from wrsim.register import ANALYSES, resolved
 from wrsim.results import Result, write_atomically, write_run
-from wrsim.results.files import sweep
-from wrsim.results.manifest import Keeper, Manifest, digest_of, keeping
+from wrsim.results.files import Keeper, Manifest, digest_of, keeping, sweep
 from wrsim.results.table import quantity
 
 if TYPE_CHECKING:
@@ -39,7 +38,7 @@ def folder_of_result(result: Path) -> Path:
 
 
 def writing(force: bool, *reads: Path, of: Path | None = None) -> AbstractContextManager[None]:
-    """While this lasts, no file of the user's is written over, none of ``reads`` above all (`wrsim.results.manifest`).
+    """While this lasts, no file of the user's is written over, none of ``reads`` above all (`wrsim.results.files`).
     of: the result that is reported on."""
     return keeping(Keeper(reads if of is None else (*reads, of), force, None if of is None else folder_of_result(of)))
 

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from wrsim.plots import patch_gallery, save, section_gallery, standard_pictures
+from wrsim.plots import patch_gallery, save, section_gallery, standard_figures, standard_pictures
 from wrsim.plots.assessment import assessment_figures
 from wrsim.plots.compare import has_curves, overlay_figure, patches_figure, values_figure
 from wrsim.plots.conicity import conicity_map_figure
@@ -30,7 +30,7 @@ from wrsim.results.files import KEEPER, as_csv, as_json, write_atomically
 from wrsim.results.moments import has_patches, moments_at
 from wrsim.results.ride import Ride
 from wrsim.results.table import as_rows, quantity
-from wrsim.results.tables import write_table
+from wrsim.results.tables import tables
 from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 
 if TYPE_CHECKING:
@@ -98,8 +98,8 @@ def write_differences(
 
 def write_conicity(result: Result, directory: Path, pictures: bool) -> list[Path]:
     """``conicity.csv`` and pictures."""
-    files = [write_table(result.dataset, "conicity", directory / "conicity.csv")]
-    return files + (standard_pictures(result.dataset, directory) if pictures else [])
+    contents = {"conicity.csv": as_csv(tables(result.dataset)["conicity"])}
+    return _written(directory, contents, standard_figures(result.dataset) if pictures else {})
 
 
 def write_conicity_map(found: ConicityMap, directory: Path, pictures: bool) -> list[Path]:

@@ -172,13 +172,9 @@ def table_of_scenario(dataset: xr.Dataset, name: str) -> dict[str, Any] | None:
 _TYPES = {"number": ("f", "float64"), "count": ("i", "int64"), "text": ("UOT", "text")}
 
 
-def fault_of_result(dataset: xr.Dataset) -> str:
-    """What is wrong with a dataset that claims to be a result, in words; empty if nothing is. A right checksum does not
-    prove that wrsim wrote a file: what readers of results rely on is checked at loading."""
-    return next(_faults(dataset), "")
-
-
-def _faults(dataset: xr.Dataset) -> Iterator[str]:
+def faults_of_result(dataset: xr.Dataset) -> Iterator[str]:
+    """What is wrong with a dataset that claims to be a result. A right checksum does not prove that wrsim wrote a file:
+    what readers of results rely on is checked at loading."""
     yield from _faults_of_layout(dataset)
     needed = ("wheel", "distance") if "time" in dataset.dims else ()
     yield from (f"has no {name}" for name in needed if name not in dataset.variables)

@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from wrsim.errors import InputError
 from wrsim.register import resolved
-from wrsim.results.dataset import FORMAT, FORMAT_VERSION, fault_of_result
+from wrsim.results.dataset import FORMAT, FORMAT_VERSION, faults_of_result
 from wrsim.results.netcdf import read_netcdf, write_netcdf
 
 if TYPE_CHECKING:
@@ -177,7 +177,7 @@ class Result:
                 f"in format {version}; this one reads up to {FORMAT_VERSION}"
             )
         dataset = _with_rails_of_moments(dataset)
-        if fault := fault_of_result(dataset):
+        for fault in faults_of_result(dataset):
             raise InputError(f"{path}: says that it is a wrsim result, but {fault}; run the scenario again")
         return cls(dataset)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from itertools import product
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +13,6 @@ from numpy.typing import NDArray
 from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.dataset import OF_VEHICLE
-from wrsim.results.files import csv_parts, write_atomically
 from wrsim.results.table import csv_numbers
 from wrsim.results.wheelsets import of_wheelset, wheelset_folder, wheelsets
 
@@ -24,11 +22,6 @@ if TYPE_CHECKING:
 Row = list[str]
 
 BLOCK = 2000  # instants of a run that are in memory as text at once
-
-
-def write_table(dataset: xr.Dataset, name: str, path: str | Path) -> Path:
-    """Write one of the `tables` of a result. Raises ``WrsimError`` when it cannot be written."""
-    return write_atomically(path, csv_parts(dict(each_table(dataset))[name]))
 
 
 def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:

@@ -15,7 +15,7 @@ from distributed import Client, Future, KilledWorker, as_completed
 from wrsim.analysis.progress import Progress, Report
 from wrsim.errors import InputError, WrsimError
 from wrsim.results import write_atomically
-from wrsim.results.manifest import Keeper, Manifest, digest_of, keeping
+from wrsim.results.files import Keeper, Manifest, digest_of, keeping
 from wrsim.study import cluster, task
 from wrsim.study.cluster import ATTEMPTS, address_of, check_threads
 from wrsim.study.plan import PLAN, Plan, texts_in

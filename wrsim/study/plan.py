@@ -26,7 +26,7 @@ from wrsim.inputs.checking import check_section, fault_line, opened
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import noting_reads, shown_value
-from wrsim.results.manifest import digest_of
+from wrsim.results.files import digest_of
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load, load_text
 from wrsim.study.axes import AxisPoints, axis_points

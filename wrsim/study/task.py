@@ -30,8 +30,7 @@ from wrsim.errors import InputError, SimulationError, WrsimError
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import Result, write_atomically
-from wrsim.results.files import as_json
-from wrsim.results.manifest import Manifest
+from wrsim.results.files import Manifest, as_json
 from wrsim.scenario.loading import Scenario
 from wrsim.study.outputs import case_outputs
 from wrsim.study.plan import Case, Plan, changed_file, plan_in

@@ -8,8 +8,7 @@ import numpy as np
 
 from wrsim.analysis.progress import Progress, Report
 from wrsim.analysis.stability.cycles import Cycle, CycleSearch
-from wrsim.analysis.stability.modes import Modes, critical, follow
-from wrsim.analysis.stability.rolling import RollingVehicle
+from wrsim.analysis.stability.rolling import Modes, RollingVehicle, critical, follow
 from wrsim.contact.channels import remarks_channel
 from wrsim.results import Result, assemble
 from wrsim.scenario.build import Setup
