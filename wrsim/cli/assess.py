@@ -121,7 +121,7 @@ def conicity_command(
             wheels, rails = (wheel, wheel_right or wheel), (rail, rail_right or rail)
             diameters = (left / 1e3, right / 1e3)
             found = pairing.conicity(wheels, rails, gauge_mm / 1e3, diameters, curve_m or (), flange_from_deg)
-            tables, numbers = found.numbers(), {"title": found.title, **conicity_numbers(found)}
+            tables, numbers = found.numbers(), {"title": found.title, **conicity_numbers(found.wheelset())}
             files = write_conicity(found, output, pictures) if output else []
         print_found(as_json, numbers, tables, files)
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import degrees, radians
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,9 +23,6 @@ from wrsim.results.summary import summarise_contacts
 from wrsim.results.table import Column, Table, finite, formatted, quantity
 from wrsim.results.tables import Row, csv_of_contacts, wide
 from wrsim.results.wheelsets import of_wheelset, wheelsets
-
-if TYPE_CHECKING:
-    from wrsim.results.result import Result
 
 Array = NDArray[np.float64]
 
@@ -99,15 +96,11 @@ def conicity_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]
     return [*tables, Table("radial steering index [mem]", tuple(keys.values()), rows, (note,))]
 
 
-def conicity_numbers(result: Result) -> dict[str, Any]:
+def conicity_numbers(dataset: xr.Dataset) -> dict[str, Any]:
     """Plain numbers of one pair: the summary, and the conicity over the amplitude."""
-    dataset = result.wheelset()
     values = dataset["equivalent_conicity"].values.tolist()
     amplitudes = [round(1e3 * a, 9) for a in dataset["amplitude"].values.tolist()]
-    return conicity_summary(dataset) | {
-        "amplitude_mm": amplitudes,
-        "tan_gamma_e": list(map(finite, values)),
-    }
+    return conicity_summary(dataset) | {"amplitude_mm": amplitudes, "tan_gamma_e": list(map(finite, values))}
 
 
 def _towards(dataset: xr.Dataset, sign: float, needed: float) -> tuple[float, float]:

@@ -13,12 +13,11 @@ from wrsim.errors import InputError
 from wrsim.register import resolved
 from wrsim.results.dataset import FORMAT, FORMAT_VERSION, faults_of_result
 from wrsim.results.netcdf import read_netcdf, write_netcdf
+from wrsim.results.table import Table, as_html, as_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
-
-    from wrsim.results.table import Table
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +45,6 @@ class Result:
 
     def __repr__(self) -> str:
         from wrsim.results.summary_tables import overview
-        from wrsim.results.table import as_text
 
         return f"<Result: {self.title}>\n{as_text(overview(self.dataset))}"
 
@@ -58,7 +56,6 @@ class Result:
 
     def _repr_html_(self) -> str:
         from wrsim.results.summary_tables import overview
-        from wrsim.results.table import as_html
 
         tables = Markup("").join(map(as_html, overview(self.dataset)))
         return Markup("<div><strong>{}</strong>{}</div>").format(self.title, tables)

@@ -271,7 +271,10 @@ def _name(tables: dict[str, Any], files: dict[str, str]) -> str:
     return digest.hexdigest()[:20]
 
 
-_known: dict[str, tuple[int, int, str]] = {}
+@lru_cache(maxsize=4096)
+def _content(path: str, modified: int, size: int) -> str:
+    """Digest of a file of this age and size."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
 def changed_file(files: dict[str, str]) -> str:
@@ -281,10 +284,6 @@ def changed_file(files: dict[str, str]) -> str:
             now = os.stat(path)
         except OSError:
             return path
-        known = _known.get(path)
-        if known is None or known[:2] != (now.st_mtime_ns, now.st_size):
-            known = (now.st_mtime_ns, now.st_size, hashlib.sha256(Path(path).read_bytes()).hexdigest())
-            _known[path] = known
-        if known[2] != digest:
+        if _content(path, now.st_mtime_ns, now.st_size) != digest:
             return path
     return ""
