@@ -119,14 +119,6 @@ def read(path: Path) -> Result:
         return Result.load(path)
 
 
-def whole_result(directory: Path, scenario: Scenario) -> Result | None:
-    """The whole result of this scenario in the folder, if there is one and no run that was cut off."""
-    if (directory / PART).exists() or not (directory / RESULT).exists():
-        return None
-    result = Result.load(directory / RESULT)
-    return None if can_go_on(result) or result.dataset.attrs["scenario_text"] != scenario.text else result
-
-
 def write_ride_of(result: Result, directory: Path, pictures: bool) -> list[Path]:
     """The ride of a run; one that is too short for it leaves a warning."""
     from wrsim.analysis.ride import evaluate_ride
@@ -195,7 +187,11 @@ def run_into(
         use_threads(threads)
     record = directory / PART
     with claimed(directory, force, (*scenario.files, *setup.files), file) as keeper:
-        result = whole_result(directory, scenario) if resume else None
+        result = None
+        if resume and not record.exists() and (directory / RESULT).exists():
+            whole = Result.load(directory / RESULT)
+            same = whole.dataset.attrs["scenario_text"] == scenario.text
+            result = whole if same and not can_go_on(whole) else None
         if result is not None and Manifest(directory).is_done(scenario.text, pictures):
             return Written(result, {}, f"{directory} holds the whole result of this scenario already")
         if resume and result is None and not record.exists():

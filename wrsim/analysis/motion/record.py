@@ -8,6 +8,7 @@ files came to, and the versions that shape the numbers. A run goes on only where
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -62,10 +63,12 @@ def _same_run(path: Path, now: dict[str, Any]) -> None:
     """Raise ``InputError`` when a file holds a run that would not go on with the same numbers."""
     then = run_header(path)
     again = "run it without --resume to start from the beginning"
-    before, after = (parse_toml(of["scenario_text"], f"{path}: its scenario") for of in (then, now))
-    changed = _first_change(before, after)
-    if changed:
-        raise InputError(f"{path}: is the run of another scenario: {changed}; {again}")
+    texts = (parse_toml(of["scenario_text"], f"{path}: its scenario") for of in (then, now))
+    before, after = (dict(_entries(text)) for text in texts)
+    for key in [*before, *after]:
+        if before.get(key) != after.get(key):
+            was, here = ("missing" if v is None else repr(v) for v in (before.get(key), after.get(key)))
+            raise InputError(f"{path}: is the run of another scenario: {key} was {was}, here it is {here}; {again}")
     for name in ("wrsim", "python", "numpy", "numba", "exudyn", "scipy"):
         a, b = then.get(f"{name}_version"), now[f"{name}_version"]
         if a != b:
@@ -75,22 +78,14 @@ def _same_run(path: Path, now: dict[str, Any]) -> None:
     _same_models(path, then, now, again)
 
 
-def _first_change(then: Any, now: Any, key: str = "") -> str:
-    """What differs first between two trees of tables, in words; empty when nothing does."""
-    if isinstance(then, dict) and isinstance(now, dict):
-        for name in [*then, *(n for n in now if n not in then)]:
-            inner = f"{key}.{name}" if key else name
-            changed = _first_change(then.get(name), now.get(name), inner)
-            if changed:
-                return changed
-        return ""
-    if isinstance(then, list) and isinstance(now, list) and len(then) == len(now):
-        found = (_first_change(a, b, f"{key}[{i}]") for i, (a, b) in enumerate(zip(then, now, strict=True)))
-        return next(filter(None, found), "")
-    if then == now:
-        return ""
-    old, new = ("missing" if v is None else "a table" if isinstance(v, dict | list) else repr(v) for v in (then, now))
-    return f"{key} was {old}, here it is {new}"
+def _entries(tree: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    """All values in a tree of tables by their dotted keys."""
+    for name, value in tree.items() if isinstance(tree, dict) else enumerate(tree):
+        inner = f"{key}[{name}]" if isinstance(tree, list) else f"{key}.{name}".removeprefix(".")
+        if isinstance(value, dict | list) and value:
+            yield from _entries(value, inner)
+        else:
+            yield inner, value
 
 
 def _same_models(path: Path, then: dict[str, Any], now: dict[str, Any], again: str) -> None:
