@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import partial, reduce
 from math import sin
 from operator import or_
 from typing import NamedTuple
@@ -106,7 +106,8 @@ class PoseSolver:
             roll = pose.roll if len(self.wheels) == 1 else self._balanced_roll(pose)
             height = self._height(pose, roll)
         except LoadNotReached as problem:
-            return Solved(float("nan"), float("nan"), str(problem))
+            words = f"{problem} (lateral shift {1e3 * pose.lateral:g} mm, {pose.load:g} N)"
+            return Solved(float("nan"), float("nan"), words)
         return Solved(height, roll, self._problem(pose.load), status_words(self._status() & REMARKS))
 
     def elements(self) -> list[list[ElementField]]:
@@ -134,32 +135,20 @@ class PoseSolver:
         """Height at which the vertical force is the load. The models then hold the contact there."""
         start = self.radius + CLEARANCE + abs(sin(roll)) * self.wheels[0].half_spacing
         if len(self.wheels) > 1:
-            return self._searched(pose, roll, start)
+            return height_for_load(partial(self._carried, pose, roll), self.wheels[0].model, pose.load, start)
         self.place(pose.lateral, start, pose.yaw, roll)
         model = self.wheels[0].model
         shift = start - float(model.arrays.pose[2])
         words = lower(model, pose.load)
         if words and not model.arrays.status & STATUS_IN_A_JUMP:
-            raise LoadNotReached(self._words(words, pose))
+            raise LoadNotReached(words)
         height = float(model.arrays.pose[2]) + shift
         self._sum_up()
         return height
 
-    def _searched(self, pose: Pose, roll: float, start: float) -> float:
-        """The same, of several wheels or another solver, from a height on."""
-
-        def carried(height: float) -> Carried:
-            self.evaluate(pose.lateral, height, pose.yaw, roll)
-            of = [approach_of(wheel.model) for wheel in self.wheels]
-            return Carried(float(self.force[2]), max(of))
-
-        try:
-            return height_for_load(carried, self.wheels[0].model, pose.load, start)
-        except LoadNotReached as problem:
-            raise LoadNotReached(self._words(str(problem), pose)) from None
-
-    def _words(self, words: str, pose: Pose) -> str:
-        return f"{words} (lateral shift {1e3 * pose.lateral:g} mm, {pose.load:g} N)"
+    def _carried(self, pose: Pose, roll: float, height: float) -> Carried:
+        self.evaluate(pose.lateral, height, pose.yaw, roll)
+        return Carried(float(self.force[2]), max(approach_of(wheel.model) for wheel in self.wheels))
 
     def _balanced_roll(self, pose: Pose) -> float:
         def moment(roll: float) -> float:
@@ -233,13 +222,13 @@ class HalfSpacePoseSolver(PoseSolver):
         def carried(z: float) -> Carried:
             nonlocal too_deep
             if too_deep == PATIENCE:
-                raise LoadNotReached(f"{pose.load:g} N are not met: {status_words(STATUS_TOO_DEEP)}")
-            self.evaluate(pose.lateral, z, pose.yaw, roll)
+                raise LoadNotReached(status_words(STATUS_TOO_DEEP))
+            found = self._carried(pose, roll, z)
             status = self._status()
             if status & TOO_MANY:
                 raise LoadNotReached(status_words(TOO_MANY))
             too_deep += bool(status & STATUS_TOO_DEEP)
-            return Carried(float(self.force[2]), max(approach_of(wheel.model) for wheel in self.wheels))
+            return found
 
         return height_for_load(carried, self.wheels[0].model, pose.load, start, tolerance=EXACT_TOLERANCE)
 
