@@ -151,8 +151,7 @@ def of_wheels(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
-    """Time of one contact of one wheel of the first wheelset [s]: median over some of the moments that the result
-    keeps; nan without any."""
+    """Time of one contact of one wheel of the first wheelset [s]: median over some snapshots; nan without any."""
     dataset = of_wheelset(dataset, wheelsets(dataset)[0])
     if not all(name in dataset for name in POSE_CHANNELS):
         return np.nan

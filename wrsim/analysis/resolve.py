@@ -169,15 +169,14 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
     """The dataset of a run with snapshots at these samples, all of them solved again.
 
     Its attribute ``contact_remark``: remarks on the contacts, and at how many of the samples; empty without any.
-    Raises InputError when the result does not hold what is needed, belongs to another vehicle, or was solved by the
-    exact solver, which takes too long for this.
+    Raises InputError for a result that lacks poses, of another vehicle, or of the exact solver, which takes too long.
     """
     names = [mounted.name for mounted in setup.vehicle.wheelsets]
     missing = [name for name in NEEDED if name not in dataset.variables]
     if missing or "time" not in dataset.dims or list(wheelsets(dataset)) != names:
         raise InputError("the result does not hold the poses of the wheelsets of its scenario")
     if setup.contact.normal == "half-space":
-        raise InputError("contacts of the exact solver are drawn at kept moments only: anywhere else takes minutes")
+        raise InputError("contacts of the exact solver are drawn at snapshots only: anywhere else takes minutes")
     law = force_law(replace(setup, contact=replace(setup.contact, tangential="none")))
     recorders = [StripRecorder(pair) for pair in law.wheels]
     q, q_t = design_state(law)  # bodies stay there: contacts depend on the wheelsets alone

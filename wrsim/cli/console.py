@@ -74,8 +74,7 @@ class _StatusLine(logging.Handler):
 
 
 def show_progress() -> None:
-    """Show on a terminal the progress of compiling (the logger ``wrsim.kernels``) and of the search for the motion at
-    the start of a run (``wrsim.start``)."""
+    """Show on a terminal the progress of compiling and of the search for the motion at the start of a run."""
     if sys.stderr.isatty():
         for name in ("wrsim.kernels", "wrsim.start"):
             logger = logging.getLogger(name)

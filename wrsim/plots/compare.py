@@ -120,9 +120,8 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
 
 
 def _placed(dataset: xr.Dataset, first: xr.Dataset, reference: int, wheel: str) -> list[tuple[PatchAt, float]]:
-    """Patches of a wheel at the pose of the same name or the snapshot at the same place, and what to add to their s, so
-    that all lie on the arclength of the rail [mm]. reference: the moment in the dataset of the reference, whose main
-    point is zero."""
+    """Patches of a wheel at the pose of the same name or the snapshot at the same place, and what to add to their s to
+    get the rail's arclength from the main point of the reference [mm], of which ``reference`` is the moment."""
     try:
         place = first["pose"].values if moment_dim(first) == "pose" else first["snapshot_distance"].values
         (moment,) = moments_at(dataset, [place[reference]], "at")

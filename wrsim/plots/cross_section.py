@@ -54,9 +54,8 @@ def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> None:
 def patch_on_section(
     axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normalize, *, thickness: float, fan: float = 0.0
 ) -> None:
-    """Draw a patch as a band of ``thickness`` mm along the curved axis, coloured by pressure. With ``fan`` > 0 the
-    pressure is also drawn on the patch along the strips' normals, into the wheel: the largest pressure of the scale is
-    ``fan`` mm long."""
+    """Draw a patch as a band of ``thickness`` mm along the curved axis, coloured by pressure. With ``fan`` > 0 also the
+    pressure along the strips' normals, into the wheel; the largest of the scale is ``fan`` mm long."""
     for run in touching_runs(select(dataset, where)):
         curve, normal, p = pressed_curve(run)
         band = np.stack((curve - 0.5 * thickness * normal, curve + 0.5 * thickness * normal))

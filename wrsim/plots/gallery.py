@@ -39,8 +39,7 @@ class GalleryColumn:
 
 @dataclass(frozen=True)
 class GalleryRow:
-    """Words at the left edge and their colour, height of the panels and of the room beneath them, mm; what draws the
-    panels, by column."""
+    """Words at the left edge, their colour, height of panels and of the room beneath, mm; what draws, by column."""
 
     label: str
     colour: str

@@ -46,9 +46,8 @@ Panel = Callable[[Axes, xr.Dataset], object]
 
 
 def history(axes: Axes, dataset: xr.Dataset, name: str, *, largest: float | None = None) -> Axes:
-    """Draw a channel: one line, one a wheel, or one a wheel and patch, as its dimensions ask. Lines of patches are
-    interrupted where the contact jumps or two patches change their order. largest: absolute value in all panels that
-    share the scale, by default in this one."""
+    """Draw a channel: one line, one a wheel, or one a wheel and patch, as its dimensions ask, interrupted where contact
+    jumps or patches change their order. largest: magnitude in all panels on one scale, by default in this one."""
     x, _ = theme.abscissa(dataset)
     values = theme.shown(dataset, name)
     if values.ndim == 1:
@@ -92,8 +91,7 @@ def _derailment_limit(axes: Axes, dataset: xr.Dataset, largest: float) -> None:
 
 
 def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
-    """Contact angles of one wheel: main point (line), mean over strips (thin), least to largest (band). The band of a
-    sample without neighbours is a bar."""
+    """Contact angles of one wheel: main point (line), mean over strips (thin), least to largest (band, lone: bar)."""
     x, _ = theme.abscissa(dataset)
     colour = theme.WHEEL_COLOUR[wheel]
     of_wheel = dataset[[*ANGLES]].sel(wheel=wheel)

@@ -142,8 +142,7 @@ def without_neighbours(values: NDArray[Any]) -> NDArray[np.bool_]:
 def broken(
     x: NDArray[Any], y: NDArray[Any], jump: float, *, by: NDArray[Any] | None = None
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Copies of (x, y) for a line that is interrupted where neighbours in ``by`` (default: y) differ by more than
-    ``jump``."""
+    """Copies of (x, y) for a line interrupted where neighbours in ``by`` (default: y) differ by more than ``jump``."""
     with np.errstate(invalid="ignore"):
         at = np.flatnonzero(np.abs(np.diff(y if by is None else by)) > jump) + 1
     return np.insert(x.astype(float), at, 0.5 * (x[at - 1] + x[at])), np.insert(y.astype(float), at, np.nan)

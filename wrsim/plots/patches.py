@@ -64,9 +64,8 @@ def contact_patch(axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normal
 
 
 def islands(dataset: xr.Dataset, where: PatchAt, shift: float = 0.0) -> list[tuple[Array, Array, Array, Array]]:
-    """Islands of a patch in mm and MPa, each (s, x, a, p), closed at both ends. Towards an edge the interpenetration
-    falls linearly, so half length and pressure fall with the square root of the distance: the points that round the
-    last half strip follow that law."""
+    """Islands of a patch in mm and MPa, each (s, x, a, p), closed at both ends: the interpenetration falls linearly to
+    an edge, so half length and pressure fall with the square root of the distance over the last half strip."""
     islands = []
     for run in touching_runs(select(dataset, where)):
         s, ds, x, a, p = (shown(run, f"strip_{n}") for n in ("s", "ds", "x", "a", "p"))

@@ -31,8 +31,7 @@ HISTORIES = {
 
 
 def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
-    """Makers of the pictures that suit the dataset, by file name without ending. The register names them; those of runs
-    and poses: ``of_contacts``."""
+    """Makers of the pictures that the register names for the dataset's analysis, by file name without ending."""
     figures: dict[str, Callable[[], Figure]] = resolved(ANALYSES[str(dataset.attrs["analysis"])].pictures)(dataset)
     return figures
 

@@ -30,8 +30,7 @@ CURVATURES = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 @theme.style()
 def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) -> Figure:
     """Shape, slope angle and curvature of a profile against the outward coordinate. smoothing: a report for every
-    cut-off; curvatures are drawn over that of the bare points, distances of the points from the smoothed curves in a
-    further panel."""
+    cut-off, for curvatures over that of the bare points and a panel of the points' distances from smoothed curves."""
     u, w = 1e3 * profile.u, 1e3 * profile.w
     pad = 0.03 * np.ptp(u)
     across, up = float(np.ptp(u) + 2.0 * pad), float(np.ptp(w) + 4.0 * pad)
@@ -62,8 +61,7 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
 
 
 def draw_smoothing(smoothing: Sequence[SmoothingReport], curvature: Axes, change: Axes) -> None:
-    """Curvature of the bare points in grey behind that of every cut-off, keeping the scale; distance of the points from
-    the smoothed curves, um."""
+    """Curvature of the bare points, grey, behind that of every cut-off; distance of points from smoothed curves, um."""
     curvature.lines[0].remove()
     first = smoothing[0]
     look: Any = {"color": theme.QUIET, "linewidth": 0.4, "alpha": 0.3, "zorder": 1.0}

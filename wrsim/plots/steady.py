@@ -29,9 +29,8 @@ def steady_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
 
 
 def steady_figure(dataset: xr.Dataset) -> Figure:
-    """Shift, angle of attack, Y, Q, Y/Q and wear number; of the wheels the outer one of each wheelset. Over curvature,
-    or over cant deficiency where the curves are alike; a line a wheelset, a dash pattern a series of curves with one
-    cant and speed (or one radius and cant)."""
+    """Shift, angle of attack, Y, Q, Y/Q and wear number, of outer wheels. Over curvature, or cant deficiency of curves
+    alike; a line a wheelset, a dash pattern a series of curves with one cant and speed (or radius and cant)."""
     radius = dataset["pose_radius"].values
     sizes = np.abs(radius)
     by_curvature = sizes.max() > FEW * sizes.min() or np.unique(np.sign(radius)).size > 1

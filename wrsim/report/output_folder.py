@@ -38,8 +38,7 @@ def folder_of_result(result: Path) -> Path:
 
 
 def writing(force: bool, *reads: Path, of: Path | None = None) -> AbstractContextManager[None]:
-    """While this lasts, no file of the user's is written over, none of ``reads`` above all (`wrsim.results.files`).
-    of: the result that is reported on."""
+    """While this lasts, no file of the user's is written over, ``reads`` least of all; of: the result reported on."""
     return keeping(Keeper(reads if of is None else (*reads, of), force, None if of is None else folder_of_result(of)))
 
 
@@ -159,8 +158,7 @@ class Written(NamedTuple):
 
 
 def _times(result: Result, wall: float, compiling: float) -> tuple[dict[str, float], str]:
-    """Wall times [s] of an analysis without and for compiling, and their ratio to real time; the same in words, of what
-    runs along the track."""
+    """Wall times [s] without and for compiling, and their ratio to real time; in words for runs along the track."""
     times = result.dataset.coords.get("time")
     lasted = 0.0 if times is None or times.size == 0 else float(times[-1] - times[0])
     took = {"wall_time_s": round(wall, 3), "compiling_s": round(compiling, 3)}

@@ -110,8 +110,7 @@ OF_EVOLUTION = {"service_text": "File of the evolution", "cases_text": "Table of
 
 
 def evolution_page(dataset: xr.Dataset, source: str, numbers: Table) -> str:
-    """The report of a profile evolution as HTML. dataset: ``wear.nc``; source: where it was read from; numbers: of it
-    against the mileage."""
+    """The report of a profile evolution as HTML. dataset: ``wear.nc``, from source; numbers: against the mileage."""
     about = dataset.attrs
     steps = dataset.sizes["point"] - 1
     mileage = quantity(1e-3 * float(dataset["mileage"].values[-1]), "km", ".6g")

@@ -322,9 +322,8 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
 
 
 def _outline(mine: xr.Dataset, body: str, dim: str, error: float, worn: bool) -> tuple[Array, NDArray[np.intp], Array]:
-    """An outline at all moments (moments, points, 2) [mm], the moments that have one, and which points were needed for
-    an error [mm], as shares of the profile's length. worn: with all points of it that wear. Moments without an outline
-    have that of the nearest one."""
+    """An outline at all moments (moments, points, 2) [mm], others having that of the nearest; moments that have one;
+    points needed for an error [mm], and worn ones if asked for, as shares of the profile's length."""
     lines = np.stack([mine[f"{body}_profile_{n}"].transpose(dim, f"{body}_point").values * 1e3 for n in "yz"], axis=-1)
     there = np.isfinite(lines[..., 0])
     finite = np.flatnonzero(there.any(axis=1))
@@ -372,8 +371,7 @@ def worn_outlines(mine: xr.Dataset, on_wheel: Array, on_rail: Array) -> dict[str
 
 
 def needed(x: Array, y: Array, off: float) -> NDArray[np.intp]:
-    """Indices of the points that a line through them cannot spare (Douglas and Peucker); off: how far a point that is
-    left out may lie beside the line."""
+    """Indices of points that a line cannot spare (Douglas and Peucker); off: how far others may lie beside it."""
     keep = np.zeros(x.size, dtype=bool)
     keep[[0, -1]] = True
     open_pieces = [(0, x.size - 1)]

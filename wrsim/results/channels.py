@@ -24,8 +24,7 @@ Kind = Literal["number", "count", "text"]
 
 @dataclass(frozen=True)
 class Shown:
-    """A unit for readers: ``value_in_si * factor`` is the number shown. ``symbol`` is on axes, ``suffix`` at the end of
-    column names and JSON keys (ASCII)."""
+    """A unit for readers: ``value_in_si * factor`` is shown; ``symbol``: on axes, ``suffix``: of columns, JSON keys."""
 
     symbol: str
     suffix: str

@@ -147,9 +147,8 @@ def steering_summary(dataset: xr.Dataset) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class ConicityMap:
-    """Over pairs of profiles, wheels before rails, and gauges [m]: equivalent conicity at 3 mm and Polach's
-    nonlinearity parameter [1/mm], both (pairs, gauges), not-a-number where the wheelset has none; ``reasons``
-    give why."""
+    """Over pairs of profiles, wheels before rails, and gauges [m]: equivalent conicity at 3 mm, Polach's nonlinearity
+    parameter [1/mm], both (pairs, gauges), not-a-number where there is none, and reasons for that."""
 
     pairs: tuple[tuple[str, str], ...]
     gauges: tuple[float, ...]

@@ -122,8 +122,7 @@ def _variable(channel: Channel, sample: str, array: NDArray[Any], sizes: Mapping
 
 
 def with_derived(channels: Mapping[str, ArrayLike], wheels: ArrayLike = WHEELS) -> dict[str, ArrayLike]:
-    """The channels, of some samples or of all, with Y/Q, the track shifting force and the variation of the contact
-    angle where they follow."""
+    """The channels with Y/Q, the track shifting force and the variation of the contact angle where they follow."""
     arrays = dict(channels)
 
     def given(derived: str, *names: str) -> list[NDArray[np.float64]]:

@@ -231,8 +231,7 @@ class Manifest:
             return hashlib.file_digest(stream, "sha256").hexdigest()[:_KEPT] in known
 
     def is_done(self, scenario_text: str, pictures: bool) -> bool:
-        """True if the last analysis that began here is that of this scenario, it ended, and all of its files exist.
-        pictures: whether they have to be among them."""
+        """True if the last analysis here is of this scenario and ended, and all its files, or pictures, too, exist."""
         begun, done = "", dict[str, Any]()
         for entry in self.entries():
             begun, done = (entry["begin"], {}) if "begin" in entry else (begun, entry if "done" in entry else done)
@@ -253,9 +252,8 @@ class Manifest:
 
 @dataclass(frozen=True)
 class Keeper:
-    """Decides on every file that a command writes. reads: files that it has read its input from; force: write over
-    whatever is there; of: the folder of the result that it writes or reports on, whose files go when another one takes
-    its place."""
+    """Decides on every file that a command writes. reads: files of its input; force: write over whatever is there; of:
+    folder of the result that it writes or reports on, whose files go when another one takes its place."""
 
     reads: tuple[Path, ...] = ()
     force: bool = False

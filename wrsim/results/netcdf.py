@@ -39,8 +39,7 @@ PACKED = 250
 
 
 def write_netcdf(path: str | Path, dataset: xr.Dataset) -> Path:
-    """Write a dataset as NetCDF 4; the file appears whole or not at all. Raises WrsimError when the disk is full or the
-    place cannot be written to."""
+    """Write a dataset as NetCDF 4, whole or not at all. Raises WrsimError: full disk, place without access."""
     import netCDF4
 
     path = Path(path)
@@ -58,8 +57,7 @@ def write_netcdf(path: str | Path, dataset: xr.Dataset) -> Path:
 
 
 def read_netcdf(path: Path, what: str) -> xr.Dataset:
-    """The dataset in a file that `write_netcdf` wrote; what: it should be, in words for errors. Raises InputError when
-    it is missing, damaged or none of wrsim's."""
+    """The dataset in a file of `write_netcdf`; what: in words. Raises InputError: missing, damaged, none of wrsim's."""
     again = f"run the {'scenario' if what == 'result' else what} again"
     try:
         with open(open_plain(path, f"{what} file"), "rb") as stream:
@@ -126,9 +124,8 @@ class Channels:
 
 
 def _fill(file: netCDF4.Dataset, dataset: xr.Dataset) -> None:
-    """What xarray's ``to_netcdf`` writes, in a quarter of its time for few numbers. All variables are defined before
-    the first gets its values. Long ones are packed, without shuffling their bytes, which takes longer and more room
-    here."""
+    """What xarray's ``to_netcdf`` writes, in a quarter of its time for few numbers: all variables are defined before
+    the first gets its values. Long ones are packed; shuffling their bytes takes longer and more room here."""
     variables, attributes = encode_dataset_coordinates(dataset)  # attributes name the coordinates
     file.setncatts(attributes)
     for name, size in dataset.sizes.items():

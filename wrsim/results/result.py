@@ -81,9 +81,8 @@ class Result:
         return str(self.dataset.attrs.get("stop_reason", ""))
 
     def wheelset(self, name: str | None = None) -> xr.Dataset:
-        """Channels of one wheelset, without the dimension ``wheelset``; ``distance`` is its own. name: not needed where
-        there is only one. Raises ``InputError`` for a wrong name, or when one is needed; the message lists all
-        names."""
+        """Channels of one wheelset, without the dimension ``wheelset``; ``distance`` is its own. name: needed where
+        there are several. Raises ``InputError`` for a wrong or missing name; the message lists all names."""
         from wrsim.results.wheelsets import of_wheelset
 
         return of_wheelset(self.dataset, name)
@@ -155,8 +154,7 @@ class Result:
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
-        """Read a file that `save` wrote, or the result in the folder of a run. Raises ``InputError`` when it is
-        missing, damaged or no result of wrsim."""
+        """Read a file of `save`, or the result in a run's folder. Raises ``InputError``: missing, damaged, none."""
         path = Path(path)
         if path.is_dir():
             path = path / "result.nc"

@@ -80,8 +80,7 @@ class Ride:
         return Table(title, heads, rows, (note,))
 
     def files(self) -> dict[str, bytes]:
-        """Contents of files by their names: numbers; rms in third-octaves [m/s2] and spectra [(m/s2)2/Hz], a column a
-        point and axis."""
+        """Contents of files by names: numbers; third-octaves [m/s2], spectra [(m/s2)2/Hz], a column a point, axis."""
         bands = self._over({"band_Hz": "band", "low_Hz": "band_low", "high_Hz": "band_high"}, "band_rms", "m_s2")
         spectra = self._over({"frequency_Hz": "frequency"}, "density", "m2_s4_per_Hz")
         tables = {"third_octaves.csv": as_csv(as_rows(bands)), "spectra.csv": as_csv(as_rows(spectra))}

@@ -76,8 +76,7 @@ class RunFile:
     """A run file open for appending, locked against a second run."""
 
     def __init__(self, path: str | Path) -> None:
-        """Open a file to go on with (see ``cut``), or a new one. Raises ``InputError`` for a file that is none of a
-        run, and for one that a run is writing to."""
+        """Open a file to go on with (see ``cut``), or a new one. Raises ``InputError``: none of a run, or in use."""
         self.path = path = Path(path)
         with plain_disk_errors(path):
             path.parent.mkdir(parents=True, exist_ok=True)

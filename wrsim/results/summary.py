@@ -178,8 +178,7 @@ def wheel_peaks(one: xr.Dataset) -> dict[str, dict[str, Any]]:
 
 
 def peak(dataset: xr.Dataset, of: Peak, wheel: str | None = None) -> dict[str, Any] | None:
-    """A peak in units for readers, and where it is: the sample, of channels of patches the patch as well. ``None`` when
-    the channel is absent or has no finite value."""
+    """A peak in units for readers, and where: its sample, and patch if any. ``None`` without a finite value."""
     if of.channel not in dataset:
         return None
     data = dataset.variables[of.channel]  # without labels, which take most of the time

@@ -85,8 +85,7 @@ def extent_words(dataset: xr.Dataset) -> str:
 
 
 def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: str = "Peaks") -> list[Table]:
-    """Peaks of one wheelset with their places, in several results beside each other: of its wheels, of itself. own: of
-    every result; names: those of the results."""
+    """Peaks of one wheelset and its wheels with their places, a column for each result; names: of the results."""
     pairs = list(zip(own, names, strict=True))
     wheels = [(each, name, wheel) for each, name in pairs for wheel in (each["wheels"] if each else WHEELS)]
     rows: list[Sequence[Cell]] = []

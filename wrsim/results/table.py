@@ -54,8 +54,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of cells under columns; notes are beneath, each on a line. A row of one cell heads the rows below it.
-    Without columns it is a title with notes."""
+    """Rows of cells under columns, notes beneath. A row of one cell heads those below it. It may have no columns."""
 
     title: str
     columns: tuple[Column, ...] = ()

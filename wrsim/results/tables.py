@@ -85,8 +85,7 @@ def wide(dataset: xr.Dataset, dim: str, others: Iterable[str] = ()) -> list[Row]
 
 
 def columns(dataset: xr.Dataset) -> Iterator[tuple[str, Channel, NDArray[Any]]]:
-    """One wide table of a result, a row a sample: names as in ``Y_front.outer_left_kN``, channels, values in units for
-    readers; strips and outlines are left out."""
+    """Columns of one wide table, a row a sample: names as ``Y_front.outer_left_kN``, channels, values for readers."""
     sample = "time" if "time" in dataset.dims else "pose"
     for name, channel in CHANNELS.items():
         if name in dataset.variables and dataset[name].dims[:1] == (sample,) and "strip" not in dataset[name].dims:

@@ -24,8 +24,7 @@ class AxisPoints:
     """The points of one axis.
 
     name: of its dimension; keys: groups of dotted keys, those of one group take the same value; values (n, groups);
-    places: where each point is given, for messages; labels: names of the points, if any; listed: the points are rows or
-    samples, not a grid.
+    places: where each point is given, for messages; labels: names of points, if any; listed: rows or samples, no grid.
     """
 
     name: str

@@ -156,8 +156,7 @@ def slurm_workers(count: int, certificates: Path | None, folder: Path) -> Iterat
 def slurm_security(certificates: Path | None, folder: Path) -> Iterator[Security]:
     """Certificates of scheduler, jobs and client.
 
-    Where none are given, they are made: in files of a folder that the jobs see, readable by this user only, deleted
-    with the cluster.
+    Without given ones they are made: in a folder that the jobs see, readable by this user only, gone with the cluster.
     """
     roles = ("client", "scheduler", "worker")
     if named := security_of(certificates, *roles):

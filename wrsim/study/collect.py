@@ -115,8 +115,7 @@ def times_of_cases(plan: Plan, markers: Sequence[Marker]) -> list[Row]:
 
 
 def write_study(plan: Plan, markers: Sequence[Marker], pictures: bool) -> tuple[dict[str, Any], list[Path]]:
-    """Write ``study.nc``, ``study.csv``, ``times.csv``, ``study.json`` and pictures into the folder of a study; gives
-    what is in ``study.json`` as well."""
+    """Write ``study.nc``, ``study.csv``, ``times.csv``, ``study.json`` and pictures; gives the content of the JSON."""
     folder, dataset = Path(plan.folder), collected(plan, markers)
     report = study_report(plan, markers, dataset)
     files = [
@@ -138,8 +137,7 @@ def read_study(path: Path) -> xr.Dataset:
 def read_numbers(
     path: Path, name: str, form: str, what: str, faults: Callable[[xr.Dataset], Iterator[str]]
 ) -> xr.Dataset:
-    """The dataset in a file of that name, or in a folder that holds one. Raises InputError where it is of another
-    format or has a fault."""
+    """The dataset in a file of that name, or in its folder. Raises InputError for another format and for faults."""
     file = path / name if path.is_dir() else path
     dataset = read_netcdf(file, what)
     if dataset.attrs.get("format") != form:

@@ -100,8 +100,7 @@ def _take_channel(found: Outputs, result: Result, one: ChannelOutput) -> None:
 def reduced(values: NDArray[np.float64], how: str, percentile: float | None = None) -> float:
     """One number of samples (n, ...): along the first axis, then the worst of all others.
 
-    The worst is the smallest for "min", else the largest; for "peak" the one of largest magnitude. Not-a-number where
-    there is no finite value.
+    The worst is the smallest for "min", of largest magnitude for "peak", else the largest; not-a-number without any.
     """
     columns = (column[np.isfinite(column)] for column in values.reshape(len(values), -1).T)
     arguments = () if percentile is None else (percentile,)

@@ -40,9 +40,7 @@ MOST_FAULTS = 20
 
 @dataclass(frozen=True)
 class Case:
-    """name: digest, see the module; values: by dotted key; place: its index along every axis; label: values in words;
-    files: which set of files it reads.
-    """
+    """name: see the module; values: by key; place: along every axis; label: values in words; files: its set of files."""
 
     name: str
     values: dict[str, Any]
@@ -111,8 +109,7 @@ def plan_in(folder: str, digest: str) -> Plan:
 
 
 class StudyInput:
-    """A study file or one of profile evolution, as it was read: its sections, the scenario its cases start from, and
-    where files are looked up."""
+    """A file of a study or a profile evolution: its sections, its cases' scenario, where files are looked up."""
 
     def __init__(self, file: Path, what: str, kind: type[Section], models: Sequence[str | Path]) -> None:
         """Raises InputError with file, key and what is allowed."""
@@ -189,8 +186,7 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
 
 
 def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
-    """The plan with its cases, each checked by its keys, and the files read; models are read once for every set of
-    names. Raises InputError with all faults."""
+    """The plan with its cases, all checked, models once for every set of names, and files read. Raises InputError."""
     cases: list[Case] = []
     files: list[dict[str, str]] = []
     read: list[Path] = []

@@ -54,8 +54,7 @@ class Marker:
     """What is known of a case that has been handled; see ``STATUSES``.
 
     numbers, units, faults: see `Outputs`; outputs: digest of the outputs section; wall_time: of this attempt,
-    simulation: the part of it that the analysis took [s]; began, ended: by the clock [s]; resumed: it went on with a
-    run that was cut off.
+    simulation: of the analysis in it [s]; began, ended: by the clock [s]; resumed: went on with a run that was cut off.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")

@@ -58,10 +58,7 @@ CLIMB_DISTANCE = Limit(1.524, "49 CFR 213.333: Nadal's limit exceeded for no mor
 
 
 def frame_instability(bogie_mass: float) -> Limit:
-    """Sliding rms of a bogie frame's lateral acceleration: half of 12 m/s2 less 1 m/s2 per 5 t of bogie.
-
-    bogie_mass [kg]: frame and wheelsets.
-    """
+    """Sliding rms of a frame's lateral acceleration: half of 12 m/s2 less 1 m/s2 per 5 t of bogie with wheelsets."""
     return Limit(0.5 * (12.0 - bogie_mass / 5e3), f"{EN}: (12 - m/5)/2, bogie of {bogie_mass / 1e3:.3g} t", "mem")
 
 

@@ -53,8 +53,7 @@ def limit_of_climbing(dataset: xr.Dataset, settings: AssessmentSettings, notes: 
 
 
 def _friction_of(dataset: xr.Dataset) -> float | None:
-    """Largest coefficient of friction of both rails: along the track where it changes, else in the scenario that the
-    result carries; None without one."""
+    """Largest coefficient of friction of both rails, along the track or in the scenario; None where neither has one."""
     if "rail_friction" in dataset:
         return float(max(dataset[name].max() for name in ("rail_friction", "rail_friction_corner")))
     if (contact := table_of_scenario(dataset, "contact")) is None:

@@ -107,8 +107,7 @@ def conicity(
 def _counted(contact: RigidContact, roll: str) -> tuple[Array, Array]:
     """Shifts as the plan counts them, and the rolling radius difference there.
 
-    On a steep flange the wheelset's centre goes back while its wheels go on: only the shifts before that have a
-    difference.
+    On a steep flange the wheelset's centre goes back while its wheels go on: no shift beyond that has a difference.
     """
     if roll != "centre":
         return contact.shift, contact.radius_difference
@@ -140,8 +139,7 @@ def equivalent_conicity(
 ) -> EquivalentConicity:
     """Equivalent conicity of a rolling radius difference given at rising shifts (n,), linear in between.
 
-    Not-a-number in ``radius_difference`` (a wheel beside its rail) bounds the range. The equilibrium is the one at the
-    foot of the deepest well of P.
+    Not-a-number in ``radius_difference`` (a wheel off its rail) bounds the range. P is lowest at the equilibrium.
     """
     amplitude = np.atleast_1d(np.asarray(amplitude, dtype=float))
     nothing = np.full(amplitude.shape, np.nan)

@@ -38,8 +38,7 @@ ROLL_TOLERANCE = 1e-13  # of the gap between both sides [m]
 
 @dataclass(frozen=True, eq=False)
 class RigidContact:
-    """Contact points over the lateral shift (n,), wheels (n, 2) with the left one first. Not-a-number where a wheel
-    leaves its rail."""
+    """Contact points over the lateral shift (n,), wheels (n, 2), left first; not-a-number where one leaves its rail."""
 
     shift: Array  # of the wheelset at the height of the rail tops, to the left [m]
     roll: Array  # left wheel up [rad]
@@ -112,8 +111,7 @@ class _Side:
             )
 
     def touch(self, shift: Array, roll: Array, node: NDArray[np.intp]) -> tuple[Array, Array, Array, Array]:
-        """Wheel arclength, outward coordinate, gap and slope at the minimum beside the nodes, by bisection of the
-        slope of the gap."""
+        """Wheel arclength, outward coordinate, gap and slope at the minimum beside the nodes, by bisection."""
         c, s = np.cos(roll), np.sin(roll)
         low, high = (self.node_distance * (node + k) for k in (-1.0, 1.0))
         for _ in range(48):
@@ -140,8 +138,7 @@ def rigid_contact(
 
     wheels, rails: profiles of the left and the right side, rails already inclined; radii: at the tape circles [m];
     profile_spacing: distance of the wheel profiles' origins [m]; gauge: 14 mm below the rail tops [m].
-    Raises InputError when a rail has no gauge point, when no shift lets both wheels touch and when one touches along a
-    line.
+    Raises InputError for a rail without a gauge point, wheels that never touch both rails or touch along a line.
     """
     shift = np.asarray(shift, dtype=float)
     mean = 0.5 * (radii[0] + radii[1])

@@ -115,8 +115,7 @@ def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[st
 
 
 def track_channels(track: Track, distance: Array) -> dict[str, Array]:
-    """Curvature, cant, gauge and grade (n,) at distances along the centre line [m]; on uneven tracks the
-    irregularities of the rails (n, 2) as well."""
+    """Curvature, cant, gauge, grade (n,) at distances [m], and irregularities (n, 2) of the rails of uneven track."""
     channels = {
         "curvature": track.curvature(distance),
         "cant": track.cant(distance),

@@ -50,8 +50,7 @@ class StepTooLong(InputError):
 def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record: RunRecord | None = None) -> Result:
     """Integrate from the start to the end of the run; a run that has to stop returns what it has.
 
-    record: the file in which the run is kept while it lasts, and from which it may go on. Raises SimulationError when
-    there is no steady motion to start from.
+    record: the file that keeps the run while it lasts, to go on from. Raises SimulationError without a steady start.
     """
     law = force_law(setup)
     system = BodySystem(law.bodies, law)

@@ -238,8 +238,7 @@ class LoadNotReached(Exception):
 
 
 class Carried(NamedTuple):
-    """What a wheel carries at a height: vertical force [N], largest approach [m], without contact less than 0 by the
-    distance of the profiles."""
+    """At a height: vertical force [N], largest approach [m], below 0 by the distance of the profiles off contact."""
 
     force: float
     approach: float

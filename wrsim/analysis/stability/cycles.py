@@ -42,9 +42,8 @@ class Cycle:
     """What became of a vehicle at one held speed [m/s].
 
     amplitudes: of the wheelsets' lateral motion, half of peak to peak in the last window [m]; frequency of the
-    wheelset that moves most [Hz], not-a-number at rest; time: how long it was held [s]. ending: a cycle that has
-    settled; rest, or well on the way there; neither within the longest time; derailed. remark: messages of the
-    contacts on the way.
+    wheelset that moves most [Hz], not-a-number at rest; time: how long it was held [s]. ending: a converged cycle;
+    rest, or well on the way there; neither within the longest time; derailed. remark: messages of the contacts.
     """
 
     speed: float

@@ -22,8 +22,7 @@ SHARE_OF_MODES = 0.3  # what the modes count for in the progress when limit cycl
 def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None) -> Result:
     """Modes at every speed, the linear critical speed and, where asked for, limit cycles.
 
-    Ctrl-C ends the study with what it has. Raises SimulationError when the vehicle does not even roll straight at the
-    first speed.
+    Ctrl-C ends it with what it has. Raises SimulationError when the vehicle does not roll straight at the first speed.
     """
     plan, vehicle = setup.plan, setup.vehicle
     report = Report(progress)

@@ -34,23 +34,19 @@ def there_and_back(steps: int) -> Array:
 
 
 def body_twist(length: float) -> float:
-    """Twist under the body over the distance 2a* of the bogies [m], beside that of the bogies: 2 + 15/2a* per mille, at
-    most 7; in parts of one.
-    """
+    """Twist of the body over the distance 2a* of bogies [m], beside theirs: 2 + 15/2a* per mille, 7 at most; [1]."""
     return min(2e-3 + 15e-3 / length, 7e-3)
 
 
 def lone_twist(length: float) -> float:
-    """Twist of a vehicle without bogies over the distance 2a of its axles [m]: 2 + 20/2a per mille, at most 7, to 20 m,
-    3 to 30 m, 90/2a beyond; in parts of one.
-    """
+    """Twist over the distance 2a of lone axles [m]: 2 + 20/2a per mille, 7 at most, to 20 m; 3 to 30 m; 90/2a; [1]."""
     if length <= 20.0:
         return min(2e-3 + 20e-3 / length, 7e-3)
     return min(3e-3, 90e-3 / length)
 
 
 def bogie_twist(length: float) -> float:
-    """Twist under a bogie over its wheelbase 2a+ [m], in parts of one: 7 - 5/2a+, not below nothing."""
+    """Twist under a bogie over its wheelbase 2a+ [m]: 7 - 5/2a+ per mille, not below 0; [1]."""
     return max(7e-3 - 5e-3 / length, 0.0)
 
 
@@ -58,9 +54,8 @@ def bogie_twist(length: float) -> float:
 class TwistTest:
     """body, bogie: twists in parts of one; part (n,): of both, there and back; wheel_loads (n, wheelsets, 2) [N].
 
-    Of the closed loop, from the full twist to the opposite one and back, for every wheel (wheelsets, 2): static: Q0,
-    mean of the two ways through level rails [N]; unloading: largest Delta Q / Q0; friction: half of what the loop is
-    high at level rails over Q0.
+    Of the loop from the full twist to the opposite one and back, for every wheel (wheelsets, 2): static: Q0, mean of
+    both ways through level rails [N]; unloading: largest Delta Q / Q0; friction: half its height there over Q0.
     """
 
     body: float
@@ -75,9 +70,8 @@ class TwistTest:
 def twist_test(vehicle: Vehicle, body: float | None = None, bogie: float | None = None) -> TwistTest:
     """The vehicle without its loads on rails that are twisted there and back.
 
-    body: twist over the distance of the bogies (of the axles of a vehicle without), bogie: over the wheelbase of every
-    bogie, both to the same side, in parts of one; those of the standard unless given. Raises SimulationError where
-    the vehicle finds no rest.
+    body: twist over the distance of the bogies (of lone axles), bogie: over every wheelbase, both to the same side, in
+    parts of one; those of the standard unless given. Raises SimulationError where the vehicle finds no rest.
     """
     supported = SupportedVehicle(replace(vehicle, loads=()))
     ahead = supported.ahead

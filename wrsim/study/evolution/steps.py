@@ -182,10 +182,7 @@ def _wear(evolution: Evolution, folder: Path, areas: Array, mileage: float, work
 
 
 def write_wheel(evolution: Evolution, folder: Path, areas: Array, label: str, stem: str = "") -> Path:
-    """Write a wheel's profile as model files, and give the file to load; the unworn one is where it always was.
-
-    stem: what the names of the files begin with.
-    """
+    """Write a wheel's profile as model files whose names begin with stem; gives the file to load, unworn as given."""
     table = evolution.table(areas)
     if table is None:
         return evolution.wheel
