@@ -27,7 +27,7 @@ _HOMES = {
     "Pose": "wrsim.contact.pose",
     "contact_model": "wrsim.contact.models",
     "solve_poses": "wrsim.analysis.poses.static",
-    "contact_map": "wrsim.analysis.poses.contact_map",
+    "contact_map": "wrsim.analysis.poses.static",
     "ContactModel": "wrsim.contact.model",
     "ContactSettings": "wrsim.contact.settings",
     "Friction": "wrsim.contact.settings",

@@ -1,5 +1,5 @@
 from wrsim.analysis import run as run
-from wrsim.analysis.poses.contact_map import contact_map as contact_map
+from wrsim.analysis.poses.static import contact_map as contact_map
 from wrsim.analysis.poses.static import solve_poses as solve_poses
 from wrsim.contact.model import ContactModel as ContactModel
 from wrsim.contact.models import contact_model as contact_model

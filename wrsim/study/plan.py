@@ -40,7 +40,7 @@ MOST_FAULTS = 20
 
 @dataclass(frozen=True)
 class Case:
-    """name: see the module; values: by key; place: along every axis; label: values in words; files: its set of files."""
+    """name: see the module; values: by key; place: along every axis; label: values in words; files: its set."""
 
     name: str
     values: dict[str, Any]

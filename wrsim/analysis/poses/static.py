@@ -1,24 +1,30 @@
-"""Static analysis: many poses of one wheel or a wheelset, each at its prescribed vertical load."""
+"""Poses at prescribed vertical loads: static analysis of a wheel or a wheelset; tables of contacts for other codes."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.analysis.contacts import wheels_on_rails
-from wrsim.analysis.poses.solver import HalfSpacePoseSolver, PoseSolver, Solved
+from wrsim.analysis.poses.solver import CLEARANCE, HalfSpacePoseSolver, PoseSolver, Solved
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import StripRecorder, WheelOnRail, contact_channels, remarks_channel
 from wrsim.contact.model import ContactModel
+from wrsim.contact.models import contact_model
 from wrsim.contact.patches import RawContacts
 from wrsim.contact.pose import Pose
+from wrsim.contact.settings import DRY, AnyFriction, ContactSettings
+from wrsim.contact.status import UNMET
 from wrsim.errors import InputError, SimulationError
+from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.track import STANDARD_GAUGE
-from wrsim.results import Result, assemble
+from wrsim.results import CHANNELS, Result, assemble
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.static import StaticPlan, named
 
@@ -28,6 +34,8 @@ steeper flank takes a lateral force beyond what any rail vehicle has, and pressu
 
 REPORT_INTERVAL = 0.1  # between two calls of the progress function [s]
 STANDARD_SPACING = 1.5  # distance of the tape circles of wheelsets for standard gauge [m]
+AXES = {"shift": "m", "yaw": "rad", "roll": "rad", "load": "N"}
+MOST_POSES = 1_000_000  # in a table
 
 
 def run_static(setup: Setup[StaticPlan], progress: Progress | None = None) -> Result:
@@ -183,3 +191,104 @@ def _flank_words(wheel: str, of: dict[str, NDArray[np.float64]]) -> str:
         f"the {wheel} wheel carries {q / 1e3:.4g} kN down on a flank of {np.degrees(angle):.3g} degrees: "
         f"N = {normal / 1e3:.4g} kN, p0 = {pressure / 1e6:.4g} MPa, and {abs(y) / 1e3:.4g} kN sideways to hold it there"
     )
+
+
+def contact_map(
+    wheel: Profile,
+    rail: Profile,
+    radius: float,
+    shifts: ArrayLike,
+    yaws: ArrayLike = 0.0,
+    rolls: ArrayLike = 0.0,
+    loads: ArrayLike = 60e3,
+    *,
+    settings: ContactSettings | None = None,
+    friction: AnyFriction = DRY,
+    side: Literal["left", "right"] = "left",
+    gauge: float = STANDARD_GAUGE,
+    profile_spacing: float = STANDARD_SPACING,
+    rolling: bool = True,
+    threads: int | None = None,
+    file: str | Path | None = None,
+) -> xr.Dataset:
+    """Contacts of one wheel over every combination of shift, yaw, roll and vertical load.
+
+    Parameters
+    ----------
+    wheel, rail : Profile
+        The rail with its inclination, ``rail.inclined(1 / 40)``.
+    radius : float
+        Of the wheel at the tape circle [m].
+    shifts, yaws, rolls, loads : array_like
+        One number or a list of each: lateral shift of the wheelset, positive to the left [m]; yaw, positive to the
+        left, and roll, positive lifts the left wheel [rad]; vertical force [N].
+    settings, friction
+        As in `contact_model`.
+    side, gauge, profile_spacing, rolling
+        As in `solve_poses`.
+    threads : int, optional
+        That compute poses side by side; default all cores of the machine.
+    file : str or Path, optional
+        Where the table is saved, as NetCDF.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``shift``, ``yaw``, ``roll``, ``load`` and, where it belongs to a patch, ``patch``, the largest normal
+        force first: ``vertical_shift`` of the wheelset's centre, ``X``, ``Y``, ``Q``, ``T_gamma``, ``n_patches``,
+        ``status``; of the patches ``N``, ``p0``, ``area``, ``approach``, ``contact_angle``, ``xi``, ``eta``,
+        ``phi`` ..., each with its ``units``. Names and signs are those of results.
+        Not-a-number where a load is not met; ``status`` has the reason.
+
+    Raises
+    ------
+    InputError
+        For empty lists, numbers that are not finite, loads not above 0, more threads than cores, a side that there is
+        not, the exact half-space solver.
+
+    Examples
+    --------
+    >>> from wrsim import contact_map, load_profile
+    >>> rail = load_profile("rails/60E1.toml").inclined(1 / 40)
+    >>> table = contact_map(load_profile("wheels/S1002.toml"), rail, 0.46, [0.0, 3e-3], loads=[50e3, 60e3])
+    """
+    model = contact_model(wheel, rail, radius, settings, friction)
+    axes = {}
+    for name, values in zip(AXES, (shifts, yaws, rolls, loads), strict=True):
+        axes[name] = np.atleast_1d(np.asarray(values, dtype=float))
+        if axes[name].ndim != 1 or not axes[name].size or not np.isfinite(axes[name]).all():
+            raise InputError(f"{name}s: must be a number or a list of numbers, all finite")
+    shape = tuple(values.size for values in axes.values())
+    if np.prod(shape) > MOST_POSES:
+        raise InputError(f"{np.prod(shape)} combinations of shifts, yaws, rolls and loads; allowed: {MOST_POSES}")
+    placed = on_rail(model, side, gauge, profile_spacing, rolling)
+    solver = PoseSolver([placed], rolling, radius)
+    start = radius + CLEARANCE + np.abs(np.sin(axes["roll"])).max() * placed.half_spacing
+    rows = np.empty((*shape, len(placed.model.arrays.pose)))
+    for i, shift in enumerate(axes["shift"]):
+        for j, yaw in enumerate(axes["yaw"]):
+            for m, roll in enumerate(axes["roll"]):
+                solver.place(float(shift), float(start), float(yaw), float(roll))
+                rows[i, j, m] = placed.model.arrays.pose
+    rows = rows.reshape(-1, rows.shape[-1])
+    wanted = np.broadcast_to(axes["load"], shape).ravel()
+    found = placed.model.solve_many(rows, wanted, threads=threads)
+    unmet = (found.status & UNMET) != 0
+    channels = {name: values[:, 0] for name, values in contact_channels(found.raw, [placed]).items()}
+    channels["vertical_shift"] = found.poses[:, 2] - rows[:, 2] + start - radius
+    table = xr.Dataset(
+        coords={name: (name, values, {"units": AXES[name]}) for name, values in axes.items()},
+        attrs={
+            "title": f"contacts of {wheel.name} on {rail.name}", "radius_m": radius, "gauge_m": gauge, "side": side,
+            "profile_spacing_m": profile_spacing, "rolling": int(rolling),
+            "normal": model.settings.normal, "creep_forces": placed.model.settings.creep_forces,
+        },
+    )  # fmt: skip
+    for name, values in channels.items():
+        values = np.where(unmet.reshape(-1, *(1,) * (values.ndim - 1)), np.nan, values)
+        dims = (*AXES, "patch")[: 3 + values.ndim]
+        table[name] = dims, values.reshape(*shape, *values.shape[1:]), {"units": CHANNELS[name].unit}
+    table["status"] = tuple(AXES), found.status.reshape(shape), {"units": "1"}
+    if file is not None:
+        table.to_netcdf(file)
+    return table
