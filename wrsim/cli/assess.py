@@ -171,8 +171,9 @@ def vehicle(
         if loaded.members and (cant_deficiency or twist or twist_test or rotation_test):
             raise InputError(f"{file}: is a train; tests at rest are for one vehicle: give the file of one of them")
         found = at_rest.numbers_at_rest(loaded, cant_deficiency, twist)
-        twisted, turned = at_rest.stationary_tests(loaded, twist_test, twists, rotation_test, rotation_radius_m)
-        found |= at_rest.numbers_of_tests(loaded, twisted, turned)
+        asked = twist_test, twists, rotation_test, rotation_radius_m
+        tested, twisted, turned = at_rest.stationary_tests(loaded, *asked)
+        found |= tested
         if output is not None or loops is not None:
             from wrsim.report.outputs import draw_loops, draw_model
 

@@ -103,22 +103,18 @@ def _by_wheel(vehicle: Vehicle, values: NDArray[np.float64]) -> dict[str, dict[s
 
 def stationary_tests(
     vehicle: Vehicle, twist: bool, twists: tuple[float, float] | None, rotation: bool, radius: float
-) -> tuple[TwistTest | None, tuple[RotationTest, ...]]:
-    """The twist test, and the rotation test of every bogie at both rates, where asked for.
+) -> tuple[dict[str, Any], TwistTest | None, tuple[RotationTest, ...]]:
+    """The twist test, and the rotation test of every bogie at both rates, where asked for; before them their numbers.
 
     twists [per mille]: under body and bogie, those of the standard unless given; radius: of the curve [m].
     """
     for value in twists or ():
         if not 0.0 <= value <= 20.0:
             raise InputError(f"--twists {value:g}: must be from 0 to 20 per mille")
+    found: dict[str, Any] = {}
     twisted = loops.twist_test(vehicle, *(1e-3 * t for t in twists or ())) if twist else None
     pairs = [(bogie, rate) for bogie in loops.turning_bogies(vehicle) for rate in loops.RATES] if rotation else []
-    return twisted, tuple(loops.rotation_test(vehicle, bogie, rate, radius) for bogie, rate in pairs)
-
-
-def numbers_of_tests(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest]) -> dict[str, Any]:
-    """Numbers of the stationary tests that were done."""
-    found: dict[str, Any] = {}
+    turned = tuple(loops.rotation_test(vehicle, bogie, rate, radius) for bogie, rate in pairs)
     if twisted is not None:
         found["twist_test"] = {
             "body_twist_permille": 1e3 * twisted.body,
@@ -143,7 +139,7 @@ def numbers_of_tests(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequen
             }
             for test in turned
         ]
-    return found
+    return found, twisted, turned
 
 
 def tables_at_rest(found: Numbers) -> list[Table]:
