@@ -25,7 +25,7 @@ from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.stability import StabilityPlan
 from wrsim.simulation.law import ConicalVehicleOnTrack, VehicleOnTrack
-from wrsim.simulation.modes import Linearised, linearise, mode_name
+from wrsim.simulation.modes import linearise, mode_name
 from wrsim.simulation.steady_state import Equilibrium, steady_state
 from wrsim.simulation.system import Array
 
@@ -47,21 +47,6 @@ class Modes:
     values: NDArray[np.complex128]
     shapes: NDArray[np.complex128]
     largest: float
-
-
-def modes_of(linear: Linearised, speed: float, wheelsets: int, highest: float) -> Modes:
-    """Modes up to the frequency ``highest`` [Hz] of a vehicle whose first bodies are wheelsets."""
-    m = 6 * linear.bodies
-    spins = 6 * np.arange(wheelsets) + 5
-    kept = np.setdiff1d(np.arange(linear.state_matrix.shape[0]), spins)
-    values, vectors = np.linalg.eig(linear.state_matrix[np.ix_(kept, kept)])
-    whole = np.zeros((m, len(values)), dtype=complex)
-    own = kept < m
-    whole[kept[own]] = vectors[own]
-    oscillating = (values.imag > 2.0 * np.pi * SLOWEST) & (np.abs(values.imag) <= 2.0 * np.pi * highest)
-    order = np.argsort(values[oscillating].imag)
-    shapes = whole[:, oscillating].T[order].reshape(-1, linear.bodies, 6)
-    return Modes(speed, values[oscillating][order], shapes, float(values.real.max()))
 
 
 def follow(found: Sequence[Modes]) -> list[NDArray[np.intp]]:
@@ -161,7 +146,17 @@ class RollingVehicle:
     def modes(self, speed: float, highest: float) -> Modes:
         """Modes of the small motions about the steady state at a speed [m/s], up to a frequency [Hz]."""
         linear = linearise(self.law, self.law.bodies, *self.state(speed))
-        return modes_of(linear, speed, len(self.law.vehicle.wheelsets), highest)
+        m = 6 * linear.bodies
+        spins = 6 * np.arange(len(self.law.vehicle.wheelsets)) + 5
+        kept = np.setdiff1d(np.arange(linear.state_matrix.shape[0]), spins)
+        values, vectors = np.linalg.eig(linear.state_matrix[np.ix_(kept, kept)])
+        whole = np.zeros((m, len(values)), dtype=complex)
+        own = kept < m
+        whole[kept[own]] = vectors[own]
+        oscillating = (values.imag > 2.0 * np.pi * SLOWEST) & (np.abs(values.imag) <= 2.0 * np.pi * highest)
+        order = np.argsort(values[oscillating].imag)
+        shapes = whole[:, oscillating].T[order].reshape(-1, linear.bodies, 6)
+        return Modes(speed, values[oscillating][order], shapes, float(values.real.max()))
 
 
 def mode_shapes(setup: Setup[StabilityPlan], speeds: Sequence[float]) -> Iterator[tuple[Modes, list[str]]]:
