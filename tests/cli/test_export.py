@@ -15,7 +15,7 @@ from support.runs import FAST, SCENARIOS
 from support.synthetic_result import static_poses
 
 from wrsim.analysis import run
-from wrsim.results import CHANNELS, Result
+from wrsim.results import CHANNELS, Result, exports
 from wrsim.results.exports import export_result
 from wrsim.scenario.loading import load
 
@@ -140,12 +140,27 @@ def test_mdf_holds_every_signal_over_time(folder: Path) -> None:
 def test_what_cannot_be_exported_is_one_sentence(tmp_path: Path) -> None:
     Result(static_poses()).save(tmp_path / "result.nc")
     answer = refusal("export", tmp_path, "--to", "matt")
-    assert "'matt' is none of mat, csv, parquet, mdf (did you mean 'mat'?)" in answer
+    assert "'matt' is none of mat, csv, parquet, mdf, tables (did you mean 'mat'?)" in answer
     assert "MDF keeps signals over time" in refusal("export", tmp_path, "--to", "mdf")
 
 
 def test_words_in_an_exported_table_are_no_formulas(tmp_path: Path) -> None:
     dataset = static_poses().copy()  # it is kept for others
     dataset["pose"] = [f"=1+{i}" for i in range(dataset.sizes["pose"])]
-    export_result(Result(dataset), "csv", tmp_path / "result.csv")
+    export_result(Result(dataset), "csv", tmp_path)
     assert list(pd.read_csv(tmp_path / "result.csv")["pose"])[:2] == ["'=1+0", "'=1+1"]
+
+
+def test_large_tables_are_written_on_request(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """The same bytes as those beside a small result."""
+    result = Result.load(folder)
+    usual = exports.write_run(result, tmp_path / "usual")[2:]
+    assert usual and not caplog.messages
+    monkeypatch.setattr(exports, "LARGEST", result.dataset.nbytes - 1)
+    assert [path.name for path in exports.write_run(result, tmp_path / "large")] == ["result.nc", "summary.json"]
+    assert f"wrsim export {tmp_path / 'large/result.nc'} --to tables" in caplog.text
+    ok("export", tmp_path / "large", "--to", "tables")
+    for path in usual:
+        assert (tmp_path / "large" / path.relative_to(tmp_path / "usual")).read_bytes() == path.read_bytes()

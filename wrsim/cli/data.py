@@ -110,18 +110,19 @@ def recording(
 def export(
     result: ResultFile,
     to: Annotated[
-        str, typer.Option("--to", metavar="FORMAT,...", help="mat, csv, parquet, mdf; several with commas between.")
+        str,
+        typer.Option("--to", metavar="FORMAT,...", help="mat, csv, parquet, mdf, tables; one or more with commas."),
     ],
     output: BesideResult = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Write a result for other programs: MATLAB, CSV, Parquet or MDF (result.mat, .csv, .parquet, .mf4)."""
+    """Write a result for other programs: MATLAB, CSV, Parquet, MDF (result.mat, .csv, .parquet, .mf4), all tables."""
     with writing_files(as_json, force, of=result):
         from wrsim.report.output_folder import folder_of_result, read
-        from wrsim.results.exports import ENDINGS, export_result, formats
+        from wrsim.results.exports import export_result, formats
 
         asked = formats(to)
         loaded, directory = read(result), output or folder_of_result(result)
-        files = [export_result(loaded, name, directory / f"result.{ENDINGS.get(name, name)}") for name in asked]
+        files = [file for name in asked for file in export_result(loaded, name, directory)]
         print_found(as_json, {}, [], files)

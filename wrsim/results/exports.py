@@ -7,6 +7,7 @@ pose), a column for every channel of every wheelset, wheel, patch, body, point, 
 from __future__ import annotations
 
 import io
+import logging
 import tempfile
 from pathlib import Path
 
@@ -17,10 +18,12 @@ from wrsim.results.files import as_json, csv_parts, plain_disk_errors, safe_cell
 from wrsim.results.result import Result
 from wrsim.results.tables import columns, each_table, frame
 
-FORMATS = ("mat", "csv", "parquet", "mdf")
+FORMATS = ("mat", "csv", "parquet", "mdf", "tables")
 ENDINGS = {"mdf": "mf4"}
 EXTRA = "install it with pip install 'wrsim[export]'"
 LONGEST_NAME = 63  # letters of a MATLAB name
+LARGEST = 20_000_000  # bytes of a dataset, and about those of its tables, beyond which these are written on request
+LOGGER = logging.getLogger(__name__)
 
 
 def write_run(result: Result, directory: str | Path) -> list[Path]:
@@ -29,14 +32,21 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     Runs get ``history.csv`` (a row an instant), ``patches.csv`` (a row an instant, wheel and patch in contact) and
     ``strips.csv`` (of the snapshots); poses the last two, where a wheel without contact keeps a row. Each of several
     wheelsets has a folder, such as ``wheelset_1``; bodies, points and suspension elements are in ``vehicle.csv``. The
-    dataset goes first, so that a full disk costs the tables before the numbers. Raises ``WrsimError``.
+    dataset goes first, so that a full disk costs the tables before the numbers. Tables of more than ``LARGEST`` bytes
+    are left out, which is logged. Raises ``WrsimError``.
     """
     directory = Path(directory)
     written = [result.save(directory / "result.nc")]
     written.append(write_atomically(directory / "summary.json", as_json(result.summary())))
-    return written + [
-        write_atomically(directory / f"{name}.csv", csv_parts(rows)) for name, rows in each_table(result.dataset)
-    ]
+    if result.dataset.nbytes > LARGEST:
+        size = f"{1e-6 * result.dataset.nbytes:.0f} MB"
+        LOGGER.warning("tables of some %s are left out; they come with: wrsim export %s --to tables", size, written[0])
+        return written
+    return written + _tables(result, directory)
+
+
+def _tables(result: Result, directory: Path) -> list[Path]:
+    return [write_atomically(directory / f"{name}.csv", csv_parts(rows)) for name, rows in each_table(result.dataset)]
 
 
 def formats(asked: str) -> list[str]:
@@ -50,10 +60,15 @@ def formats(asked: str) -> list[str]:
     return names
 
 
-def export_result(result: Result, format: str, path: Path) -> Path:
-    """Write a result in one of ``FORMATS``. Raises ``InputError`` where a library is missing, or MDF has no time."""
+def export_result(result: Result, format: str, directory: Path) -> list[Path]:
+    """Write a result in one of ``FORMATS`` as ``result.mat`` and so on; "tables": those of `write_run`.
+
+    Raises ``InputError`` where a library is missing, or MDF has no time.
+    """
+    if format == "tables":
+        return _tables(result, directory)
     content = {"mat": _mat, "csv": _csv, "parquet": _parquet, "mdf": _mdf}[format](result)
-    return write_atomically(path, content)
+    return [write_atomically(directory / f"result.{ENDINGS.get(format, format)}", content)]
 
 
 def _csv(result: Result) -> bytes:
