@@ -101,7 +101,7 @@ def test_after_the_low_pass_a_coach_over_a_dip_is_within_half_a_percent_and_conv
         rate = 1.0 / (times[1] - times[0])
         return times, {name: low_pass(data[name].values.reshape(len(times), -1), rate, 20.0) for name in ("Y", "Q")}
 
-    times, truth = filtered(250, "rk44")
+    times, truth = filtered(500, "rk44")
     errors = {}
     for step_us in (2000, 1000):
         at, values = filtered(step_us)

@@ -154,7 +154,7 @@ def test_an_accelerometer_on_the_axle_box_shows_the_unbalanced_acceleration(tmp_
     assert dataset["point_ay"].item() == pytest.approx(outward, abs=0.02)
 
 
-@pytest.mark.parametrize("model", [STEERING, "vehicles/manchester_1.toml"])
+@pytest.mark.parametrize("model", [STEERING, pytest.param("vehicles/manchester_1.toml", marks=pytest.mark.campaign)])
 def test_a_run_with_the_exact_solver_starts_in_balance_and_keeps_it(model: str) -> None:
     values = {"contact.normal": "half-space", "contact.tangential": "half-space", "contact.half_space.resolution": 12}
     values |= {"run.distance_m": 0.02, "run.output_interval_ms": 0.5, "output.patches_at_m": []}
