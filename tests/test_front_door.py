@@ -149,11 +149,6 @@ def test_what_is_not_there_is_told_in_one_line_with_what_there_is(asked, told: s
     assert "\n" not in str(found.value)
 
 
-def test_a_name_that_there_is_not_is_told() -> None:
-    with pytest.raises(AttributeError, match="no attribute 'rum'"):
-        wrsim.rum  # noqa: B018
-
-
 def test_poses_that_cannot_be_are_refused() -> None:
     wheel, rail = load_profile("wheels/S1002.toml"), load_profile("rails/60E1.toml")
     with pytest.raises(InputError, match="'60E1' is a rail; a wheel is needed"):

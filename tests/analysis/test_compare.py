@@ -12,11 +12,8 @@ from support.scenario_texts import CURVE, STATIC
 
 from wrsim.analysis import run
 from wrsim.analysis.compare import compare, of_wheels
-from wrsim.analysis.contacts import force_law
-from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.resolve import resolve
 from wrsim.errors import InputError
-from wrsim.scenario.build import build
 from wrsim.scenario.contact_choice import split_names, with_contact_model
 from wrsim.scenario.loading import load, load_text
 
@@ -155,24 +152,3 @@ def test_a_force_between_samples_is_that_of_finer_samples() -> None:
     assert f"{beyond.max() / 1e3:.3g} kN beyond both: a smaller run.output_interval_ms" in event["event"]
     assert beyond.max() > 1e3
     assert "events" not in fine.summary(), "a sample at every step misses nothing"
-
-
-def test_what_was_seen_between_samples_survives_an_interrupted_run() -> None:
-    law = force_law(build(load_text(CURVE)))
-    whole, first, second = (Monitor(law, 10.0) for _ in range(3))
-    signal = 1e3 * np.random.default_rng(3).standard_normal((40, 2))
-
-    def go(monitor: Monitor, steps: range) -> None:
-        for k in steps:
-            for wheel, value in zip(monitor.wheels, signal[k], strict=True):
-                wheel.model.arrays.rows.total["Fb"] = value
-            monitor.step(1e-3 * k, k % 7 == 0)
-
-    go(whole, range(40))
-    go(first, range(17))
-    second.set_state(first.get_state())
-    go(second, range(17, 40))
-    np.testing.assert_array_equal(whole.get_state(), second.get_state())
-    inside = [signal[k : k + 8] for k in range(0, 35, 7)]
-    beyond = [max(np.max(x.max(0) - x[[0, 7]].max(0)), np.max(x[[0, 7]].min(0) - x.min(0))) for x in inside]
-    assert whole.watched["beyond"].max() == max(beyond)

@@ -3,7 +3,7 @@
 import json
 import shutil
 from functools import cache
-from math import atan, degrees
+from math import atan
 from pathlib import Path
 
 import numpy as np
@@ -299,11 +299,3 @@ def test_the_less_able_side_counts_and_mirrored_wheelsets_are_alike():
     both, first, second = (steering(pair, rail=rail, gauge=1.435, curves=(400.0,))[0] for pair in pairs)
     assert first["available_mm"] == pytest.approx(second["available_mm"], abs=2e-2)
     assert first["q_E"] > both["q_E"]
-
-
-def test_the_scenario_and_the_command_tell_the_same_of_steering():
-    scenario = load(ROOT / "scenarios/conicity_s1002.toml").with_values({"conicity.curve_radius_m": [300.0]})
-    own = run(scenario).summary()["wheelsets"]["wheelset"]["radial_steering"]
-    asked = ["conicity", "wheels/S1002.toml", "rails/60E1.toml", "--curve-m", "300"]
-    assert json.loads(call(*asked, "--json").stdout)["radial_steering"] == own
-    assert degrees(ConicityPlan((3e-3,)).flange_from) == pytest.approx(40.0)

@@ -8,14 +8,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from support.commands import ok
-from support.runs import SCENARIOS
 from support.synthetic_run import run, with_points
 
 from wrsim.analysis.ride import WEIGHTINGS, comfort, evaluate_ride, spectrum, third_octaves, weighted
 from wrsim.errors import InputError
 from wrsim.results import Result
-from wrsim.scenario.build import build
-from wrsim.scenario.loading import load
 from wrsim.scenario.sections.run import RideSection
 
 RATE = 400.0
@@ -153,11 +150,3 @@ def test_the_command_leaves_tables_and_pictures_of_the_ride(tmp_path):
     peak = max(spectra, key=lambda r: float(r["front ay_m2_s4_per_Hz"]))
     assert float(peak["frequency_Hz"]) == pytest.approx(2.0)
     assert {"ride_spectra.png", "ride_bands.png"} <= {p.name for p in tmp_path.iterdir()}
-
-
-def test_a_ride_needs_a_vehicle_with_points():
-    scenario = load(SCENARIOS / "curve_r300.toml").with_values({"analysis": "ride"})
-    with pytest.raises(InputError, match=r'vehicle\.model.*analysis = "ride" needs a vehicle with \[\[points\]\]'):
-        build(scenario)
-    whole = load(SCENARIOS / "manchester_r300.toml").with_values({"analysis": "ride", "ride.from_m": 20})
-    assert build(whole).analysis == "ride"

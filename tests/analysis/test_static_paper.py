@@ -85,18 +85,6 @@ def test_the_wheel_has_the_size_of_a_trams_and_runs_on_metre_gauge() -> None:
 # --- laws ------------------------------------------------------------------------------------------------
 
 
-def test_a_wheel_that_carries_its_load_on_a_flank_is_told_with_what_it_takes(
-    dataset: xr.Dataset, main: xr.Dataset
-) -> None:
-    """Without friction the lateral force is the vertical one times the tangent of the flank's angle."""
-    words = [str(w) for w in dataset["contact_remark"].values]
-    steep = np.degrees(np.arctan2(main["Y"].values, main["Q"].values)) > 60.0
-    assert [bool(w) for w in words] == steep.tolist()
-    assert 0 < steep.sum() < steep.size
-    for word, y in zip(np.array(words)[steep], main["Y"].values[steep], strict=True):
-        assert f"{y / 1e3:.4g} kN sideways to hold it there" in word
-
-
 def test_without_friction_the_force_is_within_the_fan_of_the_normals(dataset: xr.Dataset, main: xr.Dataset) -> None:
     """Y / Q = tan of an angle between the smallest and the largest contact angle."""
     direction = np.arctan(dataset["Y_over_Q"].isel(wheel=0).values)

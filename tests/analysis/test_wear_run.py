@@ -12,7 +12,6 @@ from wrsim.analysis.motion.run import run_in_time
 from wrsim.errors import InputError
 from wrsim.plots.pictures import standard_figures
 from wrsim.report.page import report_page
-from wrsim.report.view_data import view_data
 from wrsim.results import Result
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
@@ -115,18 +114,6 @@ def test_wrong_input_is_one_clear_error(values: dict[str, Any], words: str) -> N
 def test_rails_that_change_have_no_wear() -> None:
     with pytest.raises(InputError, match="rails of one profile only"):
         build(load(SCENARIOS / "rail_states.toml").with_values({"wear.laws": ["usfd"]}))
-
-
-def test_the_viewer_draws_the_wear_of_a_run(left: xr.Dataset) -> None:
-    """Depths at points of both outlines, all of what wears among them, and the largest in words."""
-    found = view_data(Result(left), curve())["sections"]["of"]
-    for side, own in zip(("left", "right"), found, strict=True):
-        depth = left["wear_wheel_depth"].sel(wear_law="usfd", wheel=side).max().item()
-        assert own["wear"]["words"].startswith(f"wear, USFD: wheel to {1e9 * depth:.3g} µm/km, rail to ")
-        for body, outline in (("wheel", "outline"), ("rail", "rail")):
-            shares = np.array(own["wear"][body])
-            assert shares.size == own[outline]["shape"][1]
-            assert 90 <= shares.max() <= 100 and shares.min() == 0 and (shares > 2).sum() > 10
 
 
 @pytest.mark.usefixtures("unpainted")

@@ -33,13 +33,6 @@ def test_mutated_files_are_accepted_or_refused_with_file_and_place() -> None:
     assert slowest < hostile.LONGEST
 
 
-def test_a_message_without_file_or_place_would_be_seen() -> None:
-    named = "a/case.toml:3: vehicle.speed_kmh = -1: must be a number from 0 to 600"
-    assert hostile.NAMED.match(named) and hostile.PLACED.search(named)
-    assert not hostile.NAMED.match("must be a number from 0 to 600")
-    assert not hostile.PLACED.search("a/case.toml: must be a number")
-
-
 def test_accepted_mutants_keep_the_laws_of_contact() -> None:
     ends, _ = accepted.counted(3, random.Random(3))
     assert ends["broken"] == 0 and sum(ends.values()) == 3

@@ -46,21 +46,6 @@ def test_regions_hold_all_strips_once(scoreboard, lateral):
     assert 1 <= len(regions) <= len(contact.patches)
 
 
-def test_a_region_ends_where_no_strip_touches_the_next(scoreboard):
-    from wrsim.core.contact import records as k
-
-    strips = np.zeros(6, k.STRIP)
-    strips["o"] = [0.0, 1e-3, 2e-3, 5e-3, 6e-3, 9e-3]
-    strips["ds"], strips["a"], strips["p"], strips["N"], strips["nb"] = 1e-3, 4e-3, 1e9, 1e3, 1.0
-    strips["N"][5] = 0.0  # not in contact
-    first, second = sys.modules["reference_contact"].strip_regions(strips, 0.75)
-    assert (first.normal_force, second.normal_force) == (3e3, 2e3)
-    assert (first.width, second.width) == pytest.approx((3e-3, 2e-3))
-    assert (first.place, second.place) == pytest.approx((0.751, 0.7555))
-    assert first.length == pytest.approx(8e-3)
-    assert first.area == pytest.approx(3 * 8e-6)
-
-
 def test_the_page_says_what_its_data_say():
     standing = script("docs/figures/make_standing.py")
     page = standing.PAGE.read_text(encoding="utf-8")

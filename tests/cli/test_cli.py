@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from support.commands import call, ok, refusal
 from support.scenario_texts import CURVE, edited
-from support.synthetic_result import curve_run, static_poses
+from support.synthetic_result import curve_run
 
 import wrsim.analysis
 from wrsim.errors import SimulationError
@@ -202,15 +202,6 @@ def test_plot_draws_patches_at_a_place_where_they_are_kept(run_folder: Path, tmp
     assert [p.name.split("_")[0] for p in sorted(tmp_path.glob("*.png"))] == ["patches", "sections"]
     assert f"there are {distances[0]:.1f}, " in refusal("plot", run_folder, "--at", "1e6")
     assert call("plot", run_folder, "--at", "there").exit_code == 2
-
-
-def test_plot_draws_the_patches_of_a_pose(tmp_path: Path) -> None:
-    result = Result(static_poses())
-    result.save(tmp_path / "result.nc")
-    name = str(result.dataset["pose"].values[0])
-    told = ok("plot", tmp_path, "--at", name, "--json")
-    assert all(Path(f).is_file() for f in json.loads(told.stdout)["files"])
-    assert "there is no such pose" in call("plot", tmp_path, "--at", "nowhere").stderr
 
 
 # --- the command itself --------------------------------------------------------------------------------

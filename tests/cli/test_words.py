@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from support.commands import call, ok
-from support.scenario_texts import CURVE, edited
+from support.scenario_texts import CURVE
 from support.synthetic_result import curve_run, static_poses
 from typer.main import get_command
 from typer.testing import CliRunner
@@ -185,18 +185,6 @@ def test_a_result_does_not_keep_files_of_the_one_before(
     assert {"notes.txt", "forces.png", "template.toml", "patches.csv", "result.nc"} <= names
     assert not {"overview.png", "history.csv", "result.mat"} & names
     assert {Path(f).name for f in told["removed"]} >= {"overview.png", "history.csv", "result.mat"}
-
-
-def test_kinds_of_segments_from_other_programs_are_understood(tmp_path: Path) -> None:
-    for kind, words in {
-        "clothoid": 'did you mean "transition" with form = "clothoid"?',
-        "bloss": 'did you mean "transition" with form = "bloss"?',
-        "curve": 'did you mean "arc"?',
-        "tangent": 'did you mean "straight"?',
-    }.items():
-        (tmp_path / "case.toml").write_text(edited(CURVE, 'kind = "transition"', f'kind = "{kind}"'))
-        told = call("check", tmp_path / "case.toml")
-        assert (told.exit_code, words in told.stderr) == (2, True), told.stderr
 
 
 def test_a_shortened_run_leaves_out_the_patches_that_it_does_not_reach(tmp_path: Path) -> None:

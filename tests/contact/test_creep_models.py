@@ -250,16 +250,6 @@ def test_creep_coefficients_are_continuous_and_rise_with_length():
     assert (np.abs(np.diff(np.log(values), axis=0)) < 0.03).all()
 
 
-@pytest.mark.parametrize(("aspect", "degrees"), [(0.1, 9.0), (0.5, 6.1), (1.0, 3.8), (2.0, 1.4), (10.0, 3.0)])
-def test_oblique_sliding_is_turned_by_the_unequal_flexibilities(aspect, degrees):
-    # Not opposite to the slip but to (xi/L1, eta/L2): known of FASTSIM with three flexibilities, stated here.
-    worst = 0.0
-    for angle in np.linspace(0.0, 0.5 * np.pi, 19):
-        force = total(roll(aspect, 0.1 * np.cos(angle), 0.1 * np.sin(angle)))
-        worst = max(worst, abs(np.degrees(np.arctan2(-force[1], -force[0]) - angle)))
-    assert worst == pytest.approx(degrees, abs=0.15)
-
-
 def test_cells_converge():
     # creepages about the end of the linear range, with spin: 20 cells are within 2 % of mu N of many
     for aspect in (0.5, 1.0, 2.0):

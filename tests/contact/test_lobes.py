@@ -48,23 +48,6 @@ def test_coupling_of_two_lobes(first, second, share):
         assert partner[shallow] == 1 - shallow
 
 
-@given(depth=depths, other=depths)
-def test_a_lobe_that_is_about_to_vanish_hangs_on_its_neighbour_and_leaves_it_free(depth, other):
-    low, high = sorted((depth, other * 1.01 + 1e-7))
-    if high <= low * 1.001:
-        return
-    coupling, _ = coupled([high, low], [low])  # the saddle has reached the lower top
-    assert coupling[1] == 1.0
-    assert coupling[0] == 0.0
-
-
-def test_a_lobe_looks_over_its_lower_neighbour_for_a_deeper_one():
-    # 3 is deepest; 2 lies low between: 1 is coupled to 3 over the lower of the two saddles
-    coupling, partner = coupled([8e-5, 7e-5, 9e-5], [6.9e-5, 6.8e-5])
-    assert list(partner[:2]) == [2, 0]
-    assert coupling[0] == pytest.approx(1.0 - (8e-5 - 6.8e-5) / (EPSILON * 8e-5))
-
-
 def test_the_deepest_are_kept_in_order_with_the_saddle_between_them():
     found = found_rows([4e-5, 1e-5, 3e-5, 2e-5], [0.8e-5, 0.5e-5, 1.5e-5])
     assert select_deepest(found, 4, 3) == 3

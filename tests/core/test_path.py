@@ -124,12 +124,6 @@ def test_locate_says_when_it_has_no_answer(spiral: Path) -> None:
     assert np.isnan(line.locate(np.array([1e6, 0.0, 0.0]), 0.0))
 
 
-def test_not_a_number_in_gives_not_a_number_out(spiral: Path) -> None:
-    assert np.isnan(spiral.position(np.nan)).all()
-    assert np.isnan(spiral.curvature(np.nan))
-    assert np.isnan(core.frame_rates(spiral.curve, np.nan)[0]).all()
-
-
 def test_a_wrong_table_is_refused_with_its_shape_or_cell() -> None:
     good = helix(30.0, 0.0, 0.1, 0.5).table
     with pytest.raises(InputError, match=r"\(1, 11\).*n >= 2"):

@@ -99,18 +99,6 @@ def test_rotation_and_shift_keep_length_curvature_and_distances(angle, du, dw):
     np.testing.assert_allclose(moved.at(L), [c * u - s * w + du, s * u + c * w + dw], atol=1e-14)
 
 
-def test_mirroring_twice_changes_nothing():
-    twice = S1002.mirrored().mirrored()
-    for field in ("u", "w", "angle", "curvature_before", "curvature_after"):
-        np.testing.assert_array_equal(getattr(twice, field), getattr(S1002, field))
-    np.testing.assert_allclose(twice.arclength, S1002.arclength, atol=1e-16)
-
-
-def test_a_symmetric_rail_is_its_own_mirror_image():
-    L = places(RAIL)
-    np.testing.assert_allclose(RAIL.mirrored().at(L), RAIL.at(L), atol=1e-15)
-
-
 def test_inclination_turns_the_top_towards_the_track_centre():
     inclined = RAIL.inclined(1 / 40)
     crown, foot = RAIL.top, (0.0, -0.172)  # foot of the rail, 172 mm below: it stays outside of the crown

@@ -42,21 +42,6 @@ def test_pictures_of_two_processes_are_those_of_one_in_their_order() -> None:
     assert list(drawn.items()) == [(name, rendered(make())) for name, make in FIGURES.items()]
 
 
-def test_the_second_process_begins_before_its_pictures_are_asked_for(tmp_path: Path) -> None:
-    def noting(name: str) -> Callable[[], Figure]:
-        def make() -> Figure:
-            (tmp_path / name).write_text(str(os.getpid()))
-            return FIGURES["picture 0"]()
-
-        return make
-
-    with drawing({name: noting(name) for name in "ab"}) as finish:
-        wait_until((tmp_path / "b").exists)
-        finish()
-    drew = {(tmp_path / name).read_text() for name in "ab"}
-    assert len(drew) == 1 and str(HERE) not in drew
-
-
 def test_all_pictures_are_there_when_the_second_process_is_killed() -> None:
     def deadly() -> Figure:
         if os.getpid() != HERE:

@@ -10,8 +10,8 @@ from matplotlib.collections import QuadMesh
 from support import synthetic_result
 
 from wrsim.plots import patch_gallery, standard_figures
-from wrsim.plots.histories import channels_figure, overview_figure, wheelsets_figure
-from wrsim.plots.stability import modes_figure, stability_figures
+from wrsim.plots.histories import channels_figure, wheelsets_figure
+from wrsim.plots.stability import stability_figures
 from wrsim.plots.theme import STOP_COLOUR
 from wrsim.results import Result
 
@@ -50,18 +50,6 @@ def test_words_beside_the_panels_of_a_vehicle_do_not_overlap(four) -> None:
     assert figure.get_suptitle().endswith("derailment quotient")
 
 
-def test_wheelsets_are_numbered_from_the_front_and_on_one_scale(four) -> None:
-    rows = rows_of(wheelsets_figure(four, "Y_over_Q"))
-    assert [axes.get_title("left") for axes in rows] == [
-        "1 front.outer",
-        "2 front.inner",
-        "3 rear.inner",
-        "4 rear.outer",
-    ]
-    assert len({axes.get_ylim() for axes in rows}) == 1
-    assert "1 front.outer" in labels(standard_figures(four)["vehicle_shifting"]())
-
-
 @pytest.mark.parametrize("radius", [300.0, 150.0])
 def test_the_derailment_quotient_has_its_limit_where_there_is_one(one, radius) -> None:
     """EN 14363 sets none in curves below 250 m."""
@@ -75,21 +63,6 @@ def test_the_derailment_quotient_has_its_limit_where_there_is_one(one, radius) -
     assert np.isfinite(values).all() == (radius >= 250.0)
     assert np.isfinite(values[one["distance"].values < 100.0]).all()
     assert limit.axes.get_ylim()[1] > 0.8
-
-
-def test_a_far_limit_is_told_in_words_and_does_not_flatten_the_curves(one) -> None:
-    dataset = one.copy()
-    dataset["Y_over_Q"] = one["Y_over_Q"] * (0.05 / float(np.nanmax(one["Y_over_Q"])))
-    (axes, *_) = channels_figure(dataset, ("Y_over_Q",)).axes
-    assert axes.get_ylim()[1] < 0.1
-    assert any("limit 0.8" in text.get_text() for text in axes.texts)
-
-
-def test_a_straight_track_takes_no_panel(one) -> None:
-    straight = one.assign(curvature=one["curvature"] * 0.0, cant=one["cant"] * 0.0)
-    with_curve, without = (overview_figure(dataset) for dataset in (one, straight))
-    assert len(with_curve.axes) == len(without.axes) + 2  # curvature and cant
-    assert without.axes[-1].get_xlabel() == "Distance along the track [m]"
 
 
 def test_a_panel_is_cut_out_around_its_patch(one) -> None:
@@ -127,11 +100,6 @@ def stability(ending: list[str]) -> xr.Dataset:
     )
 
 
-def test_two_modes_of_one_name_can_be_told_apart() -> None:
-    named = labels(modes_figure(stability(["cycle"])))
-    assert len(named) == len(set(named)) == 2
-
-
 def test_no_line_runs_over_a_motion_that_has_not_settled() -> None:
     drawn = stability_figures(stability(["cycle", "cycle", "unsettled", "cycle", "cycle"]))["bifurcation"]()
     (axes,) = drawn.axes
@@ -148,14 +116,3 @@ def test_nothing_of_a_legend_is_cut_off(one) -> None:
         for legend in figure.legends:
             box = legend.get_window_extent()
             assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width, name
-
-
-def test_the_words_of_a_limit_keep_clear_of_the_letters(one) -> None:
-    figure = channels_figure(one, ("Y_over_Q", "T_gamma"))
-    figure.savefig(io.BytesIO(), format="png")
-    letters, words = [], []
-    for axes in figure.axes:
-        for text in axes.texts:
-            (words if "limit" in text.get_text() else letters).append(text.get_window_extent())
-    assert letters and words
-    assert not any(word.overlaps(letter) for word in words for letter in letters)

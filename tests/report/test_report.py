@@ -17,7 +17,7 @@ from support.commands import call
 from support.synthetic_result import curve_run, static_poses
 
 from wrsim.inputs.lookup import shipped_models
-from wrsim.report.charts import charts_of, envelope, pieces_of
+from wrsim.report.charts import envelope, pieces_of
 from wrsim.report.page import report_page
 from wrsim.report.view_data import needed
 from wrsim.results import Result
@@ -275,16 +275,3 @@ def test_pictures_in_a_page_keep_their_colours(chromium: Browser, tmp_path: Path
     chromium.open(file)
     assert chromium.colours("#pictures img") > 10
     assert chromium.complaints() == []
-
-
-@pytest.mark.usefixtures("unpainted")
-def test_couplings_of_a_train_have_charts_of_their_own() -> None:
-    data = curve_run(samples=40)
-    force = np.linspace(0.0, 1e5, 40)[:, None] * [1.0, -2.0]
-    train = data.assign_coords(coupling=["a-b", "b-c"]).assign(coupling_force=(("time", "coupling"), force))
-    charts = charts_of([train], [""], {})
-    assert charts is not None
-    (chart,) = (c for c in charts["charts"] if c["key"] == "coupling_force")
-    assert [line["label"] for line in chart["lines"]] == ["a-b", "b-c"] and chart["unit"] == "kN"
-    assert chart["peak"].startswith("largest magnitude -200 kN") and chart["peak"].endswith("b-c")
-    assert "Coupling force" in page_of(Result(train)) and "Coupling force" not in page_of(Result(data))

@@ -190,29 +190,6 @@ def test_seek_gives_the_numbers_of_the_dataset(chromium: Browser, page: Path, co
     assert chromium.complaints() == []
 
 
-@pytest.mark.parametrize("size", [(1400, 900), (500, 900)], ids=["desk", "telephone"])
-def test_pictures_are_not_blank_and_fit(chromium: Browser, page: Path, size: tuple[int, int]) -> None:
-    chromium.open(page, *size)
-    chromium.run("return wrsim.ready")
-    assert chromium.colours("#section") > 20
-    assert chromium.colours("#stage") > 50
-    assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
-    for s in (27.2, 44.9, 69.0):
-        told = chromium.run(f"wrsim.seek({s}); return wrsim.viewer.section.words")
-        assert any("mean" in own["words"] for own in told) and any("Q " in own["words"] for own in told)
-        for i, own in enumerate(told):
-            (left, top, right, low), (x, y, width, height) = own["box"], own["panel"]
-            assert x <= left and right <= x + width and y <= top and low <= y + height, (
-                f"{own['words']} is cut at {s} m"
-            )
-            for other in told[:i]:
-                beside = other["box"]
-                assert right < beside[0] or left > beside[2] or low < beside[1] or top > beside[3], (
-                    f"{own['words']} over {other['words']} at {s} m"
-                )
-    assert chromium.complaints() == []
-
-
 def test_exaggeration_moves_bodies_away_from_the_track(chromium: Browser, page: Path) -> None:
     chromium.open(page)
     place = "return wrsim.viewer.stage.parts.get('front.outer').group.position.y"

@@ -153,14 +153,6 @@ def test_one_fault_in_a_table_is_one_line_with_its_line_number(tmp_path: Path, t
     assert message in lines[0]
 
 
-def test_a_table_with_many_faults_tells_the_first_and_counts_the_rest(tmp_path: Path) -> None:
-    rows = "".join(f"p{i},0,0\n" for i in range(100))
-    (tmp_path / "poses.csv").write_text("id,lateral_mm,load_kN\n" + rows)
-    with pytest.raises(InputError) as told:
-        read_cases(tmp_path / "poses.csv")
-    assert str(told.value).endswith("and 50 more faults")
-
-
 # --- a wheelset on its track ---------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("gauge_mm", "reason"),

@@ -258,12 +258,6 @@ def test_a_case_without_a_result_stops_the_service(tmp_path: Path) -> None:
     assert not (folder_of(tmp_path / "out", 0) / STEP).exists()
 
 
-def test_steps_as_deep_as_told_are_taken(tmp_path: Path) -> None:
-    """What the error on sharp waves says is allowed is allowed."""
-    assert service_in(tmp_path, more="largest_depth_mm = 0.0126\nsmoothing_mm = 0.5\n").spec.smoothing_mm == 0.5
-    assert service_in(tmp_path, more="largest_depth_mm = 1\nsmoothing_mm = 4.5\n").spec.smoothing_mm == 4.5
-
-
 def test_a_service_ends_where_its_wheel_would_overlap_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Normals of a flange's tip meet 12 mm under it. No contact takes so much off there: losses are given here, those
     of a first step that was done before and of the next one."""

@@ -10,7 +10,6 @@ import sys
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
@@ -28,7 +27,6 @@ from support.studies import AXES, study_file
 from support.waiting import wait_until
 
 from wrsim.errors import InputError
-from wrsim.report.study import study_page
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import Keeper, digest_of, keeping
 from wrsim.study import task
@@ -135,24 +133,6 @@ def test_the_same_study_twice_runs_nothing(serial: Plan, unpainted: None) -> Non
     assert stored.sizes == {"friction": 2, "speed_kmh": 3}
     assert stored["Y_over_Q_max"].dims == ("friction", "speed_kmh")
     assert stored["speed_kmh"].values.tolist() == [40.0, 45.0, 50.0]
-
-
-def test_the_report_of_a_study_says_how_every_case_ended_and_where_extremes_are(serial: Plan) -> None:
-    found = markers(serial)
-    found[1] = replace(found[1], status="failed", message="<b>no</b> steady start", numbers={})
-    dataset = collected(serial, found)
-    page = study_page(dataset, "results/study")
-    assert "6 cases: 5 completed, 1 failed." in page and 'class="verdict bad"' in page
-    assert "&lt;b&gt;no&lt;/b&gt; steady start" in page and "<b>no" not in page
-    assert "http" not in page.replace("http-equiv", "").replace("http://www.w3.org", "")
-    best = dataset["Q_max_kN"].where(dataset["status"] == "completed").stack(case=dataset["status"].dims)
-    friction, speed = best.idxmax().item()
-    row = next(part for part in page.split("<tr>") if "Q max [kN]</th><td" in part)
-    assert f"<td>{best.max().item():.6g}</td>" in row
-    assert row.rpartition("<td>")[2].startswith(f"friction {friction:g}, speed_kmh {speed:g}")
-    for text in ('key = "vehicle.speed_kmh"', "base.toml", "wrsim study study.toml -o study"):
-        assert text.replace('"', "&#34;") in page
-    assert all(case.name[:12] in page for case in serial.cases)
 
 
 def test_the_report_takes_one_study_and_nothing_beside_it(serial: Plan, tmp_path: Path) -> None:

@@ -74,27 +74,6 @@ def test_a_symmetric_vehicle_in_the_mirrored_curve_has_the_mirrored_forces() -> 
     assert np.abs(mirror(a, len(left.bodies))[:n] - b[:n]).max() < 1e-9 * np.abs(a).max()
 
 
-def test_forces_do_not_depend_on_the_heading_of_the_track() -> None:
-    east, other = (on_track(manchester(), 25.0, curved(800.0, 0.06), heading=h).law for h in (0.0, 2.5))
-    q, q_t = design_state(east)
-    n = 6 * len(east.bodies)
-    q, q_t = lower_on_rails(east, q, q_t)
-    c, s = np.cos(2.5), np.sin(2.5)
-
-    def turned(state: np.ndarray, angle: float) -> np.ndarray:
-        out = state.copy()
-        own = out[:n].reshape(-1, 6)
-        own[:, 1], own[:, 2] = c * own[:, 1] - s * own[:, 2], s * own[:, 1] + c * own[:, 2]
-        own[:, 3] += angle
-        return out
-
-    a, b = np.zeros(east.size), np.zeros(east.size)
-    east(0.0, q, q_t, a)
-    other.look_near(50.0)
-    other(0.0, turned(q, 2.5), turned(q_t, 0.0), b)
-    assert np.abs(turned(a, 0.0)[:n] - b[:n]).max() < 1e-8 * np.abs(a).max()  # angles carry the round-off of 2.5 rad
-
-
 def test_load_transfer_in_a_canted_curve_is_that_of_the_closed_form() -> None:
     """Moments about the track: sum b_i Q_i = sum m (a_q z + g_n y_o) + sum I omega kappa V, a_q the cant deficiency.
 
