@@ -33,7 +33,7 @@ from wrsim.core.contact.tangential.flexibility import kalker_coefficients
 from wrsim.core.linalg import Vec
 from wrsim.core.track.path import frame_at
 from wrsim.scenario.build import build
-from wrsim.simulation.force_law import Block
+from wrsim.simulation.force_law import Block, all_on_all
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise
 from wrsim.simulation.placement import TrackPoses, poses_on_track
@@ -200,7 +200,7 @@ class EquivalentElasticOnTrack(VehicleOnTrack):
 
     def blocks(self) -> list[Block]:
         """See ``HasBlocks``: derivatives are those of their contact as well."""
-        return [Block.full(self, self.size)]
+        return [Block(self, all_on_all(self.size))]
 
     def _exchange(self, w: int, q: Array, q_t: Array, out: Array) -> None:
         own = slice(6 * w, 6 * w + 6)

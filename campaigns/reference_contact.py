@@ -25,7 +25,7 @@ from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model
 from wrsim.contact.pose import Pose
 from wrsim.contact.settings import ContactSettings, Flexibility, Material, Normal, Tangential, TractionBound
-from wrsim.geometry.profile.files import read_profile
+from wrsim.geometry.profile.files import read_points
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle
@@ -215,7 +215,7 @@ def answer_of_elements(contact: HalfSpaceContact | None, place: float, counted: 
     return Answer(
         patch.normal_force,
         patch.p0,
-        patch.counted_area if counted else patch.area,
+        np.count_nonzero(patch.p) * patch.grid.cell if counted else patch.area,
         patch.approach,
         len(contact.patches),
         contact.force,
@@ -314,8 +314,8 @@ def own_place(wheel: str, rail: str, cant: str, rolling: bool) -> Place:
 @cache
 def bench_place(folder: Path) -> Place:
     """Place of the Manchester contact benchmark: its own profiles, from the reference folder."""
-    wheel = read_profile(folder / "profiles/MBench_S1002_v3.prw", "wheel", measured=False)
-    rail = read_profile(folder / "profiles/MBench_UIC60_v3.prr", "rail", measured=False)
+    wheel = read_points(folder / "profiles/MBench_S1002_v3.prw", "wheel", measured=False).profile()
+    rail = read_points(folder / "profiles/MBench_UIC60_v3.prr", "rail", measured=False).profile()
     return Place(wheel, rail, (HALF_GAUGE - rail.gauge_point()[0], -rail.top[1]), 0.46, True)
 
 

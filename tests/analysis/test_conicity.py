@@ -17,7 +17,6 @@ from wrsim.analysis.conicity.conicity import conicity, equivalent_conicity
 from wrsim.analysis.conicity.pairs import conicity_map, profiles_of
 from wrsim.analysis.conicity.rigid import rigid_contact
 from wrsim.errors import InputError
-from wrsim.geometry.profile.files import read_profile
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections
@@ -52,7 +51,7 @@ def swing(profiles, gauge: float, radii: tuple[float, float], roll: str, amplitu
 
 @pytest.mark.parametrize("column, right", [(1, 0.460), (2, 0.459)], ids=["E1", "E5"])
 def test_the_tables_of_en_15302_are_met(column, right):
-    wheel, rail = (read_profile(DATA / f"en15302_{kind}_A.csv", kind) for kind in ("wheel", "rail"))
+    wheel, rail = (load_profile(DATA / f"en15302_{kind}_A.csv", kind) for kind in ("wheel", "rail"))
     found = swing((wheel, rail), 1.43516, (0.460, right), "none", 1e-3 * E[:, 0])["equivalent_conicity"].values
     error = np.abs(found - E[:, column])
     assert (error <= np.minimum(0.05, 0.5 * E[:, column])).all()  # the standard's own tolerance

@@ -103,7 +103,7 @@ def struts(kind: str) -> tuple[Element, ...]:
     elements: dict[str, tuple[Element, ...]] = {
         "damper": (damper,),
         "damper by a table": (Strut("damper", "damper", TRACK, "box", (AT, AT), 0, damper_table=table),),
-        "damper behind a spring": (Strut("d", "damper", TRACK, "box", (AT, AT), 0, damping=4e3, series=2e5),),
+        "damper behind a spring": (Strut("d", "damper", TRACK, "box", (AT, AT), 0, damping=4e3, series_stiffness=2e5),),
         "field": (spring(name="other", damping=(4e3, 0.0, 0.0)),),
         "coulomb": (slides(800.0, 4e6),),
         "coulomb with damping": (slides(800.0, 4e6, damping=300.0),),

@@ -8,7 +8,7 @@ from support.scripts import ROOT, script
 
 from wrsim import load, run
 from wrsim.geometry.profile.models import load_profile
-from wrsim.scenario.placement import flange_face, stand
+from wrsim.scenario.track_build import flange_face, stand
 
 SHIFTS = (0.0, 8.0, 9.0, 10.0)
 WHEEL = ROOT / "models" / "wheels" / "lrv_standin.toml"

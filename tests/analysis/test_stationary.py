@@ -105,7 +105,7 @@ def test_linear_springs_resist_by_their_stiffness_in_series_with_what_holds_body
 def test_yaw_dampers_resist_with_the_rate_of_the_turntable():
     c, b = 100e3, 1.2
     places = [("front.frame", "carbody", (9.5, y, 0.8)) for y in (b, -b)]
-    vehicle = with_struts("damper", places, axis=0, damping=c, series=5e6)
+    vehicle = with_struts("damper", places, axis=0, damping=c, series_stiffness=5e6)
     slow, fast, free = (
         loops.rotation_test(v, bogies_of(v)[0], rate, 1500.0)
         for v, rate in ((vehicle, SLOW), (vehicle, FAST), (manchester(), 0.01 * SLOW))

@@ -13,7 +13,6 @@ from wrsim.core.body import kinematics as wheelset
 from wrsim.core.frames import BodyMotion, point_velocity
 from wrsim.core.linalg import Vec
 from wrsim.core.track import path
-from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc, Straight, Transition
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.bodies import Solid
@@ -178,15 +177,3 @@ def test_a_carried_mass_presses_with_its_weight_and_its_centrifugal_force():
     assert force == pytest.approx([0.0, -outward, -1e4 * 9.80665], rel=1e-9, abs=1e-3)
     # to the right at 1.3 m above the axle: the left wheel goes up
     assert moment == pytest.approx([1.3 * outward, 0.0, 0.0], rel=1e-9, abs=1e-3)
-
-
-def test_a_wheelset_with_unequal_roll_and_yaw_inertia_is_refused():
-    with pytest.raises(InputError, match=r"'example': roll inertia 900 and yaw inertia 950"):
-        Solid.of_wheelset(replace(bare_wheelset(), inertia=(900.0, 100.0, 950.0)))
-
-
-@pytest.mark.parametrize("numbers", [(0.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, np.nan), (1.0, 3.0, 1.0)])
-def test_a_body_that_cannot_exist_is_refused(numbers):
-    with pytest.raises(InputError, match="body: "):
-        mass, spin, cross = numbers
-        Solid(mass, (cross, spin, cross))

@@ -71,7 +71,7 @@ def test_rail_rows_are_derivatives_of_a_canted_uneven_rail_in_a_climbing_curve(s
         t = track.centre_line.tangent(s)
         left = np.cross([0.0, 0.0, 1.0], t)
         left /= np.linalg.norm(left, axis=1)[:, None]
-        roll = track.roll(s)[:, None]
+        roll = track.left_curve.roll(s)[0][:, None]
         n, b = np.cos(roll) * left + np.sin(roll) * np.cross(t, left), None
         b = np.cross(t, n)
         lateral, vertical = track.irregularity(side, s)

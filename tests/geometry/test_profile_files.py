@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile.files import read_profile
+from wrsim.geometry.profile.files import read_points
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
@@ -69,7 +69,7 @@ def test_a_profile_that_is_read_is_the_one_written_to_a_nanometre(profile, forma
     text, up, between = WRITTEN[format]
     is_wheel = profile.kind == "wheel"
     name = "profile" + SUFFIXES[format][is_wheel]
-    back = read_profile(write(text.format(profile, rows(profile, w=up, between=between), int(is_wheel)), name))
+    back = read_points(write(text.format(profile, rows(profile, w=up, between=between), int(is_wheel)), name)).profile()
     assert (back.name, back.kind) == (profile.name, profile.kind)
     assert distance(back, profile) < 1e-9
     assert back.source == (profile.source if format == "columns" and profile.source else name)
@@ -85,8 +85,8 @@ def test_a_profile_that_is_read_is_the_one_written_to_a_nanometre(profile, forma
 def test_any_orientation_and_order_of_a_wheel_is_recognised_by_its_flange(write, order, heights, side):
     text = rows(WHEEL, 1e3 if side == "positive" else -1e3, 1e3 if heights == "up" else -1e3, order)
     path = write(text)
-    assert distance(read_profile(path, "wheel"), WHEEL) < 1e-9
-    assert distance(read_profile(path, "wheel", heights=heights, field_side=side), WHEEL) < 1e-9
+    assert distance(read_points(path, "wheel").profile(), WHEEL) < 1e-9
+    assert distance(read_points(path, "wheel", heights=heights, field_side=side).profile(), WHEEL) < 1e-9
 
 
 @pytest.mark.parametrize("order", [1, -1])
@@ -94,45 +94,45 @@ def test_any_orientation_and_order_of_a_wheel_is_recognised_by_its_flange(write,
 def test_a_rail_upside_down_is_recognised_by_its_head(write, order, heights):
     inclined = RAIL.inclined(1 / 20)
     path = write(rows(inclined, 1e3, 1e3 if heights == "up" else -1e3, order))
-    assert distance(read_profile(path, "rail"), inclined) < 1e-9
+    assert distance(read_points(path, "rail").profile(), inclined) < 1e-9
 
 
 def test_the_field_side_of_a_rail_must_be_told(write):
     inclined = RAIL.inclined(1 / 20)
     path = write(rows(inclined, -1e3))
-    assert distance(read_profile(path, "rail", field_side="negative"), inclined) < 1e-9
-    assert distance(read_profile(path, "rail"), inclined.mirrored()) < 1e-9
+    assert distance(read_points(path, "rail", field_side="negative").profile(), inclined) < 1e-9
+    assert distance(read_points(path, "rail").profile(), inclined.mirrored()) < 1e-9
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("m", 1.0), ("mm", 1e3), ("in", 1 / 0.0254)])
 def test_units_come_from_the_caller_or_the_header(write, unit, factor):
     text = rows(RAIL, factor, factor, between=",")
-    assert distance(read_profile(write(text), "rail", unit=unit), RAIL) < 1e-9
-    assert distance(read_profile(write(f"y_{unit},z_{unit}\n" + text), "rail"), RAIL) < 1e-9
+    assert distance(read_points(write(text), "rail", unit=unit).profile(), RAIL) < 1e-9
+    assert distance(read_points(write(f"y_{unit},z_{unit}\n" + text), "rail").profile(), RAIL) < 1e-9
 
 
 def test_columns_may_be_separated_as_spreadsheets_do(write):
     comma_decimals = rows(RAIL, between=";").replace(".", ",")
     for text in (rows(RAIL, between="\t"), rows(RAIL, between=", "), comma_decimals):
-        assert distance(read_profile(write("% a comment\n\n" + text), "rail"), RAIL) < 1e-9
+        assert distance(read_points(write("% a comment\n\n" + text), "rail").profile(), RAIL) < 1e-9
 
 
 def test_duplicated_points_are_one_point(write):
     lines = rows(RAIL).splitlines(keepends=True)
     doubled = "".join(line * (2 if i % 100 == 0 else 1) for i, line in enumerate(lines))
-    assert distance(read_profile(write(doubled), "rail"), RAIL) < 1e-9
+    assert distance(read_points(write(doubled), "rail").profile(), RAIL) < 1e-9
 
 
 def test_points_closer_than_their_digits_allow_do_not_spoil_the_curvature(write):
     # Nodes as near as 5 um, written to 1e-6 mm: a spline through all of them would have curvatures off by 50 1/m.
     text = "".join(f"{1e3 * u:.6f} {1e3 * w:.6f}\n" for u, w in zip(RAIL.u, RAIL.w, strict=True))
-    profile = read_profile(write(text), "rail")
+    profile = read_points(write(text), "rail").profile()
     u = np.linspace(-0.009, 0.009, 501)  # the crown, 300 mm
     np.testing.assert_allclose(profile.curvature(profile.arclength_of(u)), -1 / 0.3, atol=1.0)
 
 
 def test_clipping_keeps_the_curve_between(write):
-    profile = read_profile(write(rows(WHEEL)), "wheel", clip=(-0.05, 0.04))
+    profile = read_points(write(rows(WHEEL)), "wheel", clip=(-0.05, 0.04)).profile()
     assert profile.u[0] == pytest.approx(-0.05, abs=1e-4) and profile.u[-1] == pytest.approx(0.04, abs=1e-4)
     u = np.linspace(-0.049, 0.039, 501)
     w, true = profile.at(profile.arclength_of(u))[1], WHEEL.at(WHEEL.arclength_of(u))[1]
@@ -141,7 +141,7 @@ def test_clipping_keeps_the_curve_between(write):
 
 def test_turning_undoes_an_inclination(write):
     path = write(rows(RAIL.inclined(1 / 40)))
-    assert distance(read_profile(path, "rail", turn=-np.arctan(1 / 40)), RAIL) < 1e-9
+    assert distance(read_points(path, "rail", turn=-np.arctan(1 / 40)).profile(), RAIL) < 1e-9
 
 
 # --- SIMPACK ------------------------------------------------------------------------------------------
@@ -181,7 +181,7 @@ def test_simpack_keys_do_what_their_comments_say(write):
     mirror.y       =  1                       ! 5: y mirror mode (0=no mirroring; 1=mirrored)
     inversion      =  1                       ! 6: Inversion of data order (0=no inversion; 1=inversion)
     units.len.f    = 39.37007874015748        ! 7: Unit factor for lengths (l[User] / l[m])"""
-    profile = read_profile(write(simpack(points, keys), "w.prw"))
+    profile = read_points(write(simpack(points, keys), "w.prw")).profile()
     # 2.75 inches = 69.85 mm: the bound takes the last 0.15 mm of the flange's back
     assert profile.u[0] == pytest.approx(-0.06985, abs=1e-4)
     u = np.linspace(-0.05, 0.055, 501)
@@ -209,7 +209,7 @@ def test_simpack_files_with_faults_are_refused(write, change, message):
     text = simpack(rows(WHEEL, 1e3, -1e3), "    units.len.f = 1000")
     assert change[0] in text
     with pytest.raises(InputError, match=message):
-        read_profile(write(text.replace(*change), "w.prw"), "wheel")
+        read_points(write(text.replace(*change), "w.prw"), "wheel").profile()
 
 
 # --- MiniProf -----------------------------------------------------------------------------------------
@@ -224,7 +224,7 @@ def test_miniprof_measurements_are_smoothed_and_put_upright(write):
     points = np.column_stack([1e3 * table[:, 0] - 10.0, -1e3 * table[:, 1] + 5.0])[: len(noise)] + noise
     text = "".join(f"{x:.4f}\t{y:.4f}\t0.0\n" for x, y in points)
     keys = f"XYPoints={len(points)}\nColumnDef=X,Y,A\nXOffset=10.0\nYOffset=-5.0"
-    profile = read_profile(write(miniprof(text, keys), "left.whl"))
+    profile = read_points(write(miniprof(text, keys), "left.whl")).profile()
     assert "smoothed, cut-off 5 mm" in profile.source
     u = np.linspace(-0.020, 0.050, 501)
     w, true = profile.at(profile.arclength_of(u))[1], WHEEL.at(WHEEL.arclength_of(u))[1]
@@ -233,7 +233,7 @@ def test_miniprof_measurements_are_smoothed_and_put_upright(write):
 
 def test_a_miniprof_rail_of_the_old_kind_is_read(write):
     points = rows(RAIL, 1e3, 1e3)
-    profile = read_profile(write("Rail\nLeft\n\n" + points, "r.ban"), measured=False)
+    profile = read_points(write("Rail\nLeft\n\n" + points, "r.ban"), measured=False).profile()
     assert distance(profile, RAIL) < 1e-9
 
 
@@ -248,7 +248,7 @@ def test_a_miniprof_rail_of_the_old_kind_is_read(write):
 )
 def test_miniprof_files_with_faults_are_refused(write, keys, message):
     with pytest.raises(InputError, match=message):
-        read_profile(write(miniprof(rows(WHEEL), keys), "w.whl"))
+        read_points(write(miniprof(rows(WHEEL), keys), "w.whl")).profile()
 
 
 # --- bad points ---------------------------------------------------------------------------------------
@@ -313,7 +313,7 @@ BAD = [
 @pytest.mark.parametrize(("text", "message"), BAD, ids=range(len(BAD)))
 def test_points_that_are_no_profile_are_refused_with_their_line(write, text, message):
     with pytest.raises(InputError, match=message):
-        read_profile(write(text), "rail")
+        read_points(write(text), "rail").profile()
 
 
 @pytest.mark.parametrize(
@@ -321,7 +321,6 @@ def test_points_that_are_no_profile_are_refused_with_their_line(write, text, mes
     [
         ({"kind": None}, r"unknown whether this is a wheel or a rail"),
         ({"kind": "weel"}, r"kind = 'weel'; allowed: wheel, rail \(did you mean 'wheel'\?\)"),
-        ({"unit": "cm"}, r"unit = 'cm'; allowed: m, mm, in"),
         ({"heights": "down"}, r"the flange points the wrong way up with heights 'down'"),
         ({"field_side": "negative"}, r"the flange is on the field side with field_side 'negative'"),
         ({"clip": (0.1, 0.2)}, r"clip from 100 to 200 mm leaves no point; the points go from -70 to 60 mm"),
@@ -329,19 +328,19 @@ def test_points_that_are_no_profile_are_refused_with_their_line(write, text, mes
 )  # fmt: skip
 def test_options_that_cannot_be_are_answered_with_what_is_allowed(write, options, message):
     with pytest.raises(InputError, match=message):
-        read_profile(write(rows(WHEEL)), **{"kind": "wheel", **options})
+        read_points(write(rows(WHEEL)), **{"kind": "wheel", **options}).profile()
 
 
 def test_files_that_are_not_there_or_not_text_are_refused(tmp_path):
     (tmp_path / "wheel.csv").write_bytes(b"\x00\x01\x02")
     with pytest.raises(InputError, match=r"whele.csv: no such profile file; did you mean '.*wheel.csv'\?"):
-        read_profile(tmp_path / "whele.csv", "wheel")
+        read_points(tmp_path / "whele.csv", "wheel").profile()
     with pytest.raises(InputError, match="not a text file"):
-        read_profile(tmp_path / "wheel.csv", "wheel")
+        read_points(tmp_path / "wheel.csv", "wheel").profile()
     with pytest.raises(InputError, match="is a directory, a profile file is needed"):
-        read_profile(tmp_path, "wheel", format="columns")
+        read_points(tmp_path, "wheel", format="columns").profile()
     with pytest.raises(InputError, match=r"no profile format has the suffix '.stl'; allowed: .csv, .txt"):
-        read_profile(tmp_path / "wheel.stl", "wheel")
+        read_points(tmp_path / "wheel.stl", "wheel").profile()
 
 
 def test_a_toml_file_that_names_points_of_no_format_names_its_line(tmp_path):

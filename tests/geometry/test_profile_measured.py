@@ -11,12 +11,12 @@ from support.commands import call, ok
 from support.contacts import bench, contact_model, rail_profile, settle, wheel_profile
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile.files import read_points, read_profile
+from wrsim.geometry.profile.files import read_points
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.points import CUTOFF, ProfilePoints, smoothed, smoothing_spline
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle
-from wrsim.geometry.profile.smoothing_report import report_smoothing
+from wrsim.results.smoothing import report_smoothing
 
 NOISE = 10e-6  # of every coordinate, standard deviation [m]
 MODELS = Path(__file__).parents[2] / "models"
@@ -59,8 +59,8 @@ def contacts(wheel: Profile, rail: Profile) -> np.ndarray:
 
 def test_a_noisy_worn_pair_gives_the_contact_of_the_exact_one_within_a_few_per_cent(files):
     exact = contacts(wheel_profile("worn"), rail_profile("worn", 40))
-    wheel = read_profile(files[0])
-    rail = read_profile(files[1], "rail", measured=True).inclined(1 / 40)
+    wheel = read_points(files[0]).profile()
+    rail = read_points(files[1], "rail", measured=True).profile().inclined(1 / 40)
     found = contacts(wheel, rail)
     p0, area, force = np.abs(found / exact - 1.0)[:, :3].T
     # curvature is what noise spoils: pressures follow it. Measured over 6 seeds: median 3.5 %, 95 % 9.6 %
@@ -72,21 +72,20 @@ def test_a_noisy_worn_pair_gives_the_contact_of_the_exact_one_within_a_few_per_c
 
 def test_the_report_tells_noise_from_shape(files):
     reading = read_points(files[1], "rail", measured=True)
-    report = report_smoothing(reading)
-    assert report.scatter == pytest.approx(NOISE, rel=0.1)
+    found = report_smoothing(reading).numbers()
+    assert 1e-6 * found["scatter_um"] == pytest.approx(NOISE, rel=0.1)
     # what was taken away is the noise, and no more
-    assert report.rms_change == pytest.approx(NOISE, rel=0.1)
-    assert report.curvature_before > 5e3  # 1/m: a radius of 0.2 mm
+    assert 1e-6 * found["rms_change_um"] == pytest.approx(NOISE, rel=0.1)
+    assert found["largest_curvature_before_1_per_m"] > 5e3  # a radius of 0.2 mm
     # the sharpest of the worn corner, R 13 and the wear on it
-    assert report.curvature_after == pytest.approx(90.0, rel=0.1)
-    assert report.sharpest == pytest.approx(-28e-3, abs=2e-3)
-    most, where, line = report.largest_change
-    assert 2.5 * NOISE < most < 6.0 * NOISE
-    u = float(files[1].read_text().splitlines()[line - 1].split()[0])
-    assert 1e3 * where == pytest.approx(u, abs=1e-9)
+    assert found["largest_curvature_after_1_per_m"] == pytest.approx(90.0, rel=0.1)
+    assert found["at_u_mm"] == pytest.approx(-28.0, abs=2.0)
+    assert 2.5 * NOISE < 1e-6 * found["largest_change_um"] < 6.0 * NOISE
+    u = float(files[1].read_text().splitlines()[int(found["largest_change_at_line"]) - 1].split()[0])
+    assert found["largest_change_at_u_mm"] == pytest.approx(u, abs=1e-9)
     # a cut-off that is too long takes shape away: the change exceeds the scatter
-    blunt = report_smoothing(read_points(files[1], "rail", measured=True, cutoff=15e-3))
-    assert blunt.rms_change > 1.5 * blunt.scatter
+    blunt = report_smoothing(read_points(files[1], "rail", measured=True, cutoff=15e-3)).numbers()
+    assert blunt["rms_change_um"] > 1.5 * blunt["scatter_um"]
 
 
 # --- the command --------------------------------------------------------------------------------------
@@ -152,7 +151,7 @@ def test_a_spoiled_scan_is_read_or_refused_with_its_file(tmp_path, slips, measur
     path = tmp_path / "scan.csv"
     path.write_text(text, encoding="utf-8", errors="replace")
     try:
-        profile = read_profile(path, "rail", measured=measure)
+        profile = read_points(path, "rail", measured=measure).profile()
     except InputError as error:
         assert str(path) in str(error)
         return

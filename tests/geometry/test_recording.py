@@ -159,8 +159,8 @@ def test_an_inertial_record_comes_back_as_it_is_without_the_design(car: Car, tmp
     def recorded(shape: Array) -> Array:
         return np.asarray(sosfiltfilt(sections, shape, padlen=s.size // 2))
 
-    curve = np.cumsum(np.cumsum(track.curvature(s) * np.cos(track.roll(s)))) * car.step**2
-    up = np.cumsum(np.cumsum(track.curvature(s) * np.sin(track.roll(s)))) * car.step**2
+    curve = np.cumsum(np.cumsum(track.curvature(s) * np.cos(track.left_curve.roll(s)[0]))) * car.step**2
+    up = np.cumsum(np.cumsum(track.curvature(s) * np.sin(track.left_curve.roll(s)[0]))) * car.step**2
     columns = {}
     shapes = np.array([track.irregularity(side, s) for side in ("left", "right")])  # rails, lateral and vertical
     for (side, sign), (lateral, vertical) in zip((("left", 1.0), ("right", -1.0)), shapes, strict=True):

@@ -17,10 +17,10 @@ from wrsim.inputs.values import Series
 from wrsim.register import ANALYSES, TABLES, resolved
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load, load_text
-from wrsim.scenario.placement import stand
 from wrsim.scenario.plausibility import facts, warnings
 from wrsim.scenario.schema import ScenarioFile
 from wrsim.scenario.sections.static import read_cases
+from wrsim.scenario.track_build import stand
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 

@@ -32,6 +32,6 @@ def held_state(
         x[columns] = part
         return steady.residual(x)[rows]
 
-    x[columns], left, iterations = damped_newton(residual, x[columns].copy(), steady.small[columns], 1e-10, 60)
+    x[columns], left, _ = damped_newton(residual, x[columns].copy(), steady.small[columns], 1e-10, 60)
     assert np.abs(left).max() <= TOLERANCE, left
-    return Equilibrium(*steady.state(x), float(np.abs(left).max()), iterations)
+    return Equilibrium(*steady.state(x), float(np.abs(left).max()))

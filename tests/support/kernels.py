@@ -21,6 +21,7 @@ from numba.core.registry import CPUDispatcher
 
 import wrsim.core
 from support.contacts import bench, contact_of, numbers, pair_model
+from support.paths import curvature, locate
 from support.vehicles import manchester, on_track, shipped
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.contact.channels import WheelOnRail, wheel_outline
@@ -239,8 +240,8 @@ def vehicle_cases() -> dict[str, list[float]]:
     found["steady"] = list(steady.residual(steady.unknowns(q, q_t)))
     path = law.track.centre
     places = np.array([10.0, 60.0])
-    found["path"] = [*path.frame(places).ravel(), *np.ravel(path.curvature(places))]
-    found["path"] += list(path.locate(path.position(places) + np.array([0.1, 0.2, 0.3]), places + 1.0))
+    found["path"] = [*path.frame(places).ravel(), *np.ravel(curvature(path, places))]
+    found["path"] += list(locate(path, path.position(places) + np.array([0.1, 0.2, 0.3]), places + 1.0))
     wheels = ConicalWheels(0.1, 0.75, 1e7, 1e7, friction=0.3, flange_clearance=1e-3, flange_stiffness=1e7)
     conical = ConicalVehicleOnTrack(vehicle, law.track, wheels, speed=20.0, start=50.0)
     conical(0.01, q, q_t, out)

@@ -139,7 +139,7 @@ class KnifeEdgeForces(VehicleOnTrack):
             out.fill(0.0)
             knife_edge_forces(q, q_t, self.track.centre.curve, self.speed, self.law, self.edge_memory.copy(), out)
 
-        return [*super().blocks(), Block.apart(on_edges, np.arange(6)[None])]
+        return [*super().blocks(), Block(on_edges, [(column, np.arange(6)[None]) for column in np.arange(6)[:, None]])]
 
     @property
     def system(self) -> BodySystem:

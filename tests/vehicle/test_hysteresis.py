@@ -156,7 +156,8 @@ def test_an_orifice_has_the_force_of_its_power_law() -> None:
 
 def test_a_nest_of_springs_stands_on_its_line_where_its_load_is_and_never_pulls() -> None:
     k, inner, inner_from = 1e6, 1.5e6, 0.6 * MASS * 9.81
-    nest = BilinearSpring("nest", "bilinear-spring", TRACK, "box", (AT, AT), 2, k, inner=inner, inner_from=inner_from)
+    more = {"second_stiffness": inner, "second_from": inner_from}
+    nest = BilinearSpring("nest", "bilinear-spring", TRACK, "box", (AT, AT), 2, k, **more)
     for load in (0.5, 1.0):  # below and beyond the bend
         gravity = 9.81 * load
         vehicle = box(spring(stiffness=(4e6, 4e6, 0.0), turning_stiffness=(4e6,) * 3), nest)

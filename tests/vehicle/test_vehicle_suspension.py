@@ -57,7 +57,7 @@ def test_a_mass_on_springs_swings_at_its_natural_frequency() -> None:
 def test_a_mass_on_a_spring_and_a_damper_behind_a_spring_has_the_roots_of_its_cubic(damping: float) -> None:
     """m x_tt + k x + k_s (x - x_d) = 0, c x_d,t = k_s (x - x_d)."""
     k, series = 4e5, 6e5
-    struts = Strut("d", "damper", TRACK, "box", ((0.0, 0.0, HEIGHT),) * 2, 2, damping=damping, series=series)
+    struts = Strut("d", "damper", TRACK, "box", ((0.0, 0.0, HEIGHT),) * 2, 2, damping=damping, series_stiffness=series)
     modes = natural_modes(box(spring(stiffness=(1e7, 2e7, k)), struts))
     mode = next(m for m in modes if m.name == "box vertical")
     lag = damping / series

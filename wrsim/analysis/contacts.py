@@ -10,10 +10,11 @@ from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
 from wrsim.contact.settings import Array, ContactSettings, Friction, FrictionAlong
+from wrsim.inputs.section import SIDES
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.static import StaticPlan
-from wrsim.simulation.law import SIDES, VehicleOnTrack, placed_on_rails
+from wrsim.simulation.law import VehicleOnTrack, placed_on_rails
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.wheelset import Wheelset
 

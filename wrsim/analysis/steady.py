@@ -63,7 +63,7 @@ def run_steady(setup: Setup, progress: Progress | None = None) -> Result:
             message = remark = ""
             try:
                 found = steady_in_curve(setup, point, known)
-                on_the_rails(found.law, Equilibrium(found.q, found.q_t, found.left, 0))
+                on_the_rails(found.law, Equilibrium(found.q, found.q_t, found.left))
             except SimulationError as error:
                 why = steady_words(NoSteadyMotion.of(error), vehicle)
                 message = f"{why} (cant deficiency {1e3 * cant_deficiency(point, base):.0f} mm)"

@@ -35,7 +35,6 @@ class WheelOnRail:
 
     @property
     def name(self) -> str:
-        """``"left"`` or ``"right"``."""
         return "left" if self.side > 0 else "right"
 
 

@@ -17,7 +17,6 @@ from wrsim.geometry.track.rolled_rail import rolled_rail
 
 
 def _solve_exactly(model: ContactModel) -> int:
-    """See `NormalModel.solve`."""
     from wrsim.contact.half_space.strips import solve_into  # brings parts of scipy that nothing else needs
 
     return solve_into(model).status

@@ -32,7 +32,6 @@ class RawContacts:
 
     @classmethod
     def empty(cls, samples: int, wheels: int, patches: int) -> "RawContacts":
-        """Zeros for that many samples."""
         return cls(np.zeros((samples, wheels, patches), k.LOBE), np.zeros((samples, wheels), k.TOTAL))
 
     def store(self, sample: int, wheel: int, arrays: KernelArrays) -> None:
@@ -46,7 +45,6 @@ class RawContacts:
         self.totals[sample] = NO_CONTACT
 
     def first(self, samples: int) -> "RawContacts":
-        """The first samples alone."""
         return RawContacts(self.patches[:samples], self.totals[:samples])
 
 

@@ -159,10 +159,6 @@ class FrictionAlong:
         static, corner, start, end, ratio, decay = self.numbers(place).tolist()
         return Friction(static, corner, (2.0 * atan(start), 2.0 * atan(end)), ratio, decay)
 
-    def moved(self, places: Array) -> "FrictionAlong":
-        """The same at other places (n,) [m]."""
-        return replace(self, places=tuple(places.tolist()))
-
 
 AnyFriction = float | Friction | FrictionAlong
 

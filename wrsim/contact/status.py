@@ -47,7 +47,6 @@ REMARKS = STATUS_NOT_REFINED | STATUS_PROFILE_END
 
 
 def bits_of(status: int) -> list[int]:
-    """The bits that are set."""
     return [bit for bit in WORDS if status & bit] if status else []
 
 

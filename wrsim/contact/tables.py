@@ -41,7 +41,6 @@ class RailTables:
 
 @lru_cache(maxsize=16)
 def plain_rail(rail: Profile) -> RailTables:
-    """The tables of a rail of one profile."""
     table, step = profile_table(rail)
     field_ = distance_field(rail)
     hollow = max(float(table[:, 4].max()), 0.0)
@@ -51,14 +50,10 @@ def plain_rail(rail: Profile) -> RailTables:
 
 @lru_cache(maxsize=8)
 def changing_rail(rail: RolledRail) -> RailTables:
-    """The tables of a rail that changes along the track."""
     flat = (-1, rail.tables.shape[2])
-    own = station_fields(rail)
-    stations = np.stack((rail.stations, own.numbers))
-    return RailTables(
-        rail.tables.reshape(flat), rail.rates.reshape(flat), stations, rail.step, rail.tables.shape[1], own.field,
-        own.rows, own.slack, rail.hollow,
-    )  # fmt: skip
+    field_, rows, numbers, slack = station_fields(rail)
+    tables, rates, stations = rail.tables.reshape(flat), rail.rates.reshape(flat), np.stack((rail.stations, numbers))
+    return RailTables(tables, rates, stations, rail.step, rail.tables.shape[1], field_, rows, slack, rail.hollow)
 
 
 @lru_cache(maxsize=32)

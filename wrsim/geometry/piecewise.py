@@ -77,9 +77,8 @@ class Piecewise:
     def rounded(self, half_width: float) -> Piecewise:
         """The function with its kinks rounded over +-half_width [m], never beyond a neighbour.
 
-        Where the slope jumps by J, J w (1 - a)^3 (3 + a) / 16 with a = |s - joint| / w < 1 is added: the kink |s| J / 2
-        convolved with a parabola of support +-w. That leaves value, slope and second derivative continuous and the
-        function beyond +-w untouched; it changes the value by at most 3/16 J w.
+        A kink is convolved with a parabola of that support (docs/theory/track.md): value, slope and second derivative
+        are continuous, the function beyond is the same. A jump J of the slope changes the value by at most 3/16 J w.
         """
         edges = self.breaks
         before, behind = self.joints(1)

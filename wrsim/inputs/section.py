@@ -11,8 +11,8 @@ pydantic checks the fields; on top of it a Section
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import fields as fields_of
 from functools import cache
+from inspect import signature
 from math import radians
 from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeVar, get_args
 
@@ -36,9 +36,11 @@ UNITS = {
 }  # fmt: skip
 """Unit endings of keys and how they are written in a sentence."""
 TO_SI: dict[str, Callable[[float], float]] = {
-    "_mm": lambda x: x / 1e3, "_kmh": lambda x: x / 3.6, "_deg": radians, "_kN": lambda x: 1e3 * x,
-    "_MPa": lambda x: 1e6 * x, "_GPa": lambda x: 1e9 * x, "_kN_per_m": lambda x: 1e3 * x,
-} | dict.fromkeys(("_m", "_s", "_s_per_m", "_Hz"), float)  # fmt: skip
+    "_mm": lambda x: x / 1e3, "_kmh": lambda x: x / 3.6, "_deg": radians, "_MPa": lambda x: 1e6 * x,
+    "_GPa": lambda x: 1e9 * x,
+} | dict.fromkeys(
+    ("_kN", "_kN_per_m", "_kNs_per_m", "_kNm_per_rad", "_kNms_per_rad"), lambda x: 1e3 * x
+) | dict.fromkeys(("_m", "_s", "_s_per_m", "_Hz", "_kg_m2"), float)  # fmt: skip
 """Unit endings of keys and what brings their numbers to SI units; see `Section.to_si`."""
 
 
@@ -46,7 +48,7 @@ S = TypeVar("S", bound="Section")
 T = TypeVar("T")
 
 
-SIDES = ("left", "right")
+SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 
 class Fault(NamedTuple):
@@ -123,15 +125,15 @@ class Section(BaseModel):
         own = side_key(key, side)
         return (key, getattr(self, key)) if getattr(self, own) is None else (own, getattr(self, own))
 
-    def to_si(self, target: type[T], /, **others: Any) -> T:
-        """A dataclass in SI units: its fields have the names of keys without their units, or are among the others.
-
-        A key that is not given leaves the field its default.
-        """
+    def to_si(self, target: Callable[..., T], /, **others: Any) -> T:
+        """What a dataclass or a function makes of values in SI units: its parameters have the names of keys without
+        their units, or are among the others. A key that is not given leaves the parameter its default."""
         values: dict[str, Any] = {}
-        for key, name, convert in _si_fields(type(self), target):  # type: ignore[arg-type]
+        for key, name, convert in _si_fields(type(self), target):
             value = getattr(self, key)
-            if value is not None:
+            if isinstance(value, tuple) and all(isinstance(each, float) for each in value):
+                values[name] = tuple(map(convert, value))
+            elif value is not None:
                 values[name] = convert(value) if isinstance(value, float) else value
         return target(**values | others)
 
@@ -244,10 +246,10 @@ def kinds_in(union: Any) -> dict[str, Any]:
 
 
 @cache
-def _si_fields(section: type[Section], target: type) -> list[tuple[str, str, Callable[[float], float]]]:
-    """Keys of a section for the fields of a dataclass, their names without unit, and the conversion to SI units."""
+def _si_fields(section: type[Section], target: Callable[..., T]) -> list[tuple[str, str, Callable[[float], float]]]:
+    """Keys of a section for the parameters of a function, their names without unit, and the conversion to SI units."""
     units = {key: max((u for u in TO_SI if key.endswith(u)), key=len, default="") for key in section.model_fields}
-    named = {f.name for f in fields_of(target)}
+    named = signature(target).parameters
     rows = ((key, key.removesuffix(unit), TO_SI.get(unit, float)) for key, unit in units.items())
     return [row for row in rows if row[1] in named]
 

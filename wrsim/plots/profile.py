@@ -13,9 +13,9 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.smoothing_report import SmoothingReport
 from wrsim.plots import theme
 from wrsim.plots.marks import minus, note, remark, right_axis
+from wrsim.results.smoothing import SmoothingReport
 from wrsim.results.table import formatted, quantity
 
 LINE = "#0072B2"

@@ -1,11 +1,11 @@
 """The design of a recorded line: straights, transitions and arcs nearest to recorded curvature and cant.
 
-Transitions are clothoids, on which both run straight, or Bloss curves, 3 x^2 - 2 x^3. First pieces of straight lines
-are laid through the smoothed records so that the sum of their squared distances and a price for each piece is least
-(dynamic programming). Steep pieces are transitions, the rest straights and arcs. Then the ends of every transition, and
-the values before and behind it, are fitted by least squares to the smoothed records, with the corners smoothed alike,
-so that the smoothing moves nothing: a ramp x > 0 under a Gaussian of deviation w is x Phi(x/w) + w phi(x/w). The forms
-of all transitions are those nearest to the records, where a change of form along the line has its price.
+Transitions are clothoids or Bloss curves. First pieces of straight lines are laid through the smoothed records so that
+the sum of their squared distances and a price for each piece is least (dynamic programming). Steep pieces are
+transitions, the rest straights and arcs. Then the ends of every transition, and the values before and behind it, are
+fitted by least squares to the smoothed records, with the corners smoothed alike, so that the smoothing moves nothing: a
+ramp x > 0 under a Gaussian of deviation w is x Phi(x/w) + w phi(x/w). The forms of all transitions are those nearest to
+the records, where a change of form along the line has its price.
 """
 
 from __future__ import annotations

@@ -42,7 +42,6 @@ class TrackRecording:
 
     @property
     def length(self) -> float:
-        """From the first to the last row [m]."""
         return float(self.distance[-1])
 
     def of(self, quantity: str) -> list[tuple[ChannelSection, Array]]:

@@ -1,16 +1,10 @@
 """The transfer functions of a recording car's systems over the wavelength, and their inverse.
 
 A system is linear: a wave of wave number k [rad/m] in the shape y(s) has in the record the amplitude H(k), a complex
-number. A chord from s - a to s + b measures the versine
-
-    v(s) = y(s) - (b y(s - a) + a y(s + b)) / (a + b),    H = 1 - (b exp(-i k a) + a exp(i k b)) / (a + b).
-
-Waves of which a and b are both whole multiples have no versine at all (H = 0): they are lost. A difference over a base
-l (twist) has H = 1 - exp(-i k l). An inertial system gives the shape itself within a band of wavelengths.
-
-A record is inverted by 1 / H, where 1.1 / |H| is not above the largest amplification allowed; where |H| is less, down
-to a third, the inverse fades to nothing. So no wave of the record, and none of its noise, is enlarged by more. The
-slower a filter fades over the wavelengths, the less far reaches the record's unknown continuation.
+number (docs/user/recording.md has that of a chord). A difference over a base l (twist) has H = 1 - exp(-i k l). A
+record is inverted by 1 / H, where 1.1 / |H| is not above the largest amplification allowed; where |H| is less, down to
+a third, the inverse fades to nothing. So no wave of the record, and none of its noise, is enlarged by more. The slower
+a filter fades over the wavelengths, the less far reaches the record's unknown continuation.
 """
 
 from __future__ import annotations

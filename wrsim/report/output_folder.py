@@ -184,7 +184,7 @@ def run_into(
     if threads is not None:
         use_threads(threads)
     record = directory / PART
-    with claimed(directory, force, (*scenario.files, *setup.files), file) as keeper:
+    with claimed(directory, force, (*scenario.merged.files, *setup.files), file) as keeper:
         result = None
         if resume and not record.exists() and (directory / RESULT).exists():
             whole = Result.load(directory / RESULT)

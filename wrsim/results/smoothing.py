@@ -1,15 +1,25 @@
-"""Measured points of a profile and what smoothing did to them, as a table."""
+"""What smoothing did to measured points: curvature before and after, and how far the shape moved.
+
+A cut-off is right when the curvature after it is that of the steel and the change is that of the measurement: an RMS
+change well above the scatter of the points says that shape was smoothed away, a largest curvature far above that of the
+drawing that noise was left.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.spatial import cKDTree
+
 from wrsim.errors import InputError
+from wrsim.geometry.profile.files import Reading
 from wrsim.geometry.profile.models import load_points, load_profile
-from wrsim.geometry.profile.profile import Kind, Profile
-from wrsim.geometry.profile.smoothing_report import SmoothingReport, report_smoothing
+from wrsim.geometry.profile.points import ProfilePoints, scatter
+from wrsim.geometry.profile.profile import Array, Kind, Profile, curvature_of, plane_cross
 from wrsim.inputs.lookup import model_file
 from wrsim.results.table import Cell, Column, Table, quantity
 
@@ -17,20 +27,66 @@ MOST_CUTOFFS = 4
 KINDS: dict[str | None, Kind | None] = {None: None, "wheel": "wheel", "rail": "rail"}
 
 
+@dataclass(frozen=True)
+class SmoothingReport:
+    """Measured points beside the profile smoothed from them.
+
+    points: measured; cutoff: wavelength that smoothing halves [m]; profile: smoothed; bare_curvature (n,): of the cubic
+    spline through the bare points [1/m]; change (n,): distance of every point from the smoothed curve, positive to its
+    left (up on a rail's crown) [m].
+    """
+
+    points: ProfilePoints
+    cutoff: float
+    profile: Profile
+    bare_curvature: Array
+    change: Array
+
+    def numbers(self) -> dict[str, float]:
+        """Scatter of neighbouring points across the curve, as of independent errors; largest curvatures before and
+        after, without sign, and u of the latter; the change."""
+        p, after, most = self.profile, np.abs(self.profile.curvature_after), int(np.argmax(np.abs(self.change)))
+        return {
+            "cutoff_mm": 1e3 * self.cutoff,
+            "points": len(self.points),
+            "scatter_um": 1e6 * scatter(self.points),
+            "largest_curvature_before_1_per_m": float(np.abs(self.bare_curvature).max()),
+            "largest_curvature_after_1_per_m": float(max(np.abs(p.curvature_before).max(), after.max())),
+            "at_u_mm": 1e3 * float(p.u[int(np.argmax(after))]),
+            "rms_change_um": 1e6 * float(np.sqrt(np.mean(self.change**2))),
+            "largest_change_um": 1e6 * float(abs(self.change[most])),
+            "largest_change_at_u_mm": 1e3 * float(self.points.u[most]),
+            "largest_change_at_line": int(self.points.line[most]),
+        }
+
+
+def report_smoothing(reading: Reading) -> SmoothingReport:
+    """Smooth a reading's points and compare. Raises InputError where they are too far apart for the cut-off."""
+    points, profile = reading.points, reading.profile()
+    p = points.places
+    spline = CubicSpline(np.concatenate([[0.0], np.cumsum(points.chords)]), p)
+    bare = curvature_of(spline(spline.x, 1), spline(spline.x, 2))
+    L = profile.arclength[cKDTree(np.column_stack([profile.u, profile.w])).query(p)[1]]
+    for _ in range(3):  # to the foot: nodes are 0.1 mm apart and nearly there
+        t = np.stack(profile.tangent(L), axis=-1)
+        L = np.clip(L + ((p - np.stack(profile.at(L), axis=-1)) * t).sum(axis=1), 0.0, profile.length)
+    change = plane_cross(np.stack(profile.tangent(L), axis=-1), p - np.stack(profile.at(L), axis=-1))
+    return SmoothingReport(points, reading.cutoff, profile, bare, change)
+
+
 def smoothing_table(reports: Sequence[SmoothingReport]) -> Table:
     """Curvature before and after, and how far smoothing moved the points, one line a cut-off."""
-    first = reports[0]
-    rows: list[Sequence[Cell]] = [("none", first.curvature_before, *[""] * 5)]
-    for r in reports:
-        most, where, line = r.largest_change
-        found = (r.curvature_after, 1e3 * r.sharpest, 1e6 * r.rms_change, 1e6 * most, 1e3 * where, str(line))
-        rows.append((quantity(1e3 * r.cutoff, "mm", "g"), *found))
+    found = [report.numbers() for report in reports]
+    rows: list[Sequence[Cell]] = [("none", found[0]["largest_curvature_before_1_per_m"], *[""] * 5)]
+    for own in found:
+        *_, after, at_u, rms, most, where, line = own.values()
+        rows.append((quantity(own["cutoff_mm"], "mm", "g"), after, at_u, rms, most, where, str(line)))
     heads = (
         Column("cut-off"), Column("largest curvature", "1/m"), Column("at u", "mm", ".2f"),
         Column("RMS change", "µm", ".3g"), Column("largest", "µm", ".3g"), Column("at u", "mm", ".2f"), Column("line"),
     )  # fmt: skip
-    scatter = quantity(1e6 * first.scatter, "µm", ".3g")
-    return Table(f"{len(first.points)} points, which scatter by {scatter} across the curve", heads, rows)
+    spread = quantity(found[0]["scatter_um"], "µm", ".3g")
+    return Table(f"{found[0]['points']} points, which scatter by {spread} across the curve", heads, rows)
 
 
 def profile_and_reports(

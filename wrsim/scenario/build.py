@@ -1,34 +1,29 @@
-"""From a Scenario to what the analyses take: wheelset, rails, track and settings. Units of files end here."""
+"""From a Scenario to what the analyses take: vehicle, rails, track and contact. Units of files end here."""
 
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Annotated, Any, Generic, TypeVar
 
-import numpy as np
-
-from wrsim.contact.settings import ConicalWheels, ContactSettings
-from wrsim.errors import InputError
-from wrsim.geometry.profile.models import load_profile
+from wrsim.contact.settings import ConicalWheels, ContactSettings, Friction, FrictionAlong
 from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
-from wrsim.geometry.track.track import MAX_OFFSET, Track
-from wrsim.inputs.checking import dotted
+from wrsim.geometry.track.rail_surface import RailSurface
+from wrsim.geometry.track.track import Track
+from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import SIDES, on_side
 from wrsim.inputs.toml_files import noting_reads, read_bytes
+from wrsim.inputs.values import number
 from wrsim.register import ANALYSES, Analysis, resolved
-from wrsim.scenario.friction_build import contact_of
 from wrsim.scenario.loading import Scenario
-from wrsim.scenario.placement import Stand, stand
+from wrsim.scenario.sections.contact import Coefficient, law_of
 from wrsim.scenario.sections.table import Given
 from wrsim.scenario.sections.vehicle import SpeedTable
-from wrsim.scenario.track_build import gauge_extremes, track_of
+from wrsim.scenario.track_build import check_placement, rails_of, surfaces_of, track_of
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.vehicle import Vehicle
@@ -57,7 +52,7 @@ class Setup(Generic[P]):
     conical: ConicalWheels | None
     plan: P
     text: str
-    files: tuple[Path, ...]
+    files: tuple[Path, ...] = ()
     inputs: Mapping[str, str] = field(default_factory=dict)
     threads: int = 1
 
@@ -86,23 +81,24 @@ def build(scenario: Scenario) -> Setup[Any]:
     """
     with noting_reads() as read, scenario.finder.guard():
         setup = _build(scenario)
-        for file in scenario.files:
+        files = tuple(read)
+        for file in scenario.merged.files:
             read_bytes(file, "scenario file")
-    return replace(setup, inputs={_short_name(scenario, file): digest for file, digest in read.items()})
+    inputs = {_short_name(scenario, file): digest for file, digest in read.items()}
+    return replace(setup, files=files, inputs=inputs)
 
 
 def _build(scenario: Scenario) -> Setup[Any]:
     spec, analysis = scenario.spec, ANALYSES[scenario.analysis]
-    files: list[Path] = []
-    vehicle = vehicle_of(scenario, files)
+    vehicle = vehicle_of(scenario)
     for key, message in _unfit(scenario, analysis, vehicle):
         raise scenario.fault(key, message)
-    rails = _rails(scenario, files)
-    track = track_of(scenario, rails, files)
+    rails = rails_of(scenario)
+    track = track_of(scenario, rails)
     if spec.track.gauge_between == "gauge points":
         for each in dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets):
-            _check_placement(scenario, each, rails, track)
-    surfaces = _surfaces(scenario, track, files)
+            check_placement(scenario, each, rails, track)
+    surfaces = surfaces_of(scenario, track)
     if any(surfaces) and not analysis.moves:
         message = f'are for runs: analysis = "{spec.analysis}" knows one profile of each rail'
         raise scenario.fault(("track", "rail_sections"), message)
@@ -122,11 +118,10 @@ def _build(scenario: Scenario) -> Setup[Any]:
         rails=rails,
         surfaces=surfaces,
         track=track,
-        contact=contact_of(scenario, track, files),
-        conical=None if spec.contact.conical is None else spec.contact.conical.wheels(),
+        contact=contact_of(scenario, track),
+        conical=None if spec.contact.conical is None else spec.contact.conical.to_si(ConicalWheels),
         plan=plan,
         text=scenario.text,
-        files=tuple(dict.fromkeys((*files, *getattr(plan, "files", ())))),
     )
 
 
@@ -161,103 +156,71 @@ def _unfit(scenario: Scenario, analysis: Analysis, vehicle: Vehicle) -> Iterator
 def _short_name(scenario: Scenario, file: Path) -> str:
     """A file's name from the folder in which models are looked up."""
     whole = file.resolve()
-    folders = [folder.resolve() for folder in scenario.directories]
+    folders = [folder.resolve() for folder in scenario.finder.folders]
     within = [whole.relative_to(folder).as_posix() for folder in folders if whole.is_relative_to(folder)]
     return min(within, key=len, default=file.name)
 
 
-@lru_cache(maxsize=16)
-def _laid(rail: Profile, inclination: float, gauge_depth: float) -> Profile:
-    """A rail as laid; cached, for its tables are made once."""
-    return replace(rail.inclined(inclination), gauge_depth=gauge_depth)
+COLUMNS = {"at_m": Annotated[float, number(0, 1e6, "m along the track")]} | dict.fromkeys(
+    ("left", "right", "left_gauge_corner", "right_gauge_corner"), Coefficient
+)
+"""Columns of a table of friction: of each rail on the top and on the gauge corner."""
 
 
-def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
-    section = scenario.spec.track
+def contact_of(scenario: Scenario, track: Track) -> ContactSettings:
+    """The contact of a scenario.
+
+    In runs friction is given over the distance along each rail; other analyses have that of one place.
+    Raises InputError at the key, or the line of the table, that does not fit.
+    """
+    section = scenario.spec.contact
+    settings = section.settings()
+    both = law_of(section.of_side("friction", "left")[1]), law_of(section.of_side("friction", "right")[1])
+    if section.friction_table is not None:
+        table = partial(_of_table, before=both)
+        found = scenario.read(("contact", "friction_table"), section.friction_table, table)
+    elif section.friction_sections:
+        found = _of_sections(scenario, both)
+    else:
+        return settings
+    if not ANALYSES[scenario.analysis].moves:
+        at = section.friction_at_m
+        return replace(settings, friction=(found[0].at(at), found[1].at(at)))
+    for i, each in enumerate(section.friction_sections):
+        if each.from_m > track.length:
+            message = f"must be on the track, which is {track.length:.6g} m long"
+            raise scenario.fault(("contact", "friction_sections", i, "from_m"), message)
+    curves = track.left_curve, track.right_curve
+    along = (tuple(curve.arclength(own.places).tolist()) for own, curve in zip(found, curves, strict=True))
+    left, right = (replace(own, places=places) for own, places in zip(found, along, strict=True))
+    return replace(settings, friction=(left, right))
+
+
+def _of_sections(scenario: Scenario, before: tuple[Friction, Friction]) -> list[FrictionAlong]:
     found = []
-    for side in SIDES:
-        key, name = section.of_side("rail", side)
-        profile = scenario.read(("track", key), name, partial(load_profile, kind="rail"), files)
-        rail = _laid(profile, section.inclination, section.gauge_depth_mm / 1e3)
-        if section.gauge_between == "gauge points":
-            try:
-                u, w = rail.gauge_point()[0], rail.top[1]
-            except InputError as error:
-                hint = '; bare pairs of curves are placed by gauge_between = "origins" (static poses)'
-                raise scenario.fault(("track", key), str(error) + hint) from None
-            if (far := max(abs(u), abs(w))) > MAX_OFFSET:
-                message = f"its gauge point or its top lies {far:.4g} m from the origin of {files[-1]}; at most "
-                raise scenario.fault(("track", key), f"{message}{MAX_OFFSET:g} m")
-        found.append(rail)
-    return found[0], found[1]
+    for side, law in zip(SIDES, before, strict=True):
+        places, laws = [0.0], [law]
+        for _, each in on_side(scenario.spec.contact.friction_sections, side):
+            if each.from_m > places[-1]:
+                places.append(each.from_m)
+                laws.append(laws[-1])
+            places.append(places[-1] + each.transition_m)
+            laws.append(law_of(each.friction))
+        found.append(FrictionAlong(tuple(places), tuple(laws)))
+    return found
 
 
-def _surfaces(scenario: Scenario, track: Track, files: list[Path]) -> tuple[RailSurface | None, RailSurface | None]:
-    """Rails that change along the track; distances of their sections are along the rail itself."""
-    found: list[RailSurface | None] = []
-    read = [_rail_sections(scenario, i, files) for i in range(len(scenario.spec.track.rail_sections))]
-    for side, curve in zip(SIDES, (track.left_curve, track.right_curve), strict=True):
-        own = []
-        for i, each in on_side(scenario.spec.track.rail_sections, side):
-            for one in read[i]:
-                place = each.at_m + one.distance
-                if not 0.0 <= place <= track.length:
-                    which = "" if each.table is None else f"its section at {one.distance:g} m lies at {place:g} m: it "
-                    message = f"{which}must be on the track, which is {track.length:g} m long"
-                    raise scenario.fault(("track", "rail_sections", i, "at_m"), message)
-                own.append(replace(one, distance=float(curve.arclength(place))))
-        with scenario.faults_at(("track", "rail_sections")):
-            found.append(RailSurface(f"{side} rail", tuple(own)) if own else None)
-    return found[0], found[1]
-
-
-def _rail_sections(scenario: Scenario, i: int, files: list[Path]) -> list[RailSection]:
-    """The sections of an entry of [[track.rail_sections]], as laid; distances are from its at_m."""
-    entry, inclination = scenario.spec.track.rail_sections[i], scenario.spec.track.inclination
-    kind, name = ("rail", entry.rail) if entry.table is None else ("table", entry.table)
-    key = ("track", "rail_sections", i, kind)
-    features, shift = tuple(f / 1e3 for f in entry.features_mm), (entry.outward_mm / 1e3, -entry.down_mm / 1e3)
-
-    def read(file: Path) -> list[RailSection]:
-        if entry.table is not None:
-            return read_sections(file, bool(entry.measured))
-        return [RailSection(0.0, load_profile(file, "rail"), features)]
-
-    found = scenario.read(key, name or "", read, files)
-    return [replace(one, profile=one.profile.inclined(inclination).shifted(*shift)) for one in found]
-
-
-def _check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], track: Track) -> None:
-    """Refuse a wheelset that, centred, does not rest with both treads on the rails."""
-    spec, nominal = scenario.spec.track, track.nominal_gauge
-    for gauge in sorted({nominal, *gauge_extremes(track)}, key=lambda g: abs(g - nominal)):
-        for side, wheel, rail in zip(SIDES, (wheelset.left, wheelset.right), rails, strict=True):
-            reason = _misplaced(stand(wheel.profile, rail, wheelset.profile_spacing, gauge))
-            if not reason:
-                continue
-            message = (
-                f"the wheelset is placed off the rails: at a gauge of {1e3 * gauge:g} mm, its wheel profiles "
-                f"{1e3 * wheelset.profile_spacing:g} mm apart (vehicle.model), the {side} {reason}"
-            )
-            if gauge == nominal:
-                key, name = scenario.spec.vehicle.of_side("wheel", side)
-                others: list[KeyPath] = [("track", "gauge_mm"), ("vehicle", "model" if name is None else key)]
-                named = " and ".join(f"{dotted(other)} in {scenario.locate(other)}" for other in others)
-                raise scenario.fault(("track", spec.of_side("rail", side)[0]), f"{message}; see {named}")
-            designed = track.widening(np.array([f.start for f in track.features()] + [track.length]))
-            beyond = not designed.min() - 1e-9 <= gauge - nominal <= designed.max() + 1e-9
-            widened_by = "segments" if track.segments else "table"
-            raise scenario.fault(("track", "irregularities" if spec.irregularities and beyond else widened_by), message)
-
-
-def _misplaced(s: Stand) -> str:
-    """What is wrong with a wheel on its rail; empty if nothing is."""
-    if math.isnan(s.u_wheel):
-        return "wheel misses its rail"
-    if s.on_flange:
-        return "wheel rests with its flange on the rail"
-    if s.clearance < 0.0:
-        return f"flange overlaps the gauge face by {-1e3 * s.clearance:.3g} mm"
-    if s.rail_top > s.reach or s.u_wheel > s.reach - 2e-3:
-        return f"wheel ends {1e3 * (s.rail_top - s.reach):.3g} mm inside of the top of its rail"
-    return ""
+def _of_table(path: Path, before: tuple[Friction, Friction]) -> list[FrictionAlong]:
+    """Coefficients of a table in the laws of [contact]. Raises InputError with line and column."""
+    columns, lines = read_columns(path, COLUMNS, ("at_m", "left", "right"))
+    places = columns["at_m"]
+    check_rising(path, "at_m", places, lines)
+    found = []
+    for side, law in zip(SIDES, before, strict=True):
+        corner = columns.get(f"{side}_gauge_corner")
+        laws = [
+            replace(law, static=float(mu), gauge_corner=law.gauge_corner if corner is None else float(corner[i]))
+            for i, mu in enumerate(columns[side])
+        ]
+        found.append(FrictionAlong(tuple(places.tolist()), tuple(laws)))
+    return found

@@ -41,7 +41,6 @@ def split_names(names: str) -> list[str]:
 
 
 def _values(scenario: Scenario, name: str) -> dict[str, Any]:
-    """Keys of the scenario that the name sets."""
     chosen: dict[str, Any] = {}
     for part in (p.strip() for p in name.split("+")):
         if part == OWN:

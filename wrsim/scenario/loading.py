@@ -18,7 +18,7 @@ from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import DEEPEST, parse_value, shortened, shown_value, write_toml
 from wrsim.register import ANALYSES
-from wrsim.scenario.merging import Merged, from_text, read_merged, value_at, with_track_file
+from wrsim.scenario.merging import BASE, Merged, of_text, read_merged, value_at, with_track_file
 from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
 
 T = TypeVar("T")
@@ -36,7 +36,7 @@ class Scenario:
     spec: ScenarioSpec
     path: Path | None
     finder: Finder
-    _merged: Merged = field(repr=False, compare=False)
+    merged: Merged = field(repr=False, compare=False)
 
     def __repr__(self) -> str:
         return f"Scenario({self.title!r}, {self.analysis}, {self.path or 'from a text'})"
@@ -44,7 +44,7 @@ class Scenario:
     @property
     def text(self) -> str:
         """The whole as TOML, with everything that came from ``base``."""
-        return self._merged.text
+        return self.merged.text
 
     @property
     def title(self) -> str:
@@ -63,24 +63,14 @@ class Scenario:
                 return found
         raise InputError(f"{self.path or 'scenario'}: has no table {kind.header}")
 
-    @property
-    def directories(self) -> tuple[Path, ...]:
-        """Folders in which model files are looked up, in that order."""
-        return self.finder.folders
-
-    @property
-    def files(self) -> tuple[Path, ...]:
-        """The file itself, those that it starts from, and its track file."""
-        return self._merged.files
-
     def locate(self, path: KeyPath) -> str:
         """Return file and line of a key, for messages."""
-        return self._merged.locate(path)
+        return self.merged.locate(path)
 
     def fault(self, path: KeyPath, message: str) -> InputError:
         """Return the error for a key whose value passed the schema but does not fit the rest."""
         try:
-            value = value_at(self._merged.data, path)
+            value = value_at(self.merged.data, path)
         except (KeyError, IndexError, TypeError):
             value = None  # the key is not given: its default does not fit
         return InputError(fault_line(path, message, self.locate, value))
@@ -98,26 +88,14 @@ class Scenario:
         with self.faults_at(path):
             return self.finder.find(name)
 
-    @contextmanager
-    def naming(self, path: KeyPath) -> Iterator[None]:
-        """Errors of this block, in a model file, also name the key at ``path`` of the scenario."""
+    def read(self, path: KeyPath, name: str, reader: Callable[[Path], T]) -> T:
+        """Read the model file that the key at ``path`` names. Errors in it also name that key."""
+        file = self.find(path, name)
         try:
-            yield
+            return reader(file)
         except InputError as error:
-            named = f"{dotted(path)} in {self.locate(path)}"
-            message = str(error)
+            named, message = f"{dotted(path)} in {self.locate(path)}", str(error)
             raise InputError(f"{message}\nnamed by {named}" if "\n" in message else f"{message} ({named})") from None
-
-    def read(self, path: KeyPath, name: str, reader: Callable[[Path], T], files: list[Path]) -> T:
-        """Read the model file that the key at ``path`` names; ``files`` gains it."""
-        files.append(self.find(path, name))
-        with self.naming(path):
-            return reader(files[-1])
-
-    @property
-    def tables(self) -> dict[str, Any]:
-        """The tables of `text`."""
-        return self._merged.data
 
     def with_set(self, options: Sequence[str]) -> Scenario:
         """The scenario with keys changed by ``--set key=value``: values as in TOML, bare words are texts.
@@ -157,7 +135,7 @@ class Scenario:
         >>> from wrsim import load
         >>> slow = load("scenarios/curve_r300.toml").with_values({"vehicle.speed_kmh": 36, "contact.friction": 0.2})
         """
-        data, owners = self._merged.data, dict(self._merged.owners)
+        data, owners = self.merged.data, dict(self.merged.owners)
         for key, value in values.items():
             try:
                 path = _keys(key)
@@ -165,7 +143,7 @@ class Scenario:
             except InputError as error:
                 raise InputError(f"{owner}: {error}") from None
             owners[path] = owner
-        merged = replace(self._merged, data=data, text=write_toml(data), owners=owners)
+        merged = replace(self.merged, data=data, text=write_toml(data), owners=owners)
         return Scenario(check_section(ScenarioFile, data, merged.locate), self.path, self.finder, merged)
 
 
@@ -230,7 +208,9 @@ def load_text(
     InputError
         With all faults of the text, one line each.
     """
-    merged = from_text(text, "scenario")
+    merged = of_text(text, "scenario", ())
+    if BASE in merged.data:
+        raise InputError("scenario: base: needs a file; this text has to be whole")
     return _scenario(merged, None, models, Path(folder), closed)
 
 

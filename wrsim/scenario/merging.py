@@ -44,17 +44,10 @@ class Merged:
         return name if line is None else f"{name}:{line}"
 
 
-def of_tables(data: dict[str, Any], text: str, name: str, files: tuple[Path, ...]) -> Merged:
+def of_text(text: str, name: str, files: tuple[Path, ...]) -> Merged:
     """The tables of one text, all keys with the same owner: ``name``."""
-    return Merged(data, text, files, _owned(data, name), {name: text})
-
-
-def from_text(text: str, name: str) -> Merged:
-    """Take the text of a scenario that is no file (of a stored result); ``base`` is not allowed there."""
     data = parse_toml(text, name)
-    if BASE in data:
-        raise InputError(f"{name}: base: needs a file; this text has to be whole")
-    return of_tables(data, text, name, ())
+    return Merged(data, text, files, _owned(data, name), {name: text})
 
 
 def overlay(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
@@ -74,12 +67,11 @@ def read_merged(path: Path, children: tuple[Path, ...] = ()) -> Merged:
     Tables merge key by key; everything else, lists included, is replaced. Raises InputError for files that
     cannot be read and for a base that leads back to itself.
     """
-    text = read_text(path, "scenario file")
-    data = parse_toml(text, str(path))
-    has_base, base = BASE in data, data.pop(BASE, None)
-    top = of_tables(data, text, str(path), (path,))
-    if not has_base:
+    top = of_text(read_text(path, "scenario file"), str(path), (path,))
+    if BASE not in top.data:
         return top
+    base = top.data.pop(BASE)
+    top.owners = _owned(top.data, str(path))
 
     def fault(message: str) -> InputError:
         return InputError(fault_line((BASE,), message, top.locate, base))
@@ -161,10 +153,9 @@ def with_track_file(merged: Merged, finder: Finder) -> Merged:
         text = read_text(path, "track file")
     except InputError as error:
         raise InputError(fault_line(key, str(error), merged.locate, name)) from None
-    data = parse_toml(text, str(path))
-    below = of_tables(data, text, str(path), (path,))
-    check_section(TrackFile, {k: v for k, v in data.items() if k != "track"}, below.locate)
-    inner = data.get("track")
+    below = of_text(text, str(path), (path,))
+    check_section(TrackFile, {k: v for k, v in below.data.items() if k != "track"}, below.locate)
+    inner = below.data.get("track")
     if not isinstance(inner, dict):
         raise InputError(f"{path}: track is missing: must be a table ([track] with [[track.segments]] or table)")
     if FILE in inner:

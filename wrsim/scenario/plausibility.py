@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from wrsim.register import ANALYSES
 from wrsim.results.table import Column, Table, formatted
-
-if TYPE_CHECKING:
-    from wrsim.scenario.build import Setup
+from wrsim.scenario.build import Setup
 
 MOST_LISTED = 20  # segments that the terminal lists
 USUAL_WHEELSET = (100.0, 5_000.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -57,13 +57,7 @@ def usual_speed(restored: Restored) -> float:
 
 def columns_file(restored: Restored) -> str:
     """The column map that was used, as a file."""
-    columns = restored.recording.columns
-    channels = [
-        {k: list(v) if isinstance(v, tuple) else v for k, v in c.model_dump().items() if v is not None}
-        for c in columns.channels
-    ]
-    head = {k: v for k, v in columns.model_dump().items() if v is not None and k != "channels"}
-    return write_toml({**head, "channels": channels})
+    return write_toml(restored.recording.columns.model_dump(exclude_none=True))
 
 
 def track_file(restored: Restored, date: str) -> str:
@@ -142,14 +136,13 @@ def restored_track(
     wavelengths: those wanted; amplification: largest factor with which a wave is undone; transitions: "clothoid",
     "bloss", "either". Raises InputError.
     """
-    if band is not None and band not in ("D1", "D2", "D3"):
-        raise InputError(f"--band {band}: must be D1, D2 or D3")
+    check_value(Literal["D1", "D2", "D3"] | None, band, "--band")
+    check_value(Literal["clothoid", "bloss", "either"], transitions, "--transitions")
     if chord is not None and band is not None:
         raise InputError("--band: cannot be given with --chord-m")
     if columns is not None and (chord is not None or band is not None):
-        raise InputError(
-            f"--{'band' if chord is None else 'chord-m'}: how alignment and level were measured is in {columns}"
-        )
+        option = "--band" if chord is None else "--chord-m"
+        raise InputError(f"{option}: how alignment and level were measured is in {columns}")
     for length in chord or ():
         check_value(Annotated[float, number(0.2, 30, "m")], length, "--chord-m")
     check_value(Annotated[float, number(1, 1000)], amplification, "--amplification")
@@ -158,7 +151,5 @@ def restored_track(
     if not wavelengths[0] < wavelengths[1]:
         raise InputError(f"--wavelength-m {wavelengths[0]:g} {wavelengths[1]:g}: must rise")
     read = read_recording(file, columns, chord=chord, band=band, part=part)
-    forms = FORMS if transitions == "either" else tuple(form for form in FORMS if form == transitions)
-    if not forms:
-        raise InputError(f"--transitions {transitions}: must be clothoid, bloss or either")
+    forms = tuple(form for form in FORMS if transitions in (form, "either"))
     return restore(read, wavelengths, amplification, forms)

@@ -56,7 +56,6 @@ class ScenarioSpec(Section, header="a scenario"):
 
 
 def _where(ability: str) -> str:
-    """The analyses with an ability, as keys."""
     return " or ".join(f'analysis = "{a.name}"' for a in ANALYSES.values() if getattr(a, ability))
 
 
@@ -101,7 +100,6 @@ def _is_needed(table: type[Section]) -> bool:
 
 
 def _with_all_tables() -> type[ScenarioSpec]:
-    """The file with the tables of all analyses."""
     tables: dict[str, Any] = {}
     for name, place in TABLES.items():
         table = resolved(place)

@@ -1,18 +1,29 @@
-"""From the [track] of a scenario to the track that it describes."""
+"""From the [track] of a scenario to its rails and the track that it describes, and whether wheels are on the rails."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
 
-from wrsim.geometry.profile.profile import Profile
+from wrsim.errors import InputError
+from wrsim.geometry.profile.flange import LEVEL
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.profile import Array, Profile
 from wrsim.geometry.track.irregularities import Disturbance
-from wrsim.geometry.track.segments import Laws, Segment, Straight, laws
+from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
+from wrsim.geometry.track.segments import Grade, Laws, Segment, Straight, laws
 from wrsim.geometry.track.table import IRREGULARITIES, TrackTable
-from wrsim.geometry.track.track import ROUNDING, Track
+from wrsim.geometry.track.track import MAX_OFFSET, ROUNDING, Track
+from wrsim.inputs.checking import dotted
+from wrsim.inputs.lines import KeyPath
+from wrsim.inputs.section import SIDES, on_side
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.irregularities import TableSection
+from wrsim.vehicle.wheelset import Wheelset
 
 LEVEL_TRACK = 100.0
 """Length of the straight of static and equilibrium analyses without segments in the file [m]."""
@@ -20,19 +31,42 @@ TABLE_FADE = 20.0
 """Length over which the irregularities of a measured track begin and end [m]."""
 
 
-def track_of(scenario: Scenario, rails: tuple[Profile, Profile], files: list[Path]) -> Track:
-    """Lay the track of a scenario; adds the tables that were read to ``files``.
+@lru_cache(maxsize=16)
+def _laid(rail: Profile, inclination: float, gauge_depth: float) -> Profile:
+    """A rail as laid; cached, for its tables are made once."""
+    return replace(rail.inclined(inclination), gauge_depth=gauge_depth)
 
-    Raises InputError at the key that does not fit.
-    """
+
+def rails_of(scenario: Scenario) -> tuple[Profile, Profile]:
+    section = scenario.spec.track
+    found = []
+    for side in SIDES:
+        key, name = section.of_side("rail", side)
+        profile = scenario.read(("track", key), name, partial(load_profile, kind="rail"))
+        rail = _laid(profile, section.inclination, section.gauge_depth_mm / 1e3)
+        if section.gauge_between == "gauge points":
+            try:
+                u, w = rail.gauge_point()[0], rail.top[1]
+            except InputError as error:
+                hint = '; bare pairs of curves are placed by gauge_between = "origins" (static poses)'
+                raise scenario.fault(("track", key), str(error) + hint) from None
+            if (far := max(abs(u), abs(w))) > MAX_OFFSET:
+                place = f"{far:.4g} m from the origin of {scenario.find(('track', key), name)}"
+                message = f"its gauge point or its top lies {place}; at most {MAX_OFFSET:g} m"
+                raise scenario.fault(("track", key), message)
+        found.append(rail)
+    return found[0], found[1]
+
+
+def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
+    """Lay the track of a scenario. Raises InputError at the key that does not fit."""
     section = scenario.spec.track
     gauge = section.gauge_mm / 1e3
     row: tuple[Segment, ...] = tuple(s.to_geometry() for s in section.segments)
     uneven: list[Disturbance] = []
     with scenario.faults_at(("track",)):
         if section.table is not None:
-            files.append(scenario.find(("track", "table"), section.table))
-            table = TrackTable.read(files[-1])
+            table = TrackTable.read(scenario.find(("track", "table"), section.table))
             law: Laws = table.laws(gauge)
             if any(name in table.columns for name in IRREGULARITIES):
                 uneven += table.disturbances(0.0, TABLE_FADE)
@@ -41,10 +75,9 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile], files: list[Pat
             law = laws(row, gauge, ROUNDING)
     for i, entry in enumerate(section.irregularities):
         key = ("track", "irregularities", i)
-        if isinstance(entry, TableSection):
-            files.append(scenario.find((*key, "file"), entry.file))
+        file = scenario.find((*key, "file"), entry.file) if isinstance(entry, TableSection) else Path()
         with scenario.faults_at(key):
-            uneven += entry.disturbances(law.curvature.end, files[-1])
+            uneven += entry.disturbances(law.curvature.end, file)
     with scenario.faults_at(("track",)):
         offsets = [(0.0, 0.0)] * 2  # of the profiles' origins, from half the gauge and from the track's plane
         if section.gauge_between == "gauge points":
@@ -53,7 +86,7 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile], files: list[Pat
             law,
             gauge,
             segments=row,
-            grades=[g.to_geometry() for g in section.grades],
+            grades=[Grade(g.from_m, g.grade_permille / 1e3, g.vertical_radius_m) for g in section.grades],
             irregularities=uneven,
             left_offset=offsets[0],
             right_offset=offsets[1],
@@ -63,9 +96,142 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile], files: list[Pat
         )
 
 
-def gauge_extremes(track: Track) -> tuple[float, float]:
-    """Least and largest gauge along a track [m], to what lies between samples half a metre apart."""
+def surfaces_of(scenario: Scenario, track: Track) -> tuple[RailSurface | None, RailSurface | None]:
+    """Rails that change along the track; distances of their sections are along the rail itself."""
+    found: list[RailSurface | None] = []
+    read = [_rail_sections(scenario, i) for i in range(len(scenario.spec.track.rail_sections))]
+    for side, curve in zip(SIDES, (track.left_curve, track.right_curve), strict=True):
+        own = []
+        for i, each in on_side(scenario.spec.track.rail_sections, side):
+            for one in read[i]:
+                place = each.at_m + one.distance
+                if not 0.0 <= place <= track.length:
+                    which = "" if each.table is None else f"its section at {one.distance:g} m lies at {place:g} m: it "
+                    message = f"{which}must be on the track, which is {track.length:g} m long"
+                    raise scenario.fault(("track", "rail_sections", i, "at_m"), message)
+                own.append(replace(one, distance=float(curve.arclength(place))))
+        with scenario.faults_at(("track", "rail_sections")):
+            found.append(RailSurface(f"{side} rail", tuple(own)) if own else None)
+    return found[0], found[1]
+
+
+def _rail_sections(scenario: Scenario, i: int) -> list[RailSection]:
+    """The sections of an entry of [[track.rail_sections]], as laid; distances are from its at_m."""
+    entry, inclination = scenario.spec.track.rail_sections[i], scenario.spec.track.inclination
+    kind, name = ("rail", entry.rail) if entry.table is None else ("table", entry.table)
+    key = ("track", "rail_sections", i, kind)
+    features, shift = tuple(f / 1e3 for f in entry.features_mm), (entry.outward_mm / 1e3, -entry.down_mm / 1e3)
+
+    def read(file: Path) -> list[RailSection]:
+        if entry.table is not None:
+            return read_sections(file, bool(entry.measured))
+        return [RailSection(0.0, load_profile(file, "rail"), features)]
+
+    found = scenario.read(key, name or "", read)
+    return [replace(one, profile=one.profile.inclined(inclination).shifted(*shift)) for one in found]
+
+
+def check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], track: Track) -> None:
+    """Refuse a wheelset that, centred, does not rest with both treads on the rails."""
+    spec, nominal = scenario.spec.track, track.nominal_gauge
+    # what lies between samples half a metre apart is left out
     ends = [place for feature in track.features() for place in (feature.start, feature.end)]
-    places = np.concatenate([ends, np.arange(0.0, track.length, 0.5)])
-    gauge = track.gauge(places)
-    return float(gauge.min()), float(gauge.max())
+    gauges = track.gauge(np.concatenate([ends, np.arange(0.0, track.length, 0.5)]))
+    for gauge in sorted({nominal, float(gauges.min()), float(gauges.max())}, key=lambda g: abs(g - nominal)):
+        for side, wheel, rail in zip(SIDES, (wheelset.left, wheelset.right), rails, strict=True):
+            reason = _misplaced(stand(wheel.profile, rail, wheelset.profile_spacing, gauge))
+            if not reason:
+                continue
+            message = (
+                f"the wheelset is placed off the rails: at a gauge of {1e3 * gauge:g} mm, its wheel profiles "
+                f"{1e3 * wheelset.profile_spacing:g} mm apart (vehicle.model), the {side} {reason}"
+            )
+            if gauge == nominal:
+                key, name = scenario.spec.vehicle.of_side("wheel", side)
+                others: list[KeyPath] = [("track", "gauge_mm"), ("vehicle", "model" if name is None else key)]
+                named = " and ".join(f"{dotted(other)} in {scenario.locate(other)}" for other in others)
+                raise scenario.fault(("track", spec.of_side("rail", side)[0]), f"{message}; see {named}")
+            designed = track.widening(np.array([f.start for f in track.features()] + [track.length]))
+            beyond = not designed.min() - 1e-9 <= gauge - nominal <= designed.max() + 1e-9
+            widened_by = "segments" if track.segments else "table"
+            raise scenario.fault(("track", "irregularities" if spec.irregularities and beyond else widened_by), message)
+
+
+def _misplaced(s: Stand) -> str:
+    """What is wrong with a wheel on its rail; empty if nothing is."""
+    if math.isnan(s.u_wheel):
+        return "wheel misses its rail"
+    if s.on_flange:
+        return "wheel rests with its flange on the rail"
+    if s.clearance < 0.0:
+        return f"flange overlaps the gauge face by {-1e3 * s.clearance:.3g} mm"
+    if s.rail_top > s.reach or s.u_wheel > s.reach - 2e-3:
+        return f"wheel ends {1e3 * (s.rail_top - s.reach):.3g} mm inside of the top of its rail"
+    return ""
+
+
+SAMPLES = 0.1e-3
+"""Distance of the samples along both profiles of a wheel on its rail [m]."""
+FLANGE_SLOPE = 0.6
+"""A wheel profile steeper than this (31 degrees), inside of the tape circle, belongs to the flange."""
+
+
+@dataclass(frozen=True)
+class Stand:
+    """How one wheel of a centred wheelset rests on its rail.
+
+    u_wheel: where it rests, on the wheel profile [m], not-a-number when wheel and rail miss each other; on_flange: it
+    rests on the flange; clearance: from the flange, 10 mm below the tape circle, to the gauge point of the rail [m],
+    infinite without flange; reach: u of the outer end of the wheel [m]; rail_top: u of the rail's highest point [m].
+    """
+
+    u_wheel: float
+    on_flange: bool
+    clearance: float
+    reach: float
+    rail_top: float
+
+
+def stand(wheel: Profile, rail: Profile, spacing: float, gauge: float) -> Stand:
+    """Lower the wheel of a centred wheelset vertically on its rail.
+
+    wheel, rail: profiles, the rail inclined; spacing: distance H of the wheel profile origins [m]; gauge [m],
+    at the gauge point of the inclined rail.
+    """
+    offset = 0.5 * (gauge - spacing) - rail.gauge_point()[0]  # rail origin on the wheel profile
+    tread = wheel.table(SAMPLES)[0]
+    head = rail.table(SAMPLES)[0]
+    low = _envelope(tread[:, 0], -tread[:, 1])
+    high = _envelope(head[:, 0] + offset, head[:, 1])
+    left, right = max(low[0][0], high[0][0]), min(low[0][-1], high[0][-1])
+    rail_top = rail.top[0] + offset
+    root = flange_root(tread)
+    clearance = 0.5 * (gauge - spacing) - flange_face(tread) if np.isfinite(root) else np.inf
+    reach = float(tread[:, 0].max())
+    if right - left < SAMPLES:
+        return Stand(float("nan"), False, clearance, reach, rail_top)
+    u = np.arange(left, right, SAMPLES)
+    gap = -np.interp(u, *low) - np.interp(u, *high)
+    u_wheel = float(u[np.argmin(gap)])
+    return Stand(u_wheel, bool(u_wheel < root), clearance, reach, rail_top)
+
+
+def flange_root(tread: Array) -> float:
+    """Return u where the flange begins [m]: inside of the tape circle and steep; -inf without flange."""
+    inside = (tread[:, 0] < 0.0) & (tread[:, 3] > FLANGE_SLOPE * np.abs(tread[:, 2]))
+    return float(tread[inside, 0].max()) if inside.any() else -np.inf
+
+
+def flange_face(tread: Array) -> float:
+    """Return the outermost u of the flange 10 mm below the tape circle [m], or its root."""
+    deep = (tread[:, 0] < 0.0) & (tread[:, 1] <= -LEVEL)
+    return float(tread[deep, 0].max()) if deep.any() else flange_root(tread)
+
+
+def _envelope(u: Array, height: Array) -> tuple[Array, Array]:
+    """Greatest height over each u of a curve that may pass a u more than once, on samples SAMPLES apart."""
+    index = np.round((u - u.min()) / SAMPLES).astype(int)
+    top = np.full(index.max() + 1, -np.inf)
+    np.maximum.at(top, index, height)
+    filled = np.isfinite(top)
+    return u.min() + SAMPLES * np.flatnonzero(filled), top[filled]

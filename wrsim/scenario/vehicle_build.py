@@ -13,12 +13,11 @@ from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.lookup import model_file, usual_finder
 from wrsim.inputs.section import SIDES
 from wrsim.scenario.loading import Scenario
-from wrsim.vehicle.element_tables import VEHICLE_AXES
-from wrsim.vehicle.loads import CarriedMass, Effort, Payload
+from wrsim.vehicle.assembly import Assembly, Place
+from wrsim.vehicle.loads import CarriedMass, Effort, SlipControl
 from wrsim.vehicle.preload import preloads, with_ballast
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
-from wrsim.vehicle.vehicle_sections import NO_BALLAST
 
 
 def vehicle_model(name: str, models: Sequence[str | Path] | None) -> Vehicle:
@@ -26,16 +25,15 @@ def vehicle_model(name: str, models: Sequence[str | Path] | None) -> Vehicle:
     return load_vehicle(model_file(name, models), usual_finder(models))
 
 
-def vehicle_of(scenario: Scenario, files: list[Path]) -> Vehicle:
-    """The vehicle with what the scenario changes. ``files`` gains what was read. Raises InputError."""
+def vehicle_of(scenario: Scenario) -> Vehicle:
+    """The vehicle with what the scenario changes. Raises InputError."""
     section = scenario.spec.vehicle
-    load = partial(load_vehicle, find=scenario.finder)
-    vehicle = scenario.read(("vehicle", "model"), section.model, load, files)
+    vehicle = scenario.read(("vehicle", "model"), section.model, partial(load_vehicle, find=scenario.finder))
     for side in SIDES:
         (key, name), (_, radius) = section.of_side("wheel", side), section.of_side("radius_mm", side)
         profile = None
         if name is not None:
-            profile = scenario.read(("vehicle", key), name, partial(load_profile, kind="wheel"), files)
+            profile = scenario.read(("vehicle", key), name, partial(load_profile, kind="wheel"))
         radius = radius / 1000.0 if radius else None
         vehicle = vehicle.with_wheelsets(methodcaller("with_wheel", side, profile, radius))
     if section.sprung_mass_kg is not None:
@@ -49,7 +47,6 @@ def vehicle_of(scenario: Scenario, files: list[Path]) -> Vehicle:
 
 
 def _with_efforts(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
-    """The vehicle with motors and brakes of the scenario."""
     section, names = scenario.spec.vehicle, tuple(mounted.name for mounted in vehicle.wheelsets)
     efforts: list[Effort] = []
     for i, table in enumerate(section.efforts):
@@ -61,38 +58,26 @@ def _with_efforts(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
                 words = f"is for wheels that turn on their own; those of '{name}' sit on a rigid axle"
                 raise scenario.fault(("vehicle", "efforts", i, "wheel"), words)
             efforts.append(table.effort(name))
-    if section.slip_control is not None and any(effort.wheel != "both" for effort in efforts):
+    control = section.slip_control
+    if control is not None and any(effort.wheel != "both" for effort in efforts):
         message = "looks at axles: it has no place beside efforts on single wheels"
         raise scenario.fault(("vehicle", "slip_control"), message)
-    control = None if section.slip_control is None else section.slip_control.control()
-    return replace(vehicle, efforts=tuple(efforts), slip_control=control)
+    limit = None if control is None else SlipControl(control.slip_kmh / 3.6, control.creepage)
+    return replace(vehicle, efforts=tuple(efforts), slip_control=limit)
 
 
 def _with_loads(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
     """The vehicle with the loads and payloads of the scenario as well."""
-    section = scenario.spec.vehicle
-
-    def body(name: str, *key: str | int) -> str:
-        if name not in vehicle.names:
-            words = f"is no body; there is {', '.join(vehicle.names)}{suggest(name, vehicle.names)}"
-            raise scenario.fault(("vehicle", *key, "on"), words)
-        return name
-
-    loads = [each.load(each.name, body(each.on, "loads", i), VEHICLE_AXES) for i, each in enumerate(section.loads)]
-    for i, load in enumerate(loads):
-        if load.name in (other.name for other in (*vehicle.loads, *loads[:i])):
+    bodies = {body.name: body for body in vehicle.bodies}
+    wheelsets = {mounted.name: mounted for mounted in vehicle.wheelsets}
+    added = Assembly({}, {}, scenario.locate, bodies, wheelsets)
+    added.add_loads(scenario.spec.vehicle, ("vehicle",), Place())
+    for i, load in enumerate(added.loads):
+        if load.name in (other.name for other in (*vehicle.loads, *added.loads[:i])):
             raise scenario.fault(("vehicle", "loads", i, "name"), "is the name of another load")
-    forces, masses = [], []
-    for i, table in enumerate(section.payloads):
-        found = table.payload(table.name, body(table.on, "payloads", i), VEHICLE_AXES)
-        if isinstance(found, Payload):
-            forces.append(found)
-        elif found.body in (mounted.name for mounted in vehicle.wheelsets):
-            raise scenario.fault(("vehicle", "payloads", i, "on"), NO_BALLAST)
-        else:
-            masses.append(found)
     with scenario.faults_at(("vehicle", "payloads")):
-        vehicle = with_ballast(vehicle, masses)
-        vehicle = replace(vehicle, loads=(*vehicle.loads, *loads), payloads=(*vehicle.payloads, *forces))
+        vehicle = with_ballast(vehicle, added.ballast)
+        loads, payloads = (*vehicle.loads, *added.loads), (*vehicle.payloads, *added.payloads)
+        vehicle = replace(vehicle, loads=loads, payloads=payloads)
         preloads(vehicle)
     return vehicle

@@ -4,48 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.core.body import rigid_body as kernel
-from wrsim.errors import InputError
-
-if TYPE_CHECKING:
-    from wrsim.vehicle.vehicle import MountedWheelset, Vehicle
-    from wrsim.vehicle.wheelset import Wheelset
+from wrsim.vehicle.vehicle import MountedWheelset, Vehicle
+from wrsim.vehicle.wheelset import Wheelset
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Solid:
-    """A rigid body: mass [kg], principal inertia about x, y (of a wheelset: its axle), z [kg m2]. geared: the share of
-    gears and rotors in that about y (``core.body.loads``)."""
+    """A rigid body: mass [kg], principal inertia about x, y (of a wheelset: its axle), z [kg m2]."""
 
     mass: float
     inertia: tuple[float, float, float]
-    geared: float = 0.0
-
-    def __post_init__(self) -> None:
-        for key, value in zip(("mass", "Ixx", "Iyy", "Izz"), (self.mass, *self.inertia), strict=True):
-            if not (np.isfinite(value) and value > 0.0):
-                raise InputError(f"body: {key} must be a positive number, not {value!r}")
-        x, y, z = self.inertia
-        own = (x, y - self.geared, z)
-        if 2.0 * max(own) > sum(own) * (1.0 + 1e-9):
-            raise InputError(f"body: one of the inertias {own} kg m2 is larger than the other two together")
 
     @classmethod
     def of_wheelset(cls, wheelset: Wheelset | MountedWheelset) -> Solid:
-        """The body of a wheelset. Its roll and yaw inertia must agree, for it spins about its axle."""
-        roll, spin, yaw = wheelset.inertia
-        if abs(roll - yaw) > 1e-6 * abs(yaw):
-            raise InputError(
-                f"wheelset '{wheelset.name}': roll inertia {roll:g} and yaw inertia {yaw:g} kg m2 differ; "
-                "a wheelset spins about its axle, so that the two must be equal (take their mean)"
-            )
+        """The body of a wheelset, whose inertia about x is that about z."""
+        _, spin, yaw = wheelset.inertia
         return cls(wheelset.mass, (yaw, spin, yaw))
 
 
@@ -56,8 +36,8 @@ def bodies_of(vehicle: Vehicle) -> tuple[Solid, ...]:
         geared[drive.case] += drive.case_inertia
     found = [Solid.of_wheelset(mounted) for mounted in vehicle.wheelsets]
     for body in vehicle.bodies:
-        (x, y, z), more = body.inertia, geared[body.name]
-        found.append(Solid(body.mass, (x, y + more, z), more))
+        x, y, z = body.inertia
+        found.append(Solid(body.mass, (x, y + geared[body.name], z)))
     return tuple(found)
 
 
@@ -71,7 +51,6 @@ def mass_matrix(bodies: Sequence[Solid], q: Array) -> Array:
 
 
 def inertia_table(bodies: Sequence[Solid]) -> NDArray[np.record]:
-    """Records INERTIA of all bodies."""
     return np.array([(body.mass, *body.inertia) for body in bodies], kernel.INERTIA)
 
 

@@ -94,7 +94,6 @@ class ForceLaw:
         return np.concatenate([np.zeros(0), *(np.ravel(view) for view in self.memory())])
 
     def set_state(self, state: Array) -> None:
-        """Restore the memory from ``get_state``."""
         place = 0
         for view in self.memory():
             view[...] = state[place : place + view.size].reshape(view.shape)
@@ -106,16 +105,6 @@ class Block:
 
     def __init__(self, forces: Forces, groups: Groups) -> None:
         self.forces, self.groups = forces, groups
-
-    @classmethod
-    def full(cls, forces: Forces, size: int) -> Block:
-        """Every coordinate may act on all."""
-        return cls(forces, all_on_all(size))
-
-    @classmethod
-    def apart(cls, forces: Forces, own: NDArray[np.intp]) -> Block:
-        """Several independent things, each with coordinates of its own, a row of ``own``."""
-        return cls(forces, [(column, own) for column in own.T])
 
     def add_differences(self, t: float, central: bool, work: Array, matrix: Array) -> None:
         """Add the derivative of its forces to the matrix (size, size); work: see ``core.body.derivative``."""
@@ -180,6 +169,6 @@ def force_derivative(
     work[[k.HERE, k.STATE]], work[[k.HERE_RATE, k.RATE]] = q, q_t
     work[k.MORE], work[k.MORE_RATE], work[k.SPAN] = by_q * step, by_q_t * step, (2.0 if central else 1.0) * step
     with forces.undisturbed():
-        for block in forces.blocks() or (Block.full(forces, n),):
+        for block in forces.blocks() or (Block(forces, all_on_all(n)),):
             block.add_differences(t, central, work, matrix)
     return matrix

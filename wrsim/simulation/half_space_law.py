@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -23,19 +23,14 @@ class HalfSpaceOnTrack(VehicleOnTrack):
     ``contacts``: the last solutions, a list of the two wheels for every wheelset.
     """
 
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        """See `VehicleOnTrack`."""
-        super().__init__(*arguments, **options)
-        self.contacts: list[list[HalfSpaceContact]] = []
+    contacts: Sequence[list[HalfSpaceContact]] = ()
 
     def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
         super().forces(t, q, q_t, out)
-        self.contacts = []
-        for w in range(len(self.wheels)):
-            self._exchange_forces(w, q, q_t, out)
+        self.contacts = [self._exchange_forces(w, q, q_t, out) for w in range(len(self.wheels))]
 
-    def _exchange_forces(self, w: int, q: Array, q_t: Array, out: Array) -> None:
-        """Replace the fast model's forces on one wheelset by the exact ones."""
+    def _exchange_forces(self, w: int, q: Array, q_t: Array, out: Array) -> list[HalfSpaceContact]:
+        """Replace the fast model's forces on one wheelset by the exact ones; returns both contacts."""
         own = slice(6 * w, 6 * w + 6)
         body = kinematics(q[own], q_t[own])
         change = np.zeros((2, 3))  # of force and moment
@@ -58,10 +53,9 @@ class HalfSpaceOnTrack(VehicleOnTrack):
                 out[own_rail] -= wheel.side * more.Fo / self.elastic.mass[0]
                 out[own_rail + 1] -= more.Fb / self.elastic.mass[1]
         add_generalised_forces(body, Vec(*change[0]), Vec(*change[1]), out[own])
-        self.contacts.append(found)
+        return found
 
     def elements_of_contacts(self) -> list[list[list[ElementField]]]:
-        """See `VehicleOnTrack`."""
         return [
             [element_fields(contact, pair[0].model.settings.patch_count) for contact in contacts]
             for contacts, pair in zip(self.contacts, self.wheels, strict=True)

@@ -1,8 +1,7 @@
 """Time integration with a fixed step: samples, checkpoints, and an end in good order whatever happens.
 
-A run is a sequence of segments of ``SEGMENT`` steps with checkpoints between them. Each begins from the state and the
-states of law and monitor alone, the implicit method with a new Jacobian (``BodySystem.solve``). Which step is accurate,
-or stable: ``step_size``; how a step is taken: ``system`` and ``implicit_step``.
+A run is a sequence of segments of ``SEGMENT`` steps with checkpoints between them, each of which begins from the state
+and the states of law and monitor alone. Which step is accurate, or stable: ``step_size``.
 """
 
 from __future__ import annotations
@@ -73,7 +72,6 @@ class Motion:
 
     @property
     def end(self) -> float:
-        """Time reached [s]."""
         return float(self.times[-1])
 
 
@@ -112,7 +110,6 @@ def _interruptible() -> Iterator[threading.Event]:
 
 
 def _motion(rows: Array, step: float, ending: Ending, integrator: Integrator, work: Work) -> Motion:
-    """A motion from the rows of a recorder."""
     q, q_t = np.split(rows[:, 1:], 2, axis=1)
     status: Literal["completed", "stopped"] = "stopped" if ending.cause else "completed"
     return Motion(rows[:, 0].copy(), q, q_t, step, status, ending.cause, ending.reason, integrator, replace(work))
@@ -248,7 +245,6 @@ class Integration:
         self._recorder.end(self._ending)
 
     def _time(self, k: int) -> float:
-        """Time after k steps [s]."""
         return self.start + k * self.step
 
     def _checkpoint(self) -> Checkpoint:
@@ -256,7 +252,6 @@ class Integration:
         return Checkpoint(self._last, self._q.copy(), self._q_t.copy(), get_states(self._with_state))
 
     def _stop(self, cause: Cause, reason: str) -> bool:
-        """Set why the run ends."""
         self._ending = Ending(cause, reason)
         return False
 

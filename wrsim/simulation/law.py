@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
+from wrsim.contact.settings import ConicalWheels
 from wrsim.contact.workspace import WARM_TOLERANCE, pack
 from wrsim.core.body import conical, friction, vehicle_forces
 from wrsim.core.body import derivative as differences
@@ -20,6 +21,7 @@ from wrsim.core.body.kinematics import is_near
 from wrsim.core.jit.compiling import use_threads
 from wrsim.core.jit.stages import make_ready
 from wrsim.errors import SimulationError
+from wrsim.geometry.track.track import Track
 from wrsim.simulation.force_law import Array, Block, Groups, all_on_all, groups_in_a_row
 from wrsim.simulation.vehicle_arrays import (
     RAIL_COORDINATES,
@@ -31,12 +33,8 @@ from wrsim.simulation.vehicle_arrays import (
 )
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.speed import SpeedProfile
-
-if TYPE_CHECKING:
-    from wrsim.contact.settings import ConicalWheels
-    from wrsim.geometry.track.track import Track
-    from wrsim.vehicle.vehicle import Vehicle
-    from wrsim.vehicle.wheelset import Wheelset
+from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.wheelset import Wheelset
 
 Contacts = tuple[ContactModel, ContactModel]
 """Contact models of the left and the right wheel."""
@@ -48,8 +46,6 @@ SUPPORT, SUPPORT_DAMPING = 1e9, 1e5
 """Stiffness [N/m] and damping [N s/m] of rigid rails under each conical wheel."""
 
 OFF_TRACK = "the vehicle has left the track's neighbourhood at t = {:.6g} s"
-
-SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 
 class VehicleOnTrack(Layout):
@@ -167,7 +163,6 @@ class VehicleOnTrack(Layout):
 
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
-        """See ``ForceLaw``."""
         before, state, evaluated = [view.copy() for view in self._changing], self._state.copy(), self._evaluated
         try:
             yield
@@ -204,7 +199,7 @@ class VehicleOnTrack(Layout):
     def places(self, distances: Array) -> Array:
         """Rows for ``look_near`` (n, wheelsets, 3): distances of the wheelsets (n, wheelsets), and along both rails."""
         flat = np.asarray(distances, dtype=float).ravel()
-        columns = [flat, *(self.track.rail_distance(side, flat) for side in SIDES)]
+        columns = [flat, self.track.rail_distance("left", flat), self.track.rail_distance("right", flat)]
         return np.stack(columns, axis=-1).reshape(*np.shape(distances), 3)
 
     def set_speed(self, speed: float) -> None:
@@ -281,7 +276,6 @@ class VehicleOnTrack(Layout):
         return q_t
 
     def stuck(self) -> AbstractContextManager[None]:
-        """See ``ForceLaw``."""
         return self._elements_with("bound", self.elements["bound"] + UNBOUNDED)
 
     @contextmanager
@@ -311,7 +305,6 @@ class CompiledBlock(Block):
             self._rows[g, : len(columns), : rows.shape[1]] = rows
 
     def add_differences(self, t: float, central: bool, work: Array, matrix: Array) -> None:
-        """See ``Block``. Raises SimulationError off the track."""
         places, memory = (self._columns, self._rows), (self.workspace.buffer, self.workspace.index)
         if differences.add_differences(t, self.part, central, *places, work, matrix, *memory):
             raise SimulationError(OFF_TRACK.format(t))
@@ -365,7 +358,8 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
             out[:] = 0.0
             self._add_conical(q, q_t, self.own_places.copy(), out)
 
-        return [*super().blocks(), Block.apart(on_cones, np.arange(6 * len(self.radii)).reshape(-1, 6))]
+        own = np.arange(6 * len(self.radii)).reshape(-1, 6)
+        return [*super().blocks(), Block(on_cones, [(column, own) for column in own.T])]
 
     def look_near(self, origin: float | Array) -> None:
         super().look_near(origin)

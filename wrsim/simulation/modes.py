@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +15,7 @@ from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
 from wrsim.simulation.force_law import Array, ForceLaw, force_derivative
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
-
-if TYPE_CHECKING:
-    from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle import Vehicle
 
 DIRECTIONS = ("vertical", "longitudinal", "lateral", "yaw", "roll", "pitch")
 """In the order of the coordinates."""

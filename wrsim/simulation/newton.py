@@ -10,7 +10,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from wrsim.errors import SimulationError
-from wrsim.simulation.force_law import Array, Groups
+from wrsim.simulation.force_law import Array, Groups, all_on_all
 
 DIFFERENCE = 0.01
 """Step of the numerical derivative as a part of the small changes."""
@@ -55,9 +55,8 @@ def damped_newton(
     the place where it sticks. Levenberg's damping goes by the trace of all equations, in which the contacts are by far
     the stiffest: its smallest value stops the bodies of a train, which have to move.
 
-    A wheelset that moves across its rails rises and rolls with their profiles, on a curved path between stiff contacts:
-    steps follow the curvature of the residual along them (geodesic acceleration, Transtrum and Sethna 2012, arXiv
-    1201.5885).
+    Steps follow the curvature of the residual along them (geodesic acceleration, Transtrum and Sethna 2012, arXiv
+    1201.5885): a wheelset that moves across its rails is on a curved path between stiff contacts.
     """
     r = residual(x)
     damping = 0.0
@@ -106,7 +105,7 @@ def derivatives(
     """Derivative of the residual with respect to x / small, by central differences; see ``damped_newton``."""
     columns_of_it = np.zeros((x.size, x.size))
     part = np.broadcast_to(difference, x.size)
-    for columns, rows in apart or [(np.array([i]), np.arange(x.size)[None]) for i in range(x.size)]:
+    for columns, rows in apart or all_on_all(x.size):
         h = np.zeros(x.size)
         h[columns] = part[columns] * small[columns]
         change = residual(x + h) - residual(x - h)

@@ -5,19 +5,17 @@ from __future__ import annotations
 
 from cmath import exp, phase
 from math import asin
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from wrsim.core.body import kinematics as kernels
 from wrsim.core.track import path as path_kernels
 from wrsim.errors import SimulationError
+from wrsim.geometry.track.path import Path
 from wrsim.simulation.force_law import COORDINATES, Array
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.vehicle.bogies import wheelsets_beneath
-
-if TYPE_CHECKING:
-    from wrsim.geometry.track.path import Path
-    from wrsim.simulation.law import VehicleOnTrack
 
 SPIN = COORDINATES.index("spin")
 

@@ -2,13 +2,10 @@
 
 A ``Recorder`` takes one row per sample and writes them whenever its block is full or ``FLUSH_INTERVAL`` has passed,
 together with a checkpoint: step number, coordinates, and the states of force law and monitor. Checkpoints lie between
-the segments of a run (``Integration``): a process that dies loses that much wall time and one segment, and the memory
-for samples does not grow with the run. The states at a stop within a segment are written as well, to be read; the run
-continues from the checkpoint before.
-
-A continued run computes the same numbers, to the bit, as one that was never interrupted: times are whole multiples of
-the step, every segment begins anew (``BodySystem.solve``), and all that lasts from call to call in law and monitor is
-in their states (``HasState``).
+the segments of a run (``Integration``): a process that dies loses that much wall time and one segment. The states at a
+stop within a segment are written as well, to be read; the run continues from the checkpoint before, with the same
+numbers to the bit as one that was never interrupted, for all that lasts from call to call in law and monitor is in
+their states (``HasState``).
 """
 
 from __future__ import annotations
@@ -113,7 +110,6 @@ class Recorder:
 
     @classmethod
     def create(cls, path: str | Path, header: dict[str, Any], size: int) -> Recorder:
-        """Start the file of a new run."""
         file = RunFile(path)
         file.begin(header | {"size": size})
         return cls(size, file)
@@ -142,11 +138,9 @@ class Recorder:
 
     @property
     def name(self) -> str:
-        """Name of its file, if any."""
         return "" if self.file is None else str(self.file.path)
 
     def sample(self, t: float, q: Array, q_t: Array) -> None:
-        """Add one row."""
         if self._used == BLOCK:
             self.flush(None)
         row = self._block[self._used]
@@ -174,7 +168,6 @@ class Recorder:
         self._used = 0
 
     def end(self, ending: Ending) -> None:
-        """The run is over."""
         self.flush(None)
         if self.file is not None:
             self.file.append(asdict(ending))

@@ -8,7 +8,6 @@ of rest. All states are at the time 0, with the vehicle's origin at the start of
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,12 +16,10 @@ from wrsim.core.linalg import Vec
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import inertia_table
 from wrsim.simulation.force_law import Forces, Groups, groups_in_a_row
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import DIFFERENCE, bracket, damped_newton, relax, roots
 from wrsim.simulation.placement import design_state, turn_gears
 from wrsim.simulation.system import COORDINATES, Array
-
-if TYPE_CHECKING:
-    from wrsim.simulation.law import VehicleOnTrack
 
 SMALL_WHEELSET = {"z": 1e-5, "x": 1e-3, "y": 1e-4, "heading": 1e-4, "roll": 1e-5, "spin": 1e-2}
 SMALL_BODY = {"z": 1e-4, "x": 1e-3, "y": 1e-3, "heading": 1e-3, "roll": 1e-3, "spin": 1e-4}
@@ -57,12 +54,11 @@ SEARCH_HEIGHT, SEARCH_ROLL = 0.05, 0.05
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A state without acceleration: q, q_t; largest residual over the weight; Newton's iterations."""
+    """A state without acceleration: q, q_t; largest residual over the weight."""
 
     q: Array
     q_t: Array
     residual: float
-    iterations: int
 
 
 class Unbalanced(SimulationError):
@@ -236,9 +232,9 @@ def steady_state(
     with law.settled(steady.slips), (near or law).settled(steady.slips):
         if not np.all(np.isfinite(steady.residual(x))):
             raise SimulationError("steady motion: the forces at its start are not finite")
-        first = _place_bodies(steady, x, max_iterations)
+        _place_bodies(steady, x, max_iterations)
         # derivatives with warm starts, residuals from a cold start: the result does not depend on the iterations
-        x, left, iterations = damped_newton(
+        x, left, _ = damped_newton(
             steady.residual, x, steady.small, goal, max_iterations, slope, (near or law).following,
             steady.apart, steady.difference, steady.held,
         )  # fmt: skip
@@ -246,7 +242,7 @@ def steady_state(
     if not largest <= tolerance:
         raise Unbalanced(_largest(law, left))
     q, q_t = steady.state(x)
-    return Equilibrium(q, law.settled_rates(q, q_t), largest, first + iterations)
+    return Equilibrium(q, law.settled_rates(q, q_t), largest)
 
 
 def relaxed_state(law: VehicleOnTrack, guess: tuple[Array, Array]) -> Equilibrium:
@@ -261,29 +257,27 @@ def relaxed_state(law: VehicleOnTrack, guess: tuple[Array, Array]) -> Equilibriu
         _place_bodies(steady, x, MOST_STEPS)
         x, largest = relax(steady.residual, x, steady.small, AT_FLANGES, MOST_STEPS, steady.rolled, law.following)
     q, q_t = steady.state(x)
-    return Equilibrium(q, q_t, largest, MOST_STEPS)
+    return Equilibrium(q, q_t, largest)
 
 
-def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> int:
-    """Solve for bodies and axle boxes on their springs with the wheelsets fixed; changes x, returns the iterations.
+def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> None:
+    """Solve for bodies and axle boxes on their springs with the wheelsets fixed; changes x.
 
     In a curve a long body lies along the chord, far inside of the centre line.
     """
     boxes = len(steady.law.vehicle.boxes)
     bodies = slice(6 * len(steady.spins), 6 * len(steady.inertia) + boxes)
     if bodies.start == bodies.stop:
-        return 0
+        return
     whole = x.copy()
 
     def residual(places: Array) -> Array:
         whole[bodies] = places
         return steady.residual(whole, contacts=False)[bodies]
 
-    x[bodies], _, iterations = damped_newton(
-        residual, x[bodies].copy(), steady.small[bodies], BODIES_PLACED, max_iterations,
-        difference=steady.difference[bodies],
-    )  # fmt: skip
-    return iterations
+    start, small = x[bodies].copy(), steady.small[bodies]
+    difference = steady.difference[bodies]
+    x[bodies] = damped_newton(residual, start, small, BODIES_PLACED, max_iterations, difference=difference)[0]
 
 
 def _largest(law: VehicleOnTrack, left: Array) -> tuple[tuple[str, float], ...]:

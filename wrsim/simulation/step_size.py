@@ -1,17 +1,12 @@
 """Which time step is stable and accurate.
 
-RK44 evaluates the creep forces explicitly. They damp the slip of the wheels at a rate that grows like 1/V:
-the slower, the smaller the step must be. On the negative real axis RK44 leaves its stability at -2.785,
-where its amplification is +1: beyond, a run neither diverges nor oscillates. It converges to a wrong slip,
-because the creep forces saturate, and the results look plausible. So the step is computed from the eigenvalues.
-
-On the knife-edge law the limit is 1.04 of 2.785/``creep_rate``; ``stable_step`` is within 1 % of it. In curves it is
-higher than on straight track: creep forces are near saturation there.
+RK44 needs the smaller a step the slower a run is (docs/theory/integration.md). Beyond its limit it neither diverges nor
+oscillates: results look plausible, so the step is computed from the eigenvalues. On the knife-edge law the limit is
+1.04 of 2.785/``creep_rate``; ``stable_step`` is within 1 % of it. In curves it is higher than on straight track: creep
+forces are near saturation there.
 """
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,9 +14,7 @@ from wrsim.simulation.bodies import mass_matrix
 from wrsim.simulation.force_law import force_derivative
 from wrsim.simulation.implicit_step import Integrator
 from wrsim.simulation.system import Array, BodySystem
-
-if TYPE_CHECKING:
-    from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle import Vehicle
 
 LARGEST_STEP, LARGEST_STEP_UNEVEN = 1e-3, 5e-4
 """Largest step on even and on uneven track [s].

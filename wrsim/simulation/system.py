@@ -42,10 +42,6 @@ SPAN = 1 << 20
 AfterStep = Callable[[float], bool]
 
 
-def _no_check(t: float) -> bool:
-    return True
-
-
 class NotFinite(SimulationError):
     """The force with this index is not a finite number at a time [s]."""
 
@@ -65,11 +61,9 @@ class Work:
     explicit_steps: int = 0
 
     def get_state(self) -> Array:
-        """See ``recorder.HasState``."""
         return np.array(astuple(self), dtype=float)
 
     def set_state(self, memory: Array) -> None:
-        """Restore it from ``get_state``."""
         self.evaluations, self.jacobians, self.cut_steps, self.explicit_steps = (int(count) for count in memory)
 
 
@@ -105,7 +99,7 @@ class BodySystem:
         self._out = np.zeros(self.size)
         self._error: BaseException | None = None
         self._newton: ImplicitStep | None = None
-        self._after_step: AfterStep = _no_check
+        self._after_step: AfterStep = lambda t: True
         self._clock = (0.0, 1.0, 0)
         """Start [s], step [s], steps that precede Exudyn's time 0."""
         self._going, self._done, self._last = True, 0, 0
@@ -184,7 +178,6 @@ class BodySystem:
         return out
 
     def _jacobian(self, t: float, item: int, q: object, q_t: object, by_q: float, by_q_t: float) -> Any:
-        """Derivatives of the left-hand side."""
         self.work.jacobians += 1
         bodies = len(self.bodies)
         found = force_derivative(self.forces, self.q, self.q_t, bodies, self._time(t), by_q, by_q_t, central=False)
@@ -258,7 +251,7 @@ class BodySystem:
                         raise
                     raise NotSolved(NOT_SOLVED) from None
             finally:
-                self._newton, self._after_step = None, _no_check
+                self._newton, self._after_step = None, lambda t: True
         if self._error is not None:
             error, self._error = self._error, None
             raise error

@@ -4,11 +4,12 @@ all unknowns in its state."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.contact.model import ContactModel
 from wrsim.core.body import friction, suspension, vehicle_forces
 from wrsim.core.body import loads as load_kernel
 from wrsim.core.body import rigid_body as body_kernel
@@ -16,19 +17,16 @@ from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.body.suspension import ELEMENT
 from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
 from wrsim.core.frames import BODY
+from wrsim.geometry.track.track import Track
 from wrsim.simulation.bodies import bodies_of
 from wrsim.simulation.force_law import Array, ForceLaw
 from wrsim.vehicle.bogies import holders_of
 from wrsim.vehicle.elements import Tables
 from wrsim.vehicle.loads import Drive, LoadAxes, Over
 from wrsim.vehicle.preload import normal_loads, preloads
-
-if TYPE_CHECKING:
-    from wrsim.contact.model import ContactModel
-    from wrsim.geometry.track.track import Track
-    from wrsim.vehicle.speed import SpeedProfile
-    from wrsim.vehicle.vehicle import Vehicle
-    from wrsim.vehicle.wheelset import Wheelset
+from wrsim.vehicle.speed import SpeedProfile
+from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.wheelset import Wheelset
 
 RAIL_COORDINATES = vehicle_forces.RAIL_COORDINATES
 """Displacements of the rails under one wheelset."""
@@ -173,7 +171,6 @@ def pieces_of_motion(profile: SpeedProfile, start: float) -> NDArray[np.record]:
 
 
 def _whole(layout: Layout, drive: Drive, gravity: float, turns: int) -> NDArray[np.record]:
-    """The record of the whole vehicle."""
     found = np.zeros(1, vehicle_forces.VEHICLE)
     own, vehicle, track = found[0], layout.vehicle, layout.track
     own.gravity, own.drive = gravity, DRIVES.index(drive)
@@ -190,7 +187,6 @@ def _whole(layout: Layout, drive: Drive, gravity: float, turns: int) -> NDArray[
 
 
 def _parts(layout: Layout) -> NDArray[np.record]:
-    """Records of the bodies, wheelsets first."""
     found = np.zeros(len(layout.bodies), vehicle_forces.PART)
     wheelsets = layout.vehicle.wheelsets
     for i, (row, body) in enumerate(zip(found, layout.bodies, strict=True)):
@@ -237,7 +233,6 @@ def _loads(vehicle: Vehicle) -> tuple[NDArray[np.record], Array]:
 
 
 def _efforts(vehicle: Vehicle) -> tuple[NDArray[np.record], Array]:
-    """Records of the efforts, and their tables."""
     found = np.zeros(len(vehicle.efforts), load_kernel.EFFORT)
     for row, effort in zip(found, vehicle.efforts, strict=True):
         row.axle, row.over = vehicle.index(effort.wheelset), OVER.index(effort.over)

@@ -55,7 +55,7 @@ def kinds(plan: Plan, cases: Sequence[int]) -> list[int]:
         if texts in seen:
             continue
         seen.add(texts)
-        tables = plan.scenario(plan.cases[i], base).tables
+        tables = plan.scenario(plan.cases[i], base).merged.data
         own = {"analysis": tables["analysis"], "contact": tables.get("contact"), "run": tables.get("run", {})}
         words = str([(name, sorted(texts_in(part))) for name, part in own.items()])
         found.setdefault(words, i)

@@ -144,7 +144,7 @@ class StudyInput:
             analysis=self.base.analysis,
             source=self.text,
             text=self.base.text,
-            folders=tuple(str(p.resolve()) for p in dict.fromkeys((*self.base.directories, *self.finder.folders))),
+            folders=tuple(str(p.resolve()) for p in dict.fromkeys((*self.base.finder.folders, *self.finder.folders))),
             axes=axes,
             cases=(),
             files=(),
@@ -201,12 +201,12 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
         label = _label(plan.axes, place)
         try:
             scenario = base.with_values(values, owner)
-            group = tuple(texts_in(scenario.tables))
+            group = tuple(texts_in(scenario.merged.data))
             if group not in groups:
                 with noting_reads() as seen:
-                    build(scenario)
+                    named = build(scenario).files
                 groups[group] = len(files)
-                own = {path: digest for path, digest in seen.items() if path not in scenario.files}  # these are merged
+                own = {path: seen[path] for path in named}
                 files.append({str(path.resolve()): digest for path, digest in sorted(own.items())})
                 read += own
         except InputError as error:
@@ -215,7 +215,7 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
             if len(faults) > MOST_FAULTS:
                 break
             continue
-        cases.append(Case(_name(scenario.tables, files[groups[group]]), values, place, label, groups[group]))
+        cases.append(Case(_name(scenario.merged.data, files[groups[group]]), values, place, label, groups[group]))
     if faults:
         more = ["... and more faults"] if len(faults) > MOST_FAULTS else []
         raise InputError("\n".join(faults[:MOST_FAULTS] + more))

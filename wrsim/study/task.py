@@ -278,7 +278,7 @@ def compile_for(scenario: Scenario) -> None:
         if not ANALYSES[scenario.analysis].moves:
             run(scenario, progress, threads=1)
             return
-        own = {key: value for key, value in scenario.tables.get("run", {}).items() if key != "distance_m"}
+        own = {key: value for key, value in scenario.merged.data.get("run", {}).items() if key != "distance_m"}
         run(scenario.with_values({"run": own | {"time_s": SHORT}, "output.patches_at_m": []}), threads=1)
 
 

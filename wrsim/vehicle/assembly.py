@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.checking import Locate, fault_line
@@ -114,10 +115,17 @@ class Assembly:
             self.elements += self._repeated(table, (*path, "elements", i), place)
         for i, drive in enumerate(part.drives):
             self.drives.append(self._drive(drive, (*path, "drives", i), place))
-        for i, load in enumerate(part.loads):
+        self.add_loads(part, path, place)
+        for i, point in enumerate(part.points):
+            body = self._body(point.on, (*path, "points", i, "on"), place)
+            self.points.append(MeasuringPoint(place.prefix + point.name, body, place.axes.point(point.at_mm)))
+
+    def add_loads(self, tables: Any, path: KeyPath, place: Place) -> None:
+        """Add ``loads`` and ``payloads`` of the table at ``path``, on bodies that are known already."""
+        for i, load in enumerate(tables.loads):
             body = self._body(load.on, (*path, "loads", i, "on"), place)
             self.loads.append(load.load(place.prefix + load.name, body, place.axes))
-        for i, payload in enumerate(part.payloads):
+        for i, payload in enumerate(tables.payloads):
             key = (*path, "payloads", i, "on")
             body = self._body(payload.on, key, place)
             found = payload.payload(place.prefix + payload.name, body, place.axes)
@@ -127,12 +135,8 @@ class Assembly:
                 raise self._fault(key, sections.NO_BALLAST, payload.on)
             else:
                 self.ballast.append(found)
-        for i, point in enumerate(part.points):
-            body = self._body(point.on, (*path, "points", i, "on"), place)
-            self.points.append(MeasuringPoint(place.prefix + point.name, body, place.axes.point(point.at_mm)))
 
     def _axle_boxes(self, name: str, table: sections.AxleBoxTable, path: KeyPath, place: Place) -> None:
-        """Both boxes of an axle."""
         full = self._new(name, path, place)
         carrier = place.prefix + table.wheelset
         mounted = self.wheelsets.get(carrier)
@@ -161,19 +165,16 @@ class Assembly:
                 raise self._fault((*path, key), "is a wheelset: a motor and its gear are part of other bodies", name)
             return found
 
-        return GearedMotor(
+        return table.to_si(
+            GearedMotor,
             wheelset=wheelset,
             motor=body("motor", table.motor),
             case=body("motor" if table.case is None else "case", table.case or table.motor),
             ratio=table.ratio * (1.0 if table.rotor_turns == "forward" else -1.0),
-            rotor_inertia=table.rotor_inertia_kg_m2,
             hollow_inertia=table.hollow_axle_inertia_kg_m2,
-            stiffness=1e3 * table.stiffness_kNm_per_rad,
-            damping=1e3 * table.damping_kNms_per_rad,
         )
 
     def _new(self, name: str, path: KeyPath, place: Place) -> str:
-        """Full name of a body or wheelset."""
         if name == TRACK or "." in name:
             message = f"'{name}' cannot be the name of a body: '{TRACK}' is taken and points are for parts"
             raise self._fault(path, message)
@@ -195,7 +196,6 @@ class Assembly:
 
     @property
     def _single_boxes(self) -> dict[str, str]:
-        """Wheelsets of single axle boxes by their full names."""
         return {f"{pair} {side}": carrier for pair, carrier in self.boxes.items() for side in ("left", "right")}
 
     def _centre(self, name: str) -> Triple:
@@ -246,10 +246,13 @@ class Assembly:
             prefix, _ = self.written[element.name]
             own = list(dict.fromkeys(name for at, name in self.written.values() if at == prefix))
             raise self._unknown(path, "is no element", spring, own)
-        slider = known[found].slider
-        if slider is not None and slider.normal is not None and slider.normal.of:
+        other = known[found].slider
+        if other is not None and other.normal is not None and other.normal.of:
             raise self._fault(path, "depends on the load of a spring itself: must be that spring", spring)
-        return element if element.slider is None else replace(element, slider=element.slider.pressed_by(found))
+        slider = element.slider
+        if slider is None or slider.normal is None:
+            return element
+        return replace(element, slider=replace(slider, normal=replace(slider.normal, of=found)))
 
     def _fits(self, element: Element, path: KeyPath) -> None:
         """Springs join wheelsets on their axles, as the second body."""
@@ -271,7 +274,6 @@ class Assembly:
                 )
 
     def _unknown(self, path: KeyPath, message: str, name: str, known: list[str]) -> InputError:
-        """The error for a name that is not among the known ones."""
         return self._fault(path, f"{message}; there is {', '.join(known) or 'none'}{suggest(name, known)}", name)
 
     def _fault(self, path: KeyPath, message: str, value: str | None = None) -> InputError:

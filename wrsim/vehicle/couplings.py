@@ -61,12 +61,10 @@ class GearTable(Section, header="[couplings.draw] or [couplings.buff]"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A stiffness has a stroke."""
         if "stiffness_kN_per_m" in raw and "stroke_mm" not in raw and "stroke_mm_force_kN" not in raw:
             yield Fault("stroke_mm", f"goes with stiffness_kN_per_m: must be {words(fields(cls)['stroke_mm'])}", True)
 
     def consistency(self) -> Iterator[Fault]:
-        """A stroke begins at 0, without pulling."""
         rows = self.stroke_mm_force_kN
         if rows is not None and (rows[0][0] != 0.0 or rows[0][1] < 0.0):
             yield Fault("stroke_mm_force_kN", "must begin with stroke 0 and a force not below 0")
@@ -94,19 +92,15 @@ class GearTable(Section, header="[couplings.draw] or [couplings.buff]"):
             rows = [(0.0, 0.0), (RISE, risen), *(row for row in rows if row[0] > RISE)]
         return tuple((2.0 * t, f) for t, f in rows)
 
-    def stroke_at(self, force: float) -> float:
-        """Stroke of both gears together under a force [N], in m."""
-        strokes, forces = np.transpose(self.law)
-        return float(np.interp(force, forces, strokes))
-
     def element(
         self, name: str, kind: str, gap: Gap, ends: tuple[Triple, Triple], free: float = 0.0, held: float = 0.0
     ) -> Strut:
         """The gear between two hinges, ahead and behind [m]: it pulls, or as a buffer pushes, beyond ``free`` [m] of
         travel; held: its force at rest [N]."""
         sign = 1.0 if kind == DRAW else -1.0
-        begin, law = free - self.stroke_at(held), self.law
-        end, most = law[-1]
+        law = self.law
+        strokes, forces = np.transpose(law)
+        begin, (end, most) = free - float(np.interp(held, forces, strokes)), law[-1]
         rows = [(begin - FAR, 0.0), *((begin + t, f) for t, f in law)]
         rows.append((begin + end + FAR, most + 1e3 * self.solid_stiffness_kN_per_m * FAR))
         table = tuple(sorted((sign * t, sign * f) for t, f in rows))
@@ -172,7 +166,6 @@ class CouplingTable(Choice, header="[[couplings]]"):
         return 0.0
 
     def elements(self, gap: Gap) -> Iterator[Element]:
-        """Its elements in a gap."""
         raise NotImplementedError
 
     def _hinges(self, gap: Gap) -> tuple[Triple, Triple]:
@@ -193,7 +186,6 @@ class ScrewCouplingTable(CouplingTable, kind="screw"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A pretensioned screw has no play."""
         for key in ("slack_mm", "gap_mm"):
             if raw.get("pretension_kN") and raw.get(key):
                 yield Fault(key, "must be 0 next to pretension_kN: the screw holds the buffers together")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, TypeVar
 
@@ -83,12 +83,6 @@ class Axes:
 VEHICLE_AXES = Axes()
 
 
-def scaled(values: Triple) -> Triple:
-    """Values in kilo-units as plain ones."""
-    x, y, z = values
-    return 1e3 * x, 1e3 * y, 1e3 * z
-
-
 class Joint(NamedTuple):
     """What every element has, in the order of `Element`: its full name, its kind, the names of its two bodies."""
 
@@ -150,10 +144,16 @@ class AxialTable(ElementTable):
     direction: Along
     """Axis of the body along which it acts."""
 
-    def placed(self, joint: Joint, axes: Axes) -> tuple[str, str, str, str, tuple[Triple, Triple], Literal[0, 1, 2]]:
-        """What a `Strut` begins with: the joint, its ends, its axis."""
+    law: ClassVar[type[Strut]] = Strut
+
+    def element(self, joint: Joint, axes: Axes) -> Strut:
         at = axes.point(self.at_mm)
-        return (*joint, (at, at), AXIS[self.direction])
+        more = self.more(axes.signs[AXIS[self.direction]])
+        return self.to_si(self.law, **joint._asdict(), ends=(at, at), axis=AXIS[self.direction], **more)
+
+    def more(self, sign: float) -> dict[str, Any]:
+        """What its law has besides the keys of its own names; sign: of its direction in the vehicle's axes."""
+        return {}
 
 
 BLUE = "#0072B2"
@@ -183,10 +183,10 @@ class SpringTable(ElementTable, kind="spring", glyph=Glyph("o", BLUE, hollow=Tru
     """Force on the body at rest; solved for unless given."""
 
     def element(self, joint: Joint, axes: Axes) -> Spring:
-        return Spring(
-            *joint, axes.point(self.at_mm),
-            scaled(self.stiffness_kN_per_m), scaled(self.damping_kNs_per_m),
-            scaled(self.rotational_stiffness_kNm_per_rad), scaled(self.rotational_damping_kNms_per_rad),
+        return self.to_si(
+            Spring, **joint._asdict(), at=axes.point(self.at_mm),
+            turning_stiffness=VEHICLE_AXES.vector(self.rotational_stiffness_kNm_per_rad),
+            turning_damping=VEHICLE_AXES.vector(self.rotational_damping_kNms_per_rad),
             preload=None if self.preload_kN is None else axes.vector(self.preload_kN),
         )  # fmt: skip
 
@@ -208,18 +208,14 @@ class ShearSpringTable(ElementTable, kind="shear-spring", glyph=Glyph("D", BLUE,
     """Damping along the three axes."""
 
     def consistency(self) -> Iterator[Fault]:
-        """Its axis is vertical."""
         if self.body_mm[:2] != self.to_mm[:2] or self.body_mm[2] == self.to_mm[2]:
             yield Fault("to_mm", "must lie straight above or below body_mm: the column is vertical")
 
     def element(self, joint: Joint, axes: Axes) -> Spring:
         x, y, z = (0.5 * (a + b) for a, b in zip(self.body_mm, self.to_mm, strict=True))
-        bending, torsion = self.bending_stiffness_kNm_per_rad, self.torsional_stiffness_kNm_per_rad
-        return Spring(
-            *joint, axes.point((x, y, z)),
-            scaled(self.stiffness_kN_per_m), scaled(self.damping_kNs_per_m), scaled((bending, bending, torsion)),
-            column=True,
-        )  # fmt: skip
+        bending, torsion = 1e3 * self.bending_stiffness_kNm_per_rad, 1e3 * self.torsional_stiffness_kNm_per_rad
+        turning = (bending, bending, torsion)
+        return self.to_si(Spring, **joint._asdict(), at=axes.point((x, y, z)), turning_stiffness=turning, column=True)
 
 
 class TabulatedSpringTable(AxialTable, kind="tabulated-spring", glyph=Glyph("h", BLUE, hollow=True)):
@@ -230,9 +226,8 @@ class TabulatedSpringTable(AxialTable, kind="tabulated-spring", glyph=Glyph("h",
     damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
     """Damping along the same axis."""
 
-    def element(self, joint: Joint, axes: Axes) -> Strut:
-        table = along_axis(self.travel_mm_force_kN, axes.signs[AXIS[self.direction]])
-        return Strut(*self.placed(joint, axes), damping=1e3 * self.damping_kNs_per_m, spring_table=table)
+    def more(self, sign: float) -> dict[str, Any]:
+        return {"spring_table": along_axis(self.travel_mm_force_kN, sign)}
 
 
 class BumpStopTable(AxialTable, kind="bump-stop", glyph=Glyph("X", "#B00020")):
@@ -246,25 +241,26 @@ class BumpStopTable(AxialTable, kind="bump-stop", glyph=Glyph("X", "#B00020")):
     """Whether it stops both directions alike, or the positive one alone."""
 
     def consistency(self) -> Iterator[Fault]:
-        """The table begins where the stop is met."""
         travel, force = self.travel_mm_force_kN[0]
         if travel < 0.0 or force != 0.0:
             yield Fault("travel_mm_force_kN", "must begin at a travel not below 0, with a force of 0")
 
-    def element(self, joint: Joint, axes: Axes) -> Strut:
-        sign, rows = axes.signs[AXIS[self.direction]], self.travel_mm_force_kN
+    def more(self, sign: float) -> dict[str, Any]:
+        rows = self.travel_mm_force_kN
         free = ((rows[0][0] - 1.0, 0.0), *rows)  # nothing before the stop is met
         table = along_axis(both_ways(rows) if self.both_ways else free, sign)
         low, high = table[0][0], table[-1][0]
         if not self.both_ways:  # the other way it is free as far as anything goes
             low, high = (low, math.inf) if sign < 0.0 else (-math.inf, high)
-        return Strut(*self.placed(joint, axes), spring_table=table, limits=(low, high))
+        return {"spring_table": table, "limits": (low, high)}
 
 
 class DamperTable(ElementTable, kind="damper", glyph=Glyph("s", "#D55E00")):
     """Viscous, along an axis (at_mm, direction) or along its line (body_mm, to_mm)."""
 
-    one_of: ClassVar[tuple[str, ...]] = ("damping_kNs_per_m velocity_m_per_s_force_kN",)
+    one_of: ClassVar[tuple[str, ...]] = ("at_mm body_mm", "damping_kNs_per_m velocity_m_per_s_force_kN")
+    at_most_one: ClassVar[tuple[str, ...]] = ("direction to_mm",)
+    together: ClassVar[tuple[str, ...]] = ("at_mm direction", "body_mm to_mm")
 
     at_mm: Place | None = None
     """Point at which it acts along an axis."""
@@ -281,19 +277,7 @@ class DamperTable(ElementTable, kind="damper", glyph=Glyph("s", "#D55E00")):
     series_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")] | None = None
     """Stiffness of its mounting, in series with it; rigid unless given."""
 
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """Where it is in one of two ways."""
-        line = [key for key in ("body_mm", "to_mm") if key in raw]
-        axis = [key for key in ("at_mm", "direction") if key in raw]
-        if line and axis:
-            yield Fault(line[0], f"cannot be given with {' and '.join(axis)}: along a line or along an axis")
-        elif len(line) == 1 or len(axis) == 1 or not (line or axis):
-            needed = "goes with direction (along an axis); or give body_mm and to_mm (a line)"
-            yield Fault("at_mm", needed, missing=True)
-
     def consistency(self) -> Iterator[Fault]:
-        """A line has a length; the table of a damper in series with a spring has an inverse."""
         if self.body_mm is not None and self.to_mm is not None and math.dist(self.body_mm, self.to_mm) < 1e-3:
             yield Fault("to_mm", "is the same point as body_mm: a damper along a line needs a length")
         table = self.velocity_m_per_s_force_kN or ()
@@ -304,11 +288,9 @@ class DamperTable(ElementTable, kind="damper", glyph=Glyph("s", "#D55E00")):
     def element(self, joint: Joint, axes: Axes) -> Strut:
         points = [axes.point(point) for point in self.points()]  # one on an axis, two on a line
         rows = tuple((v, 1e3 * f) for v, f in self.velocity_m_per_s_force_kN or ())
-        return Strut(
-            *joint, (points[0], points[-1]), None if self.direction is None else AXIS[self.direction], 0.0,
-            1e3 * (self.damping_kNs_per_m or 0.0), kilo(self.series_stiffness_kN_per_m),
-            damper_table=both_ways(rows) if rows and rows[0][0] >= 0.0 else rows,
-        )  # fmt: skip
+        table = both_ways(rows) if rows and rows[0][0] >= 0.0 else rows
+        axis = None if self.direction is None else AXIS[self.direction]
+        return self.to_si(Strut, **joint._asdict(), ends=(points[0], points[-1]), axis=axis, damper_table=table)
 
 
 class TractionRodTable(ElementTable, kind="traction-rod", glyph=Glyph("_", "#222222")):
@@ -326,15 +308,14 @@ class TractionRodTable(ElementTable, kind="traction-rod", glyph=Glyph("_", "#222
     """Play of its ends: how far its line shortens or grows without a force of its stiffness."""
 
     def consistency(self) -> Iterator[Fault]:
-        """A rod has a length."""
         if math.dist(self.body_mm, self.to_mm) < 1e-3:
             yield Fault("to_mm", "is the same point as body_mm: a rod needs a length")
 
     def element(self, joint: Joint, axes: Axes) -> Strut:
-        ends = axes.point(self.body_mm), axes.point(self.to_mm)
-        stiffness, play = 1e3 * self.stiffness_kN_per_m, 1e-3 * self.clearance_mm
-        table = both_ways(((play, 0.0), (play + 1.0, stiffness))) if play else ()
-        return Strut(*joint, ends, None, 0.0 if play else stiffness, 1e3 * self.damping_kNs_per_m, spring_table=table)
+        rod = self.to_si(Strut, **joint._asdict(), ends=(axes.point(self.body_mm), axes.point(self.to_mm)))
+        play = 1e-3 * self.clearance_mm
+        table = both_ways(((play, 0.0), (play + 1.0, rod.stiffness)))
+        return replace(rod, stiffness=0.0, spring_table=table) if play else rod
 
 
 class AntiRollBarTable(ElementTable, kind="anti-roll-bar"):
@@ -405,12 +386,11 @@ class LeafSpringTable(AxialTable, kind="leaf-spring", glyph=Glyph("v", BLUE, hol
     damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
     """Damping along the same axis."""
 
-    def element(self, joint: Joint, axes: Axes) -> Element:
+    def more(self, sign: float) -> dict[str, Any]:
         distance, force = 1e-3 * self.friction_travel_mm, 1e3 * (self.friction_force_kN or 0.0)
         normal = None if self.friction_share is None else Normal("")
-        slider = Slider("fancher", distance=distance, bound=force, friction=self.friction_share or 0.0, normal=normal)
-        place = self.placed(joint, axes)
-        return Strut(*place, 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m, slider=slider)
+        share = self.friction_share or 0.0
+        return {"slider": Slider("fancher", distance=distance, bound=force, friction=share, normal=normal)}
 
 
 class RubberSpringTable(AxialTable, kind="rubber-spring", glyph=Glyph("H", BLUE)):
@@ -429,11 +409,8 @@ class RubberSpringTable(AxialTable, kind="rubber-spring", glyph=Glyph("H", BLUE)
     damping_kNs_per_m: Annotated[float, positive(1e5, "kN s/m")] | None = None
     """Viscous part: its damping; goes with series_stiffness_kN_per_m."""
 
-    def element(self, joint: Joint, axes: Axes) -> Element:
-        return Strut(
-            *self.placed(joint, axes), 1e3 * self.stiffness_kN_per_m, 1e3 * (self.damping_kNs_per_m or 0.0),
-            kilo(self.series_stiffness_kN_per_m), slider=friction_part(self.friction_force_kN, self.friction_travel_mm),
-        )  # fmt: skip
+    def more(self, sign: float) -> dict[str, Any]:
+        return {"slider": friction_part(self.friction_force_kN, self.friction_travel_mm)}
 
 
 class AirSpringTable(AxialTable, kind="air-spring", glyph=Glyph("8", BLUE)):
@@ -454,13 +431,10 @@ class AirSpringTable(AxialTable, kind="air-spring", glyph=Glyph("8", BLUE)):
     friction_travel_mm: Annotated[float, positive(1000, "mm")] | None = None
     """Travel from rest over which friction comes to half of its largest force (Berg's x2)."""
 
-    def element(self, joint: Joint, axes: Axes) -> Element:
+    def more(self, sign: float) -> dict[str, Any]:
         force = self.orifice_damping
-        return Strut(
-            *self.placed(joint, axes), 1e3 * self.stiffness_kN_per_m, series=kilo(self.series_stiffness_kN_per_m),
-            damper_table=() if force is None else orifice(1e3 * force, self.orifice_exponent),
-            slider=friction_part(self.friction_force_kN, self.friction_travel_mm),
-        )  # fmt: skip
+        table = () if force is None else orifice(1e3 * force, self.orifice_exponent)
+        return {"damper_table": table, "slider": friction_part(self.friction_force_kN, self.friction_travel_mm)}
 
 
 def friction_part(force_kN: float | None, travel_mm: float | None) -> Slider | None:
@@ -468,11 +442,6 @@ def friction_part(force_kN: float | None, travel_mm: float | None) -> Slider | N
     if force_kN is None or travel_mm is None:
         return None
     return Slider("berg", bound=1e3 * force_kN, distance=1e-3 * travel_mm)
-
-
-def kilo(value: float | None) -> float | None:
-    """A value in kilo-units in plain ones, where it is given."""
-    return None if value is None else 1e3 * value
 
 
 def orifice(force: float, exponent: float) -> Table:
@@ -485,6 +454,8 @@ def orifice(force: float, exponent: float) -> Table:
 class BilinearSpringTable(AxialTable, kind="bilinear-spring", glyph=Glyph("p", BLUE, hollow=True)):
     """A nest of springs that only pushes, the inner one touched from a certain load on: of freight wagons."""
 
+    law = BilinearSpring
+
     direction: Along = "z"
     """Axis of the body along which it acts."""
     stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
@@ -495,12 +466,6 @@ class BilinearSpringTable(AxialTable, kind="bilinear-spring", glyph=Glyph("p", B
     """Load from which on the inner spring carries as well."""
     damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
     """Damping along the same axis."""
-
-    def element(self, joint: Joint, axes: Axes) -> Element:
-        return BilinearSpring(
-            *self.placed(joint, axes), 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m,
-            inner=1e3 * self.second_stiffness_kN_per_m, inner_from=1e3 * self.second_from_kN,
-        )  # fmt: skip
 
 
 def both_ways(rows: Table) -> Table:

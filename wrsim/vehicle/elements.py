@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -84,10 +84,6 @@ class Slider:
     friction: float = 0.0
     normal: Normal | None = None
     distance: float | None = None
-
-    def pressed_by(self, name: str) -> Slider:
-        """The same with the normal force of the element of this full name."""
-        return replace(self, normal=None if self.normal is None else replace(self.normal, of=name))
 
     def write(self, row: Any, tables: Tables, directions: int = 1, at_rest: float = 0.0) -> None:
         """Write its law to a record ELEMENT; directions: in which it slips; at_rest: its element's own force [N]."""
@@ -199,7 +195,7 @@ class Strut(Element):
 
     ends: on the first and on the second body, one point where ``axis`` is given; axis: 0, 1, 2 or None for the line.
     stiffness [N/m] or spring_table: rows (travel [m], restoring force [N]); damping [N s/m] or damper_table: rows
-    (velocity [m/s], force [N]). series: stiffness in series with the damper [N/m], None for a rigid mounting; with it
+    (velocity [m/s], force [N]). series_stiffness: in series with the damper [N/m], None for a rigid mounting; with it
     the extension of the damper is an unknown. Travel counts from the design position, positive when the second body
     moves along the axis, or when the line grows.
     """
@@ -208,7 +204,7 @@ class Strut(Element):
     axis: Literal[0, 1, 2] | None = None
     stiffness: float = 0.0
     damping: float = 0.0
-    series: float | None = None
+    series_stiffness: float | None = None
     spring_table: Table = ()
     damper_table: Table = ()
 
@@ -260,8 +256,8 @@ class Strut(Element):
             row.force_0 += np.interp(0.0, *np.transpose(self.spring_table))
         row.spring_start, row.spring_rows = tables.store(self.spring_table)
         damper = self.damper_table
-        if self.series is not None:
-            row.series, row.state = self.series, tables.unknown()
+        if self.series_stiffness is not None:
+            row.series, row.state = self.series_stiffness, tables.unknown()
             damper = tuple((force, velocity) for velocity, force in damper)  # read backwards
         row.damper_start, row.damper_rows = tables.store(damper)
         if self.slider is not None:
@@ -270,12 +266,11 @@ class Strut(Element):
 
 @dataclass(frozen=True)
 class BilinearSpring(Strut):
-    """A strut along an axis that pushes with ``stiffness`` up to the force ``inner_from`` [N], and with ``inner``
-    [N/m] more beyond it. It never pulls. Its travel at rest follows from its load there.
-    """
+    """A strut along an axis that pushes with ``stiffness`` up to the force ``second_from`` [N], and with
+    ``second_stiffness`` [N/m] more beyond it. It never pulls. Its travel at rest follows from its load there."""
 
-    inner: float = 0.0
-    inner_from: float = 0.0
+    second_stiffness: float = 0.0
+    second_from: float = 0.0
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
         super().write(row, preload, tables)
@@ -284,16 +279,11 @@ class BilinearSpring(Strut):
 
     def table(self, at_rest: float) -> Table:
         """Rows (travel [m], restoring force less that at rest [N]); at_rest: force on the second body there [N]."""
-        k, both, sign = self.stiffness, self.stiffness + self.inner, np.sign(at_rest)
-        load = abs(at_rest)
-        bend = (self.inner_from - load) / (k if load < self.inner_from else both)
-        free = bend - self.inner_from / k
-        compressed = (
-            (free - FAR, 0.0),
-            (free, 0.0),
-            (bend, self.inner_from),
-            (bend + FAR, self.inner_from + both * FAR),
-        )
+        k, both, kink = self.stiffness, self.stiffness + self.second_stiffness, self.second_from
+        sign, load = np.sign(at_rest), abs(at_rest)
+        bend = (kink - load) / (k if load < kink else both)
+        free = bend - kink / k
+        compressed = ((free - FAR, 0.0), (free, 0.0), (bend, kink), (bend + FAR, kink + both * FAR))
         return tuple(sorted((float(-sign * c), float(at_rest - sign * force)) for c, force in compressed))
 
 

@@ -42,7 +42,6 @@ class Load:
 
     @property
     def varies(self) -> bool:
-        """True if it is not the same everywhere and always."""
         return any(row[1:] != self.table[0][1:] for row in self.table)
 
     @property
@@ -69,7 +68,6 @@ class Payload:
     at: Triple
 
     def as_load(self) -> Load:
-        """The force as it acts."""
         return Load.constant(self.name, self.body, self.force, self.at)
 
 

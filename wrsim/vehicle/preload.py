@@ -10,17 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
-from wrsim.vehicle.elements import BilinearSpring, Triple
-
-if TYPE_CHECKING:
-    from wrsim.vehicle.elements import Element
-    from wrsim.vehicle.vehicle import Body, Vehicle
+from wrsim.vehicle.elements import BilinearSpring, Element, Triple
+from wrsim.vehicle.vehicle import Body, Vehicle
 
 Array = NDArray[np.float64]
 

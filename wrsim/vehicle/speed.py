@@ -83,7 +83,6 @@ class SpeedProfile:
 
     @property
     def varies(self) -> bool:
-        """True if the speed is not the same always."""
         return any(piece[3] != 0.0 for piece in self.pieces)
 
     def until(self, time: float) -> tuple[float, float]:

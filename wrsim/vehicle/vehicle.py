@@ -59,7 +59,6 @@ class Unit:
 
     @property
     def parts(self) -> tuple[int, ...]:
-        """Places of all its parts."""
         return (*self.wheelsets, *self.bodies)
 
 
@@ -106,7 +105,6 @@ class MountedWheelset:
 
     @property
     def centre(self) -> Triple:
-        """Centre of mass [m]."""
         return (self.x, 0.0, self.height)
 
     @property

@@ -19,7 +19,7 @@ from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, model_file, usual_finder
 from wrsim.vehicle.assembly import Assembly, Place
 from wrsim.vehicle.couplings import Gap
-from wrsim.vehicle.element_tables import Axes, scaled
+from wrsim.vehicle.element_tables import Axes
 from wrsim.vehicle.elements import GUIDE, TRACK, Element
 from wrsim.vehicle.preload import Ballast, normal_loads, preloads, with_ballast
 from wrsim.vehicle.vehicle import Coupling, Member, Vehicle, single_wheelset
@@ -60,11 +60,9 @@ def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
     if "wheelset" not in data and "body" in data:
         raise InputError(f"{path}: is a profile file; a vehicle file with a table [wheelset] is needed here")
     file = check_section(WheelsetFile, data, locate)
-    return single_wheelset(
-        _wheelset(file.wheelset, ("wheelset",), file, finder, locate),
-        stiffness=scaled(file.suspension.stiffness_kN_per_m),
-        damping=scaled(file.suspension.damping_kNs_per_m),
-        half_spacing=file.suspension.half_spacing_mm / 1000.0,
+    return file.suspension.to_si(
+        single_wheelset,
+        wheelset=_wheelset(file.wheelset, ("wheelset",), file, finder, locate),
         ahead=file.suspension.ahead_of_bogie_centre_mm / 1000.0,
         carried_mass=file.sprung.mass_kg,
         carried_height=file.sprung.height_above_axle_mm / 1000.0,
@@ -198,7 +196,6 @@ def _train(file: TrainFile, finder: Finder, locate: Locate) -> Vehicle:
 
 
 def _member(path: Path, find: Finder, place: Place) -> Vehicle:
-    """A vehicle of a train. Raises InputError."""
     data, locate = opened(path, "vehicle file")
     if not any(key in data for key in OF_PARTS):
         raise InputError(f"{path}: is no vehicle of parts; a train takes vehicles with bodies")

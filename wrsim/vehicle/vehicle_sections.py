@@ -90,7 +90,6 @@ class WheelsetTable(Section, header="[wheelset]"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A value for both wheels or one for each; independent wheels have no axle."""
         yield from both_or_sides(raw, "wheel", needed=words(WheelName))
         yield from both_or_sides(raw, "radius_mm", needed=words(Radius))
         if raw.get("independent_wheels") and "torsional_stiffness_kNm_per_rad" in raw:
@@ -98,7 +97,6 @@ class WheelsetTable(Section, header="[wheelset]"):
             yield Fault("torsional_stiffness_kNm_per_rad", message)
 
     def consistency(self) -> Iterator[Fault]:
-        """A wheelset is a body of revolution: it spins about its axle."""
         roll, spin, yaw = self.roll_inertia_kg_m2, self.spin_inertia_kg_m2, self.yaw_inertia_kg_m2
         if abs(roll - yaw) > 1e-6 * yaw:
             message = f"must equal yaw_inertia_kg_m2 = {yaw:g}, for a wheelset spins about its axle (take their mean)"
@@ -118,7 +116,6 @@ class WheelsetTable(Section, header="[wheelset]"):
 
     @property
     def spacing(self) -> float:
-        """Distance between the two profile origins [m]."""
         if self.flange_back_mm is not None:
             return (self.flange_back_mm + 2.0 * self.back_to_tape_circle_mm) / 1000.0
         return given(self.profile_spacing_mm) / 1000.0
@@ -166,7 +163,6 @@ class BodyTable(Section, header="[bodies.NAME]"):
     """Its centre of mass in the design position, above the rails."""
 
     def consistency(self) -> Iterator[Fault]:
-        """No principal inertia of a solid is larger than the sum of the other two."""
         for i, name in enumerate("xyz"):
             others = sum(self.inertia_kg_m2) - self.inertia_kg_m2[i]
             if self.inertia_kg_m2[i] > others * (1.0 + 1e-9):
@@ -264,7 +260,6 @@ class LoadTable(Section, header="[[loads]]"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """The axes are needed."""
         if "axes" not in raw:
             yield Fault("axes", NEEDS_AXES, missing=True)
 
@@ -401,7 +396,6 @@ class MemberTable(Section, header="[[vehicles]]"):
 
     @property
     def names(self) -> list[str]:
-        """Names of its vehicles."""
         return [self.name] if self.count == 1 else [f"{self.name}{k + 1}" for k in range(self.count)]
 
 

@@ -30,7 +30,6 @@ class Torsion:
 
     @property
     def independent(self) -> bool:
-        """True if each wheel turns on its own."""
         return self.stiffness == 0.0
 
 

@@ -9,8 +9,9 @@ from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.rigid_body import kinetic_energies, pitched
 from wrsim.core.track import path as path_kernels
 from wrsim.geometry.track.track import Track
+from wrsim.inputs.section import SIDES
 from wrsim.simulation.bodies import accelerations, inertia_table
-from wrsim.simulation.law import SIDES, VehicleOnTrack
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.system import COORDINATES, Array
 from wrsim.vehicle.elements import GUIDE, TRACK

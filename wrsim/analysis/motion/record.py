@@ -42,7 +42,7 @@ class RunRecord:
             "title": scenario.title,
             "analysis": scenario.analysis,
             "scenario_text": scenario.text,
-            "folders": [str(folder.resolve()) for folder in scenario.directories],
+            "folders": [str(folder.resolve()) for folder in scenario.finder.folders],
             "inputs": dict(setup.inputs),
             **_digests(setup),
             **versions(),

@@ -105,7 +105,8 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
         return plan.step
     fastest = plan.speeds[1]
     step = steps.implicit_step(fastest, plan.output_interval)
-    gaps = [gap for surface in setup.surfaces if surface is not None for gap in surface.gaps]
+    places = [[own.distance for own in surface.sections] for surface in setup.surfaces if surface is not None]
+    gaps = np.concatenate([np.zeros(0), *map(np.diff, places)]).tolist()
     # sections that follow each other closely show how fast the rail changes
     return step / max(1, ceil(step * fastest * STEPS_OF_A_SECTION / min(gaps))) if gaps else step
 
@@ -127,7 +128,7 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
         if plan.step > limit:
             raise StepTooLong(plan.step, limit, plan.speed)
         return plan.step
-    slowest = plan.at_constant_speed
+    slowest = replace(plan, speed=plan.speeds[0], profile=None)
     if setup.track.curvature(plan.start) != 0.0 or slowest.speed < plan.speed:
         straight, contact = setup.track.relaid([Straight(100.0)]), contact_at(near, plan.start)
         level = replace(near, track=straight, contact=contact, plan=replace(slowest, start=30.0))

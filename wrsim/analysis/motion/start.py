@@ -178,7 +178,7 @@ def _reached(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float | None)
     # it ends some millimetres off the start: moved there as a whole, the vehicle would not suit the changing track
     plan = replace(setup.plan, start=straight, end=setup.plan.start, profile=None)
     _, q, q_t = _run(replace(held, plan=plan))
-    return on_the_rails(law, steady.Equilibrium(q, q_t, steady.SteadyMotion(law).largest(q, q_t), 0))
+    return on_the_rails(law, steady.Equilibrium(q, q_t, steady.SteadyMotion(law).largest(q, q_t)))
 
 
 def on_the_rails(law: VehicleOnTrack, found: steady.Equilibrium) -> steady.Equilibrium:

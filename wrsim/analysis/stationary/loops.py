@@ -127,7 +127,7 @@ def rotation_test(vehicle: Vehicle, bogie: Bogie, rate: float, radius: float = R
         raise InputError(f"{vehicle.name}: a curve of {radius:g} m is no wider than half of its pivots' {2 * half:g} m")
     most = asin(half / radius)
     # in slow steady motion a stiffness in series with a damper is rigid
-    elements = tuple(replace(e, series=None) if isinstance(e, Strut) else e for e in vehicle.elements)
+    elements = tuple(replace(e, series_stiffness=None) if isinstance(e, Strut) else e for e in vehicle.elements)
     supported = SupportedVehicle(replace(vehicle, loads=(), elements=elements))
     level = np.zeros(len(vehicle.wheelsets))
     axle_load = float(supported.rest(level).wheel_loads[list(bogie.wheelsets)].sum(axis=1).mean())

@@ -3,39 +3,10 @@
 Displacements are those of the wheel relative to the rail, tractions act on the wheel: p along the row's normal n (from
 rail to wheel), q_x along the rail, q_s along the row's tangent t.
 
-Under a uniformly loaded rectangle the integrals of the kernels of Boussinesq and Cerruti, seen from a point at (x, s)
-from its centre, are second differences of a primitive over the four corners:
-
-    1/r        x asinh(s/|x|) + s asinh(x/|s|)          Love 1929; Johnson, Contact Mechanics, 1985, eq. (3.25)
-    x^2/r^3    s asinh(x/|s|)                           Kalker, Three-Dimensional Elastic Bodies in Rolling Contact,
-    s^2/r^3    x asinh(s/|x|)                           1990, section 3.2.2; Ahmadi, Keer and Mura 1983
-    x s/r^3    -r
-    x/r^2      x atan(s/x) + s ln(r)                    coupling of normal and tangential loads
-    s/r^2      s atan(x/s) + x ln(r)
-
-With G and nu of each body, c_n = sum (1 - nu)/(2 pi G), c_t = sum nu/(2 pi G) over both bodies and
-c_k = ((1 - 2 nu_r)/G_r - (1 - 2 nu_w)/G_w)/(4 pi) (zero for equal materials), the displacement under a unit traction on
-an element of the wheel is
-
-    normal from normal               A_nn = c_n I[1/r]
-    along x from along x             A_xx = c_n I[1/r] + c_t I[x^2/r^3]
-    along s from along s             A_ss = c_n I[1/r] + c_t I[s^2/r^3]
-    along x from along s, and back   A_xs = c_t I[x s/r^3]
-    along x from normal              A_xn = c_k I[x/r^2],   and A_nx = -A_xn; the same with s.
-
-c_n is 1/(pi E*). All integrals have the dimension of a length and scale with the element: they are computed once for
-each shape of element, their transforms once for each size of grid.
-
-``"angle-corrected"`` takes a traction in the frame of its own row J, with the influence of the half-space tangent
-there, and the displacement in the frame of row I (Vollebregt, Vehicle System Dynamics 56, 2018; version 3 of
-CONTACT's corrections). With alpha = a(J) - a(I) between the normals:
-
-    B_nn = A_nn cos alpha + A_sn sin alpha        B_ns = A_ns cos alpha + A_ss sin alpha
-    B_sn = A_sn cos alpha - A_nn sin alpha        B_ss = A_ss cos alpha - A_ns sin alpha
-
-(A_sn = -A_ns is zero for equal materials.) Pressure thus makes slip and creep forces lift or press. Written in the
-axes (o, b) of the section these are sums of A_nn * (p n), A_ss * (q_s t), ...: plain convolutions, so the corrected
-kernel costs about twice the plain one, nothing more.
+The integrals under a uniformly loaded rectangle, the constants of both bodies, and the kernel that is turned by the
+angle between the normals are those of docs/theory/half_space.md. All integrals have the dimension of a length and scale
+with the element: they are computed once for each shape of element, their transforms once for each size of grid. Written
+in the axes (o, b) of the section the turned kernel is a sum of plain convolutions.
 """
 
 from collections.abc import Callable, Sequence
@@ -54,14 +25,14 @@ from wrsim.core.jit import Array
 Spectrum = NDArray[np.complexfloating]
 
 NN, XX, SS, XS, XN, SN = range(6)
-"""Kernels, in the order of the table above."""
+"""Kernels: A_nn, A_xx, A_ss, A_xs, A_xn, A_sn."""
 ODD_IN_S, ODD_IN_X = (XS, SN), (XS, XN)
 MARGIN = 6  # elements by which the period of the inverse is larger than the grid
 
 
 @dataclass(frozen=True)
 class Compliance:
-    """Constants of two bodies: c_n, c_t, c_k above [1/Pa]; c_k is rail minus wheel."""
+    """Constants of two bodies, c_n, c_t, c_k [1/Pa]; c_k is rail minus wheel."""
 
     normal: float
     tangential: float
@@ -69,7 +40,6 @@ class Compliance:
 
     @classmethod
     def of(cls, wheel: Material, rail: Material) -> "Compliance":
-        """Of a wheel's and a rail's material."""
         both = (wheel, rail)
         k_wheel, k_rail = ((1.0 - 2.0 * m.poisson_ratio) / m.shear_modulus for m in both)
         return cls(
@@ -217,7 +187,6 @@ class Operator:
 
     @cached_property
     def inverse(self) -> "Inverse":
-        """Preconditioners."""
         return Inverse(self)
 
     @cached_property
@@ -283,8 +252,7 @@ class Operator:
         return u
 
     def _along_normal(self, section: Spectrum) -> Array:
-        lift: Array = (self._frames[1] * self._fourier.back(section)).sum(axis=0)
-        return lift
+        return np.asarray((self._frames[1] * self._fourier.back(section)).sum(axis=0))
 
     def _slip_of(self, u: Spectrum, forward: float) -> Array:
         x, *section = self._difference(u, forward)

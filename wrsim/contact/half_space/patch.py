@@ -24,8 +24,7 @@ class Region:
 
     rows, columns: of the grid; p: the region's own pressures there (rows, columns) [Pa]; area [m2]; p0: largest
     pressure [Pa]; normal_force: sum of p dA [N]; length: of the longest row [m]; starts, ends: of every row along x
-    (rows,), zero without contact; s, x: extents (from, to); angle: contact angle at the outer edges in s (from, to)
-    [rad]; centre: (x, o, b) of the pressure's resultant [m].
+    (rows,), zero without contact; s: extent (from, to); angle: contact angle at the outer edges in s (from, to) [rad].
     """
 
     rows: slice
@@ -38,9 +37,7 @@ class Region:
     starts: Array
     ends: Array
     s: tuple[float, float]
-    x: tuple[float, float]
     angle: tuple[float, float]
-    centre: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -104,12 +101,6 @@ class Patch:
         return sum(r.area for r in self.regions)
 
     @property
-    def counted_area(self) -> float:
-        """Number of elements in contact times their size, as CONTACT states it: too large by about half an element
-        around the edge [m2]."""
-        return float(np.count_nonzero(self.p)) * self.grid.cell
-
-    @property
     def wear(self) -> float:
         """Work of the creep forces on the rigid slip over the rolling speed, T-gamma [N]."""
         return -float((self.q * self.rigid_slip).sum()) * self.grid.cell
@@ -167,7 +158,6 @@ def stretches(p: Array) -> tuple[NDArray[np.intp], Array, Array]:
 
 
 def _regions(grid: Grid, p: Array) -> Iterator[Region]:
-    """The connected regions of a pressure field."""
     labels, _ = scipy.ndimage.label(p > 0.0)
     for number, (rows, columns) in enumerate(scipy.ndimage.find_objects(labels), start=1):
         own = np.where(labels[rows, columns] == number, p[rows, columns], 0.0)
@@ -181,10 +171,7 @@ def _regions(grid: Grid, p: Array) -> Iterator[Region]:
         outer = float(grid.x[columns.start]) - 0.5 * grid.dx
         starts, ends = outer + grid.dx * starts, outer + grid.dx * ends
         angle_from, angle_to = np.interp([s_from, s_to], grid.s, grid.angle)
-        weight = own / own.sum()
-        o, b = weight.sum(axis=1) @ grid.centre[rows]
         yield Region(
             rows, columns, own, float((end - start).sum()) * grid.cell, float(own.max()), float(own.sum()) * grid.cell,
-            length, starts, ends, (s_from, s_to), (float(starts.min()), float(ends.max())),
-            (float(angle_from), float(angle_to)), (float(weight.sum(axis=0) @ grid.x[columns]), float(o), float(b)),
+            length, starts, ends, (s_from, s_to), (float(angle_from), float(angle_to)),
         )  # fmt: skip

@@ -1,9 +1,7 @@
 """Exact elastic contact of a wheel and a rail at one pose: half-space elements on the curved patch.
 
-Slow and trusted: the fast models are measured against it. The undeformed gap is exact (surface of revolution against
-swept rail, measured along the normals of the curved reference), the elastic bodies are half-spaces bent along the
-curved axis (``influence = "half-space"``) or with their influence turned by the angle between the normals
-(``"angle-corrected"``). Damping multiplies the pressures of a row by max(0, 1 + c d(approach)/dt).
+Slow and trusted: the fast models are measured against it. The undeformed gap is exact: surface of revolution against
+swept rail, measured along the normals of the curved reference. The model: docs/theory/half_space.md.
 """
 
 from dataclasses import dataclass
@@ -38,7 +36,6 @@ class HalfSpace(HalfSpaceSettings):
 
     @classmethod
     def of(cls, settings: HalfSpaceSettings) -> "HalfSpace":
-        """The solver with these settings."""
         return cls(**vars(settings))
 
     def solve_pose(self, model: ContactModel, before: HalfSpaceContact | None = None) -> HalfSpaceContact:
@@ -138,7 +135,6 @@ class Pressed:
 
     @property
     def reaches_edge(self) -> bool:
-        """Whether contact reaches the grid's edge."""
         p = self.pressure.p
         return bool(p[0].any() or p[-1].any() or p[:, 0].any() or p[:, -1].any())
 

@@ -34,7 +34,6 @@ def solve_into(
 
 
 def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
-    """Write a contact into the arrays of its model."""
     a = model.arrays
     pose, total = read_pose(a.pose), a.total
     tangential = model.settings.creep_forces

@@ -131,8 +131,7 @@ class Grid:
     @property
     def angle(self) -> Array:
         """Contact angle of the rows [rad], positive where the plane climbs towards the flange."""
-        angle: Array = np.arctan2(-self.axis["no"], self.axis["nb"])
-        return angle
+        return np.asarray(np.arctan2(-self.axis["no"], self.axis["nb"]))
 
     @property
     def pen(self) -> Array:
@@ -180,6 +179,5 @@ class Grid:
         return slip / np.hypot(speed, least_speed)
 
     def at_row(self, row: float) -> dict[str, float]:
-        """The axis between two rows."""
         whole = np.arange(len(self.axis))
         return {name: float(np.interp(row, whole, self.axis[name])) for name in surface.AXIS.names or ()}

@@ -2,8 +2,7 @@
 
 Contact lies within the zones in which the undeformed bodies overlap, because pressure pushes the surfaces apart
 everywhere. Zones nearer than ``together`` press each other down as one half-space does, zones farther apart than
-``apart`` do not know of each other, and in between the mutual influence fades like CONTACT's,
-((apart - d)/(apart - together))^0.8, so that nothing jumps as the distance d of two zones changes.
+``apart`` do not act on each other, and in between the influence fades like CONTACT's (docs/theory/half_space.md).
 """
 
 from collections.abc import Callable

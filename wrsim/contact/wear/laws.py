@@ -2,13 +2,7 @@
 
 Arrays in, arrays out, SI units. All laws of wear give what is lost for every metre rolled. They agree at mild wear:
 5.3e-9 kg per metre and newton of T-gamma (USFD), 6.2e-9 (BRR), 4.0e-9 (Archard, friction .35), none of which was fitted
-to the others.
-
-========  =================================================================================================
-usfd      Lewis and Dwyer-Joyce 2004; Braghin et al. 2006: R8T wheel on 900A rail in a twin-disc machine
-archard   V = k N s / H, k from the map of KTH (Jendel 2002, Enblom 2004) [recalled, not read in the source]
-brr       Pearce and Sherratt 1991 (British Rail Research) [recalled, not read in the source]
-========  =================================================================================================
+to the others. Sources and their limits: docs/user/wear.md.
 """
 
 from collections.abc import Mapping

@@ -6,9 +6,8 @@ USFD takes a strip's power over its area: a strip is what two discs have in the 
 BRR takes the T-gamma of the patch and gives every strip its share of the power. Archard's law needs sliding speed and
 pressure from point to point along x: there the power of a strip is spread as strip theory has it (`laws.slip_along`),
 whatever the model of the creep forces; the sum over the strip is kept.
-
-Times the way that the sample stands for, that is mass [kg], spread evenly over the strip's width and handed to the
-places (bins of arclength) that it covers. A wheel spreads it over its ring, a rail over the length of the stretch.
+Times the way that the sample stands for, that is mass [kg], spread evenly over the places (bins of arclength) that the
+strip covers (docs/user/wear.md).
 """
 
 from collections.abc import Sequence
@@ -174,20 +173,11 @@ class Losses:
         total = np.array([own.sum() for own in self.ways])
         way = np.where(total > 0.0, total, np.nan)[:, None, None]
         mass = self.on_wheels[:laws] / way  # kg per metre rolled
-        shape = self.on_wheels.shape[1:]
-        u, width, ring, flange = (np.full(shape, np.nan) for _ in range(4))
-        for w, pair in enumerate(self.of_wheels):
-            for side, places in enumerate(pair):
-                n = places.u.size
-                u[w, side, :n] = places.u
-                radius = self.wheels[w][side].model.radius - places.w
-                width[w, side, :n] = places.width
-                ring[w, side, :n] = 2.0 * np.pi * radius * places.width
-                flange[w, side, :n] = places.flange
-        rail_u, rail_width = np.full((2, self.on_rails.shape[-1]), np.nan), np.full((2, 1), np.nan)
-        for side, places in enumerate(self.of_rails):
-            rail_u[side, : places.u.size] = places.u
-            rail_width[side] = places.width
+        of_wheels, shape = [places for pair in self.of_wheels for places in pair], self.on_wheels.shape[1:]
+        u, w, width, flange = (_table(of_wheels, n, shape[-1]).reshape(shape) for n in ("u", "w", "width", "flange"))
+        radius = np.array([[wheel.model.radius for wheel in pair] for pair in self.wheels])[..., None] - w
+        ring = 2.0 * np.pi * radius * width
+        rail_width = np.array([[places.width] for places in self.of_rails])
         # one vehicle after the other runs over a rail: the wheelsets add up
         of_rail = (self.on_rails / way).sum(axis=1)
         by_zone = [np.where(flange == (zone == "flange"), mass, 0.0).sum(axis=-1) for zone in ZONES]
@@ -196,11 +186,19 @@ class Losses:
             "wear_wheel_depth": mass / (DENSITY * ring),
             "wear_wheel_mass": np.stack(by_zone, axis=-1),
             "wear_wheel_energy": self.on_wheels[laws] / way / width,
-            "wear_rail_u": rail_u,
+            "wear_rail_u": _table(self.of_rails, "u", self.on_rails.shape[-1]),
             "wear_rail_depth": of_rail[:laws] / (DENSITY * rail_width),
             "wear_rail_energy": of_rail[laws] / rail_width,
             "rail_damage": of_rail[laws + 1] / rail_width,
         }
+
+
+def _table(rows: Sequence[Places], name: str, count: int) -> Array:
+    """An attribute of several rows of places, (rows, count); not-a-number beyond the last of a row."""
+    found = np.full((len(rows), count), np.nan)
+    for own, places in zip(found, rows, strict=True):
+        own[: places.u.size] = getattr(places, name)
+    return found
 
 
 def ways(distance: Array, stretch: tuple[float | None, float | None]) -> Array:

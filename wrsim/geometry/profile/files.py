@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -65,11 +65,6 @@ class Reading:
         return smoothed(self.points, self.name, self.kind, source, self.cutoff)
 
 
-def read_profile(path: str | Path, kind: Kind | None = None, **options: Any) -> Profile:
-    """Read a file of points as a profile; options and errors as for `read_points`."""
-    return read_points(path, kind, **options).profile()
-
-
 def read_points(
     path: str | Path,
     kind: Kind | None = None,
@@ -88,22 +83,13 @@ def read_points(
 ) -> Reading:
     """Read a file of points.
 
-    kind, name, source, unit (``"mm"``, ``"m"``, ``"in"``) and heights (which grow ``"up"`` or ``"down"``): None takes
-    them from the file, its suffix or its shape (a flange points down, the sides of a rail head hang down; mm unless
-    stated). format: a key of `PROFILE_FILES`; None: by the suffix. measured: smooth the points (True) or interpolate
-    them (False); None: smooth MiniProf measurements, interpolate the rest, which is refused where the points scatter.
-    cutoff: wavelength at which smoothing halves a wave [m]; None: 5 mm. field_side: sign of the file's lateral
-    coordinate on the field side, ``"positive"`` or ``"negative"``; None: for a wheel with a flange by the shape,
-    otherwise positive. Then, in this order, clip: only the points between these u [m]; turn: about the origin [rad],
-    positive: top towards the gauge side (u negative); shift: outward and up [m].
-
-    Raises InputError with file, line and what is allowed.
+    The options are the keys of a profile of kind ``points`` (docs/user/profiles.md) in SI units: cutoff, clip, shift
+    [m], turn [rad]; those left out are taken from the file, its suffix or its shape. Raises InputError with file, line
+    and what is allowed.
     """
     path = Path(path)
-    given = {"kind": kind, "unit": unit, "heights": heights, "field_side": field_side, "format": format}
-    for (key, value), allowed in zip(given.items(), (KINDS, METRES, HEIGHTS, SIDES, PROFILE_FILES), strict=True):
-        if value is not None and value not in allowed:
-            raise InputError(f"{path}: {key} = '{value}'; allowed: {', '.join(allowed)}{suggest(value, [*allowed])}")
+    if kind is not None and kind not in KINDS:
+        raise InputError(f"{path}: kind = '{kind}'; allowed: {', '.join(KINDS)}{suggest(kind, KINDS)}")
     suffix = path.suffix.lower()
     if format is None and (fault := suffix_fault(path)):
         raise InputError(f"{path}: {fault}")

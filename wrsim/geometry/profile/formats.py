@@ -1,20 +1,7 @@
 """File formats of profile points: two columns, SIMPACK .prr/.prw, MiniProf .ban/.whl. Text in, `Scan` out.
 
-A `Scan` holds what the file says in the file's own units and axes; `profile_files` turns it into a profile.
-
-two columns
-    Numbers separated by blanks, tabs, commas or semicolons (with semicolons, decimals may have commas). Lines
-    that start with # ! % " ' // or * are comments, as is the rest of a line after # or !. A first line of two
-    names is a header; ``u_mm,w_mm`` and the like give the unit, the names u and w our axes (outward, up).
-SIMPACK
-    Sections header and spline with ``key = value``, points between point.begin and point.end: y (field side
-    positive), z (down), optional weight (ignored). Done in this order, as comments in such files number it:
-    point.dist.min, shift, bounds (points outside are dropped; active if min < max), mirror, unit factor
-    (l[user]/l[m]). ``inversion`` needs no attention, the order follows from the points. ``rotate`` is refused
-    unless 0, its sign being nowhere stated.
-MiniProf
-    ``Key=Value`` lines, an empty line, rows of columns as in ColumnDef (X,Y,...), in mm; XOffset and
-    YOffset are added. Comments start with # ! % or ".
+A `Scan` holds what the file says in the file's own units and axes; `wrsim.geometry.profile.files` turns it into a
+profile. What is read of each format: docs/user/profiles.md.
 """
 
 from __future__ import annotations
@@ -102,7 +89,6 @@ def _last_digit(word: str) -> float:
 
 
 def parse_columns(lines: list[str], file: str) -> Scan:
-    """Read two columns of numbers, with or without a header line."""
     scan = Scan(file)
     headed = False
     for number, text in enumerate(lines, 1):
@@ -147,7 +133,6 @@ SIMPACK_TEXTS = ("file", "comment", "units.len", "units.ang")
 
 
 def parse_simpack(lines: list[str], file: str) -> Scan:
-    """Read a SIMPACK rail or wheel profile."""
     scan = Scan(file, heights="down")
     values: dict[str, Any] = {}
     where: list[str] = []
@@ -219,7 +204,6 @@ def _simpack_values(scan: Scan, values: dict[str, Any]) -> None:
 
 
 def parse_miniprof(lines: list[str], file: str) -> Scan:
-    """Read a MiniProf rail or wheel profile."""
     scan = Scan(file, unit=METRES["mm"], measured=True)
     head: dict[str, tuple[str, int]] = {"XOffset": ("", 0), "YOffset": ("", 0), "ID": ("", 0), "ProgramName": ("", 0)}
     columns = ["X", "Y"]

@@ -1,18 +1,7 @@
 """Profile files: one TOML file a profile (``models/wheels``, ``models/rails``), or a file of points.
 
-The TOML file names the body (wheel or rail), its source and one of these kinds:
-
-========== ==========================================================================================
-sections   lines, polynomials and arcs by centre, as standards print them
-chain      lines and arcs, each tangent to the one before: a start, lengths, radii and angles
-rail-head  tangent arcs from the crown outward and straight sides, symmetric
-cone       a straight line through the tape circle
-circle     one arc, horizontal at the origin
-worn       another profile with material taken off, by bells or a table, see `wrsim.geometry.profile.wear`
-points     a file of points beside it, read by `wrsim.geometry.profile.files` (measured or exported)
-========== ==========================================================================================
-
-Their keys: `wrsim.geometry.profile.file_kinds`.
+The TOML file names the body (wheel or rail), its source and the kind of its shape (`wrsim.geometry.profile.file_kinds`,
+docs/user/profiles.md); the kind that starts from another profile is here.
 """
 
 from __future__ import annotations

@@ -1,15 +1,8 @@
 """Points of a file on their way to a profile: ordered, checked, joined by a spline over arclength [S 12].
 
-Every point has the number of its line, for messages. Exact points are interpolated,
-measured ones smoothed with a fixed cut-off wavelength over arclength: interpolated noise has no meaningful curvature
-(5 um of scatter at points 0.1 mm apart are 1000 1/m). The smoothing spline f of the points p_i minimises
-
-    sum_i h_i |p_i - f(s_i)|^2 + (cutoff/(2 pi))^6 integral |f'''(s)|^2 ds,
-
-h_i being the spacing of the points. Away from the ends it passes a wave of wavelength l with the amplitude
-1 / (1 + (cutoff/l)^6) and no shift. The third derivative is penalised so that arcs are kept: parabolas pass unchanged,
-also at the ends. It is solved on B-splines with evenly spaced knots (P. H. C. Eilers, B. D. Marx, Flexible smoothing
-with B-splines and penalties, Statistical Science 11, 1996).
+Every point has the number of its line, for messages. Exact points are interpolated, measured ones smoothed with a fixed
+cut-off wavelength over arclength (docs/theory/surfaces.md), on B-splines with evenly spaced knots (P. H. C. Eilers, B.
+D. Marx, Flexible smoothing with B-splines and penalties, Statistical Science 11, 1996).
 """
 
 from __future__ import annotations
@@ -106,7 +99,6 @@ class ProfilePoints:
 
 
 def check_count(points: ProfilePoints) -> None:
-    """Raise InputError for too few points."""
     if len(points) < FEWEST_POINTS:
         raise InputError(f"{points.file}: {len(points)} different points; a profile needs at least {FEWEST_POINTS}")
 

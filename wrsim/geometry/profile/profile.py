@@ -4,10 +4,9 @@ A profile is a curve (u, w)(L), not a function w(u): flanks may be vertical. u p
 positive, flange and gauge side negative), w up; L runs from the first node in the direction of increasing u.
 The wheel's material lies above its curve, the rail's below. The wheel's radius is not in here: f = w - R.
 
-The curve has nodes with tangent angle and curvature; between two nodes it is the quintic that meets position, tangent
-and curvature at both. With nodes 0.1 mm apart on a 13 mm arc it leaves the arc by less than 1e-15 m, and |dr/dL|
-differs from 1 by less than 1e-12: the parameter is true arclength. Curvature may jump at a node (where two arcs meet),
-so both of its limits are given.
+Between two nodes it is the quintic that meets position, tangent and curvature at both. With nodes 0.1 mm apart on a 13
+mm arc it leaves the arc by less than 1e-15 m: the parameter is true arclength. Curvature may jump at a node, so both of
+its limits are given.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Designed profiles: lines, polynomials and arcs laid end to end, with exact tangents and curvature.
 
-Standards give profiles as such sections (EN 13715 for wheels, EN 13674-1 for rails) with rounded numbers, so
-that neighbours disagree by up to 1e-7 m at their join. Half of the disagreement in position and direction is given to
-each neighbour and fades out over 2 mm of it; curvature keeps its jump.
+Standards (EN 13715, EN 13674-1) round their numbers, so that neighbours disagree by up to 1e-7 m at their join. Half of
+that, in position and direction, fades out over 2 mm of each; curvature keeps its jump.
 
 A section is a smooth curve r(t), t from ``start`` to ``end`` in the direction of increasing arclength: ``evaluate(t)``
 gives r, dr/dt, d2r/dt2 at t (n,), each (n, 2) with columns u, w.

@@ -1,19 +1,10 @@
 """Worn profiles: material taken off another profile, by bells or by tables of depths along its normals.
 
-Every bell removes the depth
-
-    d = depth cos^2(pi x / 2),   x = (place - middle) / half_width,   |x| < 1,
-
-either vertically, its place being the outward coordinate u, or along the inward normal of the unworn profile, its
-place being the arclength from the profile's origin (outward positive). With t, k the tangent and curvature of the
-unworn curve r, i its inward normal (i' = c k t, c = 1 on rails, -1 on wheels) and v the vertical into the material,
-
-    r_worn = r + d v + e i,    dr_worn/dL = t (1 + c k e) + d' v + e' i.
-
-So material taken off along the normal leaves a corner wherever k jumps while the depth changes: where two arcs of a
-rail head met. A quintic over 0.1 mm on either side bridges it, as a spline through points that far apart would. Depths
-may be negative: material that flowed there. A table is a cubic spline through depths over the arclength from the
-origin, constant beyond its ends.
+The equations of the worn curve are those of docs/theory/surfaces.md. A bell is laid along the outward coordinate u
+(vertical) or the arclength from the profile's origin (normal, outward positive). Material taken off along the normal
+leaves a corner wherever the curvature jumps while the depth changes: where two arcs of a rail head met. A quintic over
+0.1 mm on either side bridges it, as a spline through points that far apart would. Depths may be negative: material that
+flowed there. A table is a cubic spline through depths over the arclength from the origin, constant beyond its ends.
 
 `depths_of` makes such a table of the areas lost in equal bins of arclength of the *unworn* profile, over the bin's
 width [m]. So losses add up, and the profile is built and smoothed once however many steps of wear there were. The

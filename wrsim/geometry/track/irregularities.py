@@ -1,18 +1,10 @@
 """Irregularities of a track: how far each rail lies beside its designed place, over the distance along the centre line.
 
-Four channels, as of track recording cars, and their weights on the rails (left | right):
-
-=========== ============================================= ==================== ====================
-alignment   both rails to the left                        lateral +1           lateral +1
-level       both rails up                                 vertical +1          vertical +1
-cross-level right rail above left                         vertical -1/2        vertical +1/2
-gauge       rails apart                                   lateral +1/2         lateral -1/2
-=========== ============================================= ==================== ====================
-
-A disturbance is one shape over the distance, times a weight on each rail's lateral (n) and vertical (b) offset. A shape
-has ``jet`` (value, slope and second derivative, so that the rail's tangent and curvature follow exactly), ``breaks``
-(distances at which its slope or curvature may jump) and ``resolution`` (largest distance of a path's rows that follows
-it) [m].
+Four channels as of track recording cars, ``WEIGHTS``: both rails to the left (alignment), both up (level), right rail
+above left (cross-level), rails apart (gauge). A disturbance is one shape over the distance, times a weight on each
+rail's lateral (n) and vertical (b) offset. A shape has ``jet`` (value, slope and second derivative, so that the rail's
+tangent and curvature follow exactly), ``breaks`` (distances at which its slope or curvature may jump) and
+``resolution`` (largest distance of a path's rows that follows it) [m].
 """
 
 from __future__ import annotations

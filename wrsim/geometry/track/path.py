@@ -8,9 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wrsim.core.frames import VECTOR, CurveNodes
+from wrsim.core.frames import CurveNodes
 from wrsim.core.track import path as core
-from wrsim.errors import InputError
 
 COLUMNS = ("x", "y", "z", "tx", "ty", "tz", "roll", "droll_ds", "kx", "ky", "kz")
 
@@ -25,15 +24,6 @@ class Path:
 
     table: NDArray[np.float64]
     step: float
-
-    def __post_init__(self) -> None:
-        if self.table.ndim != 2 or self.table.shape[0] < 2 or self.table.shape[1] != len(COLUMNS):
-            raise InputError(f"path table of shape {self.table.shape}; allowed: (n, {len(COLUMNS)}) with n >= 2")
-        if not self.step > 0.0:
-            raise InputError(f"path step = {self.step} m; allowed: above zero")
-        if not np.all(np.isfinite(self.table)):
-            row, column = np.argwhere(~np.isfinite(self.table))[0]
-            raise InputError(f"path table: {COLUMNS[column]} of row {row} is not a finite number")
 
     @cached_property
     def curve(self) -> CurveNodes:
@@ -61,23 +51,3 @@ class Path:
         bends to the left and up [1/m]."""
         twist, to_left, up = core.bends(self.curve, s, core.frame_at(self.curve, s))
         return float(twist), float(to_left), float(up)
-
-    def curvature(self, s: ArrayLike) -> NDArray[np.float64]:
-        """Horizontal curvature at arclength s [1/m], positive to the left; shape of s."""
-        s = np.asarray(s, dtype=np.float64)
-        out = np.empty(s.size)
-        core.curvature_many(self.curve, np.ascontiguousarray(s.ravel()), out)
-        return out.reshape(s.shape)
-
-    def locate(self, points: ArrayLike, guess: ArrayLike) -> NDArray[np.float64]:
-        """Arclength of the cross-sections through points (..., 3), each the root nearest to its guess [m].
-
-        Not-a-number where the search does not converge.
-        """
-        points = np.asarray(points, dtype=np.float64)
-        shape = points.shape[:-1]
-        flat = np.ascontiguousarray(points).reshape(-1, 3).view(VECTOR).reshape(-1)
-        out, status = np.empty(flat.size), np.empty(flat.size, dtype=np.int64)
-        core.locate_many(self.curve, flat, np.broadcast_to(guess, shape).astype(np.float64).ravel(), out, status)
-        out[status != core.LOCATE_OK] = np.nan
-        return out.reshape(shape)

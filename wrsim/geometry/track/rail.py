@@ -1,25 +1,11 @@
 """The centre line of a track, and one rail as a curve swept beside it, with its own arclength [S 7-9].
 
-The horizontal projection of the centre line r(s) turns by psi' = kappa, and it climbs at the angle theta:
+The equations are those of docs/theory/track.md. A rail p = r + d n + h b has offsets d(s) and h(s), which hold gauge,
+profile origin and irregularities, and p' = A t + B n + C b, so that
 
-    psi = psi0 + int kappa ds,    r = r0 + int (cos theta cos psi, cos theta sin psi, sin theta) ds.
-
-The heading psi is not wrapped. With the horizontal left h, v = t x h and the
-cross-section rolled by phi,
-
-    n = cos(phi) h + sin(phi) v,    b = -sin(phi) h + cos(phi) v,
-    t' = kn n + kb b,    n' = -kn t + tau b,    b' = -kb t - tau n,
-    kn = psi' cos(theta) cos(phi) + theta' sin(phi),    kb = -psi' cos(theta) sin(phi) + theta' cos(phi),
-    tau = phi' + psi' sin(theta).
-
-A rail at the offsets d(s) along n and h(s) along b, which hold gauge, profile origin and irregularities, is
-
-    p   = r + d n + h b
-    p'  = A t + B n + C b,    A = 1 - d kn - h kb,  B = d' - h tau,  C = h' + d tau
     p'' = (A' - B kn - C kb) t + (A kn + B' - C tau) n + (A kb + B tau + C') b.
 
-So cant ramps, gauge widening and irregularities turn the rail's own tangent. The rail's arclength is the integral of
-|p'|.
+Its arclength is the integral of |p'|. The heading psi is not wrapped.
 """
 
 from __future__ import annotations
@@ -65,7 +51,6 @@ class CentreLine:
 
     @property
     def length(self) -> float:
-        """Length [m]."""
         return self.curvature_law.end
 
     def curvature(self, s: ArrayLike, derivative: int = 0) -> Array:
@@ -137,7 +122,6 @@ class SweptCurve:
 
     @property
     def length(self) -> float:
-        """Own arclength over the whole track [m]."""
         return float(self._anchor_lengths[-1])
 
     def roll(self, s: ArrayLike) -> Jet:

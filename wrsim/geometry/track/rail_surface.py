@@ -1,14 +1,9 @@
 """A rail whose profile changes along the track: sections joined to a surface.
 
-Sections have rising distances s along the rail, each a profile in rail axes (u outward, w up). Features (corners, the
-foot of a gap) part every section into regions; each region has the same number of points in every section, so that
-corner is joined to corner. A feature deeper than any wheel comes, wherever there is rail on both sides of it, is a gap:
-it parts the rail into pieces, as the nose of a crossing and its wing rail. A piece without length in a section does not
-exist there.
-
-Along s the points of a piece and their tangents are joined by cubic splines, which part where sections show a step or a
-bend. Before the first and behind the last section the rail is constant; a piece that begins or ends between sections
-falls off steeply."""
+Regions between features, gaps and pieces are those of docs/user/changing_rails.md. Along s the points of a piece and
+their tangents are joined by cubic splines, which part where sections show a step or a bend. Before the first and behind
+the last section the rail is constant; a piece that begins or ends between sections falls off steeply.
+"""
 
 from __future__ import annotations
 
@@ -117,11 +112,6 @@ class RailSurface:
     def end(self) -> float:
         """Distance of the last section [m]."""
         return self.sections[-1].distance
-
-    @property
-    def gaps(self) -> list[float]:
-        """Distances between neighbouring sections [m]."""
-        return [after.distance - before.distance for before, after in pairwise(self.sections)]
 
     @cached_property
     def constant(self) -> Profile | None:
@@ -297,11 +287,8 @@ NEEDED = ("at_m", "outward_mm", "up_mm")
 def read_sections(path: Path, measured: bool = False) -> list[RailSection]:
     """Sections in the order of the table.
 
-    Consecutive rows with one ``at_m`` are the points of one section, from one of its ends to the other. ``feature``
-    holds the numbers of the features on a point, 1, 2, ... from the gauge side on, separated by blanks; every section
-    has each of them once. measured: points are smoothed, not interpolated.
-
-    Raises InputError with file, line and what is allowed.
+    Consecutive rows with one ``at_m`` are the points of one section, from one of its ends to the other. measured:
+    points are smoothed, not interpolated. Raises InputError with file, line and what is allowed.
     """
     table, lines = read_columns(path, COLUMNS, NEEDED, "points")
     at = table["at_m"]

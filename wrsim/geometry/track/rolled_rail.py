@@ -1,17 +1,8 @@
 """The effective profile (envelope) of a rail whose profile changes along the track, as a rolling wheel meets it.
 
-A wheel of radius R about a level axle is cut by the plane at x ahead of the axle in its own outline, raised by d(x) = R
-- sqrt(R^2 - x^2). It touches a rail of sections r(s) if and only if its outline touches the upper envelope of all
-sections r(s + x), each lowered by d(x): a prismatic rail, the effective one at s. The envelope has a point of every row
-of the surface, at the x where its velocity has no component along the normal n of the section,
-
-    r'(s + x) . n = d'(x) n_w,
-
-and there the normal n. So a nose that rises 1:10 is touched at x = R / 10 sqrt(1 / (1 + 1/100)) ahead of the axle.
-Along the rail the two bodies part with the curvature d'' n_w - r'' . n; of several such x the one that stands out
-farthest counts: at a joint that is a step, before which and behind which the wheel touches.
-
-A yawed wheel touches at x_l + x with the shift x_l of its own outline; then the effective section is that at s + x_l.
+The equations are those of docs/theory/surfaces.md. The envelope has a point of every row of the surface. At a joint
+that is a step the wheel touches before and behind it. A yawed wheel touches at x_l + x with the shift x_l of its own
+outline; then the effective section is that at s + x_l.
 
 Stations along s have tables of the effective section, so close that cubics between them are good to TOLERANCE. The rows
 of a piece have equal steps of arclength from its anchor, whose row is the same in all tables; beyond its ends, and
@@ -101,7 +92,7 @@ def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> Roll
     found = {float(x): _effective(surface, float(x), radius) for x in s}
     arcs = []
     for curves in zip(*found.values(), strict=True):
-        ends_of = [(own.arc[0], own.arc[-1]) for own in curves if own.arc.size]
+        ends_of = [(arc[0], arc[-1]) for arc, _ in curves if arc.size]
         first, last = min(a for a, _ in ends_of), max(b for _, b in ends_of)
         arcs.append(
             np.asarray(step * np.arange(int(np.floor(first / step)), int(np.ceil(last / step)) + 1), dtype=float)
@@ -155,13 +146,9 @@ def _rates(s: Array, tables: Array) -> Array:
     return out
 
 
-@dataclass(frozen=True)
-class _Curve:
-    """Effective section of a piece: arclengths from its anchor (n,), rows (n, 7) of `envelope_rows` that are neither
-    too deep nor fold back; empty where the piece does not exist."""
-
-    arc: Array
-    rows: Array
+_Curve = tuple[Array, Array]
+"""Effective section of a piece: arclengths from its anchor (n,), rows (n, 7) of `envelope_rows` that are neither too
+deep nor fold back; empty where the piece does not exist."""
 
 
 def _effective(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
@@ -181,14 +168,14 @@ def _effective(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
 def _curve(piece: Piece, rows: Array, lowest: float) -> _Curve:
     """The effective section of a piece down to a height."""
     if rows[piece.anchor, 1] < lowest:
-        return _Curve(np.zeros(0), np.zeros((0, 7)))
+        return np.zeros(0), np.zeros((0, 7))
     keep = np.zeros(len(rows), dtype=bool)
     unfold(rows, piece.anchor, lowest, keep)
     at = int(keep[: piece.anchor].sum())
     rows = rows[keep, :7]
     bent = np.arcsin(np.clip(rows[:-1, 2] * rows[1:, 3] - rows[:-1, 3] * rows[1:, 2], -1.0, 1.0))
     arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(rows[:, :2], axis=0).T) * (1.0 + bent**2 / 24.0)))
-    return _Curve(arc - arc[at], rows)
+    return arc - arc[at], rows
 
 
 def _table(curves: Sequence[_Curve], arcs: Sequence[Array]) -> Array:
@@ -198,7 +185,7 @@ def _table(curves: Sequence[_Curve], arcs: Sequence[Array]) -> Array:
 
 def _rows(curve: _Curve, arc: Array) -> Array:
     """Rows of a piece at the arclengths ``arc``; beyond its ends it goes on straight."""
-    at, rows = curve.arc, curve.rows
+    at, rows = curve
     if at.size < 2:
         return np.column_stack((arc, np.full(arc.size, -NOWHERE), np.ones(arc.size), *np.zeros((5, arc.size))))
     inside = np.clip(arc, at[0], at[-1])
@@ -212,19 +199,9 @@ def _rows(curve: _Curve, arc: Array) -> Array:
     return np.column_stack((point, tangent, k, ahead, slope, bend))
 
 
-@dataclass(frozen=True)
-class StationFields:
-    """Distance fields of some stations one behind the other, each with ``rows`` rows of the grid; numbers: of the field
-    of every station; slack: its largest error [m]."""
-
-    field: DistanceField
-    rows: int
-    numbers: Array
-    slack: float
-
-
-def station_fields(rail: RolledRail) -> StationFields:
-    """Fields of so many stations that every section is within about FIELD_APART of that of its field."""
+def station_fields(rail: RolledRail) -> tuple[DistanceField, int, Array, float]:
+    """Distance fields of so many stations, one behind the other, that every section is within about FIELD_APART of that
+    of its field; rows of each, the number of the field of every station, and the largest error [m]."""
     height = rail.tables[..., 1]
     near = height > height.max(axis=1, keepdims=True) - DEEP
     chosen, numbers, off = [0], [], 0.0
@@ -241,7 +218,7 @@ def station_fields(rail: RolledRail) -> StationFields:
     values = [field_of_points(arc, rail.tables[i, :, :4], low, counts, SPACING) for i in chosen]
     # a yawed wheel touches places ahead of the axle and behind it
     field = DistanceField(np.concatenate(values), low, SPACING)
-    return StationFields(field, counts[0], np.array(numbers, dtype=float), off + FIELD_APART)
+    return field, counts[0], np.array(numbers, dtype=float), off + FIELD_APART
 
 
 def _between(rail: RolledRail, one: int, other: int, near: Array) -> float:

@@ -1,15 +1,10 @@
 """The pieces a track is made of, and the laws of curvature, cant and gauge that follow from a row of them.
 
-Cant of a segment is positive when it leans the vehicle to the inside, in curves of either hand. Inside the
-library cant is signed like the curvature: positive when the right rail is the higher one, as a left curve
-needs it. A transition joins whatever lies before and behind it: curvature, cant and gauge run from the end of
-the segment before to the start of the segment behind (level straight track at nominal gauge where there is
-none). Without one the curvature jumps, as in the branch of a turnout: position, tangent and frame are continuous there,
-and path tables spread the jump over one step.
-
-Grades: each holds from its point of change on. Around that point a circular curve of the vertical radius leads from one
-grade to the next, half of its length before the point and half behind: the angle of slope runs linearly over |change of
-angle| times radius.
+Cant of a segment is positive when it leans the vehicle to the inside, in curves of either hand. Inside the library cant
+is signed like the curvature: positive when the right rail is the higher one. Beside a transition at an end of the row
+lies level straight track at nominal gauge. Without a transition the curvature jumps, as in the branch of a turnout;
+path tables spread the jump over one step. A vertical curve has half of its length before the change of grade and half
+behind (docs/theory/track.md).
 """
 
 from __future__ import annotations
@@ -98,39 +93,33 @@ def check_segments(segments: Sequence[Segment], gauge: float) -> None:
         if not isinstance(segment, Segment):
             raise InputError(f"segment {number} is a {type(segment).__name__}; allowed: Straight, Transition, Arc")
         where = f"segment {number} ({kind_of(segment)})"
-        length = _number(where, "length_m", segment.length)
-        if not length >= SHORTEST:
-            raise InputError(f"{where}: length_m = {length:g}; allowed: above 0, {SHORTEST:g} at least")
+        for key, value in vars(segment).items():
+            if key != "form":
+                _check_number(where, key, value)
+        if not segment.length >= SHORTEST:
+            raise InputError(f"{where}: length_m = {segment.length:g}; allowed: above 0, {SHORTEST:g} at least")
         if isinstance(segment, Transition):
             if segment.form not in FORMS:
                 hint = suggest(str(segment.form), FORMS)
                 raise InputError(f"{where}: form = {segment.form!r}; allowed: {', '.join(map(repr, FORMS))}{hint}")
             if number > 1 and isinstance(segments[number - 2], Transition):
-                allowed = "allowed: one transition between two arcs or straights (put an arc or a straight between)"
-                raise InputError(
-                    f"{where} follows another transition, so the curvature between them is open; {allowed}"
-                )
-        if isinstance(segment, Arc):
-            radius = _number(where, "radius_m", segment.radius)
-            if radius == 0.0:
-                allowed = "allowed: positive (left) or negative (right); for straight track use kind = 'straight'"
-                raise InputError(f"{where}: radius_m = 0; {allowed}")
-            if abs(radius) <= gauge:
-                allowed = f"above the gauge ({gauge:g} m) in size; the inner rail of a tighter curve does not exist"
-                raise InputError(f"{where}: radius_m = {radius:g}; allowed: {allowed}")
-        for key, value in vars(segment).items():
-            if most := LARGEST.get(key.removesuffix("_start").removesuffix("_end")):
-                check_range(where, f"{key}_mm", _number(where, f"{key}_mm", value), -most, most, 1e3)
+                words = "follows another transition, so the curvature between them is open; allowed: one transition"
+                raise InputError(f"{where} {words} between two arcs or straights (put an arc or a straight between)")
+        if isinstance(segment, Arc) and abs(segment.radius) <= gauge:
+            hint = (
+                "positive to the left; the inner rail of a tighter curve does not exist, straight track is a straight"
+            )
+            allowed = f"above the gauge ({gauge:g} m) in size, {hint}"
+            raise InputError(f"{where}: radius_m = {segment.radius:g}; allowed: {allowed}")
 
 
 def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
     """Curvature, cant and widening over distance for a row of segments.
 
-    Ramps are linear in xi = 0..1 or, of Bloss, (end - start)(3 xi^2 - 2 xi^3), with slope zero at both ends (A. E.
-    Bloss, Der Uebergangsbogen mit geschwungener Ueberhoehungsrampe, Organ fuer die Fortschritte des Eisenbahnwesens 73
-    (1936) 319-320). rounding: half length [m] over which kinks of cant and gauge are rounded (`Piecewise.rounded`): a
-    rail is a beam and has no kinks; without this the rails' tangents would jump at the ends of linear ramps.
-    Raises InputError for wrong values and for jumps of cant or gauge.
+    Ramps are linear or those of A. E. Bloss, Der Uebergangsbogen mit geschwungener Ueberhoehungsrampe, Organ fuer die
+    Fortschritte des Eisenbahnwesens 73 (1936) 319-320. rounding: half length [m] over which kinks of cant and gauge are
+    rounded (`Piecewise.rounded`): a rail is a beam and has no kinks. Raises InputError for wrong values and for jumps
+    of cant or gauge.
     """
     check_segments(segments, gauge)
     edges = np.concatenate(([0.0], np.cumsum([float(s.length) for s in segments])))
@@ -192,12 +181,14 @@ def check_range(where: str, key: str, value: float, low: float, high: float, sca
         raise InputError(f"{where}: {key} = {scale * value:g}; allowed: {scale * low:g} to {scale * high:g}")
 
 
-def _number(where: str, key: str, value: object) -> float:
-    """The value as a finite float, or an InputError."""
-    plain = type(value) is float or (isinstance(value, Real) and not isinstance(value, bool))
-    if not plain or not math.isfinite(value):  # type: ignore[arg-type]
+def _check_number(where: str, key: str, value: object) -> None:
+    """Refuse what is not a finite number [m], and cant and widening that are too large."""
+    most = LARGEST.get(key.removesuffix("_start").removesuffix("_end"))
+    key = f"{key}_mm" if most else f"{key}_m"
+    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
         raise InputError(f"{where}: {key} = {value!r}; allowed: a finite number")
-    return float(value)  # type: ignore[arg-type]
+    if most:
+        check_range(where, key, float(value), -most, most, 1e3)
 
 
 STEEPEST = 0.15  # largest grade: 150 per thousand; adhesion railways use up to 80

@@ -1,20 +1,8 @@
 """Spectra of track irregularities, and tracks drawn from them.
 
 Densities are one-sided over the wave number W = 2 pi / wavelength, in m2/(rad/m), of the four channels of
-`wrsim.geometry.track.irregularities`. Marks: [pub] published figure, [mem] recalled from the literature.
-
-ERRI B176 (ERRI Question B 176, RP 1, 1989; Wc = .8246, Wr = .0206, Ws = .4380 rad/m):
-
-- alignment, level: b0 / ((W^2 + Wr^2)(W^2 + Wc^2)) [pub];
-- cross-level as angle: (Av / b^2) Wc^2 W^2 / ((W^2 + Wr^2)(W^2 + Wc^2)(W^2 + Ws^2)) with b half the distance of the
-  rails [mem: Claus and Schiehlen 1998]; as height of one rail above the other four times that without b;
-- gauge: none is defined; the gauge stays as it is.
-
-FRA classes 1 to 6 (k = .25, Wc = .8245 rad/m):
-
-- level, alignment: k A Wc^2 / (W^2 (W^2 + Wc^2)); A vertical [pub], lateral [pub], of classes 3 and 4 [mem];
-- cross-level, gauge: 4 k Av Wc^2 / ((W^2 + Wc^2)(W^2 + Ws^2)), Ws by class [mem: Garg and Dukkipati 1984; Lei and
-  Noda 2002].
+`wrsim.geometry.track.irregularities`: those of docs/theory/track.md. Marks: [pub] published figure, [mem] recalled from
+the literature.
 """
 
 from __future__ import annotations

@@ -1,21 +1,8 @@
 """Measured track: a CSV table of geometry and irregularities against distance.
 
-Columns (distance and at least one more; signs as everywhere, left and up positive):
-
-================== =====================================================================================
-distance_m         rising; counted from the first row
-curvature_per_km   1000 / radius, positive to the left
-cant_mm            positive: right rail higher
-gauge_mm           the gauge itself
-grade_permille     positive: uphill
-alignment_mm, level_mm, cross_level_mm, gauge_deviation_mm
-                   irregularities of both rails together: to the left, up, right rail over left, rails apart
-left_lateral_mm, left_vertical_mm, right_lateral_mm, right_vertical_mm
-                   irregularities of one rail
-================== =====================================================================================
-
-Curvature and grade are taken as straight between the rows, cant, gauge and irregularities as cubic splines, so that
-rails have continuous tangents and curvatures.
+Columns: distance and at least one more of ``COLUMNS``; signs as everywhere, left and up positive. Curvature and grade
+are taken as straight between the rows, cant, gauge and irregularities as cubic splines, so that rails have continuous
+tangents and curvatures.
 """
 
 from __future__ import annotations
@@ -81,7 +68,6 @@ class TrackTable:
 
     @property
     def length(self) -> float:
-        """From the first to the last row [m]."""
         return float(self.distance[-1])
 
     def laws(self, gauge: float) -> Laws:

@@ -6,10 +6,6 @@ other falls by half the cant. Distance is counted along the centre line, also wh
 moves each rail outward by half of it. The origin of each rail profile sits at the outward distance gauge(s)/2 + o
 and the height b in the canted cross-section; (o, b) come from the inclined rail profile (o = -u of its gauge point,
 b = -w of its highest point). Irregularities move the rails along the axes of the cross-section, not the centre line.
-
-Signs. ``cant(s)`` is signed like the curvature: positive when the right rail is the higher one, which leans a
-vehicle to the inside of a left curve. ``roll(s)`` = -asin(cant / cant_base) is the rotation about t, positive
-with the left rail up.
 """
 
 from __future__ import annotations
@@ -193,7 +189,6 @@ class Track:
 
     @cached_property
     def right(self) -> Path:
-        """The right rail as a table."""
         return self.right_curve.path(self.rail_rows)
 
     @property
@@ -212,10 +207,6 @@ class Track:
     def cant(self, s: ArrayLike) -> Array:
         """Signed cant [m], positive when the right rail is higher."""
         return self.left_curve.cant(s)
-
-    def roll(self, s: ArrayLike) -> Array:
-        """Roll of the cross-section about t [rad], positive when the left rail is higher."""
-        return self.left_curve.roll(s)[0]
 
     def grade(self, s: ArrayLike) -> Array:
         """Grade: rise over level length, positive uphill."""
@@ -258,10 +249,6 @@ class Track:
 
     def features(self) -> tuple[Feature, ...]:
         """The segments in order, with labels and distances, for plots and reports."""
-        return self._features
-
-    @cached_property
-    def _features(self) -> tuple[Feature, ...]:
         if not self.segments:
             return (Feature("table", "measured", 0.0, self.length),)
         ends = pairwise(self.centre_line.curvature_law.breaks.tolist())

@@ -16,14 +16,8 @@ Kind = Literal["passenger", "locomotive", "freight"]
 
 @dataclass(frozen=True)
 class AssessmentSettings:
-    """What an assessment rests on; None is taken from the result where it can be.
-
-    kind of vehicle; axle_load 2Q0 of every wheelset [N]; friction: coefficient for Nadal's limit; flange_angle [rad];
-    instability_frequency f0 [Hz]; section_length of every class of track [m]; straight_deficiency: cant deficiency [m]
-    up to which curves of large radius belong to straight track; admissible_deficiency: of the vehicle [m];
-    estimate_over: influences by which values are estimated; estimate_at: where, the largest of the sections unless
-    given.
-    """
+    """What an assessment rests on: keys of `AssessmentSection` in SI units; None is taken from the result where it can
+    be. estimate_at: places of the influences, the largest of the sections unless given."""
 
     kind: Kind = "passenger"
     axle_load: float | None = None
@@ -91,6 +85,5 @@ class AssessmentSection(AnalysisTable, header="[assessment]"):
             yield "speed", "estimate_speed_kmh", self.estimate_speed_kmh / 3.6
 
     def settings(self) -> AssessmentSettings:
-        """The same in SI units."""
         places = {name: place for name, _, place in self._places()}
         return self.to_si(AssessmentSettings, kind=self.vehicle_kind, estimate_at=places)

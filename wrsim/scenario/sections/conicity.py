@@ -22,13 +22,11 @@ AMPLITUDES = tuple(round(1.0 + 0.1 * i, 1) for i in range(61))
 
 @dataclass(frozen=True)
 class ConicityPlan:
-    """Amplitudes [m] and what the lateral shift is.
+    """Keys of `ConicitySection` in SI units.
 
     roll = "none": the wheelset does not roll, as in EN 15302. "rail-top": it rolls until both wheels touch, the shift
     is that of its point at the height of the rail tops, which makes the kinematics of rolling exact. "centre": it
     rolls, the shift is that of its centre of mass, the ``lateral_shift`` of a run.
-    curves: radii [m] of which the radial steering index is given; flange_from: contact angle at which the flange begins
-    there [rad].
     """
 
     amplitudes: tuple[float, ...]

@@ -11,7 +11,6 @@ from pydantic import Field
 
 from wrsim.errors import InputError
 from wrsim.geometry.track.irregularities import CHANNELS, Bump, Channel, Disturbance, Polygon, Rail, Shape
-from wrsim.geometry.track.segments import Grade
 from wrsim.geometry.track.spectra import SPECTRA, Realisation
 from wrsim.geometry.track.table import TrackTable
 from wrsim.geometry.track.track import ROUNDING
@@ -38,9 +37,6 @@ class GradeSection(Section, header="[[track.grades]]"):
     """Slope of the line from there on; positive climbs."""
     vertical_radius_m: Annotated[float, number(200, 1e7, "m, of the vertical curve at the change")] = 10_000.0
     """Radius of the vertical curve that leads over from the grade before."""
-
-    def to_geometry(self) -> Grade:
-        return Grade(self.from_m, self.grade_permille / 1e3, self.vertical_radius_m)
 
 
 class IrregularityTable(Choice, header="[[track.irregularities]]"):

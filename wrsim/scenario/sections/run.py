@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -121,11 +121,6 @@ class RunPlan:
     def speeds(self) -> tuple[float, float]:
         """The lowest and the highest speed on the way [m/s]."""
         return (self.speed, self.speed) if self.profile is None else self.profile.until(self.duration)
-
-    @property
-    def at_constant_speed(self) -> RunPlan:
-        """The same at the lowest speed on the way."""
-        return replace(self, speed=self.speeds[0], profile=None)
 
     @property
     def limited(self) -> bool:

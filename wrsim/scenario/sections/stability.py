@@ -17,13 +17,9 @@ MOST_SPEEDS = 1000
 
 @dataclass(frozen=True)
 class CyclePlan:
-    """How limit cycles are looked for; SI units.
+    """How limit cycles are looked for: keys of `StabilitySection` in SI units.
 
-    start: speed of the first one, None: 10 % above the linear critical speed or the largest speed of the modes; step,
-    tolerance: of the falling speed, and how closely the speed is found at which the cycle dies; lowest: where the
-    search ends; kick: lateral shift of the wheelsets that sets the first cycle off; small_kick: that of the runs from
-    below; window: time over which an amplitude is taken; longest: time at one speed; rest: amplitude below which the
-    vehicle runs straight.
+    start: None for 10 % above the linear critical speed or the largest speed of the modes.
     """
 
     start: float | None

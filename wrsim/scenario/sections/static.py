@@ -31,16 +31,12 @@ MOST_POSES = 1_000_000
 
 @dataclass(frozen=True)
 class StaticPlan:
-    """Poses to solve: of one wheel (that of ``side``) or of the wheelset; rolling or frictionless.
-
-    files: what they were read from.
-    """
+    """Poses to solve: of one wheel (that of ``side``) or of the wheelset; rolling or frictionless."""
 
     target: Literal["wheel", "wheelset"]
     side: Literal["left", "right"]
     rolling: bool
     poses: tuple[Pose, ...]
-    files: tuple[Path, ...] = ()
 
     def facts(self) -> dict[str, Any]:
         return {"poses": len(self.poses)}
@@ -97,10 +93,9 @@ class StaticSection(PlanTable, header="[static]"):
         if self.cases is None:
             grid = product(self.lateral_mm, self.yaw_mrad, self.load_kN or (), self.roll_mrad)
             poses = named([Pose("", y / 1e3, yaw / 1e3, load * 1e3, roll / 1e3) for y, yaw, load, roll in grid])
-            return StaticPlan(self.target, self.side, self.rolling, poses)
-        file = given.find(("static", "cases"), self.cases)
-        poses = read_cases(file, with_roll=self.target == "wheel")
-        return StaticPlan(self.target, self.side, self.rolling, poses, (file,))
+        else:
+            poses = read_cases(given.find(("static", "cases"), self.cases), with_roll=self.target == "wheel")
+        return StaticPlan(self.target, self.side, self.rolling, poses)
 
 
 def named(poses: Sequence[Pose]) -> tuple[Pose, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -59,13 +59,12 @@ Radius = Annotated[
 class SegmentTable(Choice, header="[[track.segments]]"):
     """A piece of the track."""
 
-    geometry: ClassVar[type[segments.Segment]]
+    geometry: ClassVar[Callable[..., segments.Segment]]
 
     kind: str
     """Kind of piece."""
 
     def to_geometry(self) -> segments.Segment:
-        """The segment in SI units."""
         return self.to_si(self.geometry)
 
 
@@ -128,7 +127,6 @@ class ArcSegment(SegmentTable, kind="arc"):
 
     @property
     def length(self) -> float:
-        """Length of the arc [m]."""
         if self.length_m is not None:
             return self.length_m
         return abs(self.radius_m) * math.radians(self.angle_deg or 0.0)

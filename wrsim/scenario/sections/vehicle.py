@@ -10,7 +10,7 @@ from pydantic import Field
 
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import List, OrTable, RisingRows, Row, Two, number, text, within
-from wrsim.vehicle.loads import Effort, Over, SlipControl
+from wrsim.vehicle.loads import Effort, Over
 from wrsim.vehicle.speed import SpeedProfile
 from wrsim.vehicle.vehicle_sections import LoadTable, PayloadTable, Radius, WheelName
 
@@ -86,7 +86,6 @@ class EffortTable(Section, header="[[vehicle.efforts]]"):
     """Moment over the distance of the vehicle's origin, linear between rows, constant beyond them."""
 
     def effort(self, wheelset: str) -> Effort:
-        """The effort on a wheelset in SI units."""
         over: Over = "time" if self.distance_m_moment_kNm is None else "distance"
         rows = self.time_s_moment_kNm or self.distance_m_moment_kNm or ((0.0, self.moment_kNm or 0.0),)
         return Effort(wheelset, tuple((x, 1e3 * moment) for x, moment in rows), over, self.wheel)
@@ -108,10 +107,6 @@ class SlipControlTable(Section, header="[vehicle.slip_control]"):
     def consistency(self) -> Iterator[Fault]:
         if self.slip_kmh == 0.0 == self.creepage:
             yield Fault("creepage", "or slip_kmh must be above 0: at a limit of 0 no moment would be given")
-
-    def control(self) -> SlipControl:
-        """The same in SI units."""
-        return SlipControl(self.slip_kmh / 3.6, self.creepage)
 
 
 class VehicleSection(Section, header="[vehicle]"):
