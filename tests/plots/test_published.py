@@ -50,6 +50,14 @@ def test_words_beside_the_panels_of_a_vehicle_do_not_overlap(four) -> None:
     assert figure.get_suptitle().endswith("derailment quotient")
 
 
+def test_what_is_infinite_is_not_drawn(four) -> None:
+    """A file that somebody made may hold anything."""
+    odd = four.copy(deep=True)
+    odd["Y_over_Q"][3] = np.inf
+    scales = [wheelsets_figure(dataset, "Y_over_Q").axes[-1].get_ylim() for dataset in (four, odd)]
+    assert np.isfinite(scales).all()
+
+
 @pytest.mark.parametrize("radius", [300.0, 150.0])
 def test_the_derailment_quotient_has_its_limit_where_there_is_one(one, radius) -> None:
     """EN 14363 sets none in curves below 250 m."""

@@ -131,8 +131,9 @@ def rendered(figure: Figure, vector: bool = False, dpi: int = 220) -> bytes:
 
 
 def shown(dataset: xr.Dataset, name: str) -> NDArray[np.float64]:
-    """Values of a channel in the unit for readers."""
-    return np.asarray(dataset.variables[name].values, dtype=float) * CHANNELS[name].shown.factor
+    """Values of a channel in the unit for readers; not-a-number, which is not drawn, also for infinite ones."""
+    values = np.asarray(dataset.variables[name].values, dtype=float) * CHANNELS[name].shown.factor
+    return np.where(np.isfinite(values), values, np.nan)
 
 
 def abscissa(dataset: xr.Dataset) -> tuple[NDArray[np.float64], str]:
