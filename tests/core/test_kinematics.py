@@ -177,3 +177,22 @@ def test_a_carried_mass_presses_with_its_weight_and_its_centrifugal_force():
     assert force == pytest.approx([0.0, -outward, -1e4 * 9.80665], rel=1e-9, abs=1e-3)
     # to the right at 1.3 m above the axle: the left wheel goes up
     assert moment == pytest.approx([1.3 * outward, 0.0, 0.0], rel=1e-9, abs=1e-3)
+
+
+def test_a_state_is_near_where_no_first_position_is_farther_than_allowed():
+    q, q_t = np.array([1.0, 2.0, 3.0]), np.array([0.1, 0.2, 0.3])
+    known = np.array([q, q_t])
+    assert wheelset.is_near(known, q, q_t, 2, 0.0)  # the very same, rates and all
+    assert not wheelset.is_near(known, q, q_t + 0.1, 2, 0.0) and wheelset.is_near(known, q, q_t + 0.1, 2, 0.5)
+    moved = q + np.array([0.0, 0.25, 9.0])  # only the first two count
+    assert wheelset.is_near(known, moved, q_t, 2, 0.25) and not wheelset.is_near(known, moved, q_t, 2, 0.2)
+    assert not wheelset.is_near(known, moved, q_t, 3, 0.25) and not wheelset.is_near(known, moved, q_t, 2, 0.0)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("i", range(6))
+def test_the_first_number_that_is_not_finite_is_found_among_positions_then_rates(bad, i):
+    state = np.arange(6.0)
+    assert wheelset.first_not_finite(state[:3], state[3:]) == -1
+    state[i:] = bad
+    assert wheelset.first_not_finite(state[:3], state[3:]) == i
