@@ -63,7 +63,7 @@ def test_scenarios_start_from_each_other_so_often_and_no_further(tmp_path):
     (tmp_path / "0.toml").write_text(CURVE)
     for i in range(1, MOST_BASES + 2):
         (tmp_path / f"{i}.toml").write_text(f'base = "{i - 1}.toml"\n')
-    assert len(load(tmp_path / f"{MOST_BASES}.toml").files) == MOST_BASES + 1
+    assert len(load(tmp_path / f"{MOST_BASES}.toml").merged.files) == MOST_BASES + 1
     with pytest.raises(InputError, match=r'1\.toml:1: base = "0\.toml": is one file too many: at most 20 scenarios'):
         load(tmp_path / f"{MOST_BASES + 1}.toml")
 
