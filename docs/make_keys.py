@@ -1,11 +1,12 @@
-"""Writes the pages of keys and of commands and the schemas from the code. Run: python docs/make_keys.py
+"""Writes the pages of keys, commands and channels and the schemas from the code. Run: python docs/make_keys.py
 
-They are docs/reference/keys.md, docs/reference/commands.md and docs/schema/*.json.
+They are docs/reference/keys.md, docs/reference/commands.md, docs/reference/channels.md and docs/schema/*.json.
 """
 
 from __future__ import annotations
 
 import re
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from wrsim.cli import app
 from wrsim.inputs.reference import entries, heading, purpose
 from wrsim.inputs.section import Section
 from wrsim.register import FILES
+from wrsim.results import CHANNELS
 from wrsim.scenario.reference import schema_text, tables_of_file
 
 HERE = Path(__file__).parent
@@ -65,6 +67,39 @@ Options of many commands:
 Exit codes: 0 completed; 1 a file cannot be read or written; 2 an input or the command line is not valid; 3 a run
 stopped before its end, or a case of a study has no result; 4 two results differ (`wrsim diff`); 70 an error of wrsim
 itself; 130 interrupted.
+"""
+CHANNELS_HEAD = """# Channels of a result
+Every channel by its name, made from the register by `python docs/make_keys.py`. A result is one labelled dataset
+(xarray, in `result.nc`) in SI units with the channels that its analysis computes; every variable has `units` and
+`long_name`. Tables and pictures show the unit in brackets. "Also called" has terms of the field and the names in
+CONTACT.
+
+| dimension | labels | meaning |
+|---|---|---|
+| sample | `time` [s] in runs, `pose` (names) in static analyses | a dataset has one of the two |
+| moment | `snapshot` (0, 1, ...) in runs, `pose` in static analyses | where strips are stored |
+| wheelset | names, as "front.outer"; "wheelset" where it runs alone | the front one first |
+| wheel | "left", "right" | one of them alone where only one wheel is computed |
+| patch | 0, 1, 2 | contact patches of a wheel, largest normal force first |
+| strip, column | none | strips of a patch by increasing s, elements by increasing x; unused places are not-a-number |
+| axis | none | t, o, b of the wheel's own rail; on the right side mirrored, angular velocities too |
+| amplitude | [m] | of the swing, in conicity analyses |
+| mode, cycle | none | oscillating modes by their frequencies; held speeds of the search for limit cycles |
+| body, point, suspension, coupling, external_load | names | of the vehicle file |
+| event | none | what happens in the run |
+| wheel_place, rail_place | none | bins of equal arclength on the profiles of wheels and rails |
+| rail_point, wheel_point | none | points of the outlines |
+
+Values are not-a-number where there is no contact, no such patch, no solution; counts are integers, 0 there. Axes and
+signs: [conventions](conventions.md). CONTACT, SIMPACK and GENSYS have y to the right and z down: a lateral or
+vertical channel has the opposite sign there, unless it counts outward or down. `Result.wheelset(name)` gives the
+channels of one wheelset without the dimension `wheelset`, with its own distance as `distance`.
+
+Attributes of the dataset: `format`, `format_version`, `title`, `analysis`, `status` ("completed" or "stopped"),
+`resolved_with` and `resolved_at_same` (snapshots solved again by another contact model), `stop_reason` (a sentence),
+`stop_cause` (one word), `stop_time_s`, `stop_distance_m`; of a run `integrator`, `step_s`, `steps`, `evaluations` (of
+the forces), `jacobians`, `explicit_steps`; `scenario_text`, `inputs` (JSON: SHA-256 of every file that is read, by
+its name), and the versions of wrsim, Python and the numerical libraries.
 """
 SHARED = {"as_json", "quiet", "force", "models", "pictures"}
 """Options that the head of the page of commands has."""
@@ -118,6 +153,22 @@ def _option(parameter: Any) -> str:
     return f"| `{_plain(name)}` | {_plain(parameter.help)} | {shown} |"
 
 
+def channels() -> str:
+    """The page of channels, in the sections that the register has as lines with #."""
+    lines = [CHANNELS_HEAD]
+    register = files("wrsim.results").joinpath("data/channels.csv").read_text(encoding="utf-8").splitlines()
+    for line in register[2:]:
+        if line.startswith("#"):
+            heads = ("channel", "dimensions", "unit", "meaning", "also called")
+            lines += ["", f"#{line}", f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+            continue
+        c = CHANNELS[line.partition(",")[0]]
+        unit = c.unit if c.shown.symbol in (c.unit, "m/s²") else f"{c.unit} [{c.shown.symbol}]"
+        meaning = f"{c.long_name}: {c.note}" if c.note else c.long_name
+        lines.append(f"| `{c.name}` | {', '.join(c.dims)} | {unit} | {_plain(meaning)} | {_plain(c.terms)} |")
+    return re.sub("\n{3,}", "\n\n", "\n".join(lines)) + "\n"
+
+
 def _plain(text: str | None) -> str:
     """Help without line breaks and without the escapes of the terminal; bars are those of a table."""
     return re.sub(r"\s+", " ", (text or "").replace("\\[", "[")).strip().replace("|", "\\|").replace("<", "\\<")
@@ -135,6 +186,7 @@ def pages() -> dict[Path, str]:
                 lines += own[2:] if table.header == words else own  # the file itself has its heading
             shown.add(table)
     found = {REFERENCE / "keys.md": "\n".join(lines).rstrip() + "\n", REFERENCE / "commands.md": commands()}
+    found[REFERENCE / "channels.md"] = channels()
     return found | {HERE / "schema" / f"{name}.schema.json": schema_text(name) + "\n" for name in FILES}
 
 

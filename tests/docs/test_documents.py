@@ -1,4 +1,4 @@
-"""What the pages name exists: channels, modules, files, commands, scenarios, links."""
+"""What the pages name exists: modules, files, commands, scenarios, links."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,6 @@ import pytest
 from typer.main import get_command
 
 from wrsim.cli import app
-from wrsim.results import CHANNELS
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -18,22 +17,6 @@ FOLDERS = ("wrsim", "tests", "benchmarks", "campaigns", "docs", "models", "scena
 
 def named(pattern: str, page: Path) -> list[str]:
     return re.findall(pattern, page.read_text())
-
-
-def listed_channels() -> dict[str, str]:
-    """Unit for readers by channel, from the tables of the nomenclature page."""
-    found = {}
-    for line in (ROOT / "docs" / "reference" / "nomenclature.md").read_text().splitlines():
-        cells = [cell.strip() for cell in line.strip("|").split("|")]
-        names = re.findall(r"`(\w+)`", cells[1]) if line.startswith("|") and len(cells) == 4 else []
-        units = [unit.strip() for unit in cells[2].split(",")] if names else []
-        units = units * len(names) if len(units) == 1 else units
-        found |= dict(zip(names, units, strict=True))
-    return found
-
-
-def test_every_channel_is_on_the_nomenclature_page_with_its_unit() -> None:
-    assert listed_channels() == {name: channel.shown.symbol for name, channel in CHANNELS.items()}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

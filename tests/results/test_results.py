@@ -49,30 +49,7 @@ def written(tmp_path_factory) -> dict[str, Path]:
     return directories
 
 
-def documented_channels() -> dict[str, tuple[tuple[str, ...], str]]:
-    """Dimensions and unit by channel from the tables in docs/reference/channels.md."""
-    text = (ROOT / "docs" / "reference" / "channels.md").read_text()
-    found = {}
-    for line in text.splitlines():
-        cells = [c.strip() for c in line.strip("|").split("|")]
-        if not line.startswith("|") or len(cells) != 4 or cells[0] in ("name", "---"):
-            continue
-        names, units = ([part.strip() for part in cell.split(",")] for cell in (cells[0], cells[2]))
-        units = units * len(names) if len(units) == 1 else units
-        for name, unit in zip(names, units, strict=True):
-            found[name] = (tuple(d.strip() for d in cells[1].split(",")), unit)
-    return found
-
-
 # the register ------------------------------------------------------------------------------------------------------
-def test_the_page_of_channels_lists_exactly_those_of_the_register():
-    documented = documented_channels()
-    data = {name: c for name, c in CHANNELS.items() if not c.coordinate or name == "distance"}
-    assert set(documented) == set(data)
-    for name, (dims, unit) in documented.items():
-        assert (dims, unit) == (data[name].dims, data[name].unit), name
-
-
 def test_column_names_are_unique_and_plain_ascii():
     columns = [c.column for c in CHANNELS.values()]
     assert len(set(columns)) == len(columns)

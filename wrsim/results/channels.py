@@ -1,6 +1,6 @@
 """The register of channels (``data/channels.csv``): names, dimensions, units and meanings of what a Result may carry.
 
-``docs/reference/channels.md`` prints the same list, a test compares. Values are in SI units; the register also gives
+``docs/make_keys.py`` makes ``docs/reference/channels.md`` from it. Values are in SI units; the register also gives
 the unit for readers (mm, kN, degrees, MPa). Two dimensions depend on the analysis:
 
 - ``sample``: ``time`` in runs, ``pose`` in static analyses;
@@ -56,7 +56,8 @@ class Channel:
 
     ``kind`` is ``"number"`` (float64, not-a-number where nothing is defined), ``"count"`` (int64, zero where
     nothing is) or ``"text"``. ``coordinate`` is true for values that label a dimension. Channels of one name in
-    ``together`` are written together, and read together: where one of them is, the others are.
+    ``together`` are written together, and read together: where one of them is, the others are. ``note`` completes the
+    meaning, ``terms`` are other words for it; both are for the reference.
     """
 
     name: str
@@ -68,6 +69,8 @@ class Channel:
     kind: Kind
     coordinate: bool
     together: str = ""
+    note: str = ""
+    terms: str = ""
 
     @property
     def column(self) -> str:
@@ -106,7 +109,8 @@ def table(room: str, path: str) -> Iterator[dict[str, Any]]:
 
 def _channel(row: dict[str, Any]) -> Channel:
     own = {"dims": tuple(row["dims"].split()), "shown": SHOWN[row["shown"]], "kind": row["kind"] or "number"}
-    return Channel(**row | own | {"coordinate": row["coordinate"] == "yes", "together": row["together"] or ""})
+    texts = {name: row[name] or "" for name in ("together", "note", "terms")}
+    return Channel(**row | own | texts | {"coordinate": row["coordinate"] == "yes"})
 
 
 WHEELSET, BOGIE_FRAME, CAR_BODY = "wheelset", "bogie frame", "car body"
