@@ -1,11 +1,12 @@
-"""Writes the pages of keys, commands and channels and the schemas from the code. Run: python docs/make_keys.py
+"""Writes generated pages and the schemas from the code. Run: python docs/make_keys.py
 
-They are docs/reference/keys.md, docs/reference/commands.md, docs/reference/channels.md and docs/schema/*.json.
+They are docs/reference/keys.md, commands.md and channels.md, docs/user/scenarios.md and docs/schema/*.json.
 """
 
 from __future__ import annotations
 
 import re
+import tomllib
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -101,6 +102,15 @@ Attributes of the dataset: `format`, `format_version`, `title`, `analysis`, `sta
 the forces), `jacobians`, `explicit_steps`; `scenario_text`, `inputs` (JSON: SHA-256 of every file that is read, by
 its name), and the versions of wrsim, Python and the numerical libraries.
 """
+SCENARIOS = """# Scenarios that come with wrsim
+
+Files in the folder `scenarios` with their titles, made by `python docs/make_keys.py`. Comments in each file explain its
+keys; `base = "other.toml"` starts a scenario from another one. `wrsim run` takes scenarios, `wrsim study` the studies
+and `wrsim wear` the services.
+
+| file | title |
+|---|---|
+"""
 SHARED = {"as_json", "quiet", "force", "models", "pictures"}
 """Options that the head of the page of commands has."""
 
@@ -169,6 +179,14 @@ def channels() -> str:
     return re.sub("\n{3,}", "\n\n", "\n".join(lines)) + "\n"
 
 
+def scenarios() -> str:
+    """The page of shipped scenarios, studies and services."""
+    folder = HERE.parent / "scenarios"
+    found = sorted(folder.rglob("*.toml"), key=lambda path: (path.parent != folder, path))
+    titled = [(path, tomllib.loads(path.read_text(encoding="utf-8")).get("title")) for path in found]
+    return SCENARIOS + "".join(f"| `{p.relative_to(folder)}` | {title} |\n" for p, title in titled if title)
+
+
 def _plain(text: str | None) -> str:
     """Help without line breaks and without the escapes of the terminal; bars are those of a table."""
     return re.sub(r"\s+", " ", (text or "").replace("\\[", "[")).strip().replace("|", "\\|").replace("<", "\\<")
@@ -186,7 +204,7 @@ def pages() -> dict[Path, str]:
                 lines += own[2:] if table.header == words else own  # the file itself has its heading
             shown.add(table)
     found = {REFERENCE / "keys.md": "\n".join(lines).rstrip() + "\n", REFERENCE / "commands.md": commands()}
-    found[REFERENCE / "channels.md"] = channels()
+    found |= {REFERENCE / "channels.md": channels(), HERE / "user" / "scenarios.md": scenarios()}
     return found | {HERE / "schema" / f"{name}.schema.json": schema_text(name) + "\n" for name in FILES}
 
 

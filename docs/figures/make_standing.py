@@ -1,4 +1,4 @@
-"""Figures and tables of docs/validation/report.md from docs/data/standing. Run: python docs/figures/make_standing.py
+"""Figures and tables of docs/validation from docs/data/standing. Run: python docs/figures/make_standing.py
 
 The data are written by: python campaigns/scoreboard.py REFERENCE --standing docs/data/standing
 """
@@ -22,7 +22,7 @@ Rows = list[dict[str, str]]
 
 HERE = Path(__file__).parent
 DATA = HERE.parent / "data" / "standing"
-PAGE = HERE.parent / "validation" / "report.md"
+PAGES = HERE.parent / "validation"
 
 NAMES = {
     "contact_planar": "CONTACT, tangent plane",
@@ -343,17 +343,19 @@ PARTS: dict[str, Callable[[], str]] = {
 
 
 def main() -> None:
-    """Draw all figures and renew the tables of the page."""
+    """Draw all figures and renew the tables of the pages."""
     with style():
         for name, draw in FIGURES.items():
             print(save(draw(), HERE / f"{name}.png"))
-    text = PAGE.read_text(encoding="utf-8")
-    for name, make in PARTS.items():
-        start, end = f"<!-- {name}: made by make_standing.py -->", f"<!-- end of {name} -->"
-        before, rest = text.split(start)
-        text = f"{before}{start}\n{make()}\n{end}{rest.split(end)[1]}"
-    PAGE.write_text(text, encoding="utf-8")
-    print(PAGE)
+    for page in sorted(PAGES.glob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        for name, make in PARTS.items():
+            start, end = f"<!-- {name}: made by make_standing.py -->", f"<!-- end of {name} -->"
+            if start in text:
+                before, rest = text.split(start)
+                text = f"{before}{start}\n{make()}\n{end}{rest.split(end)[1]}"
+        page.write_text(text, encoding="utf-8")
+        print(page)
 
 
 if __name__ == "__main__":
