@@ -246,9 +246,11 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
 
 
 def static_tables() -> str:
-    """Median / 95 % of every quantity, a table for every reference table."""
+    """Median / 95 % of every quantity, a table for every reference table with friction."""
     parts = []
     for file, words in TABLES.items():
+        if file.endswith("frictionless"):
+            continue
         rows = read(file)
         body = []
         for model in models(rows):
@@ -262,12 +264,12 @@ def static_tables() -> str:
 
 
 def arc_table() -> str:
-    """Worst errors of p0 and width by the wheel's radius."""
+    """Worst errors of p0 and of the variation of the contact angle by the wheel's radius."""
     rows = read("arcs")
     radii = sorted({r["R_wheel_mm"] for r in rows}, key=float)
     found = [m for m in NAMES if any(r["model"] == m for r in rows)]
     parts = []
-    for quantity, words in (("p0", "p0"), ("width", "width"), ("angles", "variation of the contact angle")):
+    for quantity, words in (("p0", "p0"), ("angles", "variation of the contact angle")):
         body = []
         for model in found:
             cells = []
