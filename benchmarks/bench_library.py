@@ -14,15 +14,16 @@ from pathlib import Path
 
 import numpy as np
 
-from wrsim import ContactSettings, contact_model, load_profile
+from wrsim import ContactSettings, Pose, contact_model, load_profile
+from wrsim.analysis.poses.solver import PoseSolver
+from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.core.contact.wheel_rail import wheel_rail
 from wrsim.core.jit import Array
 from wrsim.library.build import build_library
 
-RADIUS, LOAD, SPEED, CALLS = 0.46, 55e3, 10.0, 2000
-AXLE = (2e-3, math.sqrt(1.0 - 4e-6), 0.0)
-SHIFTS = {"tread": 3e-3, "tread and root": 5.06e-3, "flange": 8e-3}
+RADIUS, CALLS = 0.46, 2000
+POSES = (Pose("tread", 3e-3, 2e-3, 55e3), Pose("tread and root", 5.06e-3, 1e-3, 55e3), Pose("flange", 8e-3, 1e-2, 55e3))
 PROGRAM = """
 #include <math.h>
 #include <stdio.h>
@@ -82,6 +83,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     rounds = parser.parse_args().rounds
     wheel, rail = load_profile("wheels/S1002.toml"), load_profile("rails/60E1.toml").inclined(1 / 40)
+    origin = (0.7175 - rail.gauge_point()[0], -rail.top[1])
     print(f"{'us a contact':32s}{'C':>8s}{'kernel':>8s}{'evaluate':>10s}{'kernel / C':>12s}{'evaluate / C':>14s}")
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
@@ -92,20 +94,11 @@ def main() -> None:
         for normal in ("kik-piotrowski", "strips"):
             model = contact_model(wheel, rail, RADIUS, ContactSettings(normal=normal))  # type: ignore[arg-type]
             model.save_for_library(folder / "contact")
-            for name, shift in SHIFTS.items():
-                start = (
-                    0.0,
-                    shift,
-                    RADIUS + 0.02,
-                    2e-3,
-                    math.sqrt(1.0 - 4e-6),
-                    0.0,
-                    SPEED,
-                    *[0.0] * 3,
-                    SPEED / RADIUS,
-                    0,
-                )
-                pose = model.solve_many([start], LOAD, threads=1).poses[0]
+            bench = PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, RADIUS)
+            for place in POSES:
+                model.arrays.follow(False)
+                bench.solve(place)
+                pose = model.arrays.pose.copy()
                 times = [
                     (from_c(folder, pose), from_python(model, pose, False), from_python(model, pose, True))
                     for _ in range(rounds)
@@ -113,7 +106,7 @@ def main() -> None:
                 c, kernel, evaluate = np.median(times, axis=0)
                 ratios = np.median([(k / c, e / c) for c, k, e in times], axis=0)
                 row = f"{c:8.1f}{kernel:8.1f}{evaluate:10.1f}{ratios[0]:12.2f}{ratios[1]:14.2f}"
-                print(f"{f'{normal}, {name}':32s}{row}", flush=True)
+                print(f"{f'{normal}, {place.name}':32s}{row}", flush=True)
 
 
 if __name__ == "__main__":
