@@ -11,6 +11,7 @@ from support.commands import forked, on_a_terminal
 from support.scenario_texts import CURVE, edited
 from support.synthetic_result import curve_run
 
+from wrsim.cli import console
 from wrsim.cli.console import plain
 from wrsim.results import Result
 
@@ -48,6 +49,19 @@ def test_a_terminal_is_told_what_goes_on_before_a_run(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout
     assert "steady motion at the start: from 0 mm aside" in done.stdout
     assert "internal error" not in done.stdout
+
+
+@pytest.mark.parametrize(("apart", "more", "least"), [(0.0, (), 3), (1e6, (), 0), (0.0, ("--quiet",), 0)])
+def test_a_pipe_gets_a_line_of_progress_now_and_then(
+    tmp_path: Path, apart: float, more: tuple[str, ...], least: int
+) -> None:
+    scenario = tmp_path / "curve.toml"
+    scenario.write_text(edited(CURVE, "[run]\n", "[run]\nstart_distance_m = 20\ntime_s = 0.02\n"))
+    command = ("run", scenario, "-o", tmp_path / "out", "--no-pictures", *more)
+    done = forked(*command, first=lambda: setattr(console, "LINES_APART", apart))
+    lines = done.stderr.splitlines()
+    assert done.returncode == 0 and (len(lines) >= least if least else not lines)
+    assert not least or (lines[-1].startswith("100%") and any("steady motion" in line for line in lines))
 
 
 def test_text_with_lines_and_tabs_stays_as_it_is() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
     from wrsim.results.table import Table
 
 Progress = Callable[[float, float], None]
+
+LINES_APART = 20.0
+"""Seconds between two lines of progress where stderr is no terminal."""
 
 
 def print_numbers(as_json: bool, numbers: dict[str, Any], tables: Iterable[Table]) -> None:
@@ -60,7 +64,7 @@ def print_lines(*lines: str) -> None:
 
 
 class _StatusLine(logging.Handler):
-    """A line on a terminal, or the text of the progress bar, for what precedes a run. An empty message clears it."""
+    """A line on a terminal, or the text of the progress shown, for what precedes a run. An empty message clears it."""
 
     bar: Callable[[str], None] | None = None
 
@@ -68,26 +72,41 @@ class _StatusLine(logging.Handler):
         words = record.getMessage()
         if _StatusLine.bar is not None:
             _StatusLine.bar(words or "running")
-        else:
+        elif sys.stderr.isatty():
             sys.stderr.write(f"\r{words}\x1b[K")
             sys.stderr.flush()
 
 
 def show_progress() -> None:
-    """Show on a terminal the progress of compiling and of the search for the motion at the start of a run."""
-    if sys.stderr.isatty():
-        for name in ("wrsim.kernels", "wrsim.start"):
-            logger = logging.getLogger(name)
-            logger.addHandler(_StatusLine())
-            logger.setLevel(logging.INFO)
-            logger.propagate = False
+    """Show the progress of compiling and of the search for the motion at the start of a run."""
+    for name in ("wrsim.kernels", "wrsim.start"):
+        logger = logging.getLogger(name)
+        logger.addHandler(_StatusLine())
+        logger.setLevel(logging.INFO)
+        logger.propagate = False
 
 
 @contextmanager
 def progress_bar(wanted: bool) -> Iterator[Progress | None]:
-    """A bar with the time left on stderr if that is a terminal; the callback takes (fraction, seconds left)."""
-    if not (wanted and sys.stderr.isatty()):
+    """A bar with the time left on stderr, or a line now and then if that is no terminal; the callback takes (fraction,
+    seconds left)."""
+    if not wanted:
         yield None
+        return
+    if not sys.stderr.isatty():
+        last = time.monotonic()
+
+        def say(words: str) -> None:
+            nonlocal last
+            if words and time.monotonic() - last >= LINES_APART:
+                print_error(words)
+                last = time.monotonic()
+
+        _StatusLine.bar = say
+        try:
+            yield lambda fraction, seconds_left: say(f"{fraction:.0%}, {time_left(seconds_left)}".removesuffix(", "))
+        finally:
+            _StatusLine.bar = None
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
