@@ -70,7 +70,7 @@ def test_driven_axles_hold_the_speed_as_a_pull_does() -> None:
     dataset = run(load(ROOT / "scenarios/manchester_r300.toml").with_values(keys)).dataset
     assert np.allclose(dataset["speed"].values, 60.0 / 3.6, rtol=2e-3)
     samples = dataset.sizes["time"]
-    last = slice(samples - 10, samples)
+    last = slice(samples - 20, samples)
     driven, pulled = (d.isel(time=last).mean(dim="time") for d in (dataset, into_the_curve().dataset))
     # the curve takes power, and as much of it either way
     pull = pulled["drive_force"].item()
