@@ -48,7 +48,7 @@ def test_regions_hold_all_strips_once(scoreboard, lateral):
 
 def test_the_page_says_what_its_data_say():
     standing = script("docs/figures/make_standing.py")
-    page = standing.PAGE.read_text(encoding="utf-8")
+    page = "".join(path.read_text(encoding="utf-8") for path in standing.PAGES.glob("*.md"))
     for name, make in standing.PARTS.items():
         start, end = f"<!-- {name}: made by make_standing.py -->\n", f"\n<!-- end of {name} -->"
         assert page.split(start)[1].split(end)[0] == make(), name
