@@ -3,16 +3,31 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wrsim.core.frames import VECTOR
+from wrsim.core.frames import VECTOR, CurveNodes
+from wrsim.core.jit import Ints, Records, kernel
 from wrsim.core.track import path as core
 from wrsim.geometry.piecewise import Array
 from wrsim.geometry.track.path import Path
 
 
+@kernel
+def curvature_many(curve: CurveNodes, s: Array, out: Array) -> None:
+    """`curvature_at` for an array s of shape (m,); values go to ``out`` of shape (m,)."""
+    for j in range(s.shape[0]):
+        out[j] = core.curvature_at(curve, s[j])
+
+
+@kernel
+def locate_many(curve: CurveNodes, points: Records, guess: Array, out: Array, status: Ints) -> None:
+    """`locate` for points, (m,) records VECTOR, and guesses (m,); results go to ``out`` and ``status`` (m,)."""
+    for j in range(points.shape[0]):
+        out[j], status[j] = core.locate(curve, points[j], guess[j])
+
+
 def curvature(path: Path, s: ArrayLike) -> Array:
     """Horizontal curvature at arclength s [1/m], positive to the left; shape of s."""
     out = np.empty(np.size(s))
-    core.curvature_many(path.curve, np.array(s, dtype=np.float64).ravel(), out)
+    curvature_many(path.curve, np.array(s, dtype=np.float64).ravel(), out)
     return out.reshape(np.shape(s))
 
 
@@ -22,6 +37,6 @@ def locate(path: Path, points: ArrayLike, guess: ArrayLike) -> Array:
     shape = points.shape[:-1]
     flat = points.reshape(-1, 3).view(VECTOR).reshape(-1)
     out, status = np.empty(flat.size), np.empty(flat.size, dtype=np.int64)
-    core.locate_many(path.curve, flat, np.broadcast_to(guess, shape).astype(np.float64).ravel(), out, status)
+    locate_many(path.curve, flat, np.broadcast_to(guess, shape).astype(np.float64).ravel(), out, status)
     out[status != core.LOCATE_OK] = np.nan
     return out.reshape(shape)

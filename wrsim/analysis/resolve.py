@@ -21,12 +21,13 @@ from numpy.typing import NDArray
 from wrsim.analysis.contacts import force_law, wheels_on_rails
 from wrsim.analysis.motion.derailment import contact_words, wheels_of
 from wrsim.analysis.motion.result import RAIL_CHANNELS, stack_wheelsets
-from wrsim.analysis.poses.solver import Carried, LoadNotReached, approach_of, height_for_load, lower
+from wrsim.analysis.poses.solver import Carried, LoadNotReached, height_for_load, lower
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact import channels
 from wrsim.contact.channels import POSE_CHANNELS, ElementField, StripRecorder, WheelOnRail
 from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.contact.status import status_words
+from wrsim.core.contact.prescribed_load import approach_of
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import CHANNELS, Result, assemble
 from wrsim.results.moments import sample_of
@@ -150,7 +151,7 @@ def _settle(wheel: WheelOnRail, load: float) -> tuple[list[ElementField], str]:
     def carried(height: float) -> Carried:
         pose[2] = height
         found[0] = element_fields(solve_into(model), len(model.arrays.patches))
-        return Carried(float(model.arrays.total["Fb"]), approach_of(model))
+        return Carried(float(model.arrays.total["Fb"]), approach_of(model.arrays.patches, model.arrays.total))
 
     if load > 0.0:
         try:

@@ -93,36 +93,42 @@ def progress_bar(wanted: bool) -> Iterator[Progress | None]:
     if not wanted:
         yield None
         return
-    if not sys.stderr.isatty():
-        last = time.monotonic()
-
-        def say(words: str) -> None:
-            nonlocal last
-            if words and time.monotonic() - last >= LINES_APART:
-                print_error(words)
-                last = time.monotonic()
-
+    with _bar() if sys.stderr.isatty() else _lines() as (say, advance):
         _StatusLine.bar = say
         try:
-            yield lambda fraction, seconds_left: say(f"{fraction:.0%}, {time_left(seconds_left)}".removesuffix(", "))
+            yield advance
         finally:
             _StatusLine.bar = None
-        return
+
+
+@contextmanager
+def _bar() -> Iterator[tuple[Callable[[str], None], Progress]]:
+    """What sets the text of a bar, and what moves it on."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[left]}"))
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("running", total=1.0, left="")
-        _StatusLine.bar = lambda words: bar.update(task, description=words, refresh=True)
 
         def advance(fraction: float, seconds_left: float) -> None:
             bar.update(task, completed=fraction, left=time_left(seconds_left))
 
-        try:
-            yield advance
-        finally:
-            _StatusLine.bar = None
+        yield lambda words: bar.update(task, description=words, refresh=True), advance
+
+
+@contextmanager
+def _lines() -> Iterator[tuple[Callable[[str], None], Progress]]:
+    """The same in lines, one every ``LINES_APART`` at most."""
+    last = time.monotonic()
+
+    def say(words: str) -> None:
+        nonlocal last
+        if words and time.monotonic() - last >= LINES_APART:
+            print_error(words)
+            last = time.monotonic()
+
+    yield say, lambda fraction, seconds_left: say(f"{fraction:.0%}, {time_left(seconds_left)}".removesuffix(", "))
 
 
 def time_left(seconds: float) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
-from scipy.sparse import csc_matrix
+from scipy.sparse import csc_matrix, identity
 from scipy.sparse.linalg import splu
 
 from wrsim.errors import SimulationError
@@ -132,7 +132,7 @@ def _step(jacobian: Array, r: Array, damping: float, held: Array | None = None) 
         right = -r
         if damping > 0.0:
             normal = matrix.T @ matrix
-            matrix = normal + damping * normal.trace() * csc_matrix(np.eye(len(r)))
+            matrix = normal + damping * normal.trace() * identity(len(r), format="csc")
             right = jacobian.T @ -r
         try:
             step = splu(csc_matrix(matrix)).solve(right)

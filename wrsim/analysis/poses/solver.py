@@ -28,7 +28,7 @@ from wrsim.contact.pose import Pose
 from wrsim.contact.status import REMARKS, TOO_MANY, UNMET, status_words
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_forces import set_pose, wheel_wrench
-from wrsim.core.contact.prescribed_load import SEARCHING, begin, meet_load, next_height
+from wrsim.core.contact.prescribed_load import SEARCHING, approach_of, begin, meet_load, next_height
 from wrsim.core.contact.records import STATUS_IN_A_JUMP, STATUS_TOO_DEEP
 from wrsim.core.frames import Frame
 from wrsim.core.linalg import Vec
@@ -148,7 +148,8 @@ class PoseSolver:
 
     def _carried(self, pose: Pose, roll: float, height: float) -> Carried:
         self.evaluate(pose.lateral, height, pose.yaw, roll)
-        return Carried(float(self.force[2]), max(approach_of(wheel.model) for wheel in self.wheels))
+        arrays = [wheel.model.arrays for wheel in self.wheels]
+        return Carried(float(self.force[2]), max(approach_of(a.patches, a.total) for a in arrays))
 
     def _balanced_roll(self, pose: Pose) -> float:
         def moment(roll: float) -> float:
@@ -242,13 +243,6 @@ class Carried(NamedTuple):
 
     force: float
     approach: float
-
-
-def approach_of(model: ContactModel) -> float:
-    """Largest approach of the contact found last, or the distance to it, less than 0 [m]."""
-    a = model.arrays
-    lobes = int(a.total["lobes"])
-    return float(a.patches["approach"][:lobes].max()) if lobes else -max(float(a.total["closest"]), 1e-6)
 
 
 def lower(model: ContactModel, load: float, farthest: float = DEEPEST) -> str:

@@ -30,6 +30,7 @@ from wrsim.core.jit import (
     Array,
     Ints,
     Record,
+    Records,
     inlined,
     kernel,
     matrix,
@@ -59,6 +60,7 @@ SEARCHING, REACHED = -1, 0
 WARM = 1e-7  # of the load: tenfold what two warm contacts of one pose differ by (contact.workspace.WARM_TOLERANCE)
 NOISE = 1e-4  # of the load's 2/3 power: a difference of two forces that gives the rate to a thousandth of it
 HIGHEST = 0.1  # above its rail, from where a wheel is let down [m]
+CLOSEST = 1e-6  # distance of profiles that do not touch, at least [m]
 
 BATCH = 4  # arrays in a workspace before those of the contact: poses, searches, and of each TOTAL and LOBE records
 _POSE, _PATCHES, _MEMO = (Arrays._fields.index(name) for name in ("pose", "patches", "memo"))
@@ -132,6 +134,17 @@ def next_height(s: Record, force: float, approach: float, tolerance: float) -> i
     return SEARCHING
 
 
+@kernel
+def approach_of(lobes: Records, total: Record) -> float:
+    """Largest approach of a contact, without one the distance of the profiles, less than 0 [m]."""
+    if total.lobes == 0:
+        return -max(total.closest, CLOSEST)
+    approach = 0.0
+    for i in range(total.lobes):
+        approach = max(approach, lobes[i].approach)
+    return approach
+
+
 @inlined
 def _search(buffer: Array, index: Ints, s: Record, tolerance: float) -> int:
     """Search to this tolerance; the workspace then holds the contact asked for last. Returns REACHED or STATUS bits."""
@@ -141,12 +154,7 @@ def _search(buffer: Array, index: Ints, s: Record, tolerance: float) -> int:
     while outcome == SEARCHING:
         pose[2] = s.height
         stages.run(CONTACT, buffer, own)
-        approach = 0.0
-        for i in range(total.lobes):
-            approach = max(approach, lobes[i].approach)
-        if total.lobes == 0:
-            approach = -max(total.closest, 1e-6)
-        outcome = next_height(s, total.Fb, approach, tolerance)
+        outcome = next_height(s, total.Fb, approach_of(lobes, total), tolerance)
     return outcome
 
 
@@ -217,6 +225,3 @@ def side_by_side(buffers: Array, index: Ints) -> None:
     """`some_poses` of every row of buffers (threads, size), on as many threads as numba is set to use."""
     for k in prange(buffers.shape[0]):
         stages.run(POSES, buffers[k], index)
-
-
-STAGES = {POSES: some_poses}

@@ -21,7 +21,7 @@ import math
 from typing import Any
 
 from wrsim.core.frames import VECTOR, CurveNodes, Frame, put_at
-from wrsim.core.jit import Array, Ints, Records, inlined, kernel, record
+from wrsim.core.jit import Array, inlined, kernel, record
 from wrsim.core.linalg import Vec, add, cross, dot, mixed, norm, scale, shifted, sub
 
 NODE = record(position=VECTOR, tangent=VECTOR, roll="f8", roll_slope="f8", curvature=VECTOR)
@@ -218,17 +218,3 @@ def frame_many(curve: CurveNodes, s: Array, out: Array) -> None:
         put_at(out[j], 3, own.t)
         put_at(out[j], 6, own.n)
         put_at(out[j], 9, own.b)
-
-
-@kernel
-def curvature_many(curve: CurveNodes, s: Array, out: Array) -> None:
-    """`curvature_at` for an array s of shape (m,); values go to ``out`` of shape (m,)."""
-    for j in range(s.shape[0]):
-        out[j] = curvature_at(curve, s[j])
-
-
-@kernel
-def locate_many(curve: CurveNodes, points: Records, guess: Array, out: Array, status: Ints) -> None:
-    """`locate` for points, (m,) records VECTOR, and guesses (m,); results go to ``out`` and ``status`` (m,)."""
-    for j in range(points.shape[0]):
-        out[j], status[j] = locate(curve, points[j], guess[j])

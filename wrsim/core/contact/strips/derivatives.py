@@ -191,11 +191,10 @@ def _even_rows(system, n, g):
         if not all_touch(places, g * n + j - 1, 2):
             continue
         r = base + n + j
-        b = r - 1
         m[r, r] += EVENNESS
-        m[r, b] -= EVENNESS
-        m[b, b] += EVENNESS
-        m[b, r] -= EVENNESS
+        m[r, r - 1] -= EVENNESS
+        m[r - 1, r - 1] += EVENNESS
+        m[r - 1, r] -= EVENNESS
     for j in range(1, n - 2 if system.memo[0].shifted else 1):
         if all_touch(places, g * n + j - 1, 4):
             weight, r = system.grids[g].calm * places[g * n + j].bend / system.memo[0].deepest, base + j - 1

@@ -45,18 +45,19 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
         way, beyond = _end_of(wheel, rail, found[i], -1.0, limit)
         grid.least = found[i].arc_rail - way
         status |= STATUS_PROFILE_END if beyond else 0
-        last, reached = i, True
-        while reached:
+        last = i
+        while True:
             while last < count - 1 and found[last].saddle > gathered * min(found[last].depth, found[last + 1].depth):
                 last += 1
-            limit, reached = room_beside(found, last, count)[1], False
-            if last < count - 1 and found[last].saddle < 0.0:
+            limit = room_beside(found, last, count)[1]
+            apart = last < count - 1 and found[last].saddle < 0.0
+            if apart:
                 limit = found[last + 1].arc_rail - found[last].arc_rail
             way, beyond = _end_of(wheel, rail, found[last], 1.0, limit)
-            grid.most = found[last].arc_rail + way
-            if last < count - 1 and found[last].saddle < 0.0 and way >= limit:
-                # the gap before the next lobe is narrower than a step of the walk: the ground goes on
-                last, reached = last + 1, True
+            if not (apart and way >= limit):
+                break
+            last += 1  # the gap before the next lobe is narrower than a step of the walk: the ground goes on
+        grid.most = found[last].arc_rail + way
         status |= STATUS_PROFILE_END if beyond else 0
         grid.arc, grid.place = found[i].arc_wheel, found[i].arc_rail
         lay_rows(wheel, rail, grid, system.rows[first])

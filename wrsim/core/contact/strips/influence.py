@@ -114,18 +114,17 @@ def _sum(table, u, v):
 
 
 @filling
-def _find_places(vectors, first, last, s, x, low, high, beside):
-    """Places on both axes of the table, each (>= last,): of both ends of strips, seen from s, and of the point x."""
+def _find_ends(vectors, first, last, s, low, high):
+    """Places on the table's axis across, (>= last,): of both ends of strips, seen from s."""
     for j in range(first, last):
         inverse = vectors[INVERSE, j]
         low[j] = _place_across((vectors[FROM, j] - s) * inverse)
         high[j] = _place_across((vectors[TO, j] - s) * inverse)
-        beside[j] = _place_beside((x - vectors[MIDDLE, j]) * inverse)
 
 
 @filling
 def _find_point(vectors, first, last, x, beside):
-    """The same of another point."""
+    """Places on the other axis, (>= last,): of the point x, seen from the middles of strips."""
     for j in range(first, last):
         beside[j] = _place_beside((x - vectors[MIDDLE, j]) * vectors[INVERSE, j])
 
@@ -165,7 +164,8 @@ def pressed_at(table, vectors, first, last, s, x, r, points, no, nb):
     low, high, beside, before, behind = (
         vectors[TERMS], vectors[TERMS + 1], vectors[TERMS + 2], vectors[TERMS + 3], vectors[TERMS + 4],
     )  # fmt: skip
-    _find_places(vectors, first, last, s, x, low, high, beside)
+    _find_ends(vectors, first, last, s, low, high)
+    _find_point(vectors, first, last, x, beside)
     if points > 1:
         _find_point(vectors, first, last, x + r, before)
     if points > 2:
