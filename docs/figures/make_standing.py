@@ -1,13 +1,17 @@
-"""Figures and tables of docs/validation from docs/data/standing. Run: python docs/figures/make_standing.py
+"""Pictures and pages of docs/validation, and the figures of README.md. Run: python docs/figures/make_standing.py
 
-The data are written by: python campaigns/scoreboard.py REFERENCE --standing docs/data/standing
+They come from docs/data/validation.toml and docs/data/standing; the latter is written by:
+python campaigns/scoreboard.py REFERENCE --standing docs/data/standing
 """
 
 from __future__ import annotations
 
 import csv
+import re
+import tomllib
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,7 +26,11 @@ Rows = list[dict[str, str]]
 
 HERE = Path(__file__).parent
 DATA = HERE.parent / "data" / "standing"
+REPORT = tomllib.loads((HERE.parent / "data" / "validation.toml").read_text(encoding="utf-8"))
 PAGES = HERE.parent / "validation"
+README = HERE.parents[1] / "README.md"
+MARKS = "<!-- made by docs/figures/make_standing.py -->\n", "<!-- end -->"
+"""The figures of README.md stand between them."""
 
 NAMES = {
     "contact_planar": "CONTACT, tangent plane",
@@ -335,7 +343,58 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "standing_creep": creep_forces,
     "standing_cost": cost,
 }
+# --- pages --------------------------------------------------------------------------------------------
+
+
+def values() -> dict[str, str]:
+    """Figures that texts take by name: rows of the summary, and errors of every model on every table."""
+    found = REPORT["values"] | {row["id"]: row["value"] for row in REPORT["summary"] if "id" in row}
+    for short, file in (("static", "own_static"), ("bench", "mbench_a22")):
+        rows = read(file)
+        for model in models(rows):
+            for quantity in QUANTITIES:
+                e = np.abs(errors(rows, model, quantity))
+                found[f"{short} {model} {quantity}"] = "{:.4f} / {:.4f}".format(*np.percentile(e, [50.0, 95.0]))
+    for row in rows_of(creep_table()):
+        found[f"creep {row[0]} force"], found[f"creep {row[0]} moment"] = row[1:]
+    for model in NAMES:
+        arc = [abs(float(r["p0"])) for r in read("arcs") if r["model"] == model]
+        groove = [r for r in read("grooves") if r["model"] == model]
+        if arc:
+            found[f"arcs {model} p0"] = f"{100.0 * max(arc):.1f} %"
+        for quantity in ("approach", "p0") if groove else ():
+            found[f"grooves {model} {quantity}"] = f"{100.0 * max(abs(float(r[quantity]) - 1.0) for r in groove):.1f} %"
+    return found
+
+
+def rows_of(markdown: str) -> list[list[str]]:
+    """Cells of a table without its head."""
+    return [line.strip("| ").split(" | ") for line in markdown.splitlines()[2:]]
+
+
+def summary() -> str:
+    """One row per quantity: the reference, the largest difference, the command."""
+    rows = [
+        (row["quantity"], REPORT["references"][row["beside"]]["name"], row["value"], _code(row["command"]))
+        for row in REPORT["summary"]
+    ]
+    return table(["quantity", "beside", "largest difference", "command"], rows)
+
+
+def references() -> str:
+    """Sources and licences of everything that figures are beside."""
+    return table(
+        ["name", "source", "licence"], [(r["name"], r["source"], r["licence"]) for r in REPORT["references"].values()]
+    )
+
+
+def _code(command: str) -> str:
+    return command if command == "the same" else f"`{command}`"
+
+
 PARTS: dict[str, Callable[[], str]] = {
+    "summary": summary,
+    "references": references,
     "static": static_tables,
     "arcs": arc_table,
     "others": other_tables,
@@ -344,20 +403,47 @@ PARTS: dict[str, Callable[[], str]] = {
 }
 
 
+def section(content: dict[str, Any]) -> list[str]:
+    """Paragraphs of one section of a page."""
+    paragraphs = [f"## {content['title']}"]
+    origin = []
+    if "beside" in content:
+        origin.append(f"Beside: {REPORT['references'][content['beside']]['name']}.")
+    if "command" in content:
+        origin.append(f"Command: `{content['command']}`.")
+    paragraphs += [" ".join(origin), content.get("text", "").strip()]
+    if "picture" in content:
+        paragraphs.append("![{1}](../figures/{0})".format(*content["picture"]))
+    if "made" in content:
+        paragraphs.append(PARTS[content["made"]]())
+    if "rows" in content:
+        paragraphs.append(table(content["head"], content["rows"]))
+    return [*paragraphs, content.get("after", "").strip()]
+
+
+def pages() -> dict[Path, str]:
+    """Text of every page of the report and of README.md, by its path."""
+    known = values()
+    made = {}
+    for name, page in REPORT["pages"].items():
+        paragraphs = [f"# {page['title']}", page.get("text", "").strip()]
+        for content in page["sections"]:
+            paragraphs += section(content)
+        made[PAGES / f"{name}.md"] = "\n\n".join(filter(None, paragraphs)) + "\n"
+    start, end = MARKS
+    before, rest = README.read_text(encoding="utf-8").split(start)
+    made[README] = before + start + REPORT["readme"]["text"].lstrip() + end + rest.split(end)[1]
+    return {path: re.sub(r"\{\{(.+?)\}\}", lambda m: known[m[1]], text) for path, text in made.items()}
+
+
 def main() -> None:
-    """Draw all figures and renew the tables of the pages."""
+    """Draw all figures and write all pages."""
     with style():
         for name, draw in FIGURES.items():
             print(save(draw(), HERE / f"{name}.png"))
-    for page in sorted(PAGES.glob("*.md")):
-        text = page.read_text(encoding="utf-8")
-        for name, make in PARTS.items():
-            start, end = f"<!-- {name}: made by make_standing.py -->", f"<!-- end of {name} -->"
-            if start in text:
-                before, rest = text.split(start)
-                text = f"{before}{start}\n{make()}\n{end}{rest.split(end)[1]}"
-        page.write_text(text, encoding="utf-8")
-        print(page)
+    for path, text in pages().items():
+        path.write_text(text, encoding="utf-8")
+        print(path)
 
 
 if __name__ == "__main__":
