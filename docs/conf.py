@@ -10,9 +10,12 @@ import matplotlib
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import make_keys  # noqa: E402
+
 import wrsim  # noqa: E402
 
 matplotlib.use("agg")
+make_keys.write(make_keys.pages())
 
 project = "wrsim"
 author = "the wrsim authors"

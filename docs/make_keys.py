@@ -1,6 +1,7 @@
-"""Writes generated pages and the schemas from the code. Run: python docs/make_keys.py
+"""Pages and schemas made from the code. Run: python docs/make_keys.py
 
-They are docs/reference/keys.md, commands.md and channels.md, docs/user/scenarios.md and docs/schema/*.json.
+The pages, docs/reference/keys.md, commands.md and channels.md and docs/user/scenarios.md, are written whenever the site
+is built. The schemas, docs/schema/*.json, are committed: editors read them.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from wrsim.scenario.reference import schema_text, tables_of_file
 HERE = Path(__file__).parent
 REFERENCE = HERE / "reference"
 HEAD = """# Keys
-Every key of every file. This page is made from the code by `python docs/make_keys.py`.
+Every key of every file. This page is made from the code.
 
 `wrsim keys contact` prints the keys of a table, `wrsim new curving` writes a scenario to start from.
 
@@ -51,9 +52,8 @@ radius or two, are beyond a schema: `wrsim check FILE` tells of them.
 
 
 COMMANDS = """# Commands
-Every command with its arguments and options, made from the command line by `python docs/make_keys.py`. `wrsim --help`
-and `wrsim COMMAND --help` print the same. Results (`RESULT`) are a result file, the folder of a run, or a run that was
-cut off.
+Every command with its arguments and options, made from the command line. `wrsim --help` and `wrsim COMMAND --help`
+print the same. Results (`RESULT`) are a result file, the folder of a run, or a run that was cut off.
 
 Options of many commands:
 
@@ -70,10 +70,9 @@ stopped before its end, or a case of a study has no result; 4 two results differ
 itself; 130 interrupted.
 """
 CHANNELS_HEAD = """# Channels of a result
-Every channel by its name, made from the register by `python docs/make_keys.py`. A result is one labelled dataset
-(xarray, in `result.nc`) in SI units with the channels that its analysis computes; every variable has `units` and
-`long_name`. Tables and pictures show the unit in brackets. "Also called" has terms of the field and the names in
-CONTACT.
+Every channel by its name, made from the register. A result is one labelled dataset (xarray, in `result.nc`) in SI
+units with the channels that its analysis computes; every variable has `units` and `long_name`. Tables and pictures
+show the unit in brackets. "Also called" has terms of the field and the names in CONTACT.
 
 | dimension | labels | meaning |
 |---|---|---|
@@ -104,9 +103,9 @@ its name), and the versions of wrsim, Python and the numerical libraries.
 """
 SCENARIOS = """# Scenarios that come with wrsim
 
-Files in the folder `scenarios` with their titles, made by `python docs/make_keys.py`. Comments in each file explain its
-keys; `base = "other.toml"` starts a scenario from another one. `wrsim run` takes scenarios, `wrsim study` the studies
-and `wrsim wear` the services.
+Files in the folder `scenarios` with their titles. Comments in each file explain its keys; `base = "other.toml"`
+starts a scenario from another one. `wrsim run` takes scenarios, `wrsim study` the studies and `wrsim wear` the
+services.
 
 | file | title |
 |---|---|
@@ -193,7 +192,7 @@ def _plain(text: str | None) -> str:
 
 
 def pages() -> dict[Path, str]:
-    """Content of every generated file, by its path."""
+    """Text of every page, by its path."""
     lines = [HEAD]
     shown: set[type] = set()
     for name, (words, _) in FILES.items():
@@ -204,12 +203,20 @@ def pages() -> dict[Path, str]:
                 lines += own[2:] if table.header == words else own  # the file itself has its heading
             shown.add(table)
     found = {REFERENCE / "keys.md": "\n".join(lines).rstrip() + "\n", REFERENCE / "commands.md": commands()}
-    found |= {REFERENCE / "channels.md": channels(), HERE / "user" / "scenarios.md": scenarios()}
-    return found | {HERE / "schema" / f"{name}.schema.json": schema_text(name) + "\n" for name in FILES}
+    return found | {REFERENCE / "channels.md": channels(), HERE / "user" / "scenarios.md": scenarios()}
+
+
+def schemas() -> dict[Path, str]:
+    """Text of the schema of every kind of file, by its path."""
+    return {HERE / "schema" / f"{name}.schema.json": schema_text(name) + "\n" for name in FILES}
+
+
+def write(texts: dict[Path, str]) -> None:
+    """Write what has changed: an unchanged page is not built again."""
+    for path, text in texts.items():
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
-    for path, text in pages().items():
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-        print(path)
+    write(pages() | schemas())

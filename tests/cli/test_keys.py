@@ -19,9 +19,9 @@ from wrsim.scenario.reference import schema_text, tables_of_file
 ROOT = Path(__file__).parents[2]
 
 
-def test_the_generated_pages_are_not_stale() -> None:
+def test_the_schemas_are_not_stale() -> None:
     """Make them anew with: python docs/make_keys.py"""
-    for path, text in runpy.run_path(str(ROOT / "docs" / "make_keys.py"))["pages"]().items():
+    for path, text in runpy.run_path(str(ROOT / "docs" / "make_keys.py"))["schemas"]().items():
         assert path.read_text(encoding="utf-8") == text, path
 
 

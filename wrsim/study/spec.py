@@ -169,7 +169,7 @@ class ChannelOutput(Section, header="[[outputs.channels]]"):
     }  # fmt: skip
 
     channel: Literal[*NUMBERS]  # type: ignore[valid-type]
-    """Channel of the result; docs/reference/channels.md lists them."""
+    """Channel of the result."""
     reduce: Literal[*REDUCTIONS]  # type: ignore[valid-type]
     """How its samples become one number."""
     percentile: Annotated[float, number(0, 100)] | None = None
