@@ -31,11 +31,12 @@ nitpick_ignore_regex = [
     ("py:.*", r"(numpy|xarray|matplotlib|pandas|pathlib)\..*"),  # types of other libraries: no inventory is fetched
     ("py:.*", r"(array_like|callable|mapping|sequence|Path)"),
     # of wrsim, not among its public names
-    ("py:.*", r"(Contact|Finder|FrictionAlong|HalfSpaceSettings|Material|RailSurface|Setup)"),
+    ("py:.*", r"(Contact|Contacts|Finder|FrictionAlong|HalfSpaceSettings|Material|RailSurface|Setup)"),
 ]
 
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath"]
 html_math_renderer = "mathml"
+numfig = math_numfig = True  # equations are numbered by the sections of the theory
 myst_heading_anchors = 3
 
 autodoc_typehints = "none"  # docstrings say the types in words

@@ -5,6 +5,7 @@ Formulas are LaTeX: ``$x$`` in a line, ``$$ x $$ (label)`` numbered, ``{eq}`labe
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from docutils import nodes
@@ -12,11 +13,35 @@ from latex2mathml.converter import convert
 from sphinx.application import Sphinx
 from sphinx.util.math import get_node_equation_number
 
+BOLD = re.compile(r'<mi mathvariant="bold(-italic)?">(?:&#x0*([0-9A-F]+);|(\w))</mi>')
+"""A bold letter; browsers do not take the attribute."""
+
+
+def letter(found: re.Match[str]) -> str:
+    """The bold letter by its own code point."""
+    code = int(found[2], 16) if found[2] else ord(found[3])
+    for first, upright, italic in ((0x41, 0x1D400, 0x1D468), (0x61, 0x1D41A, 0x1D482), (0x3B1, 0x1D6C2, 0x1D736)):
+        if first <= code < first + 26:
+            return f"<mi>{chr(code - first + (italic if found[1] else upright))}</mi>"
+    return found[0]
+
+
+SPACES = (
+    (r"<mo[^>]*>&#x0007C;</mo>", '<mo stretchy="false" lspace="0em" rspace="0em">|</mo>'),
+    (r"<mo>&#x0002F;</mo>", '<mo lspace="0.06em" rspace="0.06em">/</mo>'),
+    (r"(?<!<msup>)(<mi>(?:sin|cos|tan|ln|arcsin|arctan)</mi>)", r'<mspace width="0.167em" />\1'),
+    (r"(<mi>(?:sin|cos|tan|ln|arcsin|arctan)</mi>)(?!<m[on][ >])", r'\1<mspace width="0.167em" />'),
+)
+"""Spaces of bars, slashes and names of functions as in print: patterns of MathML and what replaces them."""
+
 
 def converted(text: str, display: str) -> str:
     """MathML of a formula; a fault in it names the formula."""
     try:
-        return str(convert(text, display=display))
+        found = BOLD.sub(letter, str(convert(text.replace("{aligned}", "{align*}"), display=display)))
+        for pattern, other in SPACES:
+            found = re.sub(pattern, other, found)
+        return found
     except Exception as problem:
         raise ValueError(f"not a formula: {text!r}: {problem!r}") from problem
 
