@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -21,6 +22,7 @@ from wrsim.results import Result
 from wrsim.results.table import duration
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario
+from wrsim.scenario.plausibility import warnings
 from wrsim.simulation.step_size import evaluations_for
 
 MANY = 3  # vehicles whose contacts take all cores unless told otherwise
@@ -60,7 +62,7 @@ def run(
     resume : bool
         Go on with the run in that file, with the same numbers as if it had never been interrupted.
     setup : Setup, optional
-        What was built from this scenario, if it has been.
+        What was built from this scenario, if it has been; without it, implausible values are logged as warnings.
     threads : int, optional
         How many compute the contacts of a vehicle's wheels side by side, which changes no number. Default all cores for
         trains of three vehicles and more, else one.
@@ -79,7 +81,10 @@ def run(
     SimulationError
         When there is not even a start.
     """
-    setup = setup or build(scenario)
+    if setup is None:
+        setup = build(scenario)
+        for words in (*warnings(setup), *exact_run_warning(setup)):
+            logging.getLogger(__name__).warning("%s: %s", scenario.path or scenario.title, words)
     setup = replace(setup, threads=_usual_threads(setup) if threads is None else threads)
     analysis = ANALYSES[setup.analysis]
     function = resolved(analysis.run)

@@ -120,7 +120,7 @@ def compare(
 
         start = time.perf_counter()
         try:
-            result = run(own, progress=share)
+            result = run(own, progress=share, setup=setup)
         except SimulationError as error:
             raise SimulationError(f'model "{name}": {error}') from None
         taken = time.perf_counter() - start

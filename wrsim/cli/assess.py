@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_found, print_lines, print_numbers
+from wrsim.cli.console import print_error, print_found, print_lines, print_numbers
 from wrsim.cli.errors import writing_files
 from wrsim.cli.options import BesideResult, Force, Json, Models, Pictures, ResultFile, SectionsOf, check_ending, into
 from wrsim.errors import InputError
@@ -159,6 +159,7 @@ def vehicle(
     """Print mass, centre, static wheel loads, natural modes and stationary tests of a vehicle; draw it."""
     with writing_files(as_json, force):
         from wrsim.analysis.stationary import at_rest
+        from wrsim.scenario.plausibility import vehicle_warnings
         from wrsim.scenario.vehicle_build import vehicle_model
 
         check_ending("-o", output, ".png", ".svg")
@@ -170,8 +171,12 @@ def vehicle(
         loaded = vehicle_model(file, models)
         if loaded.members and (cant_deficiency or twist or twist_test or rotation_test):
             raise InputError(f"{file}: is a train; tests at rest are for one vehicle: give the file of one of them")
+        warned = vehicle_warnings(loaded)
+        for words in [] if as_json else warned:
+            print_error(f"{file}: warning: {words}")
         found = at_rest.numbers_at_rest(loaded, cant_deficiency, twist)
         asked = twist_test, twists, rotation_test, rotation_radius_m
+        found["warnings"] = warned
         tested, twisted, turned = at_rest.stationary_tests(loaded, *asked)
         found |= tested
         if output is not None or loops is not None:

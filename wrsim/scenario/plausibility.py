@@ -8,6 +8,8 @@ from typing import Any
 from wrsim.register import ANALYSES
 from wrsim.results.table import Column, Table, formatted
 from wrsim.scenario.build import Setup
+from wrsim.vehicle.plausibility import doubts
+from wrsim.vehicle.vehicle import Vehicle
 
 MOST_LISTED = 20  # segments that the terminal lists
 USUAL_WHEELSET = (100.0, 5_000.0)
@@ -28,20 +30,25 @@ def warnings(setup: Setup) -> list[str]:
         "m; no patches are kept there"
         for place in getattr(plan, "left_out", ())
     ]
-    return left_out + [
+    return left_out + vehicle_warnings(setup.vehicle)
+
+
+def vehicle_warnings(vehicle: Vehicle) -> list[str]:
+    """The same of a vehicle on its own."""
+    return doubts(vehicle) + [
         f"{what} = {value:.4g} {unit} is outside of the usual {low:g} to {high:g} {unit}: is it meant so?"
-        for what, value, (low, high), unit in _values(setup)
+        for what, value, (low, high), unit in _values(vehicle)
         if not low <= value <= high
     ]
 
 
-def _values(setup: Setup) -> Iterator[tuple[str, float, tuple[float, float], str]]:
+def _values(vehicle: Vehicle) -> Iterator[tuple[str, float, tuple[float, float], str]]:
     """Values with a usual range: name, value, range, unit."""
-    vehicle = setup.vehicle
-    for wheelset in {id(mounted.wheelset): mounted.wheelset for mounted in vehicle.wheelsets}.values():
-        yield f"mass_kg of wheelset '{wheelset.name}'", wheelset.mass, USUAL_WHEELSET, "kg"
+    for mounted in {id(mounted.wheelset): mounted for mounted in vehicle.wheelsets[::-1]}.values():
+        wheelset = mounted.wheelset
+        yield f"mass_kg of wheelset '{mounted.name}'", wheelset.mass, USUAL_WHEELSET, "kg"
         for side, wheel in (("left", wheelset.left), ("right", wheelset.right)):
-            yield f"radius_mm of the {side} wheel of '{wheelset.name}'", 1e3 * wheel.radius, USUAL_RADIUS, "mm"
+            yield f"radius_mm of the {side} wheel of '{mounted.name}'", 1e3 * wheel.radius, USUAL_RADIUS, "mm"
     for body in vehicle.bodies:
         yield f"mass_kg of body '{body.name}'", body.mass, USUAL_BODY, "kg"
     load = 0.5 * vehicle.weight / len(vehicle.wheelsets) / 1e3

@@ -31,6 +31,7 @@ from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import Manifest, as_json
+from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario
 from wrsim.study.outputs import case_outputs
 from wrsim.study.plan import Case, Plan, changed_file, plan_in
@@ -236,13 +237,14 @@ def _run(scenario: Scenario, part: Path, limit: float, marker: Marker) -> Result
         if time.monotonic() > until:
             raise Enough(fraction)
 
+    setup = build(scenario)
     if ANALYSES[scenario.analysis].moves and part.exists():
         try:
             marker.resumed = True
-            return run(scenario, progress, record=part, resume=True, threads=1)
+            return run(scenario, progress, record=part, resume=True, setup=setup, threads=1)
         except InputError:  # cut off before its start, or by another state of the code
             marker.resumed = False
-    return run(scenario, progress, record=part, threads=1)
+    return run(scenario, progress, record=part, setup=setup, threads=1)
 
 
 def _reduce_again(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
@@ -276,10 +278,11 @@ def compile_for(scenario: Scenario) -> None:
 
     with suppress(Enough, WrsimError):
         if not ANALYSES[scenario.analysis].moves:
-            run(scenario, progress, threads=1)
+            run(scenario, progress, setup=build(scenario), threads=1)
             return
         own = {key: value for key, value in scenario.merged.data.get("run", {}).items() if key != "distance_m"}
-        run(scenario.with_values({"run": own | {"time_s": SHORT}, "output.patches_at_m": []}), threads=1)
+        short = scenario.with_values({"run": own | {"time_s": SHORT}, "output.patches_at_m": []})
+        run(short, setup=build(short), threads=1)
 
 
 SHORT = 0.02

@@ -50,26 +50,12 @@ def preloads(vehicle: Vehicle) -> list[Preload]:
         if i >= 0:
             load[i] += _at(np.array(extra.at) - vehicle.place(extra.body)).T @ np.array(extra.force)
 
-    def motion(element: Element) -> tuple[Array, Array]:
-        """Travel along the element's directions, (m, size), and turning, (3, size), per motion of bodies and boxes."""
-        rows, turns = np.zeros((2, 3, size))
-        for name, end, sign in zip((element.first, element.second), element.points, (-1.0, 1.0), strict=True):
-            i = vehicle.index(name) - base
-            moves = sign * _at(np.array(end) - vehicle.place(name))
-            if name in boxes:  # it pitches about the axle
-                column = 6 * n + boxes.index(name)
-                rows[:, column] += moves[:, PITCH]
-                turns[1, column] += sign
-            elif 0 <= i < n:
-                rows[:, 6 * i : 6 * i + 6] += moves
-                turns[:, 6 * i + 3 : 6 * i + 6] += sign * np.eye(3)
-        return element.directions @ rows, turns
-
-    motions = [motion(element) for element in vehicle.elements]
+    moved = motions(vehicle)
+    of_bodies = [(travel[:, 6 * base :], turning[:, 6 * base :]) for travel, turning in moved]
     stiffness = np.zeros((size, size))
     held = np.zeros(size)
     right = np.append(load.ravel(), np.zeros(len(boxes)))
-    for element, (travel, turning) in zip(vehicle.elements, motions, strict=True):
+    for element, (travel, turning) in zip(vehicle.elements, of_bodies, strict=True):
         if element.preload is not None:
             right += travel.T @ np.array(element.preload)
         else:
@@ -89,12 +75,37 @@ def preloads(vehicle: Vehicle) -> list[Preload]:
         rest = f"{left[worst]:.4g} {'N' if direction < 3 else 'N m'} residual"
         raise InputError(f"the preload cannot be found: nothing holds {what} {WORDS[direction]} ({rest})")
     found = []
-    for element, (travel, turning) in zip(vehicle.elements, motions, strict=True):
+    for element, (travel, turning) in zip(vehicle.elements, of_bodies, strict=True):
         force = -element.stiffness_at_rest * (travel @ u) if element.preload is None else np.array(element.preload)
         moment = -np.array(element.turning_stiffness) * (turning @ u)
         least = ROUND_OFF * vehicle.mass * vehicle.gravity
         found.append(Preload(*(np.where(np.abs(a) > least, a, 0.0) for a in (force, moment))))
     return found
+
+
+def motions(vehicle: Vehicle) -> list[tuple[Array, Array]]:
+    """Travel of every element along its directions, (m, n), and turning, (3, n), per motion of parts and axle boxes.
+
+    n: six coordinates of each part in the order of ``WORDS``, then the pitch of each axle box about its axle.
+    """
+    boxes, count = list(vehicle.boxes), 6 * len(vehicle.parts)
+
+    def motion(element: Element) -> tuple[Array, Array]:
+        rows, turns = np.zeros((2, 3, count + len(boxes)))
+        for name, end, sign in zip((element.first, element.second), element.points, (-1.0, 1.0), strict=True):
+            if name in boxes:  # it pitches about the axle, on which its pitch is its own
+                column = count + boxes.index(name)
+                rows[:, column] += (sign * _at(np.array(end) - vehicle.place(name)))[:, PITCH]
+                turns[1, column] += sign
+            part = vehicle.carrier(name)
+            i = vehicle.index(part)
+            if i < len(vehicle.parts):
+                own = [k for k in range(6) if name not in boxes or k != PITCH]
+                rows[:, [6 * i + k for k in own]] += (sign * _at(np.array(end) - vehicle.place(part)))[:, own]
+                turns[:, [6 * i + k for k in own if k > 2]] += sign * np.eye(3)[:, [k - 3 for k in own if k > 2]]
+        return element.directions @ rows, turns
+
+    return [motion(element) for element in vehicle.elements]
 
 
 def _at(arm: Array) -> Array:

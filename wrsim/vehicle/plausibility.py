@@ -1,0 +1,267 @@
+"""Plausibility of a vehicle: values that no railway vehicle has, and what is wrong with them in mechanics.
+
+Every rule follows from a principle that is given with its threshold. Nothing is refused: the vehicle of a thought
+experiment may run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from math import hypot, inf, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.vehicle.preload import WORDS, Preload, motions, preloads
+from wrsim.vehicle.vehicle import Body, MountedWheelset, Vehicle
+
+Array = NDArray[np.float64]
+
+RIGID_UP_TO = 100.0
+"""Frequency [Hz] above which no body of a railway vehicle is rigid: frames and car bodies bend at 8 to 50 Hz, wheelsets
+from 50 Hz on. A rigid body that oscillates faster on its springs has no counterpart."""
+SLOWEST = 1e-3
+"""Frequency [Hz] below which a direction is free: within the minutes of a run nothing returns."""
+HIGHEST = 4.0
+"""Height [m] of a centre of mass above the rails: the roof of the reference profile G1 is at 4.28 m (EN 15273-2). Also
+the largest static deflection of a body: a spring with more is longer than the vehicle is high."""
+HALF_GAUGE = hypot(1.645, 4.28)
+"""Distance [m] from the axis of the track in the plane of the rails to the corner of the reference profile G1."""
+OVERHANG = 4.5
+"""Length [m] of a body beyond the outermost point that holds it: with LONGEST_SPAN n (a + n) / 2 R, 0.45 m in a curve
+of 150 m. No mass of a body is farther from its centre, nor is its radius of gyration."""
+DENSEST = 22_590.0
+"""Density of osmium [kg/m3]. Of all solids of a mass and a density the sphere has the least moments of inertia."""
+LONGEST_SPAN = 25.0
+"""Distance a [m] of neighbouring wheelsets: halfway between them a vehicle is a^2 / 8 R off the track, 0.52 m in a
+curve of 150 m; reference profiles leave less."""
+UNEVEN = 0.4
+"""Largest deviation of a static wheel load from the mean of its vehicle: EN 14363 allows a wheel to lose 0.6 of its
+load on twisted track in all, of which twist takes 0.2 and more."""
+MOST_UNSPRUNG = 0.45
+"""Share of the wheelsets in the mass of a vehicle with bodies: 0.1 to 0.3 from coaches to empty wagons. Of a bogie on a
+test stand, which springs hold to its frame, it may be more."""
+
+
+@dataclass(frozen=True)
+class _Springs:
+    """Stiffness of each element in all coordinates: six of each part (``WORDS``), then pitch of the axle boxes.
+
+    of: of each element, to trace a frequency to the one that causes it; stuck: of all, with friction that sticks.
+    """
+
+    vehicle: Vehicle
+    of: list[Array]
+    stuck: Array
+
+    @classmethod
+    def build(cls, vehicle: Vehicle, moved: list[tuple[Array, Array]]) -> _Springs:
+        of, stuck = [], np.zeros((6 * len(vehicle.parts) + len(vehicle.boxes),) * 2)
+        for element, (travel, turning) in zip(vehicle.elements, moved, strict=True):
+            along = travel.T * element.stiffness_at_rest @ travel
+            of.append(along + turning.T * np.array(element.turning_stiffness) @ turning)
+            stuck += of[-1]
+            if element.slider is not None:
+                stuck += (element.slider.stiffness or 1e6) * travel.T @ travel
+        return cls(vehicle, of, stuck)
+
+    def loose(self, places: NDArray[np.intp]) -> Array:
+        """Motions of these coordinates that no spring resists, all others held: (coordinates, motions), orthonormal."""
+        scale = self.inertia[places] ** -0.5
+        values, vectors = np.linalg.eigh(scale[:, None] * self.stuck[np.ix_(places, places)] * scale)
+        return np.asarray(vectors[:, values < (2.0 * pi * SLOWEST) ** 2])
+
+    @property
+    def whole(self) -> Array:
+        return np.sum(self.of, axis=0) if self.of else np.zeros_like(self.stuck)
+
+    @property
+    def inertia(self) -> Array:
+        of_parts = [c for part in self.vehicle.parts for c in (*(part.mass,) * 3, *part.inertia)]
+        return np.array([*of_parts, *(box.inertia[1] for _, box in self.vehicle.boxes.values())])
+
+
+def doubts(vehicle: Vehicle) -> list[str]:
+    """What of a vehicle is implausible: one sentence each, with the element, its value, what is plausible and why.
+
+    Of a train, vehicle by vehicle; of several alike the first one.
+    """
+    found, seen = [], set()
+    for own in [vehicle.alone(k) for k in range(len(vehicle.members))] or [vehicle]:
+        moved = motions(own)
+        springs = _Springs.build(own, moved)
+        kind = springs.whole.tobytes(), springs.inertia.tobytes()
+        if kind not in seen:
+            seen.add(kind)
+            found += [
+                *_places(own), *_masses(own), *_gyration(own),
+                *_free_directions(springs), *_frequencies(springs),
+                *_compression(own, loads := preloads(own)), *_wheel_loads(own, moved, loads),
+            ]  # fmt: skip
+    return found
+
+
+def _places(vehicle: Vehicle) -> Iterator[str]:
+    """Heights of centres, distances of wheelsets."""
+    for body in vehicle.bodies:
+        if not 0.0 <= body.centre[2] <= HIGHEST:
+            words = f"centre of mass of body '{body.name}' is at a height of {body.centre[2]:.4g} m above the rails"
+            yield f"{words}; plausible is 0 to {HIGHEST:g} m, below the roof of the loading gauge"
+    for ahead, behind in pairwise(sorted(vehicle.wheelsets, key=lambda m: -m.x)):
+        apart, least = ahead.x - behind.x, ahead.wheelset.mean_radius + behind.wheelset.mean_radius
+        pair = f"wheelsets '{ahead.name}' and '{behind.name}' are {apart:.4g} m apart"
+        if apart < least:
+            yield f"{pair}; plausible is more than {least:.4g} m, or their wheels overlap: check wheelbase and pivots"
+        if apart > LONGEST_SPAN:
+            yield f"{pair}; plausible is up to {LONGEST_SPAN:g} m, or the vehicle leaves the gauge in curves"
+
+
+def _masses(vehicle: Vehicle) -> Iterator[str]:
+    share = sum(mounted.mass for mounted in vehicle.wheelsets) / vehicle.mass
+    if vehicle.bodies and not vehicle.runs_with_frame and share > MOST_UNSPRUNG:
+        words = f"the wheelsets are {share:.0%} of the mass of '{vehicle.name}', {vehicle.mass:.4g} kg"
+        yield f"{words}; plausible is 10 to 30 %: its bodies are too light"
+
+
+def _gyration(vehicle: Vehicle) -> Iterator[str]:
+    """Radii of gyration beyond the size of a body, and moments of inertia of something too dense."""
+    held = [end for e in vehicle.elements for end in zip((e.first, e.second), e.points, strict=True)]
+    for part in _alike(vehicle):
+        if isinstance(part, Body):
+            reach = max(abs(end[0] - part.centre[0]) for name, end in held if name == part.name) + OVERHANG
+            most = (HALF_GAUGE, hypot(reach, HIGHEST), hypot(reach, 0.5 * HIGHEST))
+            what, mass, inertia, why = (
+                f"body '{part.name}'",
+                part.mass,
+                part.inertia,
+                "as far as any mass",
+            )
+        else:
+            own = part.wheelset
+            across = hypot(0.5 * own.profile_spacing + 0.5, own.mean_radius)
+            most = (across, inf, across)  # inertia of gears and motors is often counted about the axle
+            what, mass, inertia, why = f"wheelset '{part.name}'", own.mass, own.inertia, "as far as any mass"
+        for axis, value, limit in zip(WORDS[3:], inertia, most, strict=True):
+            if (radius := (value / mass) ** 0.5) > limit:
+                words = f"radius of gyration of {what} {axis} is {radius:.4g} m ({value:.4g} kg m2, {mass:.4g} kg)"
+                yield f"{words}; plausible is up to {limit:.3g} m, {why}"
+        sphere = 0.6 * (0.75 * mass / pi / DENSEST) ** (2 / 3)
+        if (found := 0.5 * sum(inertia) / mass) < sphere:
+            words = f"moments of inertia of {what} are those of a sphere of {(found / 0.6) ** 0.5:.3g} m of radius"
+            yield f"{words}; {mass:.4g} kg of the densest metal have {(sphere / 0.6) ** 0.5:.3g} m"
+
+
+def _alike(vehicle: Vehicle) -> Iterator[Body | MountedWheelset]:
+    """All parts, but of those with the same mass and inertia the first only."""
+    seen = set()
+    for part in vehicle.parts:
+        own = part.mass, part.inertia
+        if own not in seen:
+            seen.add(own)
+            yield part
+
+
+def _what(vehicle: Vehicle, i: int) -> str:
+    name = vehicle.names[i]
+    return f"{'wheelset' if i < len(vehicle.wheelsets) else 'body'} '{name}'"
+
+
+def _joined(words: list[str]) -> str:
+    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
+
+
+def _free_directions(springs: _Springs) -> Iterator[str]:
+    """Directions in which nothing holds a part, or several parts together: zero eigenvalues of the stiffness.
+
+    Contact is left out, but the rails hold wheelsets vertically and in roll; axles spin; the heaviest part is held
+    along x, y and in yaw, for the track, or what drives it, holds the vehicle as a whole.
+    """
+    vehicle, base = springs.vehicle, len(springs.vehicle.wheelsets)
+    if len(vehicle.parts) == 1:
+        return
+    own = [[0, 1, 5] if i < base else [0, 1, 2, 3, 4, 5] for i in range(len(vehicle.parts))]
+    count, whole = 0, False
+    for i, directions in enumerate(own):
+        loose = springs.loose(6 * i + np.array(directions))
+        if loose.size:
+            count, whole = count + loose.shape[1], whole or i == vehicle.reference
+            free = [WORDS[directions[k]] for k, row in enumerate(loose) if row @ row > 0.5]
+            yield f"nothing holds {_what(vehicle, i)} {_joined(free)}: no spring of it works in that direction"
+    own[vehicle.reference] = [k for k in own[vehicle.reference] if k not in (0, 1, 5)]
+    places = np.array([6 * i + k for i, directions in enumerate(own) for k in directions])
+    together = springs.loose(places)
+    if together.size and together.shape[1] > count and not whole:
+        moves = np.zeros((len(vehicle.parts), 6))
+        moves[places // 6, places % 6] = np.linalg.norm(together, axis=1)
+        parts = [name for name, row in zip(vehicle.names, moves, strict=True) if max(row) > 0.1 * moves.max()]
+        along = [word for word, column in zip(WORDS, moves.T, strict=True) if max(column) > 0.1 * moves.max()]
+        words = f"{', '.join(parts)} move together {_joined(along)}"
+        yield f"{words}, and nothing holds them against {_what(vehicle, vehicle.reference)}"
+
+
+def _frequencies(springs: _Springs) -> Iterator[str]:
+    """Frequencies of single parts, all others held: bounds from below of the highest one of the whole vehicle.
+
+    Motors and cases that ride on the axle that they drive are held by bearings and left out.
+    """
+    vehicle, whole, inertia = springs.vehicle, springs.whole, springs.inertia
+    joined = {frozenset((e.first, e.second)) for e in vehicle.elements}
+    on_axle = {n for d in vehicle.drives for n in (d.motor, d.case) if frozenset((n, d.wheelset)) in joined}
+    fastest: dict[bytes, tuple[float, str]] = {}
+    for i, part in enumerate(vehicle.parts):
+        places = slice(6 * i, 6 * i + 6)
+        scale = inertia[places] ** -0.5
+        values, vectors = np.linalg.eigh(scale[:, None] * whole[places, places] * scale)
+        frequency, shape = max(values[-1], 0.0) ** 0.5 / (2.0 * pi), scale * vectors[:, -1]
+        if frequency > RIGID_UP_TO and part.name not in on_axle:
+            element = vehicle.elements[int(np.argmax([shape @ own[places, places] @ shape for own in springs.of]))]
+            along = WORDS[int(np.argmax(np.abs(vectors[:, -1])))]
+            words = f"{_what(vehicle, i)} oscillates {along} at {frequency:.4g} Hz on '{element.name}'"
+            words += f"; plausible is up to {RIGID_UP_TO:g} Hz, above which it bends: stiffness or mass is wrong"
+            alike = element.stiffness_at_rest.tobytes()
+            fastest[alike] = max(fastest.get(alike, (0.0, "")), (frequency, words))
+    yield from (words for _, words in fastest.values())
+
+
+def _compression(vehicle: Vehicle, loads: list[Preload]) -> Iterator[str]:
+    """Springs that their static load compresses by more than there is room for."""
+    softest: dict[bytes, tuple[float, str]] = {}
+    for element, preload in zip(vehicle.elements, loads, strict=True):
+        stiffness = element.stiffness_at_rest
+        by = np.divide(np.abs(preload.force), stiffness, out=np.zeros(len(stiffness)), where=stiffness > 0.0)
+        if (k := int(np.argmax(by))) >= 0 and by[k] > HIGHEST:
+            words = f"'{element.name}' carries {abs(preload.force[k]) / 1e3:.4g} kN, deflects by {by[k]:.4g} m with"
+            words += f" {stiffness[k] / 1e3:.4g} kN/m; plausible is up to {HIGHEST:g} m, a vehicle's height"
+            softest[stiffness.tobytes()] = max(softest.get(stiffness.tobytes(), (0.0, "")), (float(by[k]), words))
+    yield from (words for _, words in softest.values())
+
+
+def _wheel_loads(vehicle: Vehicle, moved: list[tuple[Array, Array]], loads: list[Preload]) -> Iterator[str]:
+    """Static wheel loads far from the mean of their vehicle, from the forces of the springs on the wheelsets."""
+    base = len(vehicle.wheelsets)
+    forces = np.zeros(6 * len(vehicle.parts) + len(vehicle.boxes))
+    for (travel, turning), preload in zip(moved, loads, strict=True):
+        forces += travel.T @ preload.force + turning.T @ preload.moment
+    own = forces[: 6 * base].reshape(-1, 6)
+    own[:, 2] -= [mounted.mass * vehicle.gravity for mounted in vehicle.wheelsets]
+    for carried in vehicle.carried:
+        if (i := vehicle.index(carried.body)) < base:
+            own[i, 2] -= carried.mass * vehicle.gravity
+    for payload in vehicle.payloads:
+        if (i := vehicle.index(payload.body)) < base:
+            own[i, :3] += payload.force
+            own[i, 3:] += np.cross(np.array(payload.at) - vehicle.place(payload.body), payload.force)
+    spacing = np.array([mounted.wheelset.profile_spacing for mounted in vehicle.wheelsets])
+    wheels = -0.5 * own[:, 2:3] + np.outer(own[:, 3] / spacing, (-1.0, 1.0))
+    mean = float(np.mean(wheels))
+    off = np.max(np.abs(wheels - mean), axis=1)
+    if (worst := int(np.argmax(off))) >= 0 and off[worst] > UNEVEN * abs(mean):
+        left, right = (1e-3 * wheels[worst]).tolist()
+        name = vehicle.wheelsets[worst].name
+        words = f"static wheel loads of '{name}' are {left:.4g} kN left and {right:.4g} kN right"
+        more = int(np.sum(off > UNEVEN * abs(mean))) - 1
+        words += f" (and of {more} more wheelsets as far off)" if more else ""
+        words += f"; plausible is within {UNEVEN:.0%} of the vehicle's mean, {1e-3 * mean:.4g} kN"
+        yield f"{words}: check centres of mass, pivots and springs"
