@@ -1,5 +1,6 @@
 """The examples of the pages: Python runs, command lines are understood, keys exist, every page is on the site."""
 
+import json
 import re
 import shlex
 import tomllib
@@ -17,6 +18,7 @@ from wrsim.cli import app
 ROOT = Path(__file__).parents[2]
 BUILT = script("docs/make_keys.py").pages()
 PAGES = [ROOT / "README.md", *sorted(set((ROOT / "docs").rglob("*.md")) - set(BUILT))]
+WITH_PYTHON = [*PAGES, *sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))]
 PARTS = {"carbody", "bogie", "front", "rear", "outer", "inner", "frame", "outer box", "motor", "motors"}
 NAMES = PARTS | {"from", "to", "step"}
 """Names that the files on the pages give to their parts, and the words of a series."""
@@ -24,7 +26,9 @@ KEYS = set(re.findall(r"`(\w+)`", BUILT[ROOT / "docs" / "reference" / "keys.md"]
 
 
 def blocks(page: Path, language: str) -> list[str]:
-    """The examples of a page in a language, one after the other."""
+    """The examples of a page in a language, one after the other; of a notebook its cells."""
+    if page.suffix == ".ipynb":
+        return ["".join(c["source"]) for c in json.loads(page.read_text())["cells"] if c["cell_type"] == "code"]
     return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.M | re.S)
 
 
@@ -48,7 +52,7 @@ def keys_of(table: Any) -> Iterator[str]:
             yield from keys_of(value)
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.name)
+@pytest.mark.parametrize("page", [page for page in WITH_PYTHON if blocks(page, "python")], ids=lambda page: page.name)
 def test_the_python_examples_of_a_page_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scenarios").mkdir()
