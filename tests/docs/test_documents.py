@@ -25,7 +25,7 @@ def named(pattern: str, page: Path) -> list[str]:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_commands_that_a_page_names_exist(page: Path) -> None:
     commands = get_command(app).commands
-    used = named(r"(?:`|^ {4}|\n)wrsim (?:-\S+ )*([a-z]+)", page)
+    used = named(r"(?:`|^ {4}|\n)wrsim (?:-[^\s`]+ )*([a-z]+)", page)
     assert set(used) <= set(commands), page.name
 
 
