@@ -15,12 +15,15 @@ from markupsafe import escape
 from support.browser import Browser
 from support.commands import call
 from support.synthetic_result import curve_run, static_poses
+from support.synthetic_run import Q0, run
+from support.synthetic_run import curve as bend
 
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.charts import envelope, pieces_of
 from wrsim.report.page import report_page
 from wrsim.report.view_data import needed
 from wrsim.results import Result
+from wrsim.results.summary import CUT_STEPS
 from wrsim.results.wheelsets import wheelsets
 
 EVIL = "</script><script>window.evil = 1</script><img src=x onerror='window.evil=1'>\"'&{{ 7*7 }}"
@@ -107,7 +110,7 @@ def test_a_drawn_line_passes_all_its_points(count: int, seed: int) -> None:
 def test_a_report_says_who_it_is_and_how_it_went(page: str, coach: Result) -> None:
     assert f"<h1>{coach.title}</h1>" in page
     assert re.search(r'class="verdict (good|bad)">[^<]*worst margin -?\d+ %', page)
-    for section in ("identity", "assessment", "track", "histories", "wheelsets", "contacts", "again"):
+    for section in ("summary", "appendix", "assessment", "track", "histories", "wheelsets", "contacts", "again"):
         assert f'<section id="{section}"' in page
     assert '<section id="wear"' not in page
     assert "wrsim run scenario.toml" in page and escape(coach.dataset.attrs["scenario_text"]) in page
@@ -129,6 +132,48 @@ def test_the_verdict_names_the_tightest_limit(coach: Result) -> None:
     found = assess(coach)
     margins = [v.margin for v in found.values if v.margin is not None]
     assert f"worst margin {100 * min(margins):.0f} %" in verdict(coach, found, "").words
+
+
+def test_the_verdict_says_what_it_rests_on(page: str, coach: Result) -> None:
+    rests = re.search(r'class="verdict[^<]*It rests on: ([^<]*)<', page)
+    assert rests is not None and "smooth track" in rests[1] and "to be confirmed" in rests[1]
+    assert "1 section of R 300 m of the 25* that the standard asks" in rests[1]
+    summary = page[page.index('id="summary"') : page.index('id="assessment"')]
+    assert "R 300 m to the left with 100 mm of cant" in summary and "friction 0.35" in summary
+    appendix = page.index('id="appendix"')
+    assert all(page.index(digest) > appendix for digest in json.loads(coach.dataset.attrs["inputs"]).values())
+
+
+@pytest.mark.usefixtures("unpainted")
+def test_a_lone_wheelset_gets_no_verdict() -> None:
+    assessed = run(900.0, curvature=bend(300.0), y=lambda s: (0.2 * Q0 + 0.0 * s, 65e3 + 20.0 * s))
+    text = page_of(assessed, sources=("/home/somebody/runs/first/result.nc",))
+    assert 'id="assessment"' in text
+    assert re.search(r'class="verdict open">No verdict by EN 14363', text)
+    assert "/home/somebody" not in text and "EXCEEDED" not in text
+
+
+@pytest.mark.usefixtures("unpainted")
+def test_steps_of_the_solver_are_no_events(curve: Result) -> None:
+    places = {f"event_{name}": ("event", [1.0, 2.0]) for name in ("time", "distance")}
+    labels = ("event", [f"{CUT_STEPS} for 0.00 m, 0 ms", "bump stop x is beyond the end of its table"])
+    text = page_of(Result(curve.dataset.assign(places | {"event_label": labels})))
+    assert "bump stop x" in text and CUT_STEPS not in text
+
+
+@pytest.mark.usefixtures("unpainted")
+def test_a_report_has_a_cover(curve: Result, tmp_path: Path) -> None:
+    Result(curve_run(samples=40)).save(tmp_path / "run" / "result.nc")
+    (tmp_path / "logo.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"/>')
+    words = {"--title": EVIL, "--author": "A. Author", "--company": 'A "B" \\ </style> Ltd.', "--date": "today"}
+    options = [part for pair in words.items() for part in pair]
+    assert call("report", tmp_path / "run", "--logo", tmp_path / "logo.svg", *options).exit_code == 0
+    text = (tmp_path / "run" / "report.html").read_text()
+    assert "A. Author" in text and "data:image/svg+xml;base64" in text and "<script>window.evil" not in text
+    style = text[text.index("<style>") : text.index("</style>")]
+    assert "@page" in style and "Ltd" in style and text.count("</style>") == 1
+    refused = call("report", tmp_path / "run", "--logo", tmp_path / "run" / "result.nc")
+    assert refused.exit_code == 2 and "must end in" in refused.output
 
 
 @pytest.mark.usefixtures("unpainted")
@@ -224,10 +269,10 @@ def test_the_charts_answer_with_the_envelope_of_the_dataset(
                     assert line["high"] == pytest.approx(of.max(), rel=1e-4, abs=1e-6)
     assert chromium.run("return document.querySelectorAll('.uplot canvas').length") >= 6
     # one cursor over all charts: the legend of each tells the values there
-    told = chromium.run("return [...document.querySelectorAll('.u-legend')].map((legend) => legend.textContent)")
-    places = [float(words.split("[m]")[1].split(" m")[0]) for words in told]
+    told = chromium.run("return [...document.querySelectorAll('.panels > div')].map((panel) => panel.textContent)")
+    places = [float(words.split("place")[1].lstrip(":").split(" m")[0]) for words in told]
     assert len(places) > 6 and all(found["from"] <= s <= found["to"] for s in places)
-    assert any("1 front.outer, right" in words for words in told)
+    assert any("1 front.outer" in words and "right" in words for words in told)
     assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
     chromium.run("document.querySelector('.uplot').scrollIntoView()")
     assert chromium.colours(".uplot") > 4

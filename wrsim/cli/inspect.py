@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +12,9 @@ from wrsim.cli.console import print_found, print_lines, print_numbers
 from wrsim.cli.errors import DIFFERENT, reporting_errors, writing_files
 from wrsim.cli.options import At, BesideResult, Force, Json, Models, OneWheelset, ResultFile, check_ending, into
 from wrsim.errors import InputError
+
+if TYPE_CHECKING:
+    from wrsim.report.document import Cover
 
 
 def show(result: ResultFile, as_json: Json = False) -> None:
@@ -54,6 +57,11 @@ def report(
         typer.Argument(metavar="RESULT...", help="Results: files, folders, cut-off runs; one study or evolution."),
     ],
     output: Annotated[Path | None, into(metavar="HTML", help="Default: report.html beside the first result.")] = None,
+    title: Annotated[str, typer.Option(metavar="TEXT", help="Default: the titles of the results.")] = "",
+    author: Annotated[str, typer.Option(metavar="TEXT", help="Named beneath the title.")] = "",
+    company: Annotated[str, typer.Option(metavar="TEXT", help="Named beneath the title and on every page.")] = "",
+    logo: Annotated[Path | None, typer.Option(metavar="PNG|SVG|JPG", help="A picture beside the title.")] = None,
+    date: Annotated[str, typer.Option(metavar="TEXT", help="Default: today.")] = "",
     with_view: Annotated[bool, typer.Option("--view", help="With the viewer of each result inside.")] = False,
     models: Models = None,
     force: Force = False,
@@ -61,19 +69,22 @@ def report(
 ) -> None:
     """Write a page about a result, several results beside each other, a study, or a profile evolution.
 
-    It holds identity, verdict, assessment, histories, contacts and wear; of a study outputs, pictures and cases.
+    It holds a summary, verdict, assessment, histories, contacts and wear; of a study outputs, pictures and cases.
+    Versions and digests are in its appendix.
     """
     with writing_files(as_json, force, *results[1:], of=results[0]):
+        from wrsim.report.document import Cover, logo_address
         from wrsim.report.output_folder import folder_of_result
         from wrsim.results import write_atomically
 
         check_ending("-o", output, ".html")
-        page = _page_of(results, with_view, models or ())
+        cover = Cover(title, author, company, date, logo_address(logo) if logo else "")
+        page = _page_of(results, with_view, models or (), cover)
         file = write_atomically(output or folder_of_result(results[0]) / "report.html", page.encode())
         print_found(as_json, {}, [], [file])
 
 
-def _page_of(paths: Sequence[Path], with_view: bool, models: Sequence[Path]) -> str:
+def _page_of(paths: Sequence[Path], with_view: bool, models: Sequence[Path], cover: Cover) -> str:
     """The page about results of runs, a study or a profile evolution; with_view: with viewers of the results inside."""
     from wrsim.report.output_folder import folder_of_result, read
     from wrsim.report.page import report_page
@@ -92,13 +103,13 @@ def _page_of(paths: Sequence[Path], with_view: bool, models: Sequence[Path]) -> 
         if with_view:
             raise InputError(f"--view: {path} is a {kind}; it is for results of runs, as each case of a {kind} is")
         if kind == "study":
-            return study_page(collect.read_study(path), str(path))
+            return study_page(collect.read_study(path), str(path), cover)
         dataset = history.read_history(path)
-        return evolution_page(dataset, str(path), history.mileage_table(dataset))
+        return evolution_page(dataset, str(path), history.mileage_table(dataset), cover)
     results = [read(path) for path in paths]
     pairs = zip(results, paths, strict=True)
     viewers = [view_page(result, folder_of_result(path), models) for result, path in pairs] if with_view else []
-    return report_page(results, list(map(str, paths)), viewers=viewers)
+    return report_page(results, list(map(str, paths)), viewers=viewers, cover=cover)
 
 
 def view(

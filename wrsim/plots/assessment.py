@@ -18,6 +18,7 @@ from wrsim.plots.histories import mark_snapshots, track_layout
 from wrsim.plots.marks import mark_stop, note, note_above, panels, wheel_entries
 from wrsim.plots.theme import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.results.assessment import INFLUENCES, AssessedSection, Assessment, Value, ZoneValue
+from wrsim.results.summary import events
 from wrsim.results.table import formatted, quantity, with_unit
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
@@ -123,7 +124,7 @@ def track_diagram(dataset: xr.Dataset, sections: Sequence[AssessedSection]) -> F
         track_layout(axes, first)
         mark_snapshots(axes, first)
         mark_stop(axes, first)
-        for at in dataset["event_distance"].values if "event_distance" in dataset else ():
+        for _, at, _ in events(dataset):
             axes.axvline(at, color=STOP_COLOUR, linewidth=1.0)
         axes.set_xlim(place[0], place[-1])
 

@@ -37,7 +37,7 @@ CHARTS = {
     "lateral_shift": LEFT,
     "yaw": "positive: turned to the left",
     "curvature": LEFT,
-    "cant": "positive: leans to the inside",
+    "cant": "positive: the right rail is the higher one",
     "p0": "of every patch",
     "contact_angle": "main point of every patch",
     "T_gamma": "",
@@ -143,8 +143,8 @@ def _curves(
                 "label": ", ".join(words) or CHANNELS[key].long_name,
                 "part": part if of == "wheelset" and not on_track else "",
                 "run": run,
-                "colour": WHEEL_COLOUR.get(wheel, INK) if lone else of_series,
-                "dash": DASHES[(i if several and of in NAMED else j + 2 * k) % len(DASHES)],
+                "colour": of_series if several or (of in NAMED and not lone) else WHEEL_COLOUR.get(wheel, INK),
+                "dash": DASHES[(i if several and of in NAMED else j + 2 * k if several else 2 * k) % len(DASHES)],
             }
             yield Curve(look, places, values[:, i, j, k] * CHANNELS[key].shown.factor)
 

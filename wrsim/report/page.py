@@ -32,8 +32,9 @@ from wrsim.plots.theme import rendered
 from wrsim.plots.wear import fatigue_figure, wear_figure
 from wrsim.report import tables
 from wrsim.report.charts import charts_of
+from wrsim.report.document import NO_COVER, Cover, css_text, paragraph, together
 from wrsim.results import Result
-from wrsim.results.assessment import Assessment
+from wrsim.results.assessment import TO_CONFIRM, Assessment
 from wrsim.results.moments import has_patches, moment_dim
 from wrsim.results.summary import has_wear
 from wrsim.results.table import as_html, formatted, quantity
@@ -44,14 +45,17 @@ MOST_MOMENTS = 6  # moments of a wheelset whose contacts are drawn
 DOTS = 140  # an inch of pictures that would be too large as drawings
 
 
-def report_page(results: Sequence[Result], sources: Sequence[str], *, viewers: Sequence[str] = ()) -> str:
+def report_page(
+    results: Sequence[Result], sources: Sequence[str], *, viewers: Sequence[str] = (), cover: Cover = NO_COVER
+) -> str:
     """The report as HTML. sources: where the results were read from; viewers: pages of their viewers, to be had inside.
     Raises InputError for more results than a page can tell apart."""
     if len(results) > MOST_RESULTS:
         raise InputError(
             f"a report takes at most {MOST_RESULTS} results, not {len(results)}: wrsim study compares more"
         )
-    names = [f"{chr(ord('A') + i)} {last_part(source)}" for i, source in enumerate(sources)]
+    sources = [last_part(source) for source in sources]
+    names = [f"{chr(ord('A') + i)} {source}" for i, source in enumerate(sources)]
     names = names if len(names) > 1 else [""]
     summaries = [r.summary() for r in results]
     from wrsim.analysis.assessment import assess
@@ -70,18 +74,22 @@ def report_page(results: Sequence[Result], sources: Sequence[str], *, viewers: S
     makers = [histories, *(own["makers"] for sets in contacts.values() for own in sets)]
     with drawing({name: make for own in makers for name, make in own.items()}, partial(rendered, dpi=DOTS)) as finish:
         page: dict[str, Any] = {
-            "title": " / ".join(dict.fromkeys(r.title for r in results)),
+            "cover": cover.of(" / ".join(dict.fromkeys(r.title for r in results))),
+            "paragraphs": [paragraph(r, s, own) for r, s, own in zip(results, summaries, found, strict=True)],
             "several": len(results) > 1,
             "names": names,
             "version": __version__,
             "verdicts": [tables.verdict(r, *own) for r, own in zip(results, both, strict=True)],
             "identity": tables.identity(results, sources),
+            "versions": tables.versions(results, summaries),
+            "lone": all(own.lone for own in found if own),
             "inputs": [tables.inputs(r) for r in results],
             "texts": [str(r.dataset.attrs.get("scenario_text", "")) for r in results],
-            "commands": [f"wrsim run scenario.toml -o {shlex.quote(last_part(source) or 'run')}" for source in sources],
+            "commands": [f"wrsim run scenario.toml -o {shlex.quote(source or 'run')}" for source in sources],
             "assessment": rows,
             "limits_from": sources_of_limits,
             "estimated": any(cell and cell["estimate"] for row in rows for cell in row["cells"]),
+            "to_confirm": any(cell and cell["star"] for row in rows for cell in row["cells"]) and TO_CONFIRM,
             "notes": [(name, own.notes) for name, own in zip(names, found, strict=True) if own and own.notes],
             "tracks": [_track(r.dataset, own) for r, own in zip(results, found, strict=True)],
             "data": charts,
@@ -110,7 +118,8 @@ def _environment() -> jinja2.Environment:
     )
     own.filters["table"] = as_html
     own.policies["json.dumps_kwargs"] = {"sort_keys": False, "separators": (",", ":"), "allow_nan": False}
-    own.globals |= {"text_of": text_of, "hashes": hashes}
+    own.filters["css"] = css_text
+    own.globals |= {"text_of": text_of, "hashes": hashes, "together": together}
     return own
 
 

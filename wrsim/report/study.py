@@ -12,6 +12,7 @@ import xarray as xr
 from wrsim import __version__
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, numbers_in, of_cases, study_figures
 from wrsim.plots.wear import evolution_figures
+from wrsim.report.document import NO_COVER, Cover
 from wrsim.report.page import as_picture, last_part, page_template
 from wrsim.report.tables import BAD, OPEN, Verdict
 from wrsim.results.table import Column, Table, formatted, quantity
@@ -19,27 +20,28 @@ from wrsim.results.table import Column, Table, formatted, quantity
 MOST_ROWS, FEW_ROWS = 500, 40  # cases in a table of the page; up to so many, the table is open
 
 
-def study_page(dataset: xr.Dataset, source: str) -> str:
+def study_page(dataset: xr.Dataset, source: str, cover: Cover = NO_COVER) -> str:
     """The report of a study as HTML. dataset: ``study.nc``; source: where it was read from."""
     outputs = numbers_in(dataset)
     status = of_cases(dataset, "status").astype(str)
     counts = dict(sorted(Counter(status).most_common(), key=lambda pair: pair[0] != COMPLETED))
     verdict = f"{status.size} cases: {', '.join(f'{n} {name}' for name, n in counts.items())}."
-    rows = [("title", dataset.attrs["title"]), ("file", source), ("analysis", dataset.attrs.get("analysis", ""))]
+    folder = last_part(source.removesuffix("/study.nc"))
+    rows = [("title", dataset.attrs["title"]), ("study", folder), ("analysis", dataset.attrs.get("analysis", ""))]
     for name in varied(dataset):
         values = [_text(value) for value in np.unique(dataset[name].values)]
         span = f"{len(values)} values, {values[0]} to {values[-1]}" if len(values) > 8 else ", ".join(values)
         rows.append((f"varied: {dataset[name].attrs['key']}", span))
     without, labels, words = np.flatnonzero(status != COMPLETED), _labels(dataset), of_cases(dataset, "message")
     lost = [(labels[i], str(status[i]), str(words[i])) for i in without[:MOST_ROWS]]
-    folder = source.rstrip("/").removesuffix("/study.nc")
     cases_more = [f"Case abcd… lies in {folder}/cases/ab/abcd…; study.csv has full names"]
     cases_more += [f"{MOST_OUTPUTS} of {len(outputs)} outputs; study.csv has all"] * (len(outputs) > MOST_OUTPUTS)
     page = {
-        "title": dataset.attrs["title"],
+        "cover": cover.of(dataset.attrs["title"]),
         "version": __version__,
         "verdict": Verdict(OPEN if set(counts) <= {COMPLETED, DERAILED} else BAD, verdict),
-        "identity": [*rows, ("cases", str(status.size)), *_versions(dataset)],
+        "identity": [*rows, ("cases", str(status.size))],
+        "versions": _versions(dataset),
         "outputs": _outputs(dataset, outputs, labels),
         "pictures": [as_picture(name, make()) for name, make in study_figures(dataset).items()],
         "without": _table(("case", "status", "message"), lost),
@@ -47,7 +49,7 @@ def study_page(dataset: xr.Dataset, source: str) -> str:
         "cases": _cases(dataset, outputs[:MOST_OUTPUTS]),
         "cases_more": "; ".join(filter(None, (*cases_more, _more(status.size)))),
         "few": status.size <= FEW_ROWS,
-        "command": f"wrsim study study.toml -o {shlex.quote(last_part(source) or 'study')}",
+        "command": f"wrsim study study.toml -o {shlex.quote(folder or 'study')}",
         "study_text": dataset.attrs.get("study_text", ""),
         "scenario_text": dataset.attrs.get("scenario_text", ""),
     }
@@ -109,22 +111,24 @@ OF_EVOLUTION = {"service_text": "File of the evolution", "cases_text": "Table of
 """Files that a profile evolution holds, and words for them."""
 
 
-def evolution_page(dataset: xr.Dataset, source: str, numbers: Table) -> str:
+def evolution_page(dataset: xr.Dataset, source: str, numbers: Table, cover: Cover = NO_COVER) -> str:
     """The report of a profile evolution as HTML. dataset: ``wear.nc``, from source; numbers: against the mileage."""
     about = dataset.attrs
     steps = dataset.sizes["point"] - 1
     mileage = quantity(1e-3 * float(dataset["mileage"].values[-1]), "km", ".6g")
     deepest = quantity(1e3 * float(dataset["deepest"].values[-1]), "mm", ".3g")
     identity = [(key, str(about[key])) for key in ("title", "law", "wheel") if key in about]
-    identity += [("file", source), ("steps of wear", str(steps)), ("mileage", mileage)]
+    folder = last_part(source.removesuffix("/wear.nc"))
+    identity += [("evolution", folder), ("steps of wear", str(steps)), ("mileage", mileage)]
     page = {
-        "title": about["title"],
+        "cover": cover.of(about["title"]),
         "version": __version__,
         "verdict": f"{mileage} in {steps} steps; {deepest} worn off at the deepest place.",
-        "identity": identity + _versions(dataset),
+        "identity": identity,
+        "versions": _versions(dataset),
         "numbers": numbers,
         "pictures": [as_picture(name, make()) for name, make in evolution_figures(dataset).items()],
-        "command": f"wrsim wear evolution.toml -o {shlex.quote(last_part(source) or 'evolution')}",
+        "command": f"wrsim wear evolution.toml -o {shlex.quote(folder or 'evolution')}",
         "texts": {words: str(about[key]) for key, words in OF_EVOLUTION.items() if about.get(key)},
     }
     return page_template("evolution.html").render(page)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import xarray as xr
@@ -11,14 +12,22 @@ import xarray as xr
 from wrsim.errors import InputError
 from wrsim.plots.moments import moment_title, patches_of, snapshot_letter
 from wrsim.plots.wear import LAW_WORDS
+from wrsim.report.document import basis, is_lone
 from wrsim.results import CHANNELS, Result
-from wrsim.results.assessment import Assessment, ZoneValue
+from wrsim.results.assessment import NO_VERDICT, Assessment, ZoneValue
 from wrsim.results.channels import PATCHES
 from wrsim.results.dataset import table_of_scenario
 from wrsim.results.files import from_json
 from wrsim.results.moments import sample_of
 from wrsim.results.summary import summarise_wear
-from wrsim.results.summary_tables import Summary, curve_tables, extent_words, numbers_of, wheelset_tables
+from wrsim.results.summary_tables import (
+    Summary,
+    curve_tables,
+    extent_words,
+    integration,
+    numbers_of,
+    wheelset_tables,
+)  # fmt: skip
 from wrsim.results.table import Cell, Column, Table, formatted, quantity
 from wrsim.results.wheelsets import numbered, wheelsets
 
@@ -50,16 +59,18 @@ def evaluated(evaluate: Callable[[Result], T], result: Result) -> tuple[T | None
 
 
 def verdict(result: Result, found: Assessment | None, why: str) -> Verdict:
-    """Within all limits or not, with the worst margin; how the analysis ended, if early."""
+    """Within all limits or not, with the worst margin and what it rests on; how the analysis ended, if early."""
     stop = f"Stopped early: {result.stop_reason}. " if result.status == "stopped" else ""
     state, worst = OPEN, found.tightest() if found is not None else None
-    if found is None:
+    if "time" in result.dataset.dims and is_lone(result.dataset):
+        words = f"{NO_VERDICT[0].upper()}{NO_VERDICT[1:]}."
+    elif found is None:
         words = f"Not assessed: {why}." if "time" in result.dataset.dims else "" if stop else "Completed."
     elif worst is None:
         words = "No limit applies to anything that was assessed."
     else:
         words = "Every assessed quantity is within its limit" if found.passed else "A limit is exceeded"
-        words, state = f"{words}; {_tightest(worst)}.", GOOD if found.passed else BAD
+        words, state = f"{words}; {_tightest(worst)}. {basis(result.dataset, found)}", GOOD if found.passed else BAD
     return Verdict(BAD if stop else state, stop + words)
 
 
@@ -75,36 +86,38 @@ def _tightest(row: ZoneValue) -> str:
 
 
 def identity(results: Sequence[Result], sources: Sequence[str]) -> list[tuple[str, list[str]]]:
-    """Rows of the table of who is who: a name, and a text for every result."""
-    columns = [{"title": r.title, "file": source} | _identity(r) for r, source in zip(results, sources, strict=True)]
+    """Rows of the table of who is who: a name, and a text for every result. sources: short names of the results."""
+    columns = [{"title": r.title, "result": source} | _identity(r) for r, source in zip(results, sources, strict=True)]
     rows = [(name, [own[name] for own in columns]) for name in columns[0]]
-    versions = {k for r in results for k in r.dataset.attrs if k.endswith("_version") and k != "format_version"}
-    ordered = sorted(versions, key=lambda k: (not k.startswith("wrsim"), k))
-    rows += [(k.removesuffix("_version"), [str(r.dataset.attrs.get(k, "")) for r in results]) for k in ordered]
     return [(name, values) for name, values in rows if any(values)]
 
 
 def _identity(result: Result) -> dict[str, str]:
-    dataset, attributes = result.dataset, result.dataset.attrs
-    of_vehicle, of_contact = (table_of_scenario(dataset, name) or {} for name in ("vehicle", "contact"))
+    of_vehicle = table_of_scenario(result.dataset, "vehicle") or {}
     vehicle, speed = str(of_vehicle.get("model", "")), of_vehicle.get("speed_kmh")
     if vehicle and isinstance(speed, int | float):
         vehicle += f", {quantity(float(speed), 'km/h', 'g')}"
-    contact = ", ".join(f"{k} = {v}" for k, v in of_contact.items() if k in ("normal", "tangential", "friction"))
-    if "resolved_with" in attributes:
-        contact = f"solved again with {attributes['resolved_with']}"
-    integration = ""
-    if {"integrator", "step_s"} <= attributes.keys():
-        integration = f"{attributes['integrator']}, steps of {quantity(1e3 * float(attributes['step_s']), 'ms')}"
     status = result.status + (f": {result.stop_reason}" if result.stop_reason else "")
-    about = {"analysis": result.analysis, "status": status, "extent": extent_words(dataset)}
-    return about | {"vehicle": vehicle, "contact": contact, "integration": integration}
+    about = {"analysis": result.analysis, "status": status, "extent": extent_words(result.dataset)}
+    return about | {"vehicle": vehicle}
+
+
+def versions(results: Sequence[Result], summaries: Sequence[Summary]) -> list[tuple[str, list[str]]]:
+    """What computed the results: integration of the runs, versions of the programs."""
+    rows = [("integration", [" ".join(integration(own)) for own in summaries])]
+    keys = {k for r in results for k in r.dataset.attrs if k.endswith("_version") and k != "format_version"}
+    ordered = sorted(keys, key=lambda k: (not k.startswith("wrsim"), k))
+    rows += [(k.removesuffix("_version"), [str(r.dataset.attrs.get(k, "")) for r in results]) for k in ordered]
+    return [(name, values) for name, values in rows if any(values)]
 
 
 def inputs(result: Result) -> list[tuple[str, str]]:
-    """Files that the result was computed from, each with its SHA-256; none for a result of an older wrsim."""
-    found = from_json(str(result.dataset.attrs.get("inputs", "{}"))) or {}
-    return [(str(name), str(digest)) for name, digest in found.items()]
+    """Files that the result was computed from, without folders of a machine, each with its SHA-256; none for a
+    result of an older wrsim."""
+    found = {
+        Path(name): digest for name, digest in (from_json(str(result.dataset.attrs.get("inputs", ""))) or {}).items()
+    }
+    return [(path.name if path.is_absolute() else path.as_posix(), str(digest)) for path, digest in found.items()]
 
 
 def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, Any]], dict[str, str]]:
@@ -117,8 +130,10 @@ def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, 
             of, zone, limit = row.worst.quantity, row.worst.section.zone, row.worst.limit
             words = {"symbol": of.symbol, "words": of.words, "unit": of.shown.unit, "zone": zone, "first": 0}
             own = quantities.setdefault(of.key, {}).setdefault(zone, words | {"cells": [None] * len(found)})
-            letter = letters.setdefault(limit.words, snapshot_letter(len(letters))) if limit is not None else ""
-            own["cells"][i] = {**row.cells(), "passed": row.passed, "letter": letter}
+            letter = letters.setdefault(limit.source, snapshot_letter(len(letters))) if limit is not None else ""
+            cells = row.cells() | ({"verdict": ""} if each is not None and each.lone else {})
+            marks = {"letter": letter, "star": limit.star if limit is not None else ""}
+            own["cells"][i] = {**cells, **marks, "passed": row.passed if cells["verdict"] else None}
     for zones in quantities.values():
         next(iter(zones.values()))["first"] = len(zones)
     rows = [row for zones in quantities.values() for row in zones.values()]
@@ -126,17 +141,18 @@ def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, 
 
 
 def chart_limits(found: Sequence[Assessment | None]) -> dict[str, list[tuple[str, float]]]:
-    """Limits to draw across histories: of the track shifting force both ways, of Y/Q and Q. Of limits that lie as near
-    each other as those of wheelsets of nearly one load, the least."""
+    """Limits to draw across histories: of the track shifting force both ways, of Y/Q, Q and quasi-static Y. Of limits
+    that lie as near each other as those of wheelsets of nearly one load, the least."""
     drawn: dict[str, list[tuple[str, float]]] = {}
-    for key in ("sum_Y", "Y_over_Q", "Q"):
+    for key in ("sum_Y", "Y_over_Q", "Q", "Y_qst"):
         apart: list[float] = []
         values = ((v.limit, v.quantity.shown.factor) for each in found if each is not None for v in each.of(key))
         for v in sorted(round(limit.value * factor, 3) for limit, factor in values if limit is not None):
             if not apart or v > APART * apart[-1]:
                 apart.append(v)
         both = [*apart, *(-v for v in apart)] if key == "sum_Y" else apart
-        drawn[key] = [(f"limit {formatted(v)}", v) for v in both]
+        of = "limit, quasi-static," if key == "Y_qst" else "limit"
+        drawn[key.removesuffix("_qst")] = [(f"{of} {formatted(v)}", v) for v in both]
     return drawn
 
 

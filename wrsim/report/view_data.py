@@ -25,7 +25,7 @@ from wrsim.report.page import page_template
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import PATCHES
 from wrsim.results.moments import has_patches, is_history, moment_dim, sample_of
-from wrsim.results.summary import has_wear
+from wrsim.results.summary import events, has_wear
 from wrsim.results.table import quantity
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
@@ -169,11 +169,10 @@ def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
 
 
 def _events(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = []
-    for kind, before in (("event", ""), ("snapshot", "kept: ")):
-        if f"{kind}_label" in dataset:
-            places = zip(dataset[f"{kind}_distance"].values, dataset[f"{kind}_label"].values, strict=True)
-            found += [{"s": float(s), "words": f"{before}{words}"} for s, words in places]
+    found: list[dict[str, Any]] = [{"s": s, "words": words} for _, s, words in events(dataset)]
+    if "snapshot_label" in dataset:
+        places = zip(dataset["snapshot_distance"].values, dataset["snapshot_label"].values, strict=True)
+        found += [{"s": float(s), "words": f"snapshot: {words}"} for s, words in places]
     if "stop_distance_m" in dataset.attrs:
         found.append({"s": float(dataset.attrs["stop_distance_m"]), "words": "the stop"})
     return sorted((e for e in found if np.isfinite(e["s"])), key=lambda e: e["s"])

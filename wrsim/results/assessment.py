@@ -32,6 +32,12 @@ TRANSITION = "transition"  # class of what lies between curves
 
 SAFETY, LOADING, RIDE, INFORMATION = "running safety", "track loading", "ride characteristics", "information"
 
+SECTIONS_NEEDED = {"straight": 25, "large radius": 25, "small radius": 50, "very small radius": 25}
+"""Least number of sections of a class of track in an acceptance test by EN 14363, from memory of the standard."""
+
+NO_VERDICT = "no verdict by EN 14363: it assesses vehicles, and this is a run of a lone wheelset"
+TO_CONFIRM = "*: from memory of the standard, to be confirmed against its text"
+
 DERAILMENT_LIMIT, DERAILMENT_RADIUS = 0.8, 250.0
 """Limit of Y/Q by EN 14363, from memory of the standard, and the radius [m] below which it sets none."""
 
@@ -112,6 +118,11 @@ class Limit:
     def words(self) -> str:
         """Source and mark."""
         return f"{self.source} [{self.mark}]"
+
+    @property
+    def star(self) -> str:
+        """A mark for what comes from memory of the standard."""
+        return "*" if self.mark == "mem" else ""
 
 
 @dataclass(frozen=True)
@@ -221,7 +232,8 @@ class Assessment:
     zones: every quantity over every zone, in the order of ``values``; notes: what could not be assessed, and why;
     settings: numbers it rests on, in units for readers; signals: evaluated signals of each run by its name (empty for a
     lone one) against distance (dimensions ``place``, ``wheelset``, ``wheel``); track: how uneven it is, nothing on
-    smooth track; estimate_over: influences by which values are estimated, none for the one-dimensional method.
+    smooth track; estimate_over: influences by which values are estimated, none for the one-dimensional method; lone: of
+    a single wheelset without a vehicle, of which the standard knows no verdict.
     """
 
     title: str
@@ -233,6 +245,7 @@ class Assessment:
     signals: Mapping[str, xr.Dataset] = field(repr=False)
     track: tuple[TrackQuality, ...] = ()
     estimate_over: tuple[Influence, ...] = ()
+    lone: bool = False
 
     @property
     def passed(self) -> bool:
@@ -263,7 +276,8 @@ def assessment_dict(found: Assessment) -> dict[str, Any]:
         for t in found.track
     ]
     return {
-        "title": found.title, "passed": found.passed, "runs": [name for name in found.signals if name],
+        "title": found.title, "passed": None if found.lone else found.passed,
+        "runs": [name for name in found.signals if name],
         "settings": dict(found.settings), "notes": list(found.notes), "quantities": quantities,
         "sections": list(map(_section, found.sections)), "track_quality": track,
         "zones": list(map(_zone, found.zones)), "values": list(map(_value, found.values)),
@@ -328,18 +342,22 @@ def assessment_numbers(found: Assessment) -> list[Table]:
     last = ""
     for row in found.zones:
         limit, own, cells = row.worst.limit, row.worst.quantity, row.cells()
-        letter = "" if limit is None else letters.setdefault(limit.words, chr(ord("a") + len(letters) % 26))
+        letter = (
+            "" if limit is None else letters.setdefault(limit.source + limit.star, chr(ord("a") + len(letters) % 26))
+        )
         head = [own.symbol, own.shown.unit] if own.key != last else ["", ""]
-        numbers = [cells[key] for key in ("worst", "estimate", "limit", "margin", "verdict")]
+        numbers = [cells[key] for key in ("worst", "estimate", "limit", "margin")] + [
+            cells["verdict"] * (not found.lone)
+        ]
         rows.append([*head, row.zone, *numbers, letter, cells["worst in"]])
         last = own.key
     words = ("quantity", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "worst in")
     tables.append(Table("", tuple(map(Column, words)), rows))
     tables += [*_regressions_table(found), *_track_table(found)]
     verdict = "every quantity is within its limit" if found.passed else "A LIMIT IS EXCEEDED"
+    verdict = NO_VERDICT if found.lone else verdict
     notes = [*(f"{letter}  {source}" for source, letter in letters.items()), *(f"note: {n}" for n in found.notes)]
-    last_words = f"{verdict}; [mem]: from memory of the standard, [pub]: from a published source"
-    return [*tables, Table("", notes=(*notes, last_words))]
+    return [*tables, Table("", notes=(*notes, verdict, TO_CONFIRM))]
 
 
 def _sections_table(found: Assessment) -> Table:

@@ -121,11 +121,21 @@ def summarise_contacts(dataset: xr.Dataset) -> dict[str, Any]:
         summary["energy"] = energy(dataset)
     if has_wear(dataset):
         summary["wear"] = summarise_wear(dataset)
-    if "event" in dataset.dims:
-        values = (dataset[f"event_{name}"].values.tolist() for name in ("time", "distance", "label"))
-        rows = zip(*values, strict=True)
-        summary["events"] = [{"time_s": t, "distance_m": s, "event": str(words)} for t, s, words in rows]
+    if happened := events(dataset):
+        summary["events"] = [{"time_s": t, "distance_m": s, "event": words} for t, s, words in happened]
     return summary
+
+
+CUT_STEPS = "time steps that Newton's method did not solve were cut into parts"
+"""Begin of the words of an event of the solver, which is none of the vehicle's."""
+
+
+def events(dataset: xr.Dataset) -> list[tuple[float, float, str]]:
+    """Time [s], distance [m] and words of what happened to the vehicle on its way; nothing of the solver's own."""
+    if "event" not in dataset.dims:
+        return []
+    rows = zip(*(dataset[f"event_{name}"].values.tolist() for name in ("time", "distance", "label")), strict=True)
+    return [(t, s, str(words)) for t, s, words in rows if not str(words).startswith(CUT_STEPS)]
 
 
 ENERGY = {

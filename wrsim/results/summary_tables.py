@@ -39,7 +39,7 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     if energy := summary.get("energy"):
         parts = [(words, energy[key]) for key, words in ENERGY.items() if energy[key] or key == "left_over_kJ"]
         tables.append(Table("balance of energy over the run", (Column(), Column("work", "kJ")), parts))
-    notes = (*first_lines(happened(summary), "events"), *_integration(summary))
+    notes = (*first_lines(happened(summary), "events"), *integration(summary))
     return [*tables, Table("", notes=notes)] if notes else tables
 
 
@@ -166,7 +166,8 @@ def first_lines(lines: Sequence[str], what: str) -> tuple[str, ...]:
     return (*lines[:MOST_LINES], *more)
 
 
-def _integration(summary: Summary) -> list[str]:
+def integration(summary: Summary) -> list[str]:
+    """What the integration of a run took; nothing of other analyses."""
     if (took := summary.get("integration")) is None:
         return []
     words = f"{took['integrator']}: {took['steps']} steps of {quantity(took['step_ms'], 'ms')}"

@@ -20,6 +20,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.results import Result
 from wrsim.results.assessment import AssessedSection, Assessment, Limit, Value
+from wrsim.results.summary import events
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 from wrsim.scenario.loading import load_text
 from wrsim.scenario.sections.assessment import AssessmentSection, AssessmentSettings
@@ -86,6 +87,7 @@ def assess(
         signals={run.name: _signals(run.axles) for run in runs},
         track=tuple(t for run in runs for t in run.track),
         estimate_over=settings.estimate_over,
+        lone=all("body" not in run.dataset.dims and len(run.axles) == 1 for run in runs),
     )
 
 
@@ -112,9 +114,7 @@ class _Run:
         self.nadal = limit_of_climbing(dataset, settings, self.notes)
         if not any(axle.hunting.rms.size for axle in self.axles):
             self.notes.append(f"instability: the run is shorter than the window of {limits.STABILITY_WINDOW:g} m")
-        if "event_label" in dataset:
-            places = zip(dataset["event_distance"].values, dataset["event_label"].values, strict=True)
-            self.notes += [f"event at {place:.1f} m: {label}" for place, label in places]
+        self.notes += [f"event at {place:.1f} m: {label}" for _, place, label in events(dataset)]
         self.track = track_quality(dataset, self.sections, self.notes)
         self.points = list(assessed_points(dataset, settings))
 

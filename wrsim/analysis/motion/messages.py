@@ -7,6 +7,7 @@ from typing import Literal
 
 from wrsim.contact.status import WORDS
 from wrsim.errors import SimulationError
+from wrsim.results.summary import CUT_STEPS
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.steady_state import Unbalanced
@@ -92,7 +93,7 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     return {
         "lift": f"{wheel} is lifted {lasted}",
         "stop": f"bump stop {event.part} is beyond the end of its table {lasted}",
-        "steps": f"time steps that Newton's method did not solve were cut into parts {lasted}",
+        "steps": f"{CUT_STEPS} {lasted}",
         "spins": f"wheelset {event.part} is driven beyond adhesion and spins {lasted}",
         "slides": f"wheelset {event.part} is braked beyond adhesion and slides {lasted}",
         "loose": f"nothing presses friction {event.part} together {lasted}: it has no normal force",

@@ -16,71 +16,145 @@ let quiet = false;
 const number = (v) => (v == null ? "–" : Number(v.toPrecision(4)).toString().replace("-", "\u2212"));
 const fits = (line) => !part || !line.part || line.part === part;
 
+const fitting = (chart) => chart.lines.filter(fits);
+
+/** Limits of a chart: lines across it; those beyond its ends are said at its edge. */
 function limitsPlugin(limits) {
   const draw = (u) => {
-    const { ctx, bbox } = u;
+    const { ctx, bbox } = u, dot = devicePixelRatio;
     ctx.save();
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.clip();
-    ctx.strokeStyle = ctx.fillStyle = "#b00020";
-    ctx.setLineDash([4, 6]);
-    ctx.font = `${11 * devicePixelRatio}px sans-serif`;
+    ctx.fillStyle = "#b00020";
+    ctx.font = `${11 * dot}px sans-serif`;
     ctx.textAlign = "right";
-    for (const limit of limits) {
-      const y = u.valToPos(limit.value, "y", true);
+    const write = (words, at) => {
+      ctx.setLineDash([]);
+      ctx.lineWidth = 4 * dot;
+      ctx.strokeStyle = "#ffffffd8";
+      ctx.strokeText(words, right, at);
+      ctx.fillText(words, right, at);
+    };
+    const right = bbox.left + bbox.width - 4;
+    for (const { label, value } of limits) {
+      const { min, max } = u.scales.y;
+      if (value > max || value < min) {
+        const end = value > max ? Math.min(...limits.map((l) => l.value).filter((v) => v > max)) : Math.max(...limits.map((l) => l.value).filter((v) => v < min));
+        if (value === end) write(value > max ? `${label} \u2191` : `${label} \u2193`, value > max ? bbox.top + 12 * dot : bbox.top + bbox.height - 4);
+        continue;
+      }
+      const y = u.valToPos(value, "y", true);
+      ctx.setLineDash([4, 6]);
+      ctx.lineWidth = dot;
+      ctx.strokeStyle = "#b00020";
       ctx.beginPath();
       ctx.moveTo(bbox.left, y);
       ctx.lineTo(bbox.left + bbox.width, y);
       ctx.stroke();
-      const above = y - bbox.top > 20 * devicePixelRatio;
-      ctx.fillText(limit.label, bbox.left + bbox.width - 4, above ? y - 4 : y + 13 * devicePixelRatio);
+      write(label, y - bbox.top > 20 * dot ? y - 4 : y + 13 * dot);
     }
     ctx.restore();
   };
   return { hooks: { draw: [draw] } };
 }
 
+/** One scale for all panels of a chart: that of the lines that are seen. */
 function range(chart) {
-  return (u, low, high) => {
-    if (low == null) return [0, 1];
-    const reach = Math.max(high - low, 1e-6 * Math.abs(high), 1e-6);
-    for (const limit of chart.limits) {
-      if (limit.value > low - reach && limit.value < high + reach) {
-        low = Math.min(low, limit.value);
-        high = Math.max(high, limit.value);
+  return (u) => {
+    const from = u.scales.x.min ?? whole[0], to = u.scales.x.max ?? whole[1];
+    let low = Infinity, high = -Infinity;
+    for (const { y } of fitting(chart)) {
+      for (let i = 0; i < y.length; i++) {
+        if (y[i] == null || x[i] < from || x[i] > to) continue;
+        low = Math.min(low, y[i]);
+        high = Math.max(high, y[i]);
       }
+    }
+    if (low > high) return [0, 1];
+    const reach = Math.max(high - low, 1e-6 * Math.abs(high), 1e-6);
+    for (const { value } of chart.limits) {
+      if (value > low - reach && value < high + reach) [low, high] = [Math.min(low, value), Math.max(high, value)];
     }
     return [low - 0.07 * reach, high + 0.07 * reach];
   };
 }
 
-function make(figure) {
-  const chart = data.charts.find((c) => c.key === figure.dataset.chart);
-  const size = { width: figure.clientWidth, height: 210 };
-  const series = chart.lines.map((line) => ({
-    label: line.label,
-    stroke: line.colour,
-    width: 1.3,
-    dash: line.dash ? line.dash.split(" ").map(Number) : undefined,
-    points: { show: false },
-    show: fits(line),
-    value: (u, v) => number(v),
-  }));
+const ends = (y, i) => {
+  const both = [y[i - (i % 2)], y[i - (i % 2) + 1]].filter((v) => v != null);
+  return both.length ? [Math.min(...both), Math.max(...both)] : null;
+};
+
+/** True for a line whose pieces are often as high as a part of its whole range: it is drawn as a band. */
+function isRough(y) {
+  let most = -Infinity, least = Infinity, inside = 0, count = 0;
+  for (let i = 0; i < y.length; i += 2) {
+    const both = ends(y, i);
+    if (!both) continue;
+    [least, most, inside, count] = [Math.min(least, both[0]), Math.max(most, both[1]), inside + both[1] - both[0], count + 1];
+  }
+  return count > 20 && inside / count > 0.06 * (most - least);
+}
+
+/** The panel of some lines of a chart, in an element; short: their wheelset is named above. */
+function panel(chart, lines, element, height, short) {
+  const series = [], values = [], bands = [];
+  const told = (line) => (u, v, k, i) => {
+    const both = i == null ? null : ends(line.y, i);
+    if (!both) return "\u2013";
+    const same = both[1] - both[0] <= 1e-3 * Math.abs(both[1]);
+    return same ? number(both[1]) : `${number(both[0])} to ${number(both[1])}`;
+  };
+  for (const line of lines) {
+    const look = { label: short ? line.label.replace(`${data.parts[line.part]}, `, "") : line.label, stroke: line.colour, points: { show: false }, value: told(line) };
+    if (isRough(line.y)) {
+      for (const k of [1, 0]) {
+        series.push({ ...look, width: 0.5, edge: k === 0 });
+        values.push(line.y.map((v, i) => ends(line.y, i)?.[k] ?? null));
+      }
+      bands.push({ series: [series.length - 1, series.length], fill: `${line.colour}59` });
+    } else {
+      series.push({ ...look, width: 1.3, dash: line.dash ? line.dash.split(" ").map(Number) : undefined });
+      values.push(line.y);
+    }
+  }
   const options = {
-    ...size,
+    width: element.clientWidth,
+    height,
     padding: [8, 12, 0, 0],
     cursor: { sync: { key: "wrsim" }, y: false, drag: { x: true, y: false } },
     scales: { x: { time: false }, y: { range: range(chart) } },
     axes: [{ size: 28, font: "12px sans-serif" }, { size: 56, font: "12px sans-serif" }],
-    series: [{ label: data.label, value: (u, v) => (v == null ? "–" : `${v.toFixed(2)} ${data.unit}`) }, ...series],
+    series: [{ label: "place", value: (u, v) => (v == null ? "\u2013" : `${v.toFixed(2)} ${data.unit}`) }, ...series],
+    bands,
     plugins: [limitsPlugin(chart.limits)],
-    hooks: { setScale: [zoomed], setCursor: [moved] },
+    hooks: { setScale: [zoomed], setCursor: [moved], setSeries: [together] },
   };
-  const u = new uPlot(options, [x, ...chart.lines.map((line) => line.y)], figure);
-  u.chart = chart;
+  const u = new uPlot(options, [x, ...values], element);
+  // the lower edge of a band has no entry of its own
+  u.root.querySelectorAll(".u-legend .u-series").forEach((row, k) => row.classList.toggle("edge", Boolean(u.series[k].edge)));
   u.root.setAttribute("aria-hidden", "true");
+  u.shape = height;
   plots.push(u);
+}
+
+function together(u, k, { show }) {
+  if (show != null && u.series[k + 1]?.edge && u.series[k + 1].show !== show) u.setSeries(k + 1, { show });
+}
+
+/** A chart: one panel, or one for each wheelset on one scale, the leading one first. */
+function make(figure) {
+  const chart = data.charts.find((c) => c.key === figure.dataset.chart);
+  const lines = fitting(chart), own = [...new Set(lines.map((line) => line.part))];
+  figure.querySelector(".panels")?.remove();
+  const panels = figure.appendChild(document.createElement("div"));
+  panels.className = own.length > 1 ? "panels multiples" : "panels";
+  const cells = own.map((name) => {
+    const cell = panels.appendChild(document.createElement("div"));
+    if (own.length > 1) cell.appendChild(document.createElement("h4")).textContent = data.parts[name] ?? name;
+    return [cell, lines.filter((line) => line.part === name)];
+  });
+  for (const [cell, of] of cells) panel(chart, of, cell, own.length > 1 ? 165 : 210, own.length > 1);
 }
 
 function zoomed(u, key) {
@@ -131,13 +205,13 @@ function seek(s) {
 
 function choose(name) {
   part = name;
-  for (const u of plots) {
-    u.batch(() => u.chart.lines.forEach((line, k) => u.setSeries(k + 1, { show: fits(line) })));
-    // entries of other wheelsets leave the legend altogether
-    u.root.querySelectorAll(".u-legend .u-series").forEach((row, k) => {
-      row.style.display = k === 0 || fits(u.chart.lines[k - 1]) ? "" : "none";
-    });
-  }
+  const { min, max } = plots[0]?.scales.x ?? { min: whole[0], max: whole[1] };
+  for (const u of plots.splice(0)) u.destroy();
+  document.querySelectorAll("figure.chart").forEach(make);
+  requestAnimationFrame(() => {
+    stretch(min, max);
+    seek(Number(slider.value));
+  });
 }
 
 function begin() {
@@ -146,7 +220,6 @@ function begin() {
   slider.min = whole[0];
   slider.max = whole[1];
   slider.step = (whole[1] - whole[0]) / 1000;
-  document.querySelectorAll("figure.chart").forEach(make);
   slider.addEventListener("input", () => seek(Number(slider.value)));
   document.getElementById("whole").addEventListener("click", () => stretch(...whole));
   const parts = Object.entries(data.parts);
@@ -155,17 +228,15 @@ function begin() {
     document.getElementById("part-label").hidden = false;
     select.append(new Option("all", ""), ...parts.map(([name, called]) => new Option(called, name)));
     select.addEventListener("change", () => choose(select.value));
-    if (several) {
-      const first = document.body.dataset.part || parts[0][0];
-      select.value = first;
-      choose(first);
-    }
+    // several results lie over each other, one wheelset at a time; narrow pages and long trains begin with the worst
+    if (several || innerWidth < 600 || parts.length > 8) part = select.value = document.body.dataset.part || parts[0][0];
   }
+  document.querySelectorAll("figure.chart").forEach(make);
   let waiting = 0;
   addEventListener("resize", () => {
     cancelAnimationFrame(waiting);
     waiting = requestAnimationFrame(() => {
-      for (const u of plots) u.setSize({ width: u.root.parentElement.clientWidth, height: 210 });
+      for (const u of plots) u.setSize({ width: u.root.parentElement.clientWidth, height: u.shape });
     });
   });
   requestAnimationFrame(() => seek(worst())); // not before uPlot has laid out its charts

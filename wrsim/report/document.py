@@ -1,0 +1,175 @@
+"""What makes a report a document: its cover, one paragraph in words, and what its verdict rests on."""
+
+from __future__ import annotations
+
+import base64
+import datetime
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import xarray as xr
+from markupsafe import Markup
+
+from wrsim.contact.settings import DRY, USUAL, ContactSettings
+from wrsim.errors import InputError
+from wrsim.results import Result
+from wrsim.results.assessment import SECTIONS_NEEDED, TRANSITION, Assessment
+from wrsim.results.dataset import table_of_scenario
+from wrsim.results.summary_tables import Summary, extent_words
+from wrsim.results.table import listed, quantity
+from wrsim.results.wheelsets import wheelsets
+
+LOGOS = {".png": "png", ".svg": "svg+xml", ".jpg": "jpeg", ".jpeg": "jpeg", ".webp": "webp"}
+"""Kinds of pictures that a logo may be, by the ending of its file."""
+LARGEST_LOGO = 2_000_000  # bytes
+
+ASKED = {
+    "curving": "forces, contacts and motions of the run along the track",
+    "ride": "accelerations, spectra and comfort of the run along the track",
+    "static": "contacts at given poses of a wheelset",
+    "equilibrium": "the state of balance and its contacts",
+    "conicity": "equivalent conicity of the wheelset on its rails (EN 15302)",
+    "stability": "stability of the running vehicle and its critical speed",
+    "steady": "steady curving: balance of all forces in full curves",
+}
+"""What an analysis finds."""
+NORMAL = {"strips": "strip model", "kik-piotrowski": "model of Kik and Piotrowski", "half-space": "exact solver"}
+TANGENTIAL = {
+    "fastsim": "FASTSIM", "fastrip": "FaStrip", "polach": "Polach's formulas", "linear": "Kalker's linear theory",
+    "shen-hedrick-elkins": "the formulas of Shen, Hedrick and Elkins", "half-space": "the exact solver",
+}  # fmt: skip
+"""Contact models in words, by their keys; of "none" there is nothing to say."""
+
+
+@dataclass(frozen=True)
+class Cover:
+    """What a report says of itself; empty: title of the results, today's date. logo: a picture as a data address."""
+
+    title: str = ""
+    author: str = ""
+    company: str = ""
+    date: str = ""
+    logo: str = ""
+
+    def of(self, title: str) -> Cover:
+        """The cover of a report on something of that title."""
+        today = datetime.date.today()
+        return replace(self, title=self.title or title, date=self.date or f"{today.day} {today:%B %Y}")
+
+
+NO_COVER = Cover()
+
+
+def logo_address(path: Path) -> str:
+    """A picture as a data address. Raises InputError for a file that cannot be read or is no picture of ``LOGOS``."""
+    kind = LOGOS.get(path.suffix.lower())
+    if kind is None:
+        raise InputError(f"--logo {path}: must end in {', '.join(LOGOS)}")
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"--logo {path}: cannot be read ({error.strerror})") from None
+    if not 0 < len(content) <= LARGEST_LOGO:
+        raise InputError(f"--logo {path}: has {len(content)} bytes; from 1 to {LARGEST_LOGO} are allowed")
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def is_lone(dataset: xr.Dataset) -> bool:
+    """True for a single wheelset without any body: no vehicle that EN 14363 could assess."""
+    return "body" not in dataset.dims and len(wheelsets(dataset)) == 1
+
+
+def paragraph(result: Result, summary: Summary, found: Assessment | None) -> str:
+    """Vehicle, track, speed, contact and what was asked, in sentences."""
+    return " ".join(filter(None, (_motion(result, summary, found), _contact(result.dataset), _asked(result))))
+
+
+def _motion(result: Result, summary: Summary, found: Assessment | None) -> str:
+    dataset = result.dataset
+    of_vehicle = table_of_scenario(dataset, "vehicle") or {}
+    count, model = len(wheelsets(dataset)), of_vehicle.get("model")
+    name = Path(str(model)).stem if model else "of the scenario"
+    subject = f"Wheelset {name}" if is_lone(dataset) else f"Vehicle {name} ({count} wheelset{'s' * (count != 1)})"
+    if "time" not in dataset.dims:
+        return f"{subject}: {extent_words(dataset)}."
+    words = f"{subject} with {_loads(found)}" if found else subject
+    kmh = 3.6 * float(dataset["speed"].mean()) if "speed" in dataset and dataset["speed"].size else None
+    if kmh is None or "distance" not in dataset.coords or kmh < 1e-6:
+        return f"{words}: {extent_words(dataset)}."
+    length = quantity(float(dataset["distance"].max() - dataset["distance"].min()), "m", ".0f")
+    kind = "uneven" if "rail_lateral" in dataset else "smooth"
+    return f"{words} runs at {quantity(kmh, 'km/h', '.3g')} over {length} of {kind} track{_curves(summary, found)}."
+
+
+def _loads(found: Assessment) -> str:
+    loads = [v for k, v in found.settings.items() if k.startswith("axle_load") and isinstance(v, float)]
+    low, high = min(loads), max(loads)
+    span = quantity(low, "kN", ".3g") if high < 1.005 * low else f"{low:.3g} to {quantity(high, 'kN', '.3g')}"
+    return f"an axle load of {span}"
+
+
+def _curves(summary: Summary, found: Assessment | None) -> str:
+    """The full curves of a run: radius, hand, cant, and the cant deficiency of their sections."""
+    first: Summary = next(iter(summary.get("wheelsets", {}).values()), {})
+    words = []
+    for curve in first.get("full_curves", ()):
+        hand = "left" if curve["radius_m"] > 0.0 else "right"
+        words.append(f"R {quantity(abs(curve['radius_m']), 'm', '.0f')} to the {hand}")
+        if cant := abs(curve.get("cant_mm", 0.0)):
+            words[-1] += f" with {quantity(cant, 'mm', '.0f')} of cant"
+        middle = 0.5 * (curve["from_m"] + curve["to_m"])
+        inside = [s for s in (found.sections if found else ()) if s.start <= middle <= s.end]
+        if inside and abs(missing := 1e3 * inside[0].cant_deficiency) >= 0.5:
+            words[-1] += f" ({quantity(abs(missing), 'mm', '.0f')} of cant {'deficiency' if missing > 0 else 'excess'})"
+    return f" with {'a full curve' if len(words) == 1 else 'full curves'} of {listed(words, 3)}" if words else ""
+
+
+def _contact(dataset: xr.Dataset) -> str:
+    if "resolved_with" in dataset.attrs:
+        return f"Contacts are solved again with {dataset.attrs['resolved_with']}."
+    own = table_of_scenario(dataset, "contact")
+    if own is None or "wheel" not in dataset.dims:
+        return ""
+    normal = own.get("normal", ContactSettings().normal)
+    creep = own.get("tangential", USUAL[normal].tangential if normal in USUAL else "")
+    words = f"Wheel-rail contact: {NORMAL.get(normal, normal)}"
+    if creep in TANGENTIAL and dataset.attrs["analysis"] != "conicity":
+        friction = own.get("friction", DRY)
+        how = f"coefficient of friction {friction:g}" if isinstance(friction, int | float) else "friction by its law"
+        words += f"; creep forces by {TANGENTIAL[creep]}, {how}"
+    return f"{words}."
+
+
+def _asked(result: Result) -> str:
+    asked = f"Asked: {ASKED.get(result.analysis, result.analysis)}."
+    return (
+        asked if result.status == "completed" else f"{asked} The analysis {result.status} early: {result.stop_reason}."
+    )
+
+
+def basis(dataset: xr.Dataset, found: Assessment) -> str:
+    """What a verdict rests on: smooth or uneven track, the sections of every class of track beside those that the
+    standard asks, limits that are to be confirmed."""
+    words = [f"simulated on {'uneven' if 'rail_lateral' in dataset else 'smooth'} track"]
+    zones = {s.zone: [o for o in found.sections if o.zone == s.zone] for s in found.sections if s.zone != TRANSITION}
+    for zone, own in zones.items():
+        radii = sorted(abs(s.radius) for s in own)
+        span = f"{radii[0]:.0f}" if radii[-1] < 1.005 * radii[0] else f"{radii[0]:.0f} to {radii[-1]:.0f}"
+        where = "of straight track" if zone == "straight" else f"of R {span} m"
+        needed = SECTIONS_NEEDED.get(zone)
+        of = f"of the {needed}* that the standard asks" if needed else "for which the standard asks no number"
+        words.append(f"{len(own)} section{'s' * (len(own) != 1)} {where} {of}")
+    if any(v.limit is not None and v.limit.mark == "mem" for v in found.values):
+        words.append("limits marked * to be confirmed")
+    return f"It rests on: {', '.join(words)}."
+
+
+def css_text(words: str) -> Markup:
+    """A text as a string of a style sheet: all but letters and digits of ASCII as numbers, so that it ends nothing."""
+    return Markup('"{}"').format("".join(c if c.isascii() and c.isalnum() else f"\\{ord(c):06x}" for c in words))
+
+
+def together(words: Sequence[str]) -> str:
+    """Those of the texts that are not empty, with points between."""
+    return " \N{MIDDLE DOT} ".join(filter(None, words))
