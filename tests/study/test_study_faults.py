@@ -22,7 +22,7 @@ OVER = '[[vary]]\nkind = "sobol"\nsamples = {}\n[[vary.over]]\nkey = "contact.fr
 
 @pytest.mark.parametrize(("axes", "message"), [
     (GRID.format("vehicle.speed_kmhh", "[40]"),
-     r"study\.toml:3: .*speed_kmhh = 40: unknown key; 'speed_kmh' .in km/h. is given already"),
+     r"study\.toml:3: .*speed_kmhh = 40: unknown key; did you mean 'speed_kmh' .in km/h., which is given already"),
     (GRID.format("track.segments[9].radius_m", "[300]"), r"study\.toml:3: track\.segments\[9\]: there is no such"),
     (GRID.format("track..gauge", "[1]"), r'study\.toml:3: key "track\.\.gauge": must be written like'),
     (GRID.format("vehicle.wheel", '["wheels/S1003.toml"]'), r'study\.toml:3: .*did you mean "wheels/S1002\.toml"'),

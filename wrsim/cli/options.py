@@ -18,7 +18,10 @@ Json = Annotated[bool, typer.Option("--json", help="Write one JSON object to std
 Set = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", "-s", metavar="KEY=VALUE", help="Change a key: vehicle.speed_kmh=60, track.segments[2].radius_m=250."
+        "--set",
+        "-s",
+        metavar="KEY=VALUE",
+        help="Change a key: vehicle.speed_kmh=60, vehicle.bogie.primary.stiffness_kN_per_m.2=1500.",
     ),
 ]
 Force = Annotated[

@@ -219,7 +219,7 @@ class Section(BaseModel):
             unit = unit_of(meant)
             in_unit = f" (in {UNITS[unit]})" if unit and unit != unit_of(key) else ""
             if meant in raw:
-                return f"unknown key; '{meant}'{in_unit} is given already", meant
+                return f"unknown key; did you mean '{meant}'{in_unit}, which is given already?", meant
             return f"unknown key; did you mean '{meant}'{in_unit}?", meant
         other = key if key in cls.elsewhere else _same_stem(key, list(cls.elsewhere))
         if other is not None:

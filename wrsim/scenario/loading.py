@@ -12,14 +12,20 @@ from typing import Any, TypeVar
 import numpy as np
 
 from wrsim.errors import InputError
+from wrsim.inputs.changes import changed, found, key_path
 from wrsim.inputs.checking import check_section, dotted, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
-from wrsim.inputs.toml_files import DEEPEST, parse_value, shortened, shown_value, write_toml
+from wrsim.inputs.toml_files import parse_value, shortened, write_toml
 from wrsim.register import ANALYSES
 from wrsim.scenario.merging import BASE, Merged, of_text, read_merged, value_at, with_track_file
 from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
+from wrsim.scenario.sections.vehicle import VehicleSection
+from wrsim.vehicle.vehicle_sections import TrainFile, VehicleFile, WheelsetFile
+
+OF_FILES = {*VehicleFile.model_fields, *WheelsetFile.model_fields, *TrainFile.model_fields}
+"""Keys at the top of vehicle and train files."""
 
 T = TypeVar("T")
 S = TypeVar("S", bound=Section)
@@ -116,8 +122,10 @@ class Scenario:
         Parameters
         ----------
         values : mapping
-            From dotted keys to values in the file's units: ``{"vehicle.speed_kmh": 60}``. Places in lists are in
-            brackets: ``"track.segments[2].radius_m"``. Values may be tables, lists, numbers and arrays of numpy.
+            From dotted keys to values in the file's units: ``{"vehicle.speed_kmh": 60}``. Places in lists are numbers
+            or names: ``"track.segments[2].radius_m"``. Keys of the vehicle's file follow behind ``vehicle``, by the
+            names of its parts and elements: ``"vehicle.bogie.primary.stiffness_kN_per_m.2"``. Values may be tables,
+            lists, numbers and arrays of numpy.
         owner : str
             From where the values come, for messages.
 
@@ -138,11 +146,12 @@ class Scenario:
         data, owners = self.merged.data, dict(self.merged.owners)
         for key, value in values.items():
             try:
-                path = _keys(key)
-                data = _changed(data, path, _plain(key, value))
+                path = found(data, _own_path(key), by_name=False)
+                new = next((end for end in range(1, len(path)) if not _holds(data, path[:end])), len(path))
+                data = changed(data, path, _plain(key, value))
             except InputError as error:
                 raise InputError(f"{owner}: {error}") from None
-            owners[path] = owner
+            owners |= {path[:end]: owner for end in range(new, len(path) + 1)}
         merged = replace(self.merged, data=data, text=write_toml(data), owners=owners)
         return Scenario(check_section(ScenarioFile, data, merged.locate), self.path, self.finder, merged)
 
@@ -228,6 +237,24 @@ def _scenario(
     return Scenario(check_section(ScenarioFile, merged.data, merged.locate), path, finder, merged)
 
 
+def _holds(data: Any, path: KeyPath) -> bool:
+    try:
+        value_at(data, path)
+    except KeyError:
+        return False
+    return True
+
+
+def _own_path(dotted_key: str) -> KeyPath:
+    """The path of a key in a scenario; what [vehicle] does not have is of the vehicle's file: ``vehicle.changes``."""
+    path = key_path(dotted_key)
+    if path[0] != "vehicle" or len(path) < 2 or path[1] in VehicleSection.model_fields:
+        return path
+    if len(path) == 2 and path[1] not in OF_FILES:
+        return path
+    return ("vehicle", "changes", dotted_key.partition(".")[2])
+
+
 def _plain(key: str, value: Any) -> Any:
     """A value as from a TOML file. Raises InputError for one that no file can hold."""
     if isinstance(value, np.generic | np.ndarray):
@@ -240,32 +267,3 @@ def _plain(key: str, value: Any) -> Any:
         return value
     allowed = "a number, a text, true or false, a date, or a list or table of such"
     raise InputError(f"{key} = {value!r:.60}: must be {allowed}")
-
-
-def _keys(dotted_key: str) -> KeyPath:
-    """``track.segments[2].radius_m`` -> ("track", "segments", 2, "radius_m")."""
-    if not isinstance(dotted_key, str) or dotted_key.count(".") + dotted_key.count("[") > DEEPEST:
-        raise InputError(f"key {dotted_key!r:.60}: must be a text like track.segments[2].radius_m")
-    path: list[str | int] = []
-    for part in dotted_key.split("."):
-        name, *places = part.replace("]", "").split("[")
-        path.append(name)
-        if not all(place.isdecimal() for place in places) or not name:
-            raise InputError(f"key {shown_value(dotted_key)}: must be written like track.segments[2].radius_m")
-        path += [int(place) for place in places]
-    return tuple(path)
-
-
-def _changed(data: Any, path: KeyPath, value: Any, done: KeyPath = ()) -> Any:
-    """A copy of a tree of tables with one value replaced; tables on the way are made where missing."""
-    if not path:
-        return value
-    first, rest = path[0], path[1:]
-    here = (*done, first)
-    if isinstance(first, int):
-        if not isinstance(data, list) or first >= len(data):
-            raise InputError(f"{dotted(here)}: there is no such entry")
-        return [_changed(v, rest, value, here) if i == first else v for i, v in enumerate(data)]
-    if not isinstance(data, dict):
-        raise InputError(f"{dotted(here)}: '{dotted(done)}' is no table")
-    return {**data, first: _changed(data.get(first, {} if rest else None), rest, value, here)}

@@ -17,7 +17,7 @@ from wrsim.vehicle.assembly import Assembly, Place
 from wrsim.vehicle.loads import CarriedMass, Effort, SlipControl
 from wrsim.vehicle.preload import preloads, with_ballast
 from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.vehicle_files import load_vehicle
+from wrsim.vehicle.vehicle_files import Change, load_vehicle
 
 
 def vehicle_model(name: str, models: Sequence[str | Path] | None) -> Vehicle:
@@ -28,7 +28,12 @@ def vehicle_model(name: str, models: Sequence[str | Path] | None) -> Vehicle:
 def vehicle_of(scenario: Scenario) -> Vehicle:
     """The vehicle with what the scenario changes. Raises InputError."""
     section = scenario.spec.vehicle
-    vehicle = scenario.read(("vehicle", "model"), section.model, partial(load_vehicle, find=scenario.finder))
+    changes = [
+        Change(key, value, scenario.merged.owners.get(path := ("vehicle", "changes", key)) or scenario.locate(path))
+        for key, value in section.changes.items()
+    ]
+    reader = partial(load_vehicle, find=scenario.finder, changes=changes)
+    vehicle = scenario.read(("vehicle", "model"), section.model, reader)
     for side in SIDES:
         (key, name), (_, radius) = section.of_side("wheel", side), section.of_side("radius_mm", side)
         profile = None

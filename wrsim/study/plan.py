@@ -29,9 +29,10 @@ from wrsim.inputs.toml_files import noting_reads, shown_value
 from wrsim.results.files import digest_of
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load, load_text
+from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.study.axes import AxisPoints, axis_points
 from wrsim.study.outputs import check_hook, outputs_digest
-from wrsim.study.spec import MOST_CASES, CasesSection, OutputsSection, StudyFile
+from wrsim.study.spec import MOST_CASES, CasesSection, OutputsSection, StudyFile, short_name
 
 CASES, PLAN = "cases", "plan.json"
 MOST_FAULTS = 20
@@ -191,6 +192,7 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
     files: list[dict[str, str]] = []
     read: list[Path] = []
     groups: dict[tuple[str, ...], int] = {}
+    changed = {"{}"}
     faults: list[str] = []
     for place in product(*(range(n) for n in plan.shape)):
         values: dict[str, Any] = {}
@@ -202,6 +204,9 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
         try:
             scenario = base.with_values(values, owner)
             group = tuple(texts_in(scenario.merged.data))
+            if (changes := str(scenario.spec.vehicle.changes)) not in changed:
+                changed.add(changes)
+                vehicle_of(scenario)
             if group not in groups:
                 with noting_reads() as seen:
                     named = build(scenario).files
@@ -232,7 +237,7 @@ def _label(axes: Sequence[AxisPoints], place: tuple[int, ...]) -> str:
             words.append(f"{axis.name} {i}")
         else:
             pairs = zip(axis.columns, axis.values[i], strict=True)
-            words += [f"{column.rpartition('.')[2]} {in_words(value)}" for column, value in pairs]
+            words += [f"{short_name(column)} {in_words(value)}" for column, value in pairs]
     return ", ".join(words)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import Annotated, Any, Literal
@@ -287,8 +288,13 @@ class StudyFile(Section, header="a study"):
 def axis_name(axis: Axis) -> str:
     """Name of the dimension of an axis: its own, or the last part of its key."""
     if isinstance(axis, GridAxis) and axis.name is None:
-        return axis.key[0].rpartition(".")[2].replace("[", "_").replace("]", "")
+        return short_name(axis.key[0])
     return str(axis.name)
+
+
+def short_name(key: str) -> str:
+    """The last part of a dotted key, with the numbers behind it: ``stiffness_kN_per_m_2``."""
+    return re.sub(r"[.\[](\d+)\]?", r"_\1", key).rpartition(".")[2]
 
 
 class EvolutionFile(Section, header="a profile evolution"):

@@ -92,7 +92,9 @@ def doubts(vehicle: Vehicle) -> list[str]:
     for own in [vehicle.alone(k) for k in range(len(vehicle.members))] or [vehicle]:
         moved = motions(own)
         springs = _Springs.build(own, moved)
-        kind = springs.whole.tobytes(), springs.inertia.tobytes()
+        kind = tuple(
+            (np.round(each / np.max(each, initial=1.0), 9) + 0.0).tobytes() for each in (springs.whole, springs.inertia)
+        )
         if kind not in seen:
             seen.add(kind)
             found += [

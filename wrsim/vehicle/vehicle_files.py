@@ -8,12 +8,13 @@ docs/user/vehicles.md and docs/user/trains.md for the formats.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile.models import load_profile
+from wrsim.inputs.changes import changed, found, key_path
 from wrsim.inputs.checking import Locate, check_section, fault_line, opened
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, model_file, usual_finder
@@ -30,7 +31,16 @@ OF_PARTS = ("bodies", "wheelsets", "elements", "drives", "parts", "places", "whe
 """Tables of a file that assembles a vehicle from parts."""
 
 
-def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
+class Change(NamedTuple):
+    """A value of a vehicle file to be changed: its dotted key by names (`wrsim.inputs.changes`), the value, and where
+    it comes from, for messages."""
+
+    key: str
+    value: Any
+    owner: str
+
+
+def load_vehicle(path: str | Path, find: Finder | None = None, changes: Sequence[Change] = ()) -> Vehicle:
     """Read a vehicle file and the wheel profiles it names; check that its springs can hold it.
 
     Parameters
@@ -40,6 +50,8 @@ def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
         ``"vehicles/manchester_1.toml"``.
     find : Finder, optional
         Where profiles are looked up after the folder of the vehicle file itself.
+    changes : sequence of Change
+        Values to be changed; in a train those of its vehicles follow behind their names.
 
     Returns
     -------
@@ -51,10 +63,10 @@ def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
         With all faults of the file at once: file, line, key, value, what is allowed.
     """
     path = model_file(path)
-    data, locate = opened(path, "vehicle file")
+    data, locate, inner = _changed_file(path, changes)
     finder = (find or usual_finder()).beside(path)
     if "vehicles" in data:
-        return _checked(_train(check_section(TrainFile, data, locate), finder, locate), path)
+        return _checked(_train(check_section(TrainFile, data, locate), finder, locate, inner), path)
     if any(key in data for key in OF_PARTS):
         return _of_parts(check_section(VehicleFile, data, locate), path, finder, locate, Place())
     if "wheelset" not in data and "body" in data:
@@ -67,6 +79,33 @@ def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
         carried_mass=file.sprung.mass_kg,
         carried_height=file.sprung.height_above_axle_mm / 1000.0,
     )
+
+
+def _changed_file(path: Path, changes: Sequence[Change]) -> tuple[dict[str, Any], Locate, dict[str, list[Change]]]:
+    """Tables of a vehicle file with changes, what locates their keys, and changes inside of the vehicles of a train."""
+    data, written = opened(path, "vehicle file")
+    owners: dict[KeyPath, str] = {}
+    inner: dict[str, list[Change]] = {}
+    members = [each.get("name") for each in data.get("vehicles", ()) if isinstance(each, dict)]
+    for change in changes:
+        try:
+            keys = key_path(change.key)
+            if keys[0] in members and len(keys) > 2:
+                inner.setdefault(str(keys[0]), []).append(change._replace(key=change.key.partition(".")[2]))
+                continue
+            full = found(data, keys, by_name=True)
+            data = changed(data, full, change.value)
+        except InputError as error:
+            raise InputError(f"{change.owner}: {error}") from None
+        owners[full] = change.owner
+
+    def locate(key: KeyPath) -> str:
+        for own, owner in owners.items():
+            if key and (key == own[: len(key)] or own == key[: len(own)]) and len(key) >= len(own) - 1:
+                return owner
+        return written(key)
+
+    return data, locate, inner
 
 
 def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate, place: Place) -> Vehicle:
@@ -138,7 +177,7 @@ def _check_connected(vehicle: Vehicle) -> None:
         raise InputError(f"{which}: no element joins them to a wheelset, not even by way of other bodies")
 
 
-def _train(file: TrainFile, finder: Finder, locate: Locate) -> Vehicle:
+def _train(file: TrainFile, finder: Finder, locate: Locate, changes: Mapping[str, Sequence[Change]]) -> Vehicle:
     """The vehicles of a train, one behind the other, as one vehicle whose origin is that of the first one."""
 
     def fault(path: KeyPath, message: str, value: object = None) -> InputError:
@@ -168,7 +207,7 @@ def _train(file: TrainFile, finder: Finder, locate: Locate) -> Vehicle:
         front = rear - tables[k - 1].gap if k else nose
         place = Place(f"{name}.", Axes((front - nose, 0.0, 0.0), (sign, sign, 1.0)))
         try:
-            vehicle = _member(finder.find(table.model), finder, place)
+            vehicle = _member(finder.find(table.model), finder, place, changes.get(table.name, ()))
         except InputError as error:
             raise fault(("vehicles", i, "model"), str(error)) from None
         vehicles.append(vehicle)
@@ -195,8 +234,8 @@ def _train(file: TrainFile, finder: Finder, locate: Locate) -> Vehicle:
     )
 
 
-def _member(path: Path, find: Finder, place: Place) -> Vehicle:
-    data, locate = opened(path, "vehicle file")
+def _member(path: Path, find: Finder, place: Place, changes: Sequence[Change]) -> Vehicle:
+    data, locate, _ = _changed_file(path, changes)
     if not any(key in data for key in OF_PARTS):
         raise InputError(f"{path}: is no vehicle of parts; a train takes vehicles with bodies")
     return _of_parts(check_section(VehicleFile, data, locate), path, find.beside(path), locate, place)

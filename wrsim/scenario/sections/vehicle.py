@@ -131,6 +131,10 @@ class VehicleSection(Section, header="[vehicle]"):
     """Profile of the left wheels in place of that in the vehicle file."""
     wheel_right: WheelName | None = None
     """Profile of the right wheels in place of that in the vehicle file."""
+    changes: Annotated[
+        dict[str, Any], Field(description='a table such as {"bogie.primary.stiffness_kN_per_m.2" = 1500}')
+    ] = Field(default_factory=dict)
+    """Values of the vehicle's file that are changed, by the names of its parts and elements."""
     radius_mm: Radius | None = None
     """Rolling radius of all wheels at the tape circle, in place of that in the vehicle file."""
     radius_left_mm: Radius | None = None

@@ -1,0 +1,110 @@
+"""Single values of a tree of tables changed by dotted keys: ``track.segments[2].radius_m``, ``bogie.primary.at_mm.1``.
+
+Entries of lists are counted from 0, or named by their ``name``. In model files a table may be named by its own name
+alone, wherever it lies, as long as there is one of that name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from wrsim.errors import InputError, suggest
+from wrsim.inputs.checking import dotted
+from wrsim.inputs.lines import KeyPath
+from wrsim.inputs.toml_files import DEEPEST, shortened, shown_value
+
+
+def key_path(dotted_key: str) -> KeyPath:
+    """``track.segments[2].radius_m`` -> ("track", "segments", 2, "radius_m"). Raises InputError."""
+    if not isinstance(dotted_key, str) or dotted_key.count(".") + dotted_key.count("[") > DEEPEST:
+        raise InputError(f"key {dotted_key!r:.60}: must be a text like track.segments[2].radius_m")
+    path: list[str | int] = []
+    for part in dotted_key.split("."):
+        name, *places = part.replace("]", "").split("[")
+        path.append(name)
+        if not all(place.isdecimal() for place in places) or not name:
+            raise InputError(f"key {shown_value(dotted_key)}: must be written like track.segments[2].radius_m")
+        path += [int(place) for place in places]
+    return tuple(path)
+
+
+def changed(data: Any, path: KeyPath, value: Any) -> Any:
+    """A copy of a tree of tables with the value at a path from `found` replaced; missing tables are made."""
+    if not path:
+        return value
+    first, rest = path[0], path[1:]
+    if isinstance(data, list):
+        return [changed(v, rest, value) if k == first else v for k, v in enumerate(data)]
+    return {**data, first: changed(data.get(first, {} if rest else None), rest, value)}
+
+
+def found(data: dict[str, Any], path: KeyPath, *, by_name: bool) -> KeyPath:
+    """The full path of a key: entries of lists by their numbers or names.
+
+    by_name: tables may be named by their own names alone, and have to exist; else a missing one is a new one. Raises
+    InputError where there is no such entry or table, or more than one.
+    """
+    full: KeyPath = ()
+    tree: Any = data
+    for k, part in enumerate(path):
+        last = k == len(path) - 1
+        if isinstance(tree, list):
+            steps: KeyPath = (_entry(tree, part, full),)
+        elif not isinstance(tree, dict) or isinstance(part, int):
+            what = "list" if isinstance(part, int) else "table"
+            raise InputError(f"{dotted((*full, part))}: '{dotted(full)}' = {shown_value(tree, 30)} is no {what}")
+        elif part in tree or last:
+            steps = (part,)
+        elif by_name:
+            steps = _named(tree, part, full)
+        else:
+            return (*full, *path[k:])
+        for step in () if last else steps:
+            tree = tree[step]
+        full = (*full, *steps)
+    return full
+
+
+def _entry(data: list[Any], part: str | int, done: KeyPath) -> int:
+    """The number of an entry of a list, from 0, by itself or by its name."""
+    if isinstance(part, str) and not part.isdecimal():
+        names = [each.get("name", "") if isinstance(each, dict) else "" for each in data]
+        if names.count(part) == 1:
+            return names.index(part)
+        known = [name for name in names if name]
+        of = f"the names are {', '.join(known)}{suggest(part, known)}" if known else "entries are numbered from 0"
+        raise InputError(f"{dotted((*done, part))}: {dotted(done)} has no one entry '{part}'; {of}")
+    if int(part) >= len(data):
+        words = f"there are {len(data)}, [0] to [{len(data) - 1}]" if data else "it is empty"
+        raise InputError(f"{dotted((*done, part))}: there is no such entry; {words}")
+    return int(part)
+
+
+def _named(tree: dict[str, Any], name: str, done: KeyPath) -> KeyPath:
+    """The way from a table to the one table of a name that lies in it, however deep."""
+    known = list(_tables(tree, ()))
+    ways = [way for own, way in known if own == name]
+    if len(ways) == 1:
+        return ways[0]
+    inside = f" in {dotted(done)}" if done else ""
+    if ways:
+        full = " and ".join(dotted((*done, *way)) for way in ways)
+        raise InputError(f"there are {len(ways)} of the name '{name}'{inside}: {full}; write more of it")
+    names = list(dict.fromkeys(own for own, _ in known))
+    listed = shortened(", ".join(names), 300)
+    raise InputError(f"there is no '{name}'{inside}{suggest(name, names)}; there is {listed or 'no table'}")
+
+
+def _tables(tree: dict[str, Any], at: KeyPath) -> Iterator[tuple[str, KeyPath]]:
+    """Names of all tables in a tree, each with the way to it."""
+    for key, value in tree.items():
+        here = (*at, key)
+        if isinstance(value, dict):
+            yield key, here
+            yield from _tables(value, here)
+        for i, each in enumerate(value if isinstance(value, list) else ()):
+            if isinstance(each, dict):
+                if isinstance(name := each.get("name"), str):
+                    yield name, (*here, i)
+                yield from _tables(each, (*here, i))
