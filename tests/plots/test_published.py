@@ -9,10 +9,14 @@ import xarray as xr
 from matplotlib.collections import QuadMesh
 from support import synthetic_result
 
-from wrsim.plots import patch_gallery, standard_figures
+from wrsim.errors import InputError
+from wrsim.plots import patch_gallery, section_gallery, standard_figures
+from wrsim.plots.drawing import save_all
 from wrsim.plots.histories import channels_figure, wheelsets_figure
+from wrsim.plots.marks import broken
 from wrsim.plots.stability import stability_figures
-from wrsim.plots.theme import STOP_COLOUR
+from wrsim.plots.static import static_figure
+from wrsim.plots.theme import LOOK, STOP_COLOUR, look_of
 from wrsim.results import Result
 
 
@@ -44,8 +48,8 @@ def test_words_beside_the_panels_of_a_vehicle_do_not_overlap(four) -> None:
     figure = wheelsets_figure(four, "Y_over_Q")
     figure.canvas.draw()
     boxes = [axes.yaxis.label.get_window_extent() for axes in figure.axes]
-    spans = sorted((box.y0, box.y1) for box in boxes if box.x1 < 0.5 * figure.bbox.width)
-    assert len(spans) >= 5
+    spans = sorted((box.y0, box.y1) for box in boxes if box.x1 < 0.1 * figure.bbox.width)
+    assert len(spans) == 3  # of two wheelsets, above the curvature
     assert all(low[1] <= high[0] for low, high in pairwise(spans))
     assert figure.get_suptitle().endswith("derailment quotient")
 
@@ -124,3 +128,56 @@ def test_nothing_of_a_legend_is_cut_off(one) -> None:
         for legend in figure.legends:
             box = legend.get_window_extent()
             assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width, name
+
+
+def test_pictures_have_the_width_the_font_and_the_kinds_that_are_chosen(one, tmp_path) -> None:
+    (tmp_path / "mine.mplstyle").write_text("lines.linewidth: 3")
+    look = look_of("png, pdf,svg", 85.0, "DejaVu Serif", str(tmp_path / "mine.mplstyle"))
+    token = LOOK.set(look)
+    try:
+        figure = standard_figures(one)["overview"]()
+        files = save_all({"overview": lambda: figure}, tmp_path)
+    finally:
+        LOOK.reset(token)
+    assert [file.suffix for file in files] == [".png", ".pdf", ".svg"]
+    assert files[1].read_bytes().startswith(b"%PDF") and b"<svg" in files[2].read_bytes()
+    assert figure.get_size_inches()[0] == pytest.approx(85.0 / 25.4)
+    assert figure.axes[0].yaxis.label.get_fontfamily() == ["DejaVu Serif"]
+    assert len(figure.axes) > 5 and figure.axes[0].get_position().width > 0.5  # one column: too narrow for two
+
+
+@pytest.mark.parametrize(
+    "chosen", [{"formats": "gif"}, {"font": "No Such Font"}, {"style": "ggplott"}, {"style": "BAD"}], ids=str
+)
+def test_what_pictures_cannot_be_is_refused(chosen, tmp_path) -> None:
+    (tmp_path / "bad").write_text("lines.linewidht: 3")
+    with pytest.raises(InputError, match=r"none of png|is not here|did you mean 'ggplot'|line 1.*lines\.linewidth"):
+        look_of(**{key: str(tmp_path / "bad") if value == "BAD" else value for key, value in chosen.items()})
+
+
+def test_nothing_that_is_written_beneath_panels_leaves_the_picture(one) -> None:
+    """Of one moment a gallery has two panels, and is narrower than others."""
+    stopped = one.assign_attrs(status="stopped", stop_reason="a reason that takes more than one line " * 4)
+    for gallery in (patch_gallery, section_gallery):
+        figure = gallery(stopped, [0])
+        figure.savefig(io.BytesIO(), format="png")
+        for text in figure.texts:
+            box = text.get_window_extent()
+            assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width and box.y0 >= 0.0, text.get_text()
+
+
+def test_poses_that_no_railway_has_are_left_out_of_the_axes() -> None:
+    poses = synthetic_result.static_poses(shifts_mm=(0.0, 2.0, 4.0, 6.0), yaws_mrad=(0.0,))
+    dataset = Result(poses).wheelset().copy(deep=True)
+    dataset["N"][-1] = 172e3  # each of two patches
+    figure = static_figure(dataset)
+    (force,) = [axes for axes in figure.axes if "Normal force" in axes.get_ylabel()]
+    assert force.get_ylim()[1] < 200.0
+    assert any("1 of 4 poses" in text.get_text() and "kN" in text.get_text() for text in figure.texts)
+
+
+def test_a_line_is_interrupted_where_a_small_step_is_sudden() -> None:
+    x = np.arange(40.0)
+    angle = 1.0 + 0.02 * x + np.where(x > 20.0, 2.0, 0.0)
+    assert np.isnan(broken(x, angle, 6.0)[1]).sum() == 1
+    assert np.isfinite(broken(x, 3.0 * np.sin(x), 6.0)[1]).all()  # fast, but everywhere

@@ -9,7 +9,18 @@ import typer
 
 from wrsim.cli.console import print_error, print_found, print_lines, print_numbers
 from wrsim.cli.errors import writing_files
-from wrsim.cli.options import BesideResult, Force, Json, Models, Pictures, ResultFile, SectionsOf, check_ending, into
+from wrsim.cli.options import (
+    PICTURES,
+    BesideResult,
+    Force,
+    Json,
+    Models,
+    Pictures,
+    ResultFile,
+    SectionsOf,
+    check_ending,
+    into,
+)
 from wrsim.errors import InputError
 
 
@@ -128,7 +139,7 @@ def conicity_command(
 
 def vehicle(
     file: Annotated[str, typer.Argument(metavar="FILE", help="Vehicle file, such as vehicles/manchester_1.toml.")],
-    output: Annotated[Path | None, into(metavar="PNG|SVG", help="Draw it there, from three sides.")] = None,
+    output: Annotated[Path | None, into(metavar="PNG|SVG|PDF", help="Draw it there, from three sides.")] = None,
     cant_deficiency: Annotated[
         float | None,
         typer.Option(metavar="MM", min=1.0, max=400.0, help="Static roll and unloading at this cant deficiency."),
@@ -150,7 +161,7 @@ def vehicle(
         float, typer.Option(metavar="M", min=10.0, max=10_000.0, help="Radius of the curve of that test.")
     ] = 150.0,
     loops: Annotated[
-        Path | None, typer.Option("--loops", metavar="PNG|SVG", help="Draw the loops of these two tests there.")
+        Path | None, typer.Option("--loops", metavar="PNG|SVG|PDF", help="Draw the loops of these two tests there.")
     ] = None,
     models: Models = None,
     force: Force = False,
@@ -162,8 +173,8 @@ def vehicle(
         from wrsim.scenario.plausibility import vehicle_warnings
         from wrsim.scenario.vehicle_build import vehicle_model
 
-        check_ending("-o", output, ".png", ".svg")
-        check_ending("--loops", loops, ".png", ".svg")
+        check_ending("-o", output, *PICTURES)
+        check_ending("--loops", loops, *PICTURES)
         if twists is not None and not twist_test:
             raise InputError("--twists belongs to --twist-test")
         if loops is not None and not (twist_test or rotation_test):

@@ -9,14 +9,25 @@ import typer
 
 from wrsim.cli.console import print_found, print_lines
 from wrsim.cli.errors import writing_files
-from wrsim.cli.options import BesideResult, Force, Json, Models, Pictures, ResultFile, ScenarioFile, check_ending, into
+from wrsim.cli.options import (
+    PICTURES,
+    BesideResult,
+    Force,
+    Json,
+    Models,
+    Pictures,
+    ResultFile,
+    ScenarioFile,
+    check_ending,
+    into,
+)
 
 
 def profile(
     file: Annotated[
         str, typer.Argument(metavar="FILE", help="Wheel or rail profile: TOML or points, such as wheels/S1002.toml.")
     ],
-    output: Annotated[Path | None, into(metavar="PNG", help="Default: <name of FILE>.png here.")] = None,
+    output: Annotated[Path | None, into(metavar="PNG|SVG|PDF", help="Default: <name of FILE>.png here.")] = None,
     kind: Annotated[str | None, typer.Option(metavar="wheel|rail", help="For a file of two columns only.")] = None,
     cutoff: Annotated[
         list[float] | None,
@@ -32,7 +43,7 @@ def profile(
         from wrsim.results.smoothing import profile_and_reports, smoothing_table
 
         picture = output or Path(Path(file).stem + ".png")
-        check_ending("-o", picture, ".png")
+        check_ending("-o", picture, *PICTURES)
         loaded, reports = profile_and_reports(file, kind, cutoff or [], models)
         files = [draw_model("profile", picture, loaded, reports)]
         numbers = {"smoothing": [r.numbers() for r in reports]} if reports else {}
@@ -41,7 +52,7 @@ def profile(
 
 def track(
     file: ScenarioFile,
-    output: Annotated[Path | None, into(metavar="PNG", help="Default: <name of FILE>_track.png here.")] = None,
+    output: Annotated[Path | None, into(metavar="PNG|SVG|PDF", help="Default: <name of FILE>_track.png here.")] = None,
     models: Models = None,
     force: Force = False,
     as_json: Json = False,
@@ -53,7 +64,7 @@ def track(
         from wrsim.scenario.loading import load
 
         picture = output or Path(f"{file.stem}_track.png")
-        check_ending("-o", picture, ".png")
+        check_ending("-o", picture, *PICTURES)
         print_found(as_json, {}, [], [draw_model("track", picture, build(load(file, models or ())).track)])
 
 

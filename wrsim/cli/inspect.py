@@ -33,15 +33,23 @@ def plot(
     output: BesideResult = None,
     at: At = None,
     wheelset: OneWheelset = None,
+    formats: Annotated[str, typer.Option("--format", metavar="KINDS", help="png, svg, pdf; several: png,pdf.")] = "png",
+    width_mm: Annotated[
+        float | None, typer.Option(min=60.0, max=500.0, help="Width of the pictures; default 170.")
+    ] = None,
+    font: Annotated[str, typer.Option(metavar="NAME", help="Family of the letters, such as 'DejaVu Serif'.")] = "",
+    style: Annotated[str, typer.Option(metavar="FILE", help="A style file of matplotlib, or one of its styles.")] = "",
     force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
     with writing_files(as_json, force, of=result):
+        from wrsim.plots.theme import LOOK, look_of
         from wrsim.report.output_folder import folder_of_result, read
         from wrsim.report.outputs import draw_pictures
         from wrsim.results.wheelsets import wheelset_folder, wheelsets, worst_wheelset
 
+        LOOK.set(look_of(formats, width_mm, font, style))
         loaded = read(result)
         dataset, directory = loaded.dataset, output or folder_of_result(result)
         if wheelset is not None or at:

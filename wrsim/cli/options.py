@@ -64,6 +64,10 @@ Output = Annotated[Path | None, into(metavar="DIR", help="Default: results/<name
 BesideResult = Annotated[Path | None, into(metavar="DIR", help="Default: beside the result.")]
 
 
+PICTURES = (".png", ".svg", ".pdf")
+"""Endings of the names of pictures."""
+
+
 def check_ending(option: str, path: Path | None, *endings: str) -> None:
     """Raises InputError for a file to be written whose name does not end as it must."""
     if path is not None and path.suffix.lower() not in endings:

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wrsim.errors import InputError
-from wrsim.plots.gallery import GalleryColumn, GalleryRow, Page, draw_gallery
+from wrsim.plots.gallery import GalleryColumn, GalleryRow, Page, draw_gallery, most_moments
 from wrsim.plots.marks import draw_line, few_ticks, panels, wheel_entries
 from wrsim.plots.moments import PatchAt, choose_moments, patches_of, pose_abscissa, pose_groups, select
 from wrsim.plots.patches import contact_patch, extent_of_patches
@@ -27,7 +27,6 @@ from wrsim.results.table import quantity
 MODEL_COLOUR = (INK, *SERIES_COLOURS[:6])  # more than seven begin again
 HISTORIES = ("Q", "Y", "contact_angle", "p0", "T_gamma")
 STATIC = ("p0", "area", "approach", "contact_angle", "Y", "X")
-MOST_MOMENTS = 6
 LEAST_DIFFERENCE = 0.2  # least span of an axis of differences [%, degrees]
 
 
@@ -37,7 +36,7 @@ def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Seque
     reference's largest patch, so that shifts between models are seen."""
     names = list(results)
     first = results[names[0]]
-    columns = [GalleryColumn(m, i) for i, m in enumerate(moments or choose_moments(first, MOST_MOMENTS))]
+    columns = [GalleryColumn(m, i) for i, m in enumerate(moments or choose_moments(first, most_moments()))]
     page = Page(len(columns), left=24.0, gap=6.0, widest=42.0, upright=False)
     wheels = [str(w) for w in first["wheel"].values]
     drawn = {(w, n, c.order): _placed(results[n], first, c.moment, w) for w in wheels for n in names for c in columns}
@@ -98,6 +97,7 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
                 continue
             for n, (_, member, w, _) in enumerate(lines):
                 look: Any = {"color": colours[model], "linestyle": looks[n], "lw": 0.9, "markersize": 1.8}
+                look["zorder"] = 3.0 if model == reference else 2.0
                 draw_line(axes, x[member], y[i, member, w], marker="" if runs else "o", **look)
         axes.set_xlabel(CHANNELS[across].label)
         if differences:
@@ -157,13 +157,14 @@ def overlay_figure(datasets: Sequence[xr.Dataset], names: Sequence[str]) -> Figu
     lines = GROUP_LINE * 2
 
     def draw(axes: Axes, name: str) -> None:
-        for dataset, line in zip(datasets, lines, strict=False):
+        for order, (dataset, line) in enumerate(zip(datasets, lines, strict=False)):
             poses = "pose" in dataset.dims
             x, along = (np.arange(dataset.sizes["pose"]), "pose") if poses else abscissa(dataset)
             values = shown(dataset, name).reshape(x.size, -1)
             wheels = dataset["wheel"].values if "wheel" in dataset[name].dims else [""]
             for own, wheel in zip(values.T, wheels, strict=True):
-                axes.plot(x, own, color=WHEEL_COLOUR.get(str(wheel), INK), linestyle=line, linewidth=0.9)
+                look: Any = {"linestyle": line, "linewidth": 0.9, "zorder": 3.0 - 0.1 * order}  # the first is on top
+                axes.plot(x, own, color=WHEEL_COLOUR.get(str(wheel), INK), **look)
         axes.set_xlabel("Pose" if along == "pose" else CHANNELS[along].label)
         axes.set_ylabel(CHANNELS[name].short_label)
 

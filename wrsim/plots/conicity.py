@@ -99,6 +99,7 @@ def angles(axes: Axes, dataset: xr.Dataset) -> None:
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     axes.set_ylim(min(1.2 * low, 0.0), max(1.2 * high, 2.0))
     axes.set(xlabel=CHANNELS["lateral_shift"].label, ylabel="Contact angle $\\gamma$ [°]")
+    remark(axes, "scale: linear within ±2°, logarithmic beyond")
     axes.legend(loc="best", fontsize=6.5)
 
 

@@ -24,7 +24,6 @@ from wrsim.plots.patches import NEAR_EDGE, Array, patch_note, pressure_scale, ro
 from wrsim.plots.theme import INK, QUIET, RAIL_FILL, WHEEL_COLOUR, WHEEL_FILL, pressure_map, shown
 from wrsim.results.moments import moment_dim
 
-MOST_MOMENTS = 6
 OVERVIEW = (-88.0, 58.0, -42.0, 22.0)  # window of the overview: o and b, mm
 FAN = 0.38  # length of the longest pressure line over the height of the zoomed window
 
@@ -116,7 +115,7 @@ def zoom_window(dataset: xr.Dataset, where: PatchAt) -> tuple[float, float, floa
 
 def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> Figure:
     """Cross-sections of the chosen moments (default: up to six): overviews of wheels, close views of patches."""
-    chosen = choose_moments(dataset, MOST_MOMENTS) if moments is None else list(moments)
+    chosen = choose_moments(dataset, gallery.most_moments()) if moments is None else list(moments)
     columns = gallery.columns_of(dataset, chosen)
     page = gallery.Page(max(len(columns), 1))
     scale = pressure_scale(dataset, chosen)

@@ -20,18 +20,18 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from wrsim.plots.theme import rendered
+from wrsim.plots.theme import LOOK, rendered
 from wrsim.results import write_atomically
 
-Paint = Callable[[Figure], bytes]
+Paint = Callable[[Figure], Any]
 Makers = Mapping[str, Callable[[], Figure]]
-Finish = Callable[[], dict[str, bytes]]
+Finish = Callable[[], dict[str, Any]]
 """Draws what is left, and gives all pictures by their names."""
 
 
 @contextmanager
 def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
-    """Draw pictures while other work is done in the block, if there is a second processor. paint: figure to bytes."""
+    """Draw pictures while other work is done in the block, if there is a second processor. paint: figure to content."""
     alone = sys.platform != "linux" or multiprocessing.current_process().daemon or len(os.sched_getaffinity(0)) < 2
     if alone or len(figures) < 2:
         yield lambda: {name: paint(make()) for name, make in figures.items()}
@@ -61,14 +61,23 @@ def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
 
 
 def save_all(figures: Makers, directory: str | Path) -> list[Path]:
-    """Write pictures as PNG by their names, when all are drawn; returns their paths. Raises ``WrsimError``."""
-    with drawing(figures) as finish:
-        return [write_atomically(Path(directory) / f"{name}.png", content) for name, content in finish().items()]
+    """Write pictures by their names, when all are drawn, as PNG or in the kinds of files of `theme.LOOK`; returns their
+    paths. Raises ``WrsimError``."""
+    with drawing(figures, _in_all_kinds) as finish:
+        return [
+            write_atomically(Path(directory) / f"{name}.{kind}", content)
+            for name, drawn in finish().items()
+            for kind, content in drawn.items()
+        ]
 
 
-def _share(figures: Makers, paint: Paint, taken: Any) -> dict[str, bytes]:
+def _in_all_kinds(figure: Figure) -> dict[str, bytes]:
+    return {kind: rendered(figure, kind) for kind in LOOK.get().kinds}
+
+
+def _share(figures: Makers, paint: Paint, taken: Any) -> dict[str, Any]:
     """Draw one picture after the other that neither process has taken yet."""
-    drawn: dict[str, bytes] = {}
+    drawn: dict[str, Any] = {}
     for place, (name, make) in enumerate(figures.items()):
         with taken.get_lock():
             mine = taken.value == place

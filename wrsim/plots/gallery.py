@@ -62,23 +62,28 @@ class Page:
     @property
     def panel(self) -> float:
         """Width of a panel."""
-        room = theme.FULL_WIDTH - self.left - self.right - (self.columns - 1) * self.gap
+        room = theme.full_width() - self.left - self.right - (self.columns - 1) * self.gap
         return min(self.widest, room / self.columns)
 
     @property
     def width(self) -> float:
         """Width of the figure."""
-        return max(_NARROWEST, self.place_of(self.columns) - self.gap + self.right)
+        return max(min(_NARROWEST, theme.full_width()), self.place_of(self.columns) - self.gap + self.right)
 
     def place_of(self, column: int) -> float:
         """Distance of a column from the left edge."""
         return self.left + column * (self.panel + self.gap)
 
 
+def most_moments() -> int:
+    """How many moments there is room for beside each other, six at most."""
+    return max(1, min(6, int((theme.full_width() - 16.0) / 24.0)))
+
+
 def columns_of(dataset: xr.Dataset, moments: Sequence[int]) -> list[GalleryColumn]:
     """Columns for the moments, in their order."""
     wheels = [str(w) for w in dataset["wheel"].values]
-    own = wheels if len(moments) <= 2 and len(wheels) == 2 else [""]
+    own = wheels if len(moments) <= most_moments() // 2 and len(moments) <= 2 and len(wheels) == 2 else [""]
     return [GalleryColumn(moment, i, wheel) for i, moment in enumerate(moments) for wheel in own]
 
 
@@ -115,9 +120,12 @@ def draw_gallery(
     in the columns; reading: how to read the picture."""
     titles = [[_title(page, dataset, column) for column in columns] for columns, _ in blocks]
     above = 5.0 + 3.0 * max((text.count("\n") for own in titles for text in own), default=0)
-    top = 11.0 if note else 7.0
+    top = 7.0 + theme.head_height(title, note, page.width)
     heights = sum(row.height + row.beneath for _, rows in blocks for row in rows)
-    figure = theme.new_figure(page.width, top + heights + len(blocks) * above + FOOT, constrained=False)
+    beside = page.width >= _NARROWEST  # the words on how to read it are beside the scale of pressure, or beneath it
+    reading = theme.wrapped(reading, page.width - (78.0 if beside else 8.0), 6.8)
+    foot = FOOT + (max(0.0, 3.0 * reading.count("\n") - 6.0) if beside else 3.0 * reading.count("\n") + 4.0)
+    figure = theme.new_figure(page.width, top + heights + len(blocks) * above + foot, constrained=False)
     theme.headline(figure, title, note)
     for (columns, rows), words in zip(blocks, titles, strict=True):
         for j, (column, text) in enumerate(zip(columns, words, strict=True)):
@@ -135,7 +143,8 @@ def draw_gallery(
     bar = figure.colorbar(colours, cax=place, orientation="horizontal")
     bar.set_label("Contact pressure p [MPa]", labelpad=1.0)
     bar.ax.tick_params(width=0.4)
-    theme.write_words(figure, 76.0, top + 1.0, reading, fontsize=6.8, color=theme.QUIET)
+    at = (76.0, top + 1.0) if beside else (6.0, top + FOOT - 2.0)
+    theme.write_words(figure, *at, reading, fontsize=6.8, color=theme.QUIET)
     return figure
 
 

@@ -41,7 +41,10 @@ SEEN = 2.5
 HEAD, FOOT, GAP, LEFT, RIGHT, LABEL = 10.0, 17.0, 3.4, 19.0, 14.5, 11.2
 """Room over, beneath and between panels, beside them, and distance of their labels, mm."""
 LETTERS, LINE = 115, 4.2
-"""Letters in a line of the legend, counting seven for the look of each entry, and its height, mm."""
+"""Letters in a line of the legend of a picture of 170 mm, counting seven for the look of each entry, its height, mm."""
+MANY, TWO_COLUMNS = 4, 130.0
+"""From so many panels on they have two columns, in pictures that are so wide [mm]."""
+OWN_PLACE, ORIGIN = "of each wheelset", "of the vehicle's origin"
 Panel = Callable[[Axes, xr.Dataset], object]
 
 
@@ -162,42 +165,53 @@ def stacked(
     panel_height_mm: float = 36.0,
     legend: Sequence[Artist] = (),
     titled: bool = False,
+    whose: str = "",
 ) -> Figure:
-    """Panels above each other over a slim one of the track, unless that is straight and level; one horizontal axis.
-    legend: labelled artists of one legend beneath everything; titled: panels have titles. Every panel has a place of
+    """Panels above each other, many in two columns, over a slim one of the track, unless that is straight and level;
+    one horizontal axis. legend: labelled artists of one legend beneath everything; titled: panels have titles; whose:
+    whose distance it is. Every panel has a place of
     its own in mm: a layout that measures all words first takes half of the drawing time."""
     title, note = dataset.attrs.get("title", ""), marks.stop_note(dataset)
     if dataset.sizes["time"] == 0:
-        figure = theme.new_figure(theme.FULL_WIDTH, 24.0, constrained=False)
+        figure = theme.new_figure(theme.full_width(), 24.0, constrained=False)
         theme.headline(figure, title, note)
         figure.text(0.5, 0.2, "No samples to draw.", ha="center", color=theme.QUIET)
         return figure
+    across = theme.full_width()
+    columns = 2 if len(panels) >= MANY and across >= TWO_COLUMNS else 1
     gap = GAP + (2.6 if titled else 0.0)
-    rows = [(panel, panel_height_mm - gap) for panel in panels]
+    cells = [panels[i : i + columns] for i in range(0, len(panels), columns)]
+    heights = [panel_height_mm - gap] * len(cells)
     if any(np.nan_to_num(dataset[n].values).any() for n in ("curvature", "cant") if n in dataset):
-        rows.append((track_layout, 17.0 - GAP))
-    top = HEAD + (4.0 if note else 0.0) + gap - GAP
+        cells.append([track_layout] * columns)
+        heights.append(17.0 - GAP)
+    top = HEAD + theme.head_height(title, note, across) + gap - GAP
     legend = list(legend)
     if count := dataset.sizes.get("snapshot", 0):
         letters = snapshot_letter(0) + (f" to {snapshot_letter(count - 1)}" if count > 1 else "")
         legend.append(Line2D([], [], label=f"{letters}: see patches, sections", **(SNAPSHOT | {"linewidth": 0.8})))
-    lines = max(ceil(sum(7 + len(str(e.get_label())) for e in legend) / LETTERS), 1 if len(legend) <= 5 else 2)
-    total = top + sum(height for _, height in rows) + gap * (len(rows) - 1) + FOOT + LINE * (lines - 1)
-    figure = theme.new_figure(theme.FULL_WIDTH, total, constrained=False)
+    words = sum(7 + len(str(e.get_label())) for e in legend)
+    lines = max(ceil(words / (LETTERS * across / 170.0)), 1 if len(legend) <= 5 else 2)
+    total = top + sum(heights) + gap * (len(cells) - 1) + FOOT + LINE * (lines - 1)
+    figure = theme.new_figure(across, total, constrained=False)
     theme.headline(figure, title, note)
-    width = theme.FULL_WIDTH - LEFT - RIGHT
-    for i, (panel, height) in enumerate(rows):
-        axes = theme.mm_axes(figure, LEFT, top, width, height)
-        if i:
-            axes.sharex(figure.axes[0])
-        axes.tick_params(labelbottom=i == len(rows) - 1)
-        axes.yaxis.set_label_coords(-LABEL / width, 0.5)
-        panel(axes, dataset)
-        mark_snapshots(axes, dataset, letters=i == 0)
-        marks.mark_stop(axes, dataset)
-        top += height + gap
+    width = across / columns - LEFT - RIGHT
     x, name = theme.abscissa(dataset)
-    axes.set_xlabel(CHANNELS[name].label)
+    along = CHANNELS[name].label
+    along = along.replace("Distance ", f"Distance {whose} ") if whose and name == "distance" else along
+    for i, (row, height) in enumerate(zip(cells, heights, strict=True)):
+        for j, panel in enumerate(row):
+            axes = theme.mm_axes(figure, LEFT + j * across / columns, top, width, height)
+            if i or j:
+                axes.sharex(figure.axes[0])
+            lowest = all(j >= len(below) for below in cells[i + 1 :])
+            axes.yaxis.set_label_coords(-LABEL / width, 0.5)
+            panel(axes, dataset)
+            axes.tick_params(labelbottom=lowest)
+            axes.set_xlabel(along if lowest else "")
+            mark_snapshots(axes, dataset, letters=i == 0)
+            marks.mark_stop(axes, dataset)
+        top += height + gap
     if x[-1] > x[0]:
         axes.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if marks.is_stopped(dataset) else 0.0))
     if legend:
@@ -285,7 +299,7 @@ def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
     panels = [partial(panel, wheelset=wheelset) for wheelset in names]
     track = _track_of(dataset)
     track.attrs["title"] += f": {CHANNELS[name].long_name}"
-    return stacked(track, panels, panel_height_mm=28.0, legend=marks.wheel_entries(), titled=True)
+    return stacked(track, panels, panel_height_mm=28.0, legend=marks.wheel_entries(), titled=True, whose=OWN_PLACE)
 
 
 def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> Figure:
@@ -304,7 +318,7 @@ def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> F
 
     legend = [Line2D([], [], label=label, **look) for label, look in zip(labels, looks, strict=True)]
     panels = [partial(panel, name=name) for name in channels]
-    return stacked(_track_of(dataset), panels, legend=legend)
+    return stacked(_track_of(dataset), panels, legend=legend, whose=OWN_PLACE if dim == "wheelset" else ORIGIN)
 
 
 def _track_of(dataset: xr.Dataset) -> xr.Dataset:

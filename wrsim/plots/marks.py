@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from math import ceil
-from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -16,11 +15,24 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wrsim.plots.theme import FULL_WIDTH, QUIET, STOP_COLOUR, WHEEL_COLOUR, abscissa, new_figure, style, write_words
+from wrsim.plots.theme import (
+    LINE,
+    QUIET,
+    STOP_COLOUR,
+    WHEEL_COLOUR,
+    abscissa,
+    full_width,
+    new_figure,
+    style,
+    wrapped,
+    write_words,
+)  # fmt: skip
 from wrsim.results import CHANNELS
 from wrsim.results.table import finite, quantity
 
-ONE_LINE = 124  # letters of a note that fit across a full-width picture
+SUDDEN, SMALL = 8.0, 1.0 / 12.0
+"""A line is interrupted where it moves between two samples so many times as far as between those beside them, and by
+more than this part of what is a jump anywhere."""
 
 
 def note(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **options: Any) -> None:
@@ -54,7 +66,7 @@ def panels(
     """A figure of so many mm height under a title (and, in red, a note), with a panel for each function, row by row.
     share: panels share their horizontal axis, which only the lowest name; legend: entries beneath all panels, in so
     many columns ``across``; None: those of the first panel."""
-    figure = new_figure(FULL_WIDTH, height)
+    figure = new_figure(full_width(), height)
     rows, drawn = ceil(len(draws) / columns), list[Axes]()
     for i, draw in enumerate(draws):
         axes = figure.add_subplot(rows, columns, i + 1, sharex=drawn[0] if share and drawn else None)
@@ -63,8 +75,9 @@ def panels(
         if share and i + columns < len(draws):
             axes.tick_params(labelbottom=False)
             axes.set_xlabel("")
-    figure.suptitle(title + "\n" * bool(note), x=0.012, ha="left", fontsize=8.5)
-    write_words(figure, 2.0, 5.5 + 3.6 * title.count("\n"), note, color=STOP_COLOUR)
+    title, note = wrapped(title, 0.97 * full_width(), 8.5), wrapped(note, 0.97 * full_width()) if note else ""
+    figure.suptitle(title + ("\n" * (1 + note.count("\n")) if note else ""), x=0.012, ha="left", fontsize=8.5)
+    write_words(figure, 2.0, 5.5 + LINE * title.count("\n"), note, color=STOP_COLOUR)
     if entries := drawn[0].get_legend_handles_labels()[0] if legend is None else legend:
         legend_beneath(figure, entries, across)
     figure.align_ylabels(drawn)
@@ -76,7 +89,7 @@ def large_and_small(
     title: str, large: Callable[[Axes], object], small: Sequence[Callable[[Axes], object]], height: float, width: float
 ) -> Figure:
     """A figure of so many mm height: a large panel, so many times as wide as small ones to its right with one axis."""
-    figure = new_figure(FULL_WIDTH, height)
+    figure = new_figure(full_width(), height)
     figure.suptitle(title, x=0.012, ha="left", fontsize=8.0)
     grid = figure.add_gridspec(len(small), 2, width_ratios=(width, 1.0))
     large(figure.add_subplot(grid[:, 0]))
@@ -142,9 +155,13 @@ def without_neighbours(values: NDArray[Any]) -> NDArray[np.bool_]:
 def broken(
     x: NDArray[Any], y: NDArray[Any], jump: float, *, by: NDArray[Any] | None = None
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Copies of (x, y) for a line interrupted where neighbours in ``by`` (default: y) differ by more than ``jump``."""
+    """Copies of (x, y) for a line interrupted where ``by`` (default: y) jumps between neighbours: by more than
+    ``jump``, or suddenly (``SUDDEN``)."""
     with np.errstate(invalid="ignore"):
-        at = np.flatnonzero(np.abs(np.diff(y if by is None else by)) > jump) + 1
+        step = np.abs(np.diff(y if by is None else by))
+        known = np.pad(np.where(np.isnan(step), np.inf, step), 1, constant_values=np.inf)  # ends are never sudden
+        beside = np.maximum(known[:-2], known[2:])
+        at = np.flatnonzero((step > jump) | (step > np.maximum(SUDDEN * beside, SMALL * jump))) + 1
     return np.insert(x.astype(float), at, 0.5 * (x[at - 1] + x[at])), np.insert(y.astype(float), at, np.nan)
 
 
@@ -167,7 +184,7 @@ def stop_note(dataset: xr.Dataset) -> str:
     reason = dataset.attrs.get("stop_reason", "")
     known = "time" not in dataset.dims or "along the track" in reason  # the reason holds the place
     place = "" if known else f" at {quantity(*_place(dataset), '.5g')}"
-    return fill(f"Stopped{place}: {reason}", ONE_LINE)
+    return f"Stopped{place}: {reason}"
 
 
 def _place(dataset: xr.Dataset) -> tuple[float, str]:

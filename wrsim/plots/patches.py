@@ -105,8 +105,12 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
     chosen = choose_moments(dataset, MOST_MOMENTS) if moments is None else list(moments)
     columns = gallery.columns_of(dataset, chosen)
     count = len(columns)
-    folded = count > 6 and len(gallery.patches_in(dataset, columns)) < 2  # so that the last line is as full as can be
-    page = gallery.Page(min((6, 5, 4), key=lambda n: -count % n) if folded else max(min(count, 6), 1))
+    most = gallery.most_moments()
+    folded = (
+        count > most and len(gallery.patches_in(dataset, columns)) < 2
+    )  # so that the last line is as full as can be
+    widths = range(most, max(most - 3, 0), -1)
+    page = gallery.Page(min(widths, key=lambda n: -count % n) if folded else max(min(count, most), 1))
     parts = (columns[i : i + page.columns] for i in range(0, len(columns), page.columns))
     blocks = [(part, gallery.patches_in(dataset, part)) for part in parts]
     reaches = {where: _reach(dataset, where) for _, rows in blocks for own in rows.values() for where in own.values()}

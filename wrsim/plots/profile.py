@@ -34,15 +34,15 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     u, w = 1e3 * profile.u, 1e3 * profile.w
     pad = 0.03 * np.ptp(u)
     across, up = float(np.ptp(u) + 2.0 * pad), float(np.ptp(w) + 4.0 * pad)
-    width = theme.FULL_WIDTH - LEFT - RIGHT
+    width = theme.full_width() - LEFT - RIGHT
     height = width * up / across
     if height > TALLEST:
         across, height = across * height / TALLEST, TALLEST
     rows = 3 if smoothing else 2
-    figure = theme.new_figure(theme.FULL_WIDTH, TOP + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
+    figure = theme.new_figure(theme.full_width(), TOP + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
     theme.headline(figure, f"{profile.name} ({profile.kind})")
     source = shorten(profile.source, 130, placeholder=" ...")
-    theme.write_words(figure, 0.012 * theme.FULL_WIDTH, 6.5, source, fontsize=6.5, color=theme.QUIET)
+    theme.write_words(figure, 0.012 * theme.full_width(), 6.5, source, fontsize=6.5, color=theme.QUIET)
     panels = [theme.mm_axes(figure, LEFT, TOP, width, height)]
     for row in range(rows):
         panels[-1].tick_params(axis="x", labelbottom=False)

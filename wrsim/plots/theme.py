@@ -9,18 +9,24 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 from typing import Any, Literal
 
 import matplotlib as mpl
+import matplotlib.style
 import numpy as np
 import xarray as xr
+from matplotlib import font_manager
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from wrsim.errors import InputError, suggest
 from wrsim.results import CHANNELS, write_atomically
 
 WHEEL_COLOUR = {"left": "#0072B2", "right": "#D55E00"}
@@ -43,7 +49,22 @@ SERIES_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F0
 """Colours of the first, second, ... mode or wheelset."""
 
 MM = 1.0 / 25.4  # inches in a millimetre
-FULL_WIDTH = 170.0  # width of a page of a journal, mm
+KINDS = ("png", "svg", "pdf")
+NARROW, WIDE = 60.0, 500.0  # widths that pictures may have [mm]
+
+
+@dataclass(frozen=True)
+class Look:
+    """What a user chooses of pictures: kinds of files (of ``KINDS``), width [mm] (by default that of a page of a
+    journal), a font, settings of matplotlib over those of ``STYLE``. `look_of` checks them."""
+
+    kinds: tuple[str, ...] = ("png",)
+    width: float = 170.0
+    settings: tuple[tuple[str, Any], ...] = ()
+
+
+LOOK: ContextVar[Look] = ContextVar("look", default=Look())  # noqa: B039 (frozen)
+"""Of the pictures that are drawn."""
 
 STYLE: Any = {
     "font.family": "DejaVu Sans", "font.size": 7.5, "mathtext.fontset": "dejavusans",
@@ -66,10 +87,48 @@ def pressure_map() -> Colormap:
     return LinearSegmentedColormap.from_list("pressure", stops)
 
 
+def look_of(formats: str = "png", width: float | None = None, font: str = "", style: str = "") -> Look:
+    """formats: kinds of files with commas between; width [mm]; font: the name of a family; style: a style file of
+    matplotlib or the name of one of its styles. Raises InputError for what there is not."""
+    kinds = tuple(dict.fromkeys(part.strip().lower() for part in formats.split(",")))
+    if unknown := [kind for kind in kinds if kind not in KINDS]:
+        raise InputError(f"--format {formats}: {unknown[0]!r} is none of {', '.join(KINDS)}")
+    settings: dict[str, Any] = {}
+    if style:
+        own = Path(style).is_file()
+        if not own and style not in mpl.style.available:
+            known = suggest(style, mpl.style.available)
+            raise InputError(f"--style {style}: is no file and no style of matplotlib{known}")
+        try:
+            for number, line in enumerate(Path(style).read_text("utf-8").splitlines() if own else (), 1):
+                key = line.partition("#")[0].partition(":")[0].strip()
+                if key and key not in mpl.rcParams:
+                    known = suggest(key, list(mpl.rcParams))
+                    raise InputError(f"--style {style}, line {number}: matplotlib has no setting {key!r}{known}")
+            found: Any = mpl.rc_params_from_file(style, True, False) if own else mpl.style.library[style]
+            settings |= found
+        except (KeyError, ValueError, UnicodeError, OSError) as problem:
+            why = str(problem).strip("' ").splitlines()
+            raise InputError(f"--style {style}: is no style file of matplotlib: {why[0] if why else problem}") from None
+    if font:
+        try:
+            font_manager.findfont(font, fallback_to_default=False)
+        except ValueError:
+            raise InputError(f"--font {font}: is not here{suggest(font, font_manager.get_font_names())}") from None
+        settings["font.family"] = font
+    return Look(kinds, width or Look.width, tuple(settings.items()))
+
+
+def full_width() -> float:
+    """Width of pictures of the whole width of a page [mm]."""
+    return LOOK.get().width
+
+
 @contextmanager
 def style() -> Iterator[None]:
     """Matplotlib settings of all pictures, for the time of the block."""
-    with mpl.rc_context(STYLE):
+    chosen: Any = STYLE | dict(LOOK.get().settings)
+    with mpl.rc_context(chosen):
         yield
 
 
@@ -102,31 +161,49 @@ def write_words(figure: Figure, left: float, top: float, words: str, **options: 
     figure.text(left / across, 1.0 - top / down, words, **({"va": "top", "ha": "left"} | options))
 
 
+LINE = 3.6  # height of a line of a title or a note, mm
+
+
+def wrapped(words: str, width: float, size: float = 7.5) -> str:
+    """Words in as many lines as they need in a width of mm, in letters of that size in points."""
+    letters = max(int(width / (0.195 * size)), 10)
+    return "\n".join(fill(line, letters) for line in words.split("\n"))
+
+
 def headline(figure: Figure, title: str, note: str = "") -> None:
-    """Title of a picture at its upper left; beneath it, in red, a note about a stopped analysis."""
+    """Title of a picture at its upper left; beneath it, in red, a note about a stopped analysis. Of `head_height`."""
     across, down = figure.get_size_inches() / MM
+    title, note = (wrapped(words, 0.97 * across, size) for words, size in ((title, 8.5), (note, 7.5)))
     figure.suptitle(title, x=0.012, y=1.0 - 2.0 / down, ha="left", va="top", fontsize=8.5)
     if note:
-        write_words(figure, 0.012 * across, 6.5, note, color=STOP_COLOUR)
+        write_words(figure, 0.012 * across, 6.5 + LINE * title.count("\n"), note, color=STOP_COLOUR)
+
+
+def head_height(title: str, note: str, across: float) -> float:
+    """Height of the title and the note of a picture of that width, mm, less that of a title of one line."""
+    more = wrapped(title, 0.97 * across, 8.5).count("\n")
+    return LINE * (more + (1 + wrapped(note, 0.97 * across).count("\n") if note else 0))
 
 
 def save(figure: Figure, path: str | Path) -> Path:
-    """Write the figure as PNG, or SVG by its name, whole or not at all; the same figure gives the same bytes."""
-    return write_atomically(path, rendered(figure, vector=Path(path).suffix.lower() == ".svg"))
+    """Write the figure as PNG, or SVG or PDF by its name, whole or not at all; the same figure gives the same bytes."""
+    kind = Path(path).suffix.lower().removeprefix(".")
+    return write_atomically(path, rendered(figure, kind if kind in KINDS else "png"))
 
 
-def rendered(figure: Figure, vector: bool = False, dpi: int = 220) -> bytes:
-    """The figure as PNG with so many dots an inch, or SVG."""
+def rendered(figure: Figure, kind: str = "png", dpi: int = 220) -> bytes:
+    """The figure as PNG with so many dots an inch, SVG or PDF."""
     stream = io.BytesIO()
-    with style(), mpl.rc_context({"svg.hashsalt": "wrsim", "svg.fonttype": "path", "savefig.dpi": dpi}):
+    own: Any = {"svg.hashsalt": "wrsim", "svg.fonttype": "path", "pdf.fonttype": 42, "savefig.dpi": dpi}
+    with style(), mpl.rc_context(own):
         if (layout := figure.get_layout_engine()) is not None:
             # matplotlib draws a figure twice to lay it out; once is enough
             layout.execute(figure)
             figure.set_layout_engine("none")
-        if vector:
-            figure.savefig(stream, format="svg", metadata={"Date": None})
-        else:  # a tenth more bytes than at the usual level, a fifth less time
+        if kind == "png":  # a tenth more bytes than at the usual level, a fifth less time
             figure.savefig(stream, format="png", metadata={"Software": None}, pil_kwargs={"compress_level": 1})
+        else:
+            figure.savefig(stream, format=kind, metadata={"Date" if kind == "svg" else "CreationDate": None})
     return stream.getvalue()
 
 

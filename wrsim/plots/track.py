@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wrsim.geometry.track.track import Feature, Track
 from wrsim.plots.marks import note, note_above
-from wrsim.plots.theme import CANT_COLOUR, FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, new_figure, style
+from wrsim.plots.theme import CANT_COLOUR, INK, QUIET, WHEEL_COLOUR, full_width, new_figure, style
 from wrsim.results.table import quantity
 
 Law = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -38,7 +38,7 @@ def track_figure(track: Track) -> Figure:
     draws: list[Callable[[Axes, Track], object]] = [partial(_law, of=law) for law in LAWS]
     draws += [] if track.centre_line.pitch_law.is_zero else [height]
     draws += [partial(irregularity, way=way) for way in ("vertical", "lateral")] if track.is_uneven else []
-    figure = new_figure(FULL_WIDTH, 84.0 + 27.0 * len(draws))
+    figure = new_figure(full_width(), 84.0 + 27.0 * len(draws))
     grid = figure.add_gridspec(1 + len(draws), 1, height_ratios=(2.6, *(1.0 for _ in draws)))
     plan_view(figure.add_subplot(grid[0]), track)
     panels: list[Axes] = []

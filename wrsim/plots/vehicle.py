@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
 from wrsim.plots.marks import panels
-from wrsim.plots.theme import FAINT, FULL_WIDTH, INK, QUIET, RAIL_FILL, WHEEL_FILL, mm_axes, new_figure, style
+from wrsim.plots.theme import FAINT, INK, QUIET, RAIL_FILL, WHEEL_FILL, full_width, mm_axes, new_figure, style
 from wrsim.vehicle.couplings import GLYPHS
 from wrsim.vehicle.element_tables import KINDS, Glyph
 from wrsim.vehicle.elements import Element
@@ -64,9 +64,9 @@ def vehicle_figure(vehicle: Vehicle) -> Figure:
     """All three views on one scale."""
     low, high = _extent(vehicle)
     length, width, height = high - low
-    scale = (FULL_WIDTH - 2.0 * MARGIN - GAP - 8.0) / (length + width)
+    scale = (full_width() - 2.0 * MARGIN - GAP - 8.0) / (length + width)
     rows = (height * scale, width * scale)
-    figure = new_figure(FULL_WIDTH, TITLE + rows[0] + GAP + 8.0 + rows[1] + FOOT, constrained=False)
+    figure = new_figure(full_width(), TITLE + rows[0] + GAP + 8.0 + rows[1] + FOOT, constrained=False)
     places = (
         (MARGIN, TITLE, length * scale, rows[0]),
         (MARGIN + length * scale + GAP + 4.0, TITLE, width * scale, rows[0]),
@@ -84,7 +84,7 @@ def vehicle_figure(vehicle: Vehicle) -> Figure:
     kinds = {element.kind: glyph for element, glyph in _drawn_elements(vehicle)}
     handles = [Line2D([], [], markersize=4.0, label=kind, **_mark(glyph)) for kind, glyph in kinds.items()]
     figure.legend(handles=handles, loc="lower right", ncols=1, frameon=False, fontsize=7.0)
-    figure.suptitle(vehicle.name, x=MARGIN / FULL_WIDTH, ha="left", fontsize=9.0)
+    figure.suptitle(vehicle.name, x=MARGIN / full_width(), ha="left", fontsize=9.0)
     return figure
 
 

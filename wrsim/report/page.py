@@ -199,7 +199,7 @@ def _wear(result: Result, name: str) -> dict[str, Any]:
 
 def as_picture(name: str, figure: Figure) -> tuple[str, str]:
     """A figure for a page: its name in words, and its SVG as a data address."""
-    return name.replace("_", " "), _address("svg+xml", rendered(figure, vector=True))
+    return name.replace("_", " "), _address("svg+xml", rendered(figure, "svg"))
 
 
 def _as_webp(png: bytes) -> str:
