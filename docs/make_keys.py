@@ -47,7 +47,7 @@ wrsim keys --schema > scenario.schema.json
 
 `wrsim keys --file vehicle --schema` gives that of vehicle files; there are also `wheelset`, `train`, `track`,
 `profile` (wheels and rails), `columns` (of a recording), `study` and `service`. Keys that go together, such as one
-radius or two, are beyond a schema: `wrsim check FILE` tells of them.
+radius or two, are beyond a schema: `wrsim check FILE` reports them.
 """
 
 

@@ -429,6 +429,7 @@ def pages() -> dict[Path, str]:
         paragraphs = [f"# {page['title']}", page.get("text", "").strip()]
         for content in page["sections"]:
             paragraphs += section(content)
+        paragraphs.append("<!-- made by docs/figures/make_standing.py from docs/data: not to be edited -->")
         made[PAGES / f"{name}.md"] = "\n\n".join(filter(None, paragraphs)) + "\n"
     start, end = MARKS
     before, rest = README.read_text(encoding="utf-8").split(start)

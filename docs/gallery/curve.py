@@ -8,7 +8,7 @@ curve.
 
 # %%
 # ``load`` checks every key of the file. ``with_values`` gives another scenario with keys changed, in the units of the
-# file: here the run ends in the full curve, and patches are kept at 20 m (straight) and 100 m (full curve).
+# file: here the run ends in the full curve, and patches are stored at 20 m (straight) and 100 m (full curve).
 from wrsim import load, run
 
 scenario = load("../../scenarios/curve_r300.toml")
@@ -45,7 +45,7 @@ axes.set_ylabel("rolling direction x [mm]")
 bar = picture.colorbar(mesh, label="pressure [MPa]")
 
 # %%
-# Medians in the full curve, as they stand in ``summary.json``:
+# Medians in the full curve, as in ``summary.json``:
 for curve in result.summary()["wheelsets"]["wheelset"]["full_curves"]:
     outer = curve["right"]
     print(f"R {curve['radius_m']:.0f} m, angle of attack {curve['yaw_mrad']:.2f} mrad")

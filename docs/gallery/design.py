@@ -40,7 +40,7 @@ quotient.set(xlabel="curvature [1/km]", ylabel="derailment quotient Y/Q")
 legend = wear.legend(frameon=False)
 
 # %%
-# The same as a table. Units stand at the end of every column.
+# The same as a table. The unit is at the end of every name.
 table = results["S1002, greased"].to_dataframe(leading)
 table[["pose_radius_m", "T_gamma_right_N", "Y_over_Q_right", "yaw_mrad"]]
 
