@@ -1,8 +1,10 @@
-"""Executes the commands of the user guide, page by page, in one folder. Run: python docs/run_guide.py [PAGE ...]
+"""Executes the commands of the user guide, page by page, in one folder.
+
+    python docs/run_guide.py [--short] [PAGE ...]
 
 Lines that call ``wrsim``, ``cp`` or ``mkdir`` count, but those with a word in capitals, which stands for a name, and
-those in the table LEFT_OUT. Tutorials run as they are. Scenarios of other pages run in a short form. A line that ends
-with another exit code than 0, or than those of EXPECTED, is an error.
+those of LEFT_OUT. Tutorials run as they are, unless --short is given; scenarios of other pages run in a short form. A
+line that ends with another exit code than 0, or than those of EXPECTED, is an error.
 """
 
 from __future__ import annotations
@@ -59,6 +61,8 @@ def shortened(words: list[str]) -> list[str]:
 def main(chosen: list[str]) -> int:
     """Execute the pages; returns the number of faults."""
     pages = sorted((ROOT / "docs" / "user").glob("*.md"), key=lambda p: (p.stem not in FIRST, *_place(p)))
+    whole = FIRST if "--short" not in chosen else []
+    chosen = [name for name in chosen if name != "--short"]
     faults = 0
     with tempfile.TemporaryDirectory() as folder:
         for name in ("scenarios", "models"):
@@ -66,7 +70,7 @@ def main(chosen: list[str]) -> int:
         for page in (page for page in pages if not chosen or page.stem in chosen):
             for line in lines(page):
                 begin = time.perf_counter()
-                code, output = executed(line, Path(folder), page.stem in FIRST)
+                code, output = executed(line, Path(folder), page.stem in whole)
                 words = shlex.split(line)
                 good = code in EXPECTED.get(words[1], (0,)) if words[0] == "wrsim" else code == 0
                 faults += not good
