@@ -1,8 +1,11 @@
 """The reference of keys, the schemas and the templates follow the code."""
 
 import json
+import re
 import runpy
 import tomllib
+from collections.abc import Callable
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +13,22 @@ import pytest
 from jsonschema.validators import Draft7Validator, validator_for
 from support.commands import call, ok, refusal
 
+from wrsim.errors import InputError
+from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.reference import entries
+from wrsim.inputs.toml_files import shown_value
 from wrsim.register import ANALYSES, FILES
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load
+from wrsim.scenario.loading import load, load_text
+from wrsim.scenario.plausibility import vehicle_warnings
 from wrsim.scenario.reference import schema_text, tables_of_file
+from wrsim.scenario.templates import TEMPLATES, scenario_template
+from wrsim.scenario.track_build import track_model
+from wrsim.study.evolution.reading import read_evolution
+from wrsim.study.plan import planned
+from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle_files import load_vehicle
+from wrsim.vehicle.vehicle_sections import WheelsetTable
 
 ROOT = Path(__file__).parents[2]
 
@@ -103,10 +117,55 @@ def test_a_new_scenario_can_be_run(kind: str, tmp_path: Path) -> None:
     assert "has changed since" in refusal("new", kind, "-o", file)
 
 
-def test_new_says_where_files_of_other_kinds_begin() -> None:
-    answer = call("new", "train")
-    said = " ".join(answer.output.split())
-    assert answer.exit_code == 2 and "models/trains" in said.replace(" ", "") and "keys --file train" in said
+@pytest.mark.parametrize("kind", ANALYSES)
+def test_values_in_the_comments_of_a_new_scenario_are_the_defaults(kind: str) -> None:
+    text = scenario_template(kind)
+    plain = load_text(text).spec
+    lines = re.findall(r"^# \w+ = [^#\s].*$", text, re.MULTILINE)
+    assert len(lines) > 5
+    for line in lines:
+        try:
+            assert load_text(text.replace(line, line[2:])).spec == plain
+        except InputError as fault:
+            assert re.search("goes with|is for", str(fault)), line
+
+
+USE: dict[str, Callable[[Path], object]] = {
+    "vehicle": load_vehicle,
+    "train": load_vehicle,
+    "track": track_model,
+    "profile": load_profile,
+    "study": lambda path: planned(path, path.parent / "out"),
+    "wear": read_evolution,
+}
+
+
+@pytest.mark.parametrize(("kind", "name"), [(kind, name) for kind, names in TEMPLATES.items() for name in names])
+def test_a_template_can_be_used_as_it_is(kind: str, name: str, tmp_path: Path) -> None:
+    ok("new", kind, name, "-o", tmp_path / "mine.toml")
+    used = USE[kind](tmp_path / "mine.toml")
+    assert not isinstance(used, Vehicle) or vehicle_warnings(used) == []
+
+
+def test_an_unknown_template_names_those_that_there_are() -> None:
+    assert "did you mean 'vehicle'?" in refusal("new", "vehcile")
+    assert "must be coach, metro, freight" in refusal("new", "vehicle", "cargo")
+
+
+def test_examples_of_keys_are_values_that_they_take() -> None:
+    tables = {table for file in FILES for table in tables_of_file(file)}
+    numbers = tomllib.loads(files("wrsim.inputs").joinpath("examples.toml").read_text())
+    used = set()
+    for table in tables:
+        for entry in entries(table):
+            given = numbers.get(table.header, {}).get(entry.key, numbers.get(entry.key))
+            if given is not None and entry.default in ("needed", "none") and entry.example == shown_value(given):
+                used |= {(table.header, entry.key), entry.key}
+    for key, value in numbers.items():
+        keys = [(key, inner) for inner in value] if isinstance(value, dict) else [key]
+        assert used.issuperset(keys), f"no table takes the example of {keys}"
+    (flange_back,) = (e for e in entries(WheelsetTable) if e.key == "flange_back_mm")
+    assert flange_back.example == "1360"
 
 
 def test_keys_of_a_table_are_printed_and_a_slip_names_the_nearest() -> None:

@@ -36,7 +36,7 @@ OVER = '[[vary]]\nkind = "sobol"\nsamples = {}\n[[vary.over]]\nkey = "contact.fr
     ('[[vary]]\nkind = "csv"\nfile = "bad.csv"\n', r"bad\.csv:3: has 1 cells; must have 2"),
     ('[[vary]]\nkind = "csv"\nfile = "head.csv"\n', r"head\.csv:2: is all that is there; must have a header"),
     ('[[vary]]\nkind = "csv"\nfile = "key.csv"\n',
-     r"key\.csv:2: contact\.frction = 0\.2: unknown key; .friction. is given"),
+     r"key\.csv:2: contact\.frction = 0\.2: unknown key; did you mean .friction., which is given"),
     (AXES + "[outputs]\nassessment = ['Y_over_P']\n", r'outputs\.assessment.*did you mean "Y_over_Q"'),
     (AXES + "[outputs]\nhook = 'no.py:f'\n", r"study\.toml:\d+: outputs\.hook = \"no\.py:f\": not found in"),
     (AXES + "[outputs]\nhook = 'h.py:nmubers'\n", r"h\.py has no function 'nmubers' \(did you mean 'numbers'\?\)"),

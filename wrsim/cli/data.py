@@ -57,15 +57,14 @@ def track(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Draw the track of a scenario: plan, curvature, cant, gauge, height, irregularities."""
+    """Draw the track of a scenario or of a track file: plan, curvature, cant, gauge, height, irregularities."""
     with writing_files(as_json, force, file):
         from wrsim.report.outputs import draw_model
-        from wrsim.scenario.build import build
-        from wrsim.scenario.loading import load
+        from wrsim.scenario.track_build import track_model
 
         picture = output or Path(f"{file.stem}_track.png")
         check_ending("-o", picture, *PICTURES)
-        print_found(as_json, {}, [], [draw_model("track", picture, build(load(file, models or ())).track)])
+        print_found(as_json, {}, [], [draw_model("track", picture, track_model(file, models or ()))])
 
 
 def recording(

@@ -14,23 +14,45 @@ from wrsim.register import ANALYSES, FILES
 
 
 def new(
-    kind: Annotated[str, typer.Argument(metavar="ANALYSIS", help=f"One of {', '.join(ANALYSES)}.")] = "curving",
-    output: Annotated[Path | None, into(metavar="FILE", help="Default: <ANALYSIS>.toml here.")] = None,
+    kind: Annotated[
+        str,
+        typer.Argument(
+            metavar="KIND",
+            help=f"{', '.join(ANALYSES)} (scenarios), vehicle, train, track, profile, study or wear.",
+        ),
+    ] = "curving",
+    template: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[TEMPLATE]",
+            help="vehicle: coach, metro, freight, tram, locomotive, wheelset; track: curve, line; profile: wheel, "
+            "rail, worn-wheel.",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[Path | None, into(metavar="FILE", help="Default: <KIND>.toml here.")] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Write a scenario to start from: it runs as it is, and names every other key in a comment."""
+    """Write a file to start from, which can be used as it is: a scenario that names all keys, or another kind."""
     with writing_files(as_json, force):
         from wrsim.results import write_atomically
-        from wrsim.scenario.reference import check_analysis
-        from wrsim.scenario.templates import scenario_template
+        from wrsim.scenario.templates import template_files
 
-        check_analysis(kind)
-        path = write_atomically(output or Path(f"{kind}.toml"), scenario_template(kind).encode())
+        texts = template_files(kind, template, output or Path(f"{template or kind}.toml"))
+        files = [write_atomically(path, text.encode()) for path, text in texts.items()]
         if as_json:
-            print_json({"files": [str(path)]})
+            print_json({"files": [str(path) for path in files]})
         else:
-            print_lines(f"{path}: run it with: wrsim run {path}; wrsim keys SECTION explains its keys")
+            command = "run" if kind in ANALYSES else "vehicle" if kind == "train" else kind
+            print_lines(*map(str, files), f"use it with: wrsim {command} {files[0]}")
+            print_lines(
+                f"wrsim keys{'' if kind in ANALYSES else f' --file {FILE_KINDS.get(kind, kind)}'} explains its keys"
+            )
+
+
+FILE_KINDS = {"wear": "service"}
+"""Names of kinds of files in the register, where they differ."""
 
 
 def check_command(file: ScenarioFile, values: Set = None, models: Models = None, as_json: Json = False) -> None:

@@ -5,17 +5,19 @@ from __future__ import annotations
 import ast
 import inspect
 import re
+import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from importlib.resources import files
 from itertools import pairwise
 from textwrap import dedent
 from typing import Any, Literal, get_args, get_origin
 
-from pydantic import TypeAdapter
-from pydantic_core import PydanticUndefined
+from pydantic import TypeAdapter, ValidationError
+from pydantic_core import PydanticCustomError, PydanticUndefined
 
-from wrsim.inputs.section import UNITS, Section, unit_of
+from wrsim.inputs.section import STRICT, UNITS, Section, unit_of
 from wrsim.inputs.toml_files import shown_value
 from wrsim.inputs.values import (
     RANGE,
@@ -86,11 +88,31 @@ def entries(section: type[Section]) -> list[Entry]:
         if key not in section.model_fields:
             continue  # constants of the class
         default = _default(section, key)
+        if default == "[]" and not accepts(annotation, []):
+            default = "none"
         aliases = tuple(section.aliases.get(key, "").split())
+        given = _examples().get(section.header, {}).get(key) or _examples().get(key)
         example = default if default not in ("needed", "none", "") else example_of(annotation)
+        if example and default in ("needed", "none") and accepts(annotation, given):
+            example = shown_value(given)
         unit, meaning = UNITS.get(unit_of(key), ""), meanings(section).get(key, "")
         found.append(Entry(section.header, key, meaning, unit, words(annotation), default, aliases, example))
     return found
+
+
+@cache
+def _examples() -> dict[str, Any]:
+    """Figures of the trade for keys without a default, by key, or by table and key (``inputs/examples.toml``)."""
+    return tomllib.loads(files("wrsim.inputs").joinpath("examples.toml").read_text(encoding="utf-8"))
+
+
+def accepts(annotation: Any, value: Any) -> bool:
+    """Whether a key takes a value."""
+    try:
+        TypeAdapter(annotation, config=STRICT).validate_python(value)
+    except (ValidationError, PydanticCustomError):
+        return False
+    return value is not None
 
 
 def _default(section: type[Section], key: str) -> str:

@@ -8,14 +8,11 @@ from textwrap import fill
 from typing import Any
 
 from wrsim.errors import InputError, suggest
-from wrsim.inputs.lookup import shipped_models
 from wrsim.inputs.reference import Entry, entries, heading, json_schema, purpose, tables_in
 from wrsim.inputs.section import Section
-from wrsim.register import ANALYSES, FILES, resolved
+from wrsim.register import FILES, resolved
 from wrsim.scenario.merging import BASE
 
-MODELS = {"vehicle": "vehicles", "wheelset": "vehicles", "train": "trains", "track": "tracks", "profile": "wheels"}
-"""Folders of the shipped files of a kind."""
 WIDTH = 110
 ABSENT = {"needed": "has to be given", "none": "may be left out"}
 """Words for what keys without a default have in its place."""
@@ -25,18 +22,6 @@ def check_kind(file: str) -> None:
     """Raises InputError for an unknown kind of file."""
     if file not in FILES:
         raise InputError(f"--file {file}: must be {', '.join(FILES)}{suggest(file, list(FILES))}")
-
-
-def check_analysis(kind: str) -> None:
-    """Raises InputError for an unknown analysis."""
-    if kind in FILES and kind != "scenario":
-        shipped = f"; copy one of {shipped_models() / MODELS[kind]}" if kind in MODELS else ""
-        raise InputError(
-            f"{kind}: must be the analysis of a scenario ({', '.join(ANALYSES)}){shipped}; "
-            f"the keys of {FILES[kind][0]}: wrsim keys --file {kind}"
-        )
-    if kind not in ANALYSES:
-        raise InputError(f"{kind}: must be {', '.join(ANALYSES)}{suggest(kind, list(ANALYSES))}")
 
 
 def keys_text(file: str, section: str | None) -> str:

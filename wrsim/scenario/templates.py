@@ -1,10 +1,13 @@
-"""Scenarios to start from: what an analysis needs with values that run, every other key in a comment."""
+"""Files to start from: scenarios with every key of an analysis, and copies of shipped files of the other kinds."""
 
 from __future__ import annotations
 
-from textwrap import shorten
+from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
+from wrsim.errors import InputError, suggest
+from wrsim.inputs.lookup import shipped_models
 from wrsim.inputs.reference import Entry, entries
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import shown_value
@@ -50,12 +53,55 @@ STARTS: dict[str, dict[str, Any]] = {
 """Keys that are given, by analysis and table."""
 LINE = 120
 
+TEMPLATES: dict[str, dict[str, str]] = {
+    "vehicle": {
+        "coach": "vehicles/manchester_1.toml", "metro": "vehicles/gz18.toml", "freight": "vehicles/freight_y25.toml",
+        "tram": "vehicles/tram.toml", "locomotive": "templates/locomotive.toml",
+        "wheelset": "vehicles/wheelset_s1002_leading.toml",
+    },
+    "train": {"coaches": "trains/manchester_3.toml"},
+    "track": {"curve": "templates/curve.toml", "line": "tracks/mixed_line.toml"},
+    "profile": {"wheel": "wheels/S1002.toml", "rail": "rails/60E1.toml", "worn-wheel": "wheels/S1002_worn.toml"},
+    "study": {"grid": "templates/study.toml"},
+    "wear": {"service": "templates/service.toml"},
+}  # fmt: skip
+"""Shipped files that are copied, by kind and name, the usual one first."""
+BESIDE = {"study": {"base.toml": "curving"}, "wear": {"base.toml": "service_base.toml", "service.csv": "service.csv"}}
+"""Files that a template names: by their names there, an analysis or a template."""
+
+
+def template_files(kind: str, name: str | None, path: Path) -> dict[Path, str]:
+    """Files to start from and their texts, that of ``path`` first; those beside it begin with its name.
+
+    kind: an analysis or one of `TEMPLATES`; name: which one of these. Raises InputError for unknown ones.
+    """
+    kinds = [*ANALYSES, *TEMPLATES]
+    if kind not in kinds:
+        raise InputError(f"{kind}: must be {', '.join(kinds)}{suggest(kind, kinds)}")
+    names = list(TEMPLATES.get(kind, {}))
+    if name is not None and name not in names:
+        words = f"must be {', '.join(names)}{suggest(name, names)}" if names else "there is one kind of such a scenario"
+        raise InputError(f"{kind} {name}: {words}")
+    if kind in ANALYSES:
+        return {path: scenario_template(kind)}
+    texts = {path: _shipped(TEMPLATES[kind][name or names[0]])}
+    for own, source in BESIDE.get(kind, {}).items():
+        beside = path.with_name(f"{path.stem}_{own}")
+        texts[path] = texts[path].replace(f'"{own}"', f'"{beside.name}"')
+        texts[beside] = scenario_template(source) if source in ANALYSES else _shipped(f"templates/{source}")
+    return texts
+
+
+def _shipped(name: str) -> str:
+    return (shipped_models() / name).read_text(encoding="utf-8")
+
 
 def scenario_template(analysis: str) -> str:
     """The text of a scenario of this kind."""
     start = STARTS[analysis]
     lines = [
-        "# A scenario of wrsim. Lines that begin with # are keys with their defaults: take the # away to change one.",
+        "# A scenario of wrsim. Lines like # key = value are keys with their defaults: take the # away to change one.",
+        "# Keys without a value have no default: give them one when you need them; wrsim keys SECTION has examples.",
         f'title = "My {analysis} scenario"',
         f'analysis = "{analysis}"',
     ]
@@ -76,20 +122,25 @@ def _keys_of(table: type[Section], given: dict[str, Any], name: str) -> list[str
             for each in given[entry.key]:
                 after += ["", f"[[{name}.{entry.key}]]", *(f"{k} = {shown_value(v)}" for k, v in each.items())]
         elif entry.key in given:
-            lines.append(_line(f"{entry.key} = {shown_value(given[entry.key])}", entry))
-        elif table_header(annotation) or (entry_of(annotation) is not None and table_header(entry_of(annotation))):
-            about, see = f"# {entry.key}: {entry.meaning}", f" wrsim keys {name}.{entry.key}"
-            lines.append(shorten(about, LINE - len(see), placeholder=" ...") + see)
+            lines += _lines(f"{entry.key} = {shown_value(given[entry.key])}", entry)
+        elif entry.default.endswith(" ...") or not entry.default or table_header(entry_of(annotation) or annotation):
+            inner = f"wrsim keys {name}" if entry.default.endswith(" ...") else f"wrsim keys {name}.{entry.key}"
+            more = entry.allowed if entry.allowed.startswith("a table such") else inner
+            lines += wrap(f"# {entry.key}: {entry.meaning} {more}", LINE, subsequent_indent="#     ")
         else:
-            lines.append(_line(f"# {entry.key} = {entry.example}", entry))
+            default = "" if entry.default in ("needed", "none", "") else f" {entry.default}"
+            lines += _lines(f"# {entry.key} ={default}", entry)
     return lines + after
 
 
-def _line(start: str, entry: Entry) -> str:
-    """A key with what it is and may be behind it, as far as there is room; what may be chosen goes first."""
-    room = LINE - max(len(start), 36) - 4
+def _lines(start: str, entry: Entry) -> list[str]:
+    """A key with what it is behind it, on further lines where there is no room; what may be chosen goes along."""
     meaning = entry.meaning.rstrip(".")
-    words = f"{meaning}; {entry.allowed}"
-    if len(words) > room:
-        words = entry.allowed if entry.allowed.startswith('"') and len(entry.allowed) <= room else meaning
-    return f"{start:<36}  # {shorten(words, room, placeholder=' ...')}" if room > 20 else start
+    words = f"{meaning}: {entry.allowed}" if entry.allowed.startswith('"') else meaning
+    first, *more = wrap(words, LINE - COLUMN - 2)
+    lines = [f"{start:<{COLUMN}}# {first}"] if len(start) < COLUMN else [start, f"{'#':<{COLUMN}}# {first}"]
+    return lines + [f"{'#':<{COLUMN}}# {line}" for line in more]
+
+
+COLUMN = 40
+"""Where the words begin."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from pathlib import Path
@@ -18,10 +19,12 @@ from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sec
 from wrsim.geometry.track.segments import Grade, Laws, Segment, Straight, laws
 from wrsim.geometry.track.table import IRREGULARITIES, TrackTable
 from wrsim.geometry.track.track import MAX_OFFSET, ROUNDING, Track
-from wrsim.inputs.checking import dotted
+from wrsim.inputs.checking import dotted, opened
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import SIDES, on_side
-from wrsim.scenario.loading import Scenario
+from wrsim.inputs.toml_files import write_toml
+from wrsim.scenario.loading import Scenario, load, load_text
+from wrsim.scenario.merging import BASE, FILE
 from wrsim.scenario.sections.irregularities import TableSection
 from wrsim.vehicle.wheelset import Wheelset
 
@@ -29,6 +32,17 @@ LEVEL_TRACK = 100.0
 """Length of the straight of static and equilibrium analyses without segments in the file [m]."""
 TABLE_FADE = 20.0
 """Length over which the irregularities of a measured track begin and end [m]."""
+
+
+def track_model(path: Path, models: Sequence[str | Path] = ()) -> Track:
+    """The track of a scenario or of a track file. Raises InputError."""
+    data, _ = opened(path, "scenario or track file")
+    if "track" in data and not {"analysis", "vehicle", BASE} & {*data}:
+        runs = {"analysis": "curving", "vehicle": {"model": "any", "speed_kmh": 60}}
+        scenario = load_text(write_toml(runs | {"track": {FILE: str(path.absolute())}}), path.parent, models)
+    else:
+        scenario = load(path, models)
+    return track_of(scenario, rails_of(scenario))
 
 
 @lru_cache(maxsize=16)
