@@ -7,6 +7,7 @@ import zlib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -209,6 +210,46 @@ def test_it_plays(chromium: Browser, page: Path) -> None:
     chromium.run("return wrsim.ready.then(() => wrsim.seek(10))")
     chromium.run("document.getElementById('rate').value = '10'; document.getElementById('play').click()")
     chromium.wait("wrsim.viewer.run.distance.data[Math.floor(wrsim.viewer.at)] > 15")
+    assert chromium.complaints() == []
+
+
+def test_keys_and_the_history_go_along_the_run(chromium: Browser, page: Path) -> None:
+    chromium.open(page)
+    chromium.run("return wrsim.ready.then(() => wrsim.seek(40))")
+    at = "return wrsim.viewer.at"
+    before = chromium.run(at)
+    for key, end in (("ArrowRight", before + 1), ("ArrowLeft", before - 1), ("Home", 0), ("End", "last")):
+        for target in ("document.body", "document.getElementById('place')", "document.getElementById('play')"):
+            chromium.run(f"wrsim.viewer.go({before})")
+            press = f"{target}.dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}', bubbles: true }}))"
+            chromium.run(press)
+            assert chromium.run(at) == (chromium.run("return wrsim.viewer.count - 1") if end == "last" else end)
+    chromium.run("document.getElementById('rate').value = '0.1'; wrsim.seek(10)")
+    chromium.run("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: ' ', bubbles: true }))")
+    assert chromium.run("return wrsim.viewer.playing")
+    chromium.run("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: ' ', bubbles: true }))")
+    assert not chromium.run("return wrsim.viewer.playing")
+    middle = chromium.run("const h = wrsim.viewer.history; return h.sampleAt(h.X(h.x[120]))")
+    assert abs(middle - 120) <= 1
+    assert chromium.colours("#history") > 10 and chromium.complaints() == []
+
+
+def test_pictures_and_a_video_are_saved(chromium: Browser, page: Path) -> None:
+    chromium.open(page)
+    chromium.run("return wrsim.ready.then(() => wrsim.seek(45))")
+    chromium.run("""window.saved = []; HTMLAnchorElement.prototype.click = () => {};
+        URL.createObjectURL = (content) => (saved.push(content), 'blob:x');
+        for (const button of document.querySelectorAll('[data-save]')) button.click();""")
+    chromium.wait("saved.length === 5")
+    kinds = sorted(chromium.run("return saved.map((content) => content.type)"))
+    assert kinds == ["image/png"] * 3 + ["image/svg+xml"] * 2
+    texts = chromium.run(
+        "return Promise.all(saved.filter((content) => content.type.includes('svg')).map((content) => content.text()))"
+    )
+    assert all(len(ElementTree.fromstring(text)) > 20 for text in texts)  # well-formed, and drawn
+    chromium.run("document.getElementById('rate').value = '0.1'; window.film = wrsim.viewer.record()")
+    chromium.wait("wrsim.viewer.recording.parts.reduce((sum, part) => sum + part.size, 0) > 1000")
+    assert chromium.run("wrsim.viewer.play(false); return film.then((film) => film.type)") == "video/webm"
     assert chromium.complaints() == []
 
 

@@ -176,7 +176,7 @@ def _standard(results: Sequence[Result], names: Sequence[str]) -> dict[str, Call
 
 
 def _contacts(dataset: xr.Dataset, result: str) -> list[dict[str, Any]]:
-    """Contacts of all wheelsets at some of their kept moments: pictures, numbers, and how many of the moments."""
+    """Contacts of all wheelsets at some of their snapshots: pictures, numbers, and how many of the moments."""
     if not has_patches(dataset) or not has_outlines(dataset):
         return []
     found = []

@@ -185,7 +185,7 @@ def _named(tables: Sequence[Sequence[Table]], names: Sequence[str]) -> list[Tabl
 
 
 def contacts(dataset: xr.Dataset, moments: Sequence[int]) -> Table:
-    """Every patch of one wheelset at some of its kept moments."""
+    """Every patch of one wheelset at some of its snapshots."""
     dim = "time" if "time" in dataset.dims else "pose"
     channels = [name for name in OF_PATCHES if name in dataset]
     rows: list[list[Cell]] = []

@@ -85,7 +85,7 @@ def setup_of(result: Result, folder: Path, models: Sequence[Path] = ()) -> tuple
 
 def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[str, Any]:
     """Everything that the viewer shows of a result. setup: of its scenario, for shapes and for contacts between the
-    kept moments; why: what kept it from being made. Raises InputError for a result with nothing to see."""
+    snapshots; why: what kept it from being made. Raises InputError for a result with nothing to see."""
     dataset = result.dataset
     data: dict[str, Any] = {"title": result.title, "analysis": result.analysis, "notes": [why] if why else []}
     if result.stop_reason:
@@ -112,7 +112,7 @@ def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[s
 
 
 def _dense(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp], notes: list[str]) -> xr.Dataset:
-    """The run with contacts at many places, where they can be solved again; else with its own kept moments."""
+    """The run with contacts at many places, where they can be solved again; else with its own snapshots."""
     from wrsim.analysis.resolve import with_moments
 
     if setup is None:
@@ -123,7 +123,7 @@ def _dense(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp]
     try:
         dense = with_moments(dataset, setup, sorted(set(asked)))
     except (InputError, SimulationError) as problem:
-        notes.append(f"Contacts are shown at the kept moments only: {problem}")
+        notes.append(f"Contacts are shown at the snapshots only: {problem}")
         return dataset
     if remark := dense.attrs["contact_remark"]:
         notes.append(f"Contacts that are drawn: {remark}")

@@ -59,6 +59,10 @@ export class Section {
     canvas.height = height * scale;
     const g = canvas.getContext("2d");
     g.scale(scale, scale);
+    this.paint(g, width, height);
+  }
+
+  paint(g, width, height) {
     g.fillStyle = "#fff";
     g.fillRect(0, 0, width, height);
     const aspect = (OVERVIEW[3] - OVERVIEW[2]) / (OVERVIEW[1] - OVERVIEW[0]);
@@ -114,7 +118,7 @@ export class Section {
     const near = patches.filter((p) => Math.hypot(p.points[0][0] - first[0], p.points[0][1] - first[1]) < 25);
     const o = near.flatMap((p) => p.points.map((q) => q[0])), b = near.flatMap((p) => p.points.map((q) => q[1]));
     const [left, right, low, high] = [Math.min(...o), Math.max(...o), Math.min(...b), Math.max(...b)];
-    const size = Math.max(Math.hypot(right - left, high - low) * 1.5, 9);
+    const size = Math.max(Math.hypot(right - left, high - low) * 1.5, 3); // a narrow patch fills its window too
     const turn = (patches[0].angle * Math.PI) / 180;
     const middle = [(left + right) / 2 - 0.2 * size * Math.sin(turn), (low + high) / 2 + 0.2 * size * Math.cos(turn)];
     const half = [(size / 2) * Math.max(ratio, 1), (size / 2) * Math.max(1 / ratio, 1)];
@@ -163,6 +167,7 @@ export class Section {
         g.fillStyle = "#ffffffcc";
         g.fill();
         g.strokeStyle = INK;
+        g.lineWidth = 1;
         g.stroke();
         tips.reverse();
         g.strokeStyle = QUIET;
@@ -186,7 +191,7 @@ export class Section {
       }
       for (const [px, py] of line) this.taken.push([px - 5, py - 5, px + 5, py + 5]);
     }
-    this.arrows(g, patches, X, Y, 0.34 * height, near);
+    this.arrows(g, patches, X, Y, (near ? 0.22 : 0.34) * height, near);
     if (near) for (const patch of patches) this.angle(g, patch, patch.points.map(([o, b]) => [X(o), Y(b)]));
     const bar = [20, 10, 5, 2, 1].find((b) => b * per < 0.35 * width) ?? 1;
     g.strokeStyle = g.fillStyle = INK;

@@ -1,4 +1,6 @@
 // The viewer of a run: wheels on their rails, and the vehicle on its track, at one place.
+import { History } from "./history.js";
+import { download, pngOf, Recording, svgOf, videoKind } from "./save.js";
 import { Section } from "./section.js";
 import { Stage, Track } from "./scene.js";
 import { unpackAll } from "./unpack.js";
@@ -17,9 +19,13 @@ class Viewer {
     $("flat").hidden = !sections;
     $("space").hidden = !this.stage;
     document.body.classList.toggle("single", !sections || !this.stage);
+    if (run) this.beginHistory();
     this.beginControls();
+    this.beginKeys();
+    this.beginSaving();
     const resized = () => {
       this.section?.draw();
+      this.history?.draw();
       this.stage?.resize();
     };
     new ResizeObserver(resized).observe($("panels"));
@@ -38,6 +44,97 @@ class Viewer {
       this.section.wheel = Number($("wheel").value);
       this.show();
     });
+  }
+
+  /** Histories of the channels of the chosen wheelset and of the bodies; a click or a drag goes to the place. */
+  beginHistory() {
+    const { run } = this, canvas = $("history");
+    this.history = new History(canvas, run, this.count);
+    const named = ({ words: long, unit }) => (unit ? `${long} [${unit}]` : long);
+    for (const [key, channel] of Object.entries(run.channels)) {
+      if (channel.dims.includes("wheelset")) $("channel").append(new Option(named(channel), key));
+    }
+    (run.bodies ?? []).forEach((body, b) => {
+      for (const [key, channel] of Object.entries(run.channels)) {
+        if (channel.dims.includes("body")) $("channel").append(new Option(`${body}: ${named(channel)}`, `${key}|${b}`));
+      }
+    });
+    const keys = [...$("channel").options].map((option) => option.value);
+    $("channel").value = keys.includes("Y_over_Q") ? "Y_over_Q" : keys[0];
+    $("channel").addEventListener("change", () => this.show());
+    const go = (event) => {
+      this.play(false);
+      this.go(this.history.sampleAt(event.offsetX));
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      go(event);
+    });
+    canvas.addEventListener("pointermove", (event) => event.buttons && go(event));
+  }
+
+  showHistory(i) {
+    const [key, body] = $("channel").value.split("|");
+    Object.assign(this.history, { key, at: i, part: body === undefined ? this.wheelset : Number(body) });
+    this.history.draw();
+    const { words: long, unit } = this.run.channels[key];
+    const told = this.history.lines().map(([name, , value]) => `${name} ${words(value(i))} ${unit}`).join(", ");
+    $("history").setAttribute("aria-label", `${long} over ${this.history.label}; here ${told}`);
+  }
+
+  /** The number of the wheelset that is looked at. */
+  get wheelset() {
+    const of = this.sections?.of[this.section.wheel];
+    return Math.max(this.run.wheelsets.indexOf(of?.wheelset ?? $("focus").value), 0);
+  }
+
+  /** Space plays, arrows move, wherever the keys are not needed for something else. */
+  beginKeys() {
+    let pointed = false;
+    document.addEventListener("pointerdown", () => (pointed = true), true);
+    document.addEventListener("keydown", (event) => {
+      pointed = false;
+      const { target, key } = event;
+      const typed = target.matches?.("select, input:not([type=range])");
+      if (typed || event.ctrlKey || event.altKey || event.metaKey) return;
+      if (key === " ") {
+        if (target.matches?.("button, summary, a") || $("play").hidden) return;
+        this.play(!this.playing);
+      } else {
+        const far = event.shiftKey ? 10 : 1;
+        const to = { ArrowLeft: this.at - far, ArrowRight: this.at + far, Home: 0, End: this.count - 1 }[key];
+        if (to === undefined || !this.count || target.id === "size") return;
+        this.play(false);
+        this.go(Math.round(to));
+      }
+      event.preventDefault();
+    });
+    // a list that was chosen from with the mouse gives the keys back
+    document.addEventListener("change", ({ target }) => pointed && target.matches("select") && target.blur());
+  }
+
+  beginSaving() {
+    const painters = { section: this.section, history: this.history };
+    const name = (what, ending) => `${this.data.title}_${what}_${$("place-shown").textContent}.${ending}`;
+    for (const button of document.querySelectorAll("[data-save]")) {
+      const [what, kind] = button.dataset.save.split(".");
+      button.addEventListener("click", async () => {
+        download(kind === "svg" ? svgOf(painters[what]) : await pngOf($(what)), name(what, kind));
+      });
+    }
+    $("video").hidden = !videoKind() || (!this.run && !this.modes);
+    $("video").addEventListener("click", async () => {
+      if (this.recording) return this.play(false);
+      download(await this.record(), name("video", "webm"));
+    });
+  }
+
+  /** A video of what is played from here to the end or until it is stopped. */
+  record() {
+    this.recording = new Recording(["section", "stage", "history"].map($));
+    $("video").setAttribute("aria-pressed", "true");
+    this.play(true);
+    return new Promise((done) => (this.recorded = done));
   }
 
   /** A wheelset with its number from the front, as in the tables; anything else by its name. */
@@ -84,6 +181,8 @@ class Viewer {
     $("event-label").hidden = !run?.events.length;
     $("run-controls").hidden = !this.count;
     for (const id of ["play", "rate-label"]) $(id).hidden = !run && !this.modes;
+    $("time").hidden = !run;
+    $("wear-key").hidden = !this.sections?.of.some((of) => of.wear);
     $("exaggeration").hidden = !this.stage || Boolean(this.modes);
     $("forces-key").hidden = !run?.suspension;
     $("mode-controls").hidden = !this.modes;
@@ -154,14 +253,16 @@ class Viewer {
     if (this.stage && this.run) this.placeRun();
     if (this.stage && this.modes) this.placeMode();
     this.stage?.render();
-    if (!this.count) return;
+    if (!this.count) return this.recording?.frame(this.data.title);
     const i = Math.round(this.at);
     $("place").value = i;
     const told = this.run ? `${this.run.distance.data[i].toFixed(2)} m, ${this.run.time.data[i].toFixed(3)} s` : this.sections.poses[i];
     $("place-shown").textContent = told;
+    if (this.history) this.showHistory(i);
     $("place").setAttribute("aria-valuetext", told);
     if (this.section) this.showSection(i);
     this.showNumbers(i);
+    this.recording?.frame(`${this.data.title}: ${told}`);
   }
 
   showSection(i) {
@@ -248,9 +349,7 @@ class Viewer {
 
   showNumbers(i) {
     if (!this.run) return;
-    const { run, sections } = this;
-    const of = sections?.of[this.section.wheel];
-    const w = Math.max(run.wheelsets.indexOf(of?.wheelset ?? $("focus").value), 0);
+    const { run, wheelset: w } = this;
     const found = this.read(i).wheelsets[run.wheelsets[w]];
     const rows = Object.entries(found).map(([name, value]) => {
       const { unit, words: long } = run.channels[name];
@@ -312,6 +411,11 @@ class Viewer {
     $("play").setAttribute("aria-pressed", String(on));
     if (!on) {
       this.at = Math.round(this.at);
+      if (this.recording) {
+        this.recording.end().then(this.recorded);
+        this.recording = null;
+        $("video").setAttribute("aria-pressed", "false");
+      }
       return;
     }
     if (this.run && this.at >= this.count - 1) this.at = 0;
