@@ -21,6 +21,7 @@ _HOMES = {
     "load_text": "wrsim.scenario.loading",
     "Scenario": "wrsim.scenario.loading",
     "run": "wrsim.analysis",
+    "stepper": "wrsim.analysis.motion.run",
     "Result": "wrsim.results",
     "load_profile": "wrsim.geometry.profile.models",
     "Profile": "wrsim.geometry.profile.profile",

@@ -1,4 +1,5 @@
 from wrsim.analysis import run as run
+from wrsim.analysis.motion.run import stepper as stepper
 from wrsim.analysis.poses.static import contact_map as contact_map
 from wrsim.analysis.poses.static import solve_poses as solve_poses
 from wrsim.contact.model import ContactModel as ContactModel

@@ -19,6 +19,18 @@ DEFAULT_INTEGRATOR: Integrator = "generalised-alpha"
 SPECTRAL_RADIUS = 0.9
 """Factor by which generalised alpha damps the fastest oscillation in a step."""
 
+ALPHA_M, ALPHA_F = (2.0 * SPECTRAL_RADIUS - 1.0) / (SPECTRAL_RADIUS + 1.0), SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1.0)
+GAMMA = 0.5 + ALPHA_F - ALPHA_M
+BETA = 0.25 * (GAMMA + 0.5) ** 2
+"""Numbers of the method."""
+
+
+def changes(step: float) -> tuple[float, float]:
+    """Changes of q and q_t for a change of q_tt in a step [s]."""
+    of_acceleration = step * step * BETA * (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
+    return of_acceleration, of_acceleration * GAMMA / (step * BETA)
+
+
 WEIGHTS = np.array([SMALL[name] for name in COORDINATES]) ** -2.0
 """Of the coordinates of a body in Broyden's update."""
 
@@ -37,14 +49,9 @@ class ImplicitStep:
         self, q: Array, q_t: Array, q_tt: Array, bodies: int, step: float, tolerance: float, loosest: float | None
     ) -> None:
         """q, q_t, q_tt: the solver's own arrays, bodies first; tolerance, loosest: see ``BodySystem.solve``."""
-        rho = SPECTRAL_RADIUS
-        alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
-        gamma = 0.5 + alpha_f - alpha_m
-        beta = 0.25 * (gamma + 0.5) ** 2
         self.q, self.q_t, self.q_tt = q, q_t, q_tt
         own = np.zeros(1, kernel.STEP)
-        own["q_of_q_tt"] = of_acceleration = step * step * beta * (1.0 - alpha_f) / (1.0 - alpha_m)
-        own["q_t_of_q_tt"] = of_acceleration * gamma / (step * beta)
+        own["q_of_q_tt"], own["q_t_of_q_tt"] = changes(step)
         own["tolerance"], own["loosest"] = tolerance, tolerance if loosest is None else loosest
         for name in ("predicted", "residual", "moved", "ratio"):
             own[name] = np.inf

@@ -19,13 +19,16 @@ from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.progress import Progress
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.segments import Straight
+from wrsim.register import ANALYSES
 from wrsim.results import Result
 from wrsim.results.run_file import run_header
-from wrsim.scenario.build import Setup
+from wrsim.scenario.build import Setup, build
+from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation import step_size as steps
 from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
 from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.stepper import Stepper
 from wrsim.simulation.system import Array, BodySystem
 
 log = logging.getLogger(__name__)
@@ -33,6 +36,7 @@ log = logging.getLogger(__name__)
 STEPS_OF_A_SECTION = 3
 """Least number of implicit steps between two neighbouring sections of a rail that changes along the track."""
 SHRUNK = 10.0  # by how much shorter than usual a chosen step of RK44 is reported
+BENCH_STEP, BENCH_ITERATIONS, BENCH_LONGEST = 1e-3, 2, 5e-3  # of vehicles that others move on step by step [s]
 SEGMENT_EXACT = 5  # steps between two checkpoints with the exact contact solver; each takes a second or more
 
 
@@ -74,6 +78,45 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
             recorder=recorder,
         ).run(q, q_t)  # fmt: skip
     return result_of(setup, law, motion, monitor.events(), None if record is None else record.path.parent)
+
+
+def stepper(scenario: Scenario, step: float = BENCH_STEP, iterations: int = BENCH_ITERATIONS) -> Stepper:
+    """A vehicle for a test bench or for co-simulation, in the steady motion that a run of the scenario starts from.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of a run along the track. Its length does not matter, the track must be long enough for all steps.
+    step : float
+        Of the integration [s].
+    iterations : int
+        Evaluations of the forces in a step.
+
+    Returns
+    -------
+    Stepper
+        It is moved on by `Stepper.step`; its ``inputs`` are the constant loads and efforts of the scenario.
+
+    Raises
+    ------
+    InputError
+        For another analysis, for the exact contact solver, for a step or a number of iterations that cannot be.
+    SimulationError
+        Where there is no steady motion at the start.
+    """
+    if not (0.0 < step <= BENCH_LONGEST and iterations >= 1):
+        most = f"above 0 and at most {BENCH_LONGEST:g} s"
+        raise InputError(f"step = {step:g}, iterations = {iterations}: must be {most}, and a whole number from 1 on")
+    setup = build(scenario)
+    if not isinstance(setup.plan, RunPlan) or not ANALYSES[setup.analysis].moves:
+        raise scenario.fault(("analysis",), "only runs along the track can be taken step by step")
+    if setup.contact.fast() != setup.contact:
+        raise scenario.fault(("contact", "normal"), "takes seconds a step; step by step only with the fast models")
+    law = force_law(setup)
+    try:
+        return Stepper(law, *start_state(setup, law), step, iterations)
+    except NoSteadyMotion as problem:
+        raise SimulationError(start_words(problem, setup)) from None
 
 
 def recorded_run(setup: Setup[RunPlan], path: Path) -> Result:

@@ -1,0 +1,129 @@
+"""Processor time of every step of a test bench. Run: python benchmarks/bench_deadline.py [--json] [--distance 300]
+
+Manchester vehicle 1 at 60 km/h, as `wrsim.stepper` moves it on, 1 ms and two iterations a step: straight track, in it
+the crossing 56E1-R245-1:9.25 (where the reference folder lies beside the project), then a curve of 300 m, all of it
+with ERRI low irregularities. Of the processor time of every step: mean, quantiles, the most, the share above 1 ms.
+Beside them what is left of the balance, and how far the bodies are from those of a usual run of the same track
+[mm rms, over all bodies, across the track and up]. Processor time of one evaluation of the forces tells how fast the
+machine is at that moment. Python's garbage collector is off while steps are timed.
+"""
+
+import argparse
+import gc
+import json
+import sys
+import time
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from bench_vehicle import MODELS, call_time
+
+from wrsim import load, stepper
+from wrsim.analysis.contacts import force_law
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import Scenario
+from wrsim.simulation.integrate import Integration
+from wrsim.simulation.system import BodySystem
+
+ROOT = Path(__file__).parents[1]
+sys.path += [str(ROOT / "campaigns"), str(ROOT / "tests")]
+from crossing import BEGIN, PLACE, SIDE, lay  # noqa: E402
+from support.crossings import CROSSING  # noqa: E402
+
+STEP = 1e-3
+EVERY = 10  # steps between two states that are compared
+DEADLINE = 1e-3  # [s]
+KEYS: dict[str, Any] = {
+    "vehicle.speed_kmh": 60.0,
+    "track.inclination": "none",
+    "track.irregularities": [{"kind": "spectrum", "spectrum": "ERRI-low", "seed": 1, "wavelength_m": [3, 100]}],
+    "run.start_distance_m": 12.0,
+    "run.output_interval_ms": 1e3 * STEP * EVERY,
+    "output.patches_at_m": [],
+}
+
+
+def scenario_of(model: str, distance: float, folder: Path) -> Scenario:
+    """The track with as long a curve as the distance [m] needs."""
+    curve = [
+        {"kind": "straight", "length_m": 60.0},
+        {"kind": "transition", "length_m": 40.0},
+        {"kind": "arc", "radius_m": 300.0, "cant_mm": 100.0, "length_m": distance},
+    ]
+    keys = KEYS | MODELS[model] | {"track.segments": curve, "run.distance_m": distance}
+    if CROSSING.exists():
+        lay(folder / "crossing.csv", BEGIN)
+        keys["track.rail_sections"] = [
+            {"at_m": PLACE, "table": str(folder / "crossing.csv"), "side": "right", "outward_mm": -SIDE}
+        ]
+    return load(ROOT / "scenarios/manchester_r300.toml").with_values(keys)
+
+
+def figures(scenario: Scenario, iterations: int) -> dict[str, float]:
+    """Times of the steps [us], and differences from a usual run [mm]."""
+    own = stepper(scenario, STEP, iterations)
+    law, q, q_t = own.law, own.q.copy(), own.q_t.copy()
+    scratch = np.zeros(law.size)
+    evaluation = call_time(lambda: law(0.0, q, q_t, scratch), 200)
+    own = stepper(scenario, STEP, iterations)
+    samples = int(build(scenario).plan.duration / STEP / EVERY)
+    states, times = np.zeros((samples + 1, law.size)), np.zeros(samples * EVERY, dtype=np.int64)
+    states[0] = q
+    gc.collect()
+    gc.disable()
+    for k in range(samples):
+        for j in range(EVERY):
+            began = time.thread_time_ns()
+            own.step()
+            times[k * EVERY + j] = time.thread_time_ns() - began
+        states[k + 1] = own.q
+    gc.enable()
+    usual = force_law(build(scenario))
+    motion = Integration(
+        BodySystem(usual.bodies, usual), duration=samples * EVERY * STEP, step=2 * STEP, weight=usual.vehicle.weight,
+        sample_interval=EVERY * STEP,
+    ).run(q, q_t)  # fmt: skip
+    n = 6 * len(law.bodies)
+    off = (states - motion.q)[:, :n].reshape(len(states), -1, 6)
+    heading = motion.q[:, 3:n:6]
+    across = np.cos(heading) * off[:, :, 2] - np.sin(heading) * off[:, :, 1]
+    us = 1e-3 * times
+    return {
+        "steps": len(times),
+        "evaluation_us": 1e6 * evaluation,
+        "mean_us": us.mean(),
+        "median_us": np.median(us),
+        "q99_us": np.quantile(us, 0.99),
+        "q9999_us": np.quantile(us, 0.9999),
+        "most_us": us.max(),
+        "above_1_ms": float((times > 1e9 * DEADLINE).mean()),
+        "residual_most": own.residual[1],
+        "across_mm": 1e3 * float(np.sqrt((across**2).mean())),
+        "up_mm": 1e3 * float(np.sqrt((off[:, :, 0] ** 2).mean())),
+    }
+
+
+def main() -> None:
+    """Print the figures, or one line of JSON."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--json", action="store_true", help="the last line is JSON")
+    parser.add_argument("--models", nargs="*", choices=MODELS, default=list(MODELS))
+    parser.add_argument("--distance", type=float, default=300.0, help="of the run [m]; an hour is 60000")
+    parser.add_argument("--iterations", nargs="*", type=int, default=[2])
+    chosen = parser.parse_args()
+    found: dict[str, dict[int, dict[str, float]]] = {}
+    with TemporaryDirectory() as folder:
+        for model in chosen.models:
+            scenario = scenario_of(model, chosen.distance, Path(folder))
+            found[model] = {}
+            for iterations in chosen.iterations:
+                own = found[model][iterations] = figures(scenario, iterations)
+                words = ", ".join(f"{name} {value:.3g}" for name, value in own.items())
+                print(f"{model}, {iterations}: {words}", flush=True)
+    print(json.dumps({"deadline": found}) if chosen.json else "")
+
+
+if __name__ == "__main__":
+    main()
