@@ -17,7 +17,16 @@ from matplotlib.lines import Line2D
 from wrsim.errors import InputError
 from wrsim.plots.gallery import GalleryColumn, GalleryRow, Page, draw_gallery, most_moments
 from wrsim.plots.marks import draw_line, few_ticks, panels, wheel_entries
-from wrsim.plots.moments import PatchAt, choose_moments, patches_of, pose_abscissa, pose_groups, select
+from wrsim.plots.moments import (
+    PatchAt,
+    beyond_railways,
+    choose_moments,
+    ends_of,
+    patches_of,
+    pose_abscissa,
+    pose_groups,
+    select,
+)
 from wrsim.plots.patches import contact_patch, extent_of_patches
 from wrsim.plots.theme import GROUP_LINE, INK, QUIET, SERIES_COLOURS, WHEEL_COLOUR, abscissa, shown
 from wrsim.results import CHANNELS
@@ -85,6 +94,8 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
     colours = dict(zip(names, cycle(MODEL_COLOUR)))
     lines = [(label, member, w, wheel) for label, member in groups for w, wheel in enumerate(wheels)]
     looks = dict(enumerate(islice(cycle(GROUP_LINE), len(lines))))
+    samples = values["N"].transpose("time" if runs else "pose", ...).values
+    beyond, left_out = (np.zeros(len(samples), bool), "") if runs else beyond_railways(1e-3 * samples)
 
     def draw(axes: Axes, name: str, differences: bool) -> None:
         channel = CHANNELS[name]
@@ -106,6 +117,8 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
             axes.set_title(f'difference from "{reference}"' if name == quantities[0] else "", fontsize=7.0)
         else:
             axes.set_ylabel(channel.short_label)
+        if beyond.any() and np.isfinite(seen := y[:, ~beyond]).any():
+            axes.set_ylim(ends_of(seen))
         low, high = axes.get_ylim()
         span = LEAST_DIFFERENCE if differences else 0.02 * max(abs(low), abs(high))
         if high - low < span:  # differences too small to matter look small
@@ -116,7 +129,7 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
         words = (label, f"{wheel} wheel".strip() if len(wheels) > 1 else "")
         legend.append(Line2D([], [], color=QUIET, linestyle=looks[n], label=", ".join(filter(None, words))))
     draws = [partial(draw, name=q, differences=d) for q in quantities for d in (False, True)]
-    return panels(title, draws, 36.0 * len(quantities) + 24.0, columns=2, legend=legend)
+    return panels(title, draws, 36.0 * len(quantities) + 24.0, columns=2, legend=legend, note=left_out)
 
 
 def _placed(dataset: xr.Dataset, first: xr.Dataset, reference: int, wheel: str) -> list[tuple[PatchAt, float]]:
@@ -170,6 +183,9 @@ def overlay_figure(datasets: Sequence[xr.Dataset], names: Sequence[str]) -> Figu
 
     present = [name for name in CHANNELS_DRAWN if all(name in dataset for dataset in datasets)]
     entries = [Line2D([], [], color=INK, linestyle=line, label=name) for line, name in zip(lines, names, strict=False)]
-    title, draws = " | ".join(str(d.attrs["title"]) for d in datasets), [partial(draw, name=name) for name in present]
+    title, draws = (
+        " | ".join(dict.fromkeys(str(d.attrs["title"]) for d in datasets)),
+        [partial(draw, name=name) for name in present],
+    )
     legend = [*entries, *wheel_entries(datasets[0]["wheel"].values)]
     return panels(title, draws, 20.0 + 33.0 * len(present), legend=legend)

@@ -132,3 +132,25 @@ def pose_groups(dataset: xr.Dataset) -> list[tuple[str, NDArray[np.intp]]]:
         words = (f"${c.symbol}$ = " * bool(c.symbol) + quantity(value, c.shown.symbol) for c, value in pairs)
         groups.append((minus(", ".join(words)), member[np.argsort(x[member], kind="stable")]))
     return groups
+
+
+LARGEST_FORCE = 200.0
+"""Poses that press a wheel on its rail with more [kN] are left out of axes: more than any limit of Q in EN 14363."""
+
+
+def beyond_railways(forces: NDArray[np.float64]) -> tuple[NDArray[np.bool_], str]:
+    """Poses that no railway has, of normal forces (pose, ...) of wheels [kN], and words for them; none where that
+    leaves nothing to draw."""
+    most = np.nan_to_num(forces).reshape(len(forces), -1).max(axis=1, initial=0.0)
+    found = most > LARGEST_FORCE
+    if found.all() or not found.any():
+        return np.zeros_like(found), ""
+    largest = quantity(float(most.max()), "kN", ".0f")
+    return found, f"{int(found.sum())} of {found.size} poses, with up to {largest} on a wheel, are left out of the axes"
+
+
+def ends_of(values: NDArray[np.float64]) -> tuple[float, float]:
+    """Ends of an axis that holds the values with a margin."""
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    margin = 0.06 * max(high - low, 1e-9)
+    return low - margin, high + margin

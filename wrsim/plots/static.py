@@ -14,18 +14,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from wrsim.plots.histories import ANGLE_JUMP
 from wrsim.plots.marks import broken, draw_line, panels, stop_note, wheel_entries
-from wrsim.plots.moments import pose_abscissa, pose_groups
+from wrsim.plots.moments import beyond_railways, ends_of, pose_abscissa, pose_groups
 from wrsim.plots.theme import GROUP_LINE, GROUP_MARK, QUIET, WHEEL_COLOUR, shown
 from wrsim.results import CHANNELS
-from wrsim.results.table import quantity
 
 PANELS = ("contact_angle", "p0", "N", "area")
-LARGEST_FORCE = 200.0
-"""Poses that press a wheel on its rail with more [kN] are left out of axes: more than any limit of Q in EN 14363."""
 
 
 def against_pose(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
@@ -49,25 +45,12 @@ def against_pose(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
     return axes
 
 
-def _beyond(dataset: xr.Dataset) -> NDArray[np.bool_]:
-    """Poses that no railway has, by ``LARGEST_FORCE``; none where that leaves nothing to draw."""
-    if "N" not in dataset:
-        return np.zeros(dataset.sizes["pose"], dtype=bool)
-    found = np.asarray((_wheel_forces(dataset) > LARGEST_FORCE).any(axis=-1))
-    return found if not found.all() else np.zeros_like(found)
-
-
-def _wheel_forces(dataset: xr.Dataset) -> NDArray[np.float64]:
-    """Normal forces (pose, wheel) of all patches together [kN]."""
-    forces = np.nan_to_num(shown(dataset, "N"))
-    return np.asarray(forces.reshape(*forces.shape[:2], -1).sum(axis=-1))
-
-
 def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:
     """Contact angle, largest pressure, normal force and area against lateral shift, for every yaw and load."""
     present = [name for name in names if name in dataset]
     groups = pose_groups(dataset)
-    beyond = _beyond(dataset)
+    forces = np.nan_to_num(shown(dataset, "N")) if "N" in dataset else np.zeros((dataset.sizes["pose"], 1, 1))
+    beyond, left_out = beyond_railways(forces.reshape(*forces.shape[:2], -1).sum(axis=-1))
     banded = {"contact_angle_min", "contact_angle_max"} <= set(dataset) and "contact_angle" in present
 
     def draw(axes: Axes, name: str) -> None:
@@ -77,10 +60,7 @@ def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:
             look: Any = {"color": WHEEL_COLOUR[str(wheel)], "alpha": 0.25, "linewidth": 2.0, "zorder": 1.8}
             axes.vlines(x, low[:, j, 0], high[:, j, 0], **look)
         if beyond.any():
-            seen = shown(dataset, name)[~beyond]
-            least, most = float(np.nanmin(seen)), float(np.nanmax(seen))
-            margin = 0.06 * max(most - least, 1e-9)
-            axes.set_ylim(least - margin, most + margin)
+            axes.set_ylim(ends_of(shown(dataset, name)[~beyond]))
         if name != "contact_angle" and axes.dataLim.y0 >= 0.0:
             axes.set_ylim(0.0, axes.get_ylim()[1] if beyond.any() else 1.06 * max(axes.dataLim.y1, 1e-9))
 
@@ -95,9 +75,7 @@ def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:
         legend.append(Line2D([], [], color=QUIET, label="further patch", **hollow))
     unsolved = int((dataset["pose_message"].values != "").sum()) if "pose_message" in dataset else 0
     poses = f"{unsolved} of {dataset.sizes['pose']} poses without a solution" if unsolved else ""
-    largest = quantity(float(_wheel_forces(dataset).max()), "kN", ".0f") if beyond.any() else ""
-    left_out = f"{int(beyond.sum())} of {beyond.size} poses, with up to {largest} on a wheel, are left out of the axes"
-    note = "; ".join(filter(None, (stop_note(dataset), poses, left_out if largest else "")))
+    note = "; ".join(filter(None, (stop_note(dataset), poses, left_out)))
     title, draws = dataset.attrs.get("title", ""), [partial(draw, name=name) for name in present]
     height = 54.0 * ceil(len(present) / 2) + 22.0
     return panels(title, draws, height, columns=2, share=False, legend=legend, across=5, note=note)
