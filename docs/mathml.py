@@ -16,23 +16,31 @@ from sphinx.util.math import get_node_equation_number
 BOLD = re.compile(r'<mi mathvariant="bold(-italic)?">(?:&#x0*([0-9A-F]+);|(\w))</mi>')
 """A bold letter; browsers do not take the attribute."""
 
+RANGES = (0x41, 0x1D400, 0x1D468), (0x61, 0x1D41A, 0x1D482), (0x391, 0x1D6A8, 0x1D71C), (0x3B1, 0x1D6C2, 0x1D736)
+"""First letter of an alphabet, latin and Greek: plain, bold, bold italic."""
+
 
 def letter(found: re.Match[str]) -> str:
     """The bold letter by its own code point."""
     code = int(found[2], 16) if found[2] else ord(found[3])
-    for first, upright, italic in ((0x41, 0x1D400, 0x1D468), (0x61, 0x1D41A, 0x1D482), (0x3B1, 0x1D6C2, 0x1D736)):
+    for first, upright, italic in RANGES:
         if first <= code < first + 26:
             return f"<mi>{chr(code - first + (italic if found[1] else upright))}</mi>"
     return found[0]
 
 
 SPACES = (
+    (
+        r"<msup>(<mi>[^<]*</mi>)<mi>(&#x0203[234];)</mi></msup>",
+        r'<mrow>\1<mo lspace="0em" rspace="0.05em">\2</mo></mrow>',
+    ),
     (r"<mo[^>]*>&#x0007C;</mo>", '<mo stretchy="false" lspace="0em" rspace="0em">|</mo>'),
+    (r"(&#x0003D;</mo>)<mo>&#x02212;</mo>", r'\1<mo form="prefix" lspace="0em" rspace="0em">&#x02212;</mo>'),
     (r"<mo>&#x0002F;</mo>", '<mo lspace="0.06em" rspace="0.06em">/</mo>'),
     (r"(?<!<msup>)(<mi>(?:sin|cos|tan|ln|arcsin|arctan)</mi>)", r'<mspace width="0.167em" />\1'),
     (r"(<mi>(?:sin|cos|tan|ln|arcsin|arctan)</mi>)(?!<m[on][ >])", r'\1<mspace width="0.167em" />'),
 )
-"""Spaces of bars, slashes and names of functions as in print: patterns of MathML and what replaces them."""
+"""Primes, and spaces of bars, slashes and functions, as in print: patterns of MathML and what replaces them."""
 
 
 def converted(text: str, display: str) -> str:
