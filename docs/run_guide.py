@@ -88,6 +88,8 @@ def _place(page: Path) -> tuple[int, str]:
 def executed(line: str, folder: Path, whole: bool) -> tuple[int, str]:
     """Exit code and output of a line in a folder; whole: not in the short form."""
     words = shlex.split(line)
+    if words[:2] == ["wrsim", "study"] and not whole and "--dry-run" not in words:
+        words.append("--dry-run")
     if words[0] != "wrsim":
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
         return done.returncode, done.stderr
