@@ -22,6 +22,19 @@ _HOMES = {
     "Scenario": "wrsim.scenario.loading",
     "run": "wrsim.analysis",
     "stepper": "wrsim.analysis.motion.run",
+    "check": "wrsim.api",
+    "assess": "wrsim.api",
+    "ride": "wrsim.api",
+    "conicity": "wrsim.api",
+    "stationary": "wrsim.api",
+    "diff": "wrsim.api",
+    "export": "wrsim.api",
+    "write_report": "wrsim.api",
+    "write_view": "wrsim.api",
+    "read_recording": "wrsim.api",
+    "run_study": "wrsim.api",
+    "run_wear": "wrsim.api",
+    "Outcome": "wrsim.api",
     "Result": "wrsim.results",
     "load_profile": "wrsim.geometry.profile.models",
     "Profile": "wrsim.geometry.profile.profile",
@@ -56,4 +69,4 @@ def __getattr__(name: str) -> _Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_HOMES})
+    return sorted(__all__)

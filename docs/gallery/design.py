@@ -40,9 +40,9 @@ quotient.set(xlabel="curvature [1/km]", ylabel="derailment quotient Y/Q")
 legend = wear.legend(frameon=False)
 
 # %%
-# The same as a table. The unit is at the end of every name.
+# The same as a table; units are in ``table.attrs["units"]``.
 table = results["S1002, greased"].to_dataframe(leading)
-table[["pose_radius_m", "T_gamma_right_N", "Y_over_Q_right", "yaw_mrad"]]
+table[[("", "", "pose_radius"), ("", "right", "T_gamma"), ("", "right", "Y_over_Q"), ("", "", "yaw")]]
 
 # %%
 # For hundreds of variants on many processors take ``wrsim study``.

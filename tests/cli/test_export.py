@@ -18,6 +18,7 @@ from support.synthetic_result import static_poses
 from wrsim.analysis import run
 from wrsim.results import CHANNELS, Result, exports
 from wrsim.results.exports import export_result
+from wrsim.results.tables import frame
 from wrsim.scenario.loading import load
 
 SHOWN = {
@@ -97,7 +98,7 @@ def test_matlab_gets_every_channel_with_its_dimensions(folder: Path, dataset: xr
 
 def test_the_table_has_a_column_for_every_row_of_samples(folder: Path, samples: dict[tuple[str, ...], Any]) -> None:
     """Each number of the text, ten digits, is that of the result; and there is no other column."""
-    units = Result.load(folder).to_dataframe().attrs["units"]
+    units = frame(Result.load(folder).dataset).attrs["units"]
     table = pd.read_csv(folder / "result.csv", keep_default_na=False, na_values=[""])
     left = list(table.columns)
     for words, variable in samples.items():
@@ -114,28 +115,28 @@ def test_the_table_has_a_column_for_every_row_of_samples(folder: Path, samples: 
 
 def test_parquet_holds_the_same_table_to_the_bit(folder: Path, samples: dict[tuple[str, ...], Any]) -> None:
     table = pytest.importorskip("pyarrow.parquet").read_table(folder / "result.parquet")
-    frame = Result.load(folder).to_dataframe()
-    assert table.column_names == list(frame.columns) and len(frame.columns) == len(samples)
+    table_of = frame(Result.load(folder).dataset)
+    assert table.column_names == list(table_of.columns) and len(table_of.columns) == len(samples)
     for name in table.column_names:
-        np.testing.assert_array_equal(table[name].to_numpy(), frame[name].to_numpy(), err_msg=name)
+        np.testing.assert_array_equal(table[name].to_numpy(), table_of[name].to_numpy(), err_msg=name)
         unit = table.schema.field(name).metadata[b"unit"].decode()
-        assert unit == frame.attrs["units"].get(name, unit)
+        assert unit == table_of.attrs["units"].get(name, unit)
 
 
 @pytest.mark.filterwarnings("ignore")
 def test_mdf_holds_every_signal_over_time(folder: Path) -> None:
     if not (folder / "result.mf4").exists():
         pytest.skip("poses have no time")
-    frame, held = Result.load(folder).to_dataframe(), set()
+    table_of, held = frame(Result.load(folder).dataset), set()
     with pytest.importorskip("asammdf").MDF(folder / "result.mf4") as file:
         for group, index in (place for places in file.channels_db.values() for place in places):
             signal = file.get(group=group, index=index)
             held.add(signal.name)
             if signal.name not in ("time", "t"):
-                np.testing.assert_array_equal(signal.samples, frame[signal.name].to_numpy(), err_msg=signal.name)
-                np.testing.assert_array_equal(signal.timestamps, frame["time_s"].to_numpy())
-                assert signal.unit == frame.attrs["units"].get(signal.name, signal.unit)
-    assert held - {"time", "t"} == set(frame.columns) - {"time_s"}
+                np.testing.assert_array_equal(signal.samples, table_of[signal.name].to_numpy(), err_msg=signal.name)
+                np.testing.assert_array_equal(signal.timestamps, table_of["time_s"].to_numpy())
+                assert signal.unit == table_of.attrs["units"].get(signal.name, signal.unit)
+    assert held - {"time", "t"} == set(table_of.columns) - {"time_s"}
 
 
 def test_what_cannot_be_exported_is_one_sentence(tmp_path: Path) -> None:

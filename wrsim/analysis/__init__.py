@@ -110,15 +110,30 @@ def exact_run_warning(setup: Setup[Any]) -> list[str]:
     """A warning of a run whose forces all come from the exact contact solver; none of others."""
     if setup.contact.normal != "half-space" or not ANALYSES[setup.analysis].moves:
         return []
+    cost = cost_of(setup)
+    return [
+        'contact.normal = "half-space" solves the exact problem at every stage of the integration: about '
+        f"{cost['evaluations']} times for each wheel, some {duration(cost['expected_time_s'])}. "
+        "wrsim resolve does it for the snapshots of a fast run"
+    ]
+
+
+EVALUATION_TIME = {"strips": 0.7e-3, "kik-piotrowski": 0.3e-3, "half-space": EXACT_TIME}
+"""Time of one evaluation of the contacts of a wheelset and its share of the vehicle [s], measured on one core of a
+common processor; another one takes half of it or twice."""
+
+
+def cost_of(setup: Setup[Any]) -> dict[str, Any]:
+    """Evaluations of the forces that a run along the track needs, and its time [s] within a factor of two; of other
+    analyses nothing."""
+    if not ANALYSES[setup.analysis].moves:
+        return {}
     plan = setup.plan
     evaluations = evaluations_for(
         plan.integrator, plan.duration, plan.speeds[0], plan.output_interval, plan.step, setup.vehicle
     )
-    return [
-        'contact.normal = "half-space" solves the exact problem at every stage of the integration: about '
-        f"{evaluations:.0f} times for each wheel, some {duration(EXACT_TIME * evaluations)}. "
-        "wrsim resolve does it for the snapshots of a fast run"
-    ]
+    each = EVALUATION_TIME[setup.contact.normal] * len(setup.vehicle.wheelsets)
+    return {"evaluations": round(evaluations), "expected_time_s": float(f"{each * evaluations:.2g}")}
 
 
 @contextmanager
@@ -141,4 +156,4 @@ def recorded(record: str | Path) -> Result:
     return resolved(ANALYSES[setup.analysis].recorded)(setup, Path(record))  # type: ignore[no-any-return]
 
 
-__all__ = ["check_step", "exact_run_warning", "recorded", "run"]
+__all__ = ["check_step", "cost_of", "exact_run_warning", "recorded", "run"]

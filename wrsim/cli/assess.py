@@ -21,7 +21,6 @@ from wrsim.cli.options import (
     check_ending,
     into,
 )
-from wrsim.errors import InputError
 
 
 def assess_command(
@@ -40,21 +39,13 @@ def assess_command(
     Sections of several runs of one vehicle count together; they need a folder to write to (-o).
     """
     with writing_files(as_json, force, *results[1:], of=results[0]):
-        from wrsim.analysis.assessment import assess as assessed
-        from wrsim.report.output_folder import folder_of_result, names_apart, naming, read
-        from wrsim.report.outputs import write_assessment
-        from wrsim.results.assessment import assessment_dict, assessment_numbers
-        from wrsim.scenario.loading import load
-        from wrsim.scenario.sections.assessment import AssessmentSection
+        from wrsim.api import assess
+        from wrsim.report.output_folder import folder_of_result, names_apart
 
-        names = names_apart(results, output)
-        settings = None if scenario is None else load(scenario).table(AssessmentSection).settings()
-        loaded = [read(path) for path in results]
-        with naming(*results):
-            found = assessed(loaded, settings, names)
+        names_apart(results, output)
         directory = output or folder_of_result(results[0])
-        files = write_assessment(found, directory, pictures)
-        print_found(as_json, assessment_dict(found), assessment_numbers(found), files, directory)
+        found = assess(results, scenario, directory, pictures)
+        print_found(as_json, found.numbers, found.tables, found.files, directory)
 
 
 def ride(
@@ -67,18 +58,12 @@ def ride(
 ) -> None:
     """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
     with writing_files(as_json, force, of=result):
-        from wrsim.analysis.ride import evaluate_ride
-        from wrsim.report.output_folder import folder_of_result, naming, read
-        from wrsim.report.outputs import write_ride
-        from wrsim.scenario.loading import load
-        from wrsim.scenario.sections.run import RideSection
+        from wrsim import api
+        from wrsim.report.output_folder import folder_of_result
 
-        loaded, section = read(result), None if scenario is None else load(scenario).table(RideSection)
-        with naming(result):
-            found = evaluate_ride(loaded, section)
         directory = output or folder_of_result(result)
-        files = write_ride(found, directory, pictures)
-        print_found(as_json, found.as_dict(), [found.table()], files, directory)
+        found = api.ride(result, scenario, directory, pictures)
+        print_found(as_json, found.numbers, found.tables, found.files, directory)
 
 
 def conicity_command(
@@ -113,28 +98,15 @@ def conicity_command(
 ) -> None:
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
     with writing_files(as_json, force):
-        from wrsim.analysis.conicity.pairs import Pairing
-        from wrsim.report.outputs import write_conicity, write_conicity_map
-        from wrsim.results.conicity import conicity_numbers
-        from wrsim.results.table import as_records
+        from wrsim.api import conicity
 
-        pairing, files = Pairing(flange_back_mm / 1e3, inclination, roll, models or ()), []
-        if gauges_mm is not None or Path(wheel).is_dir() or Path(rail).is_dir():
-            if diameters_mm or wheel_right or rail_right or curve_m:
-                refused = "--diameters-mm, -right and --curve-m"
-                raise InputError(f"a map is of wheelsets with like wheels on like rails, at any radius: no {refused}")
-            over = pairing.map(wheel, rail, gauges_mm or (gauge_mm, gauge_mm, 1.0), radius_mm / 1e3)
-            tables = [over.table()]
-            numbers = {"title": over.title, "map": as_records(over.table()), "gaps": list(over.reasons)}
-            files = write_conicity_map(over, output, pictures) if output else []
-        else:
-            left, right = diameters_mm or (2.0 * radius_mm, 2.0 * radius_mm)
-            wheels, rails = (wheel, wheel_right or wheel), (rail, rail_right or rail)
-            diameters = (left / 1e3, right / 1e3)
-            found = pairing.conicity(wheels, rails, gauge_mm / 1e3, diameters, curve_m or (), flange_from_deg)
-            tables, numbers = found.numbers(), {"title": found.title, **conicity_numbers(found.wheelset())}
-            files = write_conicity(found, output, pictures) if output else []
-        print_found(as_json, numbers, tables, files)
+        found = conicity(
+            wheel, rail, gauge_mm=gauge_mm, gauges_mm=gauges_mm, flange_back_mm=flange_back_mm, inclination=inclination,
+            radius_mm=radius_mm, diameters_mm=diameters_mm, wheel_right=wheel_right, rail_right=rail_right, roll=roll,
+            curve_m=curve_m or (), flange_from_deg=flange_from_deg, models=models or (), output=output,
+            pictures=pictures,
+        )  # fmt: skip
+        print_found(as_json, found.numbers, found.tables, found.files)
 
 
 def vehicle(
@@ -169,32 +141,17 @@ def vehicle(
 ) -> None:
     """Print mass, centre, static wheel loads, natural modes and stationary tests of a vehicle; draw it."""
     with writing_files(as_json, force):
-        from wrsim.analysis.stationary import at_rest
-        from wrsim.scenario.plausibility import vehicle_warnings
-        from wrsim.scenario.vehicle_build import vehicle_model
+        from wrsim.api import stationary
 
         check_ending("-o", output, *PICTURES)
         check_ending("--loops", loops, *PICTURES)
-        if twists is not None and not twist_test:
-            raise InputError("--twists belongs to --twist-test")
-        if loops is not None and not (twist_test or rotation_test):
-            raise InputError("--loops draws those of --twist-test and --rotation-test: ask for one of them")
-        loaded = vehicle_model(file, models)
-        if loaded.members and (cant_deficiency or twist or twist_test or rotation_test):
-            raise InputError(f"{file}: is a train; tests at rest are for one vehicle: give the file of one of them")
-        warned = vehicle_warnings(loaded)
-        for words in [] if as_json else warned:
+        found = stationary(
+            file, cant_deficiency=cant_deficiency, twist=twist, twist_test=twist_test, twists=twists,
+            rotation_test=rotation_test, rotation_radius_m=rotation_radius_m, picture=output, loops=loops,
+            models=models or (),
+        )  # fmt: skip
+        for words in [] if as_json else found["warnings"]:
             print_error(f"{file}: warning: {words}")
-        found = at_rest.numbers_at_rest(loaded, cant_deficiency, twist)
-        asked = twist_test, twists, rotation_test, rotation_radius_m
-        found["warnings"] = warned
-        tested, twisted, turned = at_rest.stationary_tests(loaded, *asked)
-        found |= tested
-        if output is not None or loops is not None:
-            from wrsim.report.outputs import draw_loops, draw_model
-
-            found |= {"picture": str(draw_model("vehicle", output, loaded))} if output else {}
-            found |= {"loops": str(draw_loops(loaded, twisted, turned, loops))} if loops else {}
-        print_numbers(as_json, found, at_rest.tables_at_rest(found))
+        print_numbers(as_json, found.numbers, found.tables)
         if not as_json:
-            print_lines(*(found[key] for key in ("picture", "loops") if key in found))
+            print_lines(*map(str, found.files))

@@ -105,14 +105,15 @@ def recording(
     beside = file.with_suffix(".toml")
     chosen = columns if columns is not None else beside if beside.is_file() else None
     with writing_files(as_json, force, *([file] if chosen is None else [file, chosen])):
-        from wrsim.report.outputs import write_recording
-        from wrsim.results.recording import recording_numbers, recording_tables
-        from wrsim.scenario.recorded import restored_track
+        from wrsim.api import read_recording
 
-        restored = restored_track(file, chosen, chord_m, band, (from_m, to_m), wavelength_m, amplification, transitions)
         directory = output or Path(file.stem)
-        files = write_recording(restored, directory, vehicle, speed_kmh, models or (), pictures)
-        print_found(as_json, recording_numbers(restored), recording_tables(restored), files, directory)
+        found = read_recording(
+            file, directory, columns=chosen, chord_m=chord_m, band=band, wavelength_m=wavelength_m,
+            amplification=amplification, transitions=transitions, from_m=from_m, to_m=to_m, vehicle=vehicle,
+            speed_kmh=speed_kmh, models=models or (), pictures=pictures,
+        )  # fmt: skip
+        print_found(as_json, found.numbers, found.tables, found.files, directory)
         if not as_json:
             print_lines(f"run it with: wrsim run {directory / 'scenario.toml'}")
 
@@ -129,10 +130,6 @@ def export(
 ) -> None:
     """Write a result for other programs: MATLAB, CSV, Parquet, MDF (result.mat, .csv, .parquet, .mf4), all tables."""
     with writing_files(as_json, force, of=result):
-        from wrsim.report.output_folder import folder_of_result, read
-        from wrsim.results.exports import export_result, formats
+        from wrsim import api
 
-        asked = formats(to)
-        loaded, directory = read(result), output or folder_of_result(result)
-        files = [file for name in asked for file in export_result(loaded, name, directory)]
-        print_found(as_json, {}, [], files)
+        print_found(as_json, {}, [], api.export(result, to, output).files)

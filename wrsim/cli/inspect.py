@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from wrsim.cli.console import print_found, print_lines, print_numbers
-from wrsim.cli.errors import DIFFERENT, reporting_errors, writing_files
+from wrsim.cli.errors import reporting_errors, writing_files
 from wrsim.cli.options import At, BesideResult, Force, Json, Models, OneWheelset, ResultFile, check_ending, into
-from wrsim.errors import InputError
 
 if TYPE_CHECKING:
-    from wrsim.report.document import Cover
+    pass
 
 
 def show(result: ResultFile, as_json: Json = False) -> None:
@@ -81,43 +79,13 @@ def report(
     Versions and digests are in its appendix.
     """
     with writing_files(as_json, force, *results[1:], of=results[0]):
+        from wrsim.api import write_report
         from wrsim.report.document import Cover, logo_address
-        from wrsim.report.output_folder import folder_of_result
-        from wrsim.results import write_atomically
 
         check_ending("-o", output, ".html")
         cover = Cover(title, author, company, date, logo_address(logo) if logo else "")
-        page = _page_of(results, with_view, models or (), cover)
-        file = write_atomically(output or folder_of_result(results[0]) / "report.html", page.encode())
-        print_found(as_json, {}, [], [file])
-
-
-def _page_of(paths: Sequence[Path], with_view: bool, models: Sequence[Path], cover: Cover) -> str:
-    """The page about results of runs, a study or a profile evolution; with_view: with viewers of the results inside."""
-    from wrsim.report.output_folder import folder_of_result, read
-    from wrsim.report.page import report_page
-    from wrsim.report.study import evolution_page, study_page
-    from wrsim.report.view_data import view_page
-    from wrsim.study import collect
-    from wrsim.study.evolution import history
-
-    for path in paths:
-        kind = "study" if collect.holds(path, collect.NUMBERS) else ""
-        kind = "profile evolution" if collect.holds(path, history.NUMBERS) else kind
-        if not kind:
-            continue
-        if len(paths) > 1:
-            raise InputError(f"{path}: is a {kind}: a report takes one {kind}, or results of runs")
-        if with_view:
-            raise InputError(f"--view: {path} is a {kind}; it is for results of runs, as each case of a {kind} is")
-        if kind == "study":
-            return study_page(collect.read_study(path), str(path), cover)
-        dataset = history.read_history(path)
-        return evolution_page(dataset, str(path), history.mileage_table(dataset), cover)
-    results = [read(path) for path in paths]
-    pairs = zip(results, paths, strict=True)
-    viewers = [view_page(result, folder_of_result(path), models) for result, path in pairs] if with_view else []
-    return report_page(results, list(map(str, paths)), viewers=viewers, cover=cover)
+        found = write_report(results, output, cover=cover, with_view=with_view, models=models or ())
+        print_found(as_json, {}, [], found.files)
 
 
 def view(
@@ -129,14 +97,10 @@ def view(
 ) -> None:
     """Write a page to look at a run: wheels on their rails, the vehicle on its track, modes of a stability analysis."""
     with writing_files(as_json, force, of=result):
-        from wrsim.report.output_folder import folder_of_result, read
-        from wrsim.report.view_data import view_page
-        from wrsim.results import write_atomically
+        from wrsim.api import write_view
 
         check_ending("-o", output, ".html")
-        page = view_page(read(result), folder_of_result(result), models or ())
-        file = write_atomically(output or folder_of_result(result) / "view.html", page.encode())
-        print_found(as_json, {}, [], [file])
+        print_found(as_json, {}, [], write_view(result, output, models or ()).files)
 
 
 def diff(
@@ -155,23 +119,9 @@ def diff(
 ) -> None:
     """Compare two results: peaks, medians in full curves, other numbers; exit code 4 when they differ."""
     with writing_files(as_json, force, first, second):
-        from wrsim.report.output_folder import naming, read
-        from wrsim.report.outputs import write_differences
-        from wrsim.results.differences import beyond, compared_tables, difference_table, differences, other_ends
-        from wrsim.results.table import as_records
+        from wrsim import api
 
-        names, results = (str(first), str(second)), (read(first), read(second))
-        with naming(first, second):
-            found = differences(*results, only or (), tolerance)
-        ends = other_ends(*results)
-        files = [] if output is None else write_differences(found, results, names, output)
-        alike = not beyond(found, tolerance) and not ends
-        numbers = {
-            "alike": alike,
-            "tolerance": tolerance,
-            "ends": ends,
-            "differences": as_records(difference_table(found)),
-        }
-        print_found(as_json, numbers, compared_tables(found, ends, tolerance, names), files, output)
-        if not alike:
-            raise typer.Exit(DIFFERENT)
+        found = api.diff(first, second, tolerance, only or (), output)
+        print_found(as_json, found.numbers, found.tables, found.files, output)
+        if found.code:
+            raise typer.Exit(found.code)

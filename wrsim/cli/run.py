@@ -5,12 +5,12 @@ from __future__ import annotations
 import logging
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from wrsim.cli import console, options
-from wrsim.cli.errors import STOPPED, exit_code, reporting_errors, writing_files
+from wrsim.cli.errors import exit_code, reporting_errors, writing_files
 
 
 def run_command(
@@ -99,44 +99,33 @@ def study(
 ) -> None:
     """Run a scenario many times with some keys varied; start it again and only what is missing runs."""
     with reporting_errors(as_json):
-        from wrsim.study.collect import OUTPUTS, faults_of, markers_of, study_tables, write_study
-        from wrsim.study.engine import check_workers, kept_folder, missing, worker_pool
-        from wrsim.study.estimate import estimate
-        from wrsim.study.plan import planned
+        from wrsim.api import run_study
+        from wrsim.study.engine import check_workers
 
         for warning in check_workers(workers, scheduler, slurm, tls):
             console.print_error(warning)
-        bar = partial(console.progress_bar, not (quiet or as_json))
         directory = output or Path("results") / file.stem
-        plan, reads = planned(file, directory, models or ())
+        found = run_study(
+            file, directory, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, retry=retry, dry_run=dry_run,
+            models=models or (), pictures=pictures, force=force, **_progress(quiet or as_json),
+        )  # fmt: skip
         if dry_run:
-            numbers, table = estimate(plan, workers)
-            console.print_numbers(as_json, numbers, [table])
-            return
-        with kept_folder(directory, reads, force, OUTPUTS):
-            todo = missing(plan, retry)
-            if not (quiet or as_json):
-                known = len(plan.cases) - len(todo)
-                console.print_lines(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
-            try:
-                if todo:
-                    with worker_pool(workers, scheduler, slurm, tls, len(todo), bar) as work:
-                        work(plan, todo)
-            except KeyboardInterrupt:
-                write_study(plan, markers_of(plan), pictures=False)
-                raise interrupted(directory) from None
-            markers = markers_of(plan)
-            report, files = write_study(plan, markers, pictures)
-        code = STOPPED if report["unfinished"] else 0
-        if as_json:
-            console.print_json(report | {"exit_code": code, "ran": len(todo), "files": [str(f) for f in files]})
+            console.print_numbers(as_json, found.numbers, found.tables)
+        elif as_json:
+            console.print_json(found.numbers | {"files": [str(f) for f in found.files]})
         elif not quiet:
-            console.print_numbers(False, report, study_tables(report))
-            console.print_files(len(files), directory)
-        for words in [] if as_json else faults_of(report, markers, quiet):
+            console.print_numbers(False, found.numbers, found.tables)
+            console.print_files(len(found.files), directory)
+        for words in [] if as_json or dry_run else found.found(quiet):
             console.print_error(words)
-        if code:
-            raise typer.Exit(code)
+        if found.code:
+            raise typer.Exit(found.code)
+
+
+def _progress(mute: bool) -> dict[str, Any]:
+    """A bar and words on the progress of a study, unless mute."""
+    say = (lambda words: None) if mute else console.print_lines
+    return {"bar": partial(console.progress_bar, not mute), "say": say}
 
 
 def wear(
@@ -154,37 +143,18 @@ def wear(
 ) -> None:
     """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on."""
     with reporting_errors(as_json):
-        from wrsim.study.engine import check_workers, kept_folder, worker_pool
-        from wrsim.study.evolution.history import OUTPUTS, evolution_report, mileage_table, write_history
-        from wrsim.study.evolution.reading import read_evolution
-        from wrsim.study.evolution.steps import Step, wear_steps
+        from wrsim.api import run_wear
+        from wrsim.study.engine import check_workers
 
         for warning in check_workers(workers, scheduler, slurm, tls):
             console.print_error(warning)
         directory = output or Path("results") / file.stem
-        evolution, reads = read_evolution(file, models or ())
-        steps: list[Step] = []
-        bar = partial(console.progress_bar, not (quiet or as_json))
-        with (
-            kept_folder(directory, reads, force, OUTPUTS),
-            worker_pool(workers, scheduler, slurm, tls, len(evolution.shares), bar) as work,
-        ):
-            try:
-                for step in wear_steps(evolution, directory, work):
-                    steps.append(step)
-                    if not (quiet or as_json):
-                        console.print_lines(step.words(evolution.mileage))
-            except KeyboardInterrupt:
-                raise interrupted(directory) from None
-            dataset, files = write_history(evolution, steps, directory, pictures)
+        found = run_wear(
+            file, directory, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, models=models or (),
+            pictures=pictures, force=force, **_progress(quiet or as_json),
+        )  # fmt: skip
         if as_json or not quiet:
-            numbers = evolution_report(dataset) | {"directory": str(directory)}
-            console.print_found(as_json, numbers, [mileage_table(dataset)], files, directory)
-
-
-def interrupted(directory: Path) -> KeyboardInterrupt:
-    """With where the finished part is."""
-    return KeyboardInterrupt(f"interrupted; what is done is safe in {directory}: start the same command again to go on")
+            console.print_found(as_json, found.numbers, found.tables, found.files, directory)
 
 
 def compare_command(

@@ -58,19 +58,11 @@ FILE_KINDS = {"wear": "service"}
 def check_command(file: ScenarioFile, values: Set = None, models: Models = None, as_json: Json = False) -> None:
     """Check a scenario and all the files it names, without running it."""
     with reporting_errors(as_json):
-        from wrsim.analysis import check_step
-        from wrsim.scenario.build import build
-        from wrsim.scenario.loading import load
-        from wrsim.scenario.plausibility import facts, facts_table, warnings
+        from wrsim.api import check
 
-        scenario = load(file, models or ()).with_set(values or ())
-        setup = build(scenario)
-        if getattr(setup.plan, "limited", False):
-            check_step(scenario, setup)
-        found, warned = facts(setup), warnings(setup)
-        numbers = {"status": "valid", "scenario": str(file), "warnings": warned, **found}
-        print_numbers(as_json, numbers, [facts_table(f"{file}: valid", found)])
-        for words in [] if as_json else warned:
+        found = check(file, values or (), models or ())
+        print_numbers(as_json, found.numbers, found.tables)
+        for words in [] if as_json else found["warnings"]:
             print_error(f"{file}: warning: {words}")
 
 

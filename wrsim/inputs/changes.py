@@ -59,6 +59,10 @@ def found(data: dict[str, Any], path: KeyPath, *, by_name: bool) -> KeyPath:
         elif by_name:
             steps = _named(tree, part, full)
         else:
+            if any(isinstance(inner, int) for inner in path[k:]):
+                raise InputError(
+                    f"{dotted((*full, *path[k:]))}: there is no such entry: {dotted((*full, part))} is not given"
+                )
             return (*full, *path[k:])
         for step in () if last else steps:
             tree = tree[step]

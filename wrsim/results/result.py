@@ -113,15 +113,17 @@ class Result:
         return patch_of(self.wheelset(wheelset), at, wheel, number, columns)
 
     def to_dataframe(self, wheelset: str | None = None) -> DataFrame:
-        """All channels as one wide table, as ``wrsim export`` writes it: a row an instant or pose, a column for every
-        wheelset, wheel and patch, in units for readers, at the end of the name (``Y_wheelset_left_kN``) and in
-        ``attrs["units"]``.
+        """All channels over the distance along the track [m], or over the poses, in units for readers.
 
-        wheelset: this one alone, its columns without its name. Raises ``InputError`` for a name that is none.
+        Columns have three levels, wheelset, wheel and channel, empty where a channel has none of them:
+        ``table["front.outer", "left", "Y"]``. A patch, body or point follows the channel: ``"p0_0"``. The units of the
+        columns are in ``attrs["units"]``.
+
+        wheelset: this one alone, its name left out. Raises ``InputError`` for a name that is none.
         """
-        from wrsim.results.tables import frame
+        from wrsim.results.tables import indexed_frame
 
-        return frame(self.dataset if wheelset is None else self.wheelset(wheelset))
+        return indexed_frame(self.dataset if wheelset is None else self.wheelset(wheelset))
 
     def plot(self, *names: str, wheelset: str | None = None) -> Figure:
         """One of the standard pictures, or histories of channels.

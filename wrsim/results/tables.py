@@ -103,15 +103,50 @@ def frame(dataset: xr.Dataset) -> DataFrame:
     return table
 
 
+def indexed_frame(dataset: xr.Dataset) -> DataFrame:
+    """The same by the distance along the track [m] of its first wheelset, or by the pose; columns by wheelset, wheel
+    and channel, the last with patch, body ... behind it. Units by column in ``attrs["units"]``."""
+    import pandas as pd
+
+    sample = "time" if "time" in dataset.dims else "pose"
+    found: dict[tuple[str, str, str], NDArray[Any]] = {}
+    units = {}
+    for name, channel in CHANNELS.items():
+        if name not in dataset.variables or dataset[name].dims[:1] != (sample,) or "strip" in dataset[name].dims:
+            continue
+        dims = dataset[name].dims[1:]
+        for labels, values in _places(dataset, name):
+            of = {str(dim): str(label) for dim, label in zip(dims, labels, strict=True)}
+            key = of.pop("wheelset", ""), of.pop("wheel", ""), "_".join((name, *of.values()))
+            found[key] = values * channel.shown.factor if channel.kind == "number" else values
+            units[key] = channel.shown.symbol if channel.kind == "number" else ""
+    table = pd.DataFrame(found)
+    table.columns = pd.MultiIndex.from_tuples(found, names=("wheelset", "wheel", "channel"))
+    table.attrs["units"] = units
+    if "distance" in dataset:
+        along = dataset["distance"]
+        along = along.isel(wheelset=0) if "wheelset" in along.dims else along
+        table.index = pd.Index(along.values, name="distance_m")
+    else:
+        table.index = pd.Index(dataset[sample].values, name=sample)
+    return table
+
+
 def _flat(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, NDArray[Any]]]:
     """Columns of a channel with their names: one for each combination of the labels of its further dimensions."""
+    for own, values in _places(dataset, name):
+        words = (name, *map(str, own), CHANNELS[name].shown.suffix)
+        yield "_".join(word.replace(" ", "_") for word in words if word), values
+
+
+def _places(dataset: xr.Dataset, name: str) -> Iterator[tuple[tuple[Any, ...], NDArray[Any]]]:
+    """Values of a channel over the samples for each combination of the labels of its further dimensions."""
     data = dataset[name]
     labels = [dataset[dim].values if dim in dataset.coords else range(dataset.sizes[dim]) for dim in data.dims[1:]]
     places = list(product(*labels))
     values = data.values.reshape(data.shape[0], len(places))
     for i, own in enumerate(places):
-        words = (name, *map(str, own), CHANNELS[name].shown.suffix)
-        yield "_".join(word.replace(" ", "_") for word in words if word), values[:, i]
+        yield own, values[:, i]
 
 
 def long(dataset: xr.Dataset, names: Iterable[str], chosen: NDArray[np.bool_], dims: tuple[str, ...]) -> list[Row]:

@@ -175,7 +175,7 @@ def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
     Raises
     ------
     InputError
-        With all faults of the file, one line each.
+        With all faults of the file, one line each; for a vehicle or a profile that it names and that is not there.
 
     Examples
     --------
@@ -188,7 +188,14 @@ def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
     if analysis is not None and (unused := inherited & {*analysis.unused}):
         merged.data = {key: value for key, value in merged.data.items() if key not in unused}
         merged.text = write_toml(merged.data)
-    return _scenario(merged, Path(path), models)
+    scenario = _scenario(merged, Path(path), models)
+    vehicle, track = scenario.spec.vehicle, scenario.spec.track
+    named = {"vehicle": (vehicle, ("model", "wheel", "wheel_left", "wheel_right"))}
+    for table, (section, keys) in (named | {"track": (track, ("rail", "rail_left", "rail_right"))}).items():
+        for key in keys:
+            if (name := getattr(section, key)) is not None:
+                scenario.find((table, key), name)
+    return scenario
 
 
 def load_text(

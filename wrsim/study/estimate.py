@@ -9,6 +9,7 @@ from typing import Any
 from wrsim.analysis import run
 from wrsim.errors import WrsimError
 from wrsim.results.table import Column, Table, duration
+from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario
 from wrsim.study.cluster import processors
 from wrsim.study.collect import MOST_LISTED, markers_of
@@ -47,7 +48,7 @@ def time_of(scenario: Scenario) -> float:
             raise Enough(fraction)
 
     try:
-        run(scenario, progress, threads=1)
+        run(scenario, progress, setup=build(scenario), threads=1)
     except Enough:
         (first, start), (last, now) = seen[0], seen[-1]
         return now - begin + (1.0 - last) * (now - start) / max(last - first, 1e-9)
