@@ -61,12 +61,17 @@ class Compiling(event.Listener):
         pass
 event.register("numba:compile", Compiling())
 from wrsim import load, run
+import gc, logging
+from wrsim.core.jit.compiling import COUNT, Kernel, LOGGER
+LOGGER.setLevel(logging.INFO)
 run(load(sys.argv[1]).with_values({"run": {"distance_m": 1}, "output": {"patches_at_m": [0.5]}}))
-print(*compiled)
+called = {one.py_func for one in gc.get_objects() if isinstance(one, Kernel) and one.overloads}
+assert len(called) > 15
+print(*compiled, *(function.__name__ for function in called - COUNT.due))
 """
 
 
-def test_nothing_is_left_to_compile_after_warming_up():
+def test_nothing_is_left_to_compile_after_warming_up_and_every_kernel_of_a_run_is_counted_ahead():
     paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     environment = os.environ | {"PYTHONPATH": paths}
     subprocess.run([sys.executable, "-m", "wrsim", "warm", "--quiet"], env=environment, check=True)

@@ -17,6 +17,13 @@ from wrsim.analysis.motion.record import RunRecord
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.progress import Progress
+from wrsim.contact.models import NORMAL_MODELS
+from wrsim.core.body import derivative, implicit_step, kinematics, rigid_body, vehicle_forces, watch, wheel_forces
+from wrsim.core.contact import wheel_rail
+from wrsim.core.contact.search import locus
+from wrsim.core.contact.strips import equations
+from wrsim.core.jit.compiling import COUNT, Kernel
+from wrsim.core.track import path as path_kernels
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.register import ANALYSES
@@ -40,6 +47,17 @@ BENCH_STEP, BENCH_ITERATIONS, BENCH_LONGEST = 1e-3, 2, 5e-3  # of vehicles that 
 SEGMENT_EXACT = 5  # steps between two checkpoints with the exact contact solver; each takes a second or more
 
 
+CALLED = (
+    vehicle_forces.vehicle_forces, derivative.add_differences, implicit_step.predict, implicit_step.estimate,
+    implicit_step.update, implicit_step.set_jacobian, implicit_step.end_step, watch.watch_step, watch.all_on_rails,
+    kinematics.is_near, kinematics.first_not_finite, kinematics.place_on_track, kinematics.poses_along,
+    rigid_body.follow_together, rigid_body.together_inertia, path_kernels.frame_at, path_kernels.frame_rates,
+    equations.block_of, locus.outline, wheel_forces.one_wheel, wheel_forces.in_turn, wheel_rail.wheel_rail,
+    wheel_rail.all_creep_forces,
+)  # fmt: skip
+"""Kernels that Python calls in an implicit run along the track, and stages, without the normal model."""
+
+
 class StepTooLong(InputError):
     """The step asked for is not stable. ``rule``: what is allowed, without file and key."""
 
@@ -56,6 +74,10 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
 
     record: the file that keeps the run while it lasts, to go on from. Raises SimulationError without a steady start.
     """
+    normal = wheel_rail.STAGES[NORMAL_MODELS[setup.contact.normal].kernel]
+    for function in (*CALLED, normal):
+        if isinstance(function, Kernel):
+            COUNT.begin(function.py_func)  # so that the total does not grow while they are compiled
     law = force_law(setup)
     system = BodySystem(law.bodies, law)
     if record is not None and record.resume:
