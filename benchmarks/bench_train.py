@@ -1,4 +1,4 @@
-"""What a vehicle costs in a train. Run: python benchmarks/bench_train.py [--json] [--counts 1 2 3 5]
+"""What a vehicle costs in a train. Run: python benchmarks/bench_train.py [--json] [--counts 1 2 4 8 16]
 
 Coaches like Manchester vehicle 1, alone and coupled as in models/trains/manchester_3.toml: at 100 km/h on straight
 track with ERRI low irregularities, where all of them have the same to do. Every run goes as a user's does, without the
@@ -64,7 +64,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--json", action="store_true", help="the last line is JSON")
     parser.add_argument("--models", nargs="*", choices=MODELS, default=list(MODELS))
-    parser.add_argument("--counts", nargs="*", type=int, default=[1, 2, 3, 5])
+    parser.add_argument("--counts", nargs="*", type=int, default=[1, 2, 4, 8, 16])
     parser.add_argument("--repetitions", type=int, default=3)
     chosen = parser.parse_args()
     found: dict[str, dict[int, dict[str, float]]] = {}

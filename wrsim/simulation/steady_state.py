@@ -115,17 +115,20 @@ class SteadyMotion:
         rails = () if law.elastic is None else np.tile(law.elastic.mass, law.rails // 2)
         twisting = (0.25 * law.bodies[i].inertia[1] for i in law.twists)
         self.masses = np.array([*(box.inertia[1] for _, box in vehicle.boxes.values()), *twisting, *rails])
-        self._out, self._inertia = np.zeros(law.size), np.zeros(6 * n)
+        self._out, self._inertia, self._weight = np.zeros(law.size), np.zeros(6 * n), vehicle.weight
 
-    @property
-    def apart(self) -> Groups | None:
-        """Groups of unknowns of a train, each of another vehicle; None for one vehicle."""
+    def apart(self, part: slice = slice(None)) -> Groups | None:
+        """Groups of unknowns of a train, or of a part of them, each of another vehicle; None for one vehicle."""
         law, n = self.law, 6 * len(self.inertia)
         if law.units < 2:
             return None
         first = self.positions.start
-        units = law.coordinates_of_units(alone=True)
-        return groups_in_a_row([np.append(own[own < n], own[own >= first] - first + n) for own in units])
+        begin, end, _ = part.indices(self.small.size)
+        places = (
+            np.append(own[own < n], own[own >= first] - first + n) for own in law.coordinates_of_units(alone=True)
+        )
+        units = [own[(own >= begin) & (own < end)] - begin for own in places]
+        return groups_in_a_row(units) if all(map(len, units)) else None
 
     @property
     def held(self) -> Array | None:
@@ -175,7 +178,7 @@ class SteadyMotion:
         forces(0.0, q, q_t, self._out)
         kernels.together_inertia(q, q_t, turning, self.inertia, len(self.spins), self._inertia)
         left = np.append(self._out[: 6 * n] - self._inertia, self.masses * self._out[self.positions])
-        left *= 1.0 / self.law.vehicle.weight
+        left *= 1.0 / self._weight
         if self.law.speed == 0.0:
             left[self.spins] = x[self.spins]  # at rest no axle turns
             left[self.turning] = x[self.turning]
@@ -236,7 +239,7 @@ def steady_state(
         # derivatives with warm starts, residuals from a cold start: the result does not depend on the iterations
         x, left, _ = damped_newton(
             steady.residual, x, steady.small, goal, max_iterations, slope, (near or law).following,
-            steady.apart, steady.difference, steady.held,
+            steady.apart(), steady.difference, steady.held,
         )  # fmt: skip
     largest = float(np.max(np.abs(left)))
     if not largest <= tolerance:
@@ -275,9 +278,11 @@ def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> None:
         whole[bodies] = places
         return steady.residual(whole, contacts=False)[bodies]
 
-    start, small = x[bodies].copy(), steady.small[bodies]
-    difference = steady.difference[bodies]
-    x[bodies] = damped_newton(residual, start, small, BODIES_PLACED, max_iterations, difference=difference)[0]
+    held = steady.held
+    x[bodies] = damped_newton(
+        residual, x[bodies].copy(), steady.small[bodies], BODIES_PLACED, max_iterations, apart=steady.apart(bodies),
+        difference=steady.difference[bodies], held=None if held is None else held[bodies],
+    )[0]  # fmt: skip
 
 
 def _largest(law: VehicleOnTrack, left: Array) -> tuple[tuple[str, float], ...]:
