@@ -18,5 +18,5 @@ def scrape(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any])
         if isinstance(thing, Figure) and id(thing) not in KEPT:
             KEPT[id(thing)] = thing
             paths.append(next(block_vars["image_path_iterator"]))
-            thing.savefig(paths[-1], dpi=150)
+            thing.savefig(paths[-1], dpi=150, bbox_inches="tight")
     return str(figure_rst(paths, gallery_conf["src_dir"]))

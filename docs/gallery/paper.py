@@ -11,5 +11,6 @@ from wrsim import load, run
 from wrsim.plots.theme import LOOK, look_of
 
 result = run(load("../../scenarios/curve_r300.toml").with_values({"run.distance_m": 110, "output.patches_at_m": [100]}))
-LOOK.set(look_of(width=85.0, font="DejaVu Serif"))
+usual = LOOK.set(look_of(width=85.0, font="DejaVu Serif"))
 figure = result.plot("Y", "Y_over_Q")
+LOOK.reset(usual)

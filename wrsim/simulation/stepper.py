@@ -75,8 +75,8 @@ class Stepper:
 
     @property
     def residual(self) -> tuple[float, float]:
-        """Norm of the forces without balance ahead of the last correction, over the weight: in the last step, and the
-        most so far."""
+        """Norm of the forces without balance ahead of the last correction over the weight, in the last step and the
+        most of all steps."""
         weight = self.law.vehicle.weight
         return float(self._own["residual"][0]) / weight, float(self._own["most"][0]) / weight
 
