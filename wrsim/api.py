@@ -327,7 +327,14 @@ def diff(
     """
     from wrsim.report.output_folder import naming
     from wrsim.report.outputs import write_differences
-    from wrsim.results.differences import beyond, compared_tables, difference_table, differences, other_ends
+    from wrsim.results.differences import (
+        beyond,
+        compared_tables,
+        difference_table,
+        differences,
+        inputs_apart,
+        other_ends,
+    )
     from wrsim.results.table import as_records
 
     names = tuple(str(g) if isinstance(g, str | Path) else g.title for g in (first, second))
@@ -338,8 +345,9 @@ def diff(
     files = [] if output is None else write_differences(found, results, names, Path(output))
     alike = not beyond(found, tolerance) and not ends
     records = as_records(difference_table(found))
-    numbers = {"alike": alike, "tolerance": tolerance, "ends": ends, "differences": records}
-    return Outcome(compared_tables(found, ends, tolerance, names), numbers, files, found, 0 if alike else 4)
+    apart = inputs_apart(*results)
+    numbers = {"alike": alike, "tolerance": tolerance, "ends": ends, "inputs": apart, "differences": records}
+    return Outcome(compared_tables(found, ends, tolerance, names, apart), numbers, files, found, 0 if alike else 4)
 
 
 def export(result: Given, to: str, output: str | Path | None = None) -> Outcome:

@@ -44,6 +44,20 @@ def test_the_exit_code_says_whether_a_change_is_beyond_the_tolerance(runs: tuple
     assert call("diff", runs[0], runs[1], "--only", "Y_over_Q_max").exit_code == 0
 
 
+def test_wheelsets_and_curves_are_matched_by_order_and_what_was_asked_differently_is_said_once(
+    runs: tuple[str, str, str], tmp_path: Path
+) -> None:
+    other = Result.load(runs[0]).dataset.load()
+    other.attrs["scenario_text"] += "\n[asked]\nradius_m = 150\n"
+    named = "wheelset" in other.dims
+    other = other.assign_coords(wheelset=["lead"] if named else "lead")
+    Result(other).save(tmp_path / "result.nc")
+    found = json.loads(call("diff", runs[0], tmp_path, "--json").output)
+    assert found["alike"] and {d["place"] for d in found["differences"]} >= {"wheelset right"}
+    assert sum("150 in B" in words for words in found["inputs"]) == 1
+    assert "wheelsets are matched from the front: wheelset and lead" in found["inputs"]
+
+
 def test_a_run_that_stopped_is_not_like_one_that_came_to_its_end(runs: tuple[str, str, str]) -> None:
     answer = call("diff", runs[0], runs[2], "--tolerance", "1e9")
     assert answer.exit_code == 4 and "B: stopped" in answer.output

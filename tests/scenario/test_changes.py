@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from wrsim import InputError, load, load_text, load_vehicle
+from wrsim.scenario.build import build
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.vehicle.elements import Spring
 from wrsim.vehicle.vehicle import Vehicle
@@ -67,3 +68,18 @@ REFUSED = {
 def test_a_mistake_in_set_is_named_as_such(key: str) -> None:
     with pytest.raises(InputError, match=rf"^--set {key.replace('[', '.').replace(']', '.')}=-1: .*{REFUSED[key]}"):
         vehicle_of(load(COACH).with_set([f"{key}=-1"]))
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        ("contact.normal=hertz", 'did you mean "strips"'),
+        ("contact.tangential=usetab", 'did you mean "fastrip"'),
+        ("contact.tangential=kalker", 'did you mean "fastsim"'),
+        ("track.rail=rails/UIC60.toml", 'did you mean "rails/60E1.toml"'),
+        (r"track.rail='rails\60E1.toml'", 'write "rails/60E1.toml"'),
+    ],
+)
+def test_words_of_other_programs_lead_to_ours(option: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        build(load(COACH).with_set([option]))

@@ -45,6 +45,8 @@ class Finder:
             if file.is_absolute():
                 raise InputError("no such file" if not os.path.isdir(file) else "is a directory, a file is needed")
             near = self._nearest(file)
+        if "\\" in name and os.sep != "\\":
+            raise InputError(f'folders are separated by /: write "{name.replace(chr(92), "/")}"')
         searched = ", ".join(str(folder.absolute()) for folder in self.folders)
         raise InputError(f"not found in {searched}" + (f'; did you mean "{near}"?' if near else ""))
 
@@ -59,9 +61,22 @@ class Finder:
                 if os.path.isdir(place):
                     known += sorted(p.relative_to(folder).as_posix() for p in place.iterdir() if p.is_file())
         known = [k for k in known if Path(k).suffix in (file.suffix, ".toml")]
+        plain = file.stem.lower().replace(" ", "").replace("_", "").replace("-", "")
+        if ours := next((k for k in known if Path(k).stem == OTHER_NAMES.get(plain)), None):
+            return ours
         same_name = [k for k in known if file.name in (Path(k).name, Path(k).stem)]
         return same_name[0] if same_name else nearest(file.as_posix(), known)
 
+
+OTHER_NAMES = {
+    "uic60": "60E1",
+    "uic60e1": "60E1",
+    "uic54": "54E1",
+    "uic54e": "54E1",
+    "ore1002": "S1002",
+    "s1002": "S1002",
+}
+"""Former and other names of profiles."""
 
 KINDS = ("wheels", "rails", "vehicles", "trains", "tracks")
 """Folders inside a folder of models."""

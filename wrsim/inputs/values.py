@@ -170,10 +170,23 @@ def words(annotation: Any) -> str:
     return "text in quotes"
 
 
+ELSEWHERE: dict[str, tuple[str, ...]] = {
+    "hertz": ("strips", "half-space"), "hertzian": ("strips", "half-space"), "non-hertzian": ("strips",),
+    "kalker": ("fastsim", "half-space"), "usetab": ("fastrip", "fastsim"), "contact": ("half-space",),
+    "multi-hertz": ("strips",), "stripes": ("strips",), "kp": ("kik-piotrowski",), "duvorol": ("half-space",),
+    "newmark": ("generalised-alpha",), "hht": ("generalised-alpha",), "runge-kutta": ("rk44",), "rk4": ("rk44",),
+    "clothoid": ("transition",), "curve": ("arc",), "circle": ("arc",), "tangent": ("straight",),
+    "shear": ("shear-spring",), "bushing": ("spring",), "bumpstop": ("bump-stop",), "airspring": ("air-spring",),
+}  # fmt: skip
+"""Words of other programs and of the field, and what comes nearest to them here."""
+
+
 def choice(allowed: tuple[str, ...], value: Any = None) -> str:
     """Say which words are allowed, and which of them ``value`` was probably meant to be."""
     quoted = [f'"{word}"' for word in allowed]
-    near = nearest(value, allowed) if isinstance(value, str) else None
+    meant = ELSEWHERE.get(value.lower(), ()) if isinstance(value, str) else ()
+    near = next((word for word in meant if word in allowed), None)
+    near = near or (nearest(value, allowed) if isinstance(value, str) else None)
     listed = ", ".join(quoted[:-1]) + " or " + quoted[-1] if len(quoted) > 1 else quoted[0]
     return listed + (f'; did you mean "{near}"?' if near else "")
 

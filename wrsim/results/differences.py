@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -10,6 +11,7 @@ from wrsim.errors import InputError, suggest
 from wrsim.results.channels import PATCHES
 from wrsim.results.result import Result
 from wrsim.results.table import Column, Table, finite, quantity
+from wrsim.results.wheelsets import wheelsets
 
 LEFT_OUT = ("title", "analysis", "status", "stop", "versions", "integration", "extent", "events")
 """Parts of a summary that are no quantities."""
@@ -30,6 +32,11 @@ class Deviation(NamedTuple):
     absolute: float
     relative: float
 
+    @property
+    def change(self) -> float | None:
+        """Second minus first in percent of the first; None where one is missing or the first is zero."""
+        return finite(100.0 * self.absolute / abs(self.first)) if self.first else None
+
 
 def differences(first: Result, second: Result, only: Sequence[str] = (), tolerance: float = 0.0) -> list[Deviation]:
     """All numbers of the summaries of two results of one kind, the largest relative difference first. only: quantities,
@@ -41,7 +48,9 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
         raise InputError(
             f'cannot compare analysis = "{first.analysis}" with "{second.analysis}": both must be of one kind'
         )
-    one, other = (dict(_numbers(result.summary())) for result in (first, second))
+    ahead, behind = (wheelsets(result.dataset) for result in (first, second))
+    same = {} if ahead == behind else dict(zip(behind, ahead, strict=False))  # by order, from the front
+    one, other = dict(_numbers(first.summary())), dict(_numbers(second.summary(), names=same))
     keys = list(dict.fromkeys((*one, *other)))
     names = list(dict.fromkeys(name for _, name in keys))
     chosen = set() if only else set(names)
@@ -62,14 +71,38 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
     return sorted(found, key=lambda d: -d.relative)
 
 
+def inputs_apart(one: Result, other: Result) -> list[str]:
+    """Keys of the two scenarios whose values differ, and wheelsets that are matched under other names."""
+    texts = [str(result.dataset.attrs.get("scenario_text", "")) for result in (one, other)]
+    first, second = (dict(_leaves(tomllib.loads(text))) for text in texts)
+    keys = [key for key in dict.fromkeys((*first, *second)) if first.get(key) != second.get(key) and key != "title"]
+    found = [f"{key}: {first.get(key, 'not given')} in A, {second.get(key, 'not given')} in B" for key in keys]
+    names = [wheelsets(result.dataset) for result in (one, other)]
+    if names[0] != names[1]:
+        found.append(f"wheelsets are matched from the front: {', '.join(names[0])} and {', '.join(names[1])}")
+    return [*found[:LISTED], *([f"... and {len(found) - LISTED} more keys"] if len(found) > LISTED else [])]
+
+
+def _leaves(tree: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Every value of a tree of tables by its dotted key."""
+    entries = tree.items() if isinstance(tree, dict) else enumerate(tree)
+    for key, value in entries:
+        here = f"{path}[{key}]" if isinstance(key, int) else f"{path}.{key}" if path else key
+        if isinstance(value, dict) or (isinstance(value, list) and any(isinstance(each, dict) for each in value)):
+            yield from _leaves(value, here)
+        else:
+            yield here, value
+
+
 def difference_table(found: Sequence[Deviation]) -> Table:
     """A row a number; differences without one of the numbers are missing."""
     heads = (
         Column("place", key="place"), Column("quantity", key="quantity"),
         Column("A", "", ".5g", "a"), Column("B", "", ".5g", "b"),
-        Column("B - A", "", ".3g", "difference"), Column("part of largest", "", ".2g", "relative"),
+        Column("B - A", "", ".3g", "difference"), Column("change", "%", ".3g", "change_percent"),
+        Column("part of largest", "", ".2g", "relative"),
     )  # fmt: skip
-    rows = [(d.place, d.quantity, d.first, d.second, finite(d.absolute), finite(d.relative)) for d in found]
+    rows = [(d.place, d.quantity, d.first, d.second, finite(d.absolute), d.change, finite(d.relative)) for d in found]
     return Table("", heads, rows)
 
 
@@ -86,7 +119,7 @@ def other_ends(one: Result, other: Result) -> list[str]:
 
 
 def compared_tables(
-    found: Sequence[Deviation], ends: Sequence[str], tolerance: float, names: Sequence[str]
+    found: Sequence[Deviation], ends: Sequence[str], tolerance: float, names: Sequence[str], apart: Sequence[str] = ()
 ) -> list[Table]:
     """What is beyond the tolerance, or the largest differences where nothing is; the verdict."""
     wrong, percent = beyond(found, tolerance), quantity(100.0 * tolerance, "%", "g")
@@ -97,28 +130,32 @@ def compared_tables(
         verdict = f"{len(wrong)} of {len(found)} numbers differ by more than {percent}"
     elif ends:
         verdict = "the numbers are alike, the ends are not"
-    head = Table("", notes=tuple(f"{letter}: {name}" for letter, name in zip("AB", names, strict=True)))
+    head = Table("", notes=tuple(f"{letter}: {name}" for letter, name in zip("AB", names, strict=True)) + tuple(apart))
     return [head, *([difference_table(listed)] if listed else []), Table("", notes=(*more, *ends, verdict))]
 
 
-def _numbers(tree: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, str], float | None]]:
-    """Every number of a summary by its place and its quantity; a peak counts as its value."""
+def _numbers(
+    tree: Any, place: tuple[str, ...] = (), names: Mapping[str, str] | None = None
+) -> Iterator[tuple[tuple[str, str], float | None]]:
+    """Every number of a summary by its place and its quantity; a peak counts as its value. names: of wheelsets that are
+    matched by order, by their own."""
     for key, value in tree.items():
         if (not place and key in LEFT_OUT) or key in PLACES:
             continue
         if isinstance(value, Mapping) and "value" in value:
             value = value["value"]
         if isinstance(value, Mapping):
-            yield from _numbers(value, place if key in ("wheelsets", "wheels", "points") else (*place, str(key)))
+            own = place if key in ("wheelsets", "wheels", "points") else (*place, (names or {}).get(key, str(key)))
+            yield from _numbers(value, own, names)
         elif isinstance(value, list):
             for i, entry in enumerate(value):
                 if isinstance(entry, Mapping):
-                    yield from _numbers(entry, (*place, _name(entry, key, i)))
+                    yield from _numbers(entry, (*place, _name(entry, key, i)), names)
         elif value is None or (isinstance(value, int | float) and not isinstance(value, bool)):
             yield (" ".join(place), str(key)), None if value is None else float(value)
 
 
 def _name(entry: Mapping[str, Any], key: str, index: int) -> str:
     if "radius_m" in entry:
-        return f"curve {index + 1} (R {quantity(entry['radius_m'], 'm', '.0f')})"
+        return f"curve {index + 1}"
     return f"{PATCHES[index]} patch" if key == "patches" else f"{key}[{index}]"
