@@ -29,7 +29,7 @@ highlight_language = "none"
 nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|xarray|matplotlib|pandas|pathlib)\..*"),  # types of other libraries: no inventory is fetched
-    ("py:.*", r"(array_like|callable|mapping|ndarray|sequence|Path)"),
+    ("py:.*", r"(array_like|callable|mapping|ndarray|path|(a )?sequence|these|Path)"),
     ("py:.*", r"[A-Z]\w+"),  # of wrsim, not among its public names
 ]
 
