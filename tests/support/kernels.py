@@ -33,7 +33,6 @@ from wrsim.core.body.rigid_body import kinetic_energies
 from wrsim.core.contact.rail import unfold
 from wrsim.core.contact.strips.changes import leave
 from wrsim.core.contact.strips.records import OF_A_STRIP, System, X
-from wrsim.core.contact.strips.solution import substitute
 from wrsim.core.contact.wheel_rail import bodies
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
@@ -55,7 +54,7 @@ SMALL = {"strips": 6, "cells": 4, "friction": FRICTION}
 CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 CORE = str(Path(wrsim.core.__file__).parent)
-LAST_RESORT = {"_take_turns", "_draw_edges", "_grids_on", "_relax_factors", "_press_held", "rise"}
+LAST_RESORT = {"_take_turns", "_draw_edges", "_relax_factors", "_press_held", "rise"}
 """What the strip model does where Newton's method fails: half a minute without the compiler, hence only in full."""
 
 
@@ -105,7 +104,7 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
     model.arrays.follow(True)
     for lateral, depth in ((6e-3, 1e-4), (6.15e-3, 2e-5)):
         found[f"lobes change {lateral:g}"] = lowered(model, lateral, 0.002, depth)
-    found["strips, not solved"] = _unsettled(model)
+    found["a grid leaves"] = _leaving(model)
     # a tail beside a hump comes and goes: the last resort
     model = pair_model(PAIR, normal="strips", **SMALL | {"strips": 8})
     model.arrays.follow(True)
@@ -162,16 +161,14 @@ def branches_that_cross(count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
     return np.column_stack((t - 2.0 * t / root, t * t + 1.0 / root, 1.0 / root, 2.0 * t / root))
 
 
-def _unsettled(model: ContactModel) -> list[float]:
-    """What the strip model does where it finds no solution, in the state of its last call."""
+def _leaving(model: ContactModel) -> list[float]:
+    """A grid of the strip model leaves the contact, in the state of its last call."""
     a = model.arrays.rows
     wheel, rail, _pose = bodies(a)
     system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
     n = int(model.arrays.settings.strips)
-    substitute(system, n)
-    found = list(a.vectors[X, : OF_A_STRIP * n])
     leave(system, n, 0)
-    return found
+    return list(a.vectors[X, : OF_A_STRIP * n])
 
 
 def vehicle_cases() -> dict[str, list[float]]:

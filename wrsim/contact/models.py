@@ -9,7 +9,6 @@ from dataclasses import replace
 from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel
 from wrsim.contact.settings import DRY, AnyFriction, ContactSettings, Friction, FrictionAlong, Normal
 from wrsim.core.contact.records import FREE_STRIPS, KIK_PIOTROWSKI
-from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rail_surface import RailSurface
@@ -26,9 +25,7 @@ _KIK_PIOTROWSKI = NormalModel(KIK_PIOTROWSKI, recess=1.0 - EPSILON, joint=True, 
 
 NORMAL_MODELS: dict[Normal, NormalModel] = {
     "kik-piotrowski": _KIK_PIOTROWSKI,
-    "strips": NormalModel(
-        FREE_STRIPS, recess=0.0, joint=False, fewest=FEWEST_FREE_STRIPS, most=200, solves_for_strips=True
-    ),
+    "strips": replace(_KIK_PIOTROWSKI, kernel=FREE_STRIPS, joint=False, fewest=12, most=200, solves_for_strips=True),
     "half-space": replace(_KIK_PIOTROWSKI, solve=_solve_exactly),
 }
 

@@ -27,7 +27,7 @@ WORDS = {
     STATUS_NOT_REFINED: "a main point of contact was not found to round-off",
     STATUS_PROFILE_END: "contact reaches the end of a profile, which is continued straight there",
     STATUS_TOO_DEEP: f"wheel and rail overlap by more than {1e3 * DEEPEST:g} mm",
-    STATUS_NOT_CONVERGED: "the strip model was not solved: the forces are those of a substitute",
+    STATUS_NOT_CONVERGED: "the strip model was not solved: the forces are those of Kik and Piotrowski's",
     STATUS_BESIDE: "no contact at any height: the wheel is beside its rail",
     STATUS_OUT_OF_REACH: "the load is not reached within the approach allowed",
     STATUS_IN_A_JUMP: "no equilibrium: the contact force is discontinuous at this load",

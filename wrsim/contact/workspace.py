@@ -134,7 +134,7 @@ class KernelArrays:
         grids, places = self.rows.grids, self.rows.places
         memo = self.rows.memo
         return (
-            memo["known"], memo["strips"], memo["substitutes"], self.rows.vectors[X],
+            memo["known"], memo["substitutes"], self.rows.vectors[X],
             *(grids[name] for name in ("on", "start_held", "end_held")),
             *(places[name] for name in ("lo", "hi", "s")),
         )  # fmt: skip

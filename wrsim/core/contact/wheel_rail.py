@@ -21,6 +21,7 @@ from wrsim.core.contact.records import (
     FREE_STRIPS,
     KIK_PIOTROWSKI,
     NO_CREEP_FORCES,
+    STATUS_NOT_CONVERGED,
     STATUS_TOO_DEEP,
     Field,
     PlacedWheel,
@@ -175,7 +176,23 @@ def _group(found: Records, eps: float, lobes: Records, count: int) -> None:
 @kernel
 def kik_piotrowski(buffer: Array, index: Ints) -> int:
     """Strips and pressures by Kik and Piotrowski's model."""
+    return _press_by_overlap(arrays(buffer, index))
+
+
+@kernel
+def free_strips(buffer: Array, index: Ints) -> int:
+    """Strips and pressures by the strip model; by Kik and Piotrowski's where that has no solution."""
     a = arrays(buffer, index)
+    wheel, rail, pose = bodies(a)
+    status = press_strips(a, wheel, rail, pose, a.total[0].lobes)
+    if status & STATUS_NOT_CONVERGED:
+        status |= _press_by_overlap(a)
+    return status
+
+
+@kernel
+def _press_by_overlap(a: Arrays) -> int:
+    """Strips and pressures of all lobes by Kik and Piotrowski's model."""
     settings, lobes, count = a.settings[0], a.patches, a.total[0].lobes
     wheel, rail, pose = bodies(a)
     status = 0
@@ -186,14 +203,6 @@ def kik_piotrowski(buffer: Array, index: Ints) -> int:
         lay_lobe(wheel, rail, settings, lobes, count, i, a.strips[i])
     press_lobes(settings, pose, lobes, a.strips, count, a.work)
     return status
-
-
-@kernel
-def free_strips(buffer: Array, index: Ints) -> int:
-    """Strips and pressures by the strip model."""
-    a = arrays(buffer, index)
-    wheel, rail, pose = bodies(a)
-    return press_strips(a, wheel, rail, pose, a.total[0].lobes)
 
 
 @kernel

@@ -7,8 +7,8 @@ from wrsim.core.jit.compiling import kernel
 
 
 @kernel
-def carry_over(system, before, n):
-    """Unknowns of the grids by their places on the rail, from the last call's of other grids with ``before`` strips.
+def carry_over(system, n):
+    """Unknowns of the grids by their places on the rail, from the last call's of other grids.
     Returns whether any is in contact.
 
     Places, unknowns and state of the grids still are those of the last call, their bounds new.
@@ -19,13 +19,13 @@ def carry_over(system, before, n):
     old_y, old_k, old_off = system.vectors[STEP], system.vectors[NEXT], system.vectors[TERMS]
     count = 0
     for g in range(memo.known):
-        own = g * block_of(before)
-        for j in range(before):
-            place = system.places[g * before + j]
+        own = g * block
+        for j in range(n):
+            place = system.places[g * n + j]
             if grids[g].on and x[own + j] > 0.0:
                 old_s[count], old_w[count] = place.s, place.hi - place.lo
-                old_y[count], old_k[count] = x[own + j], x[own + before + j]
-                old_off[count] = x[own + 2 * before + j]
+                old_y[count], old_k[count] = x[own + j], x[own + n + j]
+                old_off[count] = x[own + 2 * n + j]
                 count += 1
     found = False
     for g in range(memo.grids):

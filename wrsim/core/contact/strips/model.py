@@ -29,7 +29,7 @@ from wrsim.core.contact.strips.grid import opposite
 from wrsim.core.contact.strips.ground import set_grids
 from wrsim.core.contact.strips.last_contact import carry_over
 from wrsim.core.contact.strips.records import LIFT, OF_A_STRIP, ROWS, SIDE, System, X
-from wrsim.core.contact.strips.solution import RETRIED, ROUGH, UNSOLVED, solve, substitute
+from wrsim.core.contact.strips.solution import RETRIED, UNSOLVED, solve
 from wrsim.core.jit.compiling import kernel
 
 OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the same grid
@@ -38,7 +38,8 @@ LEAST_PART = 1e-6  # of a strip's width that is worth a row of its own
 
 @kernel
 def press_strips(a, wheel, rail, pose, count):
-    """Pressures of all lobes, with damping; a: Arrays of core.contact.arrays. Returns a status."""
+    """Pressures of all lobes, with damping; a: Arrays of core.contact.arrays. Returns a status: STATUS_NOT_CONVERGED
+    and no strips where there is no solution."""
     settings, lobes = a.settings[0], a.patches
     n = settings.strips
     system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
@@ -51,36 +52,35 @@ def press_strips(a, wheel, rail, pose, count):
     memo.together, memo.apart = settings.together, settings.apart
     memo.stiffness = pi * settings.E
     memo.curved = settings.curved
-    _set_sides(system, memo.strips if memo.known > 0 else 0, settings.E / settings.G - 1.0, a.strips)
+    _set_sides(system, n, settings.E / settings.G - 1.0, a.strips)
     status = set_grids(system, a.found, wheel, rail, pose, count, True)
     known = memo.known > 0
-    if known and (memo.strips != n or not _same_grids(system, n, memo.known)):
+    if known and not _same_grids(system, n, memo.known):
         memo.inverted = 0
-        known = carry_over(system, memo.strips, n)
+        known = carry_over(system, n)
     result = solve(system, n, known, settings.tolerance, memo.parted == 0)
     if result == UNSOLVED and memo.parted:
         set_grids(system, a.found, wheel, rail, pose, count, False)
         result = max(solve(system, n, False, settings.tolerance, True), RETRIED)
     memo.known = memo.grids if result != UNSOLVED else 0
-    if result == UNSOLVED:
-        substitute(system, n)
-    if result >= ROUGH:
-        memo.substitutes += 1
     memo.result = result
     for i in range(count):
         lobes[i].n_strips = 0
+    if result == UNSOLVED:
+        memo.substitutes += 1
+        return status | STATUS_NOT_CONVERGED
     for g in range(memo.grids):
-        _hand_out(system, memo.strips, g, a.found, lobes, a.strips)
+        _hand_out(system, n, g, a.found, lobes, a.strips)
     for i in range(count):
         _report(settings, pose, lobes[i], a.strips[i])
-    return status | (STATUS_NOT_CONVERGED if result >= ROUGH else 0)
+    return status
 
 
 @kernel
 def _forget(system):
     """A cold start depends on the pose alone: nothing of the last call is left."""
     memo = system.memo[0]
-    memo.known = memo.strips = memo.grids = memo.inverted = memo.unknowns = 0
+    memo.known = memo.grids = memo.inverted = memo.unknowns = 0
     system.vectors[:] = 0.0
     for g in range(system.grids.shape[0]):
         grid = system.grids[g]

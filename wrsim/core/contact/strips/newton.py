@@ -31,6 +31,7 @@ from wrsim.core.contact.strips.records import (
 from wrsim.core.dense import factorise, invert, multiply, solve_factorised
 from wrsim.core.jit.compiling import kernel
 
+STEPS = 25  # of a solution, at most: those that come to one take fewer
 SLOW = 0.3  # residual over the last one that asks for a new inverse
 LEAST_RATE = 0.03  # of what a step leaves of the residual, when the next one is predicted
 KEPT_RATE = 0.95  # of the slowest of the last steps, when the next one is faster
@@ -50,9 +51,9 @@ SURE = 2.0  # safety of the predicted residual
 
 
 @kernel
-def newton(system, n, tolerance, most):
+def newton(system, n, tolerance):
     """Solve for all unknowns from near a solution, with a kept inverse. Returns True if the residual has come below the
-    tolerance. n: strips of a grid; most: steps.
+    tolerance. n: strips of a grid.
     """
     memo, vectors = system.memo[0], system.vectors
     size = memo.grids * block_of(n)
@@ -61,7 +62,7 @@ def newton(system, n, tolerance, most):
     last = 1e9
     looked = whole = False  # whole: the last step was one by the kept inverse, of full length
     residual = residuals(system, n, False)
-    for _ in range(most):
+    for _ in range(STEPS):
         if residual < LOOK and not looked:
             looked = True
             turns += 1
@@ -109,7 +110,7 @@ def newton(system, n, tolerance, most):
 
 
 @kernel
-def descend(system, n, held, tolerance, most):
+def descend(system, n, held, tolerance):
     """Newton's method from far: new factors and a damped step each time. Returns as ``newton``.
 
     held: factors and edges stay as they are. A step is halved until the next one by the same factors is shorter: a test
@@ -122,7 +123,7 @@ def descend(system, n, held, tolerance, most):
     memo.inverted = turns = stuck = 0
     looked = False
     residual = residuals(system, n, held)
-    for _ in range(most):
+    for _ in range(STEPS):
         if residual < NEAR and not looked:
             looked = True
             turns += 1

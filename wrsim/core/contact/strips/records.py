@@ -10,7 +10,6 @@ from wrsim.core.jit.arena import record
 
 OF_A_STRIP = 3  # unknowns: squares of half lengths, factors, distances from the locus
 EDGES = 2  # unknowns of a grid behind those of its strips
-FEWEST_FREE_STRIPS = 12  # of a grid
 ROWS = 48  # of the table of the geometry of a grid
 
 ROW = record("s arc d x o b no nb r_t slope bend density xi closing")
@@ -43,11 +42,11 @@ moved out over a gap in this solution."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",
-    "known strips grids parted shifted curved turn inverted unknowns iterations factorisations result substitutes",
+    "known grids parted shifted curved turn inverted unknowns iterations factorisations result substitutes",
 )
 """Of the whole system: about the worst of what the last steps left of the residual, pi E*, E*, deepest penetration,
 distances of grids up to which they press each other down fully and from which on not at all [m].
-Number of grids in the last call (0: nothing is known), strips of a grid in it, grids now; whether any of them is a part
+Number of grids in the last call (0: nothing is known), grids now; whether any of them is a part
 of a lobe; whether shifts along x count, and the angles between strips; how often creep forces were found in this call;
 whether ``matrix`` is an inverse of use, and of how many unknowns; residuals taken and Jacobians made in this call, and
 how it ended (`solution`); calls so far without a whole solution."""

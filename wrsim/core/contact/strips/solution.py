@@ -1,11 +1,9 @@
-"""First guesses, and what is done until the strip model has a solution.
+"""First guesses of the strip model, and what is done until it has a solution.
 
-In a run the last contact is the first guess. Else Hertz's slanted ellipses, and Newton's method for all at once. If
-that fails, half lengths for given factors and edges (a monotone problem: strips leave and enter as they like), edges
-from the outer strips, factors from the second condition in turns before it; the same from wider ellipses and with fewer
-strips; then strips count as not shifted along the rail. If that fails as well, the contact as it is before the last
-step stands for it: u = d in all strips, edges and factors roughly. Kik-Piotrowski's contact on the same rows is what is
-left if there is none."""
+In a run the last contact is the first guess. Else Hertz's slanted ellipses, or wider ones, and Newton's method for all
+at once. If both fail, half lengths for given factors and edges (a monotone problem: strips leave and enter as they
+like), edges from the outer strips and factors from the second condition in turns before it. If that fails, too, strips
+count as not shifted along the rail."""
 
 from math import inf, pi, sqrt
 from typing import NamedTuple
@@ -21,78 +19,58 @@ from wrsim.core.contact.strips.equations import (
     set_conditions,
 )
 from wrsim.core.contact.strips.newton import NEAR, descend, newton
-from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS, OF_A_STRIP, ROWS, X
-from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.contact.strips.records import ROWS, X
+from wrsim.core.jit.compiling import kernel
 
 TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
-ROUGHLY, FAIRLY = 5e-3, 5e-4  # the same with given factors and edges: in turns of the first attempt, and else
-WARM_STEPS, HELD_STEPS, DIRECT_STEPS, COLD_STEPS = 25, 15, 20, 40
+ROUGHLY = 5e-3  # the same of half lengths for given factors and edges
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
-FEWER = (0, 2, 3, 5)  # strips than asked for: edges on a shoulder may have no place with some numbers
-LEVELS = (0.0, 0.15)  # of a grid's depth: where first guesses begin; none: where Hertz's ellipse does
-ROUGH_LEVEL = LEVELS[1]
+WIDE = 0.15  # of a grid's depth: where a first guess wider than any contact ends
 HUMP = 0.45  # of the depth: about where contact ends
 EXCENTRIC = 1.27  # power of the gap's ratio of curvatures that gives the ellipse's
 ROUNDS = 8  # of half lengths, edges and factors in turn
-ENTRIES = 3  # times that this begins anew because grids have come into contact
 CALM_EDGES, CALM_FACTORS = 0.5, 0.15  # moves in a round, in widths of strips and over themselves, that end the turns
-PUSH, FAR = 0.6, 6.0  # ratio of a^2 of the outer strips from which on an edge is moved far out, in mean widths
-OVERLAP = 1e-3  # penetration [m]
-PUSHES = 3  # first turns in which that is done
 SOFT, HARD = 0.8, 2.0  # exponent of the factors' relaxation; largest ratio it acts on
 LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0  # in the turns
-RECESS = 0.45  # of the deepest penetration, in the substitute, as in Kik-Piotrowski
-SETTLED, RETRIED, STRAIGHT, ROUGH, UNSOLVED = range(5)
-"""How a solution was found: at once, from another first guess or with fewer strips, as if no strip were shifted along
-the rail, with edges and factors only roughly; or not."""
+SETTLED, RETRIED, STRAIGHT, UNSOLVED = range(4)
+"""How a solution was found: on the grids as they are, with one grid for each lobe, as if no strip were shifted along
+the rail; or not."""
 
 
 @kernel
 def solve(system, n, known, tolerance, whole):
-    """Solve; known: the unknowns are those of a contact near by, solved to the tolerance. Returns one of SETTLED to
+    """Solve; known: the unknowns are those of a contact near by, solved to the tolerance. Returns SETTLED, STRAIGHT or
     UNSOLVED.
 
-    whole: else there are other grids to try before strips count as not shifted, and there is no substitute.
-    ``memo.strips`` says with how many strips a grid.
+    whole: else there are other grids to try before strips count as not shifted.
     """
     memo = system.memo[0]
     memo.iterations = memo.factorisations = 0
-    memo.strips = n
     for g in range(memo.grids):
         system.grids[g].reaches = 0
-    if known and newton(system, n, tolerance, WARM_STEPS) and _sound(system, n):
+    if known and newton(system, n, tolerance) and _sound(system, n):
         return SETTLED
-    result = SETTLED
     for attempt in range(2):
-        for fewer in FEWER:
-            if n - fewer < FEWEST_FREE_STRIPS and fewer > 0:
-                break
-            memo.strips = n - fewer
-            for level in LEVELS:
-                for turns in (0, ROUNDS):
-                    if _cold_start(system, memo.strips, level, turns) and _sound(system, memo.strips):
-                        return result if attempt == 0 else STRAIGHT
-                result = RETRIED
+        for turns in (0, ROUNDS):
+            for level in (0.0, WIDE):
+                if _cold_start(system, n, level, turns) and _sound(system, n):
+                    return SETTLED if attempt == 0 else STRAIGHT
         if not memo.shifted or not whole:
             break
         memo.shifted = 0
-    memo.strips = n
-    if not whole:
-        return UNSOLVED
-    return ROUGH if _roughly(system, n, ROUGH_LEVEL, ROUNDS) and _sound(system, n) else UNSOLVED
+    return UNSOLVED
 
 
 @kernel
 def _sound(system, n):
-    """Whether all unknowns are numbers, and in an overlap some strip is in contact."""
-    memo, x, block = system.memo[0], system.vectors[X], block_of(n)
-    touches = memo.deepest < OVERLAP
-    for g in range(memo.grids):
+    """Whether all unknowns are numbers and some strip is in contact."""
+    x, block = system.vectors[X], block_of(n)
+    touches = False
+    for g in range(system.memo[0].grids):
         for j in range(block if system.grids[g].on else 0):
             if not abs(x[g * block + j]) < inf:
                 return False
-        for j in range(n if system.grids[g].on and memo.deepest >= OVERLAP else 0):
-            touches = touches or system.places[g * n + j].y > 0.0
+            touches = touches or (j < n and x[g * block + j] > 0.0)
     return touches
 
 
@@ -198,15 +176,7 @@ def _guess(system, n, g, level):
 
 @kernel
 def _cold_start(system, n, level, turns):
-    """Solve from Hertz's ellipses, by Newton's method at once or after turns. True if that works."""
-    _roughly(system, n, level, turns)
-    steps = COLD_STEPS if turns > 0 else DIRECT_STEPS
-    return descend(system, n, False, NEAR, steps) and newton(system, n, TOLERANCE, WARM_STEPS)
-
-
-@kernel
-def _roughly(system, n, level, turns):
-    """Half lengths, edges and factors from Hertz's ellipses in turns. True if u = d in all strips in the end."""
+    """Solve from Hertz's ellipses or wider ones, by Newton's method at once or after turns. True if that works."""
     memo = system.memo[0]
     memo.inverted = 0
     for g in range(memo.grids):
@@ -216,24 +186,8 @@ def _roughly(system, n, level, turns):
     for g in range(memo.grids):
         if system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
-    fairly = False
-    for _ in range(ENTRIES if turns > 0 else 0):
-        before = _grids_on(system)
-        _take_turns(system, n, turns)
-        fairly = descend(system, n, True, FAIRLY, HELD_STEPS)
-        if _grids_on(system) <= before:
-            break
-        # edges and factors of those that have come are first guesses, too
-    return fairly
-
-
-@inlined
-def _grids_on(system):
-    """How many grids are in contact."""
-    count = 0
-    for g in range(system.memo[0].grids):
-        count += system.grids[g].on
-    return count
+    _take_turns(system, n, turns)
+    return descend(system, n, False, NEAR) and newton(system, n, TOLERANCE)
 
 
 @kernel
@@ -241,11 +195,11 @@ def _take_turns(system, n, turns):
     """Half lengths, edges and factors in turns, until they are calm."""
     memo = system.memo[0]
     for turn in range(turns):
-        descend(system, n, True, ROUGHLY, HELD_STEPS)
+        descend(system, n, True, ROUGHLY)
         moved = 0.0
         for g in range(memo.grids):
             if system.grids[g].on:
-                moved = max(moved, _draw_edges(system, n, g, turn))
+                moved = max(moved, _draw_edges(system, n, g))
         residuals(system, n, True)
         changed = 0.0
         for g in range(memo.grids):
@@ -256,7 +210,7 @@ def _take_turns(system, n, turns):
 
 
 @kernel
-def _draw_edges(system, n, g, turn):
+def _draw_edges(system, n, g):
     """Move the edges of a grid to where its outer strips ask for them. Returns by how many mean widths of strips.
 
     Near an edge a^2 is in proportion to the distance from it, so that the ratio of the outer strips' tells where it is.
@@ -280,9 +234,6 @@ def _draw_edges(system, n, g, turn):
         if first > 0 if side == 0 else last < n - 1:
             # strips have just left
             out = min(out, 0.5 * mean)
-        elif ratio > PUSH and turn < PUSHES:
-            # drawn far too narrow; what is too much leaves again
-            out = max(out, FAR * mean)
         ends = (max(ends[0] - out, grid.least), ends[1]) if side == 0 else (ends[0], min(ends[1] + out, grid.most))
     moved = (abs(ends[0] - grid.start) + abs(ends[1] - grid.end)) / mean
     move_edges(system, n, g, ends[0], ends[1])
@@ -307,46 +258,3 @@ def _relax_factors(system, n, g):
         x[base + j] = k
     fill_factors(system, n, g)
     return largest
-
-
-@kernel
-def substitute(system, n):
-    """Kik-Piotrowski's contact on the same rows: half lengths from the penetration beyond RECESS of the deepest one,
-    one amplitude for all, so that on average the surfaces follow each other."""
-    memo, x = system.memo[0], system.vectors[X]
-    memo.inverted = 0
-    level = RECESS * memo.deepest
-    for g in range(memo.grids):
-        grid, rows, base = system.grids[g], system.rows[g], g * block_of(n)
-        x[base : base + block_of(n)] = 0.0
-        grid.on = int(grid.deepest > level)
-        if not grid.on:
-            continue
-        first, last = ROWS - 1, 0
-        for r in range(ROWS):
-            if rows[r].d > level:
-                first, last = min(first, r), max(last, r)
-        start, end = rows[first].s, rows[last].s
-        if first > 0:
-            start -= grid.spacing * (rows[first].d - level) / (rows[first].d - rows[first - 1].d)
-        if last < ROWS - 1:
-            end += grid.spacing * (rows[last].d - level) / (rows[last].d - rows[last + 1].d)
-        x[base + n : base + 2 * n] = 1.0
-        x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1] = start, end
-    lay_strips(system, n)
-    for g in range(memo.grids):
-        for j in range(n if system.grids[g].on else 0):
-            place = system.places[g * n + j]
-            x[g * block_of(n) + j] = 2.0 * max(place.d - level, 0.0) / place.bend
-    residuals(system, n, True)
-    penetration = displacement = 0.0
-    for g in range(memo.grids):
-        for j in range(n if system.grids[g].on else 0):
-            place = system.places[g * n + j]
-            weight = place.y * (place.hi - place.lo)
-            penetration += weight * place.d
-            displacement += weight * (place.gap * memo.deepest + place.d)
-    for g in range(memo.grids):
-        base = g * block_of(n) + n
-        x[base : base + n] = min(max(penetration / max(displacement, 1e-30), LEAST_FACTOR), MOST_FACTOR)
-    lay_strips(system, n)
