@@ -1,6 +1,7 @@
 """Strips, edges and grids of the strip model that come into contact and leave it: what changes the equations."""
 
 from wrsim.core.contact.strips.equations import block_of, edge_wish, lay_strips, pressed, set_conditions
+from wrsim.core.contact.strips.hertz import hertz_ellipse
 from wrsim.core.contact.strips.records import EDGES, NB, NO, OF_A_STRIP, ROWS, STEP, X
 from wrsim.core.jit.compiling import inlined, kernel
 
@@ -9,7 +10,7 @@ FEWEST = 3  # strips in contact below which a grid leaves
 RETURN, LEAVE = 1e-3, 4e-4  # closing at which a grid comes into contact; a^2/R_x at which it leaves; over the deepest
 REACH = 0.01  # closing at which edges move out over a gap, as well: a hump so flat bears some .001 of the load
 REACHES = 2  # times that edges of a grid do so in a solution: a hump of a strip's width may not stay in contact
-HUMP = 0.45  # closing, over its largest, up to which the contact of a new grid reaches at first
+HUMP = 0.45  # closing, over its largest, about where contact ends
 
 
 @kernel
@@ -165,9 +166,11 @@ def _grid_enters(system, n, g):
         first -= 2
     while last + 2 < ROWS and rows[last + 2].closing > HUMP * most:
         last += 2
-    start = max(rows[first].s - 0.6 * grid.spacing, grid.least)
-    end = min(rows[last].s + 0.6 * grid.spacing, grid.most)
-    begin(system, n, g, start, end, most, rows[main].bend)
+    start = max(rows[first].s - 0.5 * grid.spacing, grid.least)
+    end = min(rows[last].s + 0.5 * grid.spacing, grid.most)
+    bend, half = rows[main].bend, 0.5 * (end - start)
+    factor = hertz_ellipse(2.0 * (1.0 - HUMP) * most / (bend * half * half), 0.0, most, bend).factor
+    begin(system, n, g, start, end, most, bend, factor)
     return True
 
 
@@ -218,9 +221,9 @@ def _reach_out(system, n, g):
             elif apart and closing > least:
                 beyond = True
                 if side == 0:
-                    start = max(rows[r].s - 0.6 * grid.spacing, grid.least)
+                    start = max(rows[r].s - 0.5 * grid.spacing, grid.least)
                 else:
-                    end = min(rows[r].s + 0.6 * grid.spacing, grid.most)
+                    end = min(rows[r].s + 0.5 * grid.spacing, grid.most)
             r += step
     if start == grid.start and end == grid.end:
         return False
@@ -248,15 +251,10 @@ def _reach_out(system, n, g):
     return True
 
 
-@inlined
-def hertz_factor(ratio):
-    """Roughly k of Hertz's ellipse, by the ratio of the curvatures across and along."""
-    return min(1.0 + 0.27 * ratio**0.63, 12.0)
-
-
 @kernel
-def begin(system, n, g, start, end, depth, bend):
-    """First guess of a grid: a hump of this depth between these edges. bend: 1/R_x [1/m]."""
+def begin(system, n, g, start, end, depth, bend, factor):
+    """First guess of a grid: a hump of this depth between these edges. bend: 1/R_x [1/m];
+    factor: of all strips."""
     grid, x = system.grids[g], system.vectors[X]
     base = g * block_of(n)
     grid.on = 1
@@ -264,6 +262,6 @@ def begin(system, n, g, start, end, depth, bend):
     for j in range(n):
         z = 2.0 * (j + 0.5) / n - 1.0
         x[base + j] = depth / bend * (1.0 - z * z)
-    x[base + n : base + 2 * n] = hertz_factor(depth / (bend * (0.5 * (end - start)) ** 2))
+    x[base + n : base + 2 * n] = factor
     x[base + 2 * n : base + 3 * n] = 0.0
     x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1] = start, end

@@ -42,9 +42,7 @@ LARGEST_CHANGE = 0.5  # of a factor in a step, over itself
 FARTHEST = 1.5  # move of an edge in a step, in mean widths of strips
 TURNS = 12  # changes of strips and edges in one solution
 HALVINGS = 6  # of a step, at most
-STUCK = 4  # steps that stay long all the same, after which a solution is given up
 CALM = 0.05  # residual below which strips may leave
-SPENT = 1e-4  # a^2/R_x over the deepest penetration below which they may at any residual: it may be theirs
 NEAR = 1e-3  # residual at which strips and edges are looked after
 LOOK = 3e-5  # the same from the last contact: what seems to touch while it is larger often does not
 SURE = 2.0  # safety of the predicted residual
@@ -120,7 +118,7 @@ def descend(system, n, held, tolerance):
     memo, vectors = system.memo[0], system.vectors
     size = memo.grids * block_of(n)
     _set_scale(system, n)
-    memo.inverted = turns = stuck = 0
+    memo.inverted = turns = 0
     looked = False
     residual = residuals(system, n, held)
     for _ in range(STEPS):
@@ -149,13 +147,10 @@ def descend(system, n, held, tolerance):
             if _solve(system) <= (1.0 - 0.25 * share) * length:
                 break
             if halving == HALVINGS:
-                stuck += 1
-                break
+                return False
             share *= 0.5
             vectors[X, :size] = vectors[SAVED, :size]
         residual = after
-        if stuck == STUCK:
-            break
     return False
 
 
@@ -282,7 +277,7 @@ def _advance(system, n, held, share, calm):
                 new = max(new, 0.0)
                 changed = changed or new == 0.0
             elif new < KEPT * y:
-                leaves = new < OVERSHOOT * y and (calm or y * system.places[g * n + j].bend < SPENT * memo.deepest)
+                leaves = calm and new < OVERSHOOT * y
                 changed = changed or leaves
                 whole = False
                 new = 0.0 if leaves else KEPT * y

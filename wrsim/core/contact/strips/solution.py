@@ -5,7 +5,7 @@ at once. If both fail, half lengths for given factors and edges (a monotone prob
 like), edges from the outer strips and factors from the second condition in turns before it. If that fails, too, strips
 count as not shifted along the rail."""
 
-from math import inf, pi, sqrt
+from math import inf
 from typing import NamedTuple
 
 from wrsim.core.contact.strips.changes import FEWEST, begin, fill_factors, in_contact, leave, move_edges
@@ -18,6 +18,7 @@ from wrsim.core.contact.strips.equations import (
     residuals,
     set_conditions,
 )
+from wrsim.core.contact.strips.hertz import hertz_ellipse
 from wrsim.core.contact.strips.newton import NEAR, descend, newton
 from wrsim.core.contact.strips.records import ROWS, X
 from wrsim.core.jit.compiling import kernel
@@ -25,13 +26,9 @@ from wrsim.core.jit.compiling import kernel
 TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
 ROUGHLY = 5e-3  # the same of half lengths for given factors and edges
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
-WIDE = 0.15  # of a grid's depth: where a first guess wider than any contact ends
-HUMP = 0.45  # of the depth: about where contact ends
-EXCENTRIC = 1.27  # power of the gap's ratio of curvatures that gives the ellipse's
+WIDE = 0.15  # of a grid's depth: where contact ends at most
 ROUNDS = 8  # of half lengths, edges and factors in turn
-CALM_EDGES, CALM_FACTORS = 0.5, 0.15  # moves in a round, in widths of strips and over themselves, that end the turns
-SOFT, HARD = 0.8, 2.0  # exponent of the factors' relaxation; largest ratio it acts on
-LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0  # in the turns
+CALM = 0.3  # moves of edges, in widths of strips, and of factors, over themselves, in a round that end the turns
 SETTLED, RETRIED, STRAIGHT, UNSOLVED = range(4)
 """How a solution was found: on the grids as they are, with one grid for each lobe, as if no strip were shifted along
 the rail; or not."""
@@ -88,7 +85,7 @@ class Hump(NamedTuple):
 @kernel
 def _hump_of(grid, rows):
     """Where a parabola is more than a level deep the square of its half width is five times the mean square."""
-    level = HUMP * grid.deepest
+    level = WIDE * grid.deepest
     total = s_mean = x_mean = bend = ss = sx = 0.0
     for r in range(ROWS):
         d = max(rows[r].d - level, 1e-12)
@@ -101,49 +98,7 @@ def _hump_of(grid, rows):
         d, s = max(rows[r].d - level, 1e-12) / total, rows[r].s - s_mean
         ss += d * s * s
         sx += d * s * (rows[r].x - x_mean)
-    return Hump(s_mean, x_mean, bend, 0.4 * (1.0 - HUMP) * grid.deepest / (bend * ss), sx / ss)
-
-
-class Ellipse(NamedTuple):
-    """Contact of a slanted parabolic ground: half length [m] of the strip in its middle, half of its width [m], factor
-    k, and how much farther apart along x the middles of its strips lie than the ridge."""
-
-    half_length: float
-    half_width: float
-    factor: float
-    stretch: float
-
-
-@kernel
-def _hertz_ellipse(ratio, slope, depth, bend):
-    """Hertz's ellipse over a ground this deep whose ridge is bent ``ratio`` times as much across as along, and leans.
-
-    slope: of the ridge's place along x; bend: curvature along [1/m]. With both principal curvatures of the gap, c1
-    along the longer axis: b/a by a power of their ratio, a^2 = 2 d/c1 (K - E)/(e^2 K), p0 = E* d/(b K) (Johnson,
-    Contact Mechanics, 4.2), the integrals by the arithmetic-geometric mean (Abramowitz and Stegun 17.6).
-    """
-    across = ratio + slope * slope
-    apart = sqrt((across - 1.0) ** 2 + 4.0 * slope * slope)
-    most, least = 0.5 * (1.0 + across + apart), 0.5 * (1.0 + across - apart)
-    thin = (least / most) ** (0.5 * EXCENTRIC)
-    p, q, power, part = 1.0, thin, 1.0, 0.5
-    excentric = max(1.0 - thin * thin, 1e-12)
-    for _ in range(8):
-        c = 0.5 * (p - q)
-        p, q = 0.5 * (p + q), sqrt(p * q)
-        part += power * c * c / excentric
-        power *= 2.0
-    integral = 0.5 * pi / p
-    long = 2.0 * depth / (least * bend) * part  # squares of both half axes
-    short = long * thin * thin
-    lean = (1.0 - least) / apart if apart > 0.0 else 0.0  # square of the cosine between x and the shorter axis
-    in_x = 1.0 / long + (1.0 / short - 1.0 / long) * lean
-    half_length = 1.0 / sqrt(in_x)
-    more = (1.0 / (thin * thin) - 1.0) / max(apart, 1e-9)
-    return Ellipse(
-        half_length, sqrt(in_x * long * short), 2.0 * depth / (bend * sqrt(short) * integral * half_length),
-        more / (1.0 + more * (1.0 - least)),
-    )  # fmt: skip
+    return Hump(s_mean, x_mean, bend, 0.4 * (1.0 - WIDE) * grid.deepest / (bend * ss), sx / ss)
 
 
 @kernel
@@ -153,7 +108,7 @@ def _guess(system, n, g, level):
     grid, rows, x = system.grids[g], system.rows[g], system.vectors[X]
     base, depth = g * block_of(n), grid.deepest
     hump = _hump_of(grid, rows)
-    ellipse = _hertz_ellipse(hump.ratio, hump.slope, depth, hump.bend)
+    ellipse = hertz_ellipse(hump.ratio, hump.slope, depth, hump.bend)
     edge = 1.0 - ellipse.half_width**2 * hump.ratio * hump.bend / (2.0 * depth)
     level = level if level > 0.0 else max(edge, 0.0)
     first, last = ROWS - 1, 0
@@ -162,8 +117,7 @@ def _guess(system, n, g, level):
             first, last = min(first, r), max(last, r)
     start = max(rows[first].s - 0.5 * grid.spacing, grid.least)
     end = min(rows[last].s + 0.5 * grid.spacing, grid.most)
-    begin(system, n, g, start, end, depth, hump.bend)
-    x[base + n : base + 2 * n] = min(max(ellipse.factor, LEAST_FACTOR), MOST_FACTOR)
+    begin(system, n, g, start, end, depth, hump.bend, ellipse.factor)
     lay_strips(system, n)
     most = ellipse.half_length**2 * hump.bend / (2.0 * depth)
     for j in range(n):
@@ -205,7 +159,7 @@ def _take_turns(system, n, turns):
         for g in range(memo.grids):
             if system.grids[g].on:
                 changed = max(changed, _relax_factors(system, n, g))
-        if turn > 0 and moved < CALM_EDGES and changed < CALM_FACTORS:
+        if turn > 0 and max(moved, changed) < CALM:
             break
 
 
@@ -252,9 +206,8 @@ def _relax_factors(system, n, g):
         set_conditions(system, n, g, j, points_of(memo))
         # how far the surface bends away over the strip, over how far it should
         should = 0.5 * place.bend * REACH * REACH * place.y / memo.deepest
-        ratio = min(max(1.0 + place.bow / should, 1.0 / HARD), HARD)
-        k = min(max(x[base + j] / ratio**SOFT, LEAST_FACTOR), MOST_FACTOR)
-        largest = max(largest, abs(k / x[base + j] - 1.0))
-        x[base + j] = k
+        ratio = 1.0 / max(1.0 + place.bow / should, 1e-9)
+        largest = max(largest, abs(ratio - 1.0))
+        x[base + j] *= ratio
     fill_factors(system, n, g)
     return largest
