@@ -64,7 +64,6 @@ def move_edges(system, n, g, start, end):
     grid, places = system.grids[g], system.places[g * n : (g + 1) * n]
     base = g * block_of(n)
     x, saved = system.vectors[X], system.vectors[STEP]
-    fill_factors(system, n, g)
     for j in range(n):
         places[j].gap = places[j].s
     saved[: OF_A_STRIP * n] = x[base : base + OF_A_STRIP * n]
@@ -84,25 +83,6 @@ def move_edges(system, n, g, start, end):
 
 
 @kernel
-def fill_factors(system, n, g):
-    """Strips out of contact take factors and distances from the locus from the nearest ones in it."""
-    x, base = system.vectors[X], g * block_of(n)
-    for j in range(n):
-        if x[base + j] > 0.0:
-            continue
-        for away in range(1, n):
-            before, after = j - away, j + away
-            if before >= 0 and x[base + before] > 0.0:
-                near = before
-            elif after < n and x[base + after] > 0.0:
-                near = after
-            else:
-                continue
-            x[base + n + j], x[base + 2 * n + j] = x[base + n + near], x[base + 2 * n + near]
-            break
-
-
-@kernel
 def enter(system, n, held):
     """Strips, edges and grids that come into contact, edges that leave their bounds. True if there are any."""
     memo, places = system.memo[0], system.places
@@ -113,7 +93,6 @@ def enter(system, n, held):
         grid, base = system.grids[g], g * block
         if not grid.on:
             continue
-        fill_factors(system, n, g)
         for j in range(n):
             place = places[g * n + j]
             if x[base + j] > 0.0:

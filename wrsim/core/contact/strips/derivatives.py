@@ -153,7 +153,8 @@ def jacobian(system, n, held):
     """Derivatives of the equations by the unknowns that are solved for, to ``matrix``, for the state of the last
     ``residuals``; the numbers of these unknowns to ``vectors[SOLVED]``, how many there are to the memo.
 
-    Strips out of contact, edges that are held and grids that are not on stay as they are; held: only half lengths move.
+    Edges that are held and grids that are not on stay as they are; of strips out of contact factors and middles are
+    solved for, so that they come to be what they have when they touch; held: only half lengths move.
     """
     memo, places, grids = system.memo[0], system.places, system.grids
     m = system.matrix
@@ -188,8 +189,6 @@ def _even_rows(system, n, g):
     """What holds neighbouring strips alike."""
     places, m, base = system.places, system.matrix, g * block_of(n)
     for j in range(1, n):
-        if not all_touch(places, g * n + j - 1, 2):
-            continue
         r = base + n + j
         m[r, r] += EVENNESS
         m[r, r - 1] -= EVENNESS
@@ -202,8 +201,6 @@ def _even_rows(system, n, g):
                 for q in range(4):
                     m[r + p, r + q] += weight * THIRD[p] * THIRD[q]
     for j in range(2, n if system.memo[0].shifted else 0):
-        if not all_touch(places, g * n + j - 2, 3):
-            continue
         ratio, r = step_ratio(places, g * n + j), base + 2 * n + j - 2
         parts = ratio, -1.0 - ratio, 1.0
         for p in range(3):
@@ -245,7 +242,7 @@ def _gather(system, n, held):
         grid, base = grids[g], g * block_of(n)
         for kind in range(1 if held else OF_A_STRIP if memo.shifted else 2):
             for j in range(n if grid.on else 0):
-                if system.places[g * n + j].y > 0.0:
+                if kind > 0 or system.places[g * n + j].y > 0.0:
                     solved[size] = base + kind * n + j
                     size += 1
         for side in range(EDGES if grid.on and not held else 0):

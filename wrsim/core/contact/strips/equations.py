@@ -87,11 +87,12 @@ def lay_strips(system, n):
         place_strips(system.wheel, system.rail, grid, system.rows[g], places[g * n : (g + 1) * n])
         for j in range(n):
             i, place = g * n + j, places[g * n + j]
-            place.q = place.y = place.off = 0.0
+            place.q = place.y = 0.0
+            place.k = x[base + n + j]
+            place.off = x[base + 2 * n + j] if memo.shifted else 0.0
             inverse = 1.0
             if x[base + j] > 0.0:
-                place.y, place.k = x[base + j], x[base + n + j]
-                place.off = x[base + 2 * n + j] if memo.shifted else 0.0
+                place.y = x[base + j]
                 place.q = 0.5 * memo.modulus * place.bend * place.k
                 inverse = 1.0 / sqrt(place.y)
             vectors[FROM, i], vectors[TO, i] = place.lo, place.hi
@@ -156,18 +157,17 @@ def residuals(system, n, held):
             continue
         for j in range(n):
             place = places[g * n + j]
-            if place.y <= 0.0 and not held:
-                continue
-            set_conditions(system, n, g, j, 1 if held else points)
-            if place.y <= 0.0:
-                continue
-            out[base + j] = place.gap
+            if held or place.y > 0.0:
+                set_conditions(system, n, g, j, 1 if held else points)
+            if place.y > 0.0:
+                out[base + j] = place.gap
             if held:
-                largest = max(largest, abs(place.gap))
+                largest = max(largest, abs(out[base + j]))
                 continue
-            out[base + n + j] += place.bow
-            out[base + 2 * n + j] += place.turn
-            if j > 0 and places[g * n + j - 1].y > 0.0:
+            if place.y > 0.0:
+                out[base + n + j] += place.bow
+                out[base + 2 * n + j] += place.turn
+            if j > 0:
                 uneven = EVENNESS * (place.k - places[g * n + j - 1].k)
                 out[base + n + j] += uneven
                 out[base + n + j - 1] -= uneven
@@ -180,13 +180,12 @@ def residuals(system, n, held):
                     out[base + j + p - 1] += THIRD[p] * calm
         for j in range(2, n if memo.shifted else 0):
             i = g * n + j
-            if all_touch(places, i - 2, 3):
-                ratio, row = step_ratio(places, i), base + 2 * n + j
-                one, two, three = places[i - 2].off, places[i - 1].off, places[i].off
-                uneven = EVEN_MIDDLES / grid.reach * (three - two - ratio * (two - one))
-                out[row - 2] += ratio * uneven
-                out[row - 1] -= (1.0 + ratio) * uneven
-                out[row] += uneven
+            ratio, row = step_ratio(places, i), base + 2 * n + j
+            one, two, three = places[i - 2].off, places[i - 1].off, places[i].off
+            uneven = EVEN_MIDDLES / grid.reach * (three - two - ratio * (two - one))
+            out[row - 2] += ratio * uneven
+            out[row - 1] -= (1.0 + ratio) * uneven
+            out[row] += uneven
         for i in range(base, base + OF_A_STRIP * n):
             largest = max(largest, abs(out[i]))
         for side in range(EDGES):

@@ -1,6 +1,6 @@
 """The last contact of a run as the first guess where the grids are others now."""
 
-from wrsim.core.contact.strips.changes import FEWEST, fill_factors
+from wrsim.core.contact.strips.changes import FEWEST
 from wrsim.core.contact.strips.equations import block_of, lay_strips
 from wrsim.core.contact.strips.records import LAST, NEXT, OF_A_STRIP, SAVED, STEP, TERMS, X
 from wrsim.core.jit.compiling import kernel
@@ -52,8 +52,6 @@ def carry_over(system, n):
             apart = old_s[min(i + 1, count - 1)] - old_s[i] > 0.75 * (old_w[i] + old_w[min(i + 1, count - 1)])
             x[own] = 0.0 if apart else _between(old_s, old_y, count, i, s)
             x[own + n], x[own + 2 * n] = _between(old_s, old_k, count, i, s), _between(old_s, old_off, count, i, s)
-        if grids[g].on:
-            fill_factors(system, n, g)
     return found
 
 

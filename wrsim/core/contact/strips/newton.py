@@ -266,6 +266,9 @@ def _advance(system, n, held, share, calm):
             continue
         for j in range(n):
             y = x[base + j]
+            if not held:
+                x[base + n + j] += share * step[base + n + j]
+                x[base + 2 * n + j] += share * step[base + 2 * n + j]
             if y <= 0.0:
                 place = system.places[g * n + j]
                 if held and place.gap < -ENTRY:
@@ -282,9 +285,6 @@ def _advance(system, n, held, share, calm):
                 whole = False
                 new = 0.0 if leaves else KEPT * y
             x[base + j] = new
-            if not held:
-                x[base + n + j] += share * step[base + n + j]
-                x[base + 2 * n + j] += share * step[base + 2 * n + j]
         if held:
             continue
         e = base + OF_A_STRIP * n

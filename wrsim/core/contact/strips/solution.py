@@ -8,7 +8,7 @@ count as not shifted along the rail."""
 from math import inf
 from typing import NamedTuple
 
-from wrsim.core.contact.strips.changes import FEWEST, begin, fill_factors, in_contact, leave, move_edges
+from wrsim.core.contact.strips.changes import FEWEST, begin, in_contact, leave, move_edges
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     REACH,
@@ -209,5 +209,4 @@ def _relax_factors(system, n, g):
         ratio = 1.0 / max(1.0 + place.bow / should, 1e-9)
         largest = max(largest, abs(ratio - 1.0))
         x[base + j] *= ratio
-    fill_factors(system, n, g)
     return largest
