@@ -25,7 +25,7 @@ _KIK_PIOTROWSKI = NormalModel(KIK_PIOTROWSKI, recess=1.0 - EPSILON, joint=True, 
 
 NORMAL_MODELS: dict[Normal, NormalModel] = {
     "kik-piotrowski": _KIK_PIOTROWSKI,
-    "strips": replace(_KIK_PIOTROWSKI, kernel=FREE_STRIPS, joint=False, fewest=12, most=200, solves_for_strips=True),
+    "strips": replace(_KIK_PIOTROWSKI, kernel=FREE_STRIPS, fewest=12, most=200, solves_for_strips=True),
     "half-space": replace(_KIK_PIOTROWSKI, solve=_solve_exactly),
 }
 

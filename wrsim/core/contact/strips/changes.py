@@ -113,7 +113,7 @@ def enter(system, n, held):
                 else:
                     grid.end_held = 0
                 changed = True
-    for g in range(memo.grids):
+    for g in range(memo.grids if not memo.alone else 0):
         if not system.grids[g].on:
             changed = _grid_enters(system, n, g) or changed
     return changed
@@ -236,7 +236,7 @@ def begin(system, n, g, start, end, depth, bend, factor):
     factor: of all strips."""
     grid, x = system.grids[g], system.vectors[X]
     base = g * block_of(n)
-    grid.on = 1
+    grid.on, grid.reaches = 1, 0
     grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
     for j in range(n):
         z = 2.0 * (j + 0.5) / n - 1.0

@@ -42,11 +42,12 @@ def block_of(n):
 
 
 @kernel
-def set_fading(system):
+def set_fading(system, coupling):
     """Write how much of the influence of each grid reaches each other one, by the distance of the places where they may
     touch.
 
     Grids whose overlaps hang together are one zone, as in contact.half_space.zones: what reaches one reaches the other.
+    coupling: share of it that counts; with none, grids out of contact stay out.
     """
     memo, grids = system.memo[0], system.grids
     count, parts = memo.grids, system.vectors[FADING]
@@ -58,6 +59,7 @@ def set_fading(system):
             apart = sqrt(along * along + across * across)
             share = (memo.apart - apart) / (memo.apart - memo.together)
             parts[i * count + j] = 1.0 if share >= 1.0 or i == j else max(share, 0.0) ** WEAKENING
+    memo.alone = int(coupling == 0.0)
     for _ in range(count - 1):
         for j in range(count - 1):
             chain = grids[j].chain
@@ -65,6 +67,10 @@ def set_fading(system):
                 here, there = parts[i * count + j], parts[i * count + j + 1]
                 parts[i * count + j] = parts[j * count + i] = max(here, chain * there)
                 parts[i * count + j + 1] = parts[(j + 1) * count + i] = max(there, chain * here)
+    for i in range(count):
+        for j in range(i):
+            parts[i * count + j] *= coupling
+            parts[j * count + i] *= coupling
 
 
 @inlined

@@ -78,7 +78,7 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
         if last < count - 1 and found[last].saddle > 0.0:
             grid.chain = rise(found[last].saddle / min(found[last].depth, found[last + 1].depth), CHAINED)
         i = last + 1
-    set_fading(system)
+    set_fading(system, 1.0)
     set_shifts(system)
     return status
 

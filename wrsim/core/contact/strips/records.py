@@ -42,12 +42,13 @@ moved out over a gap in this solution."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",
-    "known grids parted shifted curved turn inverted unknowns iterations factorisations result substitutes",
+    "known grids parted alone shifted curved turn inverted unknowns iterations factorisations result substitutes",
 )
 """Of the whole system: about the worst of what the last steps left of the residual, pi E*, E*, deepest penetration,
 distances of grids up to which they press each other down fully and from which on not at all [m].
 Number of grids in the last call (0: nothing is known), grids now; whether any of them is a part
-of a lobe; whether shifts along x count, and the angles between strips; how often creep forces were found in this call;
+of a lobe, and whether they are solved for one by one; whether shifts along x count, and the angles between strips;
+how often creep forces were found in this call;
 whether ``matrix`` is an inverse of use, and of how many unknowns; residuals taken and Jacobians made in this call, and
 how it ended (`solution`); calls so far without a whole solution."""
 

@@ -8,7 +8,7 @@ count as not shifted along the rail."""
 from math import inf
 from typing import NamedTuple
 
-from wrsim.core.contact.strips.changes import FEWEST, begin, in_contact, leave, move_edges
+from wrsim.core.contact.strips.changes import FEWEST, RETURN, begin, in_contact, leave, move_edges
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     REACH,
@@ -17,6 +17,7 @@ from wrsim.core.contact.strips.equations import (
     points_of,
     residuals,
     set_conditions,
+    set_fading,
 )
 from wrsim.core.contact.strips.hertz import hertz_ellipse
 from wrsim.core.contact.strips.newton import NEAR, descend, newton
@@ -26,7 +27,8 @@ from wrsim.core.jit.compiling import kernel
 TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
 ROUGHLY = 5e-3  # the same of half lengths for given factors and edges
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
-WIDE = 0.15  # of a grid's depth: where contact ends at most
+WIDE, NARROW = 0.15, 0.5  # of a grid's depth: where contact ends at most, and at least
+COUPLINGS = 4, 16  # steps in which grids come to press each other down
 ROUNDS = 8  # of half lengths, edges and factors in turn
 CALM = 0.3  # moves of edges, in widths of strips, and of factors, over themselves, in a round that end the turns
 SETTLED, RETRIED, STRAIGHT, UNSOLVED = range(4)
@@ -48,10 +50,12 @@ def solve(system, n, known, tolerance, whole):
     if known and newton(system, n, tolerance) and _sound(system, n):
         return SETTLED
     for attempt in range(2):
-        for turns in (0, ROUNDS):
-            for level in (0.0, WIDE):
-                if _cold_start(system, n, level, turns) and _sound(system, n):
-                    return SETTLED if attempt == 0 else STRAIGHT
+        for level in (0.0, WIDE):
+            if _at_once(system, n, level) and _sound(system, n):
+                return SETTLED if attempt == 0 else STRAIGHT
+        for steps in COUPLINGS:
+            if _one_by_one(system, n, steps) and _sound(system, n):
+                return SETTLED if attempt == 0 else STRAIGHT
         if not memo.shifted or not whole:
             break
         memo.shifted = 0
@@ -129,19 +133,60 @@ def _guess(system, n, g, level):
 
 
 @kernel
-def _cold_start(system, n, level, turns):
-    """Solve from Hertz's ellipses or wider ones, by Newton's method at once or after turns. True if that works."""
+def _clear(system, n):
+    """No grid is in contact."""
     memo = system.memo[0]
     memo.inverted = 0
+    system.vectors[X, : memo.grids * block_of(n)] = 0.0
     for g in range(memo.grids):
         system.grids[g].on = system.grids[g].reaches = 0
-        base = g * block_of(n)
-        system.vectors[X, base : base + block_of(n)] = 0.0
+
+
+@kernel
+def _at_once(system, n, level):
+    """Solve for all grids from Hertz's ellipses, or from wider ones. True if that works."""
+    memo = system.memo[0]
+    _clear(system, n)
     for g in range(memo.grids):
         if system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
-    _take_turns(system, n, turns)
     return descend(system, n, False, NEAR) and newton(system, n, TOLERANCE)
+
+
+@kernel
+def _one_by_one(system, n, steps):
+    """Solve for each grid as if it were alone, then let them press each other down more and more. True if that works:
+    a continuation in the coupling of the grids (Deuflhard, Newton Methods for Nonlinear Problems, 2004, chapter 5)."""
+    memo, grids = system.memo[0], system.grids
+    _clear(system, n)
+    set_fading(system, 0.0)
+    for g in range(memo.grids):
+        if grids[g].deepest >= RETURN * memo.deepest and not _alone(system, n, g):
+            leave(system, n, g)
+        grids[g].on = 0
+    for g in range(memo.grids):
+        base = g * block_of(n)
+        grids[g].reaches = 0
+        grids[g].on = int(in_contact(system.vectors[X, base : base + n])[2] > 0)
+    solved = True
+    for step in range(steps):
+        set_fading(system, (step + 1.0) / steps)
+        if solved and not descend(system, n, False, NEAR):
+            _take_turns(system, n, ROUNDS)
+            solved = descend(system, n, False, NEAR)
+    return solved and newton(system, n, TOLERANCE)
+
+
+@kernel
+def _alone(system, n, g):
+    """Solve for one grid, the only one in contact. True if that works."""
+    for turns in (0, ROUNDS):
+        for level in (0.0, WIDE, NARROW):
+            _guess(system, n, g, level)
+            _take_turns(system, n, turns)
+            if descend(system, n, False, NEAR) and newton(system, n, TOLERANCE) and system.grids[g].on:
+                return True
+    return False
 
 
 @kernel
@@ -150,12 +195,11 @@ def _take_turns(system, n, turns):
     memo = system.memo[0]
     for turn in range(turns):
         descend(system, n, True, ROUGHLY)
-        moved = 0.0
+        moved = changed = 0.0
         for g in range(memo.grids):
             if system.grids[g].on:
                 moved = max(moved, _draw_edges(system, n, g))
         residuals(system, n, True)
-        changed = 0.0
         for g in range(memo.grids):
             if system.grids[g].on:
                 changed = max(changed, _relax_factors(system, n, g))
