@@ -346,9 +346,9 @@ def test_a_cold_start_depends_on_the_pose_alone():
 
 
 def rippled():
-    """S1002 with furrows of .8 mm, some 40 um deep, on 60E1, with few strips: more contacts than they are made for."""
+    """S1002 with furrows of .5 mm, some 40 um deep, on 60E1, with few strips: more contacts than they are made for."""
     r = np.random.default_rng(8)
-    furrows = [Removal("vertical", r.uniform(2e-5, 6e-5), c, 0.8e-3) for c in np.arange(-42e-3, 20e-3, 1.2e-3)]
+    furrows = [Removal("vertical", r.uniform(2e-5, 6e-5), c, 0.5e-3) for c in np.arange(-42e-3, 20e-3, 0.7e-3)]
     wheel = worn(wheel_profile("S1002"), furrows, "rippled")
     return contact_model(wheel, rail_profile("60E1", 40), normal="strips", strips=12, **PLAIN)
 
@@ -357,7 +357,6 @@ def test_what_cannot_be_solved_is_bounded_counted_and_told():
     model = rippled()
     stand = bench(model, rolling=False)
     plain = bench(contact_model(model.wheel, model.rail, **PLAIN), rolling=False)
-    overlap = contact_model(model.wheel, model.rail, normal="kik-piotrowski", strips=12, **PLAIN)
     unsettled = 0
     for lateral in np.arange(-3.2e-3, 1e-3, 0.4e-3):
         height = settle(plain, lateral, 0.0, 60e3)[0].height
@@ -367,13 +366,9 @@ def test_what_cannot_be_solved_is_bounded_counted_and_told():
         unsettled += 2 * bool(status & STATUS_NOT_CONVERGED)  # evaluated twice
         assert a.substitutes == unsettled
         lobes = a.patches[: a.total.lobes]
-        if status & STATUS_NOT_CONVERGED:
-            overlap.arrays.pose[:] = a.pose
-            overlap.arrays.call()
-            assert lobes["N"].sum() == overlap.arrays.patches["N"][: overlap.arrays.total.lobes].sum()
-        else:
-            exact = HalfSpace(resolution=10).solve_pose(model).normal_force
-            assert 0.88 * exact < lobes["N"].sum() < 1.2 * exact
+        exact = HalfSpace(resolution=10).solve_pose(model).normal_force
+        # measured: 0.899; and 0.778 by Kik-Piotrowski, which leaves out lobes beyond the fourth as well
+        assert (0.75 if status & STATUS_NOT_CONVERGED else 0.88) * exact < lobes["N"].sum() < 1.2 * exact
         for i, lobe in enumerate(lobes if not status & STATUS_NOT_CONVERGED else ()):
             strips = a.strips[i, : lobe["n_strips"]]
             # the displacement at the outer points, .866 a from the middle, is d less .75 a^2/(2 R), and above nothing

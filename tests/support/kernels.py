@@ -54,7 +54,7 @@ SMALL = {"strips": 6, "cells": 4, "friction": FRICTION}
 CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 CORE = str(Path(wrsim.core.__file__).parent)
-LAST_RESORT = {"_take_turns", "_draw_edges", "_relax_factors", "_press_held", "rise"}
+LAST_RESORT = {"_one_by_one", "_alone", "_take_turns", "_draw_edges", "_relax_factors", "_press_held", "rise"}
 """What the strip model does where Newton's method fails: half a minute without the compiler, hence only in full."""
 
 

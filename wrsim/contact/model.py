@@ -329,7 +329,7 @@ def _inputs(model: ContactModel) -> Arrays:
         found=np.zeros(8, k.FOUND),
         patches=np.zeros(lobes, k.LOBE),
         strips=np.zeros((lobes, of_a_lobe), k.STRIP),
-        work=np.zeros((12, max(of_a_lobe, 8))),
+        work=np.zeros((14, max(of_a_lobe, 8))),
         influence=tables.influence_table() if grids else np.zeros((0, 0)),
         rows=np.zeros((grids, ROWS), ROW),
         places=np.zeros(grids * most, PLACE),

@@ -14,7 +14,7 @@ class Arrays(NamedTuple):
     by station; rates: of these along s; stations: (2, n) their places and the numbers of their fields, one for a rail
     of one profile; field: signed distances of the rail, one grid behind the other; creep:
     (20, 3) Kalker coefficients; shape: (cells,) bound over the cells; settings: (1,) SETTINGS; pose: (POSE,).
-    found: (8,) FOUND, work: (12, >= strips, >= 8): scratch; influence to memo: of the strip model
+    found: (8,) FOUND, work: (14, >= strips, >= 8): scratch; influence to memo: of the strip model
     (core.contact.strips.records); friction: (rows, 7) along the rail (core.contact.tangential.friction), no rows where
     it is the same everywhere. Results: patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.
     """

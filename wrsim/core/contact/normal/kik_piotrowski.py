@@ -27,6 +27,8 @@ from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.dense import factorise, solve_factorised
 from wrsim.core.jit import Array, Record, Records, inlined, kernel
 
+MOST_LOBES = 6
+
 
 @kernel
 def bound_lobe(
@@ -82,10 +84,9 @@ def lay_lobe(
 
 @kernel
 def press_lobes(settings: Record, pose: WheelPose, lobes: Records, strips: Records, count: int, work: Array) -> None:
-    """Pressures of all lobes from the displacements at their main points, with damping. work: (12, >= 8) scratch."""
-    matrix = work[:3]
-    rows = work[3:6]
-    amplitude, pivot = work[6], work[7]
+    """Pressures of all lobes from the displacements at their main points, with damping. work: (14, >= 8) scratch."""
+    matrix, rows = work[:MOST_LOBES], work[MOST_LOBES : 2 * MOST_LOBES]
+    amplitude, pivot = work[2 * MOST_LOBES], work[2 * MOST_LOBES + 1]
     stiffness = pi * settings.E
     for i in range(count):
         lobe = lobes[i]

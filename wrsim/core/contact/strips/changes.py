@@ -9,7 +9,6 @@ ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penet
 FEWEST = 3  # strips in contact below which a grid leaves
 RETURN, LEAVE = 1e-3, 4e-4  # closing at which a grid comes into contact; a^2/R_x at which it leaves; over the deepest
 REACH = 0.01  # closing at which edges move out over a gap, as well: a hump so flat bears some .001 of the load
-REACHES = 2  # times that edges of a grid do so in a solution: a hump of a strip's width may not stay in contact
 HUMP = 0.45  # closing, over its largest, about where contact ends
 
 
@@ -172,8 +171,6 @@ def _reach_out(system, n, g):
     """Edges of a grid move out over a gap to where it has closed again beyond, and strips come into contact there.
     True if so."""
     memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
-    if grid.reaches == REACHES:
-        return False
     least = REACH * memo.deepest
     start, end = grid.start, grid.end
     for side in range(2):
@@ -226,7 +223,6 @@ def _reach_out(system, n, g):
         grid.start_held, grid.end_held = held
         lay_strips(system, n)
         return False
-    grid.reaches += 1
     return True
 
 
@@ -236,7 +232,7 @@ def begin(system, n, g, start, end, depth, bend, factor):
     factor: of all strips."""
     grid, x = system.grids[g], system.vectors[X]
     base = g * block_of(n)
-    grid.on, grid.reaches = 1, 0
+    grid.on = 1
     grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
     for j in range(n):
         z = 2.0 * (j + 0.5) / n - 1.0

@@ -25,15 +25,11 @@ CHAINED = 0.0, 0.2  # saddle over the shallower depth: none and all of what reac
 
 
 @kernel
-def set_grids(system, found, wheel, rail, pose, count, parted):
-    """Grids over all lobes, their bounds and rows. Returns a status.
-
-    parted: else lobes alone make grids, cut at their saddles, and shoulders none.
-    """
-    gathered = GATHERED if parted else MERGED
+def set_grids(system, found, wheel, rail, pose, count):
+    """Grids over all lobes, their bounds and rows. Returns a status."""
     memo = system.memo[0]
     status = 0
-    memo.grids = memo.parted = 0
+    memo.grids = 0
     memo.deepest = 1e-12
     i = 0
     while i < count:
@@ -47,7 +43,7 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
         status |= STATUS_PROFILE_END if beyond else 0
         last = i
         while True:
-            while last < count - 1 and found[last].saddle > gathered * min(found[last].depth, found[last + 1].depth):
+            while last < count - 1 and found[last].saddle > GATHERED * min(found[last].depth, found[last + 1].depth):
                 last += 1
             limit = room_beside(found, last, count)[1]
             apart = last < count - 1 and found[last].saddle < 0.0
@@ -62,8 +58,7 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
         grid.arc, grid.place = found[i].arc_wheel, found[i].arc_rail
         lay_rows(wheel, rail, grid, system.rows[first])
         room = system.grids.size - first - (count - 1 - last)
-        memo.grids += _part(system, first, min(last - i + 2, room) if parted else 1)
-        memo.parted = max(memo.parted, int(memo.grids > first + 1))
+        memo.grids += _part(system, first, min(last - i + 2, room))
         for g in range(first, memo.grids):
             grid, rows = system.grids[g], system.rows[g]
             grid.first, grid.last = i, last

@@ -29,7 +29,7 @@ from wrsim.core.contact.strips.grid import opposite
 from wrsim.core.contact.strips.ground import set_grids
 from wrsim.core.contact.strips.last_contact import carry_over
 from wrsim.core.contact.strips.records import LIFT, OF_A_STRIP, ROWS, SIDE, System, X
-from wrsim.core.contact.strips.solution import RETRIED, UNSOLVED, solve
+from wrsim.core.contact.strips.solution import UNSOLVED, solve
 from wrsim.core.jit.compiling import kernel
 
 OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the same grid
@@ -53,15 +53,12 @@ def press_strips(a, wheel, rail, pose, count):
     memo.stiffness = pi * settings.E
     memo.curved = settings.curved
     _set_sides(system, n, settings.E / settings.G - 1.0, a.strips)
-    status = set_grids(system, a.found, wheel, rail, pose, count, True)
+    status = set_grids(system, a.found, wheel, rail, pose, count)
     known = memo.known > 0
     if known and not _same_grids(system, n, memo.known):
         memo.inverted = 0
         known = carry_over(system, n)
-    result = solve(system, n, known, settings.tolerance, memo.parted == 0)
-    if result == UNSOLVED and memo.parted:
-        set_grids(system, a.found, wheel, rail, pose, count, False)
-        result = max(solve(system, n, False, settings.tolerance, True), RETRIED)
+    result = solve(system, n, known, settings.tolerance)
     memo.known = memo.grids if result != UNSOLVED else 0
     memo.result = result
     for i in range(count):

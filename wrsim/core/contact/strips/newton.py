@@ -43,6 +43,7 @@ FARTHEST = 1.5  # move of an edge in a step, in mean widths of strips
 TURNS = 12  # changes of strips and edges in one solution
 HALVINGS = 6  # of a step, at most
 CALM = 0.05  # residual below which strips may leave
+SPENT = 1e-4  # a^2/R_x over the deepest penetration below which they may at any residual: it may be theirs
 NEAR = 1e-3  # residual at which strips and edges are looked after
 LOOK = 3e-5  # the same from the last contact: what seems to touch while it is larger often does not
 SURE = 2.0  # safety of the predicted residual
@@ -64,7 +65,9 @@ def newton(system, n, tolerance):
         if residual < LOOK and not looked:
             looked = True
             turns += 1
-            if turns <= TURNS and enter(system, n, False):
+            if enter(system, n, False):
+                if turns > TURNS:
+                    return False
                 looked = whole = False
                 memo.inverted = 0
                 last = 1e9
@@ -125,7 +128,9 @@ def descend(system, n, held, tolerance):
         if residual < NEAR and not looked:
             looked = True
             turns += 1
-            if turns <= TURNS and enter(system, n, held):
+            if enter(system, n, held):
+                if turns > TURNS:
+                    return False
                 looked = False
                 residual = residuals(system, n, held)
                 continue
@@ -280,7 +285,7 @@ def _advance(system, n, held, share, calm):
                 new = max(new, 0.0)
                 changed = changed or new == 0.0
             elif new < KEPT * y:
-                leaves = calm and new < OVERSHOOT * y
+                leaves = new < OVERSHOOT * y and (calm or y * system.places[g * n + j].bend < SPENT * memo.deepest)
                 changed = changed or leaves
                 whole = False
                 new = 0.0 if leaves else KEPT * y

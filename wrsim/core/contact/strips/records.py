@@ -32,23 +32,21 @@ Lobe and strip of it that it was handed out to."""
 
 GRID = record(
     "start end least most deepest spacing x reach calm arc place chain",
-    "on start_held end_held first last reaches",
+    "on start_held end_held first last",
 )
 """A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length of the
 overlap where it is deepest; how firmly half lengths are held on a parabola; arclengths on wheel and rail of a pair of
 opposite points; how far what reaches it reaches the next one.
-Whether it is in contact, whether its edges are held at their bounds, its first and last lobe; how often its edges have
-moved out over a gap in this solution."""
+Whether it is in contact, whether its edges are held at their bounds, its first and last lobe."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",
-    "known grids parted alone shifted curved turn inverted unknowns iterations factorisations result substitutes",
+    "known grids alone shifted curved turn inverted unknowns iterations factorisations result substitutes",
 )
 """Of the whole system: about the worst of what the last steps left of the residual, pi E*, E*, deepest penetration,
 distances of grids up to which they press each other down fully and from which on not at all [m].
-Number of grids in the last call (0: nothing is known), grids now; whether any of them is a part
-of a lobe, and whether they are solved for one by one; whether shifts along x count, and the angles between strips;
-how often creep forces were found in this call;
+Number of grids in the last call (0: nothing is known), grids now; whether they are solved for one by
+one; whether shifts along x count, and the angles between strips; how often creep forces were found in this call;
 whether ``matrix`` is an inverse of use, and of how many unknowns; residuals taken and Jacobians made in this call, and
 how it ended (`solution`); calls so far without a whole solution."""
 

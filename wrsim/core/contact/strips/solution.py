@@ -8,7 +8,7 @@ count as not shifted along the rail."""
 from math import inf
 from typing import NamedTuple
 
-from wrsim.core.contact.strips.changes import FEWEST, RETURN, begin, in_contact, leave, move_edges
+from wrsim.core.contact.strips.changes import FEWEST, HUMP, RETURN, begin, in_contact, leave, move_edges
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     REACH,
@@ -31,32 +31,27 @@ WIDE, NARROW = 0.15, 0.5  # of a grid's depth: where contact ends at most, and a
 COUPLINGS = 4, 16  # steps in which grids come to press each other down
 ROUNDS = 8  # of half lengths, edges and factors in turn
 CALM = 0.3  # moves of edges, in widths of strips, and of factors, over themselves, in a round that end the turns
-SETTLED, RETRIED, STRAIGHT, UNSOLVED = range(4)
-"""How a solution was found: on the grids as they are, with one grid for each lobe, as if no strip were shifted along
-the rail; or not."""
+SETTLED, STRAIGHT, UNSOLVED = range(3)
+"""How a solution was found: as it is, as if no strip were shifted along the rail; or not."""
 
 
 @kernel
-def solve(system, n, known, tolerance, whole):
+def solve(system, n, known, tolerance):
     """Solve; known: the unknowns are those of a contact near by, solved to the tolerance. Returns SETTLED, STRAIGHT or
-    UNSOLVED.
-
-    whole: else there are other grids to try before strips count as not shifted.
-    """
+    UNSOLVED."""
     memo = system.memo[0]
     memo.iterations = memo.factorisations = 0
-    for g in range(memo.grids):
-        system.grids[g].reaches = 0
     if known and newton(system, n, tolerance) and _sound(system, n):
         return SETTLED
     for attempt in range(2):
-        for level in (0.0, WIDE):
-            if _at_once(system, n, level) and _sound(system, n):
-                return SETTLED if attempt == 0 else STRAIGHT
+        for turns in (0, ROUNDS):
+            for level in (0.0, WIDE):
+                if _at_once(system, n, level, turns) and _sound(system, n):
+                    return SETTLED if attempt == 0 else STRAIGHT
         for steps in COUPLINGS:
             if _one_by_one(system, n, steps) and _sound(system, n):
                 return SETTLED if attempt == 0 else STRAIGHT
-        if not memo.shifted or not whole:
+        if not memo.shifted:
             break
         memo.shifted = 0
     return UNSOLVED
@@ -89,7 +84,7 @@ class Hump(NamedTuple):
 @kernel
 def _hump_of(grid, rows):
     """Where a parabola is more than a level deep the square of its half width is five times the mean square."""
-    level = WIDE * grid.deepest
+    level = HUMP * grid.deepest
     total = s_mean = x_mean = bend = ss = sx = 0.0
     for r in range(ROWS):
         d = max(rows[r].d - level, 1e-12)
@@ -102,7 +97,7 @@ def _hump_of(grid, rows):
         d, s = max(rows[r].d - level, 1e-12) / total, rows[r].s - s_mean
         ss += d * s * s
         sx += d * s * (rows[r].x - x_mean)
-    return Hump(s_mean, x_mean, bend, 0.4 * (1.0 - WIDE) * grid.deepest / (bend * ss), sx / ss)
+    return Hump(s_mean, x_mean, bend, 0.4 * (1.0 - HUMP) * grid.deepest / (bend * ss), sx / ss)
 
 
 @kernel
@@ -139,17 +134,18 @@ def _clear(system, n):
     memo.inverted = 0
     system.vectors[X, : memo.grids * block_of(n)] = 0.0
     for g in range(memo.grids):
-        system.grids[g].on = system.grids[g].reaches = 0
+        system.grids[g].on = 0
 
 
 @kernel
-def _at_once(system, n, level):
-    """Solve for all grids from Hertz's ellipses, or from wider ones. True if that works."""
+def _at_once(system, n, level, turns):
+    """Solve for all grids from Hertz's ellipses, or from wider ones, at once or after turns. True if that works."""
     memo = system.memo[0]
     _clear(system, n)
     for g in range(memo.grids):
         if system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
+    _take_turns(system, n, turns)
     return descend(system, n, False, NEAR) and newton(system, n, TOLERANCE)
 
 
@@ -166,7 +162,6 @@ def _one_by_one(system, n, steps):
         grids[g].on = 0
     for g in range(memo.grids):
         base = g * block_of(n)
-        grids[g].reaches = 0
         grids[g].on = int(in_contact(system.vectors[X, base : base + n])[2] > 0)
     solved = True
     for step in range(steps):
