@@ -44,6 +44,7 @@ from wrsim.simulation.implicit_step import ImplicitStep
 from wrsim.simulation.law import ConicalVehicleOnTrack, VehicleOnTrack
 from wrsim.simulation.placement import design_state, poses_on_track
 from wrsim.simulation.steady_state import SteadyMotion
+from wrsim.simulation.stepper import Stepper
 from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut
 from wrsim.vehicle.loads import Effort, Load, SlipControl
 from wrsim.vehicle.wheelset import Torsion
@@ -54,7 +55,7 @@ SMALL = {"strips": 6, "cells": 4, "friction": FRICTION}
 CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 CORE = str(Path(wrsim.core.__file__).parent)
-LAST_RESORT = {"_one_by_one", "_alone", "_take_turns", "_draw_edges", "_relax_factors", "_press_held", "rise"}
+LAST_RESORT = {"_one_by_one", "_alone", "_draw_edges", "_relax_factors", "_press_held", "rise"}
 """What the strip model does where Newton's method fails: half a minute without the compiler, hence only in full."""
 
 
@@ -243,6 +244,9 @@ def vehicle_cases() -> dict[str, list[float]]:
     conical = ConicalVehicleOnTrack(vehicle, law.track, wheels, speed=20.0, start=50.0)
     conical(0.01, q, q_t, out)
     found["conical"] = list(out)
+    bench = Stepper(apart, angles, rates, 1e-3, 1)
+    bench.step()
+    found["step with a deadline"] = list(bench.q)
     return found
 
 
