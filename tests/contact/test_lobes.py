@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support.contacts import PLAIN, RADIUS, bench, contact_model, contact_of, pair_model, settle
+from support.contacts import (
+    PLAIN,
+    RADIUS,
+    bench,
+    contact_model,
+    contact_of,
+    pair_model,
+    rail_profile,
+    settle,
+    wheel_profile,
+)
 
 from wrsim.contact.model import EPSILON
 from wrsim.contact.tables import combined_modulus
@@ -13,6 +23,7 @@ from wrsim.core.contact.records import FOUND, LOBE
 from wrsim.core.contact.search.lobes import couple, select_deepest
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import ProfileArc, circle, cone, profile_from_sections
+from wrsim.geometry.profile.wear import Removal, worn
 
 depths = st.floats(1e-6, 1e-3)
 shares = st.floats(0.0, 1.0)
@@ -136,3 +147,21 @@ def test_no_more_patches_than_wanted():
         settle(stand, 5.2e-3, 0.0, 60e3)
         lobes = contact_of(stand).patches
         assert len(lobes) == min(most, 2)
+
+
+def test_every_lobe_that_is_looked_at_carries_its_share():
+    """A furrowed wheel touches at six places and more; shallower ones carry less and take little from the others."""
+    random = np.random.default_rng(8)
+    furrows = [Removal("vertical", random.uniform(2e-5, 6e-5), c, 0.8e-3) for c in np.arange(-42e-3, 20e-3, 1.2e-3)]
+    profiles = worn(wheel_profile("S1002"), furrows, "furrowed"), rail_profile("60E1", 40)
+    usual = bench(contact_model(*profiles, normal="kik-piotrowski", **PLAIN), rolling=False)
+    height = settle(usual, -2.4e-3, 0.0, 60e3)[0].height
+    borne = []
+    for most in range(3, 7):
+        stand = bench(contact_model(*profiles, normal="kik-piotrowski", max_patches=most, **PLAIN), rolling=False)
+        stand.evaluate(-2.4e-3, height, 0.0, 0.0)
+        forces = contact_of(stand).patches["N"]
+        assert len(forces) == most and (forces > 0.0).all()
+        borne.append(forces.sum())
+    more = np.diff(borne)
+    assert (more > 0.0).all() and (np.diff(more) < 0.0).all()
