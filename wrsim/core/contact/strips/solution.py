@@ -2,8 +2,9 @@
 
 In a run the last contact is the first guess. Else Hertz's slanted ellipses, or wider ones, and Newton's method for all
 at once. If both fail, half lengths for given factors and edges (a monotone problem: strips leave and enter as they
-like), edges from the outer strips and factors from the second condition in turns before it. If that fails, too, strips
-count as not shifted along the rail."""
+like), edges from the outer strips and factors from the second condition in turns before it. If that fails, too, every
+grid is solved for alone, then they come to press each other down step by step. At last strips count as not shifted
+along the rail."""
 
 from math import inf
 from typing import NamedTuple
