@@ -41,7 +41,7 @@ class Stepper:
         rows, self._inertia = self._rows, inertia_table(law.bodies)
         self._own = np.zeros(1, kernel.STEP)
         own = self._own[0]
-        own.size, own.iterations = step, iterations
+        own.h, own.iterations = step, iterations
         own.alpha_m, own.alpha_f, own.beta, own.gamma = ALPHA_M, ALPHA_F, BETA, GAMMA
         own.q_of_q_tt, own.q_t_of_q_tt = by = changes(step)
         self.q, self.q_t = rows[kernel.Q], rows[kernel.Q_T]
@@ -71,7 +71,7 @@ class Stepper:
     @property
     def time(self) -> float:
         """Time since the start [s]."""
-        return float(self._own["size"][0] * self._own["steps"][0])
+        return float(self._own["h"][0] * self._own["steps"][0])
 
     @property
     def residual(self) -> tuple[float, float]:

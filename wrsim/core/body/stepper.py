@@ -17,7 +17,7 @@ from wrsim.core.body.vehicle_forces import vehicle_forces
 from wrsim.core.dense import multiply
 from wrsim.core.jit import Array, Ints, Records, kernel, record
 
-STEP = record("size alpha_m alpha_f beta gamma q_of_q_tt q_t_of_q_tt residual most", "iterations steps")
+STEP = record("h alpha_m alpha_f beta gamma q_of_q_tt q_t_of_q_tt residual most", "iterations steps")
 """Step [s], numbers of the method, changes of q and q_t for a change of q_tt (s2, s); norm of the residual
 forces ahead of the last correction, at this step and the most so far [N]; iterations of a step; steps done."""
 
@@ -36,7 +36,7 @@ def advance(
     """Take one step from the state in the rows; inverse: (size, size); inertia: records INERTIA of the bodies; block:
     (6, 6) scratch. Returns a status: that of ``vehicle_forces`` at the last evaluation, or NOT_FINITE."""
     own, n = step[0], rows.shape[1]
-    h, am, af = own.size, own.alpha_m, own.alpha_f
+    h, am, af = own.h, own.alpha_m, own.alpha_f
     a_of_q_tt = (1.0 - af) / (1.0 - am)
     trend = TREND if own.steps > 0 else 0.0
     for i in range(n):
