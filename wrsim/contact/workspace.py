@@ -13,7 +13,7 @@ from wrsim.core.contact.strips.records import X
 from wrsim.core.contact.wheel_rail import search, wheel_rail
 from wrsim.core.jit import Array, Records
 
-WARM_TOLERANCE = 1e-8  # of the strip model from its last contact, over the deepest penetration
+WARM_TOLERANCE = 1e-9  # of the strip model from its last contact, over the deepest penetration: that of a cold start
 ALIGNMENT = 8  # doubles: every array starts on a cache line of its own
 
 
