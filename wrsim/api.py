@@ -6,8 +6,9 @@ Files are written where ``output`` names a folder; messages of errors name optio
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 
     Given: TypeAlias = Result | str | Path
     Bar: TypeAlias = Callable[[], AbstractContextManager[Any]]
+
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +154,7 @@ def assess(
     names = names_apart(paths, Path()) if len(paths) == len(several) else [str(i + 1) for i in range(len(several))]
     settings = None if scenario is None else _scenario(scenario, ()).table(AssessmentSection).settings()
     loaded = [_read(each) for each in several]
-    with naming(*paths) if paths else nullcontext():
+    with naming(*paths):
         found = assessed(loaded, settings, names)
     files = [] if output is None else write_assessment(found, Path(output), pictures)
     return Outcome(assessment_numbers(found), assessment_dict(found), files, found)
@@ -191,7 +195,7 @@ def ride(
     from wrsim.scenario.sections.run import RideSection
 
     loaded, section = _read(result), None if scenario is None else _scenario(scenario, ()).table(RideSection)
-    with naming(*_paths(result)) if _paths(result) else nullcontext():
+    with naming(*_paths(result)):
         found = evaluate_ride(loaded, section)
     files = [] if output is None else write_ride(found, Path(output), pictures)
     return Outcome([found.table()], found.as_dict(), files, found)
@@ -339,7 +343,7 @@ def diff(
 
     names = tuple(str(g) if isinstance(g, str | Path) else g.title for g in (first, second))
     results, paths = (_read(first), _read(second)), _paths(first, second)
-    with naming(*paths) if paths else nullcontext():
+    with naming(*paths):
         found = differences(*results, only, tolerance)
     ends = other_ends(*results)
     files = [] if output is None else write_differences(found, results, names, Path(output))
@@ -537,7 +541,7 @@ def run_study(
     file: str | Path, output: str | Path | None = None, *, workers: int | None = None, scheduler: str | None = None,
     slurm: bool = False, tls: Path | None = None, retry: bool = False, dry_run: bool = False,
     models: Sequence[str | Path] = (), pictures: bool = True, force: bool = False, bar: Bar = _no_bar,
-    say: Callable[[str], None] = lambda words: None,
+    say: Callable[[str], None] = lambda words: None, warn: Callable[[str], None] = log.warning,
 ) -> Outcome:  # fmt: skip
     """Run a scenario many times with some keys varied; started again, only what is missing runs.
 
@@ -547,7 +551,7 @@ def run_study(
         Study file.
     output : str or Path, optional
         Folder; results/<name of the file> unless given. All others as of ``wrsim study``; say: takes words on its
-        progress, bar: gives a context with the callback of a progress bar.
+        progress, warn: a warning, bar: gives a context with the callback of a progress bar.
 
     Returns
     -------
@@ -565,7 +569,8 @@ def run_study(
     from wrsim.study.plan import planned
 
     directory = Path(output) if output else Path("results") / Path(file).stem
-    check_workers(workers, scheduler, slurm, tls)
+    for words in check_workers(workers, scheduler, slurm, tls):
+        warn(words)
     plan, reads = planned(Path(file), directory, list(models))
     if dry_run:
         numbers, table = estimate(plan, workers)
@@ -592,6 +597,7 @@ def run_wear(
     file: str | Path, output: str | Path | None = None, *, workers: int | None = None, scheduler: str | None = None,
     slurm: bool = False, tls: Path | None = None, models: Sequence[str | Path] = (), pictures: bool = True,
     force: bool = False, bar: Bar = _no_bar, say: Callable[[str], None] = lambda words: None,
+    warn: Callable[[str], None] = log.warning,
 ) -> Outcome:  # fmt: skip
     """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on.
 
@@ -618,7 +624,8 @@ def run_wear(
     from wrsim.study.evolution.steps import Step, wear_steps
 
     directory = Path(output) if output else Path("results") / Path(file).stem
-    check_workers(workers, scheduler, slurm, tls)
+    for words in check_workers(workers, scheduler, slurm, tls):
+        warn(words)
     evolution, reads = read_evolution(Path(file), list(models))
     steps: list[Step] = []
     with (

@@ -100,10 +100,7 @@ def study(
     """Run a scenario many times with some keys varied; start it again and only what is missing runs."""
     with reporting_errors(as_json):
         from wrsim.api import run_study
-        from wrsim.study.engine import check_workers
 
-        for warning in check_workers(workers, scheduler, slurm, tls):
-            console.print_error(warning)
         directory = output or Path("results") / file.stem
         found = run_study(
             file, directory, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, retry=retry, dry_run=dry_run,
@@ -123,9 +120,9 @@ def study(
 
 
 def _progress(mute: bool) -> dict[str, Any]:
-    """A bar and words on the progress of a study, unless mute."""
+    """A bar and words on the progress of a study, unless mute; warnings."""
     say = (lambda words: None) if mute else console.print_lines
-    return {"bar": partial(console.progress_bar, not mute), "say": say}
+    return {"bar": partial(console.progress_bar, not mute), "say": say, "warn": console.print_error}
 
 
 def wear(
@@ -144,10 +141,7 @@ def wear(
     """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on."""
     with reporting_errors(as_json):
         from wrsim.api import run_wear
-        from wrsim.study.engine import check_workers
 
-        for warning in check_workers(workers, scheduler, slurm, tls):
-            console.print_error(warning)
         directory = output or Path("results") / file.stem
         found = run_wear(
             file, directory, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, models=models or (),

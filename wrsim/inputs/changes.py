@@ -29,6 +29,17 @@ def key_path(dotted_key: str) -> KeyPath:
     return tuple(path)
 
 
+def leaves(tree: Any, key: str = "", *, lists: bool = True) -> Iterator[tuple[str, Any]]:
+    """All values in a tree of tables by their dotted keys. lists: of lists without tables each entry, else the list."""
+    for name, value in tree.items() if isinstance(tree, dict) else enumerate(tree):
+        inner = f"{key}[{name}]" if isinstance(tree, list) else f"{key}.{name}".removeprefix(".")
+        tables = isinstance(value, dict) or (isinstance(value, list) and any(isinstance(each, dict) for each in value))
+        if isinstance(value, dict | list) and value and (lists or tables):
+            yield from leaves(value, inner, lists=lists)
+        else:
+            yield inner, value
+
+
 def changed(data: Any, path: KeyPath, value: Any) -> Any:
     """A copy of a tree of tables with the value at a path from `found` replaced; missing tables are made."""
     if not path:

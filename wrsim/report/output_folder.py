@@ -93,12 +93,13 @@ def can_go_on(result: Result) -> bool:
 
 @contextmanager
 def naming(*results: Path) -> Iterator[None]:
-    """Name the results that cannot be used for what is done meanwhile, in one line; faults of options name these."""
+    """Name the results that cannot be used for what is done meanwhile, in one line; faults of options name these. No
+    results: words stay as they are."""
     try:
         yield
     except InputError as error:
         words = in_one_line(error)
-        if not words.startswith("--") and not any(str(path) in words for path in results):
+        if results and not words.startswith("--") and not any(str(path) in words for path in results):
             words = f"{', '.join(map(str, results))}: {words}"
         raise InputError(words) from None
 

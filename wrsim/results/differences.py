@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from wrsim.errors import InputError, suggest
+from wrsim.inputs.changes import leaves
 from wrsim.results.channels import PATCHES
 from wrsim.results.result import Result
 from wrsim.results.table import Column, Table, finite, quantity
@@ -74,24 +75,15 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
 def inputs_apart(one: Result, other: Result) -> list[str]:
     """Keys of the two scenarios whose values differ, and wheelsets that are matched under other names."""
     texts = [str(result.dataset.attrs.get("scenario_text", "")) for result in (one, other)]
-    first, second = (dict(_leaves(tomllib.loads(text))) for text in texts)
+    first, second = (
+        {key: value for key, value in leaves(tomllib.loads(text), lists=False) if value != {}} for text in texts
+    )
     keys = [key for key in dict.fromkeys((*first, *second)) if first.get(key) != second.get(key) and key != "title"]
     found = [f"{key}: {first.get(key, 'not given')} in A, {second.get(key, 'not given')} in B" for key in keys]
     names = [wheelsets(result.dataset) for result in (one, other)]
     if names[0] != names[1]:
         found.append(f"wheelsets are matched from the front: {', '.join(names[0])} and {', '.join(names[1])}")
     return [*found[:LISTED], *([f"... and {len(found) - LISTED} more keys"] if len(found) > LISTED else [])]
-
-
-def _leaves(tree: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Every value of a tree of tables by its dotted key."""
-    entries = tree.items() if isinstance(tree, dict) else enumerate(tree)
-    for key, value in entries:
-        here = f"{path}[{key}]" if isinstance(key, int) else f"{path}.{key}" if path else key
-        if isinstance(value, dict) or (isinstance(value, list) and any(isinstance(each, dict) for each in value)):
-            yield from _leaves(value, here)
-        else:
-            yield here, value
 
 
 def difference_table(found: Sequence[Deviation]) -> Table:

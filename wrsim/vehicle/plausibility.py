@@ -134,21 +134,16 @@ def _gyration(vehicle: Vehicle) -> Iterator[str]:
         if isinstance(part, Body):
             reach = max(abs(end[0] - part.centre[0]) for name, end in held if name == part.name) + OVERHANG
             most = (HALF_GAUGE, hypot(reach, HIGHEST), hypot(reach, 0.5 * HIGHEST))
-            what, mass, inertia, why = (
-                f"body '{part.name}'",
-                part.mass,
-                part.inertia,
-                "as far as any mass",
-            )
+            what, mass, inertia = f"body '{part.name}'", part.mass, part.inertia
         else:
             own = part.wheelset
             across = hypot(0.5 * own.profile_spacing + 0.5, own.mean_radius)
             most = (across, inf, across)  # inertia of gears and motors is often counted about the axle
-            what, mass, inertia, why = f"wheelset '{part.name}'", own.mass, own.inertia, "as far as any mass"
+            what, mass, inertia = f"wheelset '{part.name}'", own.mass, own.inertia
         for axis, value, limit in zip(WORDS[3:], inertia, most, strict=True):
             if (radius := (value / mass) ** 0.5) > limit:
                 words = f"radius of gyration of {what} {axis} is {radius:.4g} m ({value:.4g} kg m2, {mass:.4g} kg)"
-                yield f"{words}; plausible is up to {limit:.3g} m, {why}"
+                yield f"{words}; plausible is up to {limit:.3g} m, as far as any mass"
         sphere = 0.6 * (0.75 * mass / pi / DENSEST) ** (2 / 3)
         if (found := 0.5 * sum(inertia) / mass) < sphere:
             words = f"moments of inertia of {what} are those of a sphere of {(found / 0.6) ** 0.5:.3g} m of radius"

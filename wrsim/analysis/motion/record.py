@@ -8,7 +8,6 @@ files came to, and the versions that shape the numbers. A run goes on only where
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -18,6 +17,7 @@ import numpy as np
 
 import wrsim
 from wrsim.errors import InputError, in_one_line
+from wrsim.inputs.changes import leaves
 from wrsim.inputs.lookup import VARIABLE
 from wrsim.inputs.toml_files import parse_toml, read_bytes, shown_value
 from wrsim.results import versions
@@ -64,7 +64,7 @@ def _same_run(path: Path, now: dict[str, Any]) -> None:
     then = run_header(path)
     again = "run it without --resume to start from the beginning"
     texts = (parse_toml(of["scenario_text"], f"{path}: its scenario") for of in (then, now))
-    before, after = (dict(_entries(text)) for text in texts)
+    before, after = (dict(leaves(text)) for text in texts)
     for key in [*before, *after]:
         if before.get(key) != after.get(key):
             was, here = ("missing" if v is None else repr(v) for v in (before.get(key), after.get(key)))
@@ -76,16 +76,6 @@ def _same_run(path: Path, now: dict[str, Any]) -> None:
     if then["code"] != now["code"]:
         raise InputError(f"{path}: was computed by another state of wrsim's code: the numbers may differ; {again}")
     _same_models(path, then, now, again)
-
-
-def _entries(tree: Any, key: str = "") -> Iterator[tuple[str, Any]]:
-    """All values in a tree of tables by their dotted keys."""
-    for name, value in tree.items() if isinstance(tree, dict) else enumerate(tree):
-        inner = f"{key}[{name}]" if isinstance(tree, list) else f"{key}.{name}".removeprefix(".")
-        if isinstance(value, dict | list) and value:
-            yield from _entries(value, inner)
-        else:
-            yield inner, value
 
 
 def _same_models(path: Path, then: dict[str, Any], now: dict[str, Any], again: str) -> None:

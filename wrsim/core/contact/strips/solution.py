@@ -44,14 +44,14 @@ def solve(system, n, known, tolerance):
     memo.iterations = memo.factorisations = 0
     if known and newton(system, n, tolerance) and _sound(system, n):
         return SETTLED
-    for attempt in range(2):
+    for result in (SETTLED, STRAIGHT):
         for turns in (0, ROUNDS):
             for level in (0.0, WIDE):
                 if _at_once(system, n, level, turns) and _sound(system, n):
-                    return SETTLED if attempt == 0 else STRAIGHT
+                    return result
         for steps in COUPLINGS:
             if _one_by_one(system, n, steps) and _sound(system, n):
-                return SETTLED if attempt == 0 else STRAIGHT
+                return result
         if not memo.shifted:
             break
         memo.shifted = 0

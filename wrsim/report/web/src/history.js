@@ -1,4 +1,6 @@
 // Time histories beside the picture: one channel of the chosen wheelset or of a body over the place, with a cursor.
+import { painted } from "./canvas.js";
+
 const INK = "#222222", QUIET = "#6b6b6b", FAINT = "#e2e2e2";
 const COLOURS = ["#0072b2", "#d55e00"];
 const MARGIN = { left: 58, right: 12, top: 20, bottom: 32 };
@@ -35,14 +37,7 @@ export class History {
   }
 
   draw() {
-    const { canvas } = this, scale = devicePixelRatio || 1;
-    const width = canvas.clientWidth, height = canvas.clientHeight;
-    if (!width || !height) return;
-    canvas.width = width * scale;
-    canvas.height = height * scale;
-    const g = canvas.getContext("2d");
-    g.scale(scale, scale);
-    this.paint(g, width, height);
+    painted(this.canvas, (...to) => this.paint(...to));
   }
 
   paint(g, width, height) {

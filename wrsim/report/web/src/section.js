@@ -1,4 +1,6 @@
 // One wheel on its rail: the section to scale above, the patches closely beneath it.
+import { painted } from "./canvas.js";
+
 const INK = "#222222", QUIET = "#6b6b6b", RAIL = "#e4e7eb", WHEEL = "#f4efe4";
 const FORCES = { N: "#b00020", Y: "#0072b2", Q: "#00795c" };
 const WEAR = "#8e44adb0", WEAR_WORDS = "#6c2f87";
@@ -51,15 +53,7 @@ export class Section {
   }
 
   draw() {
-    const { canvas } = this;
-    const scale = devicePixelRatio || 1;
-    const width = canvas.clientWidth, height = canvas.clientHeight;
-    if (!width || !height) return;
-    canvas.width = width * scale;
-    canvas.height = height * scale;
-    const g = canvas.getContext("2d");
-    g.scale(scale, scale);
-    this.paint(g, width, height);
+    painted(this.canvas, (...to) => this.paint(...to));
   }
 
   paint(g, width, height) {
