@@ -26,6 +26,7 @@ _HOMES = {
     "assess": "wrsim.api",
     "ride": "wrsim.api",
     "conicity": "wrsim.api",
+    "profiles": "wrsim.api",
     "stationary": "wrsim.api",
     "diff": "wrsim.api",
     "export": "wrsim.api",

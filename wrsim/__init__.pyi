@@ -8,6 +8,7 @@ from wrsim.api import check as check
 from wrsim.api import conicity as conicity
 from wrsim.api import diff as diff
 from wrsim.api import export as export
+from wrsim.api import profiles as profiles
 from wrsim.api import read_recording as read_recording
 from wrsim.api import ride as ride
 from wrsim.api import run_study as run_study

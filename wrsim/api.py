@@ -248,6 +248,74 @@ def conicity(
     return Outcome(found.numbers(), numbers, write_conicity(found, Path(output), pictures) if output else [], found)
 
 
+def profiles(
+    files: str | Sequence[str], output: str | Path | None = None, *, kind: str | None = None,
+    cutoff: Sequence[float] = (), reference: str | None = None, on: str | None = None, gauge_mm: float = 1435.0,
+    flange_back_mm: float | None = None, inclination: str = "1:40", radius_mm: float = 460.0, load_kN: float = 60.0,
+    models: Sequence[str | Path] = (),
+) -> Outcome:  # fmt: skip
+    """Profiles as workshops measure them: Sh, Sd, qR and hollow of wheels, W1, W2, W3 of rails, one row each.
+
+    Parameters
+    ----------
+    files : str or sequence of str
+        Profile files, and folders of them: their files that cannot be read are named in the notes of the table.
+    output : str or Path, optional
+        Picture; of several profiles with a table (CSV) beside it.
+    reference : str, optional
+        The unworn profile: head wear of rails is measured against it.
+    on : str, optional
+        A rail (of wheels) or a wheel (of rails) for conicity and pressure. All others as of ``wrsim profile``.
+
+    Returns
+    -------
+    Outcome
+        ``found`` holds the profiles by their names.
+
+    Raises
+    ------
+    InputError
+        For profiles that cannot be used, and for options that do not go together.
+    """
+    from wrsim.analysis.conicity.pairs import Pairing
+    from wrsim.analysis.profiles import Partner, gathered, measured_tables, wheelsets_table
+    from wrsim.errors import InputError
+    from wrsim.geometry.profile.models import load_profile
+    from wrsim.inputs.lookup import model_file
+    from wrsim.report.outputs import draw_model, write_profiles
+    from wrsim.results.smoothing import body_of, profile_and_reports, smoothing_table
+    from wrsim.results.table import as_records
+
+    names, body = [files] if isinstance(files, str) else list(files), body_of(kind)
+    unworn, other = (None if name is None else load_profile(model_file(name, models)) for name in (reference, on))
+    pairing = Pairing((flange_back_mm or 1360.0) / 1e3, inclination, "none", list(map(Path, models)))
+    partner = None if other is None else Partner(other, pairing, gauge_mm / 1e3, radius_mm / 1e3, 1e3 * load_kN)
+    if alone := len(names) == 1 and not Path(names[0]).is_dir():
+        loaded, reports = profile_and_reports(names[0], kind, cutoff, models)
+        found, faults = {Path(names[0]).stem: loaded}, tuple[str, ...]()
+    elif cutoff:
+        raise InputError("--cutoff compares cut-offs of one file: give one, or describe each in a TOML file")
+    else:
+        found, faults = gathered(names, body, models)
+    tables = measured_tables(found, faults, unworn, partner)
+    numbers: dict[str, Any] = {f"{each}s": as_records(table) for each, table in tables.items()}
+    numbers |= {"notes": [note for table in tables.values() for note in table.notes]}
+    shown = [table for table in tables.values() if table.columns[1:] or not alone]
+    wheels = {name: profile for name, profile in found.items() if profile.kind == "wheel"}
+    if flange_back_mm is not None and (len(wheels) > 1 or partner is None):
+        shown.append(wheelsets_table(wheels, flange_back_mm / 1e3))
+        numbers["wheelsets"] = as_records(shown[-1])
+    if alone and reports:
+        shown.append(smoothing_table(reports))
+        numbers["smoothing"] = [report.numbers() for report in reports]
+    written: Sequence[Path] = ()
+    if output is not None and alone:
+        written = [draw_model("profile", Path(output), loaded, reports)]
+    elif output is not None:
+        written = write_profiles(found, tables, unworn, Path(output))
+    return Outcome(shown, numbers, written, found)
+
+
 def stationary(
     vehicle: Vehicle | str, *, cant_deficiency: float | None = None, twist: float | None = None,
     twist_test: bool = False, twists: tuple[float, float] | None = None, rotation_test: bool = False,

@@ -14,10 +14,10 @@ from support.runs import ROOT
 
 from wrsim.analysis import run
 from wrsim.analysis.conicity.conicity import conicity, equivalent_conicity
-from wrsim.analysis.conicity.pairs import conicity_map, profiles_of
+from wrsim.analysis.conicity.pairs import conicity_map
 from wrsim.analysis.conicity.rigid import rigid_contact
 from wrsim.errors import InputError
-from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.models import load_profile, profiles_in
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections
 from wrsim.results import Result
@@ -225,14 +225,18 @@ def test_only_the_play_counts_not_gauge_and_spacing_by_themselves():
     assert wide.conicity[0, 0] > 1.2 * wide.conicity[0, 1]  # S1002 on 60E1 falls with the gauge
 
 
-def test_a_folder_gives_its_profiles_of_a_kind(tmp_path):
-    assert list(profiles_of(SCANS, "wheel")) == ["wheel"]
-    assert list(profiles_of(SCANS, "rail")) == ["rail"]  # rail.toml describes rail.csv
+def test_a_folder_gives_its_profiles_of_a_kind_and_names_what_is_none(tmp_path):
+    assert list(profiles_in(SCANS, "wheel")[0]) == ["wheel"]
+    assert list(profiles_in(SCANS, "rail")[0]) == ["rail"]  # rail.toml describes rail.csv
+    assert list(profiles_in(SCANS, None)[0]) == ["rail", "wheel"]
     with pytest.raises(InputError, match=r"has no wheel profiles \(files that end in \.toml or \.ban"):
-        profiles_of(tmp_path, "wheel")
+        profiles_in(tmp_path, "wheel")
     (tmp_path / "broken.whl").write_text("no numbers\n")
-    with pytest.raises(InputError, match=r"broken\.whl"):
-        profiles_of(tmp_path, "wheel")
+    with pytest.raises(InputError, match=r"has no wheel profiles(?s:.*)broken\.whl"):
+        profiles_in(tmp_path, "wheel")
+    shutil.copy(SCANS / "wheel.whl", tmp_path)
+    found, faults = profiles_in(tmp_path, "wheel")
+    assert list(found) == ["wheel"] and len(faults) == 1 and "broken.whl" in faults[0]
 
 
 def command(*words: str) -> tuple[int, str]:

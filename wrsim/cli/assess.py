@@ -13,9 +13,12 @@ from wrsim.cli.options import (
     PICTURES,
     BesideResult,
     Force,
+    Gauge,
+    Inclination,
     Json,
     Models,
     Pictures,
+    Radius,
     ResultFile,
     SectionsOf,
     check_ending,
@@ -73,13 +76,13 @@ def conicity_command(
     rail: Annotated[
         str, typer.Argument(metavar="RAIL", help="Rail profile, such as rails/60E1.toml, or a folder of them.")
     ],
-    gauge_mm: Annotated[float, typer.Option(min=400.0, max=2000.0, help="14 mm below the rail tops.")] = 1435.0,
+    gauge_mm: Gauge = 1435.0,
     gauges_mm: Annotated[
         tuple[float, float, float] | None, typer.Option(metavar="FROM TO STEP", help="A map over the gauge instead.")
     ] = None,
     flange_back_mm: Annotated[float, typer.Option(min=300.0, max=1900.0, help="Between the flange backs.")] = 1360.0,
-    inclination: Annotated[str, typer.Option(help='Of the rails: 1:40, 1:20 ... or "none".')] = "1:40",
-    radius_mm: Annotated[float, typer.Option(min=100.0, max=1500.0, help="Of both wheels at the tape circle.")] = 460.0,
+    inclination: Inclination = "1:40",
+    radius_mm: Radius = 460.0,
     diameters_mm: Annotated[
         tuple[float, float] | None, typer.Option(metavar="LEFT RIGHT", help="In place of --radius-mm.")
     ] = None,

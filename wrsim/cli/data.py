@@ -13,9 +13,12 @@ from wrsim.cli.options import (
     PICTURES,
     BesideResult,
     Force,
+    Gauge,
+    Inclination,
     Json,
     Models,
     Pictures,
+    Radius,
     ResultFile,
     ScenarioFile,
     check_ending,
@@ -24,30 +27,48 @@ from wrsim.cli.options import (
 
 
 def profile(
-    file: Annotated[
-        str, typer.Argument(metavar="FILE", help="Wheel or rail profile: TOML or points, such as wheels/S1002.toml.")
+    files: Annotated[
+        list[str],
+        typer.Argument(metavar="FILE...", help="Profiles, TOML or points, such as wheels/S1002.toml; folders of them."),
     ],
     output: Annotated[Path | None, into(metavar="PNG|SVG|PDF", help="Default: <name of FILE>.png here.")] = None,
-    kind: Annotated[str | None, typer.Option(metavar="wheel|rail", help="For a file of two columns only.")] = None,
+    kind: Annotated[str | None, typer.Option(metavar="wheel|rail", help="For files of two columns only.")] = None,
     cutoff: Annotated[
         list[float] | None,
         typer.Option(metavar="MM", help="Smooth measured points, halving waves of this length; up to four to compare."),
     ] = None,
+    reference: Annotated[
+        str | None, typer.Option(metavar="FILE", help="Unworn profile: W1, W2, W3 of rails are measured against it.")
+    ] = None,
+    on: Annotated[
+        str | None, typer.Option(metavar="FILE", help="Rail of wheels, wheel of rails: conicity and p0 on it.")
+    ] = None,
+    gauge_mm: Gauge = 1435.0,
+    flange_back_mm: Annotated[
+        float | None,
+        typer.Option(
+            min=300.0, max=1900.0, help="Measured back to back: active faces of wheelsets; --on: 1360 if none."
+        ),
+    ] = None,
+    inclination: Inclination = "1:40",
+    radius_mm: Radius = 460.0,
+    load_kn: Annotated[float, typer.Option(min=1.0, max=500.0, help="Of a wheel, for p0.")] = 60.0,
     models: Models = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Draw a profile with its slope and curvature; of measured points also what smoothing did to them."""
-    with writing_files(as_json, force, Path(file)):
-        from wrsim.report.outputs import draw_model
-        from wrsim.results.smoothing import profile_and_reports, smoothing_table
+    """Draw and measure profiles: Sh, Sd, qR, hollow of wheels, wear of rail heads; what smoothing does to points."""
+    with writing_files(as_json, force, *map(Path, files)):
+        from wrsim.api import profiles
 
-        picture = output or Path(Path(file).stem + ".png")
+        picture = output or Path(Path(files[0]).resolve().stem + ".png")
         check_ending("-o", picture, *PICTURES)
-        loaded, reports = profile_and_reports(file, kind, cutoff or [], models)
-        files = [draw_model("profile", picture, loaded, reports)]
-        numbers = {"smoothing": [r.numbers() for r in reports]} if reports else {}
-        print_found(as_json, numbers, [smoothing_table(reports)] if reports else [], files)
+        found = profiles(
+            files, picture, kind=kind, cutoff=cutoff or (), reference=reference, on=on, gauge_mm=gauge_mm,
+            flange_back_mm=flange_back_mm, inclination=inclination, radius_mm=radius_mm, load_kN=load_kn,
+            models=models or (),
+        )  # fmt: skip
+        print_found(as_json, found.numbers, found.tables, found.files)
 
 
 def track(

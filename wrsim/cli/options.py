@@ -51,6 +51,9 @@ ResultFile = Annotated[
     Path,
     typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off (.part)."),
 ]
+Gauge = Annotated[float, typer.Option(min=400.0, max=2000.0, help="14 mm below the rail tops.")]
+Inclination = Annotated[str, typer.Option(help='Of the rails: 1:40, 1:20 ... or "none".')]
+Radius = Annotated[float, typer.Option(min=100.0, max=1500.0, help="Of both wheels at the tape circle.")]
 At = Annotated[
     list[str] | None,
     typer.Option("--at", metavar="PLACE", help="Contacts where the wheelset is there, in m, or of this pose only."),

@@ -1,4 +1,4 @@
-"""Picture of a profile: its shape at equal scales, slope and curvature beneath."""
+"""Pictures of a profile, with slope and curvature beneath, and of several over each other, with their measures."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from textwrap import shorten
 from typing import Any
 
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -16,7 +17,7 @@ from wrsim.geometry.profile.profile import Profile
 from wrsim.plots import theme
 from wrsim.plots.marks import minus, note, remark, right_axis
 from wrsim.results.smoothing import SmoothingReport
-from wrsim.results.table import formatted, quantity
+from wrsim.results.table import Table, formatted, quantity
 
 LINE = "#0072B2"
 LEFT, RIGHT, TOP, BOTTOM, GAP = 15.0, 15.0, 13.0, 10.0, 6.0
@@ -57,6 +58,54 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     panels[0].set_ylim(middle_w - 0.5 * up, middle_w + 0.5 * up)
     panels[-1].set_xlabel("Outward u [mm]")
     figure.align_ylabels(panels)
+    return figure
+
+
+FINEST = 0.1  # reading of a gauge: measures that differ by less are drawn beside each other [mm]
+ROW, SHEET, NAMES = 4.0, 200.0, 34.0
+"""Height of a row of measures, largest height of all, width of names beside them, mm."""
+
+
+@theme.style()
+def profiles_figure(profiles: Sequence[Profile], table: Table, unworn: Profile | None = None) -> Figure:
+    """Profiles over each other at equal scales, the unworn one dashed; beneath what was measured of each, a row of the
+    table a profile and a panel a column."""
+    every = [*profiles, *([unworn] if unworn is not None else [])]
+    corner = 1e3 * np.array([min(p.u.min() for p in every), min(p.w.min() for p in every)]) - 2.0
+    across, up = (
+        1e3 * np.array([max(p.u.max() for p in every), max(p.w.max() for p in every)]) + 2.0 - corner
+    ).tolist()
+    width = theme.full_width() - LEFT - 4.0
+    height = min(width * up / across, TALLEST)
+    rows, measures = len(profiles), table.columns[1:]
+    sheet = min(ROW * rows, SHEET)
+    beneath = sheet + 12.0 if measures else 0.0
+    figure = theme.new_figure(theme.full_width(), TOP + height + BOTTOM + beneath, constrained=False)
+    many = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.95, rows))
+    colours = many if rows > len(theme.SERIES_COLOURS) else theme.SERIES_COLOURS[:rows]
+    words = f"{rows} {profiles[0].kind} profiles" + (f", dashed: {unworn.name}" if unworn is not None else "")
+    theme.headline(figure, words)
+    shape = theme.mm_axes(figure, LEFT, TOP - 4.0, width, height)
+    for profile, colour in zip(profiles, colours, strict=True):
+        shape.plot(1e3 * profile.u, 1e3 * profile.w, color=colour, linewidth=0.8)
+    if unworn is not None:
+        shape.plot(1e3 * unworn.u, 1e3 * unworn.w, color=theme.INK, linewidth=0.8, linestyle=(0, (4, 2)))
+    shape.set(aspect="equal", xlim=(corner[0], corner[0] + across), ylim=(corner[1], corner[1] + up))
+    shape.set(xlabel="Outward u [mm]", ylabel="Height w [mm]")
+    places = np.arange(rows)
+    each = (theme.full_width() - NAMES - 4.0) / max(len(measures), 1)
+    for i, column in enumerate(measures):
+        axes = theme.mm_axes(figure, NAMES + i * each, TOP + height + 14.0, each - 7.0, sheet)
+        values = np.array([np.nan if row[i + 1] is None else row[i + 1] for row in table.rows], dtype=float)
+        axes.scatter(values, places, c=colours, s=10.0, zorder=3.0, clip_on=False)
+        axes.set(ylim=(rows - 0.5, -0.5), title=column.heading)
+        axes.set_yticks(places, [shorten(str(row[0]), 26, placeholder="...") for row in table.rows] if i == 0 else [])
+        axes.tick_params(labelsize=min(6.5, 1.6 * sheet / rows))
+        axes.xaxis.set_major_locator(MaxNLocator(3))
+        low, high = np.nanmin(values, initial=np.inf), np.nanmax(values, initial=-np.inf)
+        if column.unit == "mm" and 0.0 <= high - low < FINEST:
+            axes.set_xlim(low - FINEST, high + FINEST)
+        axes.margins(x=0.15)
     return figure
 
 

@@ -18,7 +18,7 @@ from wrsim.plots.compare import has_curves, overlay_figure, patches_figure, valu
 from wrsim.plots.conicity import conicity_map_figure
 from wrsim.plots.cross_section import has_outlines
 from wrsim.plots.drawing import Makers, save_all
-from wrsim.plots.profile import profile_figure
+from wrsim.plots.profile import profile_figure, profiles_figure
 from wrsim.plots.ride import ride_figures
 from wrsim.plots.track import track_figure
 from wrsim.plots.vehicle import loops_figure, vehicle_figure
@@ -29,13 +29,14 @@ from wrsim.results.differences import Deviation, difference_table
 from wrsim.results.files import KEEPER, as_csv, as_json, write_atomically
 from wrsim.results.moments import has_patches, moments_at
 from wrsim.results.ride import Ride
-from wrsim.results.table import as_rows, quantity
+from wrsim.results.table import Table, as_rows, quantity
 from wrsim.results.tables import tables
 from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 
 if TYPE_CHECKING:
     from wrsim.analysis.compare import Comparison
     from wrsim.analysis.stationary.loops import RotationTest, TwistTest
+    from wrsim.geometry.profile.profile import Kind, Profile
     from wrsim.recording.restoring import Restored
     from wrsim.results import Result
     from wrsim.vehicle.vehicle import Vehicle
@@ -152,6 +153,20 @@ MODELS: dict[str, Callable[..., Figure]] = {
 def draw_model(kind: str, picture: Path, *model: object) -> Path:
     """Draw a profile with slope and curvature, a track or a vehicle."""
     return save(MODELS[kind](*model), picture)
+
+
+def write_profiles(
+    profiles: Mapping[str, Profile], tables: Mapping[Kind, Table], unworn: Profile | None, picture: Path
+) -> list[Path]:
+    """Profiles over each other and what was measured of them: a picture, and a table (CSV) beside it; of wheels and of
+    rails where there are both."""
+    files = []
+    for kind, table in tables.items():
+        path = picture if len(tables) == 1 else picture.with_stem(f"{picture.stem}_{kind}s")
+        files.append(write_atomically(path.with_suffix(".csv"), as_csv(as_rows(table))))
+        like = unworn if unworn is not None and unworn.kind == kind else None
+        files.append(save(profiles_figure([p for p in profiles.values() if p.kind == kind], table, like), path))
+    return files
 
 
 def draw_loops(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest], path: Path) -> Path:

@@ -89,24 +89,29 @@ def smoothing_table(reports: Sequence[SmoothingReport]) -> Table:
     return Table(f"{found[0]['points']} points, which scatter by {spread} across the curve", heads, rows)
 
 
+def body_of(kind: str | None) -> Kind | None:
+    """The body of ``--kind``. Raises InputError."""
+    if kind not in KINDS:
+        raise InputError(f"--kind {kind}: must be wheel or rail")
+    return KINDS[kind]
+
+
 def profile_and_reports(
     name: str, kind: str | None, cutoffs: Sequence[float], models: Sequence[str | Path] | None
 ) -> tuple[Profile, tuple[SmoothingReport, ...]]:
     """The profile of a file, and a report for every cut-off [mm]; of measured points also without any asked for. Raises
     InputError for a file that holds no points, and for cut-offs that cannot be."""
-    if kind not in KINDS:
-        raise InputError(f"--kind {kind}: must be wheel or rail")
-    file = model_file(name, models)
+    body, file = body_of(kind), model_file(name, models)
     for value in cutoffs:
         if not 0.0 < value <= 100.0:
             raise InputError(f"--cutoff {value:g}: must be a number above 0 and at most 100 (mm)")
     if len(cutoffs) > MOST_CUTOFFS:
         raise InputError(f"--cutoff: {len(cutoffs)} of them; must be at most {MOST_CUTOFFS}")
-    reading = load_points(file, KINDS[kind])
+    reading = load_points(file, body)
     if reading is None and cutoffs:
         raise InputError(f"{file}: is a shape by formula, with no points to smooth: leave --cutoff out")
     if reading is None or not (cutoffs or reading.measured):
-        return load_profile(file, KINDS[kind]) if reading is None else reading.profile(), ()
+        return load_profile(file, body) if reading is None else reading.profile(), ()
     readings = [replace(reading, measured=True, cutoff=1e-3 * value) for value in dict.fromkeys(cutoffs)]
     reports = tuple(report_smoothing(r) for r in readings or [reading])
     return reports[0].profile, reports

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from math import radians
 from pathlib import Path
 from typing import Annotated
@@ -12,9 +13,8 @@ import numpy as np
 
 from wrsim.analysis.conicity.conicity import conicity
 from wrsim.errors import InputError
-from wrsim.geometry.profile.files import PROFILE_FILES
 from wrsim.geometry.profile.flange import BACK
-from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.models import load_profile, profiles_in
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.inputs.checking import check_value
 from wrsim.inputs.lookup import model_file
@@ -73,17 +73,20 @@ class Pairing:
 
     def map(self, wheel: str, rail: str, gauges_mm: tuple[float, float, float], radius: float) -> ConicityMap:
         """A map of profiles or folders of them over gauges (first, last, step) [mm]; radius at the tape circle [m]."""
-        rails = {name: p.inclined(self.slope) for name, p in self._profiles(rail, "rail").items()}
-        wheels, gauges = self._profiles(wheel, "wheel"), [g / 1e3 for g in _gauges(*gauges_mm)]
-        title = f"{wheel} on {rail}{self.inclined}"
-        return conicity_map(wheels, rails, gauges, self.spacing, radius, self.roll, title)
+        (rails, bad), (wheels, worse) = self._profiles(rail, "rail"), self._profiles(wheel, "wheel")
+        rails, gauges = {n: p.inclined(self.slope) for n, p in rails.items()}, [g / 1e3 for g in _gauges(*gauges_mm)]
+        found = conicity_map(
+            wheels, rails, gauges, self.spacing, radius, self.roll, f"{wheel} on {rail}{self.inclined}"
+        )
+        return replace(found, reasons=(*worse, *bad, *found.reasons))
 
     def _profile(self, name: str, kind: Kind) -> Profile:
         return load_profile(model_file(name, self.models), kind)
 
-    def _profiles(self, name: str, kind: Kind) -> dict[str, Profile]:
-        """One profile by the name of its file, or those of a folder."""
-        return profiles_of(Path(name), kind) if Path(name).is_dir() else {Path(name).stem: self._profile(name, kind)}
+    def _profiles(self, name: str, kind: Kind) -> tuple[dict[str, Profile], tuple[str, ...]]:
+        """One profile by the name of its file, or those of a folder; what is wrong with others there."""
+        folder = Path(name)
+        return profiles_in(folder, kind) if folder.is_dir() else ({folder.stem: self._profile(name, kind)}, ())
 
 
 def _gauges(low: float, high: float, step: float) -> list[float]:
@@ -124,20 +127,3 @@ def conicity_map(
             # None becomes not-a-number
             values[:, i, j] = np.array([found["equivalent_conicity"]["3_mm"], found["nonlinearity_per_mm"]], float)
     return ConicityMap(pairs, tuple(gauges), values[0], values[1], tuple(reasons), title)
-
-
-def profiles_of(folder: Path, kind: Kind) -> dict[str, Profile]:
-    """Profiles of a kind in a folder, by the names of their files without ending.
-
-    Profile files (TOML) and files of points; of files that share a name without ending the TOML file, which describes
-    the points. Raises InputError where there are none, and for a file that cannot be read.
-    """
-    endings = {ending: of for form in PROFILE_FILES.values() for ending, of in form.suffixes.items()}
-    files = {f.stem: f for f in sorted(folder.iterdir()) if endings.get(f.suffix.lower(), kind) in (None, kind)}
-    files = {stem: file for stem, file in files.items() if file.suffix.lower() in endings}
-    files |= {f.stem: f for f in sorted(folder.glob("*.toml"))}
-    loaded = {stem: load_profile(f, None if f.suffix == ".toml" else kind) for stem, f in sorted(files.items())}
-    found = {stem: profile for stem, profile in loaded.items() if profile.kind == kind}
-    if not found:
-        raise InputError(f"{folder}: has no {kind} profiles (files that end in .toml or {' '.join(sorted(endings))})")
-    return found

@@ -1,4 +1,4 @@
-"""Dimensions of a wheel's flange: thickness Sd, height Sh, and qR for its steepness (EN 15313, UIC 510-2)."""
+"""Dimensions of a wheel: flange thickness Sd, height Sh, qR for its steepness (EN 15313, UIC 510-2); tread hollow."""
 
 from __future__ import annotations
 
@@ -46,3 +46,10 @@ def _face_at(wheel: Profile, tip: int, level: float) -> float:
         raise InputError(f"profile '{wheel.name}': its flange has no face at {1e3 * level:.4g} mm")
     arc = wheel.root_in_interval(1, np.array(level), np.array(tip + int(beyond[0]) - 1))
     return float(wheel.at(arc)[0])
+
+
+def tread_hollow(wheel: Profile) -> float:
+    """Depth of the hollow: how far the tread's outer part lies nearer to the rail than the tread between it and the
+    flange, at most [m]; zero where the profile rises from the tip of the flange to the field side, as new ones do."""
+    w = wheel.w[int(np.argmin(wheel.w)) :]
+    return float((np.maximum.accumulate(w) - w).max())

@@ -13,9 +13,9 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from wrsim.errors import InputError
+from wrsim.errors import InputError, in_one_line
 from wrsim.geometry.profile.file_kinds import MM, Coordinate, PointsFile, ProfileFile, ShapeFile
-from wrsim.geometry.profile.files import Reading, read_points
+from wrsim.geometry.profile.files import PROFILE_FILES, Reading, read_points
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.geometry.profile.wear import AnyRemoval, DepthTable, Direction, Removal, worn
 from wrsim.inputs.checking import check_section, opened
@@ -147,6 +147,31 @@ def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
         if isinstance(model, PointsFile):
             raise  # names the file of points
         raise InputError(f"{path}: {error}") from None
+
+
+def profiles_in(folder: Path, kind: Kind | None) -> tuple[dict[str, Profile], tuple[str, ...]]:
+    """Profiles of a kind, or of both, in a folder by the names of their files without ending; faults of other files.
+
+    Profile files (TOML) and files of points; of files that share a name without ending the TOML file, which describes
+    the points. Raises InputError where there are none.
+    """
+    endings = {ending: of for form in PROFILE_FILES.values() for ending, of in form.suffixes.items()}
+    files = {f.stem: f for f in sorted(folder.iterdir()) if f.suffix.lower() in endings}
+    files = {stem: f for stem, f in files.items() if kind is None or endings[f.suffix.lower()] in (None, kind)}
+    files |= {f.stem: f for f in sorted(folder.glob("*.toml"))}
+    found, faults = {}, list[str]()
+    for stem, file in sorted(files.items()):
+        try:
+            profile = load_profile(file, None if file.suffix == ".toml" else kind)
+        except InputError as error:
+            faults.append(in_one_line(error))
+            continue
+        if kind in (None, profile.kind):
+            found[stem] = profile
+    if not found:
+        head = f"{folder}: has no {kind or 'wheel or rail'} profiles"
+        raise InputError("\n".join((f"{head} (files that end in .toml or {' '.join(sorted(endings))})", *faults)))
+    return found, tuple(faults)
 
 
 def load_points(path: str | Path, kind: Kind | None = None) -> Reading | None:

@@ -234,6 +234,10 @@ class Profile:
 
     def gauge_point(self, depth: float | None = None) -> tuple[float, float]:
         """Point (u, w) of a rail's gauge side, ``depth`` below its top (`gauge_depth` by default), m."""
+        return self._point(self.gauge_arclength(depth))
+
+    def gauge_arclength(self, depth: float | None = None) -> Array:
+        """Arclength of the gauge point, m. Raises InputError where there is none."""
         depth = self.gauge_depth if depth is None else depth
         if self.kind != "rail":
             raise self._fault(f"is of a {self.kind}; only rails have a gauge point")
@@ -243,7 +247,7 @@ class Profile:
             reach = self.top[1] - self.w[self.arclength <= self.top_arclength].min()
             deep = f"its gauge side (negative u) goes {1e3 * reach:.4g} mm deep"
             raise self._fault(f"no gauge point {1e3 * depth:g} mm below the top; {deep}")
-        return self._point(self.root_in_interval(1, np.array(level), np.array(below[-1])))
+        return self.root_in_interval(1, np.array(level), np.array(below[-1]))
 
     def shifted(self, du: float = 0.0, dw: float = 0.0) -> Profile:
         """Moved by du outward and dw up, m."""

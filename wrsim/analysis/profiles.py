@@ -1,0 +1,154 @@
+"""Profiles as workshops measure them, one row each: dimensions of wheels, head wear of rails, conicity and pressure of
+each on a common partner; distances of the active faces of wheelsets."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from wrsim.analysis.conicity.pairs import Pairing, conicity_map
+from wrsim.analysis.poses.static import contact_map
+from wrsim.errors import InputError
+from wrsim.geometry.profile.flange import flange_dimensions, tread_hollow
+from wrsim.geometry.profile.head_wear import head_wear
+from wrsim.geometry.profile.models import load_profile, profiles_in
+from wrsim.geometry.profile.profile import KINDS, Kind, Profile
+from wrsim.inputs.lookup import model_file
+from wrsim.results.table import Cell, Column, Table, quantity
+
+MEASURES = {"wheel": ("Sh", "Sd", "qR", "hollow"), "rail": ("W1", "W2", "W3")}
+SIDE = re.compile(r"(?<![a-z0-9])(left|right|l|r)(?![a-z0-9])", re.IGNORECASE)  # in the name of a file
+
+
+@dataclass(frozen=True)
+class Partner:
+    """What profiles are paired with: wheels or rails like this one, on or under both sides.
+
+    gauge: of the track, radius: of the wheels at the tape circle [m]; load: of a wheel, for p0 [N].
+    """
+
+    profile: Profile
+    pairing: Pairing
+    gauge: float
+    radius: float
+    load: float
+
+    def words(self) -> str:
+        """The pair, for notes."""
+        where = "on" if self.profile.kind == "rail" else "under"
+        sizes = (
+            f"gauge {quantity(1e3 * self.gauge, 'mm', '.6g')}, wheel radius {quantity(1e3 * self.radius, 'mm', 'g')}"
+        )
+        load = f"p0 of a centred wheelset, wheel load {quantity(1e-3 * self.load, 'kN', 'g')}"
+        return f"{where} {self.profile.name}{self.pairing.inclined}, both sides alike: {sizes}; {load}"
+
+    def values(self, profiles: Mapping[str, Profile]) -> tuple[list[tuple[float, float]], tuple[str, ...]]:
+        """Equivalent conicity at 3 mm and p0 [MPa] of every profile, not-a-number where there is none; reasons."""
+        slope, own = self.pairing.slope, {self.profile.name: self.profile}
+        wheels, rails = (profiles, own) if self.profile.kind == "rail" else (own, profiles)
+        rails = {name: rail.inclined(slope) for name, rail in rails.items()}
+        spacing = self.pairing.spacing
+        found = conicity_map(wheels, rails, [self.gauge], spacing, self.radius, self.pairing.roll)
+        pressures = [self._pressure(wheels[wheel], rails[rail]) for wheel, rail in found.pairs]
+        return list(zip(found.conicity[:, 0].tolist(), pressures, strict=True)), found.reasons
+
+    def _pressure(self, wheel: Profile, rail: Profile) -> float:
+        placed = {"gauge": self.gauge, "profile_spacing": self.pairing.spacing, "rolling": False}
+        try:
+            found = contact_map(wheel, rail, self.radius, 0.0, loads=self.load, **placed)  # type: ignore[arg-type]
+        except InputError:
+            return np.nan  # as is the conicity, with the reason
+        return 1e-6 * float(found["p0"].max())
+
+
+def gathered(
+    names: Sequence[str], kind: Kind | None, models: Sequence[str | Path] = ()
+) -> tuple[dict[str, Profile], tuple[str, ...]]:
+    """Profiles of files and of folders, by the names of their files without ending; faults of files of folders."""
+    found, faults = dict[str, Profile](), list[str]()
+    for name in names:
+        if (folder := Path(name)).is_dir():
+            inside, bad = profiles_in(folder, kind)
+            faults += bad
+        else:
+            inside = {folder.stem: load_profile(model_file(name, models), kind)}
+        found |= {f"{name}: {stem}" if stem in found else stem: profile for stem, profile in inside.items()}
+    return found, tuple(faults)
+
+
+def measured_tables(
+    profiles: Mapping[str, Profile], faults: Sequence[str], unworn: Profile | None, partner: Partner | None
+) -> dict[Kind, Table]:
+    """What is measured, a table a kind: Sh, Sd, qR, hollow of wheels, W1, W2, W3 of rails against the unworn one [mm];
+    conicity and pressure with a partner. What cannot be measured is a gap, with its reason in the notes.
+
+    Raises InputError for an unworn profile or a partner that has no use.
+    """
+    kinds = {profile.kind for profile in profiles.values()}
+    if unworn is not None and unworn.kind not in kinds:
+        raise InputError(f"--reference: {unworn.name} is a {unworn.kind}, and none of the profiles is")
+    if partner is not None and kinds == {partner.profile.kind}:
+        raise InputError(f"--on: {partner.profile.name} is a {partner.profile.kind} like the profiles")
+    tables = dict[Kind, Table]()
+    for kind in KINDS:
+        if own := {name: profile for name, profile in profiles.items() if profile.kind == kind}:
+            tables[kind] = _table(kind, own, unworn, partner)
+    first = next(iter(tables))
+    return tables | {first: replace(tables[first], notes=(*tables[first].notes, *faults))}
+
+
+def _table(kind: Kind, profiles: Mapping[str, Profile], unworn: Profile | None, partner: Partner | None) -> Table:
+    against = unworn if unworn is not None and unworn.kind == kind else None
+    names, notes = MEASURES[kind], list[str]()
+    if kind == "rail" and against is None:
+        names, notes = (), ["W1, W2, W3 are measured against the unworn rail: --reference rails/60E1.toml"]
+    elif kind == "rail" and against is not None:
+        notes = [f"against {against.name}; W2 {quantity(1e3 * against.gauge_depth, 'mm', 'g')} below its top"]
+    rows: list[list[Cell]] = []
+    for name, profile in profiles.items():
+        try:
+            own = _measures(profile, against) if names else ()
+        except InputError as error:
+            notes.append(f"{name}: {error}")
+            own = (np.nan,) * len(names)
+        rows.append([name, *(1e3 * value for value in own)])
+    columns = [Column(kind, key=kind), *(Column(name, "mm", ".2f", f"{name}_mm") for name in names)]
+    if partner is not None and partner.profile.kind != kind:
+        values, reasons = partner.values(profiles)
+        rows = [[*row, *pair] for row, pair in zip(rows, values, strict=True)]
+        columns.append(Column("tan γe, 3 mm", "", ".3f", "equivalent_conicity_3_mm"))
+        columns.append(Column("p0", "MPa", ".0f", "p0_MPa"))
+        notes += [partner.words(), *reasons]
+    return Table("", tuple(columns), rows, tuple(notes))
+
+
+def _measures(profile: Profile, unworn: Profile | None) -> tuple[float, ...]:
+    if profile.kind == "wheel" or unworn is None:
+        flange = flange_dimensions(profile)
+        return flange.height, flange.thickness, flange.steepness, tread_hollow(profile)
+    wear = head_wear(profile, unworn)
+    return wear.vertical, wear.lateral, wear.corner
+
+
+def wheelsets_table(profiles: Mapping[str, Profile], flange_back: float) -> Table:
+    """Distance of the active faces SR = back to back + Sd left + Sd right [mm] of wheels whose names differ by their
+    side alone (axle1_left, axle1_right), or of the only two. Raises InputError where there are none."""
+    groups = defaultdict[str, list[str]](list)
+    for name in profiles:
+        groups[SIDE.sub("", name).strip("_-. ") if SIDE.search(name) else name].append(name)
+    pairs = {name: own for name, own in groups.items() if len(own) == 2}
+    if not pairs and len(profiles) == 2:
+        pairs = {" / ".join(profiles): list(profiles)}
+    if not pairs:
+        raise InputError("--flange-back-mm: needs two wheels, or names of files such as axle1_left, axle1_right")
+    rows = []
+    for name, own in pairs.items():
+        faces = sum(flange_dimensions(profiles[side]).thickness for side in own)
+        rows.append((name, 1e3 * flange_back, 1e3 * (flange_back + faces)))
+    heads = (Column("wheelset", key="wheelset"), Column("back to back", "mm", ".2f", "flange_back_mm"))
+    return Table("", (*heads, Column("active faces SR", "mm", ".2f", "SR_mm")), rows)
