@@ -227,7 +227,7 @@ def _service(path: Path) -> Path:
         "wheel": "S1002",
         "conicity_amplitude_m": 0.003,
     }
-    about |= {"service_text": "", "cases_text": "", "scenario_text": ""}
+    about |= {"evolution_text": "", "cases_text": "", "scenario_text": ""}
     return write_netcdf(
         path, xr.Dataset(own | of_profile | {"unworn_u": ("place", np.arange(5.0), {"units": "m"})}, attrs=about)
     )

@@ -24,7 +24,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from wrsim.errors import InputError
-from wrsim.recording.reading import read_recording
+from wrsim.recording.reading import recording_from
 from wrsim.recording.restoring import restore
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
@@ -145,7 +145,7 @@ def read(folder: Path, own: Path) -> None:
         read_evolution(copy.with_name("coach_service.toml" if own.stem == "coach" else "service.toml"), models)
     elif kind == "recorded":
         table = copy.with_suffix(".csv")
-        restore(read_recording(table, copy.with_suffix(".toml"), part=(None, None)), (3.0, 70.0), 8.0)
+        restore(recording_from(table, copy.with_suffix(".toml"), part=(None, None)), (3.0, 70.0), 8.0)
     else:
         user, keys = user_of(ROOT / own)
         scenario = load(folder / user.relative_to(ROOT), models)

@@ -46,7 +46,7 @@ wrsim keys --schema > scenario.schema.json
 ```
 
 `wrsim keys --file vehicle --schema` gives that of vehicle files; there are also `wheelset`, `train`, `track`,
-`profile` (wheels and rails), `columns` (of a recording), `study` and `service`. Keys that go together, such as one
+`profile` (wheels and rails), `columns` (of a recording), `study` and `evolution`. Keys that go together, such as one
 radius or two, are beyond a schema: `wrsim check FILE` reports them.
 """
 
@@ -105,7 +105,7 @@ SCENARIOS = """# Scenarios that come with wrsim
 
 Files in the folder `scenarios` with their titles. Comments in each file explain its keys; `base = "other.toml"`
 starts a scenario from another one. `wrsim run` takes scenarios, `wrsim study` the studies and `wrsim wear` the
-services.
+profile evolutions.
 
 | file | title |
 |---|---|

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from markupsafe import Markup
 
+from wrsim.errors import INTERRUPTED, STOPPED, InputError
 from wrsim.results.table import Table, as_html, as_text
 
 if TYPE_CHECKING:
@@ -36,7 +37,8 @@ class Outcome:
     """What a function found.
 
     tables: for people, printed and shown in notebooks; numbers: the same as plain records, as of ``--json``; files:
-    that were written; found: the object behind; code: exit code of the command, 0 where all went well.
+    that were written; found: the object behind; code: exit code of the command, 0 where all went well; folder: of the
+    files, where they share one; lines: that follow the tables.
     """
 
     tables: Sequence[Table]
@@ -44,9 +46,11 @@ class Outcome:
     files: Sequence[Path] = ()
     found: Any = None
     code: int = 0
+    folder: Path | None = None
+    lines: Sequence[str] = ()
 
     def __repr__(self) -> str:
-        return "\n".join(filter(None, (as_text(self.tables), *map(str, self.files))))
+        return "\n".join(filter(None, (as_text(self.tables), *self.lines, *map(str, self.files))))
 
     def _repr_html_(self) -> str:
         return Markup("<div>{}</div>").format(Markup("").join(map(as_html, self.tables)))
@@ -76,6 +80,19 @@ def _scenario(given: Scenario | str | Path, models: Sequence[str | Path]) -> Sce
     from wrsim.scenario.loading import Scenario, load
 
     return given if isinstance(given, Scenario) else load(given, models)
+
+
+@contextmanager
+def _no_bar() -> Iterator[Callable[[float, float], None]]:
+    yield lambda fraction, seconds_left: None
+
+
+def exit_code(result: Result) -> int:
+    """Of a command: 0 for a run that came to its end, else 3, and 130 where Ctrl-C stopped it."""
+    if result.status == "completed":
+        return 0
+    interrupted = result.dataset.attrs.get("stop_cause") == "interrupt"
+    return INTERRUPTED if interrupted or result.stop_reason.startswith("interrupted") else STOPPED
 
 
 def check(scenario: Scenario | str | Path, values: Sequence[str] = (), models: Sequence[str | Path] = ()) -> Outcome:
@@ -143,7 +160,7 @@ def assess(
     InputError
         For results that are no runs, or not of one vehicle.
     """
-    from wrsim.analysis.assessment import assess as assessed
+    from wrsim.analysis.assessment import assess_runs
     from wrsim.report.output_folder import names_apart, naming
     from wrsim.report.outputs import write_assessment
     from wrsim.results.assessment import assessment_dict, assessment_numbers
@@ -151,13 +168,14 @@ def assess(
 
     several = _several(results)
     paths = _paths(*several)
-    names = names_apart(paths, Path()) if len(paths) == len(several) else [str(i + 1) for i in range(len(several))]
+    names = names_apart(paths) if len(paths) == len(several) else [str(i + 1) for i in range(len(several))]
     settings = None if scenario is None else _scenario(scenario, ()).table(AssessmentSection).settings()
     loaded = [_read(each) for each in several]
     with naming(*paths):
-        found = assessed(loaded, settings, names)
-    files = [] if output is None else write_assessment(found, Path(output), pictures)
-    return Outcome(assessment_numbers(found), assessment_dict(found), files, found)
+        found = assess_runs(loaded, settings, names)
+    folder = None if output is None else Path(output)
+    files = [] if folder is None else write_assessment(found, folder, pictures)
+    return Outcome(assessment_numbers(found), assessment_dict(found), files, found, folder=folder)
 
 
 def ride(
@@ -197,8 +215,9 @@ def ride(
     loaded, section = _read(result), None if scenario is None else _scenario(scenario, ()).table(RideSection)
     with naming(*_paths(result)):
         found = evaluate_ride(loaded, section)
-    files = [] if output is None else write_ride(found, Path(output), pictures)
-    return Outcome([found.table()], found.as_dict(), files, found)
+    folder = None if output is None else Path(output)
+    files = [] if folder is None else write_ride(found, folder, pictures)
+    return Outcome([found.table()], found.as_dict(), files, found, folder=folder)
 
 
 def conicity(
@@ -226,7 +245,6 @@ def conicity(
         For profiles that cannot be used, and for options that do not go together.
     """
     from wrsim.analysis.conicity.pairs import Pairing
-    from wrsim.errors import InputError
     from wrsim.report.outputs import write_conicity, write_conicity_map
     from wrsim.results.conicity import conicity_numbers
     from wrsim.results.table import as_records
@@ -348,7 +366,6 @@ def stationary(
         For a vehicle file that cannot be used, and for options that do not go together.
     """
     from wrsim.analysis.stationary import at_rest
-    from wrsim.errors import InputError
     from wrsim.scenario.plausibility import vehicle_warnings
     from wrsim.scenario.vehicle_build import vehicle_model
 
@@ -453,7 +470,6 @@ def export(result: Given, to: str, output: str | Path | None = None) -> Outcome:
 
 def _folder(given: Given, output: str | Path | None) -> Path:
     """Where files about a result go: ``output``, else beside it. Raises InputError."""
-    from wrsim.errors import InputError
     from wrsim.report.output_folder import folder_of_result
 
     if output is not None:
@@ -503,7 +519,6 @@ def write_report(
 
 def _page_of(given: Sequence[Given], with_view: bool, models: Sequence[Path], cover: Cover) -> str:
     """The page about results of runs, a study or a profile evolution; with_view: with viewers of the results inside."""
-    from wrsim.errors import InputError
     from wrsim.report.page import report_page
     from wrsim.report.study import evolution_page, study_page
     from wrsim.report.view_data import view_page
@@ -600,16 +615,336 @@ def read_recording(
     return Outcome(recording_tables(found), recording_numbers(found), files, found)
 
 
-@contextmanager
-def _no_bar() -> Iterator[Callable[[float, float], None]]:
-    yield lambda fraction, seconds_left: None
+def run_scenario(
+    file: str | Path, output: str | Path | None = None, values: Sequence[str] = (), *,
+    models: Sequence[str | Path] = (), resume: bool = False, threads: int | None = None, pictures: bool = True,
+    force: bool = False, bar: Bar = _no_bar, warn: Callable[[str], None] = log.warning,
+) -> Outcome:  # fmt: skip
+    """Run a scenario into a folder: dataset, tables, summary and pictures.
+
+    Parameters
+    ----------
+    file : str or Path
+        Scenario file.
+    output : str or Path, optional
+        Folder; results/<name of the file> unless given.
+    values : sequence of str
+        Keys to be changed, ``"vehicle.speed_kmh=60"``. All others as of ``wrsim run``; bar, warn as of `run_study`.
+
+    Returns
+    -------
+    Outcome
+        ``found`` is a `wrsim.report.output_folder.Written`, with the Result.
+
+    Raises
+    ------
+    InputError, SimulationError
+        As of `run`.
+    """
+    from wrsim.analysis import exact_run_warning
+    from wrsim.report.output_folder import run_into
+    from wrsim.scenario.build import build
+    from wrsim.scenario.loading import load
+    from wrsim.scenario.plausibility import warnings
+
+    path = Path(file)
+    scenario, directory = load(path, models).with_set(values), Path(output or f"results/{path.stem}")
+    setup = build(scenario)  # what cannot run leaves nothing behind
+    for words in (*(f"{file}: warning: {w}" for w in warnings(setup)), *exact_run_warning(setup)):
+        warn(words)
+    written = run_into(
+        directory, scenario, setup, path, resume=resume, threads=threads, pictures=pictures, force=force, progress=bar()
+    )
+    result, code = written.result, exit_code(written.result)
+    numbers = {
+        "status": result.status,
+        "exit_code": code,
+        "directory": str(directory),
+        "files": [str(f) for f in written.files],
+        "removed": [str(f) for f in written.removed],
+        "summary": {**result.summary(), **written.took},
+    }
+    lines = [written.words] if written.words else []
+    return Outcome(result.numbers(), numbers, written.files, written, code, directory, lines)
+
+
+def show(result: Given) -> Outcome:
+    """The summary of a result, or of what there is of a run.
+
+    Parameters
+    ----------
+    result : Result, str or Path
+        Any result.
+
+    Returns
+    -------
+    Outcome
+        ``found`` is the Result.
+
+    Raises
+    ------
+    InputError
+        For a file that is no result.
+    """
+    loaded = _read(result)
+    lines = [f"stopped: {loaded.stop_reason}"] if loaded.stop_reason else []
+    return Outcome(loaded.numbers(), loaded.summary(), found=loaded, lines=lines)
+
+
+def write_pictures(
+    result: Given, output: str | Path | None = None, at: Sequence[str] = (), wheelset: str | None = None,
+    formats: str = "png", width_mm: float | None = None, font: str = "", style: str = "",
+) -> Outcome:  # fmt: skip
+    """Draw the pictures of a result, or the contact patches at chosen places only.
+
+    Parameters
+    ----------
+    result : Result, str or Path
+        Any result.
+    output : str or Path, optional
+        Folder; beside the result unless given.
+    at, wheelset
+        Distances [m] or poses, and one of several wheelsets. All others as of ``wrsim plot``.
+
+    Returns
+    -------
+    Outcome
+        ``files``.
+
+    Raises
+    ------
+    InputError
+        For places, wheelsets, formats and styles that there are not.
+    """
+    from wrsim.plots.theme import LOOK, look_of
+    from wrsim.report.outputs import draw_pictures
+    from wrsim.results.wheelsets import wheelset_folder, wheelsets, worst_wheelset
+
+    look, loaded, directory = look_of(formats, width_mm, font, style), _read(result), _folder(result, output)
+    dataset = loaded.dataset
+    if wheelset is not None or at:
+        dataset = loaded.wheelset(wheelset or worst_wheelset(dataset))
+        if output is None:
+            directory /= wheelset_folder(wheelsets(loaded.dataset), str(dataset["wheelset"].item()))
+    token = LOOK.set(look)
+    try:
+        return Outcome([], {}, draw_pictures(dataset, at, directory))
+    finally:
+        LOOK.reset(token)
+
+
+def compare(
+    scenario: Scenario | str | Path, contact: str, reference: str | None = None, output: str | Path | None = None, *,
+    models: Sequence[str | Path] = (), pictures: bool = True, bar: Bar = _no_bar,
+    warn: Callable[[str], None] = log.warning,
+) -> Outcome:  # fmt: skip
+    """Compare contact models on the poses or the run of a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario, str or Path
+        A scenario or its file.
+    contact : str
+        Names of models with commas between; reference: whom the others are measured against, the first unless given.
+    output : str or Path, optional
+        Folder; without it nothing is written. All others as of ``wrsim compare``; bar, warn as of `run_study`.
+
+    Returns
+    -------
+    Outcome
+        ``found`` has the result of every model, differences and times.
+
+    Raises
+    ------
+    InputError, SimulationError
+        For names that are no models; when a model has no result at all.
+    """
+    from wrsim.analysis import exact_run_warning
+    from wrsim.analysis.compare import compare_models, comparison_report, comparison_tables
+    from wrsim.report.outputs import write_comparison
+    from wrsim.scenario.build import build
+    from wrsim.scenario.contact_choice import split_names, with_contact_model
+
+    loaded, names = _scenario(scenario, models), split_names(contact)
+    for words in [w for name in names for w in exact_run_warning(build(with_contact_model(loaded, name)))]:
+        warn(words)
+    with bar() as progress:
+        found = compare_models(loaded, names, reference, progress)
+    report = comparison_report(found, str(loaded.path or loaded.title))
+    folder = None if output is None else Path(output)
+    files = [] if folder is None else write_comparison(found, report, folder, pictures, loaded.title)
+    code = max(exit_code(model.result) for model in found.models)
+    return Outcome(comparison_tables(found, report), report, files, found, code, folder)
+
+
+def resolve(
+    result: Given, contact: str = "half-space", output: str | Path | None = None, *, at: Sequence[str] = (),
+    wheelset: str | None = None, same: str = "load", models: Sequence[str | Path] = (), pictures: bool = True,
+    force: bool = False, bar: Bar = _no_bar,
+) -> Outcome:  # fmt: skip
+    """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model.
+
+    Parameters
+    ----------
+    result : Result, str or Path
+        A run or poses.
+    contact : str
+        Contact model.
+    output : str or Path, optional
+        Folder; one of the model's name beside the result unless given.
+    at, wheelset, same
+        Snapshots and wheelset; ``"load"`` or ``"pose"`` of the wheels stays. All others as of ``wrsim resolve``.
+
+    Returns
+    -------
+    Outcome
+        ``found`` is the new Result.
+
+    Raises
+    ------
+    InputError
+        For a result without poses of its wheels, and when one of several wheelsets has to be named.
+    """
+    from wrsim.analysis.resolve import resolve_contacts
+    from wrsim.report.output_folder import RECORD, claimed, naming, write
+    from wrsim.report.outputs import file_name
+    from wrsim.results import write_atomically
+    from wrsim.results.moments import moments_at, resolved_table
+    from wrsim.results.summary_tables import first_lines, remarks
+    from wrsim.scenario.loading import load_text
+
+    before, paths = _read(result), _paths(result)
+    directory = Path(output) if output else _folder(result, None) / file_name(contact)
+    with naming(*paths), bar() as progress:
+        moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
+        beside = _folder(result, None) if paths else Path()
+        scenario = load_text(before.dataset.attrs["scenario_text"], beside, models, closed=True)
+        after = resolve_contacts(
+            before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress
+        )
+    with claimed(directory, force, paths) as keeper:
+        write_atomically(directory / RECORD, after.dataset.attrs["scenario_text"].encode())
+        files = write(after, directory, pictures)
+        keeper.clear(files)
+    notes = first_lines(remarks(after.summary()), "remarks")
+    tables = [resolved_table(before.wheelset(wheelset), after.wheelset(), notes)]
+    return Outcome(tables, {"directory": str(directory), "summary": after.summary()}, files, after, folder=directory)
+
+
+def draw_track(file: str | Path, picture: str | Path, models: Sequence[str | Path] = ()) -> Outcome:
+    """Draw the track of a scenario or of a track file: plan, curvature, cant, gauge, height, irregularities.
+
+    Parameters
+    ----------
+    file, picture : str or Path
+        The scenario or track file; where it is drawn, .png, .svg or .pdf.
+    models : sequence of str or Path
+        Folders with model files of your own.
+
+    Returns
+    -------
+    Outcome
+        ``found`` is the Track.
+
+    Raises
+    ------
+    InputError
+        For a file that is neither.
+    """
+    from wrsim.report.outputs import draw_model
+    from wrsim.scenario.track_build import track_model
+
+    found = track_model(Path(file), models)
+    return Outcome([], {}, [draw_model("track", Path(picture), found)], found)
+
+
+def new_file(kind: str = "curving", template: str | None = None, output: str | Path | None = None) -> Outcome:
+    """Write a file to start from, which can be used as it is: a scenario that names all keys, or another kind.
+
+    Parameters
+    ----------
+    kind, template : str
+        As of ``wrsim new``.
+    output : str or Path, optional
+        The file; <template or kind>.toml here unless given.
+
+    Returns
+    -------
+    Outcome
+        ``files``, those that the first one names included.
+
+    Raises
+    ------
+    InputError
+        For a kind or a template that there is not.
+    """
+    from wrsim.register import ANALYSES
+    from wrsim.results import write_atomically
+    from wrsim.scenario.templates import template_files
+
+    texts = template_files(kind, template, Path(output or f"{template or kind}.toml"))
+    files = [write_atomically(path, text.encode()) for path, text in texts.items()]
+    command = "run" if kind in ANALYSES else "vehicle" if kind == "train" else kind
+    of_kind = "" if kind in ANALYSES else f" --file {'evolution' if kind == 'wear' else kind}"
+    use = [f"use it with: wrsim {command} {files[0]}", f"wrsim keys{of_kind} explains its keys"]
+    return Outcome([], {}, files, lines=use)
+
+
+def keys(section: str | None = None, file: str = "scenario", schema: bool = False) -> Outcome:
+    """The keys of a table: unit, what is allowed, default, other names, an example.
+
+    Parameters
+    ----------
+    section : str, optional
+        A table such as ``"contact"``; all tables unless given.
+    file : str
+        Kind of file, as of ``wrsim keys``.
+    schema : bool
+        Whether ``lines`` are the JSON schema of that kind of file.
+
+    Returns
+    -------
+    Outcome
+        ``lines``, and the same as ``numbers``.
+
+    Raises
+    ------
+    InputError
+        For a kind of file or a table that there is not.
+    """
+    from wrsim.scenario.reference import keys_numbers, keys_text, kind_of_file, schema_text
+
+    kind = kind_of_file(file)
+    return Outcome([], keys_numbers(kind, section), lines=[schema_text(kind) if schema else keys_text(kind, section)])
+
+
+def warm() -> Outcome:
+    """Compile ahead what runs and poses need, so that the first of them starts at once.
+
+    Parameters
+    ----------
+    None
+
+    Returns
+    -------
+    Outcome
+        ``lines``: where the compiled kernels are.
+
+    Raises
+    ------
+    WrsimError
+        Where there is no place for compiled kernels.
+    """
+    from wrsim.analysis.warming import warm_up
+
+    return Outcome([], {}, lines=[warm_up()])
 
 
 def run_study(
     file: str | Path, output: str | Path | None = None, *, workers: int | None = None, scheduler: str | None = None,
     slurm: bool = False, tls: Path | None = None, retry: bool = False, dry_run: bool = False,
     models: Sequence[str | Path] = (), pictures: bool = True, force: bool = False, bar: Bar = _no_bar,
-    say: Callable[[str], None] = lambda words: None, warn: Callable[[str], None] = log.warning,
+    notify: Callable[[str], None] = lambda line: None, warn: Callable[[str], None] = log.warning,
 ) -> Outcome:  # fmt: skip
     """Run a scenario many times with some keys varied; started again, only what is missing runs.
 
@@ -618,7 +953,7 @@ def run_study(
     file : str or Path
         Study file.
     output : str or Path, optional
-        Folder; results/<name of the file> unless given. All others as of ``wrsim study``; say: takes words on its
+        Folder; results/<name of the file> unless given. All others as of ``wrsim study``; notify: takes lines on its
         progress, warn: a warning, bar: gives a context with the callback of a progress bar.
 
     Returns
@@ -633,7 +968,7 @@ def run_study(
     """
     from wrsim.study.collect import OUTPUTS, faults_of, markers_of, study_tables, write_study
     from wrsim.study.engine import check_workers, kept_folder, missing, worker_pool
-    from wrsim.study.estimate import estimate
+    from wrsim.study.estimate import estimated_cost
     from wrsim.study.plan import planned
 
     directory = Path(output) if output else Path("results") / Path(file).stem
@@ -641,12 +976,12 @@ def run_study(
         warn(words)
     plan, reads = planned(Path(file), directory, list(models))
     if dry_run:
-        numbers, table = estimate(plan, workers)
+        numbers, table = estimated_cost(plan, workers)
         return Outcome([table], numbers, found=plan)
     with kept_folder(directory, reads, force, OUTPUTS):
         todo = missing(plan, retry)
         known = len(plan.cases) - len(todo)
-        say(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
+        notify(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
         try:
             if todo:
                 with worker_pool(workers, scheduler, slurm, tls, len(todo), bar) as work:
@@ -658,13 +993,14 @@ def run_study(
         report, files = write_study(plan, markers, pictures)
     code = 3 if report["unfinished"] else 0
     faults = partial(faults_of, report, markers)
-    return Outcome(study_tables(report), report | {"exit_code": code, "ran": len(todo)}, files, faults, code)
+    numbers = report | {"exit_code": code, "ran": len(todo)}
+    return Outcome(study_tables(report), numbers, files, faults, code, directory)
 
 
 def run_wear(
     file: str | Path, output: str | Path | None = None, *, workers: int | None = None, scheduler: str | None = None,
     slurm: bool = False, tls: Path | None = None, models: Sequence[str | Path] = (), pictures: bool = True,
-    force: bool = False, bar: Bar = _no_bar, say: Callable[[str], None] = lambda words: None,
+    force: bool = False, bar: Bar = _no_bar, notify: Callable[[str], None] = lambda line: None,
     warn: Callable[[str], None] = log.warning,
 ) -> Outcome:  # fmt: skip
     """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on.
@@ -703,12 +1039,12 @@ def run_wear(
         try:
             for step in wear_steps(evolution, directory, work):
                 steps.append(step)
-                say(step.words(evolution.mileage))
+                notify(step.words(evolution.mileage))
         except KeyboardInterrupt:
             raise _interrupted(directory) from None
         dataset, files = write_history(evolution, steps, directory, pictures)
     numbers = evolution_report(dataset) | {"directory": str(directory)}
-    return Outcome([mileage_table(dataset)], numbers, files, dataset)
+    return Outcome([mileage_table(dataset)], numbers, files, dataset, folder=directory)
 
 
 def _interrupted(directory: Path) -> KeyboardInterrupt:

@@ -10,6 +10,9 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from functools import lru_cache
 
+STOPPED, INTERRUPTED = 3, 130
+"""Exit codes of runs that stop early, of themselves and by Ctrl-C."""
+
 
 class WrsimError(Exception):
     """Base of all errors that wrsim raises on purpose."""

@@ -127,7 +127,7 @@ TABLES = {name: kind for analysis in ANALYSES.values() for name, kind in analysi
 FILES = {
     "scenario": ("a scenario", "wrsim.scenario.schema:ScenarioFile"),
     "study": ("a study", "wrsim.study.spec:StudyFile"),
-    "service": ("a profile evolution", "wrsim.study.spec:EvolutionFile"),
+    "evolution": ("a profile evolution", "wrsim.study.spec:EvolutionFile"),
     "vehicle": ("a vehicle file", "wrsim.vehicle.vehicle_files:VehicleFile"),
     "wheelset": ("a vehicle file of one wheelset", "wrsim.vehicle.vehicle_files:WheelsetFile"),
     "train": ("a train file", "wrsim.vehicle.vehicle_files:TrainFile"),
@@ -136,6 +136,9 @@ FILES = {
     "columns": ("the column map of a recording", "wrsim.recording.columns:ColumnsFile"),
 }
 """Kinds of files that users write, and the class of each, or the classes that it may be one of."""
+
+OTHER_NAMES = {"service": "evolution", "wear": "evolution"}
+"""Other names of kinds of files, that are understood."""
 
 
 def resolved(name: str) -> Any:

@@ -8,9 +8,9 @@ What three contact models find in the same poses, and how far they are from the 
 # %%
 # The reference lies on top, in black.
 from wrsim import load
-from wrsim.analysis.compare import compare
+from wrsim.analysis.compare import compare_models
 from wrsim.plots.compare import values_figure
 
 scenario = load("../../scenarios/static_s1002.toml")
-found = compare(scenario, ["strips", "kik-piotrowski"])
+found = compare_models(scenario, ["strips", "kik-piotrowski"])
 figure = values_figure(found.values, found.reference, scenario.title)

@@ -11,7 +11,7 @@ from support.scenario_texts import CURVE
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 from support.vehicles import shipped
 
-from wrsim.analysis.assessment import assess, limits
+from wrsim.analysis.assessment import assess_runs, limits
 from wrsim.analysis.assessment.filters import band_pass, low_pass, sliding_mean, sliding_rms, windows
 from wrsim.analysis.assessment.nadal import limit_of_climbing, longest_stretch, nadal_limit
 from wrsim.analysis.assessment.sections import sections_of, zone_of
@@ -69,7 +69,7 @@ def test_a_result_sampled_too_slowly_for_a_filter_is_told_how_fast():
     with pytest.raises(
         InputError, match=r"more than 44.4 samples a second; .* 40: run it with output_interval_ms = 20"
     ):
-        assess(run(step=0.025))
+        assess_runs(run(step=0.025))
 
 
 # --- sliding values -----------------------------------------------------------------------------------------
@@ -134,7 +134,7 @@ def test_constant_forces_are_their_own_percentiles_and_medians():
         yaw=lambda s: 0.0 * s - 3e-3,
         lateral_shift=lambda s: 0.0 * s - 6e-3,
     )
-    found = assess(forces)
+    found = assess_runs(forces)
     assert [v.value for v in found.of("sum_Y")] == pytest.approx([33e3] * 7)
     assert [v.value for v in found.of("Y_over_Q") if v.wheel == "right"] == pytest.approx([0.5] * 7)
     assert [v.value for v in found.of("Q") if v.wheel == "right"] == pytest.approx([62e3] * 7)
@@ -158,12 +158,12 @@ def two_curves(first: float, second: float):
 
 def test_the_limit_of_the_guiding_force_takes_the_mean_radius_of_its_class():
     # five sections of each radius
-    found = assess(run(1150.0, curvature=two_curves(260.0, -390.0)))
+    found = assess_runs(run(1150.0, curvature=two_curves(260.0, -390.0)))
     radii = [abs(v.section.radius) for v in found.of("Y_qst")]
     assert sorted({round(r) for r in radii}) == [260, 390] and len(radii) == 10
     assert {round(v.limit.value) for v in found.of("Y_qst") if v.limit} == {round(30e3 + 10500e3 / np.mean(radii))}
     # a class for itself: its own radius, and no step where the next one begins
-    alone = assess(run(1150.0, curvature=two_curves(399.9, 500.0)))
+    alone = assess_runs(run(1150.0, curvature=two_curves(399.9, 500.0)))
     at_399, at_500 = (
         [v.limit.value for v in alone.of("Y_qst") if v.section.zone == f"{z} radius"] for z in ("very small", "small")
     )
@@ -174,7 +174,7 @@ def test_the_limit_of_the_guiding_force_takes_the_mean_radius_of_its_class():
 def test_a_large_quotient_of_the_inner_wheel_lowers_the_guiding_force_that_counts():
     def forces(inner: float) -> Assessment:
         pushes = lambda s: (inner * Q0 + 0.0 * s, 70e3 + 0.0 * s)  # noqa: E731
-        return assess(run(900.0, curvature=curve(300.0), y=pushes))
+        return assess_runs(run(900.0, curvature=curve(300.0), y=pushes))
 
     free = forces(0.39)
     assert not free.of("Y_qst_reduced") and not free.passed
@@ -186,10 +186,10 @@ def test_a_large_quotient_of_the_inner_wheel_lowers_the_guiding_force_that_count
 
 def test_the_combined_load_of_the_outer_rail():
     y, q = (lambda s: (0.0 * s, 55e3 + 0.0 * s)), (lambda s: (Q0 + 0.0 * s, 150e3 + 0.0 * s))
-    found = assess(run(900.0, curvature=curve(300.0), y=y, q=q))
+    found = assess_runs(run(900.0, curvature=curve(300.0), y=y, q=q))
     assert {round(v.value) for v in found.of("B_qst")} == {round(55e3 + 0.83 * 150e3)}
     assert {v.passed for v in found.of("B_qst")} == {True}  # 179.5 of 180 kN
-    assert all(v.limit is None for v in assess(run(900.0, curvature=curve(200.0))).of("B_qst"))
+    assert all(v.limit is None for v in assess_runs(run(900.0, curvature=curve(200.0))).of("B_qst"))
 
 
 def test_curves_of_little_cant_deficiency_may_count_as_straight_track():
@@ -212,7 +212,7 @@ def uneven(amplitude: float, wave: float, speed: float = 30.0, length: float = 1
             (share * amplitude * np.sin(2.0 * pi * s / wave), amplitude * np.cos(2.0 * pi * s / wave))
         )
 
-    return assess(run(length, speed, rail_lateral=lambda s: rails(s, 0.1), rail_vertical=lambda s: rails(s, 1.0)))
+    return assess_runs(run(length, speed, rail_lateral=lambda s: rails(s, 0.1), rail_vertical=lambda s: rails(s, 1.0)))
 
 
 def test_the_quality_of_track_is_the_deviation_of_its_waves_of_3_to_25_m():
@@ -229,15 +229,15 @@ def test_the_quality_of_track_is_the_deviation_of_its_waves_of_3_to_25_m():
     assert max(outside) < 0.05 * 2e-3
     faster = [t for t in uneven(2e-3, 9.0, 60.0).track if t.section.number == 2]  # 216 km/h
     assert [(t.by_deviation, t.tl90) for t in faster] == [("above QN2", "above"), ("above QN2", "within")]
-    assert not assess(run()).track
+    assert not assess_runs(run()).track
     still = dict.fromkeys(("rail_lateral", "rail_vertical"), lambda s: np.zeros((s.size, 2)))
-    coarse = assess(run(900.0, 60.0, 2e-2, **still))
+    coarse = assess_runs(run(900.0, 60.0, 2e-2, **still))
     assert not coarse.track and any("1.20 m apart" in note for note in coarse.notes)
 
 
 def test_percentiles_are_those_of_the_distribution():
     # a force that rises evenly over the section: its 99.85 % percentile is known
-    found = assess(run(250.0, q=lambda s: (40e3 + 100.0 * s, Q0 + 0.0 * s)), NADAL)
+    found = assess_runs(run(250.0, q=lambda s: (40e3 + 100.0 * s, Q0 + 0.0 * s)), NADAL)
     assert only(found, "Q", "left") == pytest.approx(40e3 + 100.0 * 0.9985 * 250.0, rel=1e-4)
 
 
@@ -245,13 +245,13 @@ def test_short_peaks_are_averaged_over_two_metres():
     def y(s):  # 1 m long, 40 kN, at 10 m/s: slow for the filter
         return np.where(np.abs(s - 100.0) < 0.5, 40e3, 0.0), 0.0 * s
 
-    found = assess(run(110.0, speed=5.0, y=y), NADAL)
+    found = assess_runs(run(110.0, speed=5.0, y=y), NADAL)
     assert found.signals[""]["sum_Y"].values.max() == pytest.approx(20e3, rel=0.01)
 
 
 def test_a_hunting_wheelset_is_found_with_its_frequency_and_rms():
     amplitude, frequency, speed = 30e3, 4.0, 40.0
-    found = assess(
+    found = assess_runs(
         run(900.0, speed=speed, y=lambda s: (amplitude * np.sin(2.0 * pi * frequency * s / speed) + 3e3, 0.0 * s))
     )
     assert found.settings["instability_frequency_Hz"] == pytest.approx(frequency, abs=0.2)
@@ -260,7 +260,7 @@ def test_a_hunting_wheelset_is_found_with_its_frequency_and_rms():
     assert limit is not None and limit.value == pytest.approx(0.5 * (10e3 + 2.0 * Q0 / 3.0))
     assert any(v.passed is False for v in found.of("sum_Y")) is False
     assert found.passed is True
-    faster = assess(run(900.0, speed=speed, y=lambda s: (2.0 * amplitude * np.sin(2.0 * pi * 0.1 * s), 0.0 * s)))
+    faster = assess_runs(run(900.0, speed=speed, y=lambda s: (2.0 * amplitude * np.sin(2.0 * pi * 0.1 * s), 0.0 * s)))
     assert faster.passed is False
     assert all(v.passed is False for v in faster.of("instability"))
 
@@ -273,7 +273,7 @@ def test_wheelsets_are_assessed_where_they_are_themselves():
     shape = curve(500.0, 200.0, 50.0, 200.0)
     first = run(700.0, curvature=shape, y=y)
     second = run(700.0, curvature=lambda s: shape(s - 10.0), y=lambda s: y(s - 10.0))
-    found = assess(with_wheelsets([first, second], apart=10.0), NADAL)
+    found = assess_runs(with_wheelsets([first, second], apart=10.0), NADAL)
     assert found.sections[0].start == pytest.approx(-10.0)
     assert [s.start for s in found.sections[1:3]] == pytest.approx([200.0, 250.0], abs=0.2)
     hit = {(v.wheelset, v.section.number) for v in found.of("sum_Y") if v.value > 30e3}
@@ -289,7 +289,7 @@ def test_accelerations_of_a_car_body_and_of_a_bogie_frame():
     sway = 0.8 * np.sin(2.0 * pi * 1.5 * t) + 1.1  # a constant is not in the band
     heave = 0.6 * np.sin(2.0 * pi * 3.0 * t) + 5.0 * np.sin(2.0 * pi * 60.0 * t)  # 60 Hz: not in the band
     hunting = 6.0 * np.sin(2.0 * pi * 5.0 * t)
-    found = assess(with_points(base, {
+    found = assess_runs(with_points(base, {
         "floor": ("car body", np.nan, sway, heave),
         "frame": ("bogie frame", 6e3, hunting, hunting),
         "axle box": ("wheelset", np.nan, 100.0 * hunting, 100.0 * hunting),
@@ -362,7 +362,7 @@ def test_a_constructed_derailment_exceeds_every_limit_that_it_should():
     def y(s):  # Y/Q 1.3 on the right wheel over 10 m, a ramp of 2 m before and behind
         return 0.0 * s, 1.3 * Q0 * np.interp(s, [398, 400, 410, 412], [0, 1, 1, 0])
 
-    found = assess(run(900.0, curvature=curve(300.0), y=y), NADAL)
+    found = assess_runs(run(900.0, curvature=curve(300.0), y=y), NADAL)
     assert found.passed is False
     beyond = {v.quantity.key: v for v in found.values if v.passed is False}
     assert set(beyond) == {"sum_Y", "Y_over_Q", "Y_over_Q_nadal", "climb_distance"}
@@ -376,7 +376,7 @@ def test_a_wheel_pushed_sideways_without_load_is_beyond_any_limit():
     def q(s):
         return Q0 + 0.0 * s, np.where(np.abs(s - 100.0) < 20.0, -500.0, Q0)
 
-    found = assess(run(250.0, q=q, y=lambda s: (0.0 * s, 5e3 + 0.0 * s)), NADAL)
+    found = assess_runs(run(250.0, q=q, y=lambda s: (0.0 * s, 5e3 + 0.0 * s)), NADAL)
     assert only(found, "Y_over_Q", "right") == np.inf
     assert found.passed is False
     assert json.loads(assessment_json(found))["values"]  # infinite values do not break the file
@@ -427,7 +427,7 @@ def of_radius(radius: float, guiding: float, scenario: str = "") -> Result:
 
 def test_sections_of_several_runs_count_together():
     several = [of_radius(300.0, 30e3), of_radius(390.0, 40e3), of_radius(330.0, 20e3)]
-    found, alone = assess(several), [assess(one) for one in several]
+    found, alone = assess_runs(several), [assess_runs(one) for one in several]
     assert [s.number for s in found.sections] == list(range(1, sum(len(a.sections) for a in alone) + 1))
     assert [s.run for s in found.sections] == [name for name, a in zip("123", alone, strict=True) for _ in a.sections]
     assert [v.value for v in found.of("Q")] == [v.value for a in alone for v in a.of("Q")]
@@ -440,17 +440,17 @@ def test_sections_of_several_runs_count_together():
 
 def test_estimated_maxima_need_fewer_runs_when_these_count_together():
     runs = [run(1000.0, y=lambda s, k=k: (k * 2e3 + 0.0 * s, 0.0 * s)) for k in range(3)]
-    (zone,) = [z for z in assess(runs).zones if z.worst.quantity.key == "sum_Y"]
+    (zone,) = [z for z in assess_runs(runs).zones if z.worst.quantity.key == "sum_Y"]
     per_section = np.repeat([0.0, 2e3, 4e3], 4)
     assert zone.sections == 12 and zone.mean == pytest.approx(per_section.mean(), abs=1.0)
     assert zone.estimate == pytest.approx(per_section.mean() + 3.0 * per_section.std(ddof=1), rel=1e-3)
-    assert all(z.estimate is None for one in runs for z in assess(one).zones)
+    assert all(z.estimate is None for one in runs for z in assess_runs(one).zones)
 
 
 def test_curves_count_at_cant_deficiencies_of_a_test_only():
     # 72 km/h without cant: 1.5 v^2 / (g R) = 204, 185 and 157 mm in R 300, 331 and 390 m
     several = [of_radius(300.0, 30e3), of_radius(331.0, 40e3), of_radius(390.0, 20e3)]
-    found = assess(several, AssessmentSettings(admissible_deficiency=0.17))  # 127.5 to 187 mm
+    found = assess_runs(several, AssessmentSettings(admissible_deficiency=0.17))  # 127.5 to 187 mm
     curves = [s for s in found.sections if s.zone == "very small radius"]
     assert [s.counts for s in curves] == [False, False, True, True, True, True]
     assert all(s.counts for s in found.sections if s.zone != "very small radius")
@@ -458,7 +458,7 @@ def test_curves_count_at_cant_deficiencies_of_a_test_only():
     assert (zone.sections, zone.counted, zone.zone.partition(" (")[2]) == (6, 4, "4 of 6)")
     assert zone.mean == pytest.approx(30e3, rel=1e-3)  # of 40 and 20 kN
     assert zone.worst.limit.value == pytest.approx(30e3 + 10500e3 / 360.5, rel=1e-3)
-    none = assess(several[:1], AssessmentSettings(admissible_deficiency=0.1))
+    none = assess_runs(several[:1], AssessmentSettings(admissible_deficiency=0.1))
     (zone,) = [z for z in none.zones if z.worst.quantity.key == "Y_qst"]
     assert (zone.counted, zone.estimate) == (0, None) and zone.worst.value == pytest.approx(30e3, rel=1e-3)
     assert json.loads(assessment_json(none))["zones"]
@@ -467,13 +467,13 @@ def test_curves_count_at_cant_deficiencies_of_a_test_only():
 def test_runs_of_different_vehicles_or_settings_are_no_test():
     one = run(300.0)
     with pytest.raises(InputError, match="the runs a and b are not of one vehicle: the first has the wheelsets"):
-        assess([one, with_wheelsets([one, one])], names=("a", "b"))
+        assess_runs([one, with_wheelsets([one, one])], names=("a", "b"))
     other = of_radius(300.0, 30e3, CURVE + '\n[assessment]\nvehicle_kind = "freight"\n')
     with pytest.raises(InputError, match=r"the runs a and b have different \[assessment\]"):
-        assess([one, other], names=("a", "b"))
-    assert assess([one, other], AssessmentSettings()).settings["vehicle_kind"] == "passenger"
+        assess_runs([one, other], names=("a", "b"))
+    assert assess_runs([one, other], AssessmentSettings()).settings["vehicle_kind"] == "passenger"
     with pytest.raises(InputError, match="run b: the result cannot be assessed: it has no Q"):
-        assess([one, Result(one.dataset.drop_vars("Q"))], names=("a", "b"))
+        assess_runs([one, Result(one.dataset.drop_vars("Q"))], names=("a", "b"))
 
 
 @pytest.mark.usefixtures("unpainted")
@@ -494,29 +494,29 @@ def test_the_command_assesses_several_runs_as_one(tmp_path):
 def test_what_cannot_be_assessed_says_why():
     whole = run(250.0).dataset
     with pytest.raises(InputError, match="it has no Q"):
-        assess(Result(whole.drop_vars("Q")))
+        assess_runs(Result(whole.drop_vars("Q")))
     with pytest.raises(InputError, match="it has no second wheel"):
-        assess(Result(whole.isel(wheel=[0])))
+        assess_runs(Result(whole.isel(wheel=[0])))
     with pytest.raises(InputError, match="20 samples; filters need at least 30"):
-        assess(Result(whole.isel(time=slice(0, 20))))
+        assess_runs(Result(whole.isel(time=slice(0, 20))))
     for few in (0, 1, 2, 29):
         with pytest.raises(InputError, match=f"{few} samples; filters need at least 30"):
-            assess(Result(whole.isel(time=slice(0, few))))
+            assess_runs(Result(whole.isel(time=slice(0, few))))
     with pytest.raises(InputError, match="m long; sliding means are taken over 2 m"):
-        assess(Result(whole.isel(time=slice(0, 30))))
+        assess_runs(Result(whole.isel(time=slice(0, 30))))
     with pytest.raises(InputError, match="does not move forward"):
-        assess(Result(whole.assign_coords(distance=("time", 0.0 * whole["distance"].values))))
+        assess_runs(Result(whole.assign_coords(distance=("time", 0.0 * whole["distance"].values))))
     broken = whole.copy(deep=True)
     broken["Q"].values[7, 0] = np.nan
     with pytest.raises(InputError, match="wheel forces are not numbers"):
-        assess(Result(broken))
+        assess_runs(Result(broken))
 
 
 def test_a_run_that_was_stopped_is_assessed_without_its_last_odd_sample():
     whole = run(250.0).dataset
     n = whole.sizes["time"]
     odd = whole.isel(time=[*range(0, n - 100, 5), n - 98])
-    assert assess(Result(odd), NADAL).sections[-1].end == pytest.approx(float(odd["distance"].values[-2]))
+    assert assess_runs(Result(odd), NADAL).sections[-1].end == pytest.approx(float(odd["distance"].values[-2]))
 
 
 def test_the_travel_of_bump_stops_is_compared_with_the_ends_of_their_tables():
@@ -532,7 +532,7 @@ def test_the_travel_of_bump_stops_is_compared_with_the_ends_of_their_tables():
         suspension_stop_min=("suspension", [-0.065, -0.065, np.nan]),
         suspension_stop_max=("suspension", [0.010, 0.065, np.nan]),
     ).assign_coords(suspension=["one-sided", "even", "spring"])
-    found = {v.point: v for v in assess(Result(moved), NADAL).of("bump_stop")}
+    found = {v.point: v for v in assess_runs(Result(moved), NADAL).of("bump_stop")}
     assert set(found) == {"one-sided", "even"}
     assert found["one-sided"].value == pytest.approx(0.02, rel=1e-3)  # towards the end at 10 mm, though -20 is as far
     assert found["one-sided"].limit.value == pytest.approx(0.010)

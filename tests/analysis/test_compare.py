@@ -11,8 +11,8 @@ from support.commands import call, ok
 from support.scenario_texts import CURVE, STATIC
 
 from wrsim.analysis import run
-from wrsim.analysis.compare import compare, of_wheels
-from wrsim.analysis.resolve import resolve
+from wrsim.analysis.compare import compare_models, of_wheels
+from wrsim.analysis.resolve import resolve_contacts
 from wrsim.errors import InputError
 from wrsim.scenario.contact_choice import split_names, with_contact_model
 from wrsim.scenario.loading import load, load_text
@@ -23,7 +23,7 @@ SHORT = CURVE.replace("[run]\n", "[run]\nstart_distance_m = 60\ntime_s = 0.06\n"
 
 @cache
 def static_comparison():
-    return compare(load_text(POSES), ("kik-piotrowski", "half-space", "kik-piotrowski+strips=20"), "half-space")
+    return compare_models(load_text(POSES), ("kik-piotrowski", "half-space", "kik-piotrowski+strips=20"), "half-space")
 
 
 def test_differences_are_those_of_the_results():
@@ -56,7 +56,7 @@ def test_every_model_says_what_an_evaluation_took():
 
 def test_runs_are_compared_at_the_reference_s_samples():
     text = SHORT.replace("[contact]\n", "[contact]\nstrips = 20\n")
-    c = compare(load_text(text), ("file", "strips", "file+friction=0.2"))
+    c = compare_models(load_text(text), ("file", "strips", "file+friction=0.2"))
     assert np.abs(c.values["Y_difference"].sel(model="strips").values).max() == 0.0
     assert np.nanmax(abs(c.values["X_difference"].sel(model="file+friction=0.2"))) > 0.01
     assert c.values["time"].values == pytest.approx(c.main.result.dataset["time"].values)
@@ -94,7 +94,7 @@ def test_names_choose_models():
 )
 def test_wrong_names_are_one_clear_error(tmp_path, names, words):
     with pytest.raises(InputError, match=r"model|--contact") as error:
-        compare(load_text(STATIC), split_names(names))
+        compare_models(load_text(STATIC), split_names(names))
     assert words in str(error.value)
     (tmp_path / "case.toml").write_text(STATIC)
     ended = call("compare", tmp_path / "case.toml", "--contact", names)
@@ -121,13 +121,13 @@ def test_the_command_leaves_tables_and_pictures(tmp_path):
 def test_every_wheel_of_a_vehicle_is_compared():
     keys = "[run]\noutput_interval_ms = 5\ntime_s = 0.01\n"
     text = CURVE[: CURVE.index("[run]")].replace("wheelset_s1002", "manchester_1").replace("friction = 0.35", "") + keys
-    c = compare(load_text(text), ("file", "kik-piotrowski+strips=20+friction=0.3"))
+    c = compare_models(load_text(text), ("file", "kik-piotrowski+strips=20+friction=0.3"))
     assert c.values["wheel"].values.tolist()[:2] == ["front.outer left", "front.outer right"]
     assert c.values.sizes["wheel"] == 8
-    vehicle = resolve(c.main.result, load_text(text), wheelset="rear.inner", moments=[0]).wheelset()
+    vehicle = resolve_contacts(c.main.result, load_text(text), wheelset="rear.inner", moments=[0]).wheelset()
     assert vehicle["Q"].values[0] == pytest.approx(c.values["Q"].sel(model="file").values[-1, 4:6], rel=1e-3)
     with pytest.raises(InputError, match=r"choose a wheelset: 1 front\.outer, 2 front"):
-        resolve(c.main.result, load_text(text))
+        resolve_contacts(c.main.result, load_text(text))
 
 
 # What rings between two samples is told, and is what finer samples show.

@@ -13,7 +13,7 @@ from support.commands import call, ok, refusal
 from support.runs import ROOT
 
 from wrsim.analysis import run
-from wrsim.analysis.conicity.conicity import conicity, equivalent_conicity
+from wrsim.analysis.conicity.conicity import equivalent_conicity, wheelset_conicity
 from wrsim.analysis.conicity.pairs import conicity_map
 from wrsim.analysis.conicity.rigid import rigid_contact
 from wrsim.errors import InputError
@@ -46,7 +46,7 @@ def swing(profiles, gauge: float, radii: tuple[float, float], roll: str, amplitu
     """Dataset of a wheelset with the profile origins 1.5 m apart."""
     wheel, rail = profiles
     wheelset = Wheelset("w", 1.0, (1.0, 1.0, 1.0), 1.5, Wheel(wheel, radii[0]), Wheel(wheel, radii[1]))
-    return conicity(wheelset, (rail, rail), gauge, ConicityPlan(tuple(amplitudes), roll), "test").wheelset()
+    return wheelset_conicity(wheelset, (rail, rail), gauge, ConicityPlan(tuple(amplitudes), roll), "test").wheelset()
 
 
 @pytest.mark.parametrize("column, right", [(1, 0.460), (2, 0.459)], ids=["E1", "E5"])
@@ -266,7 +266,7 @@ def test_the_command_leaves_a_table_and_a_picture_and_says_where_there_is_none(t
 def found(wheels, flange_from=FLANGE_FROM, rail=ROUND, gauge=ROUND_GAUGE, curves=()):
     wheelset = Wheelset("w", 1.0, (1.0, 1.0, 1.0), 1.5, *(Wheel(wheel, RADIUS) for wheel in wheels))
     plan = ConicityPlan((3e-3, 7e-3), "none", curves, flange_from)
-    return conicity(wheelset, (rail, rail), gauge, plan, "test").wheelset()
+    return wheelset_conicity(wheelset, (rail, rail), gauge, plan, "test").wheelset()
 
 
 def steering(wheels, **options):

@@ -8,12 +8,12 @@ import pytest
 from support.runs import SCENARIOS, STEERING
 
 from wrsim.analysis import run
-from wrsim.analysis.compare import compare, comparison_report
+from wrsim.analysis.compare import compare_models, comparison_report
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion import monitor as monitors
 from wrsim.analysis.motion.messages import event_words
 from wrsim.analysis.motion.monitor import MANY, Monitor
-from wrsim.analysis.resolve import resolve
+from wrsim.analysis.resolve import resolve_contacts
 from wrsim.contact.status import NOT_CONVERGED, WORDS
 from wrsim.contact.workspace import KernelArrays
 from wrsim.core.contact import records
@@ -75,8 +75,8 @@ ANALYSES: dict[str, Callable[[], str]] = {
     "steady": lambda: messages(run(wheelset("steady_manchester.toml", steady__radius_m=600, steady__speed_kmh=80))),
     "stability": lambda: remarks(run(wheelset("stability_manchester.toml", stability__speed_kmh=60,
      stability__nonlinear=False))),
-    "resolve": lambda: remarks(resolve(solved(), poses(), "kik-piotrowski")),
-    "compare": lambda: " ".join(comparison_report(compare(wheelset("curve_r300.toml", run__distance_m=0.5,
+    "resolve": lambda: remarks(resolve_contacts(solved(), poses(), "kik-piotrowski")),
+    "compare": lambda: " ".join(comparison_report(compare_models(wheelset("curve_r300.toml", run__distance_m=0.5,
      output__patches_at_m=[]), ["kik-piotrowski", "kik-piotrowski+polach"]),
      "curve")["models"]["kik-piotrowski"]["remarks"]),
 }  # fmt: skip

@@ -9,7 +9,7 @@ from support.commands import ok
 from support.scenario_texts import CURVE, faults
 from support.synthetic_run import run
 
-from wrsim.analysis.assessment import assess
+from wrsim.analysis.assessment import assess_runs
 from wrsim.analysis.assessment.estimates import regression
 from wrsim.results.assessment import assessment_json
 from wrsim.scenario.sections.assessment import AssessmentSettings
@@ -102,7 +102,7 @@ SETTINGS = AssessmentSettings(estimate_over=("cant_deficiency", "speed"), estima
 
 
 def test_an_assessment_estimates_at_a_cant_deficiency_beyond_that_of_the_run():
-    found = assess(run(3000.0, **CANTED), SETTINGS)
+    found = assess_runs(run(3000.0, **CANTED), SETTINGS)
     (zone,) = [z for z in found.zones if z.worst.quantity.key == "sum_Y"]
     fitted = zone.regression
     assert fitted.over == ("cant_deficiency",)  # the speed stays

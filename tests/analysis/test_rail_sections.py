@@ -9,7 +9,7 @@ import pytest
 from support.runs import FAST, SCENARIOS
 
 from wrsim.analysis import run
-from wrsim.analysis.resolve import resolve
+from wrsim.analysis.resolve import resolve_contacts
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.lookup import shipped_models
@@ -75,7 +75,7 @@ def test_a_check_rail_takes_a_wheelset_by_the_back_of_its_flange() -> None:
 def test_contacts_are_solved_again_on_the_rail_of_their_place(lowered: Result, keep: Any) -> None:
     before = lowered.wheelset()
     scenario = load_text(str(lowered.dataset.attrs["scenario_text"]), SCENARIOS)
-    after = resolve(lowered, scenario, "file", keep=keep).wheelset()
+    after = resolve_contacts(lowered, scenario, "file", keep=keep).wheelset()
     rows = [sample_of(before, m) for m in range(before.sizes["snapshot"])]
     for name in ("N", "p0", "Q", "contact_angle", "u_rail"):
         assert after[name].values == pytest.approx(before[name].values[rows], rel=1e-4, nan_ok=True)
@@ -84,7 +84,9 @@ def test_contacts_are_solved_again_on_the_rail_of_their_place(lowered: Result, k
 
 def test_the_exact_solver_finds_the_same_on_rails_that_change(lowered: Result) -> None:
     scenario = load_text(str(lowered.dataset.attrs["scenario_text"]), SCENARIOS)
-    exact, strips = (resolve(lowered, scenario, f"{normal}+none").wheelset() for normal in ("half-space", "strips"))
+    exact, strips = (
+        resolve_contacts(lowered, scenario, f"{normal}+none").wheelset() for normal in ("half-space", "strips")
+    )
     assert exact["p0"].max("patch").values == pytest.approx(strips["p0"].max("patch").values, rel=0.03)
 
 

@@ -8,7 +8,7 @@ from support.commands import call, ok
 from support.scenario_texts import CURVE, STATIC
 
 from wrsim import run
-from wrsim.analysis.resolve import resolve
+from wrsim.analysis.resolve import resolve_contacts
 from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.scenario.loading import load_text
@@ -35,7 +35,7 @@ def samples(result):
 @pytest.mark.parametrize("text", [SHORT, WET, RAMP, POSES], ids=["curve", "wet", "ramp", "poses"])
 def test_the_same_model_finds_the_same_contacts(text):
     before = ran(text)
-    after = resolve(before, load_text(text), "file", keep="pose")
+    after = resolve_contacts(before, load_text(text), "file", keep="pose")
     rows = samples(before)
     assert len(rows) == after.wheelset()["Q"].shape[0] > 0
     # a run's contact comes from the one before, this one afresh: alike to what strips are solved to
@@ -51,7 +51,7 @@ def test_the_same_model_finds_the_same_contacts(text):
 @pytest.mark.parametrize("text", [SHORT, POSES])
 def test_the_exact_solver_takes_over_the_load(text):
     before = ran(text)
-    after = resolve(before, load_text(text)).wheelset()
+    after = resolve_contacts(before, load_text(text)).wheelset()
     rows = samples(before)
     assert after["Q"].values == pytest.approx(before.wheelset()["Q"].values[rows], rel=1e-4)
     # peaks of strips are near the exact ones (docs/validation/report.md), creepages are those of the same motion
@@ -66,7 +66,7 @@ def test_the_exact_solver_takes_over_the_load(text):
 def test_a_height_kept_gives_another_load():
     # at equal approach Kik-Piotrowski carries 2 to 5 % more than Hertz (docs/theory/normal_contact.md)
     text = POSES + '[contact]\nnormal = "kik-piotrowski"\n'
-    after = resolve(ran(text), load_text(text), keep="pose", moments=[0]).wheelset()
+    after = resolve_contacts(ran(text), load_text(text), keep="pose", moments=[0]).wheelset()
     assert after["pose"].values.tolist() == ran(text).wheelset()["pose"].values[:1].tolist()
     assert 0.85 < after["Q"].values[0, 0] / ran(text).wheelset()["Q"].values[0, 0] < 0.99
 
@@ -74,7 +74,7 @@ def test_a_height_kept_gives_another_load():
 def test_a_result_without_poses_says_so():
     bare = Result(ran(POSES).dataset.drop_vars("wheel_origin"))
     with pytest.raises(InputError, match="run its scenario anew"):
-        resolve(bare, load_text(POSES))
+        resolve_contacts(bare, load_text(POSES))
 
 
 def test_the_command_writes_a_result_of_the_moments(tmp_path):

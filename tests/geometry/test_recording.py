@@ -17,7 +17,7 @@ from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
 from wrsim.geometry.track.spectra import Realisation
 from wrsim.geometry.track.track import Track
-from wrsim.recording.reading import read_recording
+from wrsim.recording.reading import recording_from
 from wrsim.recording.restoring import Restored, restore
 from wrsim.recording.systems import BaseDifference, Chord, Inertial, InverseFilter, Plain, band_window, filtered
 from wrsim.scenario.build import build
@@ -70,7 +70,7 @@ def column_map(path: Path, names: list[str], system: str) -> Path:
 def restored(folder: Path, car: Car, columns: dict[str, Array], system: str) -> Restored:
     """What comes back of a car's columns."""
     table = car.write(folder / "line.csv", columns)
-    return restore(read_recording(table, column_map(folder / "line.toml", list(columns), system)), BAND, AMPLIFICATION)
+    return restore(recording_from(table, column_map(folder / "line.toml", list(columns), system)), BAND, AMPLIFICATION)
 
 
 def in_band(values: Array, step: float, *, without: tuple[float, float] | None = None) -> Array:
@@ -317,7 +317,7 @@ TABLE = "s_km;gauge (mm);level_left (mm);note\n" + "".join(
 
 def test_names_tell_what_columns_are(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text(TABLE.replace("s_km", "km"))
-    read = read_recording(tmp_path / "a.csv", band="D1")
+    read = recording_from(tmp_path / "a.csv", band="D1")
     assert [(c.column, c.quantity, c.unit) for c in read.columns.channels] == [
         ("km", "distance", "km"), ("gauge (mm)", "gauge", "mm"), ("level_left (mm)", "level_left", "mm"),
     ]  # fmt: skip
@@ -373,7 +373,7 @@ def test_bad_recordings_are_refused(text: str, more: str, message: str, tmp_path
     (tmp_path / "line.csv").write_text(text)
     (tmp_path / "line.toml").write_text(MAP + more + "\n")
     with pytest.raises(InputError) as error:
-        read_recording(tmp_path / "line.csv", tmp_path / "line.toml")
+        recording_from(tmp_path / "line.csv", tmp_path / "line.toml")
     assert message in str(error.value), str(error.value)
 
 
@@ -389,13 +389,13 @@ def test_bad_recordings_are_refused(text: str, more: str, message: str, tmp_path
 def test_names_that_do_not_tell_are_refused(header: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "line.csv").write_text(rows().replace(HEAD.strip(), header))
     with pytest.raises(InputError) as error:
-        read_recording(tmp_path / "line.csv")
+        recording_from(tmp_path / "line.csv")
     assert message in str(error.value), str(error.value)
 
 
 def test_recordings_that_are_too_short_or_too_coarse_are_refused(tmp_path: Path) -> None:
     (tmp_path / "line.csv").write_text(rows())
-    read = read_recording(tmp_path / "line.csv", band="D1")
+    read = recording_from(tmp_path / "line.csv", band="D1")
     with pytest.raises(InputError, match=r"is 99\.75 m long; must be two of the longest waves wanted, 70 m each"):
         restore(read, BAND, AMPLIFICATION)
     with pytest.raises(InputError, match=r"rows 0\.25 m apart resolve no waves shorter than 1 m"):

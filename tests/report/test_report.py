@@ -126,10 +126,10 @@ def test_a_result_knows_the_bytes_of_the_files_it_came_from(coach: Result) -> No
 
 
 def test_the_verdict_names_the_tightest_limit(coach: Result) -> None:
-    from wrsim.analysis.assessment import assess
+    from wrsim.analysis.assessment import assess_runs
     from wrsim.report.tables import verdict
 
-    found = assess(coach)
+    found = assess_runs(coach)
     margins = [v.margin for v in found.values if v.margin is not None]
     assert f"worst margin {100 * min(margins):.0f} %" in verdict(coach, found, "").words
 

@@ -94,7 +94,7 @@ class Comparison:
         return next(m for m in self.models if m.name == self.reference)
 
 
-def compare(
+def compare_models(
     scenario: Scenario, names: Sequence[str], reference: str | None = None, progress: Progress | None = None
 ) -> Comparison:
     """Analyse a scenario with several contact models (names as in `scenario.contact_choice`).

@@ -42,7 +42,7 @@ TOLERANCE = 1e-5  # of the vertical force, of the exact solver
 DEEPEST = 1e-3  # farthest a wheel is moved [m]
 
 
-def resolve(
+def resolve_contacts(
     result: Result,
     scenario: Scenario,
     name: str = "half-space",

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_error, print_found, print_lines, print_numbers
+from wrsim.cli.console import print_error, print_lines, print_numbers, print_outcome
 from wrsim.cli.errors import writing_files
 from wrsim.cli.options import (
     PICTURES,
@@ -21,9 +21,11 @@ from wrsim.cli.options import (
     Radius,
     ResultFile,
     SectionsOf,
+    beside,
     check_ending,
     into,
 )
+from wrsim.errors import InputError
 
 
 def assess_command(
@@ -43,15 +45,13 @@ def assess_command(
     """
     with writing_files(as_json, force, *results[1:], of=results[0]):
         from wrsim.api import assess
-        from wrsim.report.output_folder import folder_of_result, names_apart
 
-        names_apart(results, output)
-        directory = output or folder_of_result(results[0])
-        found = assess(results, scenario, directory, pictures)
-        print_found(as_json, found.numbers, found.tables, found.files, directory)
+        if len(results) > 1 and output is None:
+            raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
+        print_outcome(as_json, assess(results, scenario, output or beside(results[0]), pictures))
 
 
-def ride(
+def ride_command(
     result: ResultFile,
     output: BesideResult = None,
     scenario: SectionsOf = None,
@@ -61,12 +61,9 @@ def ride(
 ) -> None:
     """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
     with writing_files(as_json, force, of=result):
-        from wrsim import api
-        from wrsim.report.output_folder import folder_of_result
+        from wrsim.api import ride
 
-        directory = output or folder_of_result(result)
-        found = api.ride(result, scenario, directory, pictures)
-        print_found(as_json, found.numbers, found.tables, found.files, directory)
+        print_outcome(as_json, ride(result, scenario, output or beside(result), pictures))
 
 
 def conicity_command(
@@ -109,7 +106,7 @@ def conicity_command(
             curve_m=curve_m or (), flange_from_deg=flange_from_deg, models=models or (), output=output,
             pictures=pictures,
         )  # fmt: skip
-        print_found(as_json, found.numbers, found.tables, found.files)
+        print_outcome(as_json, found)
 
 
 def vehicle(

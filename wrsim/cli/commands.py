@@ -12,13 +12,13 @@ from typing import Annotated
 import typer
 
 from wrsim import __version__
-from wrsim.cli.assess import assess_command, conicity_command, ride, vehicle
+from wrsim.cli.assess import assess_command, conicity_command, ride_command, vehicle
 from wrsim.cli.console import print_lines, show_progress
-from wrsim.cli.data import export, profile, recording, track
+from wrsim.cli.data import export_command, profile, recording, track
 from wrsim.cli.errors import INTERRUPTED, any_output, usage_as_json
-from wrsim.cli.inspect import diff, plot, report, show, view
+from wrsim.cli.inspect import diff_command, plot, report, show_command, view
 from wrsim.cli.run import compare_command, resolve_command, run_command, study, wear
-from wrsim.cli.start import check_command, keys, new, warm_command
+from wrsim.cli.start import check_command, keys_command, new, warm_command
 
 app = typer.Typer(
     help="Railway vehicles and wheelsets on curved track, with conformal wheel-rail contact.",
@@ -28,11 +28,11 @@ app = typer.Typer(
 )
 
 PANELS = {
-    "Start": (new, check_command, keys, warm_command),
+    "Start": (new, check_command, keys_command, warm_command),
     "Run": (run_command, study, wear, compare_command, resolve_command),
-    "Inspect": (show, plot, report, view, diff),
-    "Assess": (assess_command, ride, conicity_command, vehicle),
-    "Data": (profile, track, recording, export),
+    "Inspect": (show_command, plot, report, view, diff_command),
+    "Assess": (assess_command, ride_command, conicity_command, vehicle),
+    "Data": (profile, track, recording, export_command),
 }
 for panel, commands in PANELS.items():
     for command in commands:

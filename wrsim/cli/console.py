@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from wrsim.errors import plain
 
 if TYPE_CHECKING:
+    from wrsim.api import Outcome
     from wrsim.results.table import Table
 
 Progress = Callable[[float, float], None]
@@ -40,6 +41,11 @@ def print_found(
     print_numbers(as_json, numbers | {"files": [str(f) for f in files]}, tables)
     if not as_json:
         print_lines(*(map(str, files) if folder is None else [f"{len(files)} files in {folder}"]))
+
+
+def print_outcome(as_json: bool, found: Outcome) -> None:
+    """Numbers with the names of files as JSON; or tables, lines, and the files: how many in a folder, or each."""
+    print_found(as_json, found.numbers, found.tables, found.files, found.folder)
 
 
 def print_json(content: dict[str, Any]) -> None:

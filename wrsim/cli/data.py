@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_found, print_lines
+from wrsim.cli.console import print_found, print_lines, print_outcome
 from wrsim.cli.errors import writing_files
 from wrsim.cli.options import (
     PICTURES,
@@ -80,12 +80,11 @@ def track(
 ) -> None:
     """Draw the track of a scenario or of a track file: plan, curvature, cant, gauge, height, irregularities."""
     with writing_files(as_json, force, file):
-        from wrsim.report.outputs import draw_model
-        from wrsim.scenario.track_build import track_model
+        from wrsim.api import draw_track
 
         picture = output or Path(f"{file.stem}_track.png")
         check_ending("-o", picture, *PICTURES)
-        print_found(as_json, {}, [], [draw_model("track", picture, track_model(file, models or ()))])
+        print_outcome(as_json, draw_track(file, picture, models or ()))
 
 
 def recording(
@@ -139,7 +138,7 @@ def recording(
             print_lines(f"run it with: wrsim run {directory / 'scenario.toml'}")
 
 
-def export(
+def export_command(
     result: ResultFile,
     to: Annotated[
         str,
@@ -151,6 +150,6 @@ def export(
 ) -> None:
     """Write a result for other programs: MATLAB, CSV, Parquet, MDF (result.mat, .csv, .parquet, .mf4), all tables."""
     with writing_files(as_json, force, of=result):
-        from wrsim import api
+        from wrsim.api import export
 
-        print_found(as_json, {}, [], api.export(result, to, output).files)
+        print_outcome(as_json, export(result, to, output))

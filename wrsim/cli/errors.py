@@ -21,27 +21,16 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import typer
 
 from wrsim import __version__
 from wrsim.cli.console import print_error, print_json
-from wrsim.errors import WrsimError
+from wrsim.errors import INTERRUPTED, WrsimError
 
-if TYPE_CHECKING:
-    from wrsim.results import Result
-
-STOPPED, DIFFERENT, INTERNAL, INTERRUPTED = 3, 4, 70, 130
+INTERNAL = 70
 FULL_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 DEBUG = "WRSIM_DEBUG"
-
-
-def exit_code(result: Result) -> int:
-    if result.status == "completed":
-        return 0
-    interrupted = result.dataset.attrs.get("stop_cause") == "interrupt"
-    return INTERRUPTED if interrupted or result.stop_reason.startswith("interrupted") else STOPPED
 
 
 def any_output() -> None:

@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_found, print_lines, print_numbers
+from wrsim.cli.console import print_found, print_lines, print_numbers, print_outcome
 from wrsim.cli.errors import reporting_errors, writing_files
 from wrsim.cli.options import At, BesideResult, Force, Json, Models, OneWheelset, ResultFile, check_ending, into
 
-if TYPE_CHECKING:
-    pass
 
-
-def show(result: ResultFile, as_json: Json = False) -> None:
+def show_command(result: ResultFile, as_json: Json = False) -> None:
     """Print the summary of a result, or of what there is of a run."""
     with reporting_errors(as_json):
-        from wrsim.report.output_folder import read
+        from wrsim.api import show
 
-        loaded = read(result)
-        print_numbers(as_json, loaded.summary(), loaded.numbers())
-        if loaded.stop_reason and not as_json:
-            print_lines(f"stopped: {loaded.stop_reason}")
+        found = show(result)
+        print_numbers(as_json, found.numbers, found.tables)
+        if not as_json:
+            print_lines(*found.lines)
 
 
 def plot(
@@ -42,19 +39,9 @@ def plot(
 ) -> None:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
     with writing_files(as_json, force, of=result):
-        from wrsim.plots.theme import LOOK, look_of
-        from wrsim.report.output_folder import folder_of_result, read
-        from wrsim.report.outputs import draw_pictures
-        from wrsim.results.wheelsets import wheelset_folder, wheelsets, worst_wheelset
+        from wrsim.api import write_pictures
 
-        LOOK.set(look_of(formats, width_mm, font, style))
-        loaded = read(result)
-        dataset, directory = loaded.dataset, output or folder_of_result(result)
-        if wheelset is not None or at:
-            dataset = loaded.wheelset(wheelset or worst_wheelset(dataset))
-            if output is None:
-                directory /= wheelset_folder(wheelsets(loaded.dataset), str(dataset["wheelset"].item()))
-        print_found(as_json, {}, [], draw_pictures(dataset, at, directory))
+        print_outcome(as_json, write_pictures(result, output, at or (), wheelset, formats, width_mm, font, style))
 
 
 def report(
@@ -100,10 +87,10 @@ def view(
         from wrsim.api import write_view
 
         check_ending("-o", output, ".html")
-        print_found(as_json, {}, [], write_view(result, output, models or ()).files)
+        print_outcome(as_json, write_view(result, output, models or ()))
 
 
-def diff(
+def diff_command(
     first: ResultFile,
     second: ResultFile,
     tolerance: Annotated[

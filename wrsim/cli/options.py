@@ -67,6 +67,11 @@ Output = Annotated[Path | None, into(metavar="DIR", help="Default: results/<name
 BesideResult = Annotated[Path | None, into(metavar="DIR", help="Default: beside the result.")]
 
 
+def beside(result: Path) -> Path:
+    """The folder of a result that is named by its file or by that folder."""
+    return result if result.is_dir() else result.parent
+
+
 PICTURES = (".png", ".svg", ".pdf")
 """Endings of the names of pictures."""
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,7 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from wrsim.cli import console, options
-from wrsim.cli.errors import exit_code, reporting_errors, writing_files
+from wrsim.cli.errors import reporting_errors, writing_files
 
 
 def run_command(
@@ -40,44 +42,40 @@ def run_command(
     While it lasts, a run is kept in DIR/result.nc.part, so that one that was cut off goes on with --resume.
     """
     with reporting_errors(as_json):
-        from wrsim.analysis import exact_run_warning
-        from wrsim.report.output_folder import can_go_on, run_into
-        from wrsim.scenario.build import build
-        from wrsim.scenario.loading import load
-        from wrsim.scenario.plausibility import warnings
+        from wrsim.api import run_scenario
 
-        scenario = load(file, models or ()).with_set(values or ())
-        setup = build(scenario)  # what cannot run leaves nothing behind
         if quiet:
             logging.getLogger("wrsim").setLevel(logging.ERROR)
-        else:
-            for words in (*(f"{file}: warning: {w}" for w in warnings(setup)), *exact_run_warning(setup)):
-                console.print_error(words)
-        directory = output or Path("results") / file.stem
-        written = run_into(
-            directory, scenario, setup, file, resume=resume, threads=threads, pictures=pictures, force=force,
-            progress=console.progress_bar(not (quiet or as_json)),
+        found = run_scenario(
+            file, output, values or (), models=models or (), resume=resume, threads=threads, pictures=pictures,
+            force=force, bar=_bar(quiet or as_json), warn=_warn(quiet),
         )  # fmt: skip
-        result, code = written.result, exit_code(written.result)
         if as_json:
-            own = {"status": result.status, "exit_code": code, "directory": str(directory)}
-            lists = {"files": [str(f) for f in written.files], "removed": [str(f) for f in written.removed]}
-            console.print_json(own | lists | {"summary": {**result.summary(), **written.took}})
-        elif not written.files:
-            console.print_error(written.words)
+            console.print_json(found.numbers)
+        elif not found.files:
+            console.print_error(*found.lines)
         else:
             if not quiet:
-                console.print_numbers(False, {}, result.numbers())
-                console.print_lines(*filter(None, [written.words]))
-                console.print_files(len(written.files), directory, len(written.removed))
-            if code:
-                console.print_error(f"{file}: stopped: {result.stop_reason}")
-            if code and not quiet:
-                console.print_error(f"what was computed is in {directory}; draw it with: wrsim plot {directory}")
-                if can_go_on(result):
+                console.print_numbers(False, {}, found.tables)
+                console.print_lines(*found.lines)
+                console.print_files(len(found.files), found["directory"], len(found["removed"]))
+            if found.code:
+                console.print_error(f"{file}: stopped: {found.found.result.stop_reason}")
+            if found.code and not quiet:
+                console.print_error(f"what was computed is in {found.folder}; draw it with: wrsim plot {found.folder}")
+                if found.found.can_go_on:
                     console.print_error("go on with the same command and --resume")
-        if code:
-            raise typer.Exit(code)
+        if found.code:
+            raise typer.Exit(found.code)
+
+
+def _bar(mute: bool) -> Callable[[], AbstractContextManager[Any]]:
+    """Gives a context with the callback of a progress bar; of none where it is mute."""
+    return partial(console.progress_bar, not mute)
+
+
+def _warn(mute: bool) -> Callable[[str], None]:
+    return (lambda words: None) if mute else console.print_error
 
 
 def study(
@@ -101,9 +99,8 @@ def study(
     with reporting_errors(as_json):
         from wrsim.api import run_study
 
-        directory = output or Path("results") / file.stem
         found = run_study(
-            file, directory, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, retry=retry, dry_run=dry_run,
+            file, output, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, retry=retry, dry_run=dry_run,
             models=models or (), pictures=pictures, force=force, **_progress(quiet or as_json),
         )  # fmt: skip
         if dry_run:
@@ -112,7 +109,7 @@ def study(
             console.print_json(found.numbers | {"files": [str(f) for f in found.files]})
         elif not quiet:
             console.print_numbers(False, found.numbers, found.tables)
-            console.print_files(len(found.files), directory)
+            console.print_files(len(found.files), found["directory"])
         for words in [] if as_json or dry_run else found.found(quiet):
             console.print_error(words)
         if found.code:
@@ -120,9 +117,9 @@ def study(
 
 
 def _progress(mute: bool) -> dict[str, Any]:
-    """A bar and words on the progress of a study, unless mute; warnings."""
-    say = (lambda words: None) if mute else console.print_lines
-    return {"bar": partial(console.progress_bar, not mute), "say": say, "warn": console.print_error}
+    """A bar and lines on the progress of a study, unless mute; warnings."""
+    notify = (lambda line: None) if mute else console.print_lines
+    return {"bar": _bar(mute), "notify": notify, "warn": console.print_error}
 
 
 def wear(
@@ -142,13 +139,12 @@ def wear(
     with reporting_errors(as_json):
         from wrsim.api import run_wear
 
-        directory = output or Path("results") / file.stem
         found = run_wear(
-            file, directory, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, models=models or (),
+            file, output, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, models=models or (),
             pictures=pictures, force=force, **_progress(quiet or as_json),
         )  # fmt: skip
         if as_json or not quiet:
-            console.print_found(as_json, found.numbers, found.tables, found.files, directory)
+            console.print_outcome(as_json, found)
 
 
 def compare_command(
@@ -172,27 +168,16 @@ def compare_command(
 ) -> None:
     """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""
     with writing_files(as_json, force, file):
-        from wrsim.analysis import exact_run_warning
-        from wrsim.analysis.compare import compare, comparison_report, comparison_tables
-        from wrsim.report.outputs import write_comparison
-        from wrsim.scenario.build import build
-        from wrsim.scenario.contact_choice import split_names, with_contact_model
-        from wrsim.scenario.loading import load
+        from wrsim.api import compare
 
-        scenario = load(file, models or ())
-        names = split_names(contact)
-        for words in [w for name in names for w in exact_run_warning(build(with_contact_model(scenario, name)))]:
-            if not quiet:
-                console.print_error(words)
-        with console.progress_bar(not (quiet or as_json)) as progress:
-            found = compare(scenario, names, reference, progress)
-        directory = output or Path("results") / f"{file.stem}_compared"
-        report = comparison_report(found, str(file))
-        files = write_comparison(found, report, directory, pictures, scenario.title)
+        found = compare(
+            file, contact, reference, output or Path("results") / f"{file.stem}_compared", models=models or (),
+            pictures=pictures, bar=_bar(quiet or as_json), warn=_warn(quiet),
+        )  # fmt: skip
         if as_json or not quiet:
-            console.print_found(as_json, report, comparison_tables(found, report), files, directory)
-        if code := max(exit_code(m.result) for m in found.models):
-            raise typer.Exit(code)
+            console.print_outcome(as_json, found)
+        if found.code:
+            raise typer.Exit(found.code)
 
 
 def resolve_command(
@@ -214,27 +199,11 @@ def resolve_command(
 ) -> None:
     """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model."""
     with reporting_errors(as_json):
-        from wrsim.analysis.resolve import resolve
-        from wrsim.report.output_folder import RECORD, claimed, folder_of_result, naming, read, write
-        from wrsim.report.outputs import file_name
-        from wrsim.results import write_atomically
-        from wrsim.results.moments import moments_at, resolved_table
-        from wrsim.results.summary_tables import first_lines, remarks
-        from wrsim.scenario.loading import load_text
+        from wrsim.api import resolve
 
-        before = read(result)
-        folder = folder_of_result(result)
-        with naming(result), console.progress_bar(not (quiet or as_json)) as progress:
-            moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
-            scenario = load_text(before.dataset.attrs["scenario_text"], folder, models or (), closed=True)
-            after = resolve(before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress)
-        directory = output or folder / file_name(contact)
-        with claimed(directory, force, (result,)) as keeper:
-            write_atomically(directory / RECORD, after.dataset.attrs["scenario_text"].encode())
-            files = write(after, directory, pictures)
-            keeper.clear(files)
+        found = resolve(
+            result, contact, output, at=at or (), wheelset=wheelset, same=same, models=models or (),
+            pictures=pictures, force=force, bar=_bar(quiet or as_json),
+        )  # fmt: skip
         if as_json or not quiet:
-            notes = first_lines(remarks(after.summary()), "remarks")
-            tables = [resolved_table(before.wheelset(wheelset), after.wheelset(), notes)]
-            numbers = {"directory": str(directory), "summary": after.summary()}
-            console.print_found(as_json, numbers, tables, files, directory)
+            console.print_outcome(as_json, found)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_error, print_json, print_lines, print_numbers
+from wrsim.cli.console import print_error, print_json, print_lines, print_numbers, print_outcome
 from wrsim.cli.errors import reporting_errors, writing_files
 from wrsim.cli.options import Force, Json, Models, Quiet, ScenarioFile, Set, into
 from wrsim.register import ANALYSES, FILES
@@ -36,23 +36,12 @@ def new(
 ) -> None:
     """Write a file to start from, which can be used as it is: a scenario that names all keys, or another kind."""
     with writing_files(as_json, force):
-        from wrsim.results import write_atomically
-        from wrsim.scenario.templates import template_files
+        from wrsim.api import new_file
 
-        texts = template_files(kind, template, output or Path(f"{template or kind}.toml"))
-        files = [write_atomically(path, text.encode()) for path, text in texts.items()]
-        if as_json:
-            print_json({"files": [str(path) for path in files]})
-        else:
-            command = "run" if kind in ANALYSES else "vehicle" if kind == "train" else kind
-            print_lines(*map(str, files), f"use it with: wrsim {command} {files[0]}")
-            print_lines(
-                f"wrsim keys{'' if kind in ANALYSES else f' --file {FILE_KINDS.get(kind, kind)}'} explains its keys"
-            )
-
-
-FILE_KINDS = {"wear": "service"}
-"""Names of kinds of files in the register, where they differ."""
+        found = new_file(kind, template, output)
+        print_outcome(as_json, found)
+        if not as_json:
+            print_lines(*found.lines)
 
 
 def check_command(file: ScenarioFile, values: Set = None, models: Models = None, as_json: Json = False) -> None:
@@ -66,7 +55,7 @@ def check_command(file: ScenarioFile, values: Set = None, models: Models = None,
             print_error(f"{file}: warning: {words}")
 
 
-def keys(
+def keys_command(
     section: Annotated[
         str | None, typer.Argument(metavar="SECTION", help="A table such as contact or track.segments; default: all.")
     ] = None,
@@ -78,20 +67,20 @@ def keys(
 ) -> None:
     """List the keys of a table: unit, what is allowed, default, other names, an example."""
     with reporting_errors(as_json):
-        from wrsim.scenario.reference import check_kind, keys_numbers, keys_text, schema_text
+        from wrsim.api import keys
 
-        check_kind(file)
+        found = keys(section, file, schema)
         if as_json and not schema:
-            print_json(keys_numbers(file, section))
+            print_json(found.numbers)
         else:
-            print_lines(schema_text(file) if schema else keys_text(file, section))
+            print_lines(*found.lines)
 
 
 def warm_command(quiet: Quiet = False) -> None:
     """Compile ahead what runs and poses need, so that the first of them starts at once."""
     with reporting_errors(False):
-        from wrsim.analysis.warming import warm_up
+        from wrsim.api import warm
 
-        words = warm_up()
+        found = warm()
         if not quiet:
-            print_lines(words)
+            print_lines(*found.lines)

@@ -16,7 +16,7 @@ from wrsim.errors import WrsimError
 MAGIC, VERSION = b"wrsimcon", 1
 
 
-def save(inputs: Arrays, description: str, path: str | Path) -> None:
+def save_library(inputs: Arrays, description: str, path: str | Path) -> None:
     """Write the workspace that a model computes in. Raises WrsimError where the file cannot be written."""
     packed = pack(inputs)
     words = description.encode()

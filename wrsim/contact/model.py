@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from wrsim.contact import tables
 from wrsim.contact.batch import Contacts, evaluate_poses
-from wrsim.contact.library_file import save
+from wrsim.contact.library_file import save_library
 from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, Tangential
 from wrsim.contact.workspace import WARM_TOLERANCE, KernelArrays, Workspace, pack
 from wrsim.core.contact import records as k
@@ -216,7 +216,7 @@ class ContactModel:
             Where the file cannot be written.
         """
         self._check_compiled()
-        save(_inputs(self), repr(self), path)
+        save_library(_inputs(self), repr(self), path)
 
     def turn_rail(self, twist: float, outward: float, up: float) -> None:
         """Set how the rail turns and bends where the wheel is; see `evaluate`."""

@@ -106,10 +106,10 @@ class Piecewise:
 
 def arclengths(velocity: Callable[[Array], Array], t: Array, points: int = 8) -> Array:
     """Arclength at the parameters t (n,) of a plane curve from t[0], given its derivative (n, 2) as a function."""
-    return np.append(0.0, np.cumsum(integrals(lambda x: np.hypot(*velocity(x).T), t[:-1], t[1:], points)))
+    return np.append(0.0, np.cumsum(gauss_integrals(lambda x: np.hypot(*velocity(x).T), t[:-1], t[1:], points)))
 
 
-def integrals(function: Callable[[Array], Array], start: Array, end: Array, points: int) -> Array:
+def gauss_integrals(function: Callable[[Array], Array], start: Array, end: Array, points: int) -> Array:
     """Integrals of function(s (n,)) -> (n, ...) from start to end, both (n,), by Gauss-Legendre quadrature."""
     middle, half = 0.5 * (start + end), 0.5 * (end - start)
     place, weight = np.polynomial.legendre.leggauss(points)

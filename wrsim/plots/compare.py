@@ -22,7 +22,7 @@ from wrsim.plots.moments import (
     beyond_railways,
     choose_moments,
     ends_of,
-    patches_of,
+    patches_at,
     pose_abscissa,
     pose_groups,
     select,
@@ -140,9 +140,9 @@ def _placed(dataset: xr.Dataset, first: xr.Dataset, reference: int, wheel: str) 
         (moment,) = moments_at(dataset, [place[reference]], "at")
     except InputError:
         return []
-    origin = patches_of(first, reference, wheel)
+    origin = patches_at(first, reference, wheel)
     zero = _arc(first, origin[0]) if origin else 0.0
-    return [(where, _arc(dataset, where) - zero) for where in patches_of(dataset, moment, wheel)]
+    return [(where, _arc(dataset, where) - zero) for where in patches_at(dataset, moment, wheel)]
 
 
 def _arc(dataset: xr.Dataset, where: PatchAt) -> float:

@@ -19,7 +19,7 @@ from matplotlib.patches import Polygon, Rectangle
 
 from wrsim.plots import gallery
 from wrsim.plots.marks import few_ticks, stop_note
-from wrsim.plots.moments import PatchAt, choose_moments, patches_of, select, touching_runs
+from wrsim.plots.moments import PatchAt, choose_moments, patches_at, select, touching_runs
 from wrsim.plots.patches import NEAR_EDGE, Array, patch_note, pressure_scale, rounded
 from wrsim.plots.theme import INK, QUIET, RAIL_FILL, WHEEL_COLOUR, WHEEL_FILL, pressure_map, shown
 from wrsim.results.moments import moment_dim
@@ -87,7 +87,7 @@ def pressed_curve(strips: xr.Dataset) -> tuple[Array, Array, Array]:
 def cross_section(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str, scale: Normalize) -> Axes:
     """Overview of one wheel on its rail: outlines and all patches."""
     outlines(axes, dataset, moment, wheel)
-    for where in patches_of(dataset, moment, wheel):
+    for where in patches_at(dataset, moment, wheel):
         patch_on_section(axes, dataset, where, scale, thickness=4.0)
     axes.set(xlim=OVERVIEW[:2], ylim=OVERVIEW[2:])
     return axes
@@ -126,7 +126,7 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
         if not first:  # the window of the first one
             axes.set(xticks=(), yticks=(), xlabel="")
         cross_section(axes, dataset, moment, wheel, scale)
-        for o, b, half in (zoom_window(dataset, where) for where in patches_of(dataset, moment, wheel)):
+        for o, b, half in (zoom_window(dataset, where) for where in patches_at(dataset, moment, wheel)):
             look: Any = {"fill": False, "edgecolor": QUIET, "linewidth": 0.5, "zorder": 4.0}
             axes.add_artist(Rectangle((o - half, b - half), 2 * half, 2 * half, **look))
 

@@ -41,7 +41,7 @@ def choose_moments(dataset: xr.Dataset, most: int) -> list[int]:
     return chosen
 
 
-def patches_of(dataset: xr.Dataset, moment: int, wheel: str) -> list[PatchAt]:
+def patches_at(dataset: xr.Dataset, moment: int, wheel: str) -> list[PatchAt]:
     """Patches of one wheel at a moment."""
     at = _indices(dataset, PatchAt(moment, wheel, 0)) | {"patch": slice(None)}
     finite = np.isfinite(dataset.variables["strip_p"].isel(at).values)

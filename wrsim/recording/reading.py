@@ -49,7 +49,7 @@ class TrackRecording:
         return [(c, r) for c, r in self.records if c.quantity == quantity]
 
 
-def read_recording(
+def recording_from(
     path: Path,
     columns: Path | None = None,
     *,

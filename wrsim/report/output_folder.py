@@ -131,11 +131,9 @@ def write_ride_of(result: Result, directory: Path, pictures: bool) -> list[Path]
         return []
 
 
-def names_apart(results: Sequence[Path], output: Path | None) -> list[str]:
-    """Names of runs: the ends of their paths, as long as it takes to tell them apart. Raises InputError for a run that
-    is given twice, and for several runs without a folder to write to."""
-    if len(results) > 1 and output is None:
-        raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
+def names_apart(results: Sequence[Path]) -> list[str]:
+    """Names of runs: the ends of their paths, as long as it takes to distinguish them. Raises InputError for a run that
+    is given twice."""
     paths = [path.resolve() for path in results]
     paths = [path.parent if path.name.startswith(RESULT) else path for path in paths]
     for i, path in enumerate(paths):
@@ -156,6 +154,10 @@ class Written(NamedTuple):
     words: str
     files: Sequence[Path] = ()
     removed: Sequence[Path] = ()
+
+    @property
+    def can_go_on(self) -> bool:
+        return can_go_on(self.result)
 
 
 def _times(result: Result, wall: float, compiling: float) -> tuple[dict[str, float], str]:

@@ -58,10 +58,10 @@ def report_page(
     names = [f"{chr(ord('A') + i)} {source}" for i, source in enumerate(sources)]
     names = names if len(names) > 1 else [""]
     summaries = [r.summary() for r in results]
-    from wrsim.analysis.assessment import assess
+    from wrsim.analysis.assessment import assess_runs
     from wrsim.analysis.ride import evaluate_ride
 
-    both = [tables.evaluated(assess, r) for r in results]
+    both = [tables.evaluated(assess_runs, r) for r in results]
     found = [assessment for assessment, _ in both]
     charts = charts_of([r.dataset for r in results], names, tables.chart_limits(found))
     moves = [{"point", "time"} <= set(r.dataset.dims) for r in results]
@@ -81,7 +81,7 @@ def report_page(
             "version": __version__,
             "verdicts": [tables.verdict(r, *own) for r, own in zip(results, both, strict=True)],
             "identity": tables.identity(results, sources),
-            "versions": tables.versions(results, summaries),
+            "versions": tables.version_rows(results, summaries),
             "lone": all(own.lone for own in found if own),
             "inputs": [tables.inputs(r) for r in results],
             "texts": [str(r.dataset.attrs.get("scenario_text", "")) for r in results],
@@ -102,7 +102,7 @@ def report_page(
             "ride": [ride.table(name) for name, ride in ridden.items()],
             "ride_notes": [why for _, why in rides if why],
             "bands": [as_picture("third octaves of the accelerations", make()) for make in bands],
-            "events": tables.events(results, summaries, names),
+            "events": tables.event_table(results, summaries, names),
             "viewers": list(zip(names, viewers, strict=False)),
             "histories": list(histories),
         }

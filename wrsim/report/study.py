@@ -107,7 +107,12 @@ def _text(value: object) -> str:
     return formatted(float(value), ".6g") if isinstance(value, float | np.floating) else str(value)
 
 
-OF_EVOLUTION = {"service_text": "File of the evolution", "cases_text": "Table of cases", "scenario_text": "Scenario"}
+OF_EVOLUTION = {
+    "evolution_text": "File of the evolution",
+    "service_text": "File of the evolution",  # of older results
+    "cases_text": "Table of cases",
+    "scenario_text": "Scenario",
+}
 """Files that a profile evolution holds, and words for them."""
 
 

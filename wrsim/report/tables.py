@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeVar
 import xarray as xr
 
 from wrsim.errors import InputError
-from wrsim.plots.moments import moment_title, patches_of, snapshot_letter
+from wrsim.plots.moments import moment_title, patches_at, snapshot_letter
 from wrsim.plots.wear import LAW_WORDS
 from wrsim.report.document import basis, is_lone
 from wrsim.results import CHANNELS, Result
@@ -102,7 +102,7 @@ def _identity(result: Result) -> dict[str, str]:
     return about | {"vehicle": vehicle}
 
 
-def versions(results: Sequence[Result], summaries: Sequence[Summary]) -> list[tuple[str, list[str]]]:
+def version_rows(results: Sequence[Result], summaries: Sequence[Summary]) -> list[tuple[str, list[str]]]:
     """What computed the results: integration of the runs, versions of the programs."""
     rows = [("integration", [" ".join(integration(own)) for own in summaries])]
     keys = {k for r in results for k in r.dataset.attrs if k.endswith("_version") and k != "format_version"}
@@ -192,7 +192,7 @@ def contacts(dataset: xr.Dataset, moments: Sequence[int]) -> Table:
     for i, moment in enumerate(moments):
         pose = f"({snapshot_letter(i)}) {dataset['pose'].values[moment]}" if dim == "pose" else ""
         title = pose or moment_title(dataset, moment, i).replace("\n", ", ")
-        for where in [patch for wheel in dataset["wheel"].values for patch in patches_of(dataset, moment, str(wheel))]:
+        for where in [patch for wheel in dataset["wheel"].values for patch in patches_at(dataset, moment, str(wheel))]:
             one = dataset[channels].isel({dim: sample_of(dataset, moment), "patch": where.patch}).sel(wheel=where.wheel)
             values = [float(one[name]) * CHANNELS[name].shown.factor for name in channels]
             rows.append([title, f"{where.wheel}, {PATCHES[where.patch]} patch", *values])
@@ -200,7 +200,7 @@ def contacts(dataset: xr.Dataset, moments: Sequence[int]) -> Table:
     return Table("", (Column("at"), Column("wheel"), *(Column.of(CHANNELS[name]) for name in channels)), rows)
 
 
-def events(results: Sequence[Result], summaries: Sequence[Summary], names: Sequence[str]) -> Table | None:
+def event_table(results: Sequence[Result], summaries: Sequence[Summary], names: Sequence[str]) -> Table | None:
     """What happened on the way, and where a run stopped."""
     rows: list[tuple[str, ...]] = []
     for result, summary, name in zip(results, summaries, names, strict=True):

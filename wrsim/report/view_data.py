@@ -18,7 +18,7 @@ from wrsim import __version__
 from wrsim.errors import InputError, SimulationError, in_one_line
 from wrsim.geometry.profile.profile import Profile
 from wrsim.plots.cross_section import has_outlines, pressed_curve
-from wrsim.plots.moments import patches_of, select, touching_runs
+from wrsim.plots.moments import patches_at, select, touching_runs
 from wrsim.plots.theme import pressure_map
 from wrsim.plots.wear import LAW_WORDS
 from wrsim.report.page import page_template
@@ -296,7 +296,7 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
     outline, finite, on_wheel = _outline(mine, "wheel", dim, 0.01, worn)
     moments, shapes, numbers = [], [], []
     for m in range(count):
-        for where in patches_of(one, m, side):
+        for where in patches_at(one, m, side):
             for strips in touching_runs(select(one, where)):
                 curve, normal, p = pressed_curve(strips)
                 walked = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(curve, axis=0).T))))

@@ -17,7 +17,7 @@ from wrsim.inputs.checking import check_value
 from wrsim.inputs.toml_files import write_toml
 from wrsim.inputs.values import number
 from wrsim.recording.design import FORMS, Plateau
-from wrsim.recording.reading import read_recording
+from wrsim.recording.reading import recording_from
 from wrsim.recording.restoring import Restored, restore
 from wrsim.results.recording import LONGEST_BAND
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
@@ -150,6 +150,6 @@ def restored_track(
         check_value(Annotated[float, number(0.5, LONGEST_BAND, "m")], length, "--wavelength-m")
     if not wavelengths[0] < wavelengths[1]:
         raise InputError(f"--wavelength-m {wavelengths[0]:g} {wavelengths[1]:g}: must rise")
-    read = read_recording(file, columns, chord=chord, band=band, part=part)
+    read = recording_from(file, columns, chord=chord, band=band, part=part)
     forms = tuple(form for form in FORMS if transitions in (form, "either"))
     return restore(read, wavelengths, amplification, forms)

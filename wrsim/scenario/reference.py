@@ -10,7 +10,7 @@ from typing import Any
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.reference import Entry, entries, heading, json_schema, purpose, tables_in
 from wrsim.inputs.section import Section
-from wrsim.register import FILES, resolved
+from wrsim.register import FILES, OTHER_NAMES, resolved
 from wrsim.scenario.merging import BASE
 
 WIDTH = 110
@@ -18,10 +18,12 @@ ABSENT = {"needed": "has to be given", "none": "may be left out"}
 """Words for what keys without a default have in its place."""
 
 
-def check_kind(file: str) -> None:
-    """Raises InputError for an unknown kind of file."""
+def kind_of_file(file: str) -> str:
+    """The kind of file of a name, or of another name of it. Raises InputError for an unknown one."""
+    file = OTHER_NAMES.get(file, file)
     if file not in FILES:
         raise InputError(f"--file {file}: must be {', '.join(FILES)}{suggest(file, list(FILES))}")
+    return file
 
 
 def keys_text(file: str, section: str | None) -> str:

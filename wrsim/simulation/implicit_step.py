@@ -25,7 +25,7 @@ BETA = 0.25 * (GAMMA + 0.5) ** 2
 """Numbers of the method."""
 
 
-def changes(step: float) -> tuple[float, float]:
+def changes_of_step(step: float) -> tuple[float, float]:
     """Changes of q and q_t for a change of q_tt in a step [s]."""
     of_acceleration = step * step * BETA * (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
     return of_acceleration, of_acceleration * GAMMA / (step * BETA)
@@ -51,7 +51,7 @@ class ImplicitStep:
         """q, q_t, q_tt: the solver's own arrays, bodies first; tolerance, loosest: see ``BodySystem.solve``."""
         self.q, self.q_t, self.q_tt = q, q_t, q_tt
         own = np.zeros(1, kernel.STEP)
-        own["q_of_q_tt"], own["q_t_of_q_tt"] = changes(step)
+        own["q_of_q_tt"], own["q_t_of_q_tt"] = changes_of_step(step)
         own["tolerance"], own["loosest"] = tolerance, tolerance if loosest is None else loosest
         for name in ("predicted", "residual", "moved", "ratio"):
             own[name] = np.inf

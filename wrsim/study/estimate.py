@@ -57,7 +57,7 @@ def time_of(scenario: Scenario) -> float:
     return time.perf_counter() - begin
 
 
-def estimate(plan: Plan, workers: int | None) -> tuple[dict[str, Any], Table]:
+def estimated_cost(plan: Plan, workers: int | None) -> tuple[dict[str, Any], Table]:
     """What a study will take on so many workers, one a processor unless given.
 
     Plain numbers with units in the keys, of all cases; a table of the first cases and the time.

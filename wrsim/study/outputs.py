@@ -151,13 +151,13 @@ def _unit_in(name: str) -> str:
 
 def _take_assessment(found: Outputs, result: Result, wanted: tuple[str, ...]) -> None:
     """The worst value of every quantity over all sections, and the least margin to its limit where it has one."""
-    from wrsim.analysis.assessment import assess
+    from wrsim.analysis.assessment import assess_runs
 
     columns = {key: "_".join(filter(None, ("assessment", key, QUANTITIES[key].shown.suffix))) for key in wanted}
     for key, column in columns.items():
         found.take(column, None, QUANTITIES[key].shown.symbol)
     try:
-        assessment = assess(result)
+        assessment = assess_runs(result)
     except InputError as error:
         found.faults.append(f"outputs.assessment: {error}")
         return

@@ -1,8 +1,8 @@
 """Assessment of runs as a railway does it: EN 14363 and UIC 518, derailment, wear, section by section of track.
 
-``assess(result) -> Assessment`` is a pure function of a result.
+``assess_runs(result) -> Assessment`` is a pure function of a result.
 """
 
-from wrsim.analysis.assessment.assess import assess
+from wrsim.analysis.assessment.assess import assess_runs
 
-__all__ = ["assess"]
+__all__ = ["assess_runs"]

@@ -28,7 +28,7 @@ from wrsim.scenario.sections.assessment import AssessmentSection, AssessmentSett
 NEEDED = ("distance", "Y", "Q")
 
 
-def assess(
+def assess_runs(
     results: Result | Sequence[Result], settings: AssessmentSettings | None = None, names: Sequence[str] = ()
 ) -> Assessment:
     """Assess a run, or several runs of one vehicle as one test, by EN 14363 and what else is known of its wheels.

@@ -47,12 +47,12 @@ POINTS = 2000  # of the quadrature over a swing
 def run_conicity(setup: Setup[ConicityPlan], progress: Progress | None = None) -> Result:
     """The conicity of a scenario's wheelset on its track at nominal gauge."""
     gauge = setup.track.nominal_gauge
-    result = conicity(setup.wheelset, setup.rails, gauge, setup.plan, setup.title, setup.text)
+    result = wheelset_conicity(setup.wheelset, setup.rails, gauge, setup.plan, setup.title, setup.text)
     Report(progress)(1.0)
     return result
 
 
-def conicity(
+def wheelset_conicity(
     wheelset: Wheelset, rails: tuple[Profile, Profile], gauge: float, plan: ConicityPlan, title: str, text: str = ""
 ) -> Result:
     """Rigid contact over the lateral shift, and the equivalent conicity over the amplitude.

@@ -11,7 +11,7 @@ from typing import Annotated
 
 import numpy as np
 
-from wrsim.analysis.conicity.conicity import conicity
+from wrsim.analysis.conicity.conicity import wheelset_conicity
 from wrsim.errors import InputError
 from wrsim.geometry.profile.flange import BACK
 from wrsim.geometry.profile.models import load_profile, profiles_in
@@ -69,7 +69,7 @@ class Pairing:
         on = " on ".join(" / ".join(dict.fromkeys((p.name, q.name))) for p, q in (profiles, (left, right)))
         amplitudes = tuple(a / 1e3 for a in AMPLITUDES)
         plan = ConicityPlan(amplitudes, self.roll, tuple(curves), radians(flange_from_deg))
-        return conicity(wheelset, (left, right), gauge, plan, on + self.inclined)
+        return wheelset_conicity(wheelset, (left, right), gauge, plan, on + self.inclined)
 
     def map(self, wheel: str, rail: str, gauges_mm: tuple[float, float, float], radius: float) -> ConicityMap:
         """A map of profiles or folders of them over gauges (first, last, step) [mm]; radius at the tape circle [m]."""
@@ -119,7 +119,7 @@ def conicity_map(
         for j, gauge in enumerate(gauges):
             pair = f"{wheel} on {rail}, gauge {1e3 * gauge:.6g} mm"
             try:
-                found = conicity_summary(conicity(wheelset, (rails[rail],) * 2, gauge, plan, pair).wheelset())
+                found = conicity_summary(wheelset_conicity(wheelset, (rails[rail],) * 2, gauge, plan, pair).wheelset())
             except InputError as error:
                 text = str(error)
                 reasons[text if text.startswith(pair) else f"{pair}: {text}"] = None

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
-from wrsim.geometry.piecewise import Array, Jet, Piecewise, integrals, subdivided
+from wrsim.geometry.piecewise import Array, Jet, Piecewise, gauss_integrals, subdivided
 from wrsim.geometry.track.irregularities import SMOOTH, RailIrregularity
 from wrsim.geometry.track.path import COLUMNS, Path
 
@@ -80,7 +80,7 @@ class CentreLine:
 
     def _advance(self, a: Array, b: Array) -> Array:
         """Integral of the tangent from a to b (m,), each within one piece: (m, 3)."""
-        return integrals(self.tangent, a, b, HEADING_POINTS)
+        return gauss_integrals(self.tangent, a, b, HEADING_POINTS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,4 +221,4 @@ class SweptCurve:
         """Arclength from a to b, both (m,); every pair within one piece."""
         if not self.side:
             return b - a
-        return integrals(self._rate, a, b, GAUSS_POINTS)
+        return gauss_integrals(self._rate, a, b, GAUSS_POINTS)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from wrsim.analysis.conicity.conicity import conicity
+from wrsim.analysis.conicity.conicity import wheelset_conicity
 from wrsim.errors import InputError
 from wrsim.geometry.profile.flange import flange_dimensions
 from wrsim.geometry.profile.profile import Profile
@@ -79,7 +79,8 @@ def wear_history(evolution: Evolution, steps: Sequence[Step]) -> xr.Dataset:
         variables[name] = (dims, values, {"units": "m", "long_name": words})
     attributes = {
         "format": FORMAT, "title": evolution.given.title, "law": evolution.spec.law, "wheel": evolution.unworn.name,
-        "service_text": evolution.given.text, "cases_text": evolution.cases_text, "scenario_text": evolution.base.text,
+        "evolution_text": evolution.given.text, "cases_text": evolution.cases_text,
+        "scenario_text": evolution.base.text,
         "conicity_amplitude_m": 1e-3 * evolution.spec.conicity_amplitude_mm,
     }  # fmt: skip
     return xr.Dataset(variables, attrs=attributes | versions())
@@ -108,7 +109,7 @@ def _conicity(evolution: Evolution, profile: Profile) -> float:
     wheelset = replace(own, left=replace(own.left, profile=profile), right=replace(own.right, profile=profile))
     plan = ConicityPlan(amplitudes=(1e-3 * evolution.spec.conicity_amplitude_mm,))
     try:
-        found = conicity(wheelset, setup.rails, setup.track.nominal_gauge, plan, evolution.given.title)
+        found = wheelset_conicity(wheelset, setup.rails, setup.track.nominal_gauge, plan, evolution.given.title)
     except InputError:
         return float("nan")
     return float(found.dataset["equivalent_conicity"].values.ravel()[0])

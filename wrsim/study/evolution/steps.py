@@ -27,7 +27,7 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ConfigDict, Field, FiniteFloat, TypeAdapter, ValidationError
+from pydantic import AliasChoices, ConfigDict, Field, FiniteFloat, TypeAdapter, ValidationError
 
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.models import write_depths
@@ -55,7 +55,7 @@ SHORTEST_REST = 1e-9
 class Step:
     """One step. start: mileage at which it begins, way: how far it goes [m]; deepest: depth for each metre run where it
     is largest [1]; tread, flange: mass lost by a wheel for each metre run [kg/m]; areas: lost from the unworn profile
-    by the end of the step, over the bins' widths [m]; service: digest of the profile evolution."""
+    by the end of the step, over the bins' widths [m]; evolution: digest of the profile evolution."""
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 
@@ -66,7 +66,7 @@ class Step:
     tread: FiniteFloat
     flange: FiniteFloat
     areas: tuple[FiniteFloat, ...]
-    service: str
+    evolution: Annotated[str, Field(validation_alias=AliasChoices("evolution", "service"))]
 
     @property
     def end(self) -> float:
@@ -97,7 +97,7 @@ def read_step(evolution: Evolution, folder: Path) -> Step | None:
         return None
     if len(step.areas) != evolution.places.size - 1:
         return None
-    if step.service != evolution.digest:
+    if step.evolution != evolution.digest:
         raise InputError(
             f"{folder / STEP}: was computed from another profile evolution: its file, scenario, cases or models have "
             "changed since; choose another directory with -o"
