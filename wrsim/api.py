@@ -297,7 +297,6 @@ def profiles(
     """
     from wrsim.analysis.conicity.pairs import Pairing
     from wrsim.analysis.profiles import Partner, gathered, measured_tables, wheelsets_table
-    from wrsim.errors import InputError
     from wrsim.geometry.profile.models import load_profile
     from wrsim.inputs.lookup import model_file
     from wrsim.report.outputs import draw_model, write_profiles

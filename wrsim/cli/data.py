@@ -68,7 +68,7 @@ def profile(
             flange_back_mm=flange_back_mm, inclination=inclination, radius_mm=radius_mm, load_kN=load_kn,
             models=models or (),
         )  # fmt: skip
-        print_found(as_json, found.numbers, found.tables, found.files)
+        print_outcome(as_json, found)
 
 
 def track(
