@@ -53,7 +53,9 @@ def print_json(content: dict[str, Any]) -> None:
 
 
 def print_error(message: str) -> None:
-    print(plain(message), file=sys.stderr)
+    """A message on stderr; warnings are bold on a terminal."""
+    line = plain(message)
+    print(f"\x1b[1m{line}\x1b[0m" if ": warning: " in line and sys.stderr.isatty() else line, file=sys.stderr)
 
 
 def print_files(count: int, directory: Path, removed: int = 0) -> None:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_found, print_lines, print_outcome
+from wrsim.cli.console import print_error, print_lines, print_outcome
 from wrsim.cli.errors import writing_files
 from wrsim.cli.options import (
     PICTURES,
@@ -133,7 +133,9 @@ def recording(
             amplification=amplification, transitions=transitions, from_m=from_m, to_m=to_m, vehicle=vehicle,
             speed_kmh=speed_kmh, models=models or (), pictures=pictures,
         )  # fmt: skip
-        print_found(as_json, found.numbers, found.tables, found.files, directory)
+        for words in [] if as_json else found["warnings"]:
+            print_error(f"{file}: warning: {words}")
+        print_outcome(as_json, found)
         if not as_json:
             print_lines(f"run it with: wrsim run {directory / 'scenario.toml'}")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -171,16 +172,24 @@ class ColumnsFile(Section, header="a column map"):
                 yield Fault("channels", f"have {kind} of the mean and of single rails: leave one of them out")
 
 
-GUESSES: tuple[tuple[str, str], ...] = (
-    ("distance", r"dist|chainage|mileage|station|posit|^km$|^pk$|^s$|weg"),
-    ("curvature", r"curv|kr(ue|ü|u)mm|courbure"),
-    ("twist", r"twist|verwind|gauchissement"),
-    ("cant", r"cant|cross.?level|x.?level|super.?elev|(ue|ü)berh|d(e|é)vers"),
-    ("gauge", r"gauge|spurw|(e|é)cartement"),
-    ("alignment", r"align|richtung|dressage|lateral"),
-    ("level", r"level|vertical|profile|l(ae|ä)ngsh|nivell|surface|^top"),
+NO_USE = (
+    r"speed|geschw|vitesse|^v\b|accel|beschl|temp|deficien|fehlbetrag|insuffis|radius|rayon|halbmesser|gradient|rampe|pente"
+    r"|(?<!quer)neigung|gps|latitude|longitude|date\b|datum|\btime|zeit|heure|fahrtrichtung|messrichtung|sens\b|std|sigma|standardab|type"
 )
-"""Quantities and patterns of their columns' names; the first that fits."""
+"""Names of columns that are left out though they hold words of quantities, such as cant deficiency."""
+GUESSES: tuple[tuple[str, str], ...] = (
+    ("distance", r"dist|chainage|mileage|kilomet|stati?on|posit|(^|[^a-z])pk($|[^a-z])|km$|^s$|^k?m$|abscisse|weg"),
+    ("twist", r"twist|verwind|gauchiss|^gauche(?!.*(dress|nivel|fleche))"),
+    ("cant", r"cant|cross.?level|(?<![a-z])x.?level|super.?elev|u(e)?berho|querho|querneig|gegens|devers|nivel.*trans"),
+    ("gauge", r"gauge|spur|ecartement"),
+    ("curvature", r"curv|kru(e)?mm|courbure"),
+    ("alignment", r"align|richt|pfeilh|fleche|versine|dress|lateral|seitenlage"),
+    ("level", r"level|vertical|vertikal|profil|surface|^top|ho(e)?he|nivea|nivel"),
+)
+"""Quantities and patterns of their columns' names in English, German and French, without accents; the first counts."""
+DEVIATION = r"dev|abw|erweit|widen|delta|sur.?ecart|ecart.?d.?ecart"  # in the name of a gauge: from the nominal one
+SIDES = {"left": r"left|link|gauche", "right": r"right|recht|droite?"}
+LETTERS = {"left": {"l", "li", "g"}, "right": {"r", "re", "d"}}
 
 
 def guessed(header: Sequence[str], where: str, chord: Sequence[float] | None, band: str | None) -> list[dict[str, Any]]:
@@ -191,16 +200,18 @@ def guessed(header: Sequence[str], where: str, chord: Sequence[float] | None, ba
     """
     found: list[dict[str, Any]] = []
     for name in header:
-        plain = name.strip().lower()
-        unit = _unit_in(plain)
+        plain, unit = _without_unit(name.strip().lower())
+        plain = _folded(plain)
         quantity = next((q for q, pattern in GUESSES if re.search(pattern, plain)), None)
-        if quantity is None:
+        if quantity is None or re.search(NO_USE, plain):
+            continue
+        if quantity == "distance" and any(own["quantity"] == quantity for own in found):
             continue
         own: dict[str, Any] = {"column": name, "quantity": quantity}
         if quantity in ("alignment", "level"):
-            side = re.search(r"(?:^|[\s_\-.(\[])(l|left|links|r|right|rechts)(?:$|[\s_\-.)\]])", plain)
-            if side:
-                own["quantity"] += "_left" if side[1].startswith("l") else "_right"
+            words = {*re.split(r"[^a-z0-9]+", plain)}
+            sides = [side for side in SIDES if re.search(SIDES[side], plain) or words & LETTERS[side]]
+            own["quantity"] += f"_{sides[0]}" if len(sides) == 1 else ""
             named = re.search(r"(?:^|[^a-z0-9])(d[123])(?:$|[^a-z0-9])", plain)
             if named:
                 own["band"] = named[1].upper()
@@ -208,6 +219,10 @@ def guessed(header: Sequence[str], where: str, chord: Sequence[float] | None, ba
                 own["chord_m"] = list(chord)
             elif band is not None:
                 own["band"] = band
+        elif quantity == "gauge" and re.search(DEVIATION, plain):
+            own["quantity"] = "gauge_deviation"
+        elif quantity == "twist" and (base := re.search(r"(\d+(?:[.,]\d+)?)\s*m(?![a-z])", plain)):
+            own["base_m"] = float(base[1].replace(",", "."))
         if unit is not None:
             units = UNITS.get(quantity, LENGTHS)
             if unit not in units:
@@ -218,12 +233,25 @@ def guessed(header: Sequence[str], where: str, chord: Sequence[float] | None, ba
     return found
 
 
-def _unit_in(name: str) -> str | None:
-    """The unit that a column's name ends with: ``level [mm]``, ``level (mm)``, ``level_mm``, ``curvature_per_km``."""
-    bracket = re.search(r"[\[(]\s*([^\])]*?)\s*[\])]\s*$", name)
-    if bracket:
-        return bracket[1].replace("km-1", "1/km").replace("m-1", "1/m").replace("µ", "u") or None
-    tail = re.search(r"_(per_km|per_m|mm_per_m|permille|mm|cm|um|km|m|in|ft)$", name)
-    if tail is None:
-        return "km" if name == "km" else None
-    return {"per_km": "1/km", "per_m": "1/m", "mm_per_m": "mm/m"}.get(tail[1], tail[1])
+def _folded(name: str) -> str:
+    """A name in letters from a to z: without accents, umlauts by ae, oe, ue."""
+    for letter, plain in (("ä", "ae"), ("ö", "oe"), ("ü", "ue"), ("ß", "ss")):
+        name = name.replace(letter, plain)
+    return "".join(c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
+
+
+SPELLINGS = {
+    "km-1": "1/km", "m-1": "1/m", "km^-1": "1/km", "m^-1": "1/m", "km⁻¹": "1/km", "m⁻¹": "1/m", "‰": "permille",
+    "µm": "um", "μm": "um", "per_km": "1/km", "per_m": "1/m", "mm_per_m": "mm/m",
+}  # fmt: skip
+TAIL = re.compile(
+    r"\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|\s/\s*(\S+)|\sin\s+(\S+)|[\s_](mm_per_m|per_km|per_m|permille|mm|cm|um|km)|_(m|in|ft))$"
+)
+
+
+def _without_unit(name: str) -> tuple[str, str | None]:
+    """The name of a column and the unit that it ends with: ``level [mm]``, ``level (mm)``, ``level_mm``, ``level mm``,
+    ``level / mm``, ``level in mm``, ``curvature_per_km``."""
+    if (tail := TAIL.search(name)) is None or not (unit := next(filter(None, tail.groups()), None)):
+        return name, "km" if name == "km" else None
+    return name[: tail.start()] or name, SPELLINGS.get(unit, unit)

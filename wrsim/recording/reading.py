@@ -118,7 +118,7 @@ def recording_from(
 
 def _table(path: Path) -> tuple[list[str], list[list[str]], list[int], str]:
     """Header, cells of the rows, numbers of the lines (the header's first), and the decimal sign."""
-    lines = table_lines(path, "recording")
+    lines = table_lines(path, "recording", latin=True)
     if len(lines) < 2:
         raise InputError(f"{path}: has no rows; its first line must name the columns, rows of numbers follow")
     separator = max(";\t,", key=lambda sign: (lines[0][1].count(sign), sign == ";"))

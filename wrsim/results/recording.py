@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from wrsim.geometry.track.segments import Arc, Transition
@@ -21,6 +22,7 @@ def recording_numbers(restored: Restored) -> dict[str, Any]:
         "guessed": read.guessed,
         "columns": [{"column": c.column, "is": c.words()} for c in read.columns.channels],
         "unused": list(read.unused),
+        "warnings": [_left_out(read.unused)] if read.unused and read.guessed else [],
         "undone": [
             {
                 "column": c.column,
@@ -37,6 +39,11 @@ def recording_numbers(restored: Restored) -> dict[str, Any]:
     }
 
 
+def _left_out(names: Sequence[str]) -> str:
+    """The columns whose names name no quantity that is of use, in words."""
+    return f"columns left out: {', '.join(names)}; if one of them is of use, name it in a column map (--columns)"
+
+
 def recording_tables(restored: Restored) -> list[Table]:
     """Columns with the waves that come back and the factors with which; the design, segment by segment."""
     read = restored.recording
@@ -51,7 +58,7 @@ def recording_tables(restored: Restored) -> list[Table]:
         rows.append([c.column, c.words(), *own])
     heads = (Column("column"), Column("is"), Column("waves that come back", "m"), Column("largest factor", "", ".2g"))
     title = "columns, recognised by their names" if read.guessed else "columns"
-    unused = (f"not used: {', '.join(read.unused)}",) if read.unused else ()
+    unused = (f"not used: {', '.join(read.unused)}",) if read.unused and not read.guessed else ()
     columns = Table(title, (*heads, Column("of noise", "", ".2g")), rows, unused)
     at, design = 0.0, []
     for s in restored.segments:
