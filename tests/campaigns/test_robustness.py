@@ -34,12 +34,12 @@ def test_mutated_files_are_accepted_or_refused_with_file_and_place() -> None:
 
 
 def test_accepted_mutants_keep_the_laws_of_contact() -> None:
-    ends, _ = accepted.counted(3, random.Random(3))
-    assert ends["broken"] == 0 and sum(ends.values()) == 3
+    ends, _ = accepted.counted(1, random.Random(3))
+    assert ends["broken"] == 0 and sum(ends.values()) == 1
 
 
 def test_corrupted_files_are_refused_or_hold_the_same_numbers(tmp_path: Path) -> None:
-    answers = corrupted.counted(30, random.Random(2), tmp_path)
+    answers = corrupted.counted(10, random.Random(2), tmp_path)
     good = {"refused", "read, the same numbers", "right checksum: refused", "right checksum: numbers"}
     assert set(answers) <= good and answers["refused"] and answers["read, the same numbers"], answers
 
@@ -141,6 +141,7 @@ def test_crafted_files_get_one_line_or_numbers_from_every_command(
         assert answer in corrupted.GOOD, (words, answer)
 
 
+@pytest.mark.campaign
 def test_samples_do_not_stay_in_memory(tmp_path: Path) -> None:
     figures = long_run.measured(tmp_path, 0.05)
     first, *_, last = figures["run_MB"].values()

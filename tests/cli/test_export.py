@@ -40,14 +40,19 @@ def coach() -> xr.Dataset:
     return run(load(SCENARIOS / "manchester_r300.toml").with_values(FAST | keys)).dataset
 
 
-@pytest.fixture(scope="module", params=[static_poses, coach], ids=lambda make: make.__name__)
+def poses() -> xr.Dataset:
+    """Static poses."""
+    return static_poses(shifts_mm=(0.0, 5.0), yaws_mrad=(0.0,))
+
+
+@pytest.fixture(scope="module", params=[poses, coach], ids=lambda make: make.__name__)
 def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A result with its exports."""
     for library in ("pyarrow", "asammdf"):
         pytest.importorskip(library)
     folder = tmp_path_factory.mktemp("run")
     Result(request.param()).save(folder / "result.nc")
-    formats = "mat,csv,parquet" + ("" if request.param is static_poses else ",mdf")
+    formats = "mat,csv,parquet" + ("" if request.param is poses else ",mdf")
     ok("export", folder, "--to", formats)
     return folder
 

@@ -293,7 +293,7 @@ def test_random_poses_are_solved_afresh(pair):
     random = np.random.default_rng(5)
     stand = bench(pair_model(pair, **STRIPS, **PLAIN), rolling=False)
     model = stand.wheels[0].model
-    for _ in range(60):
+    for _ in range(20):
         lateral, yaw = random.uniform(-12e-3, 12e-3), random.uniform(-60e-3, 60e-3)
         touching = settle(stand, lateral, yaw, 10.0)[0].height
         for depth in 1e-6 * 300.0 ** random.uniform(0.0, 1.0, 4):
@@ -358,7 +358,7 @@ def test_what_cannot_be_solved_is_bounded_counted_and_told():
     stand = bench(model, rolling=False)
     plain = bench(contact_model(model.wheel, model.rail, **PLAIN), rolling=False)
     unsettled = 0
-    for lateral in np.arange(-3.2e-3, 1e-3, 0.4e-3):
+    for lateral in np.arange(-3.2e-3, -1.5e-3, 0.4e-3):
         height = settle(plain, lateral, 0.0, 60e3)[0].height
         stand.evaluate(lateral, height, 0.0, 0.0)
         a = model.arrays
@@ -421,18 +421,18 @@ def test_what_a_run_remembers_gives_the_same_bits():
     [
         # Kik-Piotrowski's main point runs over 10 mm within micrometres, its force jumps by 7 to 15 % of the load.
         ("S1002/60E1 1:20", -0.012, 60e3, (6e-3, 7e-3)),
-        ("S1002/60E1 1:40", -0.012, 24e3, (6e-3, 7e-3)),
+        pytest.param("S1002/60E1 1:40", -0.012, 24e3, (6e-3, 7e-3), marks=pytest.mark.campaign),
         # a lobe leaves its neighbour (0.09 and 0.05 where lobes shared a grid by their saddle alone)
-        ("S1002/60E1 1:40", 0.02, 100e3, (5.5e-3, 6.25e-3)),
-        ("worn/worn 1:40", -0.012, 60e3, (7e-3, 7.5e-3)),
+        pytest.param("S1002/60E1 1:40", 0.02, 100e3, (5.5e-3, 6.25e-3), marks=pytest.mark.campaign),
+        pytest.param("worn/worn 1:40", -0.012, 60e3, (7e-3, 7.5e-3), marks=pytest.mark.campaign),
         # a hump comes into contact beyond a gap beside a deeper lobe (0.0095, 0.013, 0.0156 where both shared a grid)
         ("worn/60E1 1:40", 0.0, 60e3, (5e-3, 5.5e-3)),
-        ("worn/60E1 1:40", 0.0, 100e3, (5e-3, 5.75e-3)),
-        ("worn/worn 1:40", 0.0, 100e3, (6.75e-3, 7.5e-3)),
+        pytest.param("worn/60E1 1:40", 0.0, 100e3, (5e-3, 5.75e-3), marks=pytest.mark.campaign),
+        pytest.param("worn/worn 1:40", 0.0, 100e3, (6.75e-3, 7.5e-3), marks=pytest.mark.campaign),
         # what is a tail does not hang on which grids the ground beside it is parted into (0.31, and 0.024 by the end of
         # a tail that is not touched); places of the locus are told to some micrometres where the profiles bend (0.017)
-        ("S1002/60E1 1:40", 0.016, 100e3, (6.5e-3, 7e-3)),
-        ("S1002/60E1 1:20", -0.012, 100e3, (6.5e-3, 7e-3)),
+        pytest.param("S1002/60E1 1:40", 0.016, 100e3, (6.5e-3, 7e-3), marks=pytest.mark.campaign),
+        pytest.param("S1002/60E1 1:20", -0.012, 100e3, (6.5e-3, 7e-3), marks=pytest.mark.campaign),
         pytest.param("S1002/60E1 1:20", 0.02, 60e3, (6.25e-3, 6.75e-3), marks=TWO_SOLUTIONS),
         # 0.0077: a solution over one grid among those over two
         pytest.param("S1002/60E1 1:20", 0.02, 100e3, (6.25e-3, 6.75e-3), marks=TWO_SOLUTIONS),
@@ -450,10 +450,10 @@ def test_forces_between_equal_radii_do_not_jump(pair, yaw, load, span):
         ("S1002/60E1 1:40", -0.012, 6.75e-3, 80e3),
         # a tail between two humps came or went with three rows; what both have in common comes and goes with it (0.017
         # and 0.021)
-        ("S1002/60E1 1:20", -0.012, 6.5e-3, 46.5e3),
-        ("S1002/54E1 1:20", 0.016, 6.5e-3, 92e3),
+        pytest.param("S1002/60E1 1:20", -0.012, 6.5e-3, 46.5e3, marks=pytest.mark.campaign),
+        pytest.param("S1002/54E1 1:20", 0.016, 6.5e-3, 92e3, marks=pytest.mark.campaign),
         # two humps come to share a grid, whose factors were held far more evenly than those of two grids (0.025)
-        ("S1002/60E1 1:20", -0.012, 6.5e-3, 125e3),
+        pytest.param("S1002/60E1 1:20", -0.012, 6.5e-3, 125e3, marks=pytest.mark.campaign),
         # the far end of a tail, which is not touched, told how long the strips at its joint are (0.020)
         pytest.param("S1002/54E1 1:20", 0.02, 6.5e-3, 33.3e3, marks=TWO_SOLUTIONS),
     ],

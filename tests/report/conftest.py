@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 from support.browser import Browser, browser
-from support.runs import SCENARIOS, arc, straight, transition
+from support.runs import FAST, SCENARIOS, arc, straight, transition
 
 from wrsim.analysis import run
 from wrsim.results import Result
@@ -17,7 +17,8 @@ SEGMENTS = [straight(20.0), transition(20.0), arc(20.0, 300.0, 100.0), transitio
 def coach() -> Result:
     """A coach through a short curve."""
     scenario = load(SCENARIOS / "manchester_r300.toml")
-    return run(scenario.with_values({"track.segments": SEGMENTS, "run.distance_m": 70, "output.patches_at_m": [35]}))
+    keys = {"track.segments": SEGMENTS, "run.distance_m": 70, "output.patches_at_m": [35]}
+    return run(scenario.with_values(FAST | {"contact.strips": 20} | keys))
 
 
 @pytest.fixture(scope="session")

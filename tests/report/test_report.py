@@ -298,7 +298,7 @@ def test_texts_of_users_run_nothing(chromium: Browser, curve: Result, tmp_path: 
     assert chromium.complaints() == []
 
 
-@pytest.mark.parametrize("place", ["<header>", "</main>"])
+@pytest.mark.parametrize("place", ["<header>", pytest.param("</main>", marks=pytest.mark.campaign)])
 def test_a_script_that_gets_into_a_page_does_not_run(chromium: Browser, page: str, tmp_path: Path, place: str) -> None:
     foreign = (
         "<script>window.evil = 1</script><script src='data:text/javascript,window.evil=1'></script>"

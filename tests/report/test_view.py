@@ -165,11 +165,17 @@ def test_the_command_writes_beside_the_result(tmp_path: Path) -> None:
 
 
 # --- in a browser -------------------------------------------------------------------------------------------
-def test_seek_gives_the_numbers_of_the_dataset(chromium: Browser, page: Path, coach: Result) -> None:
+@pytest.fixture(scope="module")
+def viewer(chromium: Browser, page: Path) -> Browser:
+    """The page of the run, opened once."""
     chromium.open(page)
+    return chromium
+
+
+def test_seek_gives_the_numbers_of_the_dataset(viewer: Browser, coach: Result) -> None:
     own = coach.dataset
     for s in (3.3, 27.2, 44.9, 69.0):
-        found = chromium.run(f"return wrsim.ready.then(() => wrsim.seek({s}))")
+        found = viewer.run(f"return wrsim.ready.then(() => wrsim.seek({s}))")
         i = int(np.argmin(np.abs(own["distance"].values - s)))
         assert found["s"] == own["distance"].values[i] and found["time"] == own["time"].values[i]
         for w, name in enumerate(wheelsets(own)):
@@ -188,71 +194,70 @@ def test_seek_gives_the_numbers_of_the_dataset(chromium: Browser, page: Path, co
         pressures = one["p0"].values[near] * 1e-6
         assert 0.98 < max(p["p0"] for p in section["patches"]) / np.nanmax(pressures) < 1.003  # of strips' middles
         assert abs(section["time"] - found["time"]) < 0.1
-    assert chromium.complaints() == []
+    assert viewer.complaints() == []
 
 
-def test_exaggeration_moves_bodies_away_from_the_track(chromium: Browser, page: Path) -> None:
-    chromium.open(page)
+def test_exaggeration_moves_bodies_away_from_the_track(viewer: Browser) -> None:
     place = "return wrsim.viewer.stage.parts.get('front.outer').group.position.y"
-    chromium.run("return wrsim.ready.then(() => wrsim.seek(45))")
+    viewer.run("return wrsim.ready.then(() => wrsim.seek(45))")
     for id in ("wheel", "focus"):  # numbered from the front, as in terminal and folders
-        assert "1 front.outer" in chromium.run(f"return document.getElementById('{id}').textContent")
+        assert "1 front.outer" in viewer.run(f"return document.getElementById('{id}').textContent")
     shifts = []
     for factor in (1, 10, 50):
-        chromium.run(f"document.querySelector('[data-factor=\"{factor}\"]').click()")
-        shifts.append(chromium.run(place))
+        viewer.run(f"document.querySelector('[data-factor=\"{factor}\"]').click()")
+        shifts.append(viewer.run(place))
     assert shifts[1] == pytest.approx(10.0 * shifts[0]) and shifts[2] == pytest.approx(50.0 * shifts[0])
     assert abs(shifts[0]) > 1e-4
 
 
-def test_it_plays(chromium: Browser, page: Path) -> None:
-    chromium.open(page)
-    chromium.run("return wrsim.ready.then(() => wrsim.seek(10))")
-    chromium.run("document.getElementById('rate').value = '10'; document.getElementById('play').click()")
-    chromium.wait("wrsim.viewer.run.distance.data[Math.floor(wrsim.viewer.at)] > 15")
-    assert chromium.complaints() == []
+def test_it_plays(viewer: Browser) -> None:
+    viewer.run("return wrsim.ready.then(() => wrsim.seek(10))")
+    viewer.run("document.getElementById('rate').value = '10'; document.getElementById('play').click()")
+    viewer.wait("wrsim.viewer.run.distance.data[Math.floor(wrsim.viewer.at)] > 15")
+    viewer.run("wrsim.viewer.play(false)")
+    assert viewer.complaints() == []
 
 
-def test_keys_and_the_history_go_along_the_run(chromium: Browser, page: Path) -> None:
-    chromium.open(page)
-    chromium.run("return wrsim.ready.then(() => wrsim.seek(40))")
+def test_keys_and_the_history_go_along_the_run(viewer: Browser) -> None:
+    viewer.run("return wrsim.ready.then(() => wrsim.seek(40))")
     at = "return wrsim.viewer.at"
-    before = chromium.run(at)
-    for key, end in (("ArrowRight", before + 1), ("ArrowLeft", before - 1), ("Home", 0), ("End", "last")):
-        for target in ("document.body", "document.getElementById('place')", "document.getElementById('play')"):
-            chromium.run(f"wrsim.viewer.go({before})")
-            press = f"{target}.dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}', bubbles: true }}))"
-            chromium.run(press)
-            assert chromium.run(at) == (chromium.run("return wrsim.viewer.count - 1") if end == "last" else end)
-    chromium.run("document.getElementById('rate').value = '0.1'; wrsim.seek(10)")
-    chromium.run("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: ' ', bubbles: true }))")
-    assert chromium.run("return wrsim.viewer.playing")
-    chromium.run("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: ' ', bubbles: true }))")
-    assert not chromium.run("return wrsim.viewer.playing")
-    middle = chromium.run("const h = wrsim.viewer.history; return h.sampleAt(h.X(h.x[120]))")
+    before = viewer.run(at)
+    ends = viewer.run(f"""return ['ArrowRight', 'ArrowLeft', 'Home', 'End'].map((key) =>
+        [document.body, document.getElementById('place'), document.getElementById('play')].map((target) => {{
+            wrsim.viewer.go({before});
+            target.dispatchEvent(new KeyboardEvent('keydown', {{ key, bubbles: true }}));
+            return wrsim.viewer.at; }}))""")
+    last = viewer.run("return wrsim.viewer.count - 1")
+    assert ends == [[end] * 3 for end in (before + 1, before - 1, 0, last)]
+    viewer.run("document.getElementById('rate').value = '0.1'; wrsim.seek(10)")
+    viewer.run("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: ' ', bubbles: true }))")
+    assert viewer.run("return wrsim.viewer.playing")
+    viewer.run("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: ' ', bubbles: true }))")
+    assert not viewer.run("return wrsim.viewer.playing")
+    middle = viewer.run("const h = wrsim.viewer.history; return h.sampleAt(h.X(h.x[120]))")
     assert abs(middle - 120) <= 1
-    assert chromium.colours("#history") > 10 and chromium.complaints() == []
+    assert viewer.colours("#history") > 10 and viewer.complaints() == []
 
 
-def test_pictures_and_a_video_are_saved(chromium: Browser, page: Path) -> None:
-    chromium.open(page)
-    chromium.run("return wrsim.ready.then(() => wrsim.seek(45))")
-    chromium.run("""window.saved = []; HTMLAnchorElement.prototype.click = () => {};
+def test_pictures_and_a_video_are_saved(viewer: Browser) -> None:
+    viewer.run("return wrsim.ready.then(() => wrsim.seek(45))")
+    viewer.run("""window.saved = []; HTMLAnchorElement.prototype.click = () => {};
         URL.createObjectURL = (content) => (saved.push(content), 'blob:x');
         for (const button of document.querySelectorAll('[data-save]')) button.click();""")
-    chromium.wait("saved.length === 5")
-    kinds = sorted(chromium.run("return saved.map((content) => content.type)"))
+    viewer.wait("saved.length === 5")
+    kinds = sorted(viewer.run("return saved.map((content) => content.type)"))
     assert kinds == ["image/png"] * 3 + ["image/svg+xml"] * 2
-    texts = chromium.run(
+    texts = viewer.run(
         "return Promise.all(saved.filter((content) => content.type.includes('svg')).map((content) => content.text()))"
     )
     assert all(len(ElementTree.fromstring(text)) > 20 for text in texts)  # well-formed, and drawn
-    chromium.run("document.getElementById('rate').value = '0.1'; window.film = wrsim.viewer.record()")
-    chromium.wait("wrsim.viewer.recording.parts.reduce((sum, part) => sum + part.size, 0) > 1000")
-    assert chromium.run("wrsim.viewer.play(false); return film.then((film) => film.type)") == "video/webm"
-    assert chromium.complaints() == []
+    viewer.run("document.getElementById('rate').value = '0.1'; window.film = wrsim.viewer.record()")
+    viewer.wait("wrsim.viewer.recording.parts.reduce((sum, part) => sum + part.size, 0) > 1000")
+    assert viewer.run("wrsim.viewer.play(false); return film.then((film) => film.type)") == "video/webm"
+    assert viewer.complaints() == []
 
 
+@pytest.mark.campaign
 def test_a_script_that_gets_into_the_viewer_does_not_run(chromium: Browser, page: Path, tmp_path: Path) -> None:
     file = tmp_path / "view.html"
     foreign = "<script>window.evil = 1</script><style>h1 { display: none }</style>"

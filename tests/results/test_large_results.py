@@ -70,6 +70,7 @@ def test_a_result_on_disk_is_the_one_in_memory(
     assert not [p for p in tmp_path.rglob("*") if p.name.startswith(".")]
 
 
+@pytest.mark.campaign
 def test_memory_does_not_go_with_the_length_of_a_run(
     setup: Setup, record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -76,7 +76,7 @@ def mutated_scenarios(draw: st.DrawFn) -> dict[str, Any]:
     return tree
 
 
-@settings(max_examples=400)
+@settings(max_examples=120)
 @given(mutated_scenarios())
 def test_no_mutation_of_a_scenario_gives_anything_but_a_scenario_or_an_input_error(tree: dict[str, Any]) -> None:
     try:
@@ -90,13 +90,13 @@ def test_no_mutation_of_a_scenario_gives_anything_but_a_scenario_or_an_input_err
         assert load_text(scenario.text).spec == scenario.spec
 
 
-@settings(max_examples=200)
+@settings(max_examples=80)
 @given(st.dictionaries(st.text(), values, max_size=5))
 def test_what_is_written_as_toml_reads_back_the_same(tree: dict[str, Any]) -> None:
     assert canonical(parse_toml(write_toml(tree), "x")) == canonical(tree)
 
 
-@settings(max_examples=200)
+@settings(max_examples=80)
 @given(mutated_scenarios())
 def test_the_line_of_a_key_is_the_line_where_it_stands(tree: dict[str, Any]) -> None:
     text = write_toml(tree)
@@ -107,7 +107,7 @@ def test_the_line_of_a_key_is_the_line_where_it_stands(tree: dict[str, Any]) -> 
             assert name in lines[number - 1]
 
 
-@settings(max_examples=200)
+@settings(max_examples=80)
 @given(st.text() | st.text(alphabet="[]{}=.\"'#\n ab1,:-"))
 def test_no_text_gives_anything_but_tables_or_an_input_error(text: str) -> None:
     try:
@@ -163,7 +163,7 @@ SENSIBLE: dict[str, st.SearchStrategy[Any]] = {
 """Values that pass the schema each by itself, and need not go together."""
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(
     st.sets(st.sampled_from(sorted(SENSIBLE)), max_size=4).flatmap(
         lambda chosen: st.fixed_dictionaries({key: SENSIBLE[key] for key in sorted(chosen)})

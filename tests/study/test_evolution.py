@@ -30,6 +30,7 @@ from wrsim.study.task import run_case
 BASE = """
 base = "{scenario}"
 [contact]
+normal = "kik-piotrowski"
 strips = 12
 cells = 10
 friction = 0.2

@@ -156,6 +156,7 @@ def test_outputs_of_a_case_are_those_of_its_result(serial: Plan) -> None:
     assert kept.dataset.attrs["title"] == "Friction and speed: friction 0.3, speed_kmh 45"
 
 
+@pytest.mark.campaign
 def test_a_study_that_is_killed_goes_on_where_it_was(serial: Plan, workers: Client, tmp_path: Path) -> None:
     """The process of the study and all of its workers die; a case that was under way goes on from its part file."""
     out = tmp_path / "out"
@@ -266,6 +267,7 @@ def test_a_case_that_takes_too_long_is_ended_and_goes_on_with_more_time(
     assert done.status == "completed" and done.resumed
 
 
+@pytest.mark.campaign
 def test_a_hook_that_hangs_costs_its_worker_and_not_the_study(serial: Plan, workers: Client, tmp_path: Path) -> None:
     (tmp_path / "hang.py").write_text("import time\n\ndef numbers(result):\n    time.sleep(1e6)\n")
     one = AXES.replace("[0.1, 0.3]", "[0.3]").replace("to = 50", "to = 40")
@@ -433,6 +435,7 @@ def standing_scheduler(serial: Plan, certificates: Path, tmp_path: Path) -> Iter
             process.wait(1200)
 
 
+@pytest.mark.campaign
 def test_workers_of_a_scheduler_that_stands_already_come_to_the_same_numbers(
     serial: Plan, standing_scheduler: str, certificates: Path, tmp_path: Path
 ) -> None:

@@ -93,13 +93,21 @@ def columns(dataset: xr.Dataset) -> Iterator[tuple[str, Channel, NDArray[Any]]]:
                 yield head, channel, values * channel.shown.factor if channel.kind == "number" else values
 
 
+class Units(dict[Any, str]):
+    """Units by column, shared by all that is taken from a table: pandas copies the attributes for every column."""
+
+    def __deepcopy__(self, memo: object) -> Units:
+        return self
+
+
 def frame(dataset: xr.Dataset) -> DataFrame:
     """The same as a data frame; ``attrs["units"]`` holds the unit of every column."""
     import pandas as pd
 
     found = list(columns(dataset))
     table = pd.DataFrame({name: values for name, _, values in found})
-    table.attrs["units"] = {name: channel.shown.symbol for name, channel, _ in found if channel.kind == "number"}
+    units = {name: channel.shown.symbol for name, channel, _ in found if channel.kind == "number"}
+    table.attrs["units"] = Units(units)
     return table
 
 
@@ -122,7 +130,7 @@ def indexed_frame(dataset: xr.Dataset) -> DataFrame:
             units[key] = channel.shown.symbol if channel.kind == "number" else ""
     table = pd.DataFrame(found)
     table.columns = pd.MultiIndex.from_tuples(found, names=("wheelset", "wheel", "channel"))
-    table.attrs["units"] = units
+    table.attrs["units"] = Units(units)
     if "distance" in dataset:
         along = dataset["distance"]
         along = along.isel(wheelset=0) if "wheelset" in along.dims else along
