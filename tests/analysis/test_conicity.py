@@ -137,12 +137,6 @@ def test_a_wheelset_without_conicity_has_no_place_to_swing_about():
         swing((wheel, ROUND), ROUND_GAUGE, (0.461, 0.459), "none", [3e-3])
 
 
-def test_wheels_beside_the_rails_are_refused():
-    wheel, rail = pair("S1002", "60E1")
-    with pytest.raises(InputError, match="do not stand on the rails"):
-        swing((wheel, rail), 1.9, (RADIUS, RADIUS), "none", [3e-3])
-
-
 def test_the_wavelength_of_a_nonlinear_swing_is_that_of_its_elliptic_integral():
     # delta r = 2 k y^3: Duffing's equation, wavelength 4 K(1/2) / (a sqrt(c)), c = 2 k / (2 e r0)
     k, a = 2000.0, 4e-3

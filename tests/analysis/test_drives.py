@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import quad
-from support.energy import balance
 from support.runs import straight
 from support.scenario_texts import CURVE, faults
 from support.vehicles import COARSE, ROOT, manchester
@@ -52,38 +51,6 @@ def test_over_distance_the_square_of_the_speed_is_linear():
     profile = SpeedProfile.over_distance([(0.0, 10.0), (50.0, 20.0)], 25.0)
     assert profile.pieces[0][2] ** 2 == pytest.approx(250.0)
     assert float(profile.speed(profile.time(12.5))) ** 2 == pytest.approx(325.0)
-
-
-# --- energy -----------------------------------------------------------------------------------------------
-
-
-SPEEDING_AND_BRAKING = [[0.1, 54], [0.9, 60], [2.4, 60], [3.2, 54]]
-QUIET = 2.35, 4.7
-"""Before the brakes come on, and behind them, when springs have come to rest [s]."""
-
-
-@pytest.mark.parametrize(
-    "segment",
-    [
-        pytest.param({"kind": "straight"}, marks=pytest.mark.campaign),
-        {"kind": "arc", "radius_m": 300.0, "cant_mm": 60.0},
-    ],
-)
-def test_what_the_axles_are_given_is_kinetic_energy_or_lost_in_creep(segment):
-    keys = {
-        "track.segments": [segment | {"length_m": 115.0}],
-        "vehicle.speed_kmh": {"time_s_speed_kmh": SPEEDING_AND_BRAKING},
-        "vehicle.drive": "wheels",
-        "run.time_s": QUIET[1],
-    }
-    times, energy, work, loss = balance(on_straight().with_values(keys))
-    up, end = (int(np.argmin(np.abs(times - t))) for t in QUIET)
-    gained = energy[up]
-    assert gained > 0.9e6
-    assert loss[end] > (8e3 if segment["kind"] == "arc" else 100.0)
-    assert work[up] - loss[up] == pytest.approx(gained, abs=1e-3 * gained)
-    given_back = (work - loss)[end] - (work - loss)[up]
-    assert given_back == pytest.approx(energy[end] - gained, abs=1e-3 * gained)
 
 
 # --- adhesion ---------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections, rail_head
+from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, profile_from_sections, rail_head
 
 MODELS = Path(__file__).parents[2] / "models"
 S1002 = load_profile(MODELS / "wheels/S1002.toml")
@@ -78,13 +78,6 @@ def test_an_arc_has_the_curvature_of_its_radius(radius, part, hollow):
     # round-off of coordinates up to 50 mm over the square of the shortest interval, 5 um
     np.testing.assert_allclose(arc.curvature(L), -sign / radius, atol=1e-5)
     assert arc.length == pytest.approx(2.0 * radius * np.arcsin(half_width / radius), rel=1e-12)
-
-
-def test_a_cone_is_straight_and_passes_the_tape_circle():
-    profile = cone("cone", "wheel", 0.05, -0.04, 0.06)
-    u, w = profile.at(places(profile))
-    np.testing.assert_allclose(w, 0.05 * u, atol=1e-16)
-    np.testing.assert_allclose(profile.curvature(places(profile)), 0.0, atol=1e-6)
 
 
 @settings(max_examples=25)

@@ -131,14 +131,6 @@ def test_points_closer_than_their_digits_allow_do_not_spoil_the_curvature(write)
     np.testing.assert_allclose(profile.curvature(profile.arclength_of(u)), -1 / 0.3, atol=1.0)
 
 
-def test_clipping_keeps_the_curve_between(write):
-    profile = read_points(write(rows(WHEEL)), "wheel", clip=(-0.05, 0.04)).profile()
-    assert profile.u[0] == pytest.approx(-0.05, abs=1e-4) and profile.u[-1] == pytest.approx(0.04, abs=1e-4)
-    u = np.linspace(-0.049, 0.039, 501)
-    w, true = profile.at(profile.arclength_of(u))[1], WHEEL.at(WHEEL.arclength_of(u))[1]
-    np.testing.assert_allclose(w, true, atol=1e-9)
-
-
 def test_turning_undoes_an_inclination(write):
     path = write(rows(RAIL.inclined(1 / 40)))
     assert distance(read_points(path, "rail", turn=-np.arctan(1 / 40)).profile(), RAIL) < 1e-9

@@ -227,11 +227,6 @@ def test_all_faults_of_a_file_are_told_at_once(toml):
         assert key in text
 
 
-def test_a_rail_where_a_wheel_is_needed_is_refused():
-    with pytest.raises(InputError, match=r'body = "rail": a wheel profile is needed here'):
-        load_profile(MODELS / "rails/60E1.toml", "wheel")
-
-
 @pytest.mark.parametrize("half_width", ["0.001", "2.4"])
 def test_a_profile_that_is_too_short_for_any_contact_is_refused(toml, half_width):
     path = toml(f'kind = "circle"\nradius_mm = 10\nhalf_width_mm = {half_width}\n')

@@ -65,13 +65,6 @@ def test_a_full_circle_closes_within_a_nanometre(radius: float) -> None:
     assert track.heading(track.length) == pytest.approx(math.copysign(2.0 * math.pi, radius), rel=1e-15)
 
 
-@pytest.mark.parametrize("radius, length", [(25.0, 15.0), (300.0, 40.0), (-300.0, 40.0), (5000.0, 150.0)])
-@pytest.mark.parametrize("shape", SHAPES)
-def test_heading_behind_a_transition_is_half_that_of_the_arc(radius: float, length: float, shape: str) -> None:
-    track = Track.build([Transition(length, shape), Arc(10.0, radius)])  # type: ignore[arg-type]
-    assert track.heading(length) == pytest.approx(length / (2.0 * radius), rel=1e-15)
-
-
 @pytest.mark.parametrize("radius, length", [(25.0, 15.0), (25.0, 150.0), (300.0, 40.0), (-5000.0, 150.0)])
 def test_clothoid_ends_where_fresnels_integrals_say(radius: float, length: float) -> None:
     """x = a C(L / a), y = a S(L / a) with a = sqrt(pi R L). The second case turns by 172 degrees."""
@@ -253,16 +246,6 @@ def test_gauge_widening_moves_each_rail_by_half() -> None:
 
 
 # ---- the rails ----
-@pytest.mark.parametrize("radius", [25.0, -300.0, 5000.0])
-def test_rails_of_an_arc_are_as_long_as_their_own_circle(radius: float) -> None:
-    angle, o = 1.25, 0.043
-    track = Track.build([Arc(angle * abs(radius), radius)], left_offset=(o, 0.0), right_offset=(0.0, 0.0))
-    assert track.left.length == pytest.approx(
-        abs(angle * (radius - GAUGE / 2 - o)) if radius > 0 else angle * (abs(radius) + GAUGE / 2 + o), rel=1e-13
-    )
-    assert track.right.length == pytest.approx(
-        angle * (radius + GAUGE / 2) if radius > 0 else angle * (abs(radius) - GAUGE / 2), rel=1e-13
-    )
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -374,24 +357,17 @@ def test_a_wrong_segment_is_named_with_its_number_key_value_and_what_is_allowed(
 @pytest.mark.parametrize(
     "arguments, words",
     [
-        ({"gauge": 1435.0}, ["gauge_mm = 1.435e+06", "300 to 3000"]),
-        ({"cant_base": 1.0}, ["cant_base_mm = 1000", "1435 to 1935"]),
-        ({"step": 0.0}, ["step_m = 0"]),
-        ({"rounding": -1.0}, ["rounding_m = -1"]),
-        ({"left_offset": (43.0, 0.0)}, ["left_offset", "43"]),
-        ({"heading": NAN}, ["heading", "nan"]),
+        ({"gauge": 1435.0}, r"gauge_mm = 1\.435e\+06.*300 to 3000"),
+        ({"cant_base": 1.0}, "cant_base_mm = 1000.*1435 to 1935"),
+        ({"step": 0.0}, "step_m = 0"),
+        ({"rounding": -1.0}, "rounding_m = -1"),
+        ({"left_offset": (43.0, 0.0)}, "left_offset.*43"),
+        ({"heading": NAN}, "heading.*nan"),
     ],
 )
-def test_a_wrong_property_of_the_track_is_named(arguments: dict, words: list[str]) -> None:
-    with pytest.raises(InputError) as error:
+def test_a_wrong_property_of_the_track_is_named(arguments: dict, words: str) -> None:
+    with pytest.raises(InputError, match=words):
         Track.build([Straight(10.0)], **arguments)
-    for word in words:
-        assert word in str(error.value)
-
-
-def test_side_must_be_left_or_right() -> None:
-    with pytest.raises(InputError, match=r"'middle'.*'left', 'right'"):
-        Track.build([Straight(10.0)]).rail_distance("middle", 1.0)  # type: ignore[arg-type]
 
 
 # ---- the picture ----

@@ -292,29 +292,3 @@ def test_numbers_of_numpy_are_numbers(value, converted):
 def test_values_and_keys_that_no_file_can_hold_are_refused(key, value, words):
     with pytest.raises(InputError, match=re.escape(words)):
         load(SCENARIOS / "curve_r300.toml").with_values({key: value})
-
-
-@pytest.mark.parametrize(
-    "text", [".".join("a" * 3000) + " = 1", "a = " + "[" * 40 + "]" * 40, "[" + ".".join("a" * 3000) + "]"]
-)
-def test_keys_of_too_many_parts_are_refused(text, tmp_path):
-    (tmp_path / "deep.toml").write_text(text)
-    with pytest.raises(InputError, match="nested too deeply"):
-        load(tmp_path / "deep.toml")
-
-
-@pytest.mark.parametrize(
-    ("key", "name", "words"),
-    [
-        ("vehicle.model", "wheels/S1002.toml", "is a profile file; a vehicle file"),
-        ("track.rail", "wheels/S1002.toml", "a rail profile is needed here"),
-        ("vehicle.wheel", "vehicles/manchester_1.toml", "kind is missing"),
-    ],
-)
-def test_a_model_file_of_the_wrong_kind_is_named_with_the_key_that_names_it(key, name, words):
-    from wrsim.scenario.build import build
-
-    changed = load(SCENARIOS / "curve_r300.toml").with_values({key: name})
-    with pytest.raises(InputError, match=re.escape(words)) as problem:
-        build(changed)
-    assert f"{key} in new value" in str(problem.value)

@@ -41,12 +41,6 @@ def test_everything_is_si_behind_build() -> None:
     assert setup.contact.rail.shear_modulus == pytest.approx(82.03e9, rel=1e-4)
 
 
-def test_rails_of_the_inclined_profile_stand_at_the_gauge() -> None:
-    """60E1 at 1:40: the highest point is 43.036 mm outside of the gauge point (EN 13674 geometry)."""
-    rail = build(load_text(CURVE)).rails[0]
-    assert rail.top[0] - rail.gauge_point()[0] == pytest.approx(43.036e-3, abs=1e-5)
-
-
 def test_overrides_of_the_vehicle_hold_for_their_side() -> None:
     text = edited(
         CURVE,

@@ -112,16 +112,6 @@ def test_one_fault_in_a_vehicle_file_is_one_line(tmp_path: Path, old: str, new: 
     assert "\n" not in said and message in said
 
 
-def test_a_profile_in_the_place_of_a_vehicle_is_told_as_such() -> None:
-    with pytest.raises(InputError, match="is a profile file; a vehicle file"):
-        load_vehicle(MODELS / "wheels/S1002.toml", FIND)
-
-
-def test_a_missing_vehicle_file_is_told(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no such vehicle file"):
-        load_vehicle(tmp_path / "none.toml", FIND)
-
-
 # Files of whole vehicles that cannot be used: one clear message each, with file, line, key and what was meant.
 def test_the_good_file_loads(tmp_path: Path) -> None:
     assert fault(tmp_path) == ""
@@ -244,13 +234,6 @@ def test_a_bad_file_is_refused_with_a_clear_message(name: str, tmp_path: Path) -
     message = fault(tmp_path, *changes)
     assert words in message
     assert message.startswith("car.toml")
-
-
-def test_wheels_that_do_not_fit_the_gauge_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "car.toml").write_text(GOOD.replace("1360", "1260"))
-    scenario = load(ROOT / "scenarios/manchester_r300.toml").with_values({"vehicle.model": str(tmp_path / "car.toml")})
-    with pytest.raises(InputError, match="the wheelset is placed off the rails: at a gauge of 1435 mm"):
-        build(scenario)
 
 
 WIND = {"name": "wind", "on": "carbody", "at_mm": [0, 0, 2200], "axes": "track", "force_kN": [0, 40, 0]}
