@@ -131,7 +131,7 @@ def test_a_patch_of_a_run_is_the_one_of_the_nearest_kept_moment(curve: Result) -
 @pytest.mark.parametrize(
     ("asked", "told"),
     [
-        (lambda r: r.patch(1e6, "left"), r"at 1000000\.0: no patches are kept within 1 m .*there are \d"),
+        (lambda r: r.patch(1e6, "left"), r"at 1000000\.0: no patches are stored within 1 m .*there are \d"),
         (lambda r: r.patch(60.0), "choose a wheel: left, right"),
         (lambda r: r.patch(60.0, "rigth"), r"wheel = 'rigth': .*did you mean 'right'.*: left, right"),
         (lambda r: r.patch("here", "left"), "must be a distance in m"),

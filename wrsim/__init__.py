@@ -8,7 +8,7 @@
     result.plot("Y", "Q").savefig("forces.png")
     result.save("curve_r300.nc")
 
-docs/user/python.md lists what is here; ``__init__.pyi`` tells it to type checkers and editors.
+docs/user/python.md lists what is here; ``__init__.pyi`` is the same for type checkers and editors.
 """
 
 from importlib import import_module as _import_module

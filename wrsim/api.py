@@ -462,9 +462,9 @@ def export(result: Given, to: str, output: str | Path | None = None) -> Outcome:
     """
     from wrsim.results.exports import export_result, formats
 
-    asked, folder = formats(to), _folder(result, output)
+    names, folder = formats(to), _folder(result, output)
     loaded = _read(result)
-    return Outcome([], {}, [file for name in asked for file in export_result(loaded, name, folder)])
+    return Outcome([], {}, [file for name in names for file in export_result(loaded, name, folder)])
 
 
 def _folder(given: Given, output: str | Path | None) -> Path:

@@ -18,14 +18,14 @@ class Analysis:
     """One analysis.
 
     tables: its own tables of a scenario, besides [vehicle], [track] and [contact]; the first makes the plan. run:
-    function of the set-up, a progress function and, for runs along the track, of the record in which it is kept.
+    function of the set-up, a progress function and, for runs along the track, of the record in which it is stored.
     recorded: function of the set-up and the path of such a record. summary, csv_files, pictures: functions of a
     result's dataset: its few numbers, its tables as text, the makers of its pictures. numbers: function of the dataset
     and the summary: the tables that people read. further: function of a result, a folder and whether there are
     pictures, which writes the other files of a command.
 
     own_track: it lays its own track, and something has to hold the speed; loaded: loads act in it; points: it needs
-    points at which accelerations are kept; origins: rails may be placed by the origins of their profiles; conical:
+    points at which accelerations are stored; origins: rails may be placed by the origins of their profiles; conical:
     wheels may be conical with a prescribed creep law; compared: contact models can be compared in it.
     """
 
@@ -52,7 +52,7 @@ class Analysis:
 
     @property
     def moves(self) -> bool:
-        """True if it runs along the track: it needs a speed, and a run can be kept and resumed."""
+        """True if it runs along the track: it needs a speed, and a run can be stored and resumed."""
         return bool(self.recorded)
 
 

@@ -185,7 +185,7 @@ def test_the_scenario_and_the_command_tell_the_same(tmp_path):
     "arguments, message",
     [
         ("--roll center", 'did you mean "centre"'),
-        ("--gauge-mm 1700", "do not stand on the rails"),
+        ("--gauge-mm 1700", "do not rest on the rails"),
         ("--gauges-mm 1440 1430 1", "must be FROM, a TO not below it"),
         ("--gauges-mm 1430 1440 0.001", "at most 200"),
         ("--gauges-mm 1430 1440 1 --diameters-mm 920 918", "a map is of wheelsets with like"),

@@ -20,7 +20,7 @@ from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.plausibility import facts, warnings
 from wrsim.scenario.schema import ScenarioFile
 from wrsim.scenario.sections.static import read_cases
-from wrsim.scenario.track_build import stand
+from wrsim.scenario.track_build import rest_on_rail
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
@@ -176,7 +176,7 @@ def test_a_narrowing_that_leaves_no_room_for_the_flanges_is_refused(tmp_path: Pa
 def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing() -> None:
     """Flange thickness 32.5 mm, flange backs 1360 mm: (1435 - 1360)/2 - 32.5 = 5 mm a side."""
     setup = build(load_text(CURVE))
-    standing = stand(setup.wheelset.left.profile, setup.rails[0], setup.wheelset.profile_spacing, 1.435)
+    standing = rest_on_rail(setup.wheelset.left.profile, setup.rails[0], setup.wheelset.profile_spacing, 1.435)
     assert standing.clearance == pytest.approx(5e-3, abs=1e-4)
     assert not standing.on_flange
 

@@ -208,7 +208,7 @@ BAD = {
     "load of old": (before(PUSH.replace('axes = "track"\n', "")),
      'car.toml:15: loads[0].axes is missing: must be "track" or "body", the axes that the force keeps to. A load '
      "acts beside the preload: the vehicle tilts under it on its springs. A force that the vehicle is trimmed with, "
-     "as [[loads]] once meant, stands in [[payloads]]"),
+     "as [[loads]] of older files, belongs in [[payloads]]"),
     "load on nobody": (before(PUSH.replace('"body"', '"bdoy"')),
      "loads[0].on = \"bdoy\": is no body; there is body, front, rear (did you mean 'body'?)"),
     "load of two ways": ((("[bodies.body]", PUSH + "time_s_force_kN = [[0, 0, 0, 0]]\n[bodies.body]"),),

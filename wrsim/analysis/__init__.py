@@ -25,7 +25,7 @@ from wrsim.scenario.loading import Scenario
 from wrsim.scenario.plausibility import warnings
 from wrsim.simulation.step_size import evaluations_for
 
-MANY = 3  # vehicles whose contacts take all cores unless told otherwise
+MANY = 3  # vehicles whose contacts take all cores unless threads are given
 
 
 def _usual_threads(setup: Setup) -> int:
@@ -57,7 +57,7 @@ def run(
     progress : callable, optional
         Called some ten times a second with the fraction done and the seconds left.
     record : str or Path, optional
-        A file in which a run along the track is kept while it lasts, so that nothing is lost with its process; delete
+        A file in which a run along the track is stored while it lasts, so that nothing is lost with its process; delete
         it when the result is safe. Other analyses keep nothing.
     resume : bool
         Go on with the run in that file, with the same numbers as if it had never been interrupted.
@@ -71,7 +71,7 @@ def run(
     -------
     Result
         A run that has to stop (derailment, Ctrl-C, not-a-number) returns what it computed; ``result.status`` and
-        ``result.stop_reason`` say so.
+        ``result.stop_reason`` give the reason.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def run(
     function = resolved(analysis.run)
     if not analysis.moves:
         if resume:
-            raise scenario.fault(("analysis",), "nothing is kept of it to resume; run it without --resume")
+            raise scenario.fault(("analysis",), "nothing is stored of it to resume; run it without --resume")
         return function(setup, progress)  # type: ignore[no-any-return]
     kept = None if record is None else RunRecord.of(scenario, setup, Path(record), resume)
     with _naming_step(scenario):

@@ -40,7 +40,7 @@ Name = Literal["Wb", "Wc", "Wd", "We", "Wj", "Wk"]
 
 
 RESOLUTION = 0.1
-"""Frequency resolution asked for [Hz]; a run is cut into segments of 1/RESOLUTION seconds that overlap by half."""
+"""Frequency resolution wanted [Hz]; a run is cut into segments of 1/RESOLUTION seconds that overlap by half."""
 
 LEAST_SEGMENTS = 3  # segments below which a spectrum is too uncertain; the resolution gives way instead
 
@@ -198,7 +198,7 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
     """
     dataset, section = result.dataset, section or ride_section_of(result)
     if "point_ay" not in dataset:
-        raise InputError("the result has no points: accelerations are kept at the [[points]] of a vehicle file")
+        raise InputError("the result has no points: accelerations are stored at the [[points]] of a vehicle file")
     dataset = on_raster(dataset)
     distance = dataset["distance"].values
     first = distance[0] if section.from_m is None else section.from_m

@@ -52,8 +52,8 @@ def main() -> None:
         sys.exit(INTERRUPTED)
 
 
-def _version(asked: bool) -> None:
-    if asked:
+def _version(wanted: bool) -> None:
+    if wanted:
         print_lines(f"wrsim {__version__}")
         raise typer.Exit
 

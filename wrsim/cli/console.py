@@ -101,8 +101,8 @@ def progress_bar(wanted: bool) -> Iterator[Progress | None]:
     if not wanted:
         yield None
         return
-    with _bar() if sys.stderr.isatty() else _lines() as (say, advance):
-        _StatusLine.bar = say
+    with _bar() if sys.stderr.isatty() else _lines() as (show, advance):
+        _StatusLine.bar = show
         try:
             yield advance
         finally:
@@ -130,13 +130,13 @@ def _lines() -> Iterator[tuple[Callable[[str], None], Progress]]:
     """The same in lines, one every ``LINES_APART`` at most."""
     last = time.monotonic()
 
-    def say(words: str) -> None:
+    def show(words: str) -> None:
         nonlocal last
         if words and time.monotonic() - last >= LINES_APART:
             print_error(words)
             last = time.monotonic()
 
-    yield say, lambda fraction, seconds_left: say(f"{fraction:.0%}, {time_left(seconds_left)}".removesuffix(", "))
+    yield show, lambda fraction, seconds_left: show(f"{fraction:.0%}, {time_left(seconds_left)}".removesuffix(", "))
 
 
 def time_left(seconds: float) -> str:

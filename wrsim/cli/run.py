@@ -39,7 +39,7 @@ def run_command(
 ) -> None:
     """Run a scenario; writes dataset, tables, summary and pictures to DIR.
 
-    While it lasts, a run is kept in DIR/result.nc.part, so that one that was cut off goes on with --resume.
+    While it lasts, a run is stored in DIR/result.nc.part, so that one that was cut off goes on with --resume.
     """
     with reporting_errors(as_json):
         from wrsim.api import run_scenario

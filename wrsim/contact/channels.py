@@ -161,7 +161,7 @@ class StripRecorder:
 
 def wheel_outline(wheel: WheelOnRail) -> Array:
     """Outline (o, b) of the wheel seen along its rail at the pose computed last, (2, OUTLINE_POINTS) [m]. What a yawed
-    wheel's flange back hides behind itself is left out: those points stand where the outline begins."""
+    wheel's flange back hides behind itself is left out: those points are where the outline begins."""
     a = wheel.model.arrays
     arc = np.linspace(0.0, wheel.model.wheel.length, OUTLINE_POINTS)
     out = np.empty((2, OUTLINE_POINTS))

@@ -51,7 +51,7 @@ def contact_model(
     friction : float, Friction or FrictionAlong
         Coefficient of friction, a law of contact angle and slip, or such laws along the rail.
     surface : RailSurface, optional
-        A rail whose profile changes along the track, in whose place ``rail`` stands for its kind and its gauge.
+        A rail whose profile changes along the track, of whose kind and gauge ``rail`` is.
 
     Returns
     -------

@@ -34,7 +34,7 @@ USUAL: dict[Normal, Usual] = {
     "strips": Usual("fastrip", 20, 4),
     "half-space": Usual("half-space", 40, 4),
 }
-"""Defaults that depend on another choice. Such a key is None in ContactSettings until it is asked for."""
+"""Defaults that depend on another choice. Such a key is None in ContactSettings unless given."""
 
 DRY = 0.35  # coefficient of friction unless given
 
@@ -198,7 +198,7 @@ class ContactSettings:
     damping : float
         c [s/m]; the elastic normal force N becomes ``N (1 + c d(approach)/dt)``, never negative.
     max_patches : int, optional
-        Patches kept on one wheel, largest first, 1 to 6; None for the usual number of the normal model
+        Patches of one wheel at most, largest first, 1 to 6; None for the usual number of the normal model
         (``patch_count``). A new wheel beside a new rail can touch at four.
     wheel, rail : Material
         The two materials.
@@ -224,7 +224,7 @@ class ContactSettings:
     half_space: HalfSpaceSettings = field(default_factory=HalfSpaceSettings)
 
     def fast(self) -> "ContactSettings":
-        """The same with a fast model in place of the exact one, for a first idea of where that will stand."""
+        """The same with a fast model in place of the exact one, for a first idea of its result."""
         if self.normal != "half-space":
             return self
         tangential = None if self.tangential == "half-space" else self.tangential
@@ -244,7 +244,7 @@ class ContactSettings:
 
     @property
     def patch_count(self) -> int:
-        """Number of patches kept on one wheel: the one chosen, or the usual one of the normal model."""
+        """Largest number of patches of one wheel: the one chosen, or the usual one of the normal model."""
         return self.max_patches or USUAL[self.normal].patches
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Tables that the contact kernel computes with, kept once made: profiles, rails, bounds of the traction, Kalker's creep
+"""Tables that the contact kernel computes with, made once: profiles, rails, bounds of the traction, Kalker's creep
 coefficients, a strip's influence."""
 
 from __future__ import annotations

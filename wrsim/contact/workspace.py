@@ -116,11 +116,11 @@ class KernelArrays:
 
     @property
     def substitutes(self) -> int:
-        """Calls so far in which the strip model was not solved and a substitute stood for it."""
+        """Calls so far in which the strip model was not solved and a substitute was used."""
         return self._substitutes.item()
 
     def follow(self, on: bool, tolerance: float = WARM_TOLERANCE) -> None:
-        """From now on the strip model starts from the contact asked for last (in runs), or cold each time. Its answer
+        """From now on the strip model starts from the contact solved last (in runs), or cold each time. Its answer
         is the same to this tolerance."""
         self.settings.start = k.FROM_LAST if on else k.COLD_START
         self.settings.tolerance = tolerance
@@ -128,7 +128,7 @@ class KernelArrays:
 
     def kept(self) -> tuple[NDArray[Any], ...]:
         """Views on what one call leaves for the next: the last contact, if the model follows it. Who puts them back
-        gives up the inverse that is kept besides (``rows.memo``)."""
+        gives up the inverse that is stored besides (``rows.memo``)."""
         if not (self._follows and self.settings.start):
             return ()
         grids, places = self.rows.grids, self.rows.places

@@ -50,7 +50,7 @@ def refuse(message: str) -> PydanticCustomError:
 
 
 def spread(value: Any) -> Any:
-    """A number or a range as its numbers; the end of a range is kept if met within 1e-9 of a step."""
+    """A number or a range as its numbers; the end of a range is included if met within 1e-9 of a step."""
     if not isinstance(value, dict):
         return value if isinstance(value, (list, tuple)) else (value,)
     if set(value) != {"from", "to", "step"}:
@@ -150,7 +150,7 @@ def table_header(annotation: Any) -> str:
 
 
 def words(annotation: Any) -> str:
-    """Say what is allowed, to follow "must be"."""
+    """Words for what is allowed, to follow "must be"."""
     base, limits, description, _ = unpacked(annotation)
     if base in (int, float):
         return _number_words(base, limits, description)
@@ -182,7 +182,7 @@ ELSEWHERE: dict[str, tuple[str, ...]] = {
 
 
 def choice(allowed: tuple[str, ...], value: Any = None) -> str:
-    """Say which words are allowed, and which of them ``value`` was probably meant to be."""
+    """Text: which words are allowed, and which of them ``value`` was probably meant to be."""
     quoted = [f'"{word}"' for word in allowed]
     meant = ELSEWHERE.get(value.lower(), ()) if isinstance(value, str) else ()
     near = next((word for word in meant if word in allowed), None)

@@ -44,7 +44,7 @@ def writing(force: bool, *reads: Path, of: Path | None = None) -> AbstractContex
 
 @contextmanager
 def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path | None = None) -> Iterator[Keeper]:
-    """Keep a folder for one analysis: nobody else writes into it, and nothing of the user's is written over. reads:
+    """Reserve a folder for one analysis: no other process writes into it, and no file of the user's is replaced. reads:
     files of its input; scenario: the file that is run. Raises ``InputError`` before anything is changed there."""
     keeper = Keeper(tuple(reads), force, directory)
     with Manifest(directory).locked(), keeping(keeper):
@@ -178,9 +178,9 @@ def run_into(
     directory: Path, scenario: Scenario, setup: Setup[Any], file: Path,
     *, resume: bool, threads: int | None, pictures: bool, force: bool, progress: AbstractContextManager[Any],
 ) -> Written:  # fmt: skip
-    """Run a scenario and write all of its files; while it lasts, the run is kept in ``result.nc.part``. file: the
+    """Run a scenario and write all of its files; while it lasts, the run is stored in ``result.nc.part``. file: the
     scenario's own; progress: a context that gives the callback of `wrsim.run`. Raises InputError, SimulationError;
-    KeyboardInterrupt reports where an interrupted run is kept."""
+    KeyboardInterrupt reports where an interrupted run is stored."""
     from wrsim.analysis import run
     from wrsim.core.jit.compiling import COUNT, use_threads
 

@@ -49,7 +49,7 @@ def report_page(
     results: Sequence[Result], sources: Sequence[str], *, viewers: Sequence[str] = (), cover: Cover = NO_COVER
 ) -> str:
     """The report as HTML. sources: where the results were read from; viewers: pages of their viewers, to be had inside.
-    Raises InputError for more results than a page can tell apart."""
+    Raises InputError for more results than a page can distinguish."""
     if len(results) > MOST_RESULTS:
         raise InputError(
             f"a report takes at most {MOST_RESULTS} results, not {len(results)}: wrsim study compares more"

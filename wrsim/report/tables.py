@@ -37,7 +37,7 @@ OF_PATCHES = ("N", "p0", "contact_angle", "contact_angle_variation", "area")
 """Channels in the table of contacts."""
 
 GOOD, BAD, OPEN = "good", "bad", "open"
-"""States of a verdict: within all limits; beyond one, or stopped; nothing to say."""
+"""States of a verdict: within all limits; beyond one, or stopped; none."""
 
 MOST_CURVES = 10  # full curves of a result that are listed; summary.json has all of them
 APART = 1.05  # limits that differ by less are one line in a chart

@@ -56,7 +56,7 @@ def packed(values: NDArray[Any], kind: str) -> dict[str, Any]:
 
 
 def packed_steps(values: Array, unit: float) -> dict[str, Any]:
-    """The same of numbers in whole units; along the first dimension differences are kept, which compress well."""
+    """The same of numbers in whole units; along the first dimension differences are stored, which compress well."""
     whole = np.clip(np.rint(np.nan_to_num(values) / unit), -32767, 32767).astype(np.int32)
     steps = np.diff(whole, axis=0, prepend=np.zeros_like(whole[:1]))
     return packed(((steps + 32768) % 65536 - 32768).astype(np.int16), "i2") | {"unit": unit}
@@ -64,7 +64,7 @@ def packed_steps(values: Array, unit: float) -> dict[str, Any]:
 
 def view_page(result: Result, folder: Path, models: Sequence[Path] = ()) -> str:
     """The viewer as HTML. folder, models: where the model files of the scenario are looked up; where they are missing,
-    the page shows what the result alone holds and says so. Raises InputError for a result with nothing to look at."""
+    the page shows what the result alone holds, with the reason. Raises InputError for a result with nothing to see."""
     data = view_data(result, *setup_of(result, folder, models))
     page = {"title": result.title, "version": __version__, "numbers": "run" in data, "data": data}
     return page_template("view.html").render(page)
@@ -85,7 +85,7 @@ def setup_of(result: Result, folder: Path, models: Sequence[Path] = ()) -> tuple
 
 def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[str, Any]:
     """Everything that the viewer shows of a result. setup: of its scenario, for shapes and for contacts between the
-    snapshots; why: what kept it from being made. Raises InputError for a result with nothing to see."""
+    snapshots; why: what prevented it. Raises InputError for a result with nothing to see."""
     dataset = result.dataset
     data: dict[str, Any] = {"title": result.title, "analysis": result.analysis, "notes": [why] if why else []}
     if result.stop_reason:
@@ -117,11 +117,11 @@ def _dense(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp]
 
     if setup is None:
         return dataset
-    asked = keep[np.unique(np.linspace(0, keep.size - 1, min(SECTIONS, keep.size)).astype(int))].tolist()
+    wanted = keep[np.unique(np.linspace(0, keep.size - 1, min(SECTIONS, keep.size)).astype(int))].tolist()
     if "snapshot_time" in dataset:
-        asked += [sample_of(dataset, m) for m in range(dataset.sizes["snapshot"])]
+        wanted += [sample_of(dataset, m) for m in range(dataset.sizes["snapshot"])]
     try:
-        dense = with_moments(dataset, setup, sorted(set(asked)))
+        dense = with_moments(dataset, setup, sorted(set(wanted)))
     except (InputError, SimulationError) as problem:
         notes.append(f"Contacts are shown at the snapshots only: {problem}")
         return dataset
@@ -322,7 +322,7 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
 
 def _outline(mine: xr.Dataset, body: str, dim: str, error: float, worn: bool) -> tuple[Array, NDArray[np.intp], Array]:
     """An outline at all moments (moments, points, 2) [mm], others having that of the nearest; moments that have one;
-    points needed for an error [mm], and worn ones if asked for, as shares of the profile's length."""
+    points needed for an error [mm], and worn ones where wanted, as shares of the profile's length."""
     lines = np.stack([mine[f"{body}_profile_{n}"].transpose(dim, f"{body}_point").values * 1e3 for n in "yz"], axis=-1)
     there = np.isfinite(lines[..., 0])
     finite = np.flatnonzero(there.any(axis=1))

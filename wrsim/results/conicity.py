@@ -121,7 +121,7 @@ def _towards(dataset: xr.Dataset, sign: float, needed: float) -> tuple[float, fl
 
 
 def steering_summary(dataset: xr.Dataset) -> dict[str, Any]:
-    """The radial steering index of a wheelset (channels of a conicity analysis) in the curves that were asked for, to
+    """The radial steering index of a wheelset (channels of a conicity analysis) in the curves of the analysis, to
     either hand; nothing where none were.
 
     Needed and available difference of the rolling radii, shift at which the needed one is there; ``None`` where it is

@@ -1,4 +1,4 @@
-"""The moments of which a result holds contact patches, kept instants of a run or poses; one patch as arrays."""
+"""The moments of which a result holds contact patches, snapshots of a run or poses; one patch as arrays."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from wrsim.results.table import Cell, Column, Table, finite, listed, quantity
 
 Array = NDArray[np.float64]
 
-NEAR = 1.0  # distance to the place asked for at which kept patches still count as being there [m]
+NEAR = 1.0  # distance from a requested place within which snapshots count as being there [m]
 
 
 def has_patches(dataset: xr.Dataset) -> bool:
@@ -74,7 +74,7 @@ def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list
             raise InputError(f"{key} {place}: must be a distance in m") from None
         if not min(offsets) <= NEAR:
             there = listed([f"{d:.1f}" for d in distances], 12)
-            raise InputError(f"{key} {place}: no patches are kept within {NEAR:g} m of there; there are {there}")
+            raise InputError(f"{key} {place}: no patches are stored within {NEAR:g} m of there; there are {there}")
         moments.append(offsets.index(min(offsets)))
     return moments
 
@@ -89,8 +89,8 @@ def patch_of(one: xr.Dataset, at: str | float, wheel: str | None, number: int, c
     if wheel is None and len(wheels) == 1:
         wheel = wheels[0]
     if wheel not in wheels:
-        asked = "choose a wheel" if wheel is None else f"wheel = {wheel!r:.40}: there is none of that name"
-        raise InputError(f"{asked}{suggest(str(wheel), wheels)}: {', '.join(wheels)}")
+        fault = "choose a wheel" if wheel is None else f"wheel = {wheel!r:.40}: there is none of that name"
+        raise InputError(f"{fault}{suggest(str(wheel), wheels)}: {', '.join(wheels)}")
     if columns < 2:
         raise InputError(f"columns = {columns}: must be at least 2")
     (moment,) = moments_at(one, [at], "at")

@@ -79,7 +79,7 @@ def read_netcdf(path: Path, what: str) -> xr.Dataset:
 
 
 class Channels:
-    """Channels of n samples of a run, filled block by block; many are kept in a file of ``folder``, if there is one."""
+    """Channels of n samples of a run, filled block by block; many are in a file of ``folder``, if there is one."""
 
     def __init__(self, n: int, folder: Path | None) -> None:
         self.n, self.folder = n, folder

@@ -1,4 +1,4 @@
-"""A Result: one labelled dataset, kept in one NetCDF file."""
+"""A Result: one labelled dataset, stored in one NetCDF file."""
 
 from __future__ import annotations
 
@@ -167,7 +167,7 @@ class Result:
             raise InputError(f"{path}: a NetCDF file, but not a wrsim result")
         version = attributes.get("format_version")
         if not isinstance(version, int):
-            raise InputError(f"{path}: says that it is a wrsim result, but not in which format; run the scenario again")
+            raise InputError(f"{path}: is marked as a wrsim result, but has no format; run the scenario again")
         if version > FORMAT_VERSION:
             raise InputError(
                 f"{path}: written by a newer wrsim ({attributes.get('wrsim_version', 'unknown version')}) "
@@ -175,7 +175,7 @@ class Result:
             )
         dataset = _with_rails_of_moments(dataset)
         for fault in faults_of_result(dataset):
-            raise InputError(f"{path}: says that it is a wrsim result, but {fault}; run the scenario again")
+            raise InputError(f"{path}: is marked as a wrsim result, but {fault}; run the scenario again")
         return cls(dataset)
 
 

@@ -1,8 +1,8 @@
 """What smoothing did to measured points: curvature before and after, and how far the shape moved.
 
 A cut-off is right when the curvature after it is that of the steel and the change is that of the measurement: an RMS
-change well above the scatter of the points says that shape was smoothed away, a largest curvature far above that of the
-drawing that noise was left.
+change well above the scatter of the points means that shape was smoothed away, a largest curvature far above that of
+the drawing that noise was left.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def body_of(kind: str | None) -> Kind | None:
 def profile_and_reports(
     name: str, kind: str | None, cutoffs: Sequence[float], models: Sequence[str | Path] | None
 ) -> tuple[Profile, tuple[SmoothingReport, ...]]:
-    """The profile of a file, and a report for every cut-off [mm]; of measured points also without any asked for. Raises
+    """The profile of a file, and a report for every cut-off [mm]; of measured points also without any given. Raises
     InputError for a file that holds no points, and for cut-offs that cannot be."""
     body, file = body_of(kind), model_file(name, models)
     for value in cutoffs:

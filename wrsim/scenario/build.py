@@ -131,7 +131,7 @@ def _unfit(scenario: Scenario, analysis: Analysis, vehicle: Vehicle) -> Iterator
     taken_along = (spec.vehicle.drive or vehicle.drive) != "free" or vehicle.runs_with_frame
     any_vehicle = analysis.own_track or analysis.moves or analysis.name == "equilibrium"
     if analysis.points and not vehicle.points:
-        yield model, f"{kind} needs a vehicle with [[points]], at which accelerations are kept"
+        yield model, f"{kind} needs a vehicle with [[points]], at which accelerations are stored"
     if analysis.own_track and spec.vehicle.drive == "free" and not vehicle.runs_with_frame:
         yield ("vehicle", "drive"), 'must be "train" or "wheels": something has to hold the speed'
     if vehicle.members and not any_vehicle:

@@ -27,7 +27,7 @@ def warnings(setup: Setup) -> list[str]:
     plan = setup.plan
     left_out = [
         f"output.patches_at_m: {place:g} m is not passed by the run, which is from {plan.start:.6g} to {plan.end:.6g} "
-        "m; no patches are kept there"
+        "m; no patches are stored there"
         for place in getattr(plan, "left_out", ())
     ]
     return left_out + vehicle_warnings(setup.vehicle)

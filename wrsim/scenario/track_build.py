@@ -153,7 +153,7 @@ def check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile
     gauges = track.gauge(np.concatenate([ends, np.arange(0.0, track.length, 0.5)]))
     for gauge in sorted({nominal, float(gauges.min()), float(gauges.max())}, key=lambda g: abs(g - nominal)):
         for side, wheel, rail in zip(SIDES, (wheelset.left, wheelset.right), rails, strict=True):
-            reason = _misplaced(stand(wheel.profile, rail, wheelset.profile_spacing, gauge))
+            reason = _misplaced(rest_on_rail(wheel.profile, rail, wheelset.profile_spacing, gauge))
             if not reason:
                 continue
             message = (
@@ -171,7 +171,7 @@ def check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile
             raise scenario.fault(("track", "irregularities" if spec.irregularities and beyond else widened_by), message)
 
 
-def _misplaced(s: Stand) -> str:
+def _misplaced(s: Seat) -> str:
     """What is wrong with a wheel on its rail; empty if nothing is."""
     if math.isnan(s.u_wheel):
         return "wheel misses its rail"
@@ -191,7 +191,7 @@ FLANGE_SLOPE = 0.6
 
 
 @dataclass(frozen=True)
-class Stand:
+class Seat:
     """How one wheel of a centred wheelset rests on its rail.
 
     u_wheel: where it rests, on the wheel profile [m], not-a-number when wheel and rail miss each other; on_flange: it
@@ -206,7 +206,7 @@ class Stand:
     rail_top: float
 
 
-def stand(wheel: Profile, rail: Profile, spacing: float, gauge: float) -> Stand:
+def rest_on_rail(wheel: Profile, rail: Profile, spacing: float, gauge: float) -> Seat:
     """Lower the wheel of a centred wheelset vertically on its rail.
 
     wheel, rail: profiles, the rail inclined; spacing: distance H of the wheel profile origins [m]; gauge [m],
@@ -223,11 +223,11 @@ def stand(wheel: Profile, rail: Profile, spacing: float, gauge: float) -> Stand:
     clearance = 0.5 * (gauge - spacing) - flange_face(tread) if np.isfinite(root) else np.inf
     reach = float(tread[:, 0].max())
     if right - left < SAMPLES:
-        return Stand(float("nan"), False, clearance, reach, rail_top)
+        return Seat(float("nan"), False, clearance, reach, rail_top)
     u = np.arange(left, right, SAMPLES)
     gap = -np.interp(u, *low) - np.interp(u, *high)
     u_wheel = float(u[np.argmin(gap)])
-    return Stand(u_wheel, bool(u_wheel < root), clearance, reach, rail_top)
+    return Seat(u_wheel, bool(u_wheel < root), clearance, reach, rail_top)
 
 
 def flange_root(tread: Array) -> float:

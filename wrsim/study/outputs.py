@@ -27,7 +27,7 @@ USUAL = tuple(
         ("T_gamma", "max"), ("p0", "max"), ("lateral_shift", "peak"), ("yaw", "peak"),
     )
 )  # fmt: skip
-"""Kept of runs and poses without an outputs section; of other analyses the plain numbers of their summary."""
+"""Stored of runs and poses without an outputs section; of other analyses the plain numbers of their summary."""
 
 
 @dataclass
@@ -164,7 +164,7 @@ def _take_assessment(found: Outputs, result: Result, wanted: tuple[str, ...]) ->
     for key, column in columns.items():
         values = assessment.of(key)
         if not values:
-            continue  # the notes of the assessment say why: too short a track, no vehicle
+            continue  # the notes of the assessment have the reason: too short a track, no vehicle
         shown = QUANTITIES[key].shown
         found.take(column, max(v.value for v in values) * shown.factor, shown.symbol)
         margins = [v.margin for v in values if v.margin is not None]

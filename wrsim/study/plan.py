@@ -56,7 +56,7 @@ class Plan:
 
     folder: of the study; source: the study file; text, folders: the base scenario and where its models are looked up;
     files: sets of files, by path with digest, that cases read; axes: name, columns and values of each; outputs, hook:
-    what is kept; digest: of the outputs.
+    what is stored; digest: of the outputs.
     """
 
     folder: str
@@ -80,7 +80,7 @@ class Plan:
         return tuple(len(axis.values) for axis in self.axes)
 
     def folder_of(self, case: Case) -> Path:
-        """Where a case is kept."""
+        """Where a case is stored."""
         return Path(self.folder) / CASES / case.name[:2] / case.name
 
     def base(self) -> Scenario:

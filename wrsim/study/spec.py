@@ -1,4 +1,4 @@
-"""The files of a study and of profile evolution: a base scenario, its cases, what is kept of them."""
+"""The files of a study and of profile evolution: a base scenario, its cases, what is stored of them."""
 
 from __future__ import annotations
 
@@ -232,7 +232,7 @@ Hook = Annotated[str, Field(pattern=r"^[^\x00]*\.py:[A-Za-z_]\w*$", description=
 
 
 class OutputsSection(Section, header="[outputs]"):
-    """Numbers that are kept of every case; without this table, those that people ask for first.
+    """Numbers that are stored of every case; without this table, those that people ask for first.
 
     hook: ``"file.py:function"``, which takes a Result and returns a dict of numbers.
     """
@@ -253,7 +253,7 @@ class OutputsSection(Section, header="[outputs]"):
 
 
 class CasesSection(Section, header="[cases]"):
-    """Limits of a case, and what is kept of it."""
+    """Limits of a case, and what is stored of it."""
 
     aliases = {"time_limit_s": "timeout timeout_s limit_s max_time_s"}
 
@@ -264,7 +264,7 @@ class CasesSection(Section, header="[cases]"):
 
 
 class StudyFile(Section, header="a study"):
-    """A study: the scenario it starts from, what is varied, what is kept."""
+    """A study: the scenario it starts from, what is varied, what is stored."""
 
     aliases = {"base": "scenario", "vary": "axes axis parameters", "outputs": "output"}
 
@@ -275,9 +275,9 @@ class StudyFile(Section, header="a study"):
     vary: Annotated[List[Annotated[Axis, Field(discriminator="kind")]], Field(min_length=1)]
     """What is varied, axis by axis."""
     outputs: OutputsSection = OutputsSection()
-    """Numbers that are kept of every case."""
+    """Numbers that are stored of every case."""
     cases: CasesSection = CasesSection()
-    """Limits of a case, and what is kept of it."""
+    """Limits of a case, and what is stored of it."""
 
     def consistency(self) -> Iterator[Fault]:
         for name, count in Counter(map(axis_name, self.vary)).items():

@@ -215,7 +215,7 @@ def _watched(folder: Path, plan: Plan) -> Iterator[None]:
 
 
 def _simulate(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
-    """The run itself: writes what is kept of it, notes its status and outputs in the marker."""
+    """The run itself: writes what is stored of it, notes its status and outputs in the marker."""
     if changed := changed_file(plan.files[case.files]):
         raise InputError(f"{changed}: has changed since the study was planned; start the study again")
     scenario = plan.scenario(case)

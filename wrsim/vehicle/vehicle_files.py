@@ -46,7 +46,7 @@ def load_vehicle(path: str | Path, find: Finder | None = None, changes: Sequence
     Parameters
     ----------
     path : str or Path
-        A vehicle file (docs/user/vehicles.md); a name that is not found as it stands is looked up among the models:
+        A vehicle file (docs/user/vehicles.md); a name that is not found as a path is looked up among the models:
         ``"vehicles/manchester_1.toml"``.
     find : Finder, optional
         Where profiles are looked up after the folder of the vehicle file itself.
@@ -186,7 +186,7 @@ def _train(file: TrainFile, finder: Finder, locate: Locate, changes: Mapping[str
     named = [(i, table, name) for i, table in enumerate(file.vehicles) for name in table.names]
     for k, (i, _, name) in enumerate(named):
         if "." in name or name in (TRACK, GUIDE):
-            words = f"'{name}' cannot be the name of a vehicle: points stand before the names of its bodies"
+            words = f"'{name}' cannot be the name of a vehicle: a point precedes the names of its bodies"
             raise fault(("vehicles", i, "name"), words)
         if name in [other for _, _, other in named[:k]]:
             raise fault(("vehicles", i, "name"), f"'{name}' is the name of another vehicle; names need be different")
@@ -211,7 +211,7 @@ def _train(file: TrainFile, finder: Finder, locate: Locate, changes: Mapping[str
         except InputError as error:
             raise fault(("vehicles", i, "model"), str(error)) from None
         vehicles.append(vehicle)
-        if wrong := _misfit(vehicle, name, table, vehicles[0].gravity, front, front - 2.0 * half):
+        if wrong := _member_fault(vehicle, name, table, vehicles[0].gravity, front, front - 2.0 * half):
             raise fault(("vehicles", i, wrong[0]), wrong[1], getattr(table, wrong[0]))
         behind = (name, f"{name}.{table.body}" if table.body else vehicle.names[vehicle.reference])
         if k:
@@ -241,7 +241,7 @@ def _member(path: Path, find: Finder, place: Place, changes: Sequence[Change]) -
     return _of_parts(check_section(VehicleFile, data, locate), path, find.beside(path), locate, place)
 
 
-def _misfit(
+def _member_fault(
     vehicle: Vehicle, name: str, table: MemberTable, gravity: float, front: float, rear: float
 ) -> tuple[str, str] | None:
     """Key and message where a vehicle does not fit into its train, between its ends [m]."""

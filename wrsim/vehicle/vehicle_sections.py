@@ -171,7 +171,7 @@ class BodyTable(Section, header="[bodies.NAME]"):
 
 
 class MountTable(Section, header="[wheelsets.NAME]"):
-    """[wheelsets.NAME]: where a wheelset sits; what it is stands in [wheelset] or [wheelset_types.TYPE]."""
+    """[wheelsets.NAME]: where a wheelset sits; its properties are in [wheelset] or [wheelset_types.TYPE]."""
 
     x_mm: Metre
     """Where its axle lies along the vehicle; positive is forward."""
@@ -233,7 +233,8 @@ Force = Three[Annotated[float, number(-LARGEST, LARGEST, "kN")]]
 NO_BALLAST = "is a wheelset, which spins: no mass is put on it; a force_kN may be"
 NEEDS_AXES = (
     'must be "track" or "body", the axes that the force keeps to. A load acts beside the preload: the vehicle tilts '
-    "under it on its springs. A force that the vehicle is trimmed with, as [[loads]] once meant, stands in [[payloads]]"
+    "under it on its springs. A force that the vehicle is trimmed with, as [[loads]] of older files, belongs in "
+    "[[payloads]]"
 )
 
 

@@ -14,7 +14,7 @@ tight         below 250 m         70 m
 transition    changing            as long as it is
 ============  ==================  ================================================
 
-UIC 518 counts curves with little cant deficiency (up to 40 mm [mem]) as straight track: asked for, those of large
+UIC 518 counts curves with little cant deficiency (up to 40 mm [mem]) as straight track: where chosen, those of large
 radius are.
 
 A full curve shorter than that is one section, marked as short. What changes its curvature is a transition, also

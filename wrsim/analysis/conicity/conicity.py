@@ -40,7 +40,7 @@ from wrsim.vehicle.wheelset import Wheelset
 STEP = 5e-5  # distance of the shifts at which the contact is found [m]
 REACH = 5e-3
 """The shifts go this far beyond the largest amplitude [m]: unequal diameters move the place it is counted from."""
-KEPT = 4  # one shift out of so many is kept in the result
+KEPT = 4  # one shift out of so many is stored in the result
 POINTS = 2000  # of the quadrature over a swing
 
 
@@ -58,7 +58,7 @@ def wheelset_conicity(
     """Rigid contact over the lateral shift, and the equivalent conicity over the amplitude.
 
     rails: left and right profile, inclined; gauge [m]; text: the scenario this belongs to.
-    Raises InputError when the wheels do not stand on the rails and when the wheelset has no place to swing about.
+    Raises InputError when the wheels do not rest on the rails and when the wheelset has no place to swing about.
     """
     reach = max(plan.amplitudes) + REACH
     shift = STEP * np.arange(-np.ceil(reach / STEP), np.ceil(reach / STEP) + 1.0)

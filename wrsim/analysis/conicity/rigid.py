@@ -158,7 +158,7 @@ def rigid_contact(
             break
     off = ~np.isfinite(left - right)
     if off.all():
-        raise InputError("the wheels do not stand on the rails at any lateral shift: gauge and flange-back do not fit")
+        raise InputError("the wheels do not rest on the rails at any lateral shift: gauge and flange-back do not fit")
     columns: list[tuple[Array, ...]] = []
     for side, sign in zip(sides, (1.0, -1.0), strict=True):
         node = side.closest(sign * shift, sign * roll)[2]

@@ -154,7 +154,7 @@ def energy_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Arra
 
 
 def lost_at(law: VehicleOnTrack, q_t: Array) -> tuple[float, float, float]:
-    """At the state that the law was asked for last: power that creep takes, power that dampers and friction of the
+    """At the state of the last evaluation of the law: power that creep takes, power that dampers and friction of the
     suspension and of axles take, and power of the pull along the track [W]; q_t: of that state.
     """
     arrays = (wheel.model.arrays for pair in law.wheels for wheel in pair)

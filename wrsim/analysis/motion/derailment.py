@@ -103,7 +103,7 @@ def overlap(wheels: Sequence[WatchedWheel]) -> Lost:
 
 
 def derailed(law: VehicleOnTrack) -> Lost | None:
-    """A wheel in its rail, off it, or without load, at the state that the law was asked for last."""
+    """A wheel in its rail, off it, or without load, at the state of the last evaluation of the law."""
     wheels = wheels_of(law)
     if any(wheel.status & STATUS_TOO_DEEP for wheel in wheels):
         return overlap(wheels)

@@ -57,7 +57,7 @@ def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     """The vehicle at rest at the start of the run: on canted track it has slid down to its flanges.
 
     At rest there is no rolling, so the creep forces are undefined and friction holds wheels wherever they are put; the
-    state asked for is the one that needs no friction. Raises NoSteadyMotion when there is none.
+    wanted state is the one that needs no friction. Raises NoSteadyMotion when there is none.
     """
     if not law.vehicle.bodies and len(law.vehicle.wheelsets) == 1:
         return _wheelset_at_rest(setup, law)

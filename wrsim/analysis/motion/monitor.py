@@ -28,7 +28,7 @@ log = logging.getLogger(__name__)
 LIFT_DISTANCE = 3.0  # distance without contact on one side after which the wheelset counts as derailed [m] ...
 LIFT_TIME = 0.05  # ... if the wheel has been in the air for this time as well [s]
 INTERVAL = 5e-3  # longest time between two looks [s]; ...
-STRETCH = 0.25  # ... and the longest way [m]. Independent of the samples that are kept
+STRETCH = 0.25  # ... and the longest way [m]. Independent of the samples that are stored
 
 WITHIN = 1e-6
 """Change of the positions [m, rad] in the last iteration of a step within which a look takes the contacts as they were
@@ -48,7 +48,7 @@ SLOWEST = 4 * EXPLICIT_PARTS // 2  # evaluations of the forces in a step taken b
 
 SLIP, GIVEN = 0.02, 0.99
 """An axle is driven or braked beyond adhesion where its slip is more than this part of the speed, creep forces are at
-their limit long before, or where slip control gives less than this part of the moment that is asked for; ..."""
+their limit long before, or where slip control gives less than this part of the requested moment; ..."""
 
 SLIP_DISTANCE = 1.0  # ... and reported where that lasts for longer than this [m]
 SAME = 1.0  # events of one kind and place of the vehicle that follow each other within this distance are one [m]
@@ -64,7 +64,7 @@ FINER_STEPS = (1e-3, 5e-4, 2.5e-4, 1e-4, 5e-5)
 
 
 class Monitor:
-    """Asked at regular intervals; answers with the reason to stop, or None. ``events`` gives what it has noted."""
+    """Called at regular intervals; returns the reason to stop, or None. ``events`` gives what it has noted."""
 
     def __init__(self, law: VehicleOnTrack, speed: float, work: Work | None = None) -> None:
         """speed [m/s]: how far the vehicle goes between two looks; work: what the integration takes."""
@@ -84,7 +84,7 @@ class Monitor:
         """Rows (kind, which wheel or element, time, distance, last time, last distance)."""
 
     def step(self, t: float, sampled: bool) -> None:
-        """After every step, at the law's last evaluation; sampled: whether its state is kept."""
+        """After every step, at the law's last evaluation; sampled: whether its state is stored."""
         kernel.watch_step(t, self.law.distance, sampled, self.watched, *self._wheels)
 
     def __call__(self, t: float, q: Array, q_t: Array) -> str | None:

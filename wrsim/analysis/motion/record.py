@@ -29,7 +29,7 @@ from wrsim.simulation.recorder import Recorder
 
 @dataclass(frozen=True)
 class RunRecord:
-    """Where a run is kept while it lasts, whether it goes on with what is there, and the header of the file."""
+    """Where a run is stored while it lasts, whether it goes on with what is there, and the header of the file."""
 
     path: Path
     resume: bool

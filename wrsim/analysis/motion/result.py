@@ -1,7 +1,7 @@
 """From the sampled states of a run to its result: every channel of every wheelset, and of the vehicle.
 
 The contacts of each sample are computed anew from its state, so a sample is a function of the state (the strip model
-starts from those of the sample before, and ends with the same). Strips are kept at chosen places and at the
+starts from those of the sample before, and ends with the same). Strips are stored at chosen places and at the
 largest Y/Q of each wheel.
 """
 
@@ -43,7 +43,7 @@ NEAR = 1.0  # distance within which the largest Y/Q of both wheels are one momen
 def result_of(
     setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events: Sequence[Event], folder: Path | None = None
 ) -> Result:
-    """All channels of a motion, from its sampled states; those of a long one are kept on disk in ``folder``, if any.
+    """All channels of a motion, from its sampled states; those of a long one are stored on disk in ``folder``, if any.
 
     At the end of a stopped run the last states may have no place on the track any more; they are left out then.
     Raises SimulationError when not even the first one has.
@@ -54,8 +54,8 @@ def result_of(
     places = law.places(np.column_stack([p.distance for p in poses]))
     kept = Channels(n, folder)
     bodies = np.array([law.start + part.centre[0] for part in vehicle.bodies])
-    asked = setup.plan.wear
-    losses = None if asked is None else Losses(asked, law.wheels, [ways(p.distance, asked.stretch) for p in poses])
+    wear = setup.plan.wear
+    losses = None if wear is None else Losses(wear, law.wheels, [ways(p.distance, wear.stretch) for p in poses])
     law.follow(True)
     for begin in range(0, n, BLOCK):
         block = slice(begin, min(begin + BLOCK, n))
@@ -116,7 +116,7 @@ def _block(
 ) -> dict[str, Array]:  # fmt: skip
     """Channels of some samples of a motion, the sample first. A long run fills memory: raw contacts do not stay.
 
-    bodies: see `body_channels`; losses: gathers the wear, if it is asked for.
+    bodies: see `body_channels`; losses: gathers the wear, if it is computed.
     """
     vehicle, track = law.vehicle, setup.track
     times, q, q_t = motion.times[block], motion.q[block], motion.q_t[block]
@@ -225,7 +225,7 @@ def _placed(motion: Motion, law: VehicleOnTrack) -> tuple[Motion, list[TrackPose
 
 
 def choose_snapshots(setup: Setup[RunPlan], distance: Array, quotient: Array, stopped: bool) -> dict[int, str]:
-    """Samples whose strips are kept, and why: distances asked for, the largest Y/Q of either side, the stop if any.
+    """Samples whose strips are stored, and why: chosen distances, the largest Y/Q of either side, the stop if any.
 
     quotient: largest Y/Q of all wheelsets (samples, 2), minus infinity where no wheel has a load.
     """

@@ -59,7 +59,7 @@ CALLED = (
 
 
 class StepTooLong(InputError):
-    """The step asked for is not stable. ``rule``: what is allowed, without file and key."""
+    """The given step is not stable. ``rule``: what is allowed, without file and key."""
 
     def __init__(self, step: float, limit: float, speed: float) -> None:
         self.rule = (
@@ -144,7 +144,7 @@ def stepper(scenario: Scenario, step: float = BENCH_STEP, iterations: int = BENC
 def recorded_run(setup: Setup[RunPlan], path: Path) -> Result:
     """The result of what a file holds of a run; the process that ran it may be dead or still at work.
 
-    Events are those that the run had noted when it was last kept.
+    Events are those that the run had noted when it was last stored.
     """
     law = force_law(setup)
     monitor = Monitor(law, setup.plan.speeds[1])
@@ -182,7 +182,7 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
     It is never longer than the time between two samples. In a curve the creep forces are near saturation and allow a
     longer step than they do on straight track, so a run that starts in a curve must not rely on its start. The exact
     contact solver takes the step that is stable with a fast model.
-    Raises StepTooLong for a step asked for that is not even stable at the start: its results would look like results.
+    Raises StepTooLong for a given step that is not even stable at the start: its results would look like results.
     """
     plan = setup.plan
     near = replace(setup, contact=setup.contact.fast(), vehicle=setup.vehicle.loaded_as_at(plan.start))

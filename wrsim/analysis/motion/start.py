@@ -32,7 +32,7 @@ from wrsim.vehicle.vehicle import Vehicle
 State = tuple[Array, Array]
 
 LOGGER = logging.getLogger("wrsim.start")
-"""Says at level INFO how the search for the motion at the start goes; an empty line at the end."""
+"""Reports at level INFO how the search for the motion at the start goes; an empty line at the end."""
 
 PLAY = 12e-3  # farthest lateral shift of the wheelsets at which a search begins, more by half the gauge widening [m]
 SHIFT = 1e-3  # between two shifts at which a search begins [m]

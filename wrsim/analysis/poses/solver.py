@@ -171,7 +171,7 @@ class PoseSolver:
 class HalfSpacePoseSolver(PoseSolver):
     """Wheels over their rails; ``contacts`` holds what the solver found at the last pose, one for each wheel.
 
-    The elements are chosen at the first height of a pose and kept while its height is looked for.
+    The elements are chosen at the first height of a pose and stored while its height is looked for.
     """
 
     load_tolerance = 10.0 * EXACT_TOLERANCE

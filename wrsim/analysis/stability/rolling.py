@@ -104,7 +104,7 @@ def critical(at: Callable[[float], Modes], found: Sequence[Modes]) -> Modes | No
 
 
 class RollingVehicle:
-    """Steady rolling on straight level track. ``law`` is that of the speed asked for last."""
+    """Steady rolling on straight level track. ``law`` is that of the speed set last."""
 
     def __init__(self, setup: Setup, speed: float) -> None:
         straight = setup.track.relaid([Straight(LENGTH)])

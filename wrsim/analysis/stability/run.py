@@ -20,7 +20,7 @@ SHARE_OF_MODES = 0.3  # what the modes count for in the progress when limit cycl
 
 
 def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None) -> Result:
-    """Modes at every speed, the linear critical speed and, where asked for, limit cycles.
+    """Modes at every speed, the linear critical speed and, where wanted, limit cycles.
 
     Ctrl-C ends it with what it has. Raises SimulationError when the vehicle does not roll straight at the first speed.
     """

@@ -50,11 +50,11 @@ def numbers_at_rest(
     if twist is not None:
         turned = twist / 1e3 / CANT_BASE
         tests["twisted"] = {"twist_permille": twist}, lambda: _unloading(trimmed, level, static_state(trimmed, turned))
-    for name, (asked, test) in tests.items():
+    for name, (given, test) in tests.items():
         try:
-            found[name] = asked | test()
+            found[name] = given | test()
         except SimulationError as error:  # it does not come to rest
-            found[name] = asked | {"problem": str(error)}
+            found[name] = given | {"problem": str(error)}
     return found
 
 
@@ -104,7 +104,7 @@ def _by_wheel(vehicle: Vehicle, values: NDArray[np.float64]) -> dict[str, dict[s
 def stationary_tests(
     vehicle: Vehicle, twist: bool, twists: tuple[float, float] | None, rotation: bool, radius: float
 ) -> tuple[dict[str, Any], TwistTest | None, tuple[RotationTest, ...]]:
-    """The twist test, and the rotation test of every bogie at both rates, where asked for; before them their numbers.
+    """The twist test, and the rotation test of every bogie at both rates, where wanted; before them their numbers.
 
     twists [per mille]: under body and bogie, those of the standard unless given; radius: of the curve [m].
     """
@@ -143,7 +143,7 @@ def stationary_tests(
 
 
 def tables_at_rest(found: Numbers) -> list[Table]:
-    """What people read of a vehicle at rest, of whatever was asked for."""
+    """What people read of a vehicle at rest, of all that was computed."""
     centre = ", ".join(
         f"{axis} {formatted(round(c, 3) + 0.0, 'g')}" for axis, c in zip("xyz", found["centre_mm"], strict=True)
     )

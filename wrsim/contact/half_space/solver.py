@@ -41,7 +41,7 @@ class HalfSpace(HalfSpaceSettings):
     def solve_pose(self, model: ContactModel, before: HalfSpaceContact | None = None) -> HalfSpaceContact:
         """Contact at the pose set in the model's arrays (`ContactModel.evaluate` and pose solvers set it). The approach
         comes from the pose. before: solution of a pose near by on the same elements, to start from. Tractions are
-        solved for when the model's settings say ``creep_forces == "half-space"``."""
+        solved for when the model's settings have ``creep_forces == "half-space"``."""
         footprints, closest, status = find_footprints(model, self)
         patches = []
         for number, footprint in enumerate(footprints):

@@ -35,7 +35,7 @@ SEIZURE = 0.8
 
 @dataclass(frozen=True)
 class WearSettings:
-    """What is asked for.
+    """What is computed.
 
     laws: in the order of the results; stretch: of the run that counts, from and to [m along the centre line], None
     where the run begins or ends; hardness: of the softer body [Pa]; coefficients: k of Archard's law, slow, faster and

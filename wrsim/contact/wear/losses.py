@@ -5,8 +5,8 @@ T-gamma where some of them would be negative; from it, with a law, mass per metr
 USFD takes a strip's power over its area: a strip is what two discs have in the machine that the law was measured in.
 BRR takes the T-gamma of the patch and gives every strip its share of the power. Archard's law needs sliding speed and
 pressure from point to point along x: there the power of a strip is spread as strip theory has it (`laws.slip_along`),
-whatever the model of the creep forces; the sum over the strip is kept.
-Times the way that the sample stands for, that is mass [kg], spread evenly over the places (bins of arclength) that the
+whatever the model of the creep forces; the sum over the strip is conserved.
+Times the way of the sample, that is mass [kg], spread evenly over the places (bins of arclength) that the
 strip covers (docs/user/wear.md).
 """
 
@@ -37,7 +37,7 @@ ROOM = 20_000_000
 class Rows:
     """Strips of any number of wheels and samples, one row each, and what is known of their lobes and wheels.
 
-    strip: STRIP records; way: that the sample stands for [m]; speed: of rolling [m/s]; wear, patch: T-gamma of the lobe
+    strip: STRIP records; way: of the sample [m]; speed: of rolling [m/s]; wear, patch: T-gamma of the lobe
     and of its patch [N]; lobe: number of the lobe among all of these; arc_wheel, arc_rail: arclengths [m], that on the
     wheel a first guess; u, w: of the centre in the axes of the wheel's profile [m]; wheel: number of the wheel, left
     and right of the first wheelset, of the second, ...
@@ -111,7 +111,7 @@ class Losses:
     """Gathers the losses of a run, sample by sample."""
 
     def __init__(self, settings: WearSettings, wheels: Sequence[Sequence[WheelOnRail]], ways: Sequence[Array]) -> None:
-        """wheels: of every wheelset, left and right; ways: of every wheelset, that its samples stand for [m]."""
+        """wheels: of every wheelset, left and right; ways: of every wheelset, of its samples [m]."""
         self.settings, self.wheels, self.ways = settings, wheels, ways
         self.of_wheels = [[Places.on(wheel.model.wheel, settings.step) for wheel in pair] for pair in wheels]
         self.of_rails = [Places.on(wheel.model.rail, settings.step) for wheel in wheels[0]]
@@ -202,7 +202,7 @@ def _table(rows: Sequence[Places], name: str, count: int) -> Array:
 
 
 def ways(distance: Array, stretch: tuple[float | None, float | None]) -> Array:
-    """The way [m] that each sample of a wheelset stands for: half of that to either neighbour, within a stretch [m].
+    """The way [m] of each sample of a wheelset: half of that to either neighbour, within a stretch [m].
     distance: of the samples, rising, (n,). They add up to the stretch as far as the run passes it."""
     low = distance[0] if stretch[0] is None else stretch[0]
     high = distance[-1] if stretch[1] is None else stretch[1]

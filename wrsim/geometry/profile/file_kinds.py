@@ -287,13 +287,13 @@ class PointsFile(ProfileFile, kind="points"):
     cutoff_mm: Annotated[float, positive(100.0)] | None = None
     """Length of the waves that smoothing halves; left out: 5 mm."""
     unit: Literal["mm", "m", "in"] | None = None
-    """Unit of the coordinates; left out: what the file says, or mm."""
+    """Unit of the coordinates; left out: what the file names, or mm."""
     heights: Literal[*HEIGHTS] | None = None  # type: ignore[valid-type]
-    """Which way the file's heights grow; left out: what the file says, or its shape."""
+    """Which way the file's heights grow; left out: what the file names, or its shape."""
     field_side: Literal[*SIDES] | None = None  # type: ignore[valid-type]
     """Sign of the file's lateral coordinates on the field side; left out: by the flange, of rails positive."""
     clip_mm: Pair | None = None
-    """Only points between these two u are kept, after turning."""
+    """Only points between these two u are used, after turning."""
     turn_mrad: Annotated[float, number(-3200.0, 3200.0)] = 0.0
     """Turn about the origin, positive: top towards the track centre."""
     shift_mm: Pair = (0.0, 0.0)

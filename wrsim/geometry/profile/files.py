@@ -33,7 +33,7 @@ FARTHEST = 1e3  # largest coordinate of a point, m
 
 
 class Format(NamedTuple):
-    """A file format: its reader, and its suffixes with the body that each stands for, if any."""
+    """A file format: its reader, and its suffixes with the body of each, if any."""
 
     parse: Callable[[list[str], str], Scan]
     suffixes: dict[str, Kind | None]

@@ -1,6 +1,6 @@
 """File formats of profile points: two columns, SIMPACK .prr/.prw, MiniProf .ban/.whl. Text in, `Scan` out.
 
-A `Scan` holds what the file says in the file's own units and axes; `wrsim.geometry.profile.files` turns it into a
+A `Scan` holds what is in the file, in the file's own units and axes; `wrsim.geometry.profile.files` turns it into a
 profile. What is read of each format: docs/user/profiles.md.
 """
 
@@ -22,11 +22,11 @@ METRES = {"m": 1.0, "mm": 1e-3, "in": 0.0254}  # units of length that files may 
 
 @dataclass
 class Scan:
-    """Content of a file of points; None is what the file does not say.
+    """Content of a file of points; None is what the file lacks.
 
     lateral, height: coordinates as in the file; line: of every point, from 1; unit: metres per unit of the file;
     heights: which way its heights grow; field_side: sign of its lateral coordinate on the field side; kind, name,
-    source, measured: what the file says about itself; digits: last one of every height, in its unit;
+    source, measured: as the file gives them; digits: last one of every height, in its unit;
     least_distance: points closer than this are to be dropped, in its unit.
     """
 

@@ -193,7 +193,7 @@ class Profile:
         return self.root_in_interval(0, wanted, i)
 
     def root_in_interval(self, axis: int, wanted: Array, i: NDArray[np.intp]) -> Array:
-        """Arclength in interval i where coordinate `axis` is `wanted`: bisection kept by Newton's steps."""
+        """Arclength in interval i where coordinate `axis` is `wanted`: bisection bracketing Newton's steps."""
         lo, hi = self.arclength[i].copy(), self.arclength[i + 1].copy()
         x = (self.u, self.w)[axis]
         rising = np.where(x[i + 1] >= x[i], 1.0, -1.0)

@@ -25,7 +25,7 @@ from wrsim.geometry.profile.profile import Array
 from wrsim.geometry.track.rail_surface import DEEP, Piece, RailSurface
 
 REACH = 0.2  # how far ahead of the axle and behind it a contact is looked for [m]
-SHALLOW = 0.025  # what lies deeper below the highest point does not decide where stations stand [m]
+SHALLOW = 0.025  # what lies deeper below the highest point does not decide where stations are [m]
 LEVEL = 0.6  # cosine of the slope across up to which a row must be touched within REACH
 TOLERANCE = 1e-6  # of the cubics between stations, along the normal [m]
 SLOPE_TOLERANCE = 3e-5  # of how they rise along the track, and of the slope in the tables

@@ -244,7 +244,7 @@ class ContactSection(Section, header="[contact]"):
     )
     """Normal damping: the force grows by this times the speed of approach, and never pulls."""
     max_patches: Annotated[int, number(1, 6)] | None = None
-    """Patches kept on one wheel, largest first; the usual number of the normal model unless given."""
+    """Largest number of patches of one wheel, largest first; the usual number of the normal model unless given."""
     material: MaterialSection = MaterialSection()
     """Elastic numbers of wheel and rail."""
     half_space: HalfSpaceSection = HalfSpaceSection()

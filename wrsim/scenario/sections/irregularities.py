@@ -97,7 +97,7 @@ class TableSection(_Stretch, kind="table"):
     file: Annotated[str, text('a CSV file such as "measured.csv"')]
     """Table of the measurement; docs/user/track.md has its columns."""
     wavelength_m: Band | None = None
-    """Shortest and longest wave that are kept; all of them unless given."""
+    """Shortest and longest wave that are laid; all of them unless given."""
 
     def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
         _room(self.from_m, length, length, "from_m")

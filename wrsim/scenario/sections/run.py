@@ -1,4 +1,4 @@
-"""[run], [output], [ride] and [wear]: where a run along the track goes, what is kept and what is evaluated of it."""
+"""[run], [output], [ride] and [wear]: where a run along the track goes, what is stored and what is evaluated of it."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class RunPlan:
 
     At rest the speed is 0. profile: how it goes on from the start, constant unless given. step: of the integration [s],
     None: chosen for the integrator; output_interval: between two samples [s]; patches_at: distances [m], rising, at
-    which the strips of the patches are kept; left_out: those on the track that the run does not pass; wear: laws of
+    which the strips of the patches are stored; left_out: those on the track that the run does not pass; wear: laws of
     wear, if any.
     """
 
@@ -208,9 +208,9 @@ class RunSection(PlanTable, header="[run]"):
 
 
 class OutputSection(AnalysisTable, header="[output]"):
-    """What is kept besides the channels."""
+    """What is stored besides the channels."""
 
     aliases = {"patches_at_m": "snapshots_m patches"}
 
     patches_at_m: List[Annotated[float, number(0, 1e6, "m along the centre line")]] | None = None
-    """Places at which whole patches are kept; the middle of every arc unless given."""
+    """Places at which whole patches are stored; the middle of every arc unless given."""

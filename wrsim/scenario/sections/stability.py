@@ -35,7 +35,7 @@ class CyclePlan:
 
 @dataclass(frozen=True)
 class StabilityPlan:
-    """Speeds [m/s] of the modes, rising; highest frequency of modes that are kept [Hz]; cycles: None without
+    """Speeds [m/s] of the modes, rising; highest frequency of modes that are stored [Hz]; cycles: None without
     their search.
     """
 
@@ -58,7 +58,7 @@ class StabilitySection(PlanTable, header="[stability]"):
     speed_kmh: Series[Speed] = SPEEDS
     """Speeds at which the modes are computed."""
     highest_Hz: Annotated[float, number(0.1, 1000, "Hz")] = 25.0
-    """Highest frequency of modes that are kept."""
+    """Highest frequency of modes that are stored."""
     nonlinear: Switch = True
     """Whether limit cycles and the nonlinear critical speed are looked for."""
     cycle_start_kmh: Speed | None = None
