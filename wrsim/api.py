@@ -611,7 +611,8 @@ def read_recording(
     files = []
     if output is not None:
         files = write_recording(found, Path(output), vehicle, speed_kmh, list(map(Path, models)), pictures)
-    return Outcome(recording_tables(found), recording_numbers(found), files, found)
+    folder = None if output is None else Path(output)
+    return Outcome(recording_tables(found), recording_numbers(found), files, found, folder=folder)
 
 
 def run_scenario(

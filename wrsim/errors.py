@@ -39,7 +39,7 @@ def in_one_line(error: InputError) -> str:
 
 
 def nearest(word: str, allowed: Sequence[str]) -> str | None:
-    """Return the allowed word most like ``word``, regardless of capitals, or None."""
+    """Return the allowed word most like ``word``, or the one that begins with it, regardless of capitals, or None."""
     return _nearest(word.lower(), tuple(allowed))
 
 
@@ -47,6 +47,8 @@ def nearest(word: str, allowed: Sequence[str]) -> str | None:
 def _nearest(word: str, allowed: tuple[str, ...]) -> str | None:
     small = {a.lower(): a for a in allowed}
     near = get_close_matches(word, list(small), n=1, cutoff=0.6)
+    begun = [a for a in small if a.startswith(word)]
+    near = near or (begun if len(begun) == 1 and len(word) > 2 else [])
     return small[near[0]] if near else None
 
 

@@ -61,6 +61,7 @@ REFUSED = {
     "trak.gauge_mm": "did you mean 'track'",
     "track.segments[9].radius_m": r"there are 5, \[0\] to \[4\]",
     "track.segments.2.radius_m": "must be a number of size 10",
+    "vehicle.bogie.primary.stifness_kN_per_m.2": "did you mean 'stiffness_kN_per_m'",
 }
 
 
@@ -73,9 +74,15 @@ def test_a_mistake_in_set_is_named_as_such(key: str) -> None:
 @pytest.mark.parametrize(
     ("option", "words"),
     [
-        ("contact.normal=hertz", 'did you mean "strips"'),
-        ("contact.tangential=usetab", 'did you mean "fastrip"'),
-        ("contact.tangential=kalker", 'did you mean "fastsim"'),
+        ("contact.normal=hertz", 'did you mean "strips" or "half-space"'),
+        ("contact.normal=kik", 'did you mean "kik-piotrowski"'),
+        ("contact.tangential=usetab", 'did you mean "fastrip" or "half-space"'),
+        ("contact.tangential=kalker", 'did you mean "fastsim", "linear" or "half-space"'),
+        ("contact.creep_forces=polach", "did you mean 'tangential'"),
+        ("contact.model=strips", "did you mean 'normal'"),
+        ("contact.friction=0,3", "decimals need a point: 0.3"),
+        ("vehicle.speed_kmh=60 km/h", "a number has no unit"),
+        ('vehicle.wheel="wheels\\tram.toml"', 'is one letter, not a folder: write "wheels/tram.toml"'),
         ("track.rail=rails/UIC60.toml", 'did you mean "rails/60E1.toml"'),
         (r"track.rail='rails\60E1.toml'", 'write "rails/60E1.toml"'),
     ],

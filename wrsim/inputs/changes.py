@@ -107,8 +107,8 @@ def _named(tree: dict[str, Any], name: str, done: KeyPath) -> KeyPath:
         full = " and ".join(dotted((*done, *way)) for way in ways)
         raise InputError(f"there are {len(ways)} of the name '{name}'{inside}: {full}; write more of it")
     names = list(dict.fromkeys(own for own, _ in known))
-    listed = shortened(", ".join(names), 300)
-    raise InputError(f"there is no '{name}'{inside}{suggest(name, names)}; there is {listed or 'no table'}")
+    listed = shortened(", ".join(names or tree), 300)
+    raise InputError(f"there is no '{name}'{inside}{suggest(name, [*names, *tree])}; there is {listed or 'no table'}")
 
 
 def _tables(tree: dict[str, Any], at: KeyPath) -> Iterator[tuple[str, KeyPath]]:

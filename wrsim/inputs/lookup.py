@@ -33,6 +33,9 @@ class Finder:
 
         Raises InputError listing the places searched and the nearest name that exists there.
         """
+        if eaten := [letter for escape, letter in ESCAPES.items() if escape in name]:
+            slashed = "".join(f"/{ESCAPES[c]}" if c in ESCAPES else c for c in name).replace("\\", "/")
+            raise InputError(f'"\\{eaten[0]}" in double quotes is one letter, not a folder: write "{slashed}"')
         file = Path(name)
         with self.guard():
             places = [folder / file for folder in self.folders]  # an absolute name: always itself
@@ -77,6 +80,9 @@ OTHER_NAMES = {
     "s1002": "S1002",
 }
 """Former and other names of profiles."""
+
+ESCAPES = {"\t": "t", "\n": "n", "\r": "r", "\b": "b", "\f": "f", "\x1b": "e"}
+"""Letters that a TOML text with a backslash makes of the first letter behind it."""
 
 KINDS = ("wheels", "rails", "vehicles", "trains", "tracks")
 """Folders inside a folder of models."""

@@ -217,9 +217,14 @@ def _syntax_message(reason: str, text: str, name: str) -> str:
         line = source[row - 1].expandtabs(1)
         message += f"\n    {line}\n    {' ' * (column - 1)}^"
         value = line.split("=", 1)[1].split("#")[0].strip() if "=" in line else ""
-        hints = (hint for pattern, hint in _HINTS.items() if re.fullmatch(pattern, value))
-        message += next(hints, "").format(value, value.replace(",", "."))
+        message += value_hint(value)
     return message
+
+
+def value_hint(value: str) -> str:
+    """A hint on a text that is no value of TOML, on a line of its own; or nothing."""
+    hints = (hint for pattern, hint in _HINTS.items() if re.fullmatch(pattern, value))
+    return next(hints, "").format(value, value.replace(",", "."))
 
 
 _HINTS = {

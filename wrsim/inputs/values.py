@@ -13,6 +13,7 @@ from __future__ import annotations
 import datetime
 import math
 import types
+from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -172,7 +173,8 @@ def words(annotation: Any) -> str:
 
 ELSEWHERE: dict[str, tuple[str, ...]] = {
     "hertz": ("strips", "half-space"), "hertzian": ("strips", "half-space"), "non-hertzian": ("strips",),
-    "kalker": ("fastsim", "half-space"), "usetab": ("fastrip", "fastsim"), "contact": ("half-space",),
+    "kalker": ("fastsim", "linear", "half-space"), "usetab": ("fastrip", "half-space"),
+    "simplified": ("fastsim",), "contact": ("half-space",),
     "multi-hertz": ("strips",), "stripes": ("strips",), "kp": ("kik-piotrowski",), "duvorol": ("half-space",),
     "newmark": ("generalised-alpha",), "hht": ("generalised-alpha",), "runge-kutta": ("rk44",), "rk4": ("rk44",),
     "clothoid": ("transition",), "curve": ("arc",), "circle": ("arc",), "tangent": ("straight",),
@@ -184,11 +186,20 @@ ELSEWHERE: dict[str, tuple[str, ...]] = {
 def choice(allowed: tuple[str, ...], value: Any = None) -> str:
     """Text: which words are allowed, and which of them ``value`` was probably meant to be."""
     quoted = [f'"{word}"' for word in allowed]
-    meant = ELSEWHERE.get(value.lower(), ()) if isinstance(value, str) else ()
-    near = next((word for word in meant if word in allowed), None)
-    near = near or (nearest(value, allowed) if isinstance(value, str) else None)
-    listed = ", ".join(quoted[:-1]) + " or " + quoted[-1] if len(quoted) > 1 else quoted[0]
-    return listed + (f'; did you mean "{near}"?' if near else "")
+    return one_of(quoted) + (meant(value, allowed) if isinstance(value, str) else "")
+
+
+def meant(word: str, allowed: Sequence[str]) -> str:
+    """What comes nearest to a word of other programs, or the word that is like it, to end a sentence; or nothing."""
+    if here := [f'"{own}"' for own in ELSEWHERE.get(word.lower().replace("_", "-"), ()) if own in allowed]:
+        return f"; did you mean {one_of(here)}?"
+    near = nearest(word, allowed)
+    return f'; did you mean "{near}"?' if near else ""
+
+
+def one_of(quoted: Sequence[str]) -> str:
+    """Words with commas and an or."""
+    return ", ".join(quoted[:-1]) + " or " + quoted[-1] if len(quoted) > 1 else quoted[0]
 
 
 def number_limits(limits: tuple[Any, ...]) -> tuple[float, float, bool]:

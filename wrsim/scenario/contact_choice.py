@@ -11,8 +11,9 @@ from __future__ import annotations
 from typing import Any, get_args
 
 from wrsim.contact.settings import USUAL, Normal, Tangential
-from wrsim.errors import InputError, suggest
+from wrsim.errors import InputError
 from wrsim.inputs.toml_files import parse_value
+from wrsim.inputs.values import meant
 from wrsim.scenario.loading import Scenario
 
 NORMAL: tuple[str, ...] = get_args(Normal)
@@ -69,8 +70,9 @@ def _unknown(name: str, part: str, chosen: dict[str, Any]) -> str:
     for kind, known in (("normal", NORMAL), ("tangential", TANGENTIAL)):
         if part in known:
             return f'{where}: there is a {kind} model already ("{chosen[f"contact.{kind}"]}")'
-    words = f"{where}: no contact model is called so{suggest(part, sorted({*NORMAL, *TANGENTIAL, OWN}))}"
+    near = meant(part, [*dict.fromkeys((*NORMAL, *TANGENTIAL, OWN))])
     return (
-        f"{words}; normal models are {', '.join(NORMAL)}; tangential ones {', '.join(TANGENTIAL)}; "
-        f'join them with "+", as in kik-piotrowski+polach or kik-piotrowski+strips=80'
+        f"{where}: no contact model is called so; normal models are {', '.join(NORMAL)}; "
+        f"tangential ones {', '.join(TANGENTIAL)}; "
+        f'join them with "+", as in kik-piotrowski+polach or kik-piotrowski+strips=80{near}'
     )

@@ -17,7 +17,7 @@ from wrsim.inputs.checking import check_section, dotted, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
-from wrsim.inputs.toml_files import parse_value, shortened, write_toml
+from wrsim.inputs.toml_files import parse_value, shortened, value_hint, write_toml
 from wrsim.register import ANALYSES
 from wrsim.scenario.merging import BASE, Merged, of_text, read_merged, value_at, with_track_file
 from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
@@ -113,7 +113,10 @@ class Scenario:
             key, _, value = (part.strip() for part in option.partition("="))
             if not key or not value:
                 raise InputError(f"--set {shortened(option)}: must be key=value, such as vehicle.speed_kmh=60")
-            scenario = scenario.with_values({key: parse_value(value)}, f"--set {shortened(option)}")
+            try:
+                scenario = scenario.with_values({key: parse_value(value)}, f"--set {shortened(option)}")
+            except InputError as error:  # bare words are texts here, only numbers may be meant otherwise
+                raise InputError(f"{error}{value_hint(value) if value[0] in '+-.0123456789' else ''}") from None
         return scenario
 
     def with_values(self, values: Mapping[str, Any], owner: str = "new value") -> Scenario:

@@ -202,7 +202,8 @@ class ContactSection(Section, header="[contact]"):
     aliases = {
         "friction": "mu friction_coefficient", "friction_left": "mu_left", "friction_right": "mu_right",
         "friction_sections": "friction_along friction_section", "friction_table": "friction_file friction_csv",
-        "normal": "normal_model", "tangential": "tangential_model creep", "traction_bound": "bound",
+        "normal": "normal_model model contact_model", "traction_bound": "bound",
+        "tangential": "tangential_model creep creep_forces creep_model",
         "strips": "n_strips", "cells": "n_cells", "max_patches": "patches", "polach_kA": "kA k_A",
         "polach_kS": "kS k_S",
     }  # fmt: skip
