@@ -18,6 +18,7 @@ from markupsafe import Markup
 
 from wrsim.errors import INTERRUPTED, STOPPED, InputError
 from wrsim.results.table import Table, as_html, as_text
+from wrsim.stages import stage
 
 if TYPE_CHECKING:
     from wrsim.report.document import Cover
@@ -648,8 +649,11 @@ def run_scenario(
     from wrsim.scenario.plausibility import warnings
 
     path = Path(file)
-    scenario, directory = load(path, models).with_set(values), Path(output or f"results/{path.stem}")
-    setup = build(scenario)  # what cannot run leaves nothing behind
+    directory = Path(output or f"results/{path.stem}")
+    with stage("scenario read and checked"):
+        scenario = load(path, models).with_set(values)
+    with stage("vehicle, track and profiles built"):
+        setup = build(scenario)  # what cannot run leaves nothing behind
     for words in (*(f"{file}: warning: {w}" for w in warnings(setup)), *exact_run_warning(setup)):
         warn(words)
     written = run_into(
@@ -974,7 +978,8 @@ def run_study(
     directory = Path(output) if output else Path("results") / Path(file).stem
     for words in check_workers(workers, scheduler, slurm, tls):
         warn(words)
-    plan, reads = planned(Path(file), directory, list(models))
+    with stage("plan of the cases"):
+        plan, reads = planned(Path(file), directory, list(models))
     if dry_run:
         numbers, table = estimated_cost(plan, workers)
         return Outcome([table], numbers, found=plan)
@@ -984,13 +989,14 @@ def run_study(
         notify(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
         try:
             if todo:
-                with worker_pool(workers, scheduler, slurm, tls, len(todo), bar) as work:
+                with stage(f"{len(todo)} cases"), worker_pool(workers, scheduler, slurm, tls, len(todo), bar) as work:
                     work(plan, todo)
         except KeyboardInterrupt:
             write_study(plan, markers_of(plan), pictures=False)
             raise _interrupted(directory) from None
         markers = markers_of(plan)
-        report, files = write_study(plan, markers, pictures)
+        with stage("tables and pictures of the study"):
+            report, files = write_study(plan, markers, pictures)
     code = 3 if report["unfinished"] else 0
     faults = partial(faults_of, report, markers)
     numbers = report | {"exit_code": code, "ran": len(todo)}

@@ -2,12 +2,14 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from support.commands import forked, on_a_terminal
+from support.runs import SCENARIOS
 from support.scenario_texts import CURVE, edited
 from support.synthetic_result import curve_run
 
@@ -62,6 +64,17 @@ def test_a_pipe_gets_a_line_of_progress_now_and_then(
     lines = done.stderr.splitlines()
     assert done.returncode == 0 and (len(lines) >= least if least else not lines)
     assert not least or (lines[-1].startswith("100%") and any("steady motion" in line for line in lines))
+
+
+def test_verbose_names_each_part_of_a_run_its_time_and_the_contacts_that_were_solved(tmp_path: Path) -> None:
+    values = ("-s", "run.distance_m=0.3", "-s", "output.patches_at_m=[0.1]")
+    done = forked("run", SCENARIOS / "curve_r300.toml", *values, "-v", "-o", tmp_path, "--no-pictures", "--json")
+    parts = dict(re.findall(r"^ *\d+\.\d\d s  ([^,:\n]+)(.*)$", done.stderr, re.MULTILINE))
+    order = ["scenario read and checked", "vehicle", "steady motion at the start", "time step chosen", "integration"]
+    assert [part for part in parts if part in order] == order
+    took = json.loads(done.stdout)["summary"]["integration"]["evaluations"]
+    assert f"{took} evaluations of the forces" in parts["integration"]
+    assert f"{2 * took} contacts of a wheel" in parts["integration"]
 
 
 def test_text_with_lines_and_tabs_stays_as_it_is() -> None:

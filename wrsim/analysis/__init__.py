@@ -24,6 +24,7 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.plausibility import warnings
 from wrsim.simulation.step_size import evaluations_for
+from wrsim.stages import stage
 
 MANY = 3  # vehicles whose contacts take all cores unless threads are given
 
@@ -91,7 +92,8 @@ def run(
     if not analysis.moves:
         if resume:
             raise scenario.fault(("analysis",), "nothing is stored of it to resume; run it without --resume")
-        return function(setup, progress)  # type: ignore[no-any-return]
+        with stage(f"analysis {analysis.name}"):
+            return function(setup, progress)  # type: ignore[no-any-return]
     kept = None if record is None else RunRecord.of(scenario, setup, Path(record), resume)
     with _naming_step(scenario):
         return function(setup, progress, kept)  # type: ignore[no-any-return]

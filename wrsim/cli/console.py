@@ -94,6 +94,24 @@ def show_progress() -> None:
         logger.propagate = False
 
 
+class _Stages(logging.Handler):
+    """A line on stderr with the time of a part of the work."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        from wrsim.results.table import quantity
+
+        print_error(f"{quantity(getattr(record, 'seconds', 0.0), 's', '.2f'):>10}  {record.getMessage()}")
+
+
+def show_stages(wanted: bool) -> bool:
+    """Print what a command does and the time of each part (``--verbose``)."""
+    logger = logging.getLogger("wrsim.stages")
+    if wanted:
+        logger.handlers, logger.propagate = [_Stages()], False
+        logger.setLevel(logging.INFO)
+    return wanted
+
+
 @contextmanager
 def progress_bar(wanted: bool) -> Iterator[Progress | None]:
     """A bar with the time left on stderr, or a line now and then if that is no terminal; the callback takes (fraction,

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from wrsim.cli.console import show_stages
 from wrsim.errors import InputError
 
 Models = Annotated[
@@ -29,6 +30,9 @@ Force = Annotated[
 ]
 Pictures = Annotated[bool, typer.Option(help="Draw the pictures.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no table.")]
+Verbose = Annotated[
+    bool, typer.Option("--verbose", "-v", callback=show_stages, help="Print each part of the work with its time.")
+]
 Workers = Annotated[
     int | None,
     typer.Option(

@@ -36,6 +36,7 @@ def run_command(
     force: options.Force = False,
     as_json: options.Json = False,
     quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
 ) -> None:
     """Run a scenario; writes dataset, tables, summary and pictures to DIR.
 
@@ -94,6 +95,7 @@ def study(
     force: options.Force = False,
     as_json: options.Json = False,
     quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
 ) -> None:
     """Run a scenario many times with some keys varied; start it again and only what is missing runs."""
     with reporting_errors(as_json):
@@ -134,6 +136,7 @@ def wear(
     force: options.Force = False,
     as_json: options.Json = False,
     quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
 ) -> None:
     """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on."""
     with reporting_errors(as_json):
@@ -165,6 +168,7 @@ def compare_command(
     force: options.Force = False,
     as_json: options.Json = False,
     quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
 ) -> None:
     """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""
     with writing_files(as_json, force, file):
@@ -196,6 +200,7 @@ def resolve_command(
     force: options.Force = False,
     as_json: options.Json = False,
     quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
 ) -> None:
     """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model."""
     with reporting_errors(as_json):

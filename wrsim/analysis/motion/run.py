@@ -29,6 +29,7 @@ from wrsim.geometry.track.segments import Straight
 from wrsim.register import ANALYSES
 from wrsim.results import Result
 from wrsim.results.run_file import run_header
+from wrsim.results.table import quantity
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.run import RunPlan
@@ -37,6 +38,7 @@ from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.stepper import Stepper
 from wrsim.simulation.system import Array, BodySystem
+from wrsim.stages import stage
 
 log = logging.getLogger(__name__)
 
@@ -85,20 +87,32 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
         q = q_t = np.zeros(system.size)  # the file knows better
     else:
         try:
-            q, q_t = start_state(setup, law)
-            step = chosen_step(setup, law, q, q_t)
+            with stage("steady motion at the start"):
+                q, q_t = start_state(setup, law)
+            with stage("time step chosen"):
+                step = chosen_step(setup, law, q, q_t)
         except NoSteadyMotion as problem:
             raise SimulationError(start_words(problem, setup)) from None
+
+    def took() -> str:
+        evaluations, jacobians, wheels = system.work.evaluations, system.work.jacobians, len(monitor.wheels)
+        return (
+            f"integration, steps of {quantity(1e3 * step, 'ms')}: {evaluations} evaluations of the forces, {jacobians} "
+            f"Jacobians, {evaluations * wheels} contacts of a wheel"
+        )
+
     monitor, plan = Monitor(law, setup.plan.speeds[1], system.work), setup.plan
     with nullcontext() if record is None else closing(record.recorder(plan.integrator, step, system.size)) as recorder:
         # whole steps, so that the run does not pass the end of the track
         duration = step * max(1, int(plan.duration / step + 1e-6))
-        motion = Integration(
+        integration = Integration(
             system, duration=duration, step=step, integrator=plan.integrator, weight=law.vehicle.weight,
             sample_interval=plan.output_interval, monitor=monitor, monitor_interval=monitor.interval,
             segment=SEGMENT if setup.contact.fast() == setup.contact else SEGMENT_EXACT, progress=progress,
             recorder=recorder,
-        ).run(q, q_t)  # fmt: skip
+        )  # fmt: skip
+        with stage(took):
+            motion = integration.run(q, q_t)
     return result_of(setup, law, motion, monitor.events(), None if record is None else record.path.parent)
 
 
