@@ -3,11 +3,11 @@
 import csv
 import json
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from support.commands import call, ok
+from support.runs import FAST, SCENARIOS
 from support.scenario_texts import CURVE, STATIC
 
 from wrsim.analysis import run
@@ -55,7 +55,7 @@ def test_every_model_says_what_an_evaluation_took():
 
 
 def test_runs_are_compared_at_the_reference_s_samples():
-    text = SHORT.replace("[contact]\n", "[contact]\nstrips = 20\n")
+    text = SHORT.replace("[contact]\n", "[contact]\nstrips = 12\ncells = 6\n")
     c = compare_models(load_text(text), ("file", "strips", "file+friction=0.2"))
     assert np.abs(c.values["Y_difference"].sel(model="strips").values).max() == 0.0
     assert np.nanmax(abs(c.values["X_difference"].sel(model="file+friction=0.2"))) > 0.01
@@ -104,7 +104,7 @@ def test_wrong_names_are_one_clear_error(tmp_path, names, words):
 
 
 def test_the_command_leaves_tables_and_pictures(tmp_path):
-    (tmp_path / "case.toml").write_text(POSES.replace(", -100", ""))
+    (tmp_path / "case.toml").write_text(POSES.replace(", -100", "") + "[contact.half_space]\nresolution = 20\n")
     models = ["--contact", "half-space,kik-piotrowski", "--reference", "half-space"]
     ended = ok("compare", tmp_path / "case.toml", *models, "-o", tmp_path / "out", "--json")
     report = json.loads(ended.stdout)
@@ -120,7 +120,12 @@ def test_the_command_leaves_tables_and_pictures(tmp_path):
 
 def test_every_wheel_of_a_vehicle_is_compared():
     keys = "[run]\noutput_interval_ms = 5\ntime_s = 0.01\n"
-    text = CURVE[: CURVE.index("[run]")].replace("wheelset_s1002", "manchester_1").replace("friction = 0.35", "") + keys
+    text = (
+        CURVE[: CURVE.index("[run]")]
+        .replace("wheelset_s1002", "manchester_1")
+        .replace("friction = 0.35", "strips = 12\ncells = 6")
+        + keys
+    )
     c = compare_models(load_text(text), ("file", "kik-piotrowski+strips=20+friction=0.3"))
     assert c.values["wheel"].values.tolist()[:2] == ["front.outer left", "front.outer right"]
     assert c.values.sizes["wheel"] == 8
@@ -131,12 +136,12 @@ def test_every_wheel_of_a_vehicle_is_compared():
 
 
 # What rings between two samples is told, and is what finer samples show.
-SCENARIO = Path(__file__).parents[2] / "scenarios/lrv_curve.toml"
+SCENARIO = SCENARIOS / "lrv_curve.toml"
 
 
 def test_a_force_between_samples_is_that_of_finer_samples() -> None:
     """A flange meets its rail and rings at some 100 Hz: samples every 10 ms miss the peak, not the integration."""
-    part = {"run.start_distance_m": 5.5, "run.distance_m": 2.6, "run.step_us": 500, "output.patches_at_m": []}
+    part = FAST | {"run.start_distance_m": 5.5, "run.distance_m": 2.6, "run.step_us": 500, "output.patches_at_m": []}
     fine, coarse = (run(load(SCENARIO).with_values(part | {"run.output_interval_ms": ms})) for ms in (0.5, 10.0))
     every = round(10.0 / 0.5)
     force = fine.dataset["Q"].values[:, 0]

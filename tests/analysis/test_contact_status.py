@@ -27,7 +27,7 @@ from wrsim.simulation.steady_state import lower_on_rails
 from wrsim.simulation.system import Work
 
 KERNEL_BITS = {name: bit for name, bit in vars(records).items() if name.startswith("STATUS_")}
-COARSE = {"contact.strips": 12, "contact.cells": 4}
+COARSE = {"contact.normal": "kik-piotrowski", "contact.strips": 12, "contact.cells": 4}
 OVERLAP = "overlap by"
 
 

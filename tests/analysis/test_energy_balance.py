@@ -22,12 +22,12 @@ SPEEDING = {"time_s_speed_kmh": [[0.1, 54], [0.9, 60], [2.4, 60]]}
 def ride(*cases: str) -> Result:
     """The coach on straight track, driven by its wheels; cases: what is different."""
     uphill = [{"from_m": 0, "grade_permille": 20}]
-    hollow = [{"from_m": 0, "grade_permille": -10}, {"from_m": 80, "grade_permille": 20, "vertical_radius_m": 1000}]
+    hollow = [{"from_m": 0, "grade_permille": -10}, {"from_m": 50, "grade_permille": 20, "vertical_radius_m": 1000}]
     long = {"track.segments": [straight(220.0)]}
     keys = {
         "speeding": {"vehicle.speed_kmh": SPEEDING, "run.time_s": 5.0},
         "uphill": {"track.grades": uphill},
-        "through a hollow": long | {"track.grades": hollow, "vehicle.speed_kmh": 54, "run.time_s": 9.0},
+        "through a hollow": long | {"track.grades": hollow, "vehicle.speed_kmh": 54, "run.time_s": 6.0},
         "pulled": {"vehicle.drive": "train"},
         "at once": {"run.time_s": 0.3},
     }
@@ -43,7 +43,7 @@ def ride(*cases: str) -> Result:
     "cases",
     [
         pytest.param(("speeding",), marks=pytest.mark.campaign),
-        ("speeding", "uphill"),
+        pytest.param(("speeding", "uphill"), marks=pytest.mark.campaign),
         ("through a hollow",),
         pytest.param(("through a hollow", "pulled"), marks=pytest.mark.campaign),
     ],
@@ -61,9 +61,9 @@ def test_work_of_the_drive_is_motion_height_creep_and_dampers(cases):
 
 
 def test_the_height_gained_is_that_of_the_line():
-    data = ride("speeding", "uphill").dataset
-    way = float(data["distance"][-1] - data["distance"][0])
-    rise = way * np.sin(np.arctan(0.02))
+    data = ride("through a hollow").dataset
+    down, up = 50.0 - float(data["distance"][0]), float(data["distance"][-1]) - 50.0
+    rise = up * np.sin(np.arctan(0.02)) - down * np.sin(np.arctan(0.01))
     gained = float(data["potential_energy"][-1] - data["potential_energy"][0])
     assert gained == pytest.approx(manchester().mass * manchester().gravity * rise, rel=1e-3)
 

@@ -61,7 +61,7 @@ def test_under_its_load_the_empty_wagon_sinks_onto_its_inner_springs_and_its_gui
 @pytest.fixture(scope="module")
 def curve() -> Any:
     """The laden wagon into the curve."""
-    return run(load(SCENARIOS / "freight_r300_laden.toml").with_values(QUICK)).dataset
+    return run(load(SCENARIOS / "freight_r300_laden.toml").with_values(QUICK | {"run.distance_m": 60})).dataset
 
 
 def channel(dataset: Any, axis: str, name: str, place: str = "f") -> Any:

@@ -13,7 +13,7 @@ from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.scenario.loading import load_text
 
-SHORT = CURVE.replace("[run]\n", "[run]\nstart_distance_m = 80\ntime_s = 0.05\n")
+SHORT = CURVE.replace("[run]\n", "[run]\nstart_distance_m = 80\ntime_s = 0.02\n")
 WET = SHORT + "[[contact.friction_sections]]\nfrom_m = 60\nfriction = 0.1\n"
 RAMP = SHORT.replace("start_distance_m = 80", "start_distance_m = 50")
 POSES = STATIC.replace("lateral_mm = 0\n", "lateral_mm = [0, 5.06]\nyaw_mrad = 5\n")

@@ -4,15 +4,13 @@ import errno
 import os
 import re
 import signal
-import subprocess
-import sys
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
-from support.commands import call, ok
-from support.runs import LEADING, SCENARIOS, STEERING, arc, ride, setup_of, straight, transition
+from support.commands import call, forked, ok
+from support.runs import FAST, LEADING, SCENARIOS, STEERING, arc, ride, setup_of, straight, transition
 
 from wrsim.analysis import run
 from wrsim.analysis.motion.derailment import flange_tip, gauge_face
@@ -56,7 +54,7 @@ def setup(keys: dict[str, Any], **more: Any) -> Setup:
     """Set-up of one of the cases."""
     values = {key: value for key, value in keys.items() if not key.startswith(("vehicle.model", "vehicle.sp", "track"))}
     speed = keys["vehicle.speed_kmh"] / 3.6
-    return setup_of(keys["track.segments"], speed, keys["vehicle.model"], values=values | more)
+    return setup_of(keys["track.segments"], speed, keys["vehicle.model"], values=FAST | values | more)
 
 
 @cache
@@ -101,7 +99,7 @@ def test_a_derailment_is_noticed_no_matter_how_seldom_samples_are_kept():
 def test_a_derailed_run_can_be_saved_loaded_and_drawn_from_the_command_line(tmp_path):
     file = tmp_path / "climb.toml"
     base = SCENARIOS / "curve_r300.toml"
-    keys = CLIMB | {"output.patches_at_m": [5.0], "run.start_distance_m": 0.0}
+    keys = FAST | CLIMB | {"output.patches_at_m": [5.0], "run.start_distance_m": 0.0}
     file.write_text(load(base).with_values(keys).text)
     done = call("run", file, "-o", tmp_path / "out", "-q", "--no-pictures")
     assert done.exit_code == 3
@@ -180,7 +178,7 @@ def law_that(monkeypatch, does) -> None:
 
 def short() -> Setup:
     """Ten metres of straight track at 20 m/s."""
-    return setup_of([straight(10.0)], 20.0, STEERING)
+    return setup_of([straight(10.0)], 20.0, STEERING, values=FAST)
 
 
 def test_not_a_number_in_the_law_stops_the_run_and_is_named(monkeypatch, tmp_path):
@@ -227,36 +225,28 @@ def test_a_curve_that_nobody_can_start_in_is_told_with_its_place():
 
 # --- from outside -----------------------------------------------------------------------------------------------
 
-LONG_RUN = """
-import sys
-from wrsim.analysis.motion.monitor import Monitor
-from wrsim.cli import main
-look = Monitor.__call__
-def looking(self, t, q, q_t):
-    if t > 0.1 and not hasattr(self, "told"):
-        self.told = True
-        print("running", flush=True)
-    return look(self, t, q, q_t)
-Monitor.__call__ = looking
-sys.argv[0] = "wrsim"
-main()
-"""
-"""The command itself; it only says when the integration is under way."""
+
+def interrupted_on_the_way() -> None:
+    """The signal of Ctrl-C comes to this process 0.1 s after the start of its run."""
+    look, sent = Monitor.__call__, []
+
+    def looking(self, t, q, q_t):
+        if t > 0.1 and not sent:
+            sent.append(t)
+            signal.raise_signal(signal.SIGINT)
+        return look(self, t, q, q_t)
+
+    Monitor.__call__ = looking  # type: ignore[method-assign]
 
 
 def test_ctrl_c_ends_a_run_with_130_and_everything_on_disk(tmp_path):
     file = tmp_path / "long.toml"
-    keys = {"track.segments": [straight(4000.0)], "output.patches_at_m": [1.0]}
+    keys = FAST | {"track.segments": [straight(4000.0)], "output.patches_at_m": [1.0]}
     file.write_text(load(SCENARIOS / "curve_r300.toml").with_values(keys).text)
     out = tmp_path / "out"
-    command = [sys.executable, "-c", LONG_RUN, "run", str(file), "-o", str(out), "-q", "--no-pictures"]
-    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert child.stdout is not None
-    assert child.stdout.readline() == "running\n"
-    child.send_signal(signal.SIGINT)
-    _, told = child.communicate(timeout=1200)
-    assert child.returncode == 130, told
-    assert f"{file}: stopped: interrupted by the user at t = " in told
+    ended = forked("run", file, "-o", out, "-q", "--no-pictures", first=interrupted_on_the_way)
+    assert ended.returncode == 130, ended.stderr
+    assert f"{file}: stopped: interrupted by the user at t = " in ended.stderr
     result = Result.load(out)
     assert result.status == "stopped"
     assert result.dataset.attrs["stop_cause"] == "interrupt"
@@ -265,7 +255,7 @@ def test_ctrl_c_ends_a_run_with_130_and_everything_on_disk(tmp_path):
 
 def test_a_full_disk_at_the_end_of_a_run_is_told_plainly(tmp_path, monkeypatch):
     file = tmp_path / "short.toml"
-    keys = {"track.segments": [straight(3.0)], "output.patches_at_m": [1.0]}
+    keys = FAST | {"track.segments": [straight(3.0)], "output.patches_at_m": [1.0]}
     file.write_text(load(SCENARIOS / "curve_r300.toml").with_values(keys).text)
     sync = os.fsync
 

@@ -29,7 +29,7 @@ def in_the_curve(name: str, arc: int = 0) -> xr.Dataset:
     scenario = load(SCENARIOS / f"{name}.toml")
     arcs = [f for f in build(scenario).track.features() if f.kind == "arc"]
     middle = 0.5 * (arcs[arc].start + arcs[arc].end)
-    values = {"run.start_distance_m": middle, "run.distance_m": 0.5, "output.patches_at_m": [middle]}
+    values = {"run.start_distance_m": middle, "run.distance_m": 0.05, "output.patches_at_m": [middle]}
     result = run(scenario.with_values(values))
     assert result.status == "completed"
     assert (result.dataset["T_gamma"].values >= 0.0).all()
@@ -47,11 +47,13 @@ def test_every_scenario_says_what_it_comes_to_and_runs_in_short(file):
     if scenario.analysis in ("curving", "ride"):
         start = scenario.spec.run.start_distance_m
         short = {"run.distance_m": 0.3} if scenario.spec.run.time_s is None else {"run.time_s": 0.04}
-        values = short | {"output.patches_at_m": [start + 0.2]}
+        values |= short | {"output.patches_at_m": [start + 0.2]}
+    if scenario.analysis != "static":
+        values |= {"contact.strips": 12, "contact.cells": 6}
     if scenario.analysis == "stability":
-        values = {"stability.speed_kmh": 100, "stability.nonlinear": False}
+        values |= {"stability.speed_kmh": 100, "stability.nonlinear": False}
     if scenario.analysis == "steady":
-        values = {"steady.radius_m": 2000, "steady.speed_kmh": 80}
+        values |= {"steady.radius_m": 2000, "steady.speed_kmh": 80}
     result = run(scenario.with_values(values))
     assert result.status == result.summary()["status"] == "completed"
     if scenario.analysis == "stability":

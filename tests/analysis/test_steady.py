@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support.runs import FAST, SCENARIOS
+from support.runs import FAST, SCENARIOS, STEERING
 
 from wrsim.analysis import run
 from wrsim.analysis.contacts import force_law
@@ -46,8 +46,12 @@ def wheel_state(law, q, q_t):
     return -total[..., 0], total[..., 1], *(np.array([getattr(p, n)[0] for p in poses]) for n in ("lateral", "yaw"))
 
 
-def test_steady_motion_is_where_a_long_time_integration_ends():
-    setup = build(manchester(radius_m=450, speed_kmh=70))
+@pytest.mark.parametrize(
+    ("model", "duration"),
+    [(STEERING, 2.0), pytest.param("vehicles/manchester_1.toml", 6.0, marks=pytest.mark.campaign)],
+)
+def test_steady_motion_is_where_a_long_time_integration_ends(model, duration):
+    setup = build(manchester(radius_m=450, speed_kmh=70).with_values({"vehicle.model": model}))
     found = steady_in_curve(setup, setup.plan.points[0])
     assert found.left < BALANCED
     expected = wheel_state(found.law, found.q, found.q_t)
@@ -57,7 +61,9 @@ def test_steady_motion_is_where_a_long_time_integration_ends():
     law = force_law(replace(setup, track=track, plan=RunPlan(start, start, found.law.speed)))
     q = found.q.copy()
     q[2 : 6 * len(law.bodies) : 6] += 1e-3
-    motion = Integration(BodySystem(law.bodies, law), duration=6.0, step=1e-3, sample_interval=0.5).run(q, found.q_t)
+    motion = Integration(BodySystem(law.bodies, law), duration=duration, step=1e-3, sample_interval=0.5).run(
+        q, found.q_t
+    )
     assert motion.status == "completed"
     law.start += law.speed * motion.end
     law.look_near(law.start)

@@ -60,9 +60,9 @@ def test_vehicles_that_nothing_couples_run_as_each_does_alone() -> None:
         found = steady_state(one.law)
         q[places], q_t[places] = found.q, found.q_t
         alone.append(
-            (places, Integration(one.system, duration=0.4, step=5e-4, integrator="rk44").run(found.q, found.q_t))
+            (places, Integration(one.system, duration=0.2, step=5e-4, integrator="rk44").run(found.q, found.q_t))
         )
-    together = Integration(both.system, duration=0.4, step=5e-4, integrator="rk44").run(q, q_t)
+    together = Integration(both.system, duration=0.2, step=5e-4, integrator="rk44").run(q, q_t)
     assert np.ptp(alone[0][1].q[:, 2]) > 1e-4  # the first one is in the curve, and steers
     bodies = 6 * 7
     for places, motion in alone:
@@ -70,13 +70,13 @@ def test_vehicles_that_nothing_couples_run_as_each_does_alone() -> None:
         np.testing.assert_allclose(together.q_t[:, places], motion.q_t, rtol=0.0, atol=1e-7)
 
 
-def test_four_coupled_coaches_start_on_uneven_track(tmp_path: Path) -> None:
+def test_coupled_coaches_start_on_uneven_track(tmp_path: Path) -> None:
     """Neighbours stand some millimetres beside each other in height: plates and buffers stick there, which slip by the
     first derivative. The forces balance within the tolerance."""
     keys = {"track.segments": [straight(200.0)], "vehicle.speed_kmh": 100.0, "run.start_distance_m": 150.0,
             "run.distance_m": 10.0, "track.irregularities": [{"kind": "spectrum", "spectrum": "ERRI-low", "seed": 1,
             "wavelength_m": [3, 100]}]}  # fmt: skip
-    setup = build(scenario(tmp_path, ("count = 3", "count = 4"), **keys))
+    setup = build(scenario(tmp_path, ("count = 3", "count = 2"), **keys))
     law = force_law(setup)
     assert SteadyMotion(law).largest(*start_state(setup, law)) < TOLERANCE
 
@@ -87,7 +87,9 @@ def test_the_ends_of_vehicles_swing_through_an_s_curve_as_chords_do(tmp_path: Pa
     """
     curves = [straight(14.0), arc(26.0, 190.0), straight(6.0), arc(26.0, -190.0), straight(30.0)]
     keys = {"track.segments": curves, "run.start_distance_m": 1.0, "run.distance_m": 59.0, "vehicle.speed_kmh": 10.0}
-    asked = scenario(tmp_path, ("count = 3", "count = 2"), *FREE, **keys, **{"run.output_interval_ms": 50.0})
+    asked = scenario(
+        tmp_path, ("count = 3", "count = 2"), *FREE, **keys, **{"run.step_us": 10_000, "run.output_interval_ms": 50.0}
+    )
     d = run(asked).dataset
     line, s = build(asked).track.centre, d["wheelset_distance"].values
     ends = []
@@ -119,10 +121,15 @@ def test_couplings_carry_what_accelerates_the_vehicles_behind(tmp_path: Path) ->
             "length_mm = 26400\ndriven = false\n[[couplings]]")  # fmt: skip
     rate = 0.5
     speeds = {"time_s_speed_kmh": [[0.5, 36.0], [5.0, 36.0 + 3.6 * 4.5 * rate]]}
-    keys = {"track.segments": [straight(200.0)], "run.distance_m": 50.0, "vehicle.speed_kmh": speeds}
+    keys = {
+        "track.segments": [straight(200.0)],
+        "run.distance_m": 40.0,
+        "vehicle.speed_kmh": speeds,
+        "run.step_us": 5000,
+    }
     asked = scenario(tmp_path, ("count = 3", "count = 1"), text, **keys)
     d = run(asked).dataset
-    late = d["time"].values > 3.0
+    late = d["time"].values > 2.5
     one = manchester().moved_mass
     found = d["coupling_force"].values[late].mean(axis=0)
     np.testing.assert_allclose(found, [2.0 * one * rate, one * rate], rtol=0.01)
@@ -169,7 +176,7 @@ def test_a_train_starts_in_a_curve_as_one_that_has_come_there(tmp_path: Path) ->
 def test_a_train_starts_where_a_transition_is_beneath_it(tmp_path: Path) -> None:
     """It has come along the track: Y and Q are those of a run that passes there, within 1 % of the largest Q."""
     curves = [straight(60.0), transition(40.0), arc(60.0, 300.0, 60.0)]
-    keys = {"track.segments": curves, "vehicle.speed_kmh": 40.0, "run.output_interval_ms": 10.0}
+    keys = {"track.segments": curves, "vehicle.speed_kmh": 40.0, "run.step_us": 5000, "run.output_interval_ms": 10.0}
     passed, began = (two_coaches_at(100.0, start, tmp_path, keys) for start in (38.0, 95.0))
     for name in ("Y", "Q"):
         np.testing.assert_allclose(began[name], passed[name], atol=0.01 * float(passed["Q"].max()), rtol=0.0)
@@ -196,7 +203,8 @@ def test_forces_of_a_coupling_are_those_of_its_elements_and_of_both_sides(tmp_pa
     """In a curve with a tight coupling: hook and buffers add up to what the coupling says, and what acts on the vehicle
     behind, turned by the angle between the bodies, acts on that ahead the other way round."""
     keys = {"track.segments": [straight(14.0), arc(60.0, 190.0)], "run.start_distance_m": 1.0, "run.distance_m": 34.0}
-    asked = scenario(tmp_path, ("count = 3", "count = 2"), **keys, **{"run.output_interval_ms": 50.0})
+    keys |= {"run.step_us": 10_000, "run.output_interval_ms": 50.0}
+    asked = scenario(tmp_path, ("count = 3", "count = 2"), **keys)
     result = run(asked)
     d = result.dataset
     names = [f"coach1-coach2 {each}" for each in ("draw gear", "buffer left", "buffer right")]
@@ -216,7 +224,7 @@ def test_forces_of_a_coupling_are_those_of_its_elements_and_of_both_sides(tmp_pa
 
 def test_a_train_goes_on_to_the_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recorders, "FLUSH_INTERVAL", 0.0)
-    keys = {"track.segments": [straight(14.0), arc(60.0, 190.0)], "run.start_distance_m": 1.0, "run.distance_m": 4.0}
+    keys = {"track.segments": [straight(14.0), arc(60.0, 190.0)], "run.start_distance_m": 1.0, "run.distance_m": 2.0}
     asked = scenario(tmp_path, ("count = 3", "count = 2"), **keys)
     path = tmp_path / "x.part"
     whole = run(asked, record=path)

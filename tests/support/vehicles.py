@@ -100,7 +100,7 @@ def on_track(
 
 
 SHORT = {"track.segments": [straight(22.0), transition(12.0), arc(14.0, 300.0, 60.0)]}
-SHORT |= {"contact.strips": 12, "contact.cells": 6, "run.start_distance_m": 12.0, "run.output_interval_ms": 20.0}
+SHORT |= FAST | {"run.start_distance_m": 12.0, "run.output_interval_ms": 20.0}
 
 
 @cache
