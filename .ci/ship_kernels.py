@@ -16,7 +16,7 @@ import numba
 import numpy as np
 from numba.core.caching import UserProvidedCacheLocator
 
-from wrsim.analysis.warming import warm_up
+from wrsim.analysis.warming import warm
 from wrsim.contact.models import NORMAL_MODELS, contact_model
 from wrsim.contact.settings import ContactSettings
 from wrsim.core.contact import records as k
@@ -45,7 +45,7 @@ def ship(folder: Path) -> int:
     config: Any = numba.config
     if config.CPU_NAME != LEVEL or config.CPU_FEATURES != "" or not config.CACHE_DIR:
         raise WrsimError(f"NUMBA_CPU_NAME must be {LEVEL}, NUMBA_CPU_FEATURES empty, NUMBA_CACHE_DIR an empty folder")
-    warm_up()
+    warm()
     gather(Path(config.CACHE_DIR), folder, NEEDED)
     return sum(1 for path in folder.rglob("*") if path.is_file())
 

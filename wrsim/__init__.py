@@ -40,7 +40,7 @@ _HOMES = {
     "draw_track": "wrsim.api",
     "new_file": "wrsim.api",
     "keys": "wrsim.api",
-    "warm": "wrsim.api",
+    "warm": "wrsim.analysis.warming",
     "read_recording": "wrsim.api",
     "run_study": "wrsim.api",
     "run_wear": "wrsim.api",

@@ -2,6 +2,7 @@ from wrsim.analysis import run as run
 from wrsim.analysis.motion.run import stepper as stepper
 from wrsim.analysis.poses.static import contact_map as contact_map
 from wrsim.analysis.poses.static import solve_poses as solve_poses
+from wrsim.analysis.warming import warm as warm
 from wrsim.api import Outcome as Outcome
 from wrsim.api import assess as assess
 from wrsim.api import check as check
@@ -21,7 +22,6 @@ from wrsim.api import run_study as run_study
 from wrsim.api import run_wear as run_wear
 from wrsim.api import show as show
 from wrsim.api import stationary as stationary
-from wrsim.api import warm as warm
 from wrsim.api import write_pictures as write_pictures
 from wrsim.api import write_report as write_report
 from wrsim.api import write_view as write_view

@@ -922,28 +922,6 @@ def keys(section: str | None = None, file: str = "scenario", schema: bool = Fals
     return Outcome([], keys_numbers(kind, section), lines=[schema_text(kind) if schema else keys_text(kind, section)])
 
 
-def warm() -> Outcome:
-    """Compile ahead what runs and poses need, so that the first of them starts at once.
-
-    Parameters
-    ----------
-    None
-
-    Returns
-    -------
-    Outcome
-        ``lines``: where the compiled kernels are.
-
-    Raises
-    ------
-    WrsimError
-        Where there is no place for compiled kernels.
-    """
-    from wrsim.analysis.warming import warm_up
-
-    return Outcome([], {}, lines=[warm_up()])
-
-
 def run_study(
     file: str | Path, output: str | Path | None = None, *, workers: int | None = None, scheduler: str | None = None,
     slurm: bool = False, tls: Path | None = None, retry: bool = False, dry_run: bool = False,

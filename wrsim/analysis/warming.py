@@ -14,13 +14,25 @@ from wrsim.scenario.loading import load_text
 from wrsim.scenario.templates import scenario_template
 
 
-def warm_up() -> str:
-    """Compile, or find compiled, what runs along a track and static poses call; returns where and how long, in words.
+def warm() -> str:
+    """Compile ahead, or find compiled, what runs along a track and static poses call.
 
-    Raises ``WrsimError`` where there is no place to keep compiled kernels in.
+    Parameters
+    ----------
+    None
+
+    Returns
+    -------
+    str
+        Where the compiled kernels are, and how long it took.
+
+    Raises
+    ------
+    WrsimError
+        Where there is no place for compiled kernels.
     """
     if CACHE is None:
-        raise WrsimError("there is no place to keep compiled kernels in")
+        raise WrsimError("there is no place for compiled kernels")
     begin = time.perf_counter()
     for normal in (name for name, model in NORMAL_MODELS.items() if model.solve is None):
         for analysis, values in (("curving", {"run.distance_m": 0.2}), ("static", {})):

@@ -7,24 +7,9 @@ from typing import Annotated
 
 import typer
 
+from wrsim.cli import options
 from wrsim.cli.console import print_error, print_lines, print_numbers, print_outcome
 from wrsim.cli.errors import writing_files
-from wrsim.cli.options import (
-    PICTURES,
-    BesideResult,
-    Force,
-    Gauge,
-    Inclination,
-    Json,
-    Models,
-    Pictures,
-    Radius,
-    ResultFile,
-    SectionsOf,
-    beside,
-    check_ending,
-    into,
-)
 from wrsim.errors import InputError
 
 
@@ -33,11 +18,11 @@ def assess_command(
         list[Path],
         typer.Argument(metavar="RESULT...", help="Runs: files, folders, cut off or not. Several count as one test."),
     ],
-    output: BesideResult = None,
-    scenario: SectionsOf = None,
-    pictures: Pictures = True,
-    force: Force = False,
-    as_json: Json = False,
+    output: options.BesideResult = None,
+    scenario: options.SectionsOf = None,
+    pictures: options.Pictures = True,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Assess a run: EN 14363 quantities section by section, limits and margins; writes tables and pictures.
 
@@ -48,22 +33,22 @@ def assess_command(
 
         if len(results) > 1 and output is None:
             raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
-        print_outcome(as_json, assess(results, scenario, output or beside(results[0]), pictures))
+        print_outcome(as_json, assess(results, scenario, output or options.beside(results[0]), pictures))
 
 
 def ride_command(
-    result: ResultFile,
-    output: BesideResult = None,
-    scenario: SectionsOf = None,
-    pictures: Pictures = True,
-    force: Force = False,
-    as_json: Json = False,
+    result: options.ResultFile,
+    output: options.BesideResult = None,
+    scenario: options.SectionsOf = None,
+    pictures: options.Pictures = True,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
     with writing_files(as_json, force, of=result):
         from wrsim.api import ride
 
-        print_outcome(as_json, ride(result, scenario, output or beside(result), pictures))
+        print_outcome(as_json, ride(result, scenario, output or options.beside(result), pictures))
 
 
 def conicity_command(
@@ -73,13 +58,13 @@ def conicity_command(
     rail: Annotated[
         str, typer.Argument(metavar="RAIL", help="Rail profile, such as rails/60E1.toml, or a folder of them.")
     ],
-    gauge_mm: Gauge = 1435.0,
+    gauge_mm: options.Gauge = 1435.0,
     gauges_mm: Annotated[
         tuple[float, float, float] | None, typer.Option(metavar="FROM TO STEP", help="A map over the gauge instead.")
     ] = None,
     flange_back_mm: Annotated[float, typer.Option(min=300.0, max=1900.0, help="Between the flange backs.")] = 1360.0,
-    inclination: Inclination = "1:40",
-    radius_mm: Radius = 460.0,
+    inclination: options.Inclination = "1:40",
+    radius_mm: options.Radius = 460.0,
     diameters_mm: Annotated[
         tuple[float, float] | None, typer.Option(metavar="LEFT RIGHT", help="In place of --radius-mm.")
     ] = None,
@@ -90,11 +75,13 @@ def conicity_command(
         list[float] | None, typer.Option(metavar="RADIUS", help="Radial steering index in this curve; may be repeated.")
     ] = None,
     flange_from_deg: Annotated[float, typer.Option(help="For that: contact angle where the flange begins.")] = 40.0,
-    models: Models = None,
-    output: Annotated[Path | None, into(metavar="DIR", help="Write a table, every 0.1 mm, and pictures there.")] = None,
-    pictures: Pictures = True,
-    force: Force = False,
-    as_json: Json = False,
+    models: options.Models = None,
+    output: Annotated[
+        Path | None, options.into(metavar="DIR", help="Write a table, every 0.1 mm, and pictures there.")
+    ] = None,
+    pictures: options.Pictures = True,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
     with writing_files(as_json, force):
@@ -111,7 +98,7 @@ def conicity_command(
 
 def vehicle(
     file: Annotated[str, typer.Argument(metavar="FILE", help="Vehicle file, such as vehicles/manchester_1.toml.")],
-    output: Annotated[Path | None, into(metavar="PNG|SVG|PDF", help="Draw it there, from three sides.")] = None,
+    output: Annotated[Path | None, options.into(metavar="PNG|SVG|PDF", help="Draw it there, from three sides.")] = None,
     cant_deficiency: Annotated[
         float | None,
         typer.Option(metavar="MM", min=1.0, max=400.0, help="Static roll and unloading at this cant deficiency."),
@@ -130,21 +117,21 @@ def vehicle(
         bool, typer.Option("--rotation-test", help="Rotation resistance of its bogies: X factor (EN 14363).")
     ] = False,
     rotation_radius_m: Annotated[
-        float, typer.Option(metavar="M", min=10.0, max=10_000.0, help="Radius of the curve of that test.")
+        float, typer.Option(metavar="M", min=10.0, max=10_000.0, help="options.Radius of the curve of that test.")
     ] = 150.0,
     loops: Annotated[
         Path | None, typer.Option("--loops", metavar="PNG|SVG|PDF", help="Draw the loops of these two tests there.")
     ] = None,
-    models: Models = None,
-    force: Force = False,
-    as_json: Json = False,
+    models: options.Models = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Print mass, centre, static wheel loads, natural modes and stationary tests of a vehicle; draw it."""
     with writing_files(as_json, force):
         from wrsim.api import stationary
 
-        check_ending("-o", output, *PICTURES)
-        check_ending("--loops", loops, *PICTURES)
+        options.check_ending("-o", output, *options.PICTURES)
+        options.check_ending("--loops", loops, *options.PICTURES)
         found = stationary(
             file, cant_deficiency=cant_deficiency, twist=twist, twist_test=twist_test, twists=twists,
             rotation_test=rotation_test, rotation_radius_m=rotation_radius_m, picture=output, loops=loops,

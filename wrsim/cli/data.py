@@ -7,23 +7,9 @@ from typing import Annotated
 
 import typer
 
+from wrsim.cli import options
 from wrsim.cli.console import print_error, print_lines, print_outcome
 from wrsim.cli.errors import writing_files
-from wrsim.cli.options import (
-    PICTURES,
-    BesideResult,
-    Force,
-    Gauge,
-    Inclination,
-    Json,
-    Models,
-    Pictures,
-    Radius,
-    ResultFile,
-    ScenarioFile,
-    check_ending,
-    into,
-)
 
 
 def profile(
@@ -31,7 +17,9 @@ def profile(
         list[str],
         typer.Argument(metavar="FILE...", help="Profiles, TOML or points, such as wheels/S1002.toml; folders of them."),
     ],
-    output: Annotated[Path | None, into(metavar="PNG|SVG|PDF", help="Default: <name of FILE>.png here.")] = None,
+    output: Annotated[
+        Path | None, options.into(metavar="PNG|SVG|PDF", help="Default: <name of FILE>.png here.")
+    ] = None,
     kind: Annotated[str | None, typer.Option(metavar="wheel|rail", help="For files of two columns only.")] = None,
     cutoff: Annotated[
         list[float] | None,
@@ -43,26 +31,26 @@ def profile(
     on: Annotated[
         str | None, typer.Option(metavar="FILE", help="Rail of wheels, wheel of rails: conicity and p0 on it.")
     ] = None,
-    gauge_mm: Gauge = 1435.0,
+    gauge_mm: options.Gauge = 1435.0,
     flange_back_mm: Annotated[
         float | None,
         typer.Option(
             min=300.0, max=1900.0, help="Measured back to back: active faces of wheelsets; --on: 1360 if none."
         ),
     ] = None,
-    inclination: Inclination = "1:40",
-    radius_mm: Radius = 460.0,
+    inclination: options.Inclination = "1:40",
+    radius_mm: options.Radius = 460.0,
     load_kn: Annotated[float, typer.Option(min=1.0, max=500.0, help="Of a wheel, for p0.")] = 60.0,
-    models: Models = None,
-    force: Force = False,
-    as_json: Json = False,
+    models: options.Models = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Draw and measure profiles: Sh, Sd, qR, hollow of wheels, wear of rail heads; what smoothing does to points."""
     with writing_files(as_json, force, *map(Path, files)):
         from wrsim.api import profiles
 
         picture = output or Path(Path(files[0]).resolve().stem + ".png")
-        check_ending("-o", picture, *PICTURES)
+        options.check_ending("-o", picture, *options.PICTURES)
         found = profiles(
             files, picture, kind=kind, cutoff=cutoff or (), reference=reference, on=on, gauge_mm=gauge_mm,
             flange_back_mm=flange_back_mm, inclination=inclination, radius_mm=radius_mm, load_kN=load_kn,
@@ -72,24 +60,26 @@ def profile(
 
 
 def track(
-    file: ScenarioFile,
-    output: Annotated[Path | None, into(metavar="PNG|SVG|PDF", help="Default: <name of FILE>_track.png here.")] = None,
-    models: Models = None,
-    force: Force = False,
-    as_json: Json = False,
+    file: options.ScenarioFile,
+    output: Annotated[
+        Path | None, options.into(metavar="PNG|SVG|PDF", help="Default: <name of FILE>_track.png here.")
+    ] = None,
+    models: options.Models = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Draw the track of a scenario or of a track file: plan, curvature, cant, gauge, height, irregularities."""
     with writing_files(as_json, force, file):
         from wrsim.api import draw_track
 
         picture = output or Path(f"{file.stem}_track.png")
-        check_ending("-o", picture, *PICTURES)
+        options.check_ending("-o", picture, *options.PICTURES)
         print_outcome(as_json, draw_track(file, picture, models or ()))
 
 
 def recording(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Table of a recording (CSV).")],
-    output: Annotated[Path | None, into(metavar="DIR", help="Default: <name of FILE> here.")] = None,
+    output: Annotated[Path | None, options.into(metavar="DIR", help="Default: <name of FILE> here.")] = None,
     columns: Annotated[
         Path | None,
         typer.Option(metavar="TOML", help="Column map; default: the TOML of FILE's name beside it, or columns' names."),
@@ -116,10 +106,10 @@ def recording(
     speed_kmh: Annotated[
         float | None, typer.Option(help="Speed of the scenario; default: 100 mm of cant deficiency, 160 at most.")
     ] = None,
-    models: Models = None,
-    pictures: Pictures = True,
-    force: Force = False,
-    as_json: Json = False,
+    models: options.Models = None,
+    pictures: options.Pictures = True,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Make a track, its irregularities and a scenario of a track recording car's table (docs/user/recording.md)."""
     beside = file.with_suffix(".toml")
@@ -141,14 +131,14 @@ def recording(
 
 
 def export_command(
-    result: ResultFile,
+    result: options.ResultFile,
     to: Annotated[
         str,
         typer.Option("--to", metavar="FORMAT,...", help="mat, csv, parquet, mdf, tables; one or more with commas."),
     ],
-    output: BesideResult = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: options.BesideResult = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Write a result for other programs: MATLAB, CSV, Parquet, MDF (result.mat, .csv, .parquet, .mf4), all tables."""
     with writing_files(as_json, force, of=result):

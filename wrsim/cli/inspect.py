@@ -7,12 +7,12 @@ from typing import Annotated
 
 import typer
 
+from wrsim.cli import options
 from wrsim.cli.console import print_found, print_lines, print_numbers, print_outcome
 from wrsim.cli.errors import reporting_errors, writing_files
-from wrsim.cli.options import At, BesideResult, Force, Json, Models, OneWheelset, ResultFile, check_ending, into
 
 
-def show_command(result: ResultFile, as_json: Json = False) -> None:
+def show_command(result: options.ResultFile, as_json: options.Json = False) -> None:
     """Print the summary of a result, or of what there is of a run."""
     with reporting_errors(as_json):
         from wrsim.api import show
@@ -24,18 +24,18 @@ def show_command(result: ResultFile, as_json: Json = False) -> None:
 
 
 def plot(
-    result: ResultFile,
-    output: BesideResult = None,
-    at: At = None,
-    wheelset: OneWheelset = None,
+    result: options.ResultFile,
+    output: options.BesideResult = None,
+    at: options.At = None,
+    wheelset: options.OneWheelset = None,
     formats: Annotated[str, typer.Option("--format", metavar="KINDS", help="png, svg, pdf; several: png,pdf.")] = "png",
     width_mm: Annotated[
         float | None, typer.Option(min=60.0, max=500.0, help="Width of the pictures; default 170.")
     ] = None,
     font: Annotated[str, typer.Option(metavar="NAME", help="Family of the letters, such as 'DejaVu Serif'.")] = "",
     style: Annotated[str, typer.Option(metavar="FILE", help="A style file of matplotlib, or one of its styles.")] = "",
-    force: Force = False,
-    as_json: Json = False,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
     with writing_files(as_json, force, of=result):
@@ -49,16 +49,18 @@ def report(
         list[Path],
         typer.Argument(metavar="RESULT...", help="Results: files, folders, cut-off runs; one study or evolution."),
     ],
-    output: Annotated[Path | None, into(metavar="HTML", help="Default: report.html beside the first result.")] = None,
+    output: Annotated[
+        Path | None, options.into(metavar="HTML", help="Default: report.html beside the first result.")
+    ] = None,
     title: Annotated[str, typer.Option(metavar="TEXT", help="Default: the titles of the results.")] = "",
     author: Annotated[str, typer.Option(metavar="TEXT", help="Named beneath the title.")] = "",
     company: Annotated[str, typer.Option(metavar="TEXT", help="Named beneath the title and on every page.")] = "",
     logo: Annotated[Path | None, typer.Option(metavar="PNG|SVG|JPG", help="A picture beside the title.")] = None,
     date: Annotated[str, typer.Option(metavar="TEXT", help="Default: today.")] = "",
     with_view: Annotated[bool, typer.Option("--view", help="With the viewer of each result inside.")] = False,
-    models: Models = None,
-    force: Force = False,
-    as_json: Json = False,
+    models: options.Models = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Write a page about a result, several results beside each other, a study, or a profile evolution.
 
@@ -69,30 +71,30 @@ def report(
         from wrsim.api import write_report
         from wrsim.report.document import Cover, logo_address
 
-        check_ending("-o", output, ".html")
+        options.check_ending("-o", output, ".html")
         cover = Cover(title, author, company, date, logo_address(logo) if logo else "")
         found = write_report(results, output, cover=cover, with_view=with_view, models=models or ())
         print_found(as_json, {}, [], found.files)
 
 
 def view(
-    result: ResultFile,
-    output: Annotated[Path | None, into(metavar="HTML", help="Default: view.html beside the result.")] = None,
-    models: Models = None,
-    force: Force = False,
-    as_json: Json = False,
+    result: options.ResultFile,
+    output: Annotated[Path | None, options.into(metavar="HTML", help="Default: view.html beside the result.")] = None,
+    models: options.Models = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Write a page to look at a run: wheels on their rails, the vehicle on its track, modes of a stability analysis."""
     with writing_files(as_json, force, of=result):
         from wrsim.api import write_view
 
-        check_ending("-o", output, ".html")
+        options.check_ending("-o", output, ".html")
         print_outcome(as_json, write_view(result, output, models or ()))
 
 
 def diff_command(
-    first: ResultFile,
-    second: ResultFile,
+    first: options.ResultFile,
+    second: options.ResultFile,
     tolerance: Annotated[
         float,
         typer.Option(metavar="PART", help="Largest difference allowed, as a part of the quantity's largest value."),
@@ -100,9 +102,11 @@ def diff_command(
     only: Annotated[
         list[str] | None, typer.Option("--only", metavar="QUANTITY", help="Such as Y_over_Q_max; may be given again.")
     ] = None,
-    output: Annotated[Path | None, into(metavar="DIR", help="Write a table and an overlay picture there.")] = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Annotated[
+        Path | None, options.into(metavar="DIR", help="Write a table and an overlay picture there.")
+    ] = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Compare two results: peaks, medians in full curves, other numbers; exit code 4 when they differ."""
     with writing_files(as_json, force, first, second):

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
+from wrsim.cli import options
 from wrsim.cli.console import print_error, print_json, print_lines, print_numbers, print_outcome
 from wrsim.cli.errors import reporting_errors, writing_files
-from wrsim.cli.options import Force, Json, Models, Quiet, ScenarioFile, Set, into
 from wrsim.register import ANALYSES, FILES
 
 
@@ -30,9 +30,9 @@ def new(
             show_default=False,
         ),
     ] = None,
-    output: Annotated[Path | None, into(metavar="FILE", help="Default: <KIND>.toml here.")] = None,
-    force: Force = False,
-    as_json: Json = False,
+    output: Annotated[Path | None, options.into(metavar="FILE", help="Default: <KIND>.toml here.")] = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
 ) -> None:
     """Write a file to start from, which can be used as it is: a scenario that names all keys, or another kind."""
     with writing_files(as_json, force):
@@ -44,7 +44,9 @@ def new(
             print_lines(*found.lines)
 
 
-def check_command(file: ScenarioFile, values: Set = None, models: Models = None, as_json: Json = False) -> None:
+def check_command(
+    file: options.ScenarioFile, values: options.Set = None, models: options.Models = None, as_json: options.Json = False
+) -> None:
     """Check a scenario and all the files it names, without running it."""
     with reporting_errors(as_json):
         from wrsim.api import check
@@ -63,7 +65,7 @@ def keys_command(
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of that kind of file, for editors.")
     ] = False,
-    as_json: Json = False,
+    as_json: options.Json = False,
 ) -> None:
     """List the keys of a table: unit, what is allowed, default, other names, an example."""
     with reporting_errors(as_json):
@@ -76,11 +78,11 @@ def keys_command(
             print_lines(*found.lines)
 
 
-def warm_command(quiet: Quiet = False) -> None:
+def warm_command(quiet: options.Quiet = False) -> None:
     """Compile ahead what runs and poses need, so that the first of them starts at once."""
     with reporting_errors(False):
-        from wrsim.api import warm
+        from wrsim import warm
 
-        found = warm()
+        words = warm()
         if not quiet:
-            print_lines(*found.lines)
+            print_lines(words)
