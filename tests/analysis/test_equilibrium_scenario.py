@@ -69,12 +69,11 @@ def test_the_axle_load_is_that_of_the_file():
     assert rest.p0.values[:, 0] == pytest.approx([755.8e6, 755.8e6], rel=0.02)  # the half-space solver's
 
 
-@pytest.mark.parametrize(
-    ("radius", "cant", "widening"), [(300.0, 150.0, 0.0), (-300.0, 150.0, 0.0), (-150.0, 60.0, 10.0)]
-)
+@pytest.mark.parametrize(("radius", "cant", "widening"), [(300.0, 150.0, 0.0), (-150.0, 60.0, 10.0)])
 def test_a_wheelset_that_rests_in_a_canted_curve_leans_to_the_inner_rail(radius, cant, widening):
     segment = {"kind": "arc", "radius_m": radius, "length_m": 50.0, "cant_mm": cant, "gauge_widening_mm": widening}
     keys = {"track__segments": [segment], "run__start_distance_m": 20.0}
+    keys |= {key.replace(".", "__"): value for key, value in FAST.items()}
     setup, rest = resting(vehicle__model="vehicles/wheelset_s1002_steering.toml", **keys)
     weight = setup.vehicle.weight
     angle = np.arcsin(1e-3 * cant / setup.track.cant_base)

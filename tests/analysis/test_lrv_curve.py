@@ -13,7 +13,7 @@ SCENARIO = Path(__file__).parents[2] / "scenarios" / "lrv_curve.toml"
 
 @pytest.fixture(scope="module")
 def dataset() -> xr.Dataset:
-    shortened = {"run.distance_m": 15.0, "output.patches_at_m": [3, 10, 15]}
+    shortened = {"run.start_distance_m": 2.5, "run.distance_m": 12.5, "output.patches_at_m": [3, 10, 15]}
     return run(load(SCENARIO).with_values(shortened)).wheelset()
 
 

@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.commands import call, ok, refusal
+from support.commands import call, forked, ok, refusal
 from support.runs import FAST, SCENARIOS, straight
 from support.waiting import wait_until
 
 import wrsim.analysis.motion.record as record_module
 import wrsim.analysis.motion.run as run_module
 from wrsim.analysis import recorded, run
+from wrsim.analysis.motion.monitor import Monitor
 from wrsim.errors import InputError, WrsimError
 from wrsim.results import Result
 from wrsim.results.run_file import RunFile, is_running, records_of
@@ -244,13 +245,18 @@ def test_kill_9_then_show_then_resume_gives_the_same_result(whole, tmp_path, mon
     out = tmp_path / "out"
     record = out / "result.nc.part"
     arguments = ["run", str(whole / "short.toml"), "-o", str(out), "-q", "--no-pictures"]
-    child = os.fork()
-    if child == 0:
-        call(*arguments)
-        os._exit(0)
-    wait_until(lambda: record.exists() and record.stat().st_size > 20_000)  # a state beside the first one
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
+
+    def killed_on_the_way() -> None:
+        look = Monitor.__call__
+
+        def looking(self: Monitor, t: float, q: Any, q_t: Any) -> str | None:
+            if record.exists() and record.stat().st_size > 20_000:  # a state beside the first one
+                os.kill(os.getpid(), signal.SIGKILL)
+            return look(self, t, q, q_t)
+
+        Monitor.__call__ = looking  # type: ignore[method-assign]
+
+    assert forked(*arguments, first=killed_on_the_way).returncode == -signal.SIGKILL
     assert not (out / "result.nc").exists()
 
     shown = ok("show", out)
