@@ -200,12 +200,22 @@ def _even_rows(system, n, g):
             for p in range(4):
                 for q in range(4):
                     m[r + p, r + q] += weight * THIRD[p] * THIRD[q]
+    e, weight = base + OF_A_STRIP * n, EVEN_MIDDLES / system.grids[g].reach
     for j in range(2, n if system.memo[0].shifted else 0):
+        one, two, three = places[g * n + j - 2], places[g * n + j - 1], places[g * n + j]
         ratio, r = step_ratio(places, g * n + j), base + 2 * n + j - 2
-        parts = ratio, -1.0 - ratio, 1.0
+        parts, signs = (ratio, -1.0 - ratio, 1.0), (1.0, -1.0, 0.0)
+        uneven = three.off - two.off - ratio * (two.off - one.off)
+        # the ratio of their distances moves with the edges
+        step = two.s - one.s
+        by_start = three.mid_start - two.mid_start - ratio * (two.mid_start - one.mid_start)
+        by_end = three.mid_end - two.mid_end - ratio * (two.mid_end - one.mid_end)
         for p in range(3):
             for q in range(3):
-                m[r + p, r + q] += EVEN_MIDDLES / system.grids[g].reach * parts[p] * parts[q]
+                m[r + p, r + q] += weight * parts[p] * parts[q]
+            own = signs[p] * uneven - parts[p] * (two.off - one.off)
+            m[r + p, e] += weight * own * by_start / step
+            m[r + p, e + 1] += weight * own * by_end / step
 
 
 @kernel

@@ -24,11 +24,13 @@ LEAST_FACING = 2.5e-3  # square of the sine between axle and normal, held above
 
 
 class Opposite(NamedTuple):
-    """A pair of opposite points: penetration along the mean normal; middle (x, o, b) and normal (no, nb); the wheel's
-    shrink; radius with which both part along t; how far the wheel's point was ahead of the rail's [m]; slope of the
-    rail along the track."""
+    """A pair of opposite points: penetration along the mean normal, and how it changes along the rail (the tangents
+    lean by the same angle to both sides of the mean one); middle (x, o, b) and normal (no, nb); the wheel's shrink;
+    radius with which both part along t; how far the wheel's point was ahead of the rail's [m]; slope of the rail along
+    the track."""
 
     d: float
+    d_s: float
     x: float
     o: float
     b: float
@@ -51,9 +53,11 @@ def opposite(wheel, rail, arc_wheel, arc_rail):
     wo = w.o + ahead * w.nb
     wb = w.b - ahead * w.no
     d = -((wo - r.u) * no + (wb - r.w) * nb)
+    d_s = 2.0 * (r.tu * no + r.tw * nb)
     at = along(rail, envelope, r, w.x, w.to_axle)
+    tilt = tilted(at)
     return Opposite(
-        d * tilted(at), w.x + at.ahead, 0.5 * (wo + r.u), 0.5 * (wb + r.w) + at.drop, no, nb, w.shrink,
+        d * tilt, d_s * tilt, w.x + at.ahead, 0.5 * (wo + r.u), 0.5 * (wb + r.w) + at.drop, no, nb, w.shrink,
         parting(w.r_t, at), ahead, at.slope,
     )  # fmt: skip
 
@@ -233,11 +237,7 @@ def place_strips(wheel, rail, grid, rows, places):
         taken = at.ahead * at.shrink
         if abs(taken) > NEAR * h:
             at = opposite(wheel, rail, arc - taken, s)
-        place.d, place.no, place.nb = at.d, at.no, at.nb
-        d0, d1, d2, d3 = rows[c - 1].d, rows[c].d, rows[c + 1].d, rows[c + 2].d
-        place.d_s = (
-            -d0 / 3.0 - 0.5 * d1 + d2 - d3 / 6.0 + t * (d0 + d2 - 2.0 * d1 + t * (0.5 * (d3 - d0) + 1.5 * (d1 - d2)))
-        ) / h
+        place.d, place.d_s, place.no, place.nb = at.d, at.d_s, at.no, at.nb
         place.bend_s = (rows[c + 1].bend - rows[c].bend) / h
         place.bend = rows[c].bend + t * h * place.bend_s
         place.x_s = (rows[c + 1].x - rows[c].x) / h
