@@ -431,12 +431,14 @@ def diff(
     with naming(*paths):
         found = differences(*results, only, tolerance)
     ends = other_ends(*results)
-    files = [] if output is None else write_differences(found, results, names, Path(output))
+    folder = None if output is None else Path(output)
+    files = [] if folder is None else write_differences(found, results, names, folder)
     alike = not beyond(found, tolerance) and not ends
     records = as_records(difference_table(found))
     apart = inputs_apart(*results)
     numbers = {"alike": alike, "tolerance": tolerance, "ends": ends, "inputs": apart, "differences": records}
-    return Outcome(compared_tables(found, ends, tolerance, names, apart), numbers, files, found, 0 if alike else 4)
+    tables = compared_tables(found, ends, tolerance, names, apart)
+    return Outcome(tables, numbers, files, found, 0 if alike else 4, folder)
 
 
 def export(result: Given, to: str, output: str | Path | None = None) -> Outcome:
@@ -480,8 +482,9 @@ def _folder(given: Given, output: str | Path | None) -> Path:
 
 
 def write_report(
-    results: Given | Sequence[Given], file: str | Path | None = None, *, cover: Cover | None = None,
-    with_view: bool = False, models: Sequence[str | Path] = (),
+    results: Given | Sequence[Given], file: str | Path | None = None, *, title: str = "", author: str = "",
+    company: str = "", logo: str | Path | None = None, date: str = "", with_view: bool = False,
+    models: Sequence[str | Path] = (),
 ) -> Outcome:  # fmt: skip
     """Write a page about a result, several results beside each other, a study, or a profile evolution.
 
@@ -491,8 +494,10 @@ def write_report(
         Results of runs; or the folder of a study or a profile evolution.
     file : str or Path, optional
         The page; report.html beside the first result unless given.
-    cover : Cover, optional
-        Title, author, company, date and logo (`wrsim.report.document.Cover`).
+    title, author, company, date : str
+        On its head; the titles of the results and today's date unless given.
+    logo : str or Path, optional
+        A picture, .png, .svg or .jpg.
     with_view : bool
         Whether the viewer of each result is inside.
     models : sequence of str or Path
@@ -508,11 +513,11 @@ def write_report(
     InputError
         For files that are no results, or not of one kind.
     """
-    from wrsim.report.document import NO_COVER
+    from wrsim.report.document import Cover, logo_address
     from wrsim.results import write_atomically
 
-    several = _several(results)
-    page = _page_of(several, with_view, list(map(Path, models)), cover or NO_COVER)
+    several, picture = _several(results), logo_address(Path(logo)) if logo else ""
+    page = _page_of(several, with_view, list(map(Path, models)), Cover(title, author, company, date, picture))
     target = Path(file) if file is not None else _folder(several[0], None) / "report.html"
     return Outcome([], {}, [write_atomically(target, page.encode())])
 

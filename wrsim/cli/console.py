@@ -6,7 +6,7 @@ import json
 import logging
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from shlex import quote
@@ -34,18 +34,12 @@ def print_numbers(as_json: bool, numbers: dict[str, Any], tables: Iterable[Table
     on_terminal(tables)
 
 
-def print_found(
-    as_json: bool, numbers: dict[str, Any], tables: Iterable[Table], files: Sequence[Path], folder: Path | None = None
-) -> None:
-    """Numbers with the names of files as JSON; or tables, and the files: how many in a folder, or each."""
-    print_numbers(as_json, numbers | {"files": [str(f) for f in files]}, tables)
-    if not as_json:
-        print_lines(*(map(str, files) if folder is None else [f"{len(files)} files in {folder}"]))
-
-
 def print_outcome(as_json: bool, found: Outcome) -> None:
-    """Numbers with the names of files as JSON; or tables, lines, and the files: how many in a folder, or each."""
-    print_found(as_json, found.numbers, found.tables, found.files, found.folder)
+    """Numbers with the names of files as JSON; or tables, the files (how many in a folder, or each) and lines."""
+    print_numbers(as_json, found.numbers | {"files": [str(f) for f in found.files]}, found.tables)
+    if not as_json:
+        files = map(str, found.files) if found.folder is None else [f"{len(found.files)} files in {found.folder}"]
+        print_lines(*files, *found.lines)
 
 
 def print_json(content: dict[str, Any]) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from wrsim.cli import options
-from wrsim.cli.console import print_found, print_lines, print_numbers, print_outcome
+from wrsim.cli.console import print_lines, print_numbers, print_outcome
 from wrsim.cli.errors import reporting_errors, writing_files
 
 
@@ -69,12 +69,13 @@ def report(
     """
     with writing_files(as_json, force, *results[1:], of=results[0]):
         from wrsim.api import write_report
-        from wrsim.report.document import Cover, logo_address
 
         options.check_ending("-o", output, ".html")
-        cover = Cover(title, author, company, date, logo_address(logo) if logo else "")
-        found = write_report(results, output, cover=cover, with_view=with_view, models=models or ())
-        print_found(as_json, {}, [], found.files)
+        found = write_report(
+            results, output, title=title, author=author, company=company, logo=logo, date=date, with_view=with_view,
+            models=models or (),
+        )  # fmt: skip
+        print_outcome(as_json, found)
 
 
 def view(
@@ -113,6 +114,6 @@ def diff_command(
         from wrsim import api
 
         found = api.diff(first, second, tolerance, only or (), output)
-        print_found(as_json, found.numbers, found.tables, found.files, output)
+        print_outcome(as_json, found)
         if found.code:
             raise typer.Exit(found.code)

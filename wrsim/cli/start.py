@@ -38,10 +38,7 @@ def new(
     with writing_files(as_json, force):
         from wrsim.api import new_file
 
-        found = new_file(kind, template, output)
-        print_outcome(as_json, found)
-        if not as_json:
-            print_lines(*found.lines)
+        print_outcome(as_json, new_file(kind, template, output))
 
 
 def check_command(
