@@ -94,9 +94,9 @@ def run(
             raise scenario.fault(("analysis",), "nothing is stored of it to resume; run it without --resume")
         with stage(f"analysis {analysis.name}"):
             return function(setup, progress)  # type: ignore[no-any-return]
-    kept = None if record is None else RunRecord.of(scenario, setup, Path(record), resume)
+    run_record = None if record is None else RunRecord.of(scenario, setup, Path(record), resume)
     with _naming_step(scenario):
-        return function(setup, progress, kept)  # type: ignore[no-any-return]
+        return function(setup, progress, run_record)  # type: ignore[no-any-return]
 
 
 def check_step(scenario: Scenario, setup: Setup[Any]) -> None:

@@ -119,7 +119,7 @@ def resolve_contacts(
     }
     sample = "time" if "time" in dataset.dims else "pose"
     part = dataset.isel({sample: samples}).isel(snapshot=chosen, missing_dims="ignore")
-    kept = {
+    unchanged = {
         n: part[n].values
         for n, channel in CHANNELS.items()
         if n in part.variables
@@ -130,7 +130,7 @@ def resolve_contacts(
     attributes = {key: dataset.attrs[key] for key in about if key in dataset.attrs}
     attributes |= {"scenario_text": own.text, "resolved_with": name, "resolved_at_same": keep}
     coords = {n: part[n].values for n in (sample, "wheel")} | {"wheelset": label}
-    return Result(assemble(coords, kept | new, attributes))
+    return Result(assemble(coords, unchanged | new, attributes))
 
 
 def _settle(wheel: WheelOnRail, load: float) -> tuple[list[ElementField], str]:
@@ -184,7 +184,7 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
     out = np.zeros(law.size)
     columns = {name: dataset[name].transpose("time", "wheelset", ...).values for name in NEEDED}
     time, distance, speed = (dataset[name].values for name in ("time", "distance", "speed"))
-    kept = []
+    retained = []
     found_remarks: Counter[str] = Counter()
     for i in samples:
         for w, mounted in enumerate(setup.vehicle.wheelsets):
@@ -208,15 +208,15 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
             recorder.store()
         for wheel in wheels_of(law):
             found_remarks.update(filter(None, [contact_words([wheel])]))
-        kept.append(i)
-    if not kept:
+        retained.append(i)
+    if not retained:
         raise InputError("no sample of the result has a place on the track of its scenario")
     found = stack_wheelsets([recorder.channels() for recorder in recorders])
-    coords = {"snapshot_time": time[kept], "snapshot_distance": distance[kept]}
+    coords = {"snapshot_time": time[retained], "snapshot_distance": distance[retained]}
     variables = {
         name: (CHANNELS[name].dims_in("time"), values, {"units": CHANNELS[name].unit})
         for name, values in (found | coords).items()
     }
     dims = {"snapshot", "strip", "column", "axis", "rail_point", "wheel_point"}
-    remarks = [f"{words} (at {count} of {len(kept)} places)" for words, count in found_remarks.items()]
+    remarks = [f"{words} (at {count} of {len(retained)} places)" for words, count in found_remarks.items()]
     return dataset.drop_dims(dims & set(dataset.dims)).assign(variables).assign_attrs(contact_remark="; ".join(remarks))

@@ -100,10 +100,12 @@ def third_octaves(spectrum: Spectrum, lowest: float = 0.4) -> Bands:
     k = np.arange(-30, 51)
     middle = 10.0 ** (k / 10.0)
     low, high = middle * 10.0**-0.05, middle * 10.0**0.05
-    kept = (middle >= lowest * 0.99) & (high <= spectrum.frequency[-1] * 1.0001) & (high - low >= spectrum.frequency[1])
-    rms = [spectrum.rms(a, b) for a, b in zip(low[kept], high[kept], strict=True)]
-    nominal = tuple(float(f"{_NOMINAL[i % 10] * 10.0 ** (i // 10):.6g}") for i in k[kept])
-    return Bands(nominal, low[kept], high[kept], np.array(rms))
+    retained = (
+        (middle >= lowest * 0.99) & (high <= spectrum.frequency[-1] * 1.0001) & (high - low >= spectrum.frequency[1])
+    )
+    rms = [spectrum.rms(a, b) for a, b in zip(low[retained], high[retained], strict=True)]
+    nominal = tuple(float(f"{_NOMINAL[i % 10] * 10.0 ** (i // 10):.6g}") for i in k[retained])
+    return Bands(nominal, low[retained], high[retained], np.array(rms))
 
 
 SETTLING = 10.0  # seconds of nothing behind a signal, in which the weighting's slowest part (0.4 Hz) dies away

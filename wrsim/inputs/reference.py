@@ -231,8 +231,8 @@ def _value_schema(own: dict[str, Any], annotation: Any) -> dict[str, Any]:
     default = {"default": own.pop("default")} if own.get("default") is not None else {}
     own.pop("default", None)
     if "anyOf" in own:
-        kept = [part for part in own.pop("anyOf") if part.get("type") != "null"]
-        own = kept[0] | own if len(kept) == 1 else {"anyOf": kept, **own}
+        retained = [part for part in own.pop("anyOf") if part.get("type") != "null"]
+        own = retained[0] | own if len(retained) == 1 else {"anyOf": retained, **own}
     base, limits, description, _ = unpacked(annotation)
     others: list[dict[str, Any]] = []
     if own.get("type") == "array":

@@ -50,10 +50,12 @@ def root_locus(axes: Axes, dataset: xr.Dataset) -> None:
     growth, frequency = dataset["mode_growth"].values, dataset["mode_frequency"].values
     colours = pressure_map()
     scale = Normalize(speed[0] - 0.15 * np.ptp(speed), speed[-1] if speed[-1] > speed[0] else speed[0] + 1.0)
-    kept = np.isfinite(growth) & (damping < DAMPED)
+    retained = np.isfinite(growth) & (damping < DAMPED)
     many = np.broadcast_to(speed[:, None], growth.shape)
     axes.axvline(0.0, color=QUIET, linewidth=0.6)
-    axes.scatter(growth[kept], frequency[kept], c=colours(scale(many[kept])), s=7.0, linewidths=0.0, zorder=2.0)
+    axes.scatter(
+        growth[retained], frequency[retained], c=colours(scale(many[retained])), s=7.0, linewidths=0.0, zorder=2.0
+    )
     if (critical := summarise_stability(dataset)["critical_frequency_Hz"] or 0.0) > 0.0:
         ring: Any = {"markerfacecolor": "none", "markeredgecolor": STOP_COLOUR, "zorder": 3.0}
         axes.plot([0.0], [critical], "o", markersize=7.0, **ring)

@@ -108,10 +108,10 @@ def _legend(laws: list[str]) -> list[Line2D]:
 
 def evolution_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of profile evolution, by file name without ending."""
-    return {"wear_profiles": partial(profiles_figure, dataset), "wear_mileage": partial(mileage_figure, dataset)}
+    return {"wear_profiles": partial(worn_profiles_figure, dataset), "wear_mileage": partial(mileage_figure, dataset)}
 
 
-def profiles_figure(dataset: xr.Dataset) -> Figure:
+def worn_profiles_figure(dataset: xr.Dataset) -> Figure:
     """Profiles and depths at some mileages."""
     count = dataset.sizes["point"]
     chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_LINES)).round().astype(int))

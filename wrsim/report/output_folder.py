@@ -49,9 +49,9 @@ def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path 
     files of its input; scenario: the file that is run. Raises ``InputError`` before anything is changed there."""
     keeper = Keeper(tuple(reads), force, directory)
     with Manifest(directory).locked(), keeping(keeper):
-        kept = (RECORD,) if _is_record(directory, scenario) else ()
+        own = (RECORD,) if _is_record(directory, scenario) else ()
         sweep(directory)
-        keeper.check_folder(directory, [name for name in OUTPUTS if name not in kept])
+        keeper.check_folder(directory, [name for name in OUTPUTS if name not in own])
         for folder in directory.glob("wheelset_*/"):
             sweep(folder)
             keeper.check_folder(folder, OUTPUTS)

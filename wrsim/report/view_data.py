@@ -332,10 +332,10 @@ def _outline(mine: xr.Dataset, body: str, dim: str, error: float, worn: bool) ->
         lines[m] = lines[m][_nearest(np.flatnonzero(there[m]), lines.shape[1])]
     new = finite[np.append(True, (np.diff(lines[finite, :, 1], axis=0) != 0.0).any(axis=1))]
     share = np.linspace(0.0, 1.0, lines.shape[1])
-    kept = [needed(lines[m, :, 0], lines[m, :, 1], error) for m in (new if body == "rail" else new[:1])]
+    retained = [needed(lines[m, :, 0], lines[m, :, 1], error) for m in (new if body == "rail" else new[:1])]
     if worn:
-        kept.append(np.flatnonzero(depth_at(mine, body, share) > LEAST_DEPTH))
-    points = np.unique(np.concatenate(kept))
+        retained.append(np.flatnonzero(depth_at(mine, body, share) > LEAST_DEPTH))
+    points = np.unique(np.concatenate(retained))
     return lines[_nearest(finite, len(lines))][:, points], finite, share[points]
 
 

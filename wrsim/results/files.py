@@ -41,7 +41,7 @@ KEEPER: ContextVar[Keeper | None] = ContextVar("KEEPER", default=None)
 _REASONS = dict.fromkeys((errno.EACCES, errno.EPERM, errno.EROFS), "this place may not be written to")
 _REASONS |= dict.fromkeys((errno.ENOTDIR, errno.EEXIST), "a part of this path is a file, not a directory")
 LARGE = 16_000_000
-"""Bytes of samples and of channels that are kept in memory at most; more are in a file."""
+"""Bytes of samples and of channels that are in memory at most; more are in a file."""
 _ROWS = 1000  # rows of a table that are in memory as text at once
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
@@ -173,7 +173,7 @@ def as_json(content: Any, indent: int = 2) -> bytes:
 
 
 MANIFEST = ".wrsim"
-_KEPT = 32  # characters of a digest that are kept
+_KEPT = 32  # characters of a digest that are stored
 
 
 def digest_of(content: bytes) -> str:
@@ -280,12 +280,12 @@ class Keeper:
                 "move it away, choose another directory with -o, or write over it with --force"
             )
 
-    def clear(self, kept: Iterable[Path]) -> list[Path]:
-        """Remove what wrsim wrote of an earlier result of this folder, beside the files ``kept``; returns what went.
+    def clear(self, current: Iterable[Path]) -> list[Path]:
+        """Remove what wrsim wrote of an earlier result of this folder, beside the files ``current``; returns what went.
         Files that were changed since are the user's and stay."""
         if self.of is None:
             return []
-        stay, gone = {path.absolute() for path in kept}, []
+        stay, gone = {path.absolute() for path in current}, []
         for folder in (*sorted(self.of.glob("wheelset_*/")), self.of):
             manifest = Manifest(folder)
             names = dict.fromkeys(str(e["file"]) for e in manifest.entries() if e.get("of_result"))

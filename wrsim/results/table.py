@@ -138,9 +138,9 @@ def on_terminal(tables: Iterable[Table], stream: IO[str] | None = None) -> None:
         for row in rows:
             grid.add_row(*row, style="bold" if len(row) == 1 else None)
         if heads:
-            with console.capture() as kept:
+            with console.capture() as printed:
                 console.print(grid)
-            print("\n".join(line.rstrip() for line in kept.get().splitlines()), file=stream)
+            print("\n".join(line.rstrip() for line in printed.get().splitlines()), file=stream)
         for note in table.notes:
             print(plain(note), file=stream)
 

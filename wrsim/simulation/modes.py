@@ -52,8 +52,8 @@ class Linearised:
         full[n:, :n] = -np.linalg.solve(self.mass, self.stiffness)
         full[n:, n:] = -np.linalg.solve(self.mass, self.damping)
         rates = np.delete(np.arange(n, 2 * n), self.sliders)
-        kept = np.r_[0:m, n - self.positions : n, rates]
-        return full[np.ix_(kept, kept)]
+        retained = np.r_[0:m, n - self.positions : n, rates]
+        return full[np.ix_(retained, retained)]
 
 
 def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t: float = 0.0) -> Linearised:
@@ -96,11 +96,11 @@ def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
     n, w = 6 * len(law.bodies), 6 * len(vehicle.wheelsets)
     matrix = linear.state_matrix
     rates = n + law.positions
-    kept = np.r_[w:rates, rates + w : len(matrix)]
-    values, vectors = np.linalg.eig(matrix[np.ix_(kept, kept)])
+    retained = np.r_[w:rates, rates + w : len(matrix)]
+    values, vectors = np.linalg.eig(matrix[np.ix_(retained, retained)])
     free = n - w
     turning = [rates + at + 1 - int(np.sum(law.sliders <= at)) for at in law.gears.values()]  # rates of hollow axles
-    geared = np.searchsorted(kept, turning)
+    geared = np.searchsorted(retained, turning)
     of_boxes = np.array([box.inertia[1] for _, box in vehicle.boxes.values()])
     of_gears = np.array([drive.inertia for drive in vehicle.drives])
     modes = []

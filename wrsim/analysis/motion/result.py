@@ -52,7 +52,7 @@ def result_of(
     motion, poses = _placed(motion, law)
     n, body = len(motion.times), 6 * vehicle.reference
     places = law.places(np.column_stack([p.distance for p in poses]))
-    kept = Channels(n, folder)
+    stored = Channels(n, folder)
     bodies = np.array([law.start + part.centre[0] for part in vehicle.bodies])
     wear = setup.plan.wear
     losses = None if wear is None else Losses(wear, law.wheels, [ways(p.distance, wear.stretch) for p in poses])
@@ -60,9 +60,9 @@ def result_of(
     for begin in range(0, n, BLOCK):
         block = slice(begin, min(begin + BLOCK, n))
         found = with_derived(_block(setup, law, motion, poses, places, bodies, block, losses))
-        kept.put(block, {name: typed(name, values) for name, values in found.items()})
+        stored.put(block, {name: typed(name, values) for name, values in found.items()})
     law.follow(False)
-    channels: dict[str, Any] = dict(kept.filled())
+    channels: dict[str, Any] = dict(stored.filled())
     channels["distance"] = reference = np.asarray(channels["distance"])
     if law.driven:
         from scipy.integrate import cumulative_trapezoid  # some 40 ms to import, for drives alone

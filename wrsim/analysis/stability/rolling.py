@@ -148,11 +148,11 @@ class RollingVehicle:
         linear = linearise(self.law, self.law.bodies, *self.state(speed))
         m = 6 * linear.bodies
         spins = 6 * np.arange(len(self.law.vehicle.wheelsets)) + 5
-        kept = np.setdiff1d(np.arange(linear.state_matrix.shape[0]), spins)
-        values, vectors = np.linalg.eig(linear.state_matrix[np.ix_(kept, kept)])
+        retained = np.setdiff1d(np.arange(linear.state_matrix.shape[0]), spins)
+        values, vectors = np.linalg.eig(linear.state_matrix[np.ix_(retained, retained)])
         whole = np.zeros((m, len(values)), dtype=complex)
-        own = kept < m
-        whole[kept[own]] = vectors[own]
+        own = retained < m
+        whole[retained[own]] = vectors[own]
         oscillating = (values.imag > 2.0 * np.pi * SLOWEST) & (np.abs(values.imag) <= 2.0 * np.pi * highest)
         order = np.argsort(values[oscillating].imag)
         shapes = whole[:, oscillating].T[order].reshape(-1, linear.bodies, 6)

@@ -301,9 +301,9 @@ def read_sections(path: Path, measured: bool = False) -> list[RailSection]:
             more = f"must be more than {found[-1].distance:g} of the section before, or its points together"
             raise InputError(f"{path}:{lines[own[0]]}: at_m = {place:g}: {more}")
         points = ProfilePoints(str(path), 1e-3 * table["outward_mm"][own], 1e-3 * table["up_mm"][own], lines[own])
-        kept = points.without_duplicates().in_order()
-        check_points(kept)
-        profile = (smoothed if measured else interpolated)(kept, f"{path.stem}, {place:g} m", "rail", path.name)
+        retained = points.without_duplicates().in_order()
+        check_points(retained)
+        profile = (smoothed if measured else interpolated)(retained, f"{path.stem}, {place:g} m", "rail", path.name)
         found.append(RailSection(place, profile, _features(points, marks[own], profile)))
     return found
 
