@@ -196,7 +196,7 @@ def test_a_single_wrong_bit_is_found(share, written, tmp_path):
         (lambda d: d.assign_attrs(step_s="x"), "its step_s is 'x', must be a number"),
         (lambda d: d.assign_attrs(steps=np.nan), "its steps is nan, must be a whole number"),
         (lambda d: d.assign_attrs(law=np.arange(3.0)), "its law is array([0., 1., 2.]), must be a number or a text"),
-        (lambda d: d.assign_attrs(format_version="two"), "not in which format"),
+        (lambda d: d.assign_attrs(format_version="two"), "has no format"),
     ],
 )
 def test_a_file_that_says_it_is_ours_and_lacks_what_readers_need_is_refused(spoil, words, tmp_path):
