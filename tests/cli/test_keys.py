@@ -178,5 +178,6 @@ def test_keys_of_a_table_are_printed_and_a_slip_names_the_nearest() -> None:
     assert "half_widths_mm" in answer.output and "conicity" not in answer.output
     assert "did you mean 'contact'?" in refusal("keys", "contcat")
     assert "did you mean 'study'?" in refusal("keys", "--file", "stduy")
+    assert ok("keys", "--file", "service").output == ok("keys", "--file", "evolution").output
     found = json.loads(call("keys", "run", "--json").output)
     assert {e["key"] for e in found["[run]"]} >= {"step_us", "output_interval_ms"}

@@ -238,6 +238,9 @@ def test_a_step_file_with_odd_content_counts_as_none(odd: object, evolution: Evo
     whole = asdict(Step(0, 0.0, 1e3, 1e-9, 1e-7, 0.0, areas, evolution.digest))
     (tmp_path / STEP).write_bytes(json.dumps(whole).encode())
     assert read_step(evolution, tmp_path) == Step(**whole)
+    older = {"service" if key == "evolution" else key: value for key, value in whole.items()}
+    (tmp_path / STEP).write_bytes(json.dumps(older).encode())
+    assert read_step(evolution, tmp_path) == Step(**whole), "under its older name"
     (tmp_path / STEP).write_bytes(odd if isinstance(odd, bytes) else json.dumps(whole | dict(odd)).encode())  # type: ignore[call-overload]
     assert read_step(evolution, tmp_path) is None
 
