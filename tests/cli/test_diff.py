@@ -56,6 +56,8 @@ def test_wheelsets_and_curves_are_matched_by_order_and_what_was_asked_differentl
     assert found["alike"] and {d["place"] for d in found["differences"]} >= {"wheelset right"}
     assert sum("150 in B" in words for words in found["inputs"]) == 1
     assert "wheelsets are matched from the front: wheelset and lead" in found["inputs"]
+    call("diff", runs[0], tmp_path, "-o", tmp_path / "d")
+    assert (tmp_path / "d/diff.png").exists()
 
 
 def test_a_run_that_stopped_is_not_like_one_that_came_to_its_end(runs: tuple[str, str, str]) -> None:

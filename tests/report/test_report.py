@@ -212,6 +212,24 @@ def test_texts_of_users_are_escaped(curve: Result) -> None:
 
 
 @pytest.mark.usefixtures("unpainted")
+def test_two_results_are_set_against_each_other_with_wheelsets_from_the_front(curve: Result, coach: Result) -> None:
+    """The second has Q of the right wheel 10 % larger, another speed, and another name of its wheelset."""
+    other = curve.dataset.copy(deep=True)
+    other["Q"].loc[{"wheel": "right"}] *= 1.1
+    text = other.attrs["scenario_text"] = other.attrs["scenario_text"] + "\n[asked]\nspeed_kmh = 99\n"
+    other = other.assign_coords(wheelset=["lead"] if "wheelset" in other.dims else "lead")
+    page = page_of(curve, Result(other))
+    body = page[: page.index(str(escape(text)))]  # the scenarios themselves are below
+    assert body.count("asked.speed_kmh: not given in A, 99 in B") == 1
+    assert body.count("wheelsets are matched from the front: wheelset and lead") == 1
+    assert body.count("<article") == 1  # one card, of both
+    (largest,) = re.findall(r'<th scope="row">Q, largest \[kN\]</th>(.*?)</tr>', body, re.DOTALL)
+    assert re.findall(r"<td>(.*?)</td>", largest)[-2:] == ["0.0", "10.0"]
+    assert "<td>10</td>" in body[body.index('id="differences"') :]
+    assert "both must be of one kind" in page_of(curve, Result(static_poses()))
+    assert 'id="differences"' not in page_of(curve)
+
+
 def test_results_of_other_analyses_have_reports_too() -> None:
     text = page_of(Result(static_poses()), Result(static_poses()))
     assert 'id="pictures"' in text and 'id="contacts"' in text

@@ -31,7 +31,7 @@ from wrsim.results.moments import has_patches, moments_at
 from wrsim.results.ride import Ride
 from wrsim.results.table import Table, as_rows, quantity
 from wrsim.results.tables import tables
-from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
+from wrsim.results.wheelsets import matched, of_wheelset, wheelsets, worst_wheelset
 
 if TYPE_CHECKING:
     from wrsim.analysis.compare import Comparison
@@ -90,7 +90,7 @@ def write_differences(
 ) -> list[Path]:
     """``diff.csv`` and, of runs and poses, ``diff.png``."""
     figures: dict[str, Any] = {}
-    one, other = (r.dataset for r in results)
+    one, other = results[0].dataset, matched(results[1].dataset, results[0].dataset)
     if has_curves(one) and has_curves(other) and (worst := worst_wheelset(one)) in wheelsets(other):
         pair = [of_wheelset(dataset, worst) for dataset in (one, other)]
         figures["diff"] = lambda: overlay_figure(pair, names)

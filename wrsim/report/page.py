@@ -38,7 +38,7 @@ from wrsim.results.assessment import TO_CONFIRM, Assessment
 from wrsim.results.moments import has_patches, moment_dim
 from wrsim.results.summary import has_wear
 from wrsim.results.table import as_html, formatted, quantity
-from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets, worst_wheelset
+from wrsim.results.wheelsets import matched, numbered, of_wheelset, wheelsets, worst_wheelset
 
 MOST_RESULTS = 8  # results in one report: more have no colours of their own
 MOST_MOMENTS = 6  # moments of a wheelset whose contacts are drawn
@@ -57,18 +57,19 @@ def report_page(
     sources = [last_part(source) for source in sources]
     names = [f"{chr(ord('A') + i)} {source}" for i, source in enumerate(sources)]
     names = names if len(names) > 1 else [""]
-    summaries = [r.summary() for r in results]
+    alike = [Result(matched(r.dataset, results[0].dataset)) for r in results]  # wheelsets by order, from the front
+    summaries = [r.summary() for r in alike]
     from wrsim.analysis.assessment import assess_runs
     from wrsim.analysis.ride import evaluate_ride
 
     both = [tables.evaluated(assess_runs, r) for r in results]
     found = [assessment for assessment, _ in both]
-    charts = charts_of([r.dataset for r in results], names, tables.chart_limits(found))
+    charts = charts_of([r.dataset for r in alike], names, tables.chart_limits(found))
     moves = [{"point", "time"} <= set(r.dataset.dims) for r in results]
     rides = [tables.evaluated(evaluate_ride, r) if so else (None, "") for r, so in zip(results, moves, strict=True)]
     ridden = {name: ride for name, (ride, _) in zip(names, rides, strict=True) if ride}
     bands = [partial(ride_figure, ridden, "ride_bands")] if ridden else []
-    histories = _histories(results, names, found) if charts else {}
+    histories = _histories(alike, names, found) if charts else {}
     contacts = {name: _contacts(r.dataset, name) for name, r in zip(names, results, strict=True)}
     rows, sources_of_limits = tables.assessment_rows(found)
     makers = [histories, *(own["makers"] for sets in contacts.values() for own in sets)]
@@ -95,6 +96,7 @@ def report_page(
             "data": charts,
             "pictures": [as_picture(n, make()) for n, make in ({} if charts else _standard(results, names)).items()],
             "cards": tables.cards(summaries, names),
+            "apart": tables.apart(results, names),
             "curves": tables.curves(summaries, names),
             "numbers": tables.numbers(results, summaries, names),
             "contacts": contacts,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -17,6 +18,7 @@ from wrsim.results import CHANNELS, Result
 from wrsim.results.assessment import NO_VERDICT, Assessment, ZoneValue
 from wrsim.results.channels import PATCHES
 from wrsim.results.dataset import table_of_scenario
+from wrsim.results.differences import LISTED, beyond, difference_table, differences, inputs_apart
 from wrsim.results.files import from_json
 from wrsim.results.moments import sample_of
 from wrsim.results.summary import summarise_wear
@@ -39,6 +41,7 @@ OF_PATCHES = ("N", "p0", "contact_angle", "contact_angle_variation", "area")
 GOOD, BAD, OPEN = "good", "bad", "open"
 """States of a verdict: within all limits; beyond one, or stopped; none."""
 
+APART_FROM = 0.01  # part of a quantity's largest value from which results differ, as of wrsim diff
 MOST_CURVES = 10  # full curves of a result that are listed; summary.json has all of them
 APART = 1.05  # limits that differ by less are one line in a chart
 
@@ -165,10 +168,27 @@ def cards(summaries: Sequence[Summary], names: Sequence[str]) -> list[tuple[str,
 
 
 def curves(summaries: Sequence[Summary], names: Sequence[str]) -> list[Table]:
-    """Medians in full curves, of every result."""
+    """Medians in full curves, of every result; of several results curve by curve."""
     sets = [summary.get("wheelsets", {}) for summary in summaries]
     tables = [curve_tables(list(numbered(tuple(own)).values()), list(own.values()), MOST_CURVES) for own in sets]
-    return _named(tables, names)
+    named = [_named([own], [name]) for own, name in zip(tables, names, strict=True)]
+    return [table for of_curve in zip_longest(*named) for table in of_curve if table is not None]
+
+
+def apart(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
+    """What the later results were asked otherwise than the first, and the numbers that differ most, in percent."""
+    found = []
+    for name, other in zip(names[1:], results[1:], strict=True):
+        letters = names[0][0], name[0]
+        asked = inputs_apart(results[0], other, letters)
+        try:
+            off = beyond(differences(results[0], other), APART_FROM)
+        except InputError as problem:  # analyses of two kinds
+            off, asked = [], [*asked, str(problem)]
+        if len(off) > LISTED:
+            asked.append(f"the largest {LISTED} of {len(off)} differences of more than {100.0 * APART_FROM:g} %")
+        found.append(difference_table(off[:LISTED], letters, f"{letters[1]} against {letters[0]}", asked))
+    return found
 
 
 def numbers(results: Sequence[Result], summaries: Sequence[Summary], names: Sequence[str]) -> list[Table]:

@@ -12,11 +12,11 @@ from wrsim.inputs.changes import leaves
 from wrsim.results.channels import PATCHES
 from wrsim.results.result import Result
 from wrsim.results.table import Column, Table, finite, quantity
-from wrsim.results.wheelsets import wheelsets
+from wrsim.results.wheelsets import matched, wheelsets
 
 LEFT_OUT = ("title", "analysis", "status", "stop", "versions", "integration", "extent", "events")
 """Parts of a summary that are no quantities."""
-PLACES = ("distance_m", "time_s", "pose", "from_m", "to_m")  # where something is
+PLACES = ("distance_m", "time_s", "pose", "from_m", "to_m", "radius_m")  # where something is, and in which curve
 LISTED = 20  # differences that are listed for people
 SMALLEST = 1e-6  # values below this, in their unit for readers, count as zero
 
@@ -49,9 +49,8 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
         raise InputError(
             f'cannot compare analysis = "{first.analysis}" with "{second.analysis}": both must be of one kind'
         )
-    ahead, behind = (wheelsets(result.dataset) for result in (first, second))
-    same = {} if ahead == behind else dict(zip(behind, ahead, strict=False))  # by order, from the front
-    one, other = dict(_numbers(first.summary())), dict(_numbers(second.summary(), names=same))
+    same = Result(matched(second.dataset, first.dataset))
+    one, other = (dict(_numbers(result.summary())) for result in (first, same))
     keys = list(dict.fromkeys((*one, *other)))
     names = list(dict.fromkeys(name for _, name in keys))
     chosen = set() if only else set(names)
@@ -72,30 +71,36 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
     return sorted(found, key=lambda d: -d.relative)
 
 
-def inputs_apart(one: Result, other: Result) -> list[str]:
+def inputs_apart(one: Result, other: Result, letters: Sequence[str] = "AB") -> list[str]:
     """Keys of the two scenarios whose values differ, and wheelsets that are matched under other names."""
     texts = [str(result.dataset.attrs.get("scenario_text", "")) for result in (one, other)]
-    first, second = (
-        {key: value for key, value in leaves(tomllib.loads(text), lists=False) if value != {}} for text in texts
-    )
+    try:
+        trees = [tomllib.loads(text) for text in texts]
+    except tomllib.TOMLDecodeError:  # of another author
+        return ["the scenario of one of the results is no TOML: its keys are not compared"]
+    first, second = ({key: value for key, value in leaves(tree, lists=False) if value != {}} for tree in trees)
     keys = [key for key in dict.fromkeys((*first, *second)) if first.get(key) != second.get(key) and key != "title"]
-    found = [f"{key}: {first.get(key, 'not given')} in A, {second.get(key, 'not given')} in B" for key in keys]
+    a, b, none = *letters, "not given"
+    found = [f"{key}: {first.get(key, none)} in {a}, {second.get(key, none)} in {b}" for key in keys]
     names = [wheelsets(result.dataset) for result in (one, other)]
     if names[0] != names[1]:
         found.append(f"wheelsets are matched from the front: {', '.join(names[0])} and {', '.join(names[1])}")
     return [*found[:LISTED], *([f"... and {len(found) - LISTED} more keys"] if len(found) > LISTED else [])]
 
 
-def difference_table(found: Sequence[Deviation]) -> Table:
+def difference_table(
+    found: Sequence[Deviation], letters: Sequence[str] = "AB", title: str = "", notes: Sequence[str] = ()
+) -> Table:
     """A row a number; differences without one of the numbers are missing."""
+    one, other = letters
     heads = (
         Column("place", key="place"), Column("quantity", key="quantity"),
-        Column("A", "", ".5g", "a"), Column("B", "", ".5g", "b"),
-        Column("B - A", "", ".3g", "difference"), Column("change", "%", ".3g", "change_percent"),
+        Column(one, "", ".5g", "a"), Column(other, "", ".5g", "b"),
+        Column(f"{other} - {one}", "", ".4g", "difference"), Column("change", "%", ".3g", "change_percent"),
         Column("part of largest", "", ".2g", "relative"),
     )  # fmt: skip
     rows = [(d.place, d.quantity, d.first, d.second, finite(d.absolute), d.change, finite(d.relative)) for d in found]
-    return Table("", heads, rows)
+    return Table(title, heads, rows, tuple(notes))
 
 
 def beyond(found: Sequence[Deviation], tolerance: float) -> list[Deviation]:
@@ -126,23 +131,20 @@ def compared_tables(
     return [head, *([difference_table(listed)] if listed else []), Table("", notes=(*more, *ends, verdict))]
 
 
-def _numbers(
-    tree: Any, place: tuple[str, ...] = (), names: Mapping[str, str] | None = None
-) -> Iterator[tuple[tuple[str, str], float | None]]:
-    """Every number of a summary by its place and its quantity; a peak counts as its value. names: of wheelsets that are
-    matched by order, by their own."""
+def _numbers(tree: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, str], float | None]]:
+    """Every number of a summary by its place and its quantity; a peak counts as its value."""
     for key, value in tree.items():
         if (not place and key in LEFT_OUT) or key in PLACES:
             continue
         if isinstance(value, Mapping) and "value" in value:
             value = value["value"]
         if isinstance(value, Mapping):
-            own = place if key in ("wheelsets", "wheels", "points") else (*place, (names or {}).get(key, str(key)))
-            yield from _numbers(value, own, names)
+            own = place if key in ("wheelsets", "wheels", "points") else (*place, str(key))
+            yield from _numbers(value, own)
         elif isinstance(value, list):
             for i, entry in enumerate(value):
                 if isinstance(entry, Mapping):
-                    yield from _numbers(entry, (*place, _name(entry, key, i)), names)
+                    yield from _numbers(entry, (*place, _name(entry, key, i)))
         elif value is None or (isinstance(value, int | float) and not isinstance(value, bool)):
             yield (" ".join(place), str(key)), None if value is None else float(value)
 

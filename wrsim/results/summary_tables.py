@@ -85,22 +85,34 @@ def extent_words(dataset: xr.Dataset) -> str:
 
 
 def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: str = "Peaks") -> list[Table]:
-    """Peaks of one wheelset and its wheels with their places, a column for each result; names: of the results."""
-    pairs = list(zip(own, names, strict=True))
+    """Peaks of one wheelset and its wheels with their places, a column for each result; names: of the results. Of two
+    results their change too."""
+    pairs, two = list(zip(own, names, strict=True)), len(own) == 2 and all(own)
     wheels = [(each, name, wheel) for each, name in pairs for wheel in (each["wheels"] if each else WHEELS)]
     rows: list[Sequence[Cell]] = []
     for key, peak in PEAKS.items():
-        cells = (_placed(each["wheels"][wheel].get(key) if each else None) for each, _, wheel in wheels)
-        rows.append((with_unit(peak.words, peak.unit), *cells))
-    heads = (Column(f"{name}: {wheel}" if len(own) > 1 else wheel) for _, name, wheel in wheels)
+        cells = [_placed(each["wheels"][wheel].get(key) if each else None) for each, _, wheel in wheels]
+        rows.append((with_unit(peak.words, peak.unit), *cells, *(_changes(cells) if two else ())))
+    heads = [Column(f"{name}: {wheel}" if len(own) > 1 else wheel) for _, name, wheel in wheels]
+    if two:
+        heads += [Column(f"change, {wheel}", "%", ".1f") for wheel in WHEELS]
     tables = [Table(title, (Column(), *heads), _known(rows))]
-    rows = [
-        (with_unit(f"{peak.words}, largest either way", peak.unit), *(_placed((each or {}).get(key)) for each in own))
-        for key, peak in OF_WHEELSET.items()
-    ]
+    rows = []
+    for key, peak in OF_WHEELSET.items():
+        cells = [_placed((each or {}).get(key)) for each in own]
+        change = _changes(cells) if two else ()
+        rows.append((with_unit(f"{peak.words}, largest either way", peak.unit), *cells, *change))
     if rows := _known(rows):
-        tables.append(Table("", (Column("wheelset"), *map(Column, names)), rows))
+        last = [Column("change", "%", ".1f")] if two else []
+        tables.append(Table("", (Column("wheelset"), *map(Column, names), *last), rows))
     return tables
+
+
+def _changes(cells: Sequence[Placed]) -> list[float | None]:
+    """Of the second half of some numbers over the first [%]; None without one of them, or over zero."""
+    half = len(cells) // 2
+    pairs = zip((cell.value for cell in cells[:half]), (cell.value for cell in cells[half:]), strict=True)
+    return [100.0 * (b - a) / abs(a) if a and b is not None else None for a, b in pairs]
 
 
 def vehicle_table(title: str, labels: Sequence[str], own: Sequence[Summary]) -> Table:

@@ -58,6 +58,15 @@ def of_wheelset(dataset: xr.Dataset, name: str | None = None) -> xr.Dataset:
     return one.drop_vars("wheelset_distance").assign_coords(distance=distance)
 
 
+def matched(dataset: xr.Dataset, first: xr.Dataset) -> xr.Dataset:
+    """A dataset whose wheelsets go by the names of another's, by their order from the front; others by their own."""
+    own, ahead = wheelsets(dataset), wheelsets(first)
+    names = [*ahead[: len(own)], *own[len(ahead) :]]
+    if len(set(names)) < len(names) or tuple(names) == own:
+        return dataset
+    return dataset.assign_coords(wheelset=names if "wheelset" in dataset.dims else names[0])
+
+
 def worst_wheelset(dataset: xr.Dataset) -> str:
     """The wheelset with the largest derailment quotient; the first one where there is none."""
     names = wheelsets(dataset)
