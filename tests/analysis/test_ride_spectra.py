@@ -133,7 +133,7 @@ def test_the_stretch_and_the_resolution_come_from_the_scenario():
     assert found.data["frequency"].values[1] == pytest.approx(0.5)
     with pytest.raises(InputError, match=r"from_m = 2000, to_m = 1200: the run has no samples there"):
         evaluate_ride(ridden(), RideSection(from_m=2000.0))
-    with pytest.raises(InputError, match=r"no points: accelerations are kept at the \[\[points\]\]"):
+    with pytest.raises(InputError, match=r"no points: accelerations are stored at the \[\[points\]\]"):
         evaluate_ride(run(100.0))
 
 
