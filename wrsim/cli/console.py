@@ -52,7 +52,7 @@ def print_error(message: str) -> None:
     print(f"\x1b[1m{line}\x1b[0m" if ": warning: " in line and sys.stderr.isatty() else line, file=sys.stderr)
 
 
-def print_files(count: int, directory: Path, removed: int = 0) -> None:
+def print_files(count: int, directory: Path | None, removed: int = 0) -> None:
     """Where the files of a command are, how many of an earlier result are removed, and how to look at them."""
     print_lines(f"{count} files in {directory}")
     if removed:

@@ -59,7 +59,7 @@ def run_command(
             if not quiet:
                 console.print_numbers(False, {}, found.tables)
                 console.print_lines(*found.lines)
-                console.print_files(len(found.files), found["directory"], len(found["removed"]))
+                console.print_files(len(found.files), found.folder, len(found["removed"]))
             if found.code:
                 console.print_error(f"{file}: stopped: {found.found.result.stop_reason}")
             if found.code and not quiet:
@@ -111,7 +111,7 @@ def study(
             console.print_json(found.numbers | {"files": [str(f) for f in found.files]})
         elif not quiet:
             console.print_numbers(False, found.numbers, found.tables)
-            console.print_files(len(found.files), found["directory"])
+            console.print_files(len(found.files), found.folder)
         for words in [] if as_json or dry_run else found.found(quiet):
             console.print_error(words)
         if found.code:
