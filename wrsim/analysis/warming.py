@@ -6,6 +6,8 @@ import time
 
 from wrsim.analysis import run
 from wrsim.contact.models import NORMAL_MODELS
+from wrsim.core.contact.records import FREE_STRIPS
+from wrsim.core.contact.wheel_rail import compiled_aside
 from wrsim.core.jit.cache import CACHE
 from wrsim.errors import WrsimError
 from wrsim.inputs.lookup import shipped_models
@@ -34,8 +36,15 @@ def warm() -> str:
     if CACHE is None:
         raise WrsimError("there is no place for compiled kernels")
     begin = time.perf_counter()
+    with compiled_aside(FREE_STRIPS):
+        _try("kik-piotrowski")
     for normal in (name for name, model in NORMAL_MODELS.items() if model.solve is None):
-        for analysis, values in (("curving", {"run.distance_m": 0.2}), ("static", {})):
-            scenario = load_text(scenario_template(analysis), shipped_models())
-            run(scenario.with_values({"contact.normal": normal, **values}))
+        _try(normal)
     return f"kernels are compiled, in {CACHE} ({quantity(time.perf_counter() - begin, 's', '.0f')})"
+
+
+def _try(normal: str) -> None:
+    """A short run and a static pose with a normal model."""
+    for analysis, values in (("curving", {"run.distance_m": 0.2}), ("static", {})):
+        scenario = load_text(scenario_template(analysis), shipped_models())
+        run(scenario.with_values({"contact.normal": normal, **values}))

@@ -7,6 +7,7 @@ from contextlib import closing, nullcontext, suppress
 from dataclasses import replace
 from math import ceil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,9 +21,11 @@ from wrsim.analysis.progress import Progress
 from wrsim.contact.models import NORMAL_MODELS
 from wrsim.core.body import derivative, implicit_step, kinematics, rigid_body, vehicle_forces, watch, wheel_forces
 from wrsim.core.contact import wheel_rail
+from wrsim.core.contact.records import CONTACT, CREEP_FORCES, FREE_STRIPS
 from wrsim.core.contact.search import locus
 from wrsim.core.contact.strips import equations
 from wrsim.core.jit.compiling import COUNT, Kernel
+from wrsim.core.jit.stages import ARGUMENTS
 from wrsim.core.track import path as path_kernels
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.segments import Straight
@@ -60,6 +63,22 @@ CALLED = (
 """Kernels that Python calls in an implicit run along the track, and stages, without the normal model."""
 
 
+SIGNATURES: tuple[Any, ...] = (
+    ARGUMENTS,
+    "(float64, float64[::1], float64[::1], float64[::1], float64[::1], int64[:, ::1])",
+    "(float64, int64, boolean, int64[:, ::1], int64[:, :, ::1], float64[:, ::1], float64[:, ::1], float64[::1], "
+    "int64[:, ::1])",
+)
+
+
+def _compile_others() -> None:
+    """The large ones of the kernels that any run along the track calls."""
+    wheel_rail.compile_stages(CONTACT, CREEP_FORCES)
+    kernels: Any = wheel_forces.one_wheel, vehicle_forces.vehicle_forces, derivative.add_differences
+    for one, signature in zip(kernels, SIGNATURES, strict=True):
+        one.compile(signature)
+
+
 class StepTooLong(InputError):
     """The given step is not stable. ``rule``: what is allowed, without file and key."""
 
@@ -80,6 +99,10 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
     for function in (*CALLED, normal):
         if isinstance(function, Kernel):
             COUNT.begin(function.py_func)  # so that the total does not grow while they are compiled
+    if normal is wheel_rail.free_strips:
+        with wheel_rail.compiled_aside(FREE_STRIPS) as aside:
+            if aside:
+                _compile_others()
     law = force_law(setup)
     system = BodySystem(law.bodies, law)
     if record is not None and record.resume:

@@ -26,6 +26,7 @@ from wrsim.core.contact.records import (
     TOTAL,
 )
 from wrsim.core.contact.strips.records import MEMO
+from wrsim.core.dense import copy
 from wrsim.core.jit import (
     Array,
     Ints,
@@ -204,7 +205,7 @@ def some_poses(buffer: Array, index: Ints) -> int:
         s = searches[i]
         if s.load < 0.0:
             continue
-        pose[:] = poses[i]
+        copy(pose.shape[0], poses[i], pose)
         if s.load > 0.0:
             settings.start = start
             meet_load(buffer, own, s)

@@ -7,8 +7,12 @@ The normal models, the creep forces and, for a vehicle, the whole contact are st
 stage takes the lobes that the search has found, their number in ``total``, and returns status bits.
 """
 
+import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +43,9 @@ from wrsim.core.contact.strips.model import press_strips
 from wrsim.core.contact.tangential.creep_forces import creep_forces
 from wrsim.core.contact.tangential.friction import set_law
 from wrsim.core.jit import Array, Ints, Record, Records, kernel, stages
+from wrsim.core.jit.cache import CACHE, CONFIG, own_process
 from wrsim.core.jit.cache import CONTACT as STORED
+from wrsim.core.jit.compiling import COUNT, cores
 
 TURNS = 2  # of creep forces and pressures that act on each other: each leaves a hundredth of the last change
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
@@ -215,13 +221,39 @@ def all_creep_forces(buffer: Array, index: Ints) -> int:
     return 0
 
 
-STAGES = {KIK_PIOTROWSKI: kik_piotrowski, FREE_STRIPS: free_strips, CREEP_FORCES: all_creep_forces, CONTACT: wheel_rail}
+STAGES: dict[int, Any] = {
+    KIK_PIOTROWSKI: kik_piotrowski,
+    FREE_STRIPS: free_strips,
+    CREEP_FORCES: all_creep_forces,
+    CONTACT: wheel_rail,
+}
 
 
 def compile_stages(*numbers: int) -> None:
     """See `core.jit.stages.make_ready`."""
     for number in numbers:
         stages.make_ready(number, STAGES[number])
+
+
+@contextmanager
+def compiled_aside(number: int) -> Iterator[bool]:
+    """While this lasts another process compiles a stage into the cache, which is waited for at the end. Not where it is
+    there already, or there is one processor: False. If that process fails the stage is compiled when it is asked for.
+    """
+    kernel = STAGES[number]
+    if CACHE is None or CONFIG.DISABLE_JIT or cores() < 2 or kernel.kept:
+        yield False
+        return
+    code = f"from {__name__} import compile_stages; compile_stages({number})"
+    other = subprocess.Popen(**own_process(code), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield True
+        other.wait()
+        COUNT.end(kernel.py_func, all_in_it=True)
+    finally:
+        if other.poll() is None:
+            other.kill()
+            other.wait()
 
 
 def repeat_contacts(folder: str) -> None:

@@ -20,8 +20,9 @@ import stat
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import llvmlite
@@ -124,6 +125,12 @@ def made_with() -> dict[str, str]:
     }
 
 
+def own_process(code: str, environment: Mapping[str, str] = MappingProxyType({})) -> dict[str, Any]:
+    """Arguments for ``subprocess`` of a process that runs this code with the same sources."""
+    paths = os.pathsep.join([str(SOURCES.parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])])
+    return {"args": [sys.executable, "-P", "-c", code], "env": {**os.environ, **environment, "PYTHONPATH": paths}}
+
+
 class Shipped:
     """Kernels in a folder, made for a target: the triple, processor and features of numba's caches."""
 
@@ -146,11 +153,8 @@ class Shipped:
     def _pass(self) -> bool:
         """Whether another process computes the contacts that came with the kernels."""
         code = f"from wrsim.core.contact.wheel_rail import repeat_contacts; repeat_contacts({str(self.folder)!r})"
-        paths = os.pathsep.join([str(SOURCES.parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])])
-        env = os.environ | {TRYING: "1", "PYTHONPATH": paths}
         try:
-            command = [sys.executable, "-P", "-c", code]
-            return subprocess.run(command, env=env, capture_output=True, timeout=120).returncode == 0
+            return subprocess.run(**own_process(code, {TRYING: "1"}), capture_output=True, timeout=120).returncode == 0
         except (OSError, subprocess.SubprocessError):
             return False
 

@@ -34,6 +34,7 @@ from numba.core.environment import lookup_environment
 from numba.core.registry import CPUDispatcher
 
 from wrsim.core.jit.cache import CACHE, CONFIG, KernelCache
+from wrsim.core.jit.pipeline import Flags, Pipeline, counts_references, holds_arrays, remembered_calls
 from wrsim.errors import InputError
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -58,9 +59,12 @@ class Count:
                 if isinstance(thing, Kernel):
                     self.begin(thing.py_func)
 
-    def end(self, function: Any) -> None:
-        """This one is compiled."""
+    def end(self, function: Any, all_in_it: bool = False) -> None:
+        """This one is compiled, or with all that it calls."""
         self.done.add(function)
+        for thing in inspect.getclosurevars(function).globals.values() if all_in_it else ():
+            if isinstance(thing, Kernel) and thing.py_func not in self.done:
+                self.end(thing.py_func, True)
         if function in self.due:
             LOGGER.info("compiling kernels, once: %d of %d", len(self.done & self.due), len(self.due))
             if self.due <= self.done:
@@ -110,24 +114,16 @@ class Compiler(_FunctionCompiler):
     """Whether the arrays that the function is called with do not overlap."""
 
     def _compile_core(self, args: Any, return_type: Any) -> Any:
-        description = self.targetdescr
-        flags: Any = compiler.Flags()
-        description.options.parse_as_flags(flags, self.targetoptions)
-        flags.no_cfunc_wrapper = True
-        flags.no_cpython_wrapper = flags.no_compile = self.library is Part
-        flags.noalias = self.apart
-        library = self.library(description.target_context.codegen(), self.py_func.__qualname__)
-        library.enable_object_caching()
         whole, began = self.library is Whole, time.perf_counter()
         if whole:
             COUNT.begin(self.py_func)
         collects = gc.isenabled()
         gc.disable()  # numba's types and blocks live on: to look through them takes a seventh of the time
         try:
-            made = compiler.compile_extra(
-                description.typing_context, description.target_context, self.py_func, args, return_type, flags,
-                self.locals, library, self.pipeline_class,
-            )  # fmt: skip
+            with remembered_calls():
+                made = self._compiled(args, return_type, not whole and counts_references())
+                if whole and holds_arrays(made.signature.return_type):  # Python owns them
+                    made = self._compiled(args, return_type, True)
         finally:
             if collects:
                 gc.enable()
@@ -135,6 +131,21 @@ class Compiler(_FunctionCompiler):
         if whole:  # its parts are compiled within
             COUNT.seconds += time.perf_counter() - began
         return made
+
+    def _compiled(self, args: Any, return_type: Any, counting: bool) -> Any:
+        """counting: references to arrays are counted."""
+        description = self.targetdescr
+        flags: Any = Flags()
+        description.options.parse_as_flags(flags, self.targetoptions)
+        flags.no_cfunc_wrapper = True
+        flags.no_cpython_wrapper = flags.no_compile = self.library is Part
+        flags.noalias, flags.nrt = self.apart, counting
+        library = self.library(description.target_context.codegen(), self.py_func.__qualname__)
+        library.enable_object_caching()
+        return compiler.compile_extra(
+            description.typing_context, description.target_context, self.py_func, args, return_type, flags.one_of(),
+            self.locals, library, Pipeline,
+        )  # fmt: skip
 
 
 class Kernel(CPUDispatcher):
@@ -148,10 +159,15 @@ class Kernel(CPUDispatcher):
         given = py_func, self.targetdescr, self.targetoptions, self.locals, pipeline_class
         self._compiler, self._part_compiler = Compiler(*given), Compiler(*given)
         self._part_compiler.library = Part
-        self._parts: dict[tuple[types.Type, ...], Any] = {}
+        self._parts: dict[tuple[tuple[types.Type, ...], bool], Any] = {}
 
     def enable_caching(self) -> None:
         self._cache = KernelCache(self.py_func)
+
+    @property
+    def kept(self) -> bool:
+        """Whether compiled code of this kernel is at hand: in the user's cache, or with the package."""
+        return self._cache.shipped is not None or os.path.exists(self._cache._cache_file._index_path)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """What another kernel's types ask for: see numba's dispatcher."""
@@ -166,11 +182,12 @@ class Kernel(CPUDispatcher):
         return self._part(tuple(sig)).fndesc
 
     def _part(self, args: Any) -> Any:
-        if args not in self._parts:
+        key = args, counts_references()
+        if key not in self._parts:
             with self._compiling_counter, event.trigger_event("numba:compile", {"dispatcher": self, "args": args}):
-                part = self._parts[args] = self._part_compiler.compile(args, None)
+                part = self._parts[key] = self._part_compiler.compile(args, None)
             self.targetctx.insert_user_function(part.fndesc, part.fndesc, [part.library])
-        return self._parts[args]
+        return self._parts[key]
 
 
 def _declared(apart: bool = False, **options: Any) -> Callable[[F], F]:

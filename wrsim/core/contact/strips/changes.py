@@ -3,6 +3,7 @@
 from wrsim.core.contact.strips.equations import block_of, edge_wish, lay_strips, pressed, set_conditions
 from wrsim.core.contact.strips.hertz import hertz_ellipse
 from wrsim.core.contact.strips.records import EDGES, NB, NO, OF_A_STRIP, ROWS, STEP, X
+from wrsim.core.dense import copy
 from wrsim.core.jit.compiling import inlined, kernel
 
 ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
@@ -65,7 +66,7 @@ def move_edges(system, n, g, start, end):
     x, saved = system.vectors[X], system.vectors[STEP]
     for j in range(n):
         places[j].gap = places[j].s
-    saved[: OF_A_STRIP * n] = x[base : base + OF_A_STRIP * n]
+    copy(OF_A_STRIP * n, x[base:], saved)
     grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
     x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1] = max(start, grid.least), min(end, grid.most)
     lay_strips(system, n)
@@ -218,7 +219,7 @@ def _reach_out(system, n, g):
         touch += int(x[base + j] > 0.0)
     if touch < 2:
         # an edge takes two: one strip alone would be drawn in again
-        x[base : base + OF_A_STRIP * n] = system.vectors[STEP, : OF_A_STRIP * n]
+        copy(OF_A_STRIP * n, system.vectors[STEP], x[base:])
         x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1] = before
         grid.start_held, grid.end_held = held
         lay_strips(system, n)

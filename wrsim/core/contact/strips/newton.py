@@ -28,7 +28,7 @@ from wrsim.core.contact.strips.records import (
     F,
     X,
 )
-from wrsim.core.dense import factorise, invert, multiply, solve_factorised
+from wrsim.core.dense import copy, factorise, invert, multiply, solve_factorised
 from wrsim.core.jit.compiling import kernel
 
 STEPS = 25  # of a solution, at most: those that come to one take fewer
@@ -87,7 +87,7 @@ def newton(system, n, tolerance):
         again = whole
         if again:
             _learn(system)
-        vectors[LAST, : memo.unknowns] = vectors[NEXT, : memo.unknowns]
+        copy(memo.unknowns, vectors[NEXT], vectors[LAST])
         _scatter(system, size)
         predicted = residual * max(memo.rate, residual / last if again else 0.0)
         share = _longest_step(system, n)
@@ -141,7 +141,7 @@ def descend(system, n, held, tolerance):
         memo.factorisations += 1
         length = _solve(system)
         _scatter(system, size)
-        vectors[SAVED, :size] = vectors[X, :size]
+        copy(size, vectors[X], vectors[SAVED])
         share = 1.0 if held else _longest_step(system, n)
         for halving in range(HALVINGS + 1):
             changed, _whole = _advance(system, n, held, share, residual < CALM)
@@ -154,7 +154,7 @@ def descend(system, n, held, tolerance):
             if halving == HALVINGS:
                 return False
             share *= 0.5
-            vectors[X, :size] = vectors[SAVED, :size]
+            copy(size, vectors[SAVED], vectors[X])
         residual = after
     return False
 
