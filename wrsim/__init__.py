@@ -38,6 +38,7 @@ _HOMES = {
     "write_view": "wrsim.api",
     "write_pictures": "wrsim.api",
     "draw_track": "wrsim.api",
+    "write_unit": "wrsim.api",
     "new_file": "wrsim.api",
     "keys": "wrsim.api",
     "warm": "wrsim.analysis.warming",

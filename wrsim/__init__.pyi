@@ -24,6 +24,7 @@ from wrsim.api import show as show
 from wrsim.api import stationary as stationary
 from wrsim.api import write_pictures as write_pictures
 from wrsim.api import write_report as write_report
+from wrsim.api import write_unit as write_unit
 from wrsim.api import write_view as write_view
 from wrsim.contact.model import ContactModel as ContactModel
 from wrsim.contact.models import contact_model as contact_model

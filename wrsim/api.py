@@ -867,6 +867,42 @@ def draw_track(file: str | Path, picture: str | Path, models: Sequence[str | Pat
     return Outcome([], {}, [draw_model("track", Path(picture), found)], found)
 
 
+def write_unit(
+    scenario: Scenario | str | Path, output: str | Path | None = None, values: Sequence[str] = (), *,
+    step: float = 1e-3, models: Sequence[str | Path] = (),
+) -> Outcome:  # fmt: skip
+    """Write the vehicle of a run as a co-simulation unit of FMI 3.0, for Linux; it needs no Python when it runs.
+
+    Parameters
+    ----------
+    scenario : Scenario, str or Path
+        Of a run along the track, from whose start the unit starts.
+    output : str or Path, optional
+        The file; <name of the scenario's file>.fmu here unless given.
+    values : sequence of str
+        Keys to be changed, ``"vehicle.drive=free"``.
+    step : float
+        Of the integration [s]. models: as of `check`.
+
+    Returns
+    -------
+    Outcome
+        ``["inputs"]``: their names.
+
+    Raises
+    ------
+    InputError, SimulationError
+        As `stepper`; WrsimError without a C compiler.
+    """
+    from wrsim.analysis.motion.unit import unit_of
+    from wrsim.results import write_atomically
+
+    loaded = _scenario(scenario, models).with_set(values)
+    path = Path(output or f"{loaded.path.stem if loaded.path else 'vehicle'}.fmu")
+    content, inputs = unit_of(loaded, path.stem, step)
+    return Outcome([], {"inputs": inputs}, [write_atomically(path, content)])
+
+
 def new_file(kind: str = "curving", template: str | None = None, output: str | Path | None = None) -> Outcome:
     """Write a file to start from, which can be used as it is: a scenario that names all keys, or another kind.
 

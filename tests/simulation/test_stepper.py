@@ -37,11 +37,8 @@ def test_steps_with_a_fixed_number_of_iterations_follow_the_usual_run() -> None:
         states.append(own.q.copy())
     assert own.time == pytest.approx(3.0)
     assert own.residual[1] < 0.02
-    count = allocations(
-        lambda _, *arguments: kernel.advance(*arguments), 0, own._own, own._rows, own._inverse, own._inertia,
-        own._block, law.workspace.buffer, law.workspace.index,
-    )  # fmt: skip
-    assert count == 7  # what numba notes of seven arrays that it is handed
+    count = allocations(lambda _, *arguments: kernel.advance(*arguments), 0, own.memory.buffer, own.memory.index)
+    assert count == 2  # what numba notes of two arrays that it is handed
     law.look_near(12.0)
     usual = Integration(BodySystem(law.bodies, law), duration=3.0, step=2e-3, sample_interval=10e-3).run(q, q_t)
     bodies = 6 * len(law.bodies)

@@ -204,7 +204,7 @@ def vehicle_cases() -> dict[str, list[float]]:
     found["axle boxes"] = list(swing)
     twisting = vehicle.with_wheelsets(twistable)
     brake = Effort(vehicle.wheelsets[1].name, ((0.0, -9e3),), wheel="left")
-    apart = on_track(replace(twisting, efforts=(brake,), slip_control=None), 20.0, curve).law
+    apart = on_track(replace(twisting, efforts=(brake,), slip_control=None), 20.0, curve, stepped=True).law
     angles, rates = design_state(apart, lateral=2e-3)
     angles[2 : 6 * len(vehicle.wheelsets) : 6] -= 1e-4
     angles[-4:], rates[-4:] = 1e-3, 0.2
@@ -255,7 +255,7 @@ def vehicle_cases() -> dict[str, list[float]]:
     found["conical"] = list(out)
     bench = Stepper(alone, at, moving, 1e-3, 1)
     bench.step()
-    found["step with a deadline"] = list(bench.q)
+    found["step with a deadline"] = [*bench.q, *(float(value[0]) for value in bench.outputs.values())]
     return found
 
 

@@ -81,8 +81,10 @@ def on_track(
     heading: float = 0.0,
     elasticity: RailElasticity | None = None,
     threads: int = 1,
+    stepped: bool = False,
 ) -> Train:
-    """The vehicle on track of these segments, its origin at ``start`` [m]; speed [m/s]; rigid or elastic rails."""
+    """The vehicle on track of these segments, its origin at ``start`` [m]; speed [m/s]; rigid or elastic rails;
+    stepped: for a Stepper."""
     setup = rails_and_contact()
     left, right = ((curve.outward, curve.height) for curve in (setup.track.left_curve, setup.track.right_curve))
     laid = {"cant_base": setup.track.cant_base, "heading": heading, "elasticity": elasticity}
@@ -96,7 +98,7 @@ def on_track(
         ]
         contacts.append((models[0], models[1]))
     going = {"speed": speed, "start": start, "drive": drive, "gravity": gravity, "threads": threads}
-    return Train(VehicleOnTrack(vehicle, track, contacts, **going))
+    return Train(VehicleOnTrack(vehicle, track, contacts, **going, stepped=stepped))
 
 
 SHORT = {"track.segments": [straight(22.0), transition(12.0), arc(14.0, 300.0, 60.0)]}

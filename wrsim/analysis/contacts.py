@@ -65,8 +65,11 @@ def wheels_on_rails(setup: Setup, wheelset: Wheelset | None = None) -> tuple[Whe
     return placed_on_rails(wheelset, contact_models(setup, wheelset), setup.track)
 
 
-def force_law(setup: Setup[RunPlan], speed: float | None = None, drive: Drive | None = None) -> VehicleOnTrack:
-    """The law of the set-up's vehicle on its track; constant speed and drive, where given, in the place of its own."""
+def force_law(
+    setup: Setup[RunPlan], speed: float | None = None, drive: Drive | None = None, stepped: bool = False
+) -> VehicleOnTrack:
+    """The law of the set-up's vehicle on its track; constant speed and drive, where given, in the place of its own;
+    stepped: for a `Stepper`."""
     run = setup.plan
     kind = VehicleOnTrack
     if setup.contact.normal == "half-space":
@@ -82,6 +85,7 @@ def force_law(setup: Setup[RunPlan], speed: float | None = None, drive: Drive | 
         drive=setup.drive if drive is None else drive,
         threads=setup.threads,
         profile=run.profile if speed is None else None,
+        stepped=stepped,
     )
 
 

@@ -14,7 +14,7 @@ import typer
 from wrsim import __version__
 from wrsim.cli.assess import assess_command, conicity_command, ride_command, vehicle
 from wrsim.cli.console import print_lines, show_progress
-from wrsim.cli.data import export_command, profile, recording, track
+from wrsim.cli.data import export_command, fmu, profile, recording, track
 from wrsim.cli.errors import INTERRUPTED, any_output, usage_as_json
 from wrsim.cli.inspect import diff_command, plot, report, show_command, view
 from wrsim.cli.run import compare_command, resolve_command, run_command, study, wear
@@ -32,7 +32,7 @@ PANELS = {
     "Run": (run_command, study, wear, compare_command, resolve_command),
     "Inspect": (show_command, plot, report, view, diff_command),
     "Assess": (assess_command, ride_command, conicity_command, vehicle),
-    "Data": (profile, track, recording, export_command),
+    "Data": (profile, track, recording, export_command, fmu),
 }
 for panel, commands in PANELS.items():
     for command in commands:

@@ -1,4 +1,4 @@
-"""``wrsim profile``, ``track``, ``recording``, ``export``: data from and for other programs."""
+"""``wrsim profile``, ``track``, ``recording``, ``export``, ``fmu``: data from and for other programs."""
 
 from __future__ import annotations
 
@@ -145,3 +145,20 @@ def export_command(
         from wrsim.api import export
 
         print_outcome(as_json, export(result, to, output))
+
+
+def fmu(
+    file: options.ScenarioFile,
+    output: Annotated[Path | None, options.into(metavar="FMU", help="Default: <name of FILE>.fmu here.")] = None,
+    values: options.Set = None,
+    step_ms: Annotated[float, typer.Option(help="Step of the integration, at most 5 ms.")] = 1.0,
+    models: options.Models = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
+) -> None:
+    """Write the vehicle of a run as a co-simulation unit (FMI 3.0, Linux, a C compiler is needed)."""
+    with writing_files(as_json, force, file):
+        from wrsim.api import write_unit
+
+        options.check_ending("-o", output, ".fmu")
+        print_outcome(as_json, write_unit(file, output, values or (), step=1e-3 * step_ms, models=models or ()))

@@ -1,1 +1,1 @@
-"""The contact as a C library for other programs (docs/user/library.md): its source and its build."""
+"""The contact (docs/user/library.md) and vehicles (docs/user/cosimulation.md) as C libraries: sources and build."""

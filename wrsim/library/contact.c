@@ -1,7 +1,7 @@
 /* Around the compiled kernels: reads a contact, passes addresses, copies results.
  *
- * kernels.h is written by the build from the kernels' own records: their layout as structs, the numbers of the arrays
- * of a workspace, the table of stages, the texts of the status bits. */
+ * contact_kernels.h has the kernels' own records as structs, the numbers of the arrays of a workspace, the texts of
+ * the status bits. */
 #include "wrsim_contact.h"
 
 #include <errno.h>
@@ -11,10 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "kernels.h"
+#include "runtime.h"
+#include "contact_kernels.h"
 
-#define HIDDEN __attribute__((visibility("hidden")))
-#define ALIGNMENT 64 /* bytes: of a cache line */
 #define LARGEST 1e9  /* of an argument: products of thirty of them are finite */
 #define ROUGH 1e-6   /* of the axle's length: ten times the round-off of single precision */
 
@@ -34,9 +33,6 @@ struct head {
     int64_t arrays, doubles, letters;
 };
 
-/* Where compiled kernels find each other (wrsim.core.jit.stages). */
-HIDDEN void *const STAGE_TABLE[STAGES] = {STAGE_ADDRESSES};
-
 static const struct {
     int status;
     const char *text;
@@ -51,35 +47,6 @@ static const struct {
     {WRSIM_ARGUMENT, "an argument is a null pointer or out of range"},
     {WRSIM_FAILED, "a kernel ended early"},
 };
-
-/* What numba's code calls where a kernel raises an error; no contact does, but the linker wants it. Memory is counted
- * as numba counts it, so that the kernel ends with an error of its own, which becomes WRSIM_FAILED. The names of Python
- * belong to the text of that error, which is never put together. */
-struct counted {
-    size_t references;
-    void *unused[2], *data;
-    size_t size;
-    void *allocator;
-};
-
-HIDDEN void *NRT_Allocate(size_t size) { return malloc(size); }
-
-HIDDEN void NRT_Free(void *memory) { free(memory); }
-
-HIDDEN void NRT_MemInfo_call_dtor(struct counted *memory) { free(memory); }
-
-HIDDEN struct counted *NRT_MemInfo_alloc(size_t size)
-{
-    struct counted *memory = calloc(1, sizeof *memory + size);
-    if (memory) *memory = (struct counted){1, {NULL, NULL}, memory + 1, size, NULL};
-    return memory;
-}
-
-HIDDEN void *PyExc_RuntimeError;
-HIDDEN void PyErr_SetString(void *kind, const char *text) { (void)kind, (void)text; }
-HIDDEN void *PyUnicode_FromKindAndData(int kind, const void *text, int64_t size) { (void)kind, (void)size; return (void *)text; }
-HIDDEN int64_t PyObject_Hash(void *object) { return object == NULL; }
-HIDDEN void *PyTuple_Pack(int64_t size, ...) { (void)size; return NULL; }
 
 static void *array(const wrsim_contact *c, int number) { return c->buffer + c->index[number][0]; }
 
@@ -105,16 +72,6 @@ static uint32_t checksum(const unsigned char *bytes, size_t size)
     }
     for (size_t i = 0; i < size; i++) crc = crc >> 8 ^ table[(crc ^ bytes[i]) & 255];
     return ~crc;
-}
-
-static int processor_fits(void)
-{
-#ifdef NEEDS_AVX2
-    __builtin_cpu_init();
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
-#else
-    return 1;
-#endif
 }
 
 /* The whole file in new memory; NULL and a status where that fails. */
@@ -251,8 +208,7 @@ int wrsim_contact_evaluate(wrsim_contact *contact, const double origin[3], const
 {
     const double *parts[] = {origin, axle, velocity, omega};
     double *pose;
-    int64_t status = 0;
-    void *problem = NULL;
+    int64_t status;
     if (!contact || !origin || !axle || !velocity || !omega || !small(&place, 1)) return WRSIM_ARGUMENT;
     for (int i = 0; i < 4; i++)
         if (!small(parts[i], 3)) return WRSIM_ARGUMENT;
@@ -263,9 +219,8 @@ int wrsim_contact_evaluate(wrsim_contact *contact, const double origin[3], const
     for (int i = 0; i < 12; i++) pose[i] = parts[i / 3][i % 3];
     settings_of(contact)->place = place;
     contact->evaluated = 0;
-    if (CONTACT_STAGE(&status, &problem, NULL, NULL, contact->doubles, 8, contact->buffer, contact->doubles, 8, NULL,
-                      NULL, ARRAYS * 4, 8, contact->index[0], ARRAYS, 4, 32, 8) != 0)
-        return WRSIM_FAILED;
+    status = run(CONTACT_STAGE, contact->buffer, contact->doubles, contact->index[0], ARRAYS, WRSIM_FAILED);
+    if (status == WRSIM_FAILED) return WRSIM_FAILED;
     contact->evaluated = 1;
     return (int)status;
 }

@@ -29,6 +29,7 @@ from wrsim.simulation.vehicle_arrays import (
     arrays_of_wheels,
     only_read,
     pieces_of_motion,
+    stepper_arrays,
     vehicle_arrays,
 )
 from wrsim.vehicle.loads import Drive
@@ -69,12 +70,14 @@ class VehicleOnTrack(Layout):
         gravity: float | None = None,
         threads: int = 1,
         profile: SpeedProfile | None = None,
+        stepped: bool = False,
     ) -> None:
         """contacts: of every wheelset; none: no rails carry the vehicle.
 
         speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0. profile: its speed from there on,
         constant unless given. drive, gravity [m/s2]: the vehicle's own unless given. threads: that compute the contacts
-        side by side, with the same bits. Raises InputError for more than there are.
+        side by side, with the same bits. Raises InputError for more than there are. stepped: for a `Stepper`, whose
+        arrays lie ahead of the law's in ``whole``.
         """
         drive = drive or vehicle.drive
         self.elastic = track.elasticity if contacts else None
@@ -91,7 +94,9 @@ class VehicleOnTrack(Layout):
         )  # fmt: skip
         for mounted, models in zip(vehicle.wheelsets, contacts, strict=bool(contacts)):
             arrays += arrays_of_wheels(mounted.wheelset, track, models)
-        self.workspace = pack(arrays)
+        ahead = stepper_arrays(self, len(contacts)) if stepped else []
+        self.whole = pack([*ahead, *arrays])
+        self.workspace = self.whole.part(len(ahead), len(arrays))
         views = self.workspace.views
         self._units = views[vehicle_forces.UNITS]
         self.elements = views[vehicle_forces.ELEMENTS]

@@ -2,19 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
 import numpy as np
 
+from wrsim.core.body import outputs, vehicle_forces
 from wrsim.core.body import stepper as kernel
-from wrsim.core.body import vehicle_forces
 from wrsim.core.body.wheel_forces import OFF_TRACK
-from wrsim.errors import SimulationError
+from wrsim.errors import InputError, SimulationError
+from wrsim.inputs.section import SIDES
 from wrsim.simulation import law as laws
-from wrsim.simulation.bodies import accelerations, inertia_table, mass_matrix
+from wrsim.simulation.bodies import accelerations, mass_matrix
 from wrsim.simulation.force_law import force_derivative
 from wrsim.simulation.implicit_step import ALPHA_F, ALPHA_M, BETA, GAMMA, changes_of_step
 from wrsim.simulation.integrate import OF_CONTACTS
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import Array
+from wrsim.vehicle.elements import Strut
+from wrsim.vehicle.loads import Effort, Turned
+from wrsim.vehicle.vehicle import Vehicle
+
+UNITS = {
+    "distance": "m", "speed": "m_s", "lateral": "m", "height": "m", "yaw": "rad", "roll": "rad", "yaw_rate": "rad_s",
+    "rotation": "rad_s", "acceleration_x": "m_s2", "acceleration_y": "m_s2", "acceleration_z": "m_s2",
+}  # fmt: skip
+"""Of what is read of a body, as names of outputs end."""
 
 
 class Stepper:
@@ -30,17 +43,21 @@ class Stepper:
     q, q_t : ndarray
         State after the last step, (6 per body, then inner unknowns), views [m, rad, m/s, rad/s].
     inputs : dict
-        By name, views to write to between steps. ``"force NAME"``, (3,) [N]: a load of the scenario that does not vary;
-        ``"moment WHEELSET"``, (1,) [N m]: an effort that does not vary, with ``left`` or ``right`` behind it where it
-        acts on one wheel.
+        By name, views (1,) to write to between steps: ``"front.outer.torque_Nm"`` of every wheelset, of one with
+        independent wheels ``torque_left_Nm`` and ``torque_right_Nm``; ``control_N`` of every strut (dampers, rods,
+        stops), tension of one along a line, else on its second body along its axis; ``force_x_N``, ``force_y_N``,
+        ``force_z_N`` of the loads of the scenario that do not vary. A blank in a name is written as ``_``.
+    outputs : dict
+        By name, views (1,) that every call of `step` fills: motions of every body (``"carbody.lateral_m"``), forces of
+        every wheelset (``"front.outer.Y_left_N"``), of every strut; docs/user/cosimulation.md lists them.
     """
 
     def __init__(self, law: VehicleOnTrack, q: Array, q_t: Array, step: float, iterations: int) -> None:
         """From the state (q, q_t) at the time 0, which the Jacobian belongs to; step [s]."""
-        self.law, self._rows, self._block = law, np.zeros((kernel.ROWS, law.size)), np.zeros((6, 6))
-        rows, self._inertia = self._rows, inertia_table(law.bodies)
-        self._own = np.zeros(1, kernel.STEP)
-        own = self._own[0]
+        self.law, self.memory = law, law.whole
+        views = law.whole.views
+        self._own, rows = views[kernel.OWN][0], views[kernel.STATE]
+        own = self._own
         own.h, own.iterations = step, iterations
         own.alpha_m, own.alpha_f, own.beta, own.gamma = ALPHA_M, ALPHA_F, BETA, GAMMA
         own.q_of_q_tt, own.q_t_of_q_tt = by = changes_of_step(step)
@@ -53,43 +70,102 @@ class Stepper:
         q_tt[: 6 * count] = accelerations(law.bodies, q, q_t, rows[kernel.FORCES]).ravel()
         rows[[kernel.Q_TT, kernel.A]] = q_tt
         matrix = mass_matrix(law.bodies, q) - force_derivative(law, q, q_t, count, 0.0, *by)
-        self._inverse: Array = np.linalg.inv(matrix).astype(np.float64, copy=False)
-        self.inputs = _inputs(law)
+        views[kernel.INVERSE][:] = np.linalg.inv(matrix)
+        views[kernel.SEEN]["distance"] = [law.start + part.centre[0] for part in law.vehicle.parts]
+        self.inputs, self.outputs = _inputs(law), _outputs(law)
+        self._observe()
 
     def step(self, count: int = 1) -> None:
         """Move on by so many steps. Raises SimulationError off the track, and where a number is not finite."""
-        workspace = self.law.workspace
         for _ in range(count):
-            status = kernel.advance(
-                self._own, self._rows, self._inverse, self._inertia, self._block, workspace.buffer, workspace.index
-            )
+            status = kernel.advance(self.memory.buffer, self.memory.index)
             if status == kernel.NOT_FINITE:
                 raise SimulationError(f"a force is not a number at t = {self.time:.6g} s")
             if status & OFF_TRACK:
                 raise SimulationError(laws.OFF_TRACK.format(self.time))
+        self._observe()
+
+    def _observe(self) -> None:
+        if outputs.observe(self.memory.buffer, self.memory.index):
+            raise SimulationError(laws.OFF_TRACK.format(self.time))
 
     @property
     def time(self) -> float:
         """Time since the start [s]."""
-        return float(self._own["h"][0] * self._own["steps"][0])
+        return float(self._own.h * self._own.steps)
 
     @property
     def residual(self) -> tuple[float, float]:
         """Norm of the forces without balance ahead of the last correction over the weight, in the last step and the
         most of all steps."""
         weight = self.law.vehicle.weight
-        return float(self._own["residual"][0]) / weight, float(self._own["most"][0]) / weight
+        return float(self._own.residual) / weight, float(self._own.most) / weight
+
+
+def with_torques(vehicle: Vehicle) -> Vehicle:
+    """The vehicle with an effort that does not vary on every wheelset, or on both of its wheels where these are
+    independent; 0 where it has none."""
+    known = {effort.wheelset for effort in vehicle.efforts if len(effort.table) == 1}
+    single: tuple[Turned, ...] = ("left", "right")
+    both: tuple[Turned, ...] = ("both",)
+    more = [
+        Effort(mounted.name, ((0.0, 0.0),), wheel=wheel)
+        for mounted in vehicle.wheelsets
+        if mounted.name not in known
+        for wheel in (single if mounted.wheelset.independent and vehicle.slip_control is None else both)
+    ]
+    return replace(vehicle, efforts=(*vehicle.efforts, *more))
+
+
+def _named(found: Iterable[tuple[str, Array]]) -> dict[str, Array]:
+    """By name. Raises InputError for two of one name."""
+    named: dict[str, Array] = {}
+    for name, view in found:
+        if (word := name.replace(" ", "_")) in named:
+            raise InputError(
+                f"two parts, elements, loads or efforts of the vehicle are called {word.rpartition('.')[0]}"
+            )
+        named[word] = view
+    return named
 
 
 def _inputs(law: VehicleOnTrack) -> dict[str, Array]:
-    """Views of the tables of loads and efforts of one row each."""
+    """Views of loads and efforts of one row each, and of the forces of controls."""
     views, vehicle = law.workspace.views, law.vehicle
-    found: dict[str, Array] = {}
-    for row, load in zip(views[vehicle_forces.LOADS], vehicle.loads, strict=False):  # payloads follow
-        if row["rows"] == 1:
-            found[f"force {load.name}"] = views[vehicle_forces.LOAD_TABLES][row["start"], 1:]
-    for row, effort in zip(views[vehicle_forces.EFFORTS], vehicle.efforts, strict=True):
-        if row["rows"] == 1:
-            side = "" if effort.wheel == "both" else f" {effort.wheel}"
-            found[f"moment {effort.wheelset}{side}"] = views[vehicle_forces.EFFORT_TABLES][row["start"], 1:]
-    return found
+
+    def found() -> Iterator[tuple[str, Array]]:
+        for row, effort in zip(views[vehicle_forces.EFFORTS], vehicle.efforts, strict=True):
+            if row["rows"] == 1:
+                side = "" if effort.wheel == "both" else f"_{effort.wheel}"
+                yield f"{effort.wheelset}.torque{side}_Nm", views[vehicle_forces.EFFORT_TABLES][row["start"], 1:]
+        for i, element in enumerate(vehicle.elements):
+            if isinstance(element, Strut):
+                yield f"{element.name}.control_N", law.elements["added"][i : i + 1]
+        for row, load in zip(views[vehicle_forces.LOADS], vehicle.loads, strict=False):  # payloads follow
+            for axis in range(1, 4) if row["rows"] == 1 else ():
+                force = views[vehicle_forces.LOAD_TABLES][row["start"], axis : axis + 1]
+                yield f"{load.name}.force_{'_xyz'[axis]}_N", force
+
+    return _named(found())
+
+
+def _outputs(law: VehicleOnTrack) -> dict[str, Array]:
+    """Views of what is read of bodies, wheels and struts."""
+    views, vehicle = law.whole.views, law.vehicle
+
+    def found() -> Iterator[tuple[str, Array]]:
+        for i, part in enumerate(vehicle.parts):
+            for name in outputs.BODY_SEEN.names:
+                yield f"{part.name}.{name}_{UNITS[name]}", views[kernel.SEEN][name][i : i + 1]
+        for i, mounted in enumerate(vehicle.wheelsets):
+            yield f"{mounted.name}.slip_m_s", law.axles["slip"][i : i + 1]
+            for k, side in enumerate(SIDES if len(views[kernel.WHEELS]) else ()):
+                for name in outputs.WHEEL_SEEN.names:
+                    yield f"{mounted.name}.{name}_{side}_N", views[kernel.WHEELS][name][2 * i + k : 2 * i + k + 1]
+        for i, element in enumerate(vehicle.elements):
+            if isinstance(element, Strut):
+                axis = element.axis or 0
+                yield f"{element.name}.force_N", law.records[i, axis : axis + 1]
+                yield f"{element.name}.travel_m", law.records[i, 3 + axis : 4 + axis]
+
+    return _named(found())

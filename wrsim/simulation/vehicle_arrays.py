@@ -10,15 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.model import ContactModel
-from wrsim.core.body import friction, suspension, vehicle_forces
+from wrsim.core.body import friction, outputs, suspension, vehicle_forces
 from wrsim.core.body import loads as load_kernel
 from wrsim.core.body import rigid_body as body_kernel
+from wrsim.core.body import stepper as step_kernel
 from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.body.suspension import ELEMENT
 from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
 from wrsim.core.frames import BODY
 from wrsim.geometry.track.track import Track
-from wrsim.simulation.bodies import bodies_of
+from wrsim.simulation.bodies import bodies_of, inertia_table
 from wrsim.simulation.force_law import Array, ForceLaw
 from wrsim.vehicle.bogies import holders_of
 from wrsim.vehicle.elements import Tables
@@ -144,6 +145,20 @@ def vehicle_arrays(
         efforts,
         effort_tables,
         units,
+    ]
+
+
+def stepper_arrays(layout: Layout, wheelsets: int) -> list[Any]:
+    """The arrays of ``core.body.stepper`` ahead of all others."""
+    size, bodies = layout.size, layout.bodies
+    return [
+        np.zeros(1, step_kernel.STEP),
+        np.zeros((step_kernel.ROWS, size)),
+        np.zeros((size, size)),
+        inertia_table(bodies),
+        np.zeros((6, 6)),
+        np.zeros(len(bodies), outputs.BODY_SEEN),
+        np.zeros(2 * wheelsets, outputs.WHEEL_SEEN),
     ]
 
 

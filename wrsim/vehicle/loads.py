@@ -19,6 +19,10 @@ Over = Literal["time", "distance"]
 """Argument of the table of a load."""
 
 
+Turned = Literal["left", "right", "both"]
+"""Wheels of a wheelset that an effort acts on."""
+
+
 @dataclass(frozen=True)
 class Load:
     """A force at a point [m] of a body that acts at rest and in runs; the springs' preload does not balance it.
@@ -83,7 +87,7 @@ class Effort:
     wheelset: str
     table: tuple[tuple[float, float], ...]
     over: Over = "time"
-    wheel: Literal["left", "right", "both"] = "both"
+    wheel: Turned = "both"
 
     def moment(self, time: float, distance: float) -> float:
         """The moment [N m] at a time [s], the vehicle's origin at a distance [m]."""

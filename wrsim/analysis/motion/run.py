@@ -39,7 +39,7 @@ from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation import step_size as steps
 from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.stepper import Stepper
+from wrsim.simulation.stepper import Stepper, with_torques
 from wrsim.simulation.system import Array, BodySystem
 from wrsim.stages import stage
 
@@ -154,7 +154,7 @@ def stepper(scenario: Scenario, step: float = BENCH_STEP, iterations: int = BENC
     Returns
     -------
     Stepper
-        It is moved on by `Stepper.step`; its ``inputs`` are the constant loads and efforts of the scenario.
+        It is moved on by `Stepper.step`; its ``inputs`` are moments of wheelsets, forces of struts and constant loads.
 
     Raises
     ------
@@ -171,7 +171,7 @@ def stepper(scenario: Scenario, step: float = BENCH_STEP, iterations: int = BENC
         raise scenario.fault(("analysis",), "only runs along the track can be taken step by step")
     if setup.contact.fast() != setup.contact:
         raise scenario.fault(("contact", "normal"), "takes seconds a step; step by step only with the fast models")
-    law = force_law(setup)
+    law = force_law(replace(setup, vehicle=with_torques(setup.vehicle), threads=1), stepped=True)
     try:
         return Stepper(law, *start_state(setup, law), step, iterations)
     except NoSteadyMotion as problem:

@@ -12,10 +12,10 @@ from math import cos, isfinite, sin, sqrt
 
 from wrsim.core.body.implicit_step import TREND
 from wrsim.core.body.kinematics import HEADING, X, Y
-from wrsim.core.body.rigid_body import mass_block, quadratic_forces
+from wrsim.core.body.rigid_body import INERTIA, mass_block, quadratic_forces
 from wrsim.core.body.vehicle_forces import vehicle_forces
 from wrsim.core.dense import multiply
-from wrsim.core.jit import Array, Ints, Records, kernel, record
+from wrsim.core.jit import Array, Ints, Records, kernel, matrix, record, records
 
 STEP = record("h alpha_m alpha_f beta gamma q_of_q_tt q_t_of_q_tt residual most", "iterations steps")
 """Step [s], numbers of the method, changes of q and q_t for a change of q_tt (s2, s); norm of the residual
@@ -26,16 +26,22 @@ Q, Q_T, Q_TT, A, LAST, FORCES, LEFT, MORE, AT = range(9)
 correction; the coordinates that the inverse belongs to."""
 ROWS = 9
 
+OWN, STATE, INVERSE, INERTIAS, SCRATCH, SEEN, WHEELS = range(7)
+"""Arrays of the workspace: record STEP; rows; (size, size); records INERTIA of the bodies; (6, 6); what is read of
+bodies and wheels (``core.body.outputs``)."""
+OF_VEHICLE = 7
+"""The first of those of ``vehicle_forces``, behind them."""
+
 NOT_FINITE = -1
 
 
 @kernel
-def advance(
-    step: Records, rows: Array, inverse: Array, inertia: Records, block: Array, buffer: Array, index: Ints
-) -> int:
-    """Take one step from the state in the rows; inverse: (size, size); inertia: records INERTIA of the bodies; block:
-    (6, 6) scratch. Returns a status: that of ``vehicle_forces`` at the last evaluation, or NOT_FINITE."""
-    own, n = step[0], rows.shape[1]
+def advance(buffer: Array, index: Ints) -> int:
+    """Take one step from the state in the rows. Returns a status: that of ``vehicle_forces`` at the last evaluation, or
+    NOT_FINITE."""
+    own, rows, vehicle = records(buffer, index, OWN, STEP)[0], matrix(buffer, index, STATE), index[OF_VEHICLE:]
+    inverse, block = matrix(buffer, index, INVERSE), matrix(buffer, index, SCRATCH)
+    inertia, n = records(buffer, index, INERTIAS, INERTIA), rows.shape[1]
     h, am, af = own.h, own.alpha_m, own.alpha_f
     a_of_q_tt = (1.0 - af) / (1.0 - am)
     trend = TREND if own.steps > 0 else 0.0
@@ -51,7 +57,7 @@ def advance(
     time = own.steps * h
     status = 0
     for _ in range(own.iterations):
-        status = vehicle_forces(time, rows[Q], rows[Q_T], rows[FORCES], buffer, index)
+        status = vehicle_forces(time, rows[Q], rows[Q_T], rows[FORCES], buffer, vehicle)
         own.residual = _residual(rows, inertia, block)
         if not isfinite(own.residual):
             return NOT_FINITE

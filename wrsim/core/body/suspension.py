@@ -39,7 +39,7 @@ FIELD, SHEAR, AXIS, LINE, PLANE = range(5)
 
 ELEMENT = record(
     # AXIS and LINE; what concerns sliders also PLANE
-    "k c force_0 length series stick stick_damping bound loss",
+    "k c force_0 length series stick stick_damping bound loss added",
     "kind first second direction state spring_start spring_rows damper_start damper_rows slider slip normal settled",
     point_1=VECTOR,
     point_2=VECTOR,
@@ -55,7 +55,8 @@ ELEMENT = record(
 """An element. first, second: its bodies; point_1, point_2: in their axes. In one direction: stiffness k, damping c,
 force at rest, length at rest, stiffness in series with the damper, axis, number of the damping part's unknown or -1,
 place and length of its tables. As a field: along and about the axes of the first body.
-loss: power that its dampers and its friction take at the state asked for last [W].
+loss: power that its dampers and its friction take at the state asked for last [W]. added: force of a control [N]: of an
+AXIS on the second body along the axis, of a LINE tension.
 Of its slider: stiffness and damping where it sticks, constant part of the bound of its force, kind, number of its first
 unknown; number of the element whose force makes the rest of the bound, or -1, and what that is multiplied with (its
 reading, component by component). settled: MOVING, or how dampers behind springs and sliders have come to rest
@@ -200,7 +201,7 @@ def _axis(on: Suspension, element: Record, reading: Record) -> None:
     ex, ey, ez = 1.0 * (element.direction == 0), 1.0 * (element.direction == 1), 1.0 * (element.direction == 2)
     along = Vec(ex, ey, ez)
     travel = dot(d, along)
-    f = element.force_0 - _one_direction(on, element, travel, dot(u, along))
+    f = element.force_0 - _one_direction(on, element, travel, dot(u, along)) + element.added
     put(reading.force, scale(f, along))
     if element.slider != NO_SLIDER:
         f -= slider_force(element, _bound(on, element), travel, dot(u, along), on.inner, on.inner_t)
@@ -219,7 +220,7 @@ def _line(on: Suspension, element: Record, reading: Record) -> None:
     along = scale(1.0 / length, d)
     rate = dot(along, sub(point_velocity(second, end), point_velocity(first, start)))
     extension = length - element.length
-    tension = _one_direction(on, element, extension, rate) - element.force_0
+    tension = _one_direction(on, element, extension, rate) - element.force_0 + element.added
     put(reading.force, Vec(tension, 0.0, 0.0))
     if element.slider != NO_SLIDER:
         tension += slider_force(element, _bound(on, element), extension, rate, on.inner, on.inner_t)
