@@ -896,9 +896,12 @@ def write_unit(
     """
     from wrsim.analysis.motion.unit import unit_of
     from wrsim.results import write_atomically
+    from wrsim.results.files import KEEPER
 
     loaded = _scenario(scenario, models).with_set(values)
     path = Path(output or f"{loaded.path.stem if loaded.path else 'vehicle'}.fmu")
+    if (keeper := KEEPER.get()) is not None:
+        keeper.check(path)  # before the work
     content, inputs = unit_of(loaded, path.stem, step)
     return Outcome([], {"inputs": inputs}, [write_atomically(path, content)])
 

@@ -54,11 +54,12 @@ def test_inputs_act_from_one_step_to_the_next() -> None:
     """A braking moment on every axle changes the momentum of the train by its impulse; a side force moves the car."""
     free = COACH.with_values({"vehicle.drive": "free", "track.irregularities": []})
     pushed, plain = stepper(free), stepper(free)
-    assert set(pushed.inputs) == {"force push", *(f"moment {m.name}" for m in pushed.law.vehicle.wheelsets)}
-    moment = -2e3
-    for name, values in pushed.inputs.items():
-        if name.startswith("moment"):
-            values[:] = moment
+    moment, torques = -2e3, [f"{m.name}.torque_Nm" for m in pushed.law.vehicle.wheelsets]
+    struts = {name for name in pushed.inputs if name.endswith(".control_N")}
+    assert set(pushed.inputs) == {*torques, *struts, *(f"push.force_{axis}_N" for axis in "xyz")}
+    assert {name.removesuffix(".control_N") + ".force_N" for name in struts} <= set(pushed.outputs)
+    for name in torques:
+        pushed.inputs[name][:] = moment
     for each in (pushed, plain):
         each.step(500)
     vehicle = pushed.law.vehicle
@@ -67,10 +68,10 @@ def test_inputs_act_from_one_step_to_the_next() -> None:
     turning = sum(m.wheelset.inertia[1] / m.wheelset.mean_radius**2 for m in vehicle.wheelsets)
     expected = sum(moment / m.wheelset.mean_radius for m in vehicle.wheelsets) / (mass + turning) * pushed.time
     car = 6 * vehicle.index("carbody")
-    slower = pushed.q_t[car + 1] - plain.q_t[car + 1]
+    slower = float(pushed.outputs["carbody.speed_m_s"][0] - plain.outputs["carbody.speed_m_s"][0])
     assert slower == pytest.approx(expected, rel=0.05)
     before = pushed.q[car + 2] - plain.q[car + 2]
-    pushed.inputs["force push"][:] = 0.0, 5e3, 0.0
+    pushed.inputs["push.force_y_N"][:] = 5e3
     for each in (pushed, plain):
         each.step(200)
     assert pushed.q[car + 2] - plain.q[car + 2] > before + 1e-3

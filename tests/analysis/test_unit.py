@@ -1,0 +1,224 @@
+"""A vehicle as a co-simulation unit of FMI 3.0: valid, the bits of the stepper, laws of its inputs, what it refuses."""
+
+import os
+import shutil
+import sys
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from support.commands import refusal
+from support.runs import FAST, arc, straight, transition
+from support.vehicles import ROOT
+
+from wrsim import load, stepper, write_unit
+from wrsim.errors import InputError, WrsimError
+from wrsim.simulation.stepper import Stepper
+
+fmpy = pytest.importorskip("fmpy")
+from fmpy.fmi1 import FMICallException  # noqa: E402
+from fmpy.fmi3 import FMU3Slave  # noqa: E402
+from fmpy.validation import validate_fmu  # noqa: E402
+
+CC = os.environ.get("CC", "cc").split()[0]
+pytestmark = [
+    pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="there is nothing compiled"),
+    pytest.mark.skipif(sys.platform != "linux" or shutil.which(CC) is None, reason="there is no C compiler here"),
+]
+
+STEP = 1e-3
+PUSH = {"name": "push", "on": "carbody", "at_mm": [0.0, 0.0, 1800.0], "axes": "track", "force_kN": [0.0, 0.0, 0.0]}
+COACH = load(ROOT / "scenarios/manchester_r300.toml").with_values(
+    FAST
+    | {
+        "track.segments": [straight(20.0), transition(15.0), arc(60.0, 300.0, 100.0)],
+        "run.start_distance_m": 5.0,
+        "vehicle.drive": "free",
+        "vehicle.loads": [PUSH],
+    }
+)
+
+
+class Unit(FMU3Slave):
+    """An instance of a unit, in step mode at the time 0 after `start`."""
+
+    def __init__(self, description: Any, folder: str) -> None:
+        self.messages: list[str] = []
+        identifier = description.coSimulation.modelIdentifier
+        super().__init__(guid=description.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="coach")
+        self.references = {variable.name: variable.valueReference for variable in description.modelVariables}
+
+    def start(self) -> "Unit":
+        self.instantiate(logMessage=lambda environment, status, category, text: self.messages.append(text.decode()))
+        return self.begin()
+
+    def begin(self) -> "Unit":
+        self.enterInitializationMode()
+        self.exitInitializationMode()
+        return self
+
+    def __getitem__(self, name: str) -> float:
+        return float(self.getFloat64([self.references[name]])[0])
+
+    def __setitem__(self, name: str, value: float) -> None:
+        self.setFloat64([self.references[name]], [value])
+
+    def step(self, count: int = 1) -> None:
+        self.doStep(self["time"], count * STEP)
+
+    def refusal(self, call: Any, *arguments: Any) -> str:
+        """The message with which the unit refuses a call."""
+        with pytest.raises(FMICallException):
+            call(*arguments)
+        return self.messages[-1]
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return Path(write_unit(COACH, tmp_path_factory.mktemp("unit") / "coach.fmu").files[0])
+
+
+@pytest.fixture(scope="module")
+def made(file: Path) -> Any:
+    """Instances of the unit, as many as a test asks for."""
+    folder, description = fmpy.extract(str(file)), fmpy.read_model_description(str(file))
+    yield lambda: Unit(description, folder).start()
+    shutil.rmtree(folder)
+
+
+def outputs(of: Unit | Stepper) -> bytes:
+    """All outputs, in the order of a stepper's."""
+    if isinstance(of, Stepper):
+        return np.array([float(view[0]) for view in of.outputs.values()]).tobytes()
+    names = [name for name in of.references if name != "time"][-COUNT:]
+    return np.array(of.getFloat64([of.references[name] for name in names])).tobytes()
+
+
+COUNT = 11 * 7 + 7 * 4 + 2 * 20  # of bodies, wheelsets and struts of the coach
+
+
+def test_the_description_is_valid_and_the_scenario_in_the_unit_is_whole(file: Path, tmp_path: Path) -> None:
+    assert validate_fmu(str(file)) == []
+    with zipfile.ZipFile(file) as archive:
+        archive.extractall(tmp_path)
+    for part in (path for path in tmp_path.rglob("*") if path.is_file()):
+        assert not any(str(folder).encode() in part.read_bytes() for folder in (ROOT, tmp_path, Path.home()))
+    again = load(tmp_path / "resources/scenario.toml")
+    assert again.text == COACH.text
+    assert (tmp_path / "resources/vehicles/manchester_1.toml").is_file()
+
+
+def test_a_unit_has_the_bits_of_the_stepper(made: Any) -> None:
+    """From straight track into the curve, beside a second instance on which other forces act."""
+    unit, other, own = made(), made(), stepper(COACH)
+    other["front.outer.torque_Nm"] = 2e3
+    assert len(own.outputs) == COUNT
+    assert outputs(unit) == outputs(own)
+    for _ in range(10):
+        unit.step(50)
+        other.step(50)
+        own.step(50)
+        assert outputs(unit) == outputs(own)
+    assert unit["time"] == own.time == pytest.approx(0.5)
+    assert other["carbody.speed_m_s"] > unit["carbody.speed_m_s"] + 1e-3
+    assert 5.0 < unit["carbody.distance_m"] < 20.0 and unit["carbody.yaw_rate_rad_s"] > 0.0
+
+
+def test_a_torque_changes_the_angular_momentum_of_its_wheelset(made: Any) -> None:
+    """J (omega - omega_0) is the integral of M + r (X_left + X_right), X forward on the rail; against a run without."""
+    driven, free = made(), made()
+    name, moment, radius = "front.outer", 3e3, 0.46
+    before, sums = [unit[f"{name}.rotation_rad_s"] for unit in (driven, free)], np.zeros(2)
+    driven[f"{name}.torque_Nm"] = moment
+    for _ in range(40):
+        for i, unit in enumerate((driven, free)):
+            unit.step()
+            sums[i] += STEP * radius * (unit[f"{name}.X_left_N"] + unit[f"{name}.X_right_N"])
+    after = [unit[f"{name}.rotation_rad_s"] for unit in (driven, free)]
+    inertia = stepper(COACH).law.vehicle.wheelsets[0].wheelset.inertia[1]
+    gained = inertia * ((after[0] - before[0]) - (after[1] - before[1]))
+    resisting = sums[0] - sums[1]
+    assert gained == pytest.approx(40 * STEP * moment + resisting, rel=0.02, abs=0.01 * 40 * STEP * moment)
+    assert -resisting > 0.5 * 40 * STEP * moment  # the wheels hold on to their rails
+
+
+def test_the_force_of_a_control_acts_on_both_ends(made: Any) -> None:
+    """Bodies change their momentum by its impulse, one as the other: none for the vehicle."""
+    unit, plain = made(), made()
+    name = "front.secondary_lateral_damper_left"
+    unit[f"{name}.control_N"] = 2e3
+    bodies, masses = ("carbody", "front.frame"), (32000.0, 2615.0)
+    unit.step()
+    plain.step()
+    change = [mass * (unit[f"{b}.acceleration_y_m_s2"] - plain[f"{b}.acceleration_y_m_s2"])
+              for b, mass in zip(bodies, masses, strict=True)]  # fmt: skip
+    # the frame is the second body; in the first millisecond springs and dampers give in by little
+    assert change[1] == pytest.approx(2e3, rel=0.1)
+    assert change[0] == pytest.approx(-2e3, rel=0.1)
+    assert unit[f"{name}.force_N"] - plain[f"{name}.force_N"] == pytest.approx(2e3, rel=0.1)
+
+
+def test_a_unit_begins_again_and_goes_back_to_a_state(made: Any) -> None:
+    unit, other = made(), made()
+    unit.step(20)
+    first = outputs(unit)
+    state = unit.getFMUState()
+    content = unit.serializeFMUState(state)
+    unit["front.outer.torque_Nm"] = -1e3
+    unit.step(20)
+    braked = outputs(unit)
+    unit.setFMUState(state)
+    assert outputs(unit) == first and unit["front.outer.torque_Nm"] == 0.0
+    taken = other.deserializeFMUState(content)
+    other.setFMUState(taken)
+    for each in (unit, other):
+        each["front.outer.torque_Nm"] = -1e3
+        each.step(20)
+        assert outputs(each) == braked
+    assert "no state of this unit" in other.refusal(other.deserializeFMUState, content[:-8])
+    unit.reset()
+    unit.begin().step(20)
+    assert outputs(unit) == first
+
+
+def test_a_unit_refuses_what_it_cannot_do(made: Any, file: Path) -> None:
+    unit = made()
+    torque, force = (unit.references[f"rear.inner.{name}"] for name in ("torque_Nm", "Y_left_N"))
+    assert unit.refusal(unit.setFloat64, [torque], [np.nan]) == "rear.inner.torque_Nm: must be a finite number, not nan"
+    assert unit.refusal(unit.setFloat64, [force], [0.0]) == "rear.inner.Y_left_N: is no input"
+    assert "no variable 9999" in unit.refusal(unit.getFloat64, [9999])
+    assert "whole number of steps of 0.001 s" in unit.refusal(unit.doStep, 0.0, 0.0015)
+    assert "the unit is at the time 0 s" in unit.refusal(unit.doStep, 0.5, STEP)
+    assert "fmi3GetInt32: is not offered" in unit.refusal(unit.getInt32, [1])
+    unit.step()  # none of it did any harm
+    unit["push.force_y_N"] = 1e9
+    assert "left the track's neighbourhood" in unit.refusal(unit.step, 2000) or "not a number" in unit.messages[-1]
+    assert unit.refusal(unit.step) == "fmi3DoStep: the unit is failed"
+    unit.reset()
+    assert unit.refusal(unit.step) == "fmi3DoStep: the unit is instantiated"
+    unit.begin().step()
+    description = fmpy.read_model_description(str(file))
+    description.guid = "another"
+    stranger = Unit(description, unit.unzipDirectory)
+    with pytest.raises(Exception, match="Failed to instantiate"):
+        stranger.start()
+    assert "the instantiation token is not that of this unit" in stranger.messages[-1]
+
+
+def test_what_cannot_become_a_unit_is_one_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = tmp_path / "mine.fmu"
+    own.write_text("mine")
+    scenario = ROOT / "scenarios/static_s1002.toml"
+    assert "wrsim did not write it" in refusal("fmu", scenario, "-o", own)
+    assert own.read_text() == "mine"
+    assert "only runs along the track" in refusal("fmu", scenario, "-o", tmp_path / "static.fmu")
+    assert "must end in .fmu" in refusal("fmu", scenario, "-o", tmp_path / "static.zip")
+    with pytest.raises(InputError, match="must be above 0"):
+        write_unit(COACH, tmp_path / "coach.fmu", step=0.1)
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(WrsimError, match="no C compiler"):
+        write_unit(COACH, tmp_path / "coach.fmu")
+    assert not (tmp_path / "coach.fmu").exists()
