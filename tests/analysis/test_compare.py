@@ -83,8 +83,8 @@ def test_names_choose_models():
 @pytest.mark.parametrize(
     ("names", "words"),
     [
-        ("kik-piotrowsky,half-space", "did you mean 'kik-piotrowski'?"),
-        ("half-space+fastsym,file", "did you mean 'fastsim'?"),
+        ("kik-piotrowsky,half-space", 'did you mean "kik-piotrowski"?'),
+        ("half-space+fastsym,file", 'did you mean "fastsim"?'),
         ("half-space+kik-piotrowski,file", "there is a normal model already"),
         ("file,kik-piotrowski+half-space", 'needs normal = "half-space"'),
         ("file,,half-space", "has an empty name"),
