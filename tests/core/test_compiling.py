@@ -7,7 +7,9 @@ import sys
 from pathlib import Path
 
 import numba
+import numpy as np
 import pytest
+from numba.core.errors import NumbaError
 
 from wrsim.core.jit import compiling
 from wrsim.core.jit.compiling import COUNT, kernel
@@ -32,6 +34,16 @@ with pytest.MonkeyPatch.context() as patch:
     def outer(x):
         """Calls one kernel with several literal arguments."""
         return power(x, 2, False) + power(x, 3, True)
+
+    @kernel
+    def grasp(x):
+        """Asks for memory."""
+        return np.full(3, x).sum()
+
+
+def test_a_kernel_that_allocates_is_not_compiled():
+    with pytest.raises(NumbaError, match="built-in function empty"):
+        grasp(2.0)
 
 
 def test_literal_arguments_make_no_kernels_of_their_own_and_how_far_it_is_is_reported(caplog):

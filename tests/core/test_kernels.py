@@ -70,13 +70,14 @@ def arrays(thing):
 
 
 def test_no_kernel_that_python_calls_allocates(compiled):
-    # nor any that works within one of these: what is left is one note for each array at the door
+    # nor any that works within one of these
     _, calls = compiled
     every = kernels.kernels()
     assert len(calls.keys() & every.keys()) > 20
     compile_stages(*STAGES)
     for key in calls.keys() & every.keys():
-        assert allocations(every[key], *calls[key]) == sum(arrays(a) for a in calls[key]), key
+        # a note for each array at the door where the kernel hands arrays back
+        assert allocations(every[key], *calls[key]) in (0, sum(arrays(a) for a in calls[key])), key
 
 
 def test_the_count_of_allocations_counts():

@@ -204,13 +204,14 @@ def vehicle_cases() -> dict[str, list[float]]:
     found["axle boxes"] = list(swing)
     twisting = vehicle.with_wheelsets(twistable)
     brake = Effort(vehicle.wheelsets[1].name, ((0.0, -9e3),), wheel="left")
-    apart = on_track(replace(twisting, efforts=(brake,), slip_control=None), 20.0, curve, stepped=True).law
+    apart = on_track(replace(twisting, efforts=(brake,), slip_control=None), 20.0, curve).law
     angles, rates = design_state(apart, lateral=2e-3)
     angles[2 : 6 * len(vehicle.wheelsets) : 6] -= 1e-4
     angles[-4:], rates[-4:] = 1e-3, 0.2
     apart(0.0, angles, rates, twist := np.zeros(apart.size))
     found["twist"] = list(twist)
-    alone = on_track(shipped("wheelset_s1002_steering").with_wheelsets(twistable), 20.0, curve).law
+    wheelset = shipped("wheelset_s1002_steering").with_wheelsets(twistable)
+    alone = on_track(wheelset, 20.0, curve, stepped=True).law
     at, moving = design_state(alone, lateral=2e-3)
     at[2] -= 1e-4
     at[-1], moving[-1] = 1e-3, 0.2
