@@ -81,6 +81,7 @@ def test_coupled_coaches_start_on_uneven_track(tmp_path: Path) -> None:
     assert SteadyMotion(law).largest(*start_state(setup, law)) < TOLERANCE
 
 
+@pytest.mark.campaign
 def test_the_ends_of_vehicles_swing_through_an_s_curve_as_chords_do(tmp_path: Path) -> None:
     """Slowly, with couplings that hold nothing: pivots on the centre line, ends on the chords through them. The largest
     lateral offset within 1 %, the angle at every place within 1 % of its largest value.

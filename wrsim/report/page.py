@@ -207,7 +207,7 @@ def as_picture(name: str, figure: Figure) -> tuple[str, str]:
 def _as_webp(png: bytes) -> str:
     """The same picture without loss, in a fraction of the bytes: a page is mailed."""
     stream = io.BytesIO()
-    Image.open(io.BytesIO(png)).convert("RGB").save(stream, "webp", lossless=True, quality=40)
+    Image.open(io.BytesIO(png)).convert("RGB").save(stream, "webp", lossless=True, quality=20)
     return _address("webp", stream.getvalue())
 
 
