@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from markupsafe import Markup
 
-from wrsim.errors import INTERRUPTED, STOPPED, InputError
+from wrsim.errors import DIFFERENT, INTERRUPTED, STOPPED, InputError
 from wrsim.results.table import Table, as_html, as_text
-from wrsim.stages import stage
+from wrsim.timing import timed
 
 if TYPE_CHECKING:
     from wrsim.report.document import Cover
@@ -297,8 +297,8 @@ def profiles(
         For profiles that cannot be used, and for options that do not go together.
     """
     from wrsim.analysis.conicity.pairs import Pairing
-    from wrsim.analysis.profiles import Partner, gathered, measured_tables, wheelsets_table
-    from wrsim.geometry.profile.models import load_profile
+    from wrsim.analysis.profiles import Partner, measured_tables, wheelsets_table
+    from wrsim.geometry.profile.models import gathered, load_profile
     from wrsim.inputs.lookup import model_file
     from wrsim.report.outputs import draw_model, write_profiles
     from wrsim.results.smoothing import body_of, profile_and_reports, smoothing_table
@@ -438,7 +438,7 @@ def diff(
     apart = inputs_apart(*results)
     numbers = {"alike": alike, "tolerance": tolerance, "ends": ends, "inputs": apart, "differences": records}
     tables = compared_tables(found, ends, tolerance, names, apart)
-    return Outcome(tables, numbers, files, found, 0 if alike else 4, folder)
+    return Outcome(tables, numbers, files, found, 0 if alike else DIFFERENT, folder)
 
 
 def export(result: Given, to: str, output: str | Path | None = None) -> Outcome:
@@ -465,12 +465,12 @@ def export(result: Given, to: str, output: str | Path | None = None) -> Outcome:
     """
     from wrsim.results.exports import export_result, formats
 
-    names, folder = formats(to), _folder(result, output)
+    names, folder = formats(to), folder_of(result, output)
     loaded = _read(result)
     return Outcome([], {}, [file for name in names for file in export_result(loaded, name, folder)])
 
 
-def _folder(given: Given, output: str | Path | None) -> Path:
+def folder_of(given: Given, output: str | Path | None) -> Path:
     """Where files about a result go: ``output``, else beside it. Raises InputError."""
     from wrsim.report.output_folder import folder_of_result
 
@@ -518,7 +518,7 @@ def write_report(
 
     several, picture = _several(results), logo_address(Path(logo)) if logo else ""
     page = _page_of(several, with_view, list(map(Path, models)), Cover(title, author, company, date, picture))
-    target = Path(file) if file is not None else _folder(several[0], None) / "report.html"
+    target = Path(file) if file is not None else folder_of(several[0], None) / "report.html"
     return Outcome([], {}, [write_atomically(target, page.encode())])
 
 
@@ -546,7 +546,7 @@ def _page_of(given: Sequence[Given], with_view: bool, models: Sequence[Path], co
     results = [_read(each) for each in given]
     names = [str(each) if isinstance(each, str | Path) else each.title for each in given]
     pairs = zip(results, given, strict=True)
-    viewers = [view_page(r, _folder(each, None), models) for r, each in pairs] if with_view else []
+    viewers = [view_page(r, folder_of(each, None), models) for r, each in pairs] if with_view else []
     return report_page(results, names, viewers=viewers, cover=cover)
 
 
@@ -575,8 +575,8 @@ def write_view(result: Given, file: str | Path | None = None, models: Sequence[s
     from wrsim.report.view_data import view_page
     from wrsim.results import write_atomically
 
-    folder = _folder(result, None if file is None else Path(file).parent)
-    beside = _folder(result, None) if _paths(result) else folder
+    folder = folder_of(result, None if file is None else Path(file).parent)
+    beside = folder_of(result, None) if _paths(result) else folder
     page = view_page(_read(result), beside, list(map(Path, models)))
     return Outcome([], {}, [write_atomically(folder / "view.html" if file is None else Path(file), page.encode())])
 
@@ -655,9 +655,9 @@ def run_scenario(
 
     path = Path(file)
     directory = Path(output or f"results/{path.stem}")
-    with stage("scenario read and checked"):
+    with timed("scenario read and checked"):
         scenario = load(path, models).with_set(values)
-    with stage("vehicle, track and profiles built"):
+    with timed("vehicle, track and profiles built"):
         setup = build(scenario)  # what cannot run leaves nothing behind
     for words in (*(f"{file}: warning: {w}" for w in warnings(setup)), *exact_run_warning(setup)):
         warn(words)
@@ -729,7 +729,7 @@ def write_pictures(
     from wrsim.report.outputs import draw_pictures
     from wrsim.results.wheelsets import wheelset_folder, wheelsets, worst_wheelset
 
-    look, loaded, directory = look_of(formats, width_mm, font, style), _read(result), _folder(result, output)
+    look, loaded, directory = look_of(formats, width_mm, font, style), _read(result), folder_of(result, output)
     dataset = loaded.dataset
     if wheelset is not None or at:
         dataset = loaded.wheelset(wheelset or worst_wheelset(dataset))
@@ -823,10 +823,10 @@ def resolve(
     from wrsim.scenario.loading import load_text
 
     before, paths = _read(result), _paths(result)
-    directory = Path(output) if output else _folder(result, None) / file_name(contact)
+    directory = Path(output) if output else folder_of(result, None) / file_name(contact)
     with naming(*paths), bar() as progress:
         moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
-        beside = _folder(result, None) if paths else Path()
+        beside = folder_of(result, None) if paths else Path()
         scenario = load_text(before.dataset.attrs["scenario_text"], beside, models, closed=True)
         after = resolve_contacts(
             before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress
@@ -926,14 +926,14 @@ def new_file(kind: str = "curving", template: str | None = None, output: str | P
     InputError
         For a kind or a template that there is not.
     """
-    from wrsim.register import ANALYSES
+    from wrsim.register import ANALYSES, OTHER_NAMES
     from wrsim.results import write_atomically
     from wrsim.scenario.templates import template_files
 
     texts = template_files(kind, template, Path(output or f"{template or kind}.toml"))
     files = [write_atomically(path, text.encode()) for path, text in texts.items()]
     command = "run" if kind in ANALYSES else "vehicle" if kind == "train" else kind
-    of_kind = "" if kind in ANALYSES else f" --file {'evolution' if kind == 'wear' else kind}"
+    of_kind = "" if kind in ANALYSES else f" --file {OTHER_NAMES.get(kind, kind)}"
     use = [f"use it with: wrsim {command} {files[0]}", f"wrsim keys{of_kind} explains its keys"]
     return Outcome([], {}, files, lines=use)
 
@@ -1000,7 +1000,7 @@ def run_study(
     directory = Path(output) if output else Path("results") / Path(file).stem
     for words in check_workers(workers, scheduler, slurm, tls):
         warn(words)
-    with stage("plan of the cases"):
+    with timed("plan of the cases"):
         plan, reads = planned(Path(file), directory, list(models))
     if dry_run:
         numbers, table = estimated_cost(plan, workers)
@@ -1011,15 +1011,15 @@ def run_study(
         notify(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
         try:
             if todo:
-                with stage(f"{len(todo)} cases"), worker_pool(workers, scheduler, slurm, tls, len(todo), bar) as work:
+                with timed(f"{len(todo)} cases"), worker_pool(workers, scheduler, slurm, tls, len(todo), bar) as work:
                     work(plan, todo)
         except KeyboardInterrupt:
             write_study(plan, markers_of(plan), pictures=False)
             raise _interrupted(directory) from None
         markers = markers_of(plan)
-        with stage("tables and pictures of the study"):
+        with timed("tables and pictures of the study"):
             report, files = write_study(plan, markers, pictures)
-    code = 3 if report["unfinished"] else 0
+    code = STOPPED if report["unfinished"] else 0
     faults = partial(faults_of, report, markers)
     numbers = report | {"exit_code": code, "ran": len(todo)}
     return Outcome(study_tables(report), numbers, files, faults, code, directory)

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from functools import lru_cache
 
-STOPPED, INTERRUPTED = 3, 130
-"""Exit codes of runs that stop early, of themselves and by Ctrl-C."""
+STOPPED, DIFFERENT, INTERRUPTED = 3, 4, 130
+"""Exit codes: of runs that stop early and of studies with cases that did; of results that differ; after Ctrl-C."""
 
 
 class WrsimError(Exception):

@@ -24,7 +24,7 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.plausibility import warnings
 from wrsim.simulation.step_size import evaluations_for
-from wrsim.stages import stage
+from wrsim.timing import timed
 
 MANY = 3  # vehicles whose contacts take all cores unless threads are given
 
@@ -92,7 +92,7 @@ def run(
     if not analysis.moves:
         if resume:
             raise scenario.fault(("analysis",), "nothing is stored of it to resume; run it without --resume")
-        with stage(f"analysis {analysis.name}"):
+        with timed(f"analysis {analysis.name}"):
             return function(setup, progress)  # type: ignore[no-any-return]
     run_record = None if record is None else RunRecord.of(scenario, setup, Path(record), resume)
     with _naming_step(scenario):

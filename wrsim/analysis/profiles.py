@@ -7,7 +7,6 @@ import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -16,9 +15,7 @@ from wrsim.analysis.poses.static import contact_map
 from wrsim.errors import InputError
 from wrsim.geometry.profile.flange import flange_dimensions, tread_hollow
 from wrsim.geometry.profile.head_wear import head_wear
-from wrsim.geometry.profile.models import load_profile, profiles_in
 from wrsim.geometry.profile.profile import KINDS, Kind, Profile
-from wrsim.inputs.lookup import model_file
 from wrsim.results.table import Cell, Column, Table, quantity
 
 MEASURES = {"wheel": ("Sh", "Sd", "qR", "hollow"), "rail": ("W1", "W2", "W3")}
@@ -64,21 +61,6 @@ class Partner:
         except InputError:
             return np.nan  # as is the conicity, with the reason
         return 1e-6 * float(found["p0"].max())
-
-
-def gathered(
-    names: Sequence[str], kind: Kind | None, models: Sequence[str | Path] = ()
-) -> tuple[dict[str, Profile], tuple[str, ...]]:
-    """Profiles of files and of folders, by the names of their files without ending; faults of files of folders."""
-    found, faults = dict[str, Profile](), list[str]()
-    for name in names:
-        if (folder := Path(name)).is_dir():
-            inside, bad = profiles_in(folder, kind)
-            faults += bad
-        else:
-            inside = {folder.stem: load_profile(model_file(name, models), kind)}
-        found |= {f"{name}: {stem}" if stem in found else stem: profile for stem, profile in inside.items()}
-    return found, tuple(faults)
 
 
 def measured_tables(

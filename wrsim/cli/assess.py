@@ -29,11 +29,11 @@ def assess_command(
     Sections of several runs of one vehicle count together; they need a folder to write to (-o).
     """
     with writing_files(as_json, force, *results[1:], of=results[0]):
-        from wrsim.api import assess
+        from wrsim.api import assess, folder_of
 
         if len(results) > 1 and output is None:
             raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
-        print_outcome(as_json, assess(results, scenario, output or options.beside(results[0]), pictures))
+        print_outcome(as_json, assess(results, scenario, folder_of(results[0], output), pictures))
 
 
 def ride_command(
@@ -46,9 +46,9 @@ def ride_command(
 ) -> None:
     """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
     with writing_files(as_json, force, of=result):
-        from wrsim.api import ride
+        from wrsim.api import folder_of, ride
 
-        print_outcome(as_json, ride(result, scenario, output or options.beside(result), pictures))
+        print_outcome(as_json, ride(result, scenario, folder_of(result, output), pictures))
 
 
 def conicity_command(
@@ -117,7 +117,7 @@ def vehicle(
         bool, typer.Option("--rotation-test", help="Rotation resistance of its bogies: X factor (EN 14363).")
     ] = False,
     rotation_radius_m: Annotated[
-        float, typer.Option(metavar="M", min=10.0, max=10_000.0, help="options.Radius of the curve of that test.")
+        float, typer.Option(metavar="M", min=10.0, max=10_000.0, help="Radius of the curve of that test.")
     ] = 150.0,
     loops: Annotated[
         Path | None, typer.Option("--loops", metavar="PNG|SVG|PDF", help="Draw the loops of these two tests there.")

@@ -88,7 +88,7 @@ def show_progress() -> None:
         logger.propagate = False
 
 
-class _Stages(logging.Handler):
+class _Times(logging.Handler):
     """A line on stderr with the time of a part of the work."""
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -97,11 +97,11 @@ class _Stages(logging.Handler):
         print_error(f"{quantity(getattr(record, 'seconds', 0.0), 's', '.2f'):>10}  {record.getMessage()}")
 
 
-def show_stages(wanted: bool) -> bool:
+def show_times(wanted: bool) -> bool:
     """Print what a command does and the time of each part (``--verbose``)."""
-    logger = logging.getLogger("wrsim.stages")
+    logger = logging.getLogger("wrsim.timing")
     if wanted:
-        logger.handlers, logger.propagate = [_Stages()], False
+        logger.handlers, logger.propagate = [_Times()], False
         logger.setLevel(logging.INFO)
     return wanted
 

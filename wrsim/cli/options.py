@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import show_stages
+from wrsim.cli.console import show_times
 from wrsim.errors import InputError
 
 Models = Annotated[
@@ -31,7 +31,7 @@ Force = Annotated[
 Pictures = Annotated[bool, typer.Option(help="Draw the pictures.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no table.")]
 Verbose = Annotated[
-    bool, typer.Option("--verbose", "-v", callback=show_stages, help="Print each part of the work with its time.")
+    bool, typer.Option("--verbose", "-v", callback=show_times, help="Print each part of the work with its time.")
 ]
 Workers = Annotated[
     int | None,
@@ -69,11 +69,6 @@ into = partial(typer.Option, "--output", "-o")
 """Where to write."""
 Output = Annotated[Path | None, into(metavar="DIR", help="Default: results/<name of FILE>.")]
 BesideResult = Annotated[Path | None, into(metavar="DIR", help="Default: beside the result.")]
-
-
-def beside(result: Path) -> Path:
-    """The folder of a result that is named by its file or by that folder."""
-    return result if result.is_dir() else result.parent
 
 
 PICTURES = (".png", ".svg", ".pdf")

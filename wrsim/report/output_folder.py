@@ -14,7 +14,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results import Result, write_atomically, write_run
 from wrsim.results.files import Keeper, Manifest, digest_of, keeping, sweep
 from wrsim.results.table import quantity
-from wrsim.stages import stage
+from wrsim.timing import timed
 
 if TYPE_CHECKING:
     from wrsim.plots.drawing import Finish
@@ -76,11 +76,11 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
 
         drawn = drawing(standard_figures(result.dataset))
     with drawn as finish:
-        with stage("dataset, summary and tables written"):
+        with timed("dataset, summary and tables written"):
             files = [record, *write_run(result, directory)]
         if further := ANALYSES[result.analysis].further:
             files += resolved(further)(result, directory, pictures)
-        with stage("pictures that are left"):
+        with timed("pictures that are left"):
             files += [write_atomically(directory / f"{name}.png", content) for name, content in finish().items()]
     if not can_go_on(result):
         (directory / PART).unlink(missing_ok=True)

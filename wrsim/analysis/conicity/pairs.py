@@ -14,7 +14,7 @@ import numpy as np
 from wrsim.analysis.conicity.conicity import wheelset_conicity
 from wrsim.errors import InputError
 from wrsim.geometry.profile.flange import BACK
-from wrsim.geometry.profile.models import load_profile, profiles_in
+from wrsim.geometry.profile.models import gathered, load_profile
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.inputs.checking import check_value
 from wrsim.inputs.lookup import model_file
@@ -73,7 +73,8 @@ class Pairing:
 
     def map(self, wheel: str, rail: str, gauges_mm: tuple[float, float, float], radius: float) -> ConicityMap:
         """A map of profiles or folders of them over gauges (first, last, step) [mm]; radius at the tape circle [m]."""
-        (rails, bad), (wheels, worse) = self._profiles(rail, "rail"), self._profiles(wheel, "wheel")
+        rails, bad = gathered((rail,), "rail", self.models)
+        wheels, worse = gathered((wheel,), "wheel", self.models)
         rails, gauges = {n: p.inclined(self.slope) for n, p in rails.items()}, [g / 1e3 for g in _gauges(*gauges_mm)]
         found = conicity_map(
             wheels, rails, gauges, self.spacing, radius, self.roll, f"{wheel} on {rail}{self.inclined}"
@@ -82,11 +83,6 @@ class Pairing:
 
     def _profile(self, name: str, kind: Kind) -> Profile:
         return load_profile(model_file(name, self.models), kind)
-
-    def _profiles(self, name: str, kind: Kind) -> tuple[dict[str, Profile], tuple[str, ...]]:
-        """One profile by the name of its file, or those of a folder; what is wrong with others there."""
-        folder = Path(name)
-        return profiles_in(folder, kind) if folder.is_dir() else ({folder.stem: self._profile(name, kind)}, ())
 
 
 def _gauges(low: float, high: float, step: float) -> list[float]:

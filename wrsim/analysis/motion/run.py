@@ -41,7 +41,7 @@ from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.stepper import Stepper, with_torques
 from wrsim.simulation.system import Array, BodySystem
-from wrsim.stages import stage
+from wrsim.timing import timed
 
 log = logging.getLogger(__name__)
 
@@ -110,9 +110,9 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
         q = q_t = np.zeros(system.size)  # the file knows better
     else:
         try:
-            with stage("steady motion at the start"):
+            with timed("steady motion at the start"):
                 q, q_t = start_state(setup, law)
-            with stage("time step chosen"):
+            with timed("time step chosen"):
                 step = chosen_step(setup, law, q, q_t)
         except NoSteadyMotion as problem:
             raise SimulationError(start_words(problem, setup)) from None
@@ -134,7 +134,7 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
             segment=SEGMENT if setup.contact.fast() == setup.contact else SEGMENT_EXACT, progress=progress,
             recorder=recorder,
         )  # fmt: skip
-        with stage(took):
+        with timed(took):
             motion = integration.run(q, q_t)
     return result_of(setup, law, motion, monitor.events(), None if record is None else record.path.parent)
 

@@ -53,22 +53,27 @@ class Count:
 
     def begin(self, function: Any) -> None:
         """A kernel that Python calls is compiled, with all that it calls."""
-        if LOGGER.isEnabledFor(logging.INFO) and function not in self.due:
-            self.due.add(function)
-            for thing in inspect.getclosurevars(function).globals.values():
-                if isinstance(thing, Kernel):
-                    self.begin(thing.py_func)
+        if LOGGER.isEnabledFor(logging.INFO):
+            _gather(function, self.due)
 
     def end(self, function: Any, all_in_it: bool = False) -> None:
         """This one is compiled, or with all that it calls."""
+        if all_in_it:
+            _gather(function, self.done)
         self.done.add(function)
-        for thing in inspect.getclosurevars(function).globals.values() if all_in_it else ():
-            if isinstance(thing, Kernel) and thing.py_func not in self.done:
-                self.end(thing.py_func, True)
         if function in self.due:
             LOGGER.info("compiling kernels, once: %d of %d", len(self.done & self.due), len(self.due))
             if self.due <= self.done:
                 LOGGER.info("")
+
+
+def _gather(function: Any, found: set[Any]) -> None:
+    """Add a kernel's function and those of all kernels that it calls."""
+    if function not in found:
+        found.add(function)
+        for thing in inspect.getclosurevars(function).globals.values():
+            if isinstance(thing, Kernel):
+                _gather(thing.py_func, found)
 
 
 COUNT = Count()

@@ -28,6 +28,8 @@ PLAIN = types.Number, types.Boolean, types.Literal, types.Array, types.Record, t
 MEMORY: dict[int, tuple[Any, dict[Any, Any]]] = {}
 """What calls return, of all functions so far, by their identity."""
 
+RESOLVE: Any = types.BaseFunction.get_call_type
+
 
 class Flags(compiler.Flags):
     """Options, one object for the same ones (`one_of`): its hash costs nothing."""
@@ -100,23 +102,23 @@ def _rewrite(state: Any, kinds: Any) -> None:
     _order(state)
 
 
+def _remembered(self: Any, context: Any, args: Any, kws: Any) -> Any:
+    """What a call returns: as numba resolves it, once for the same function, types and options."""
+    if kws or not all(isinstance(one, PLAIN) for one in args):
+        return RESOLVE(self, context, args, kws)
+    _, memory = MEMORY.setdefault(id(self), (self, {}))
+    key = args, ConfigStack.top_or_none()
+    if key not in memory:
+        memory[key] = RESOLVE(self, context, args, kws)
+    return memory[key]
+
+
 @contextmanager
 def remembered_calls() -> Iterator[None]:
-    """While this lasts, what a call returns is resolved once for the same function, types and options."""
+    """While this lasts, what calls return is remembered."""
     functions: Any = types.BaseFunction
-    resolve = functions.get_call_type
-
-    def remembered(self: Any, context: Any, args: Any, kws: Any) -> Any:
-        if kws or not all(isinstance(one, PLAIN) for one in args):
-            return resolve(self, context, args, kws)
-        _, memory = MEMORY.setdefault(id(self), (self, {}))
-        key = args, ConfigStack.top_or_none()
-        if key not in memory:
-            memory[key] = resolve(self, context, args, kws)
-        return memory[key]
-
-    functions.get_call_type = remembered
+    before, functions.get_call_type = functions.get_call_type, _remembered
     try:
         yield
     finally:
-        functions.get_call_type = resolve
+        functions.get_call_type = before

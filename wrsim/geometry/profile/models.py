@@ -6,7 +6,7 @@ docs/user/profiles.md); the kind that starts from another profile is here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
@@ -171,6 +171,21 @@ def profiles_in(folder: Path, kind: Kind | None) -> tuple[dict[str, Profile], tu
     if not found:
         head = f"{folder}: has no {kind or 'wheel or rail'} profiles"
         raise InputError("\n".join((f"{head} (files that end in .toml or {' '.join(sorted(endings))})", *faults)))
+    return found, tuple(faults)
+
+
+def gathered(
+    names: Sequence[str], kind: Kind | None, models: Sequence[str | Path] = ()
+) -> tuple[dict[str, Profile], tuple[str, ...]]:
+    """Profiles of files and of folders, by the names of their files without ending; faults of files of folders."""
+    found, faults = dict[str, Profile](), list[str]()
+    for name in names:
+        if (folder := Path(name)).is_dir():
+            inside, bad = profiles_in(folder, kind)
+            faults += bad
+        else:
+            inside = {folder.stem: load_profile(model_file(name, models), kind)}
+        found |= {f"{name}: {stem}" if stem in found else stem: profile for stem, profile in inside.items()}
     return found, tuple(faults)
 
 

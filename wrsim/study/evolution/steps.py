@@ -36,12 +36,12 @@ from wrsim.inputs.toml_files import read_bytes, write_toml
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import as_json
 from wrsim.results.table import formatted, quantity
-from wrsim.stages import stage
 from wrsim.study.engine import missing
 from wrsim.study.evolution.reading import Evolution
 from wrsim.study.evolution.stages import tableau
 from wrsim.study.plan import Plan
 from wrsim.study.task import COMPLETED, RESULT, read_marker
+from wrsim.timing import timed
 
 Array = NDArray[np.float64]
 Work = Callable[[Plan, Sequence[int]], None]
@@ -177,7 +177,7 @@ def _wear(evolution: Evolution, folder: Path, areas: Array, mileage: float, work
     plan = evolution.plan(folder, write_wheel(evolution, folder, areas, label), label)
     todo = missing(plan)
     if todo:
-        with stage(f"{len(todo)} cases of {label}"):
+        with timed(f"{len(todo)} cases of {label}"):
             work(plan, todo)
     lost, tread, flange = _lost(evolution, plan)
     return _Wear(on_unworn(evolution.unworn, evolution.table(areas), length, lost, areas.size), tread, flange)

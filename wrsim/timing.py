@@ -1,4 +1,4 @@
-"""What a command does, part after part, and how long each takes: records of the logger ``wrsim.stages``, for ``-v``."""
+"""What a command does, part after part, and how long each takes: records of the logger ``wrsim.timing``, for ``-v``."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-LOGGER = logging.getLogger("wrsim.stages")
+LOGGER = logging.getLogger("wrsim.timing")
 
 
 @contextmanager
-def stage(words: str | Callable[[], str]) -> Iterator[None]:
+def timed(words: str | Callable[[], str]) -> Iterator[None]:
     """A part of the work, logged at its end with its time as ``seconds``; words: or what gives them then."""
     began = time.perf_counter()
     yield
