@@ -29,11 +29,12 @@ def assess_command(
     Sections of several runs of one vehicle count together; they need a folder to write to (-o).
     """
     with writing_files(as_json, force, *results[1:], of=results[0]):
-        from wrsim.api import assess, folder_of
+        from wrsim.api.analyses import assess
+        from wrsim.api.outcome import folder_beside
 
         if len(results) > 1 and output is None:
             raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
-        print_outcome(as_json, assess(results, scenario, folder_of(results[0], output), pictures))
+        print_outcome(as_json, assess(results, scenario, folder_beside(results[0], output), pictures))
 
 
 def ride_command(
@@ -46,9 +47,10 @@ def ride_command(
 ) -> None:
     """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
     with writing_files(as_json, force, of=result):
-        from wrsim.api import folder_of, ride
+        from wrsim.api.analyses import ride
+        from wrsim.api.outcome import folder_beside
 
-        print_outcome(as_json, ride(result, scenario, folder_of(result, output), pictures))
+        print_outcome(as_json, ride(result, scenario, folder_beside(result, output), pictures))
 
 
 def conicity_command(
@@ -85,7 +87,7 @@ def conicity_command(
 ) -> None:
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
     with writing_files(as_json, force):
-        from wrsim.api import conicity
+        from wrsim.api.analyses import conicity
 
         found = conicity(
             wheel, rail, gauge_mm=gauge_mm, gauges_mm=gauges_mm, flange_back_mm=flange_back_mm, inclination=inclination,
@@ -128,7 +130,7 @@ def vehicle(
 ) -> None:
     """Print mass, centre, static wheel loads, natural modes and stationary tests of a vehicle; draw it."""
     with writing_files(as_json, force):
-        from wrsim.api import stationary
+        from wrsim.api.analyses import stationary
 
         options.check_ending("-o", output, *options.PICTURES)
         options.check_ending("--loops", loops, *options.PICTURES)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from wrsim.errors import plain
 
 if TYPE_CHECKING:
-    from wrsim.api import Outcome
+    from wrsim.api.outcome import Outcome
     from wrsim.results.table import Table
 
 Progress = Callable[[float, float], None]

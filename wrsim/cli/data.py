@@ -47,7 +47,7 @@ def profile(
 ) -> None:
     """Draw and measure profiles: Sh, Sd, qR, hollow of wheels, wear of rail heads; what smoothing does to points."""
     with writing_files(as_json, force, *map(Path, files)):
-        from wrsim.api import profiles
+        from wrsim.api.analyses import profiles
 
         picture = output or Path(Path(files[0]).resolve().stem + ".png")
         options.check_ending("-o", picture, *options.PICTURES)
@@ -70,7 +70,7 @@ def track(
 ) -> None:
     """Draw the track of a scenario or of a track file: plan, curvature, cant, gauge, height, irregularities."""
     with writing_files(as_json, force, file):
-        from wrsim.api import draw_track
+        from wrsim.api.pages import draw_track
 
         picture = output or Path(f"{file.stem}_track.png")
         options.check_ending("-o", picture, *options.PICTURES)
@@ -115,7 +115,7 @@ def recording(
     beside = file.with_suffix(".toml")
     chosen = columns if columns is not None else beside if beside.is_file() else None
     with writing_files(as_json, force, *([file] if chosen is None else [file, chosen])):
-        from wrsim.api import read_recording
+        from wrsim.api.data import read_recording
 
         directory = output or Path(file.stem)
         found = read_recording(
@@ -142,7 +142,7 @@ def export_command(
 ) -> None:
     """Write a result for other programs: MATLAB, CSV, Parquet, MDF (result.mat, .csv, .parquet, .mf4), all tables."""
     with writing_files(as_json, force, of=result):
-        from wrsim.api import export
+        from wrsim.api.data import export
 
         print_outcome(as_json, export(result, to, output))
 
@@ -158,7 +158,7 @@ def fmu(
 ) -> None:
     """Write the vehicle of a run as a co-simulation unit (FMI 3.0, Linux, a C compiler is needed)."""
     with writing_files(as_json, force, file):
-        from wrsim.api import write_unit
+        from wrsim.api.data import write_unit
 
         options.check_ending("-o", output, ".fmu")
         print_outcome(as_json, write_unit(file, output, values or (), step=1e-3 * step_ms, models=models or ()))

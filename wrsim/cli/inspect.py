@@ -15,7 +15,7 @@ from wrsim.cli.errors import reporting_errors, writing_files
 def show_command(result: options.ResultFile, as_json: options.Json = False) -> None:
     """Print the summary of a result, or of what there is of a run."""
     with reporting_errors(as_json):
-        from wrsim.api import show
+        from wrsim.api.runs import show
 
         found = show(result)
         print_numbers(as_json, found.numbers, found.tables)
@@ -39,7 +39,7 @@ def plot(
 ) -> None:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
     with writing_files(as_json, force, of=result):
-        from wrsim.api import write_pictures
+        from wrsim.api.pages import write_pictures
 
         print_outcome(as_json, write_pictures(result, output, at or (), wheelset, formats, width_mm, font, style))
 
@@ -68,7 +68,7 @@ def report(
     Versions and digests are in its appendix.
     """
     with writing_files(as_json, force, *results[1:], of=results[0]):
-        from wrsim.api import write_report
+        from wrsim.api.pages import write_report
 
         options.check_ending("-o", output, ".html")
         found = write_report(
@@ -87,7 +87,7 @@ def view(
 ) -> None:
     """Write a page to look at a run: wheels on their rails, the vehicle on its track, modes of a stability analysis."""
     with writing_files(as_json, force, of=result):
-        from wrsim.api import write_view
+        from wrsim.api.pages import write_view
 
         options.check_ending("-o", output, ".html")
         print_outcome(as_json, write_view(result, output, models or ()))
@@ -111,9 +111,9 @@ def diff_command(
 ) -> None:
     """Compare two results: peaks, medians in full curves, other numbers; exit code 4 when they differ."""
     with writing_files(as_json, force, first, second):
-        from wrsim import api
+        from wrsim.api.analyses import diff
 
-        found = api.diff(first, second, tolerance, only or (), output)
+        found = diff(first, second, tolerance, only or (), output)
         print_outcome(as_json, found)
         if found.code:
             raise typer.Exit(found.code)

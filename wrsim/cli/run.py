@@ -43,7 +43,7 @@ def run_command(
     While it lasts, a run is stored in DIR/result.nc.part, so that one that was cut off goes on with --resume.
     """
     with reporting_errors(as_json):
-        from wrsim.api import run_scenario
+        from wrsim.api.runs import run_scenario
 
         if quiet:
             logging.getLogger("wrsim").setLevel(logging.ERROR)
@@ -99,7 +99,7 @@ def study(
 ) -> None:
     """Run a scenario many times with some keys varied; start it again and only what is missing runs."""
     with reporting_errors(as_json):
-        from wrsim.api import run_study
+        from wrsim.api.studies import run_study
 
         found = run_study(
             file, output, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, retry=retry, dry_run=dry_run,
@@ -140,7 +140,7 @@ def wear(
 ) -> None:
     """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on."""
     with reporting_errors(as_json):
-        from wrsim.api import run_wear
+        from wrsim.api.studies import run_wear
 
         found = run_wear(
             file, output, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, models=models or (),
@@ -172,7 +172,7 @@ def compare_command(
 ) -> None:
     """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""
     with writing_files(as_json, force, file):
-        from wrsim.api import compare
+        from wrsim.api.runs import compare
 
         found = compare(
             file, contact, reference, output or Path("results") / f"{file.stem}_compared", models=models or (),
@@ -204,7 +204,7 @@ def resolve_command(
 ) -> None:
     """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model."""
     with reporting_errors(as_json):
-        from wrsim.api import resolve
+        from wrsim.api.runs import resolve
 
         found = resolve(
             result, contact, output, at=at or (), wheelset=wheelset, same=same, models=models or (),

@@ -36,7 +36,7 @@ def new(
 ) -> None:
     """Write a file to start from, which can be used as it is: a scenario that names all keys, or another kind."""
     with writing_files(as_json, force):
-        from wrsim.api import new_file
+        from wrsim.api.data import new_file
 
         print_outcome(as_json, new_file(kind, template, output))
 
@@ -46,7 +46,7 @@ def check_command(
 ) -> None:
     """Check a scenario and all the files it names, without running it."""
     with reporting_errors(as_json):
-        from wrsim.api import check
+        from wrsim.api.runs import check
 
         found = check(file, values or (), models or ())
         print_numbers(as_json, found.numbers, found.tables)
@@ -66,7 +66,7 @@ def keys_command(
 ) -> None:
     """List the keys of a table: unit, what is allowed, default, other names, an example."""
     with reporting_errors(as_json):
-        from wrsim.api import keys
+        from wrsim.api.data import keys
 
         found = keys(section, file, schema)
         if as_json and not schema:

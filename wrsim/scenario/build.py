@@ -84,7 +84,7 @@ def build(scenario: Scenario) -> Setup[Any]:
         files = tuple(read)
         for file in scenario.merged.files:
             read_bytes(file, "scenario file")
-    inputs = {short_name(scenario, file): digest for file, digest in read.items()}
+    inputs = {name_among_models(scenario, file): digest for file, digest in read.items()}
     return replace(setup, files=files, inputs=inputs)
 
 
@@ -153,7 +153,7 @@ def _unfit(scenario: Scenario, analysis: Analysis, vehicle: Vehicle) -> Iterator
         yield (*own, model)[0], f"{kind} looks for motion that lasts: load '{varying[0]}' must be constant"
 
 
-def short_name(scenario: Scenario, file: Path) -> str:
+def name_among_models(scenario: Scenario, file: Path) -> str:
     """A file's name from the folder in which models are looked up."""
     whole = file.resolve()
     folders = [folder.resolve() for folder in scenario.finder.folders]

@@ -28,7 +28,7 @@ from wrsim.core.contact import records, wheel_rail
 from wrsim.core.jit.cache import digest_of_sources
 from wrsim.errors import InputError
 from wrsim.library.build import shared_library
-from wrsim.scenario.build import build, short_name
+from wrsim.scenario.build import build, name_among_models
 from wrsim.scenario.loading import Scenario
 from wrsim.simulation.stepper import Stepper
 
@@ -67,7 +67,7 @@ MEANINGS = {
 }
 
 
-def unit_of(scenario: Scenario, name: str, step: float = BENCH_STEP) -> tuple[bytes, list[str]]:
+def packed_unit(scenario: Scenario, name: str, step: float = BENCH_STEP) -> tuple[bytes, list[str]]:
     """The unit as the bytes of its file, and the names of its inputs; step: of the integration [s].
 
     name: of the file, without its ending. Raises InputError and SimulationError as `stepper`, InputError on systems
@@ -93,8 +93,8 @@ def unit_of(scenario: Scenario, name: str, step: float = BENCH_STEP) -> tuple[by
     text = scenario.text
     for file in setup.files:
         if file not in scenario.merged.files:
-            files[f"resources/{short_name(scenario, file)}"] = file.read_bytes()
-        text = text.replace(f'"{file}"', f'"{short_name(scenario, file)}"')  # of files that are named absolutely
+            files[f"resources/{name_among_models(scenario, file)}"] = file.read_bytes()
+        text = text.replace(f'"{file}"', f'"{name_among_models(scenario, file)}"')  # of files that are named absolutely
     files["resources/scenario.toml"] = text.encode()
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:

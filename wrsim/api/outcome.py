@@ -1,0 +1,100 @@
+"""What a function of the API returns, and how what it is given is read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from markupsafe import Markup
+
+from wrsim.errors import INTERRUPTED, STOPPED, InputError
+from wrsim.results.table import Table, as_html, as_text
+
+if TYPE_CHECKING:
+    from wrsim.results import Result
+    from wrsim.scenario.loading import Scenario
+
+Given: TypeAlias = "Result | str | Path"
+Bar: TypeAlias = Callable[[], AbstractContextManager[Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What a function found.
+
+    tables: for people, printed and shown in notebooks; numbers: the same as plain records, as of ``--json``; files:
+    that were written; found: the object behind; code: exit code of the command, 0 where all went well; folder: of the
+    files, where they share one; lines: that follow the tables.
+    """
+
+    tables: Sequence[Table]
+    numbers: dict[str, Any]
+    files: Sequence[Path] = ()
+    found: Any = None
+    code: int = 0
+    folder: Path | None = None
+    lines: Sequence[str] = ()
+
+    def __repr__(self) -> str:
+        return "\n".join(filter(None, (as_text(self.tables), *self.lines, *map(str, self.files))))
+
+    def _repr_html_(self) -> str:
+        return Markup("<div>{}</div>").format(Markup("").join(map(as_html, self.tables)))
+
+    def __getitem__(self, key: str) -> Any:
+        return self.numbers[key]
+
+
+def as_result(given: Given) -> Result:
+    from wrsim.report.output_folder import read
+    from wrsim.results import Result
+
+    return given if isinstance(given, Result) else read(Path(given))
+
+
+def as_list(given: Given | Sequence[Given]) -> list[Given]:
+    from wrsim.results import Result
+
+    return [given] if isinstance(given, Result | str | Path) else list(given)
+
+
+def paths_among(*given: Given) -> list[Path]:
+    return [Path(each) for each in given if isinstance(each, str | Path)]
+
+
+def as_scenario(given: Scenario | str | Path, models: Sequence[str | Path]) -> Scenario:
+    from wrsim.scenario.loading import Scenario, load
+
+    return given if isinstance(given, Scenario) else load(given, models)
+
+
+@contextmanager
+def no_bar() -> Iterator[Callable[[float, float], None]]:
+    yield lambda fraction, seconds_left: None
+
+
+def exit_code(result: Result) -> int:
+    """Of a command: 0 for a run that came to its end, else 3, and 130 where Ctrl-C stopped it."""
+    if result.status == "completed":
+        return 0
+    interrupted = result.dataset.attrs.get("stop_cause") == "interrupt"
+    return INTERRUPTED if interrupted or result.stop_reason.startswith("interrupted") else STOPPED
+
+
+def folder_beside(given: Given, output: str | Path | None) -> Path:
+    """Where files about a result go: ``output``, else beside it. Raises InputError."""
+    from wrsim.report.output_folder import folder_of_result
+
+    if output is not None:
+        return Path(output)
+    if not isinstance(given, str | Path):
+        raise InputError("output is missing: the result is in no folder")
+    return folder_of_result(Path(given))
+
+
+def results_folder(file: str | Path, output: str | Path | None) -> Path:
+    """Where what a file asks for is written: ``output``, else results/<name of the file>."""
+    return Path(output) if output else Path("results") / Path(file).stem
