@@ -7,7 +7,7 @@ from support.contacts import RADIUS, bench, pair_model, rail_profile, wheel_prof
 
 from wrsim import ContactSettings, contact_map
 from wrsim.contact.batch import LOAD_TOLERANCE, search_for
-from wrsim.core.contact.prescribed_load import SEARCHING, begin, next_height
+from wrsim.core.contact.prescribed_load import REACHED, SEARCHING, begin, next_height
 from wrsim.core.contact.records import STATUS_BESIDE, STATUS_IN_A_JUMP, STATUS_OUT_OF_REACH
 from wrsim.core.jit.compiling import cores
 from wrsim.errors import InputError
@@ -79,6 +79,20 @@ def test_a_wheel_beside_its_rail_and_a_load_beyond_reach_have_a_status():
     assert found.status[0] == 0
     assert found.status[1] & STATUS_BESIDE
     assert found.status[2] & STATUS_OUT_OF_REACH
+
+
+@pytest.mark.parametrize("approach", [1e-13, 7e-12, 1e-9, 1e-6, 1e-4])
+@pytest.mark.parametrize("felt", [0.1, 1.0])
+def test_the_load_is_met_in_few_steps_wherever_the_wheel_touches_first(approach, felt):
+    """Hertz's force over the height; felt: approach that the contact reports, over the one along the height."""
+    s = search_for([LOAD], -approach, RADIUS, 115e9)[0]
+    begin(s)
+    outcome, asked = SEARCHING, 0
+    while outcome == SEARCHING and asked < 60:
+        depth = max(-float(s.height), 0.0)
+        outcome = next_height(s, 1.1e11 * depth**1.5, felt * depth or -1e-6, LOAD_TOLERANCE)
+        asked += 1
+    assert outcome == REACHED
 
 
 def test_a_load_in_a_jump_of_the_force_ends_at_the_jump():

@@ -60,6 +60,7 @@ SEARCHING, REACHED = -1, 0
 
 WARM = 1e-7  # of the load: tenfold what two warm contacts of one pose differ by (contact.workspace.WARM_TOLERANCE)
 NOISE = 1e-4  # of the load's 2/3 power: a difference of two forces that gives the rate to a thousandth of it
+IDLE = 0.1  # of the excess: a step that takes less of it, within the noise, was far too short; the next one is twice it
 HIGHEST = 0.1  # above its rail, from where a wheel is let down [m]
 CLOSEST = 1e-6  # distance of profiles that do not touch, at least [m]
 
@@ -108,8 +109,10 @@ def next_height(s: Record, force: float, approach: float, tolerance: float) -> i
         s.first = s.height
     change = excess - s.last_excess
     if touches and s.rate == 0.0:
-        s.rate = -max(excess + target, 0.1 * target) / max(approach, 1e-12)
-    elif touches and abs(change) > NOISE * target and change * (s.height - s.last_height) < 0.0:
+        s.rate = -max((excess + target) / max(approach, 1e-12), 0.1 * target / max(approach, s.scale))
+    elif touches and abs(change) <= min(NOISE * target, IDLE * abs(s.last_excess)):
+        s.rate *= 0.5
+    elif touches and change * (s.height - s.last_height) < 0.0:
         s.rate = change / (s.height - s.last_height)
     if touches:
         s.touched, s.last_height, s.last_excess = 1, s.height, excess
@@ -127,9 +130,9 @@ def next_height(s: Record, force: float, approach: float, tolerance: float) -> i
         s.bracketed += 1
         if slow or not s.low < new < s.high:
             new = middle
-    if s.touched == 0 and s.start - new > HIGHEST:
+    if s.touched == 0 and not s.start - new <= HIGHEST:
         return STATUS_BESIDE
-    if s.touched != 0 and abs(new - s.first) > s.farthest:
+    if s.touched != 0 and not abs(new - s.first) <= s.farthest:
         return STATUS_OUT_OF_REACH
     s.height = new
     return SEARCHING
