@@ -191,8 +191,8 @@ def _plain(text: str | None) -> str:
     return re.sub(r"\s+", " ", (text or "").replace("\\[", "[")).strip().replace("|", "\\|").replace("<", "\\<")
 
 
-def pages() -> dict[Path, str]:
-    """Text of every page, by its path."""
+def keys() -> str:
+    """The page of keys: the tables of every kind of file, each where it comes first."""
     lines = [HEAD]
     shown: set[type] = set()
     for name, (words, _) in FILES.items():
@@ -202,8 +202,21 @@ def pages() -> dict[Path, str]:
                 own = markdown(table)
                 lines += own[2:] if table.header == words else own  # the file itself has its heading
             shown.add(table)
-    found = {REFERENCE / "keys.md": "\n".join(lines).rstrip() + "\n", REFERENCE / "commands.md": commands()}
-    return found | {REFERENCE / "channels.md": channels(), HERE / "user" / "scenarios.md": scenarios()}
+    return "\n".join(lines).rstrip() + "\n"
+
+
+PAGES = {
+    REFERENCE / "keys.md": keys,
+    REFERENCE / "commands.md": commands,
+    REFERENCE / "channels.md": channels,
+    HERE / "user" / "scenarios.md": scenarios,
+}
+"""What makes the text of each page, by its path."""
+
+
+def pages() -> dict[Path, str]:
+    """Text of every page, by its path."""
+    return {path: make() for path, make in PAGES.items()}
 
 
 def schemas() -> dict[Path, str]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import ast
 import inspect
 import re
+import sys
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from itertools import pairwise
-from textwrap import dedent
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import TypeAdapter, ValidationError
@@ -48,18 +48,22 @@ def meanings(section: type[Section]) -> dict[str, str]:
 
 def _beneath_fields(kind: type[Section]) -> dict[str, str]:
     """Texts beneath the fields of a class itself; none for a class without source."""
-    try:
-        source = inspect.getsource(kind)
-    except OSError:
-        return {}
-    (tree,) = ast.parse(dedent(source)).body
-    body = tree.body if isinstance(tree, ast.ClassDef) else []
     found = {}
-    for field, beneath in pairwise(body):
+    for field, beneath in pairwise(_classes(kind.__module__).get(kind.__name__, ())):
         match field, beneath:
             case ast.AnnAssign(target=ast.Name(id=key)), ast.Expr(value=ast.Constant(value=str(text))):
                 found[key] = " ".join(text.split())
     return found
+
+
+@cache
+def _classes(module: str) -> dict[str, list[ast.stmt]]:
+    """Statements of the classes of a module, by name; none for a module without source."""
+    try:
+        tree = ast.parse(inspect.getsource(sys.modules[module]))
+    except (OSError, KeyError):
+        return {}
+    return {one.name: one.body for one in tree.body if isinstance(one, ast.ClassDef)}
 
 
 SCHEMA = "http://json-schema.org/draft-07/schema#"
