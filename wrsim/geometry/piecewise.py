@@ -110,10 +110,11 @@ def arclengths(velocity: Callable[[Array], Array], t: Array, points: int = 8) ->
 
 
 def gauss_integrals(function: Callable[[Array], Array], start: Array, end: Array, points: int) -> Array:
-    """Integrals of function(s (n,)) -> (n, ...) from start to end, both (n,), by Gauss-Legendre quadrature."""
+    """Integrals of function(s (m,)) -> (m, ...) from start to end, both (n,), by Gauss-Legendre quadrature."""
     middle, half = 0.5 * (start + end), 0.5 * (end - start)
     place, weight = np.polynomial.legendre.leggauss(points)
-    total = sum(w * function(middle + x * half) for x, w in zip(place, weight, strict=True))
+    values = function((middle + place[:, None] * half).ravel())
+    total = sum(w * row for w, row in zip(weight, values.reshape(points, -1, *values.shape[1:]), strict=True))
     return np.asarray((np.asarray(total).T * half).T)
 
 

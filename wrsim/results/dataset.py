@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Hashable, Iterator, Mapping, Sequence
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -32,6 +33,7 @@ SINGLE = "wheelset"  # name of a wheelset that runs alone
 STATUSES = ("completed", "stopped")
 
 
+@cache
 def versions() -> dict[str, str]:
     """Versions of what shapes the numbers, as attributes: ``wrsim_version``, ``numpy_version``, ..."""
     found = {"wrsim_version": __version__, "python_version": platform.python_version()}
