@@ -1,25 +1,34 @@
 """Pages and schemas made from the code. Run: python docs/make_keys.py
 
-The pages, docs/reference/keys.md, commands.md and channels.md and docs/user/scenarios.md, are written whenever the site
-is built. The schemas, docs/schema/*.json, are committed: editors read them.
+The pages, docs/reference/keys.md, commands.md, channels.md, status.md and docs/user/scenarios.md, are written whenever
+the site is built. The schemas, docs/schema/*.json, are committed: editors read them.
 """
 
 from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from typer.main import get_command
 
+from wrsim.analysis.motion.derailment import DROP
+from wrsim.analysis.motion.messages import EventKind
+from wrsim.analysis.motion.monitor import INTERVAL, LIFT_DISTANCE, LIFT_TIME, STRETCH
+from wrsim.analysis.stability.cycles import Ending
 from wrsim.cli import app
+from wrsim.contact.status import WORDS
+from wrsim.core.contact.records import STATUS_TOO_DEEP
 from wrsim.inputs.reference import entries, heading, purpose
 from wrsim.inputs.section import Section
 from wrsim.register import FILES
 from wrsim.results import CHANNELS
 from wrsim.scenario.reference import schema_text, tables_of_file
+from wrsim.simulation.recorder import Cause
+from wrsim.study.task import STATUSES
 
 HERE = Path(__file__).parent
 REFERENCE = HERE / "reference"
@@ -101,6 +110,89 @@ Attributes of the dataset: `format`, `format_version`, `title`, `analysis`, `sta
 the forces), `jacobians`, `explicit_steps`; `scenario_text`, `inputs` (JSON: SHA-256 of every file that is read, by
 its name), and the versions of wrsim, Python and the numerical libraries.
 """
+STATUS = """# Status words and messages
+Every status word, made from the code.
+
+## Status of a run
+`status` is "completed" or "stopped", and `stop_cause` is the cause:
+
+{causes}
+`stop_reason` is a sentence with time and place. The result contains everything up to that instant, and the strips of
+the last sample as the snapshot "at the stop".
+
+## Derailment
+The state is checked every {interval} ms or every {stretch} m, whichever is shorter. The rules use positions and not
+forces. Each of them ends the run.
+
+| message | rule |
+|---|---|
+| the flange has climbed over its rail | the lowest point of the flange is outside of the gauge point |
+| the wheel has dropped | the tape circle is more than {drop} mm below the top of its rail |
+| the wheel has had no contact | no contact for {way} m and for {time} ms |
+| {deep} | no contact solution |
+
+The lowest point is that of the section below the axle; the gauge point lies 14 mm below the top of the rail. An S1002
+wheel whose flange has climbed is lifted by 20 to 27 mm.
+
+Unloading for some milliseconds or a large Y/Q is no derailment: [assess](../user/assessment.md) the result.
+
+## Events of a run
+`event_label` is a sentence with the wheel or the element, the place and the duration. The kinds:
+
+{events}
+## Status of a case of a study
+{cases}
+## Messages of a contact
+Runs and states of rest report a message as an event, static poses in `contact_remark` or `pose_message`, steady
+motions, stability analyses and `wrsim resolve` in `contact_remark`. Limit cycles have a `cycle_remark`. Summary,
+terminal, tables, `wrsim compare`, `wrsim assess` and the viewer show these messages. An overlap ends a run. The status
+of the C library is the sum of the bits.
+
+{contacts}
+## Limit cycles
+`cycle_ending` of a [stability analysis](../user/stability.md):
+
+{cycles}
+## Marks of sources
+| mark | meaning |
+|---|---|
+| [pub] | from a published source that was read |
+| [mem] | from memory of a standard or of the literature: check it against the text |
+| [derived] | follows from other numbers as the comment says |
+| [assumed] | a choice of this project |
+"""
+CAUSES = {
+    "": "the run reached the end of the track, `distance_m` or `time_s`; exit code 0",
+    "monitor": "derailment, or contact solution lost; exit code 3",
+    "not-finite": "a force or a coordinate is not a number; exit code 3",
+    "forces": "a wheelset has no place near the track; exit code 3",
+    "interrupt": "Ctrl-C; exit code 130",
+    "cut-off": "the process was ended; the result is read from its `.part` file",
+}
+EVENTS = {
+    "lift": "a wheel without contact",
+    "stop": "a bump stop beyond the end of its table; the stroke of a buffer or a draw gear used up",
+    "contact": "a message of a contact, see below",
+    "steps": "the time step is cut again and again",
+    "between": "a vertical force between two samples, beyond both of them by more than 5 % of the mean wheel load",
+    "strike": "a wheel strikes its rail faster than the time step resolves",
+    "spins": "a wheelset driven beyond adhesion",
+    "slides": "a wheelset braked beyond adhesion",
+    "loose": "a friction element without a normal force",
+}
+CASES = {
+    "completed": "the run came to its end",
+    "derailed": "it derailed or overturned; its numbers cover the way up to there",
+    "stopped": "the integration could not continue; the message gives the reason",
+    "out of time": "it took longer than `time_limit_s`; with a larger limit it continues",
+    "failed": "it could not start, or its process ended; the message gives the reason",
+}
+CYCLES = {
+    "cycle": "a limit cycle: amplitude and frequency are constant",
+    "rest": "the motion decays",
+    "not converged": "neither within the time allowed",
+    "derailed": "a wheel left its rail",
+}
 SCENARIOS = """# Scenarios that come with wrsim
 
 Files in the folder `scenarios` with their titles. Comments in each file explain its keys; `base = "other.toml"`
@@ -178,6 +270,32 @@ def channels() -> str:
     return re.sub("\n{3,}", "\n\n", "\n".join(lines)) + "\n"
 
 
+def status() -> str:
+    """The page of status words: the words are those of the code, each has its meaning here."""
+    bits = {str(bit): WORDS[bit] for bit in sorted(WORDS)}
+    return STATUS.format(
+        causes=_meanings("`stop_cause`", get_args(Cause), CAUSES),
+        events=_meanings("kind", get_args(EventKind), EVENTS),
+        cases=_meanings("status", STATUSES, CASES),
+        contacts=_meanings("bit", bits, bits, "message"),
+        cycles=_meanings("word", get_args(Ending), CYCLES),
+        deep=WORDS[STATUS_TOO_DEEP],
+        interval=f"{1e3 * INTERVAL:g}",
+        stretch=STRETCH,
+        drop=f"{1e3 * DROP:g}",
+        way=f"{LIFT_DISTANCE:g}",
+        time=f"{1e3 * LIFT_TIME:g}",
+    )
+
+
+def _meanings(head: str, words: Iterable[str], meanings: Mapping[str, str], of: str = "meaning") -> str:
+    """Table of words of the code. Raises ValueError where a word has no meaning, or a meaning no word."""
+    if wrong := set(words) ^ set(meanings):
+        raise ValueError(f"{head}: {sorted(wrong)} are words of the code or of this page alone")
+    rows = (f"| {f'`{word}`' if word else 'empty'} | {meanings[word]} |\n" for word in words)
+    return f"| {head} | {of} |\n|---|---|\n{''.join(rows)}"
+
+
 def scenarios() -> str:
     """The page of shipped scenarios, studies and services."""
     folder = HERE.parent / "scenarios"
@@ -209,6 +327,7 @@ PAGES = {
     REFERENCE / "keys.md": keys,
     REFERENCE / "commands.md": commands,
     REFERENCE / "channels.md": channels,
+    REFERENCE / "status.md": status,
     HERE / "user" / "scenarios.md": scenarios,
 }
 """What makes the text of each page, by its path."""

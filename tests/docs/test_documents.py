@@ -4,11 +4,17 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 from pydoc import locate
+from typing import get_args
 
 from support.scripts import ROOT, script
 from typer.main import get_command
 
+from wrsim.analysis.motion.messages import EventKind
+from wrsim.analysis.stability.cycles import Ending
 from wrsim.cli import app
+from wrsim.contact.status import WORDS
+from wrsim.simulation.recorder import Cause
+from wrsim.study.task import STATUSES
 
 BUILT = script("docs/make_keys.py").PAGES
 """What makes the pages that exist when the site is built."""
@@ -43,6 +49,22 @@ def test_files_that_pages_name_exist() -> None:
     for page, name in links:
         path = (page.parent / name).resolve()
         assert path.exists() or path in BUILT, f"{page.name}: {name}"
+
+
+def test_every_status_word_of_the_code_is_in_the_reference() -> None:
+    text = BUILT[ROOT / "docs" / "reference" / "status.md"]
+    words = filter(None, (*get_args(Cause), *get_args(EventKind), *get_args(Ending), *STATUSES))
+    for word in words:
+        assert f"| `{word}` |" in text, word
+    for bit, message in WORDS.items():
+        assert f"| `{bit}` | {message} |" in text, message
+
+
+def test_a_word_without_its_meaning_is_refused() -> None:
+    table = script("docs/make_keys.py")._meanings
+    for words in (("rest",), ("rest", "cycle", "new")):
+        with pytest.raises(ValueError, match=r"new|cycle"):
+            table("word", words, {"rest": "the motion decays", "cycle": "a limit cycle"})
 
 
 def test_every_shipped_scenario_is_in_the_guide() -> None:

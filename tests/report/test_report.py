@@ -19,7 +19,7 @@ from support.synthetic_run import Q0, run
 from support.synthetic_run import curve as bend
 
 from wrsim.inputs.lookup import shipped_models
-from wrsim.report.charts import envelope, pieces_of
+from wrsim.report.charts import envelope, interruptions, pieces_of
 from wrsim.report.page import report_page
 from wrsim.report.view_data import needed
 from wrsim.results import Result
@@ -92,6 +92,24 @@ def test_where_a_curve_has_no_values_none_are_drawn() -> None:
     middles = 0.5 * (pieces[:-1] + pieces[1:])
     assert np.isnan(found[(middles > 4.3) & (middles < 5.7)]).all()
     assert np.isnan(found[middles > 10.5]).all() and np.isfinite(found[middles < 3.7]).all()
+
+
+@given(st.lists(st.integers(1, 298), max_size=4, unique=True), st.lists(st.integers(1, 298), max_size=4, unique=True))
+def test_lines_end_where_contact_jumps_or_is_lost(starts: list[int], lost: list[int]) -> None:
+    places, values = np.linspace(0.0, 100.0, 300), np.ones(300)
+    values[lost] = np.nan
+    pieces = pieces_of([places])  # of two samples
+    drawn = envelope(places, values, pieces)
+    ends = interruptions(places, values, np.array(sorted(starts), dtype=np.intp), pieces)
+    for k in range(0, 299, 2):  # both samples of a piece, with what may lie between them
+        assert (k in ends) == (k + 1 in starts and np.isfinite(values[[k, k + 1]]).all())
+    for k in range(1, 297, 2):  # the last of one piece and the first of the next
+        one, two = (np.flatnonzero(np.isfinite(values[k - 1 + j : k + 1 + j])) + k - 1 + j for j in (0, 2))
+        if one.size and two.size:
+            between = range(one[-1] + 1, two[0] + 1)
+            assert (k in ends) == (any(s in starts for s in between) or two[0] > one[-1] + 1)
+        else:
+            assert np.isnan(drawn[[k, k + 1]]).any()
 
 
 @given(st.integers(2, 60), st.integers(0, 2**32 - 1))

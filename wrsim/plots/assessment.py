@@ -46,6 +46,7 @@ def assessment_figures(found: Assessment) -> dict[str, Callable[[], Figure]]:
 def limits_figure(found: Assessment) -> Figure:
     """For every quantity with a limit and every class of track: all sections as points, the worst as a bar."""
     rows = [(zone.worst, zone.worst.limit) for zone in found.zones if zone.worst.limit is not None]
+    clear = max(1.0, *(min(worst.value / limit.value, MOST) for worst, limit in rows))  # of bars and of the line at 1
 
     def draw(axes: Axes) -> None:
         for i, (worst, limit) in enumerate(rows):
@@ -60,11 +61,10 @@ def limits_figure(found: Assessment) -> Figure:
                 f"{formatted(worst.value * own.factor, '.3g')} of {quantity(limit.value * own.factor, own.unit, '.3g')}"
             )
             label += f", {worst.where}"
-            box = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
-            note(axes, label, (min(most, MOST), i), (4.0, 0.0), va="center", fontsize=6.3, color=words, bbox=box)
+            note(axes, label, (clear, i), (4.0, 0.0), va="center", fontsize=6.3, color=words)
         axes.set_yticks(range(len(rows)), [f"{worst.quantity.symbol}   {worst.section.zone}" for worst, _ in rows])
         axes.axvline(1.0, color=INK, linewidth=0.9, zorder=2.5)
-        axes.set(xlim=(0.0, 1.75), ylim=(len(rows) - 0.4, -0.6), xlabel="Value over limit")
+        axes.set(xlim=(0.0, 1.75 * clear), ylim=(len(rows) - 0.4, -0.6), xlabel="Value over limit")
         axes.grid(axis="y", visible=False)
 
     words = "Part of the limit that is used: bar: worst; points: every section, wheelset and wheel"

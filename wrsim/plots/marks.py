@@ -152,16 +152,20 @@ def without_neighbours(values: NDArray[Any]) -> NDArray[np.bool_]:
     return np.asarray(finite[1:-1] & ~finite[:-2] & ~finite[2:])
 
 
+def jumps(values: NDArray[Any], jump: float) -> NDArray[np.intp]:
+    """Samples that lie elsewhere than the one ahead of them: by more than ``jump``, or suddenly (``SUDDEN``)."""
+    with np.errstate(invalid="ignore"):
+        step = np.abs(np.diff(values))
+        known = np.pad(np.where(np.isnan(step), np.inf, step), 1, constant_values=np.inf)  # ends are never sudden
+        beside = np.maximum(known[:-2], known[2:])
+        return np.flatnonzero((step > jump) | (step > np.maximum(SUDDEN * beside, SMALL * jump))) + 1
+
+
 def broken(
     x: NDArray[Any], y: NDArray[Any], jump: float, *, by: NDArray[Any] | None = None
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Copies of (x, y) for a line interrupted where ``by`` (default: y) jumps between neighbours: by more than
-    ``jump``, or suddenly (``SUDDEN``)."""
-    with np.errstate(invalid="ignore"):
-        step = np.abs(np.diff(y if by is None else by))
-        known = np.pad(np.where(np.isnan(step), np.inf, step), 1, constant_values=np.inf)  # ends are never sudden
-        beside = np.maximum(known[:-2], known[2:])
-        at = np.flatnonzero((step > jump) | (step > np.maximum(SUDDEN * beside, SMALL * jump))) + 1
+    """Copies of (x, y) for a line interrupted at the ``jumps`` of ``by`` (default: y)."""
+    at = jumps(y if by is None else by, jump)
     return np.insert(x.astype(float), at, 0.5 * (x[at - 1] + x[at])), np.insert(y.astype(float), at, np.nan)
 
 

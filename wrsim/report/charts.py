@@ -10,7 +10,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.plots.theme import INK, SERIES_COLOURS, WHEEL_COLOUR
+from wrsim.plots.histories import ANGLE_JUMP
+from wrsim.plots.marks import jumps
+from wrsim.plots.theme import INK, SERIES_COLOURS, WHEEL_COLOUR, shown
 from wrsim.results import CHANNELS
 from wrsim.results.channels import PATCHES
 from wrsim.results.moments import is_history
@@ -51,11 +53,13 @@ CHARTS = {
 
 
 class Curve(NamedTuple):
-    """look: label, part (wheelset in a chart of them), run, colour, dash; places: abscissae; values: for readers."""
+    """look: label, part (wheelset in a chart of them), run, colour, dash; places: abscissae; values: for readers;
+    jumps: samples at which its contact is elsewhere than at the one ahead of them."""
 
     look: dict[str, Any]
     places: Array
     values: Array
+    jumps: NDArray[np.intp]
 
 
 def charts_of(
@@ -109,8 +113,14 @@ def _chart(
         "note": CHARTS[key],
         "peak": f"largest magnitude {quantity(float(best.values[at]), channel.shown.unit)} at {place}{whose}",
         "limits": [{"label": words, "value": value} for words, value in across],
-        "lines": [c.look | {"y": _numbers(envelope(c.places, c.values, pieces))} for c in curves],
+        "lines": [_line(c, pieces) for c in curves],
     }
+
+
+def _line(curve: Curve, pieces: Array) -> dict[str, Any]:
+    found = envelope(curve.places, curve.values, pieces)
+    apart = interruptions(curve.places, curve.values, curve.jumps, pieces)
+    return curve.look | {"y": _numbers(found)} | ({"breaks": apart} if apart else {})
 
 
 def _numbers(values: Array) -> list[float | None]:
@@ -129,15 +139,17 @@ def _curves(
     if on_track := key in ("curvature", "cant"):  # that of one wheelset is enough
         parts = parts[:1]
     patches = np.flatnonzero(np.isfinite(values).any(axis=(0, 1, 2))).tolist() if "patch" in data.dims else [0]
+    of_patches = "patch" in data.dims and "contact_angle" in dataset
+    angles = shown(dataset, "contact_angle").reshape(values.shape) if of_patches else None
     lone = not several and len(parts) == 1
     for i, part in enumerate(parts):
         places = dataset["distance" if moves else "time"].values
         if moves and of == "wheelset" and "wheelset_distance" in dataset:
             places = dataset["wheelset_distance"].values[:, i]
-        shown = called.get(part, part) if len(parts) > 1 or of in NAMED else ""
+        label = called.get(part, part) if len(parts) > 1 or of in NAMED else ""
         for (j, wheel), k in product(enumerate(wheels), patches):
             patch = f"{PATCHES[k]} patch" if len(patches) > 1 else ""
-            words = [w for w in (names[run] if several else "", shown, wheel, patch) if w]
+            words = [w for w in (names[run] if several else "", label, wheel, patch) if w]
             of_series = SERIES_COLOURS[(run if several else i) % len(SERIES_COLOURS)]
             look = {
                 "label": ", ".join(words) or CHANNELS[key].long_name,
@@ -146,7 +158,8 @@ def _curves(
                 "colour": of_series if several or (of in NAMED and not lone) else WHEEL_COLOUR.get(wheel, INK),
                 "dash": DASHES[(i if several and of in NAMED else j + 2 * k if several else 2 * k) % len(DASHES)],
             }
-            yield Curve(look, places, values[:, i, j, k] * CHANNELS[key].shown.factor)
+            apart = jumps(angles[:, i, j, k], ANGLE_JUMP) if angles is not None else np.empty(0, np.intp)
+            yield Curve(look, places, values[:, i, j, k] * CHANNELS[key].shown.factor, apart)
 
 
 def pieces_of(places: list[Array]) -> Array:
@@ -174,3 +187,20 @@ def envelope(places: Array, values: Array, pieces: Array) -> Array:
         middles = 0.5 * (pieces[:-1] + pieces[1:])[~full]
         found[~full] = np.interp(middles, at, of, left=np.nan, right=np.nan)[:, None]
     return found.ravel()
+
+
+def interruptions(places: Array, values: Array, starts: NDArray[np.intp], pieces: Array) -> list[int]:
+    """Points of an ``envelope`` after which its line is interrupted: values are missing between two samples, or the
+    second of them is one of ``starts``, where contact has jumped elsewhere."""
+    known = np.flatnonzero(np.isfinite(values))
+    apart = (np.diff(known) > 1) | (np.diff(np.searchsorted(starts, known, side="right")) > 0)
+    own = np.clip(np.searchsorted(pieces, places[known], side="right") - 1, 0, pieces.size - 2)
+    found: set[int] = set()
+    for low, high in np.sort(np.stack((own[:-1], own[1:]), 1)[apart], axis=1).tolist():
+        if low < high:
+            found |= set(range(2 * low + 1, 2 * high))
+        elif 2 * low in found:  # twice in one piece, whose points are of different lines then
+            found |= {2 * low - 1, 2 * low + 1}
+        else:
+            found.add(2 * low)
+    return sorted(found)

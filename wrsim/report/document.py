@@ -142,7 +142,7 @@ def _contact(dataset: xr.Dataset) -> str:
 
 
 def _asked(result: Result) -> str:
-    asked = f"Asked: {ASKED.get(result.analysis, result.analysis)}."
+    asked = f"Analysis: {ASKED.get(result.analysis, result.analysis)}."
     return (
         asked if result.status == "completed" else f"{asked} The analysis {result.status} early: {result.stop_reason}."
     )

@@ -39,9 +39,11 @@ SPARE = 3  # so many sections more than coefficients are needed
 
 
 def zones_of(values: Sequence[Value], settings: AssessmentSettings) -> list[ZoneValue]:
-    """Every quantity over every zone, in the order in which they come."""
+    """Every quantity over every zone: quantities in the order in which they come, zones in that of the track."""
     groups: dict[tuple[str, str], list[Value]] = {}
-    for value in values:
+    first = {v.section.zone: v.section.number for v in sorted(values, key=lambda v: -v.section.number)}
+    keys = list(dict.fromkeys(v.quantity.key for v in values))
+    for value in sorted(values, key=lambda v: (keys.index(v.quantity.key), first[v.section.zone])):
         groups.setdefault((value.quantity.key, value.section.zone), []).append(value)
     return [_zone(own, settings) for own in groups.values()]
 

@@ -96,6 +96,19 @@ function isRough(y) {
   return count > 20 && inside / count > 0.06 * (most - least);
 }
 
+/** Gaps of a line, in pixels: where it has no values, and where its contact jumps elsewhere. */
+const gaps = (line) => (u, k, from, to, missing) => {
+  const at = (i) => u.valToPos(x[i], "x", true);
+  const own = (line.breaks ?? []).filter((i) => i >= from && i < to && line.y[i] != null && line.y[i + 1] != null);
+  return [...missing, ...own.map((i) => [at(i) - 1, at(i + 1) + 1])].sort((a, b) => a[0] - b[0]);
+};
+
+/** Values without neighbours, which a line would not show. */
+function alone(line) {
+  const apart = new Set(line.breaks), joined = (i) => line.y[i] != null && line.y[i + 1] != null && !apart.has(i);
+  return line.y.flatMap((v, i) => (v == null || joined(i - 1) || joined(i) ? [] : [i]));
+}
+
 /** The panel of some lines of a chart, in an element; short: their wheelset is named above. */
 function panel(chart, lines, element, height, short) {
   const series = [], values = [], bands = [];
@@ -106,7 +119,8 @@ function panel(chart, lines, element, height, short) {
     return same ? number(both[1]) : `${number(both[0])} to ${number(both[1])}`;
   };
   for (const line of lines) {
-    const look = { label: short ? line.label.replace(`${data.parts[line.part]}, `, "") : line.label, stroke: line.colour, points: { show: false }, value: told(line) };
+    const look = { label: short ? line.label.replace(`${data.parts[line.part]}, `, "") : line.label, stroke: line.colour, value: told(line), gaps: gaps(line) };
+    look.points = { show: false, size: 3, width: 0, fill: line.colour, filter: () => alone(line) };
     if (isRough(line.y)) {
       for (const k of [1, 0]) {
         series.push({ ...look, width: 0.5, edge: k === 0 });
