@@ -185,6 +185,8 @@ def apart(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
             off = beyond(differences(results[0], other), APART_FROM)
         except InputError as problem:  # analyses of two kinds
             off, asked = [], [*asked, str(problem)]
+        if not off and not asked:
+            asked = [f"no difference of more than {100.0 * APART_FROM:g} %"]
         if len(off) > LISTED:
             asked.append(f"the largest {LISTED} of {len(off)} differences of more than {100.0 * APART_FROM:g} %")
         found.append(difference_table(off[:LISTED], letters, f"{letters[1]} against {letters[0]}", asked))
