@@ -13,9 +13,9 @@ from wrsim.scenario.loading import load
 
 @cache
 def through(contact: str) -> xr.Dataset:
-    """The shipped scenario from the full curve on, 15 m in steady motion: from straight track its dampers creep for a
+    """The shipped scenario from the full curve on, 6 m in steady motion: from straight track its dampers creep for a
     minute."""
-    keys = {"run.start_distance_m": 150.0, "run.distance_m": 15.0, "vehicle.drive": "train", "contact.normal": contact}
+    keys = {"run.start_distance_m": 150.0, "run.distance_m": 6.0, "vehicle.drive": "train", "contact.normal": contact}
     found = run(load(SCENARIOS / "irw_r300.toml").with_values(FAST | keys)).dataset
     assert found.attrs["status"] == "completed"
     return found
@@ -30,7 +30,7 @@ def test_no_creep_forces_lengthwise_steer():
 
 @pytest.mark.parametrize("normal", ["kik-piotrowski", pytest.param("strips", marks=pytest.mark.campaign)])
 def test_it_stays_where_the_search_for_its_steady_motion_puts_it(normal):
-    """A run that starts in the full curve: the wheels stay within 20 um and Q within 1 % for 15 m, with the front bogie
+    """A run that starts in the full curve: the wheels stay within 20 um and Q within 1 % for 6 m, with the front bogie
     at the outer rail and the rear one at the inner rail.
     """
     found = through(normal)

@@ -18,6 +18,7 @@ from wrsim.results.moments import sample_of
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load, load_text
 
+NO_MOMENTS: dict[str, Any] = {"output.patches_at_m": []}
 NEW, WORN = "rails/60E1.toml", "rails/60E1_worn.toml"
 END = 1e3 * load_profile(shipped_models() / NEW).length
 """Of the new rail's profile [mm]."""
@@ -93,8 +94,13 @@ def test_the_exact_solver_finds_the_same_on_rails_that_change(lowered: Result) -
 
 def test_a_wheel_that_drops_into_a_gap_says_where() -> None:
     """No rail any more: a floor 50 mm lower."""
-    gap = [section(s, down_mm=50.0 * (s > 5.0)) for s in (4.5, 5.0, 5.01, 7.0)]
-    values = {"track.rail_sections": gap, "run.start_distance_m": 4.9, "run.distance_m": 1.0, "output.patches_at_m": []}
+    gap = [section(s, down_mm=50.0 * (s > 5.0)) for s in (4.7, 5.0, 5.01, 5.95)]
+    values = {
+        "track.rail_sections": gap,
+        "run.start_distance_m": 4.95,
+        "run.distance_m": 0.9,
+        "output.patches_at_m": [],
+    }
     own = run(load(SCENARIOS / "rail_states.toml").with_values(values | {"vehicle.speed_kmh": 60} | FAST))
     assert own.status == "stopped"
     found = re.search(

@@ -99,6 +99,14 @@ def test_comfort_of_a_steady_vibration_is_six_times_its_weighted_sum():
     assert np.isnan(comfort(acceleration[:100], RATE).mean)
 
 
+def test_the_comfort_of_a_vibration_that_grows_is_that_of_its_95th_percentile_block():
+    # 24 blocks of 1, 2, ... 24 times the first; the switch from one to the next rings for a little
+    growing = np.sin(2.0 * pi * 3.0 * TIME) * (1.0 + TIME // 5.0)
+    found = comfort(np.outer(growing, np.ones(3)), RATE)
+    steady = np.array([abs(WEIGHTINGS[n].response(np.array([3.0])))[0] for n in ("Wd", "Wd", "Wb")]) / sqrt(2.0)
+    assert found.percentiles == pytest.approx((1.0 + 0.95 * 23.0) * steady, rel=0.01)
+
+
 # --- the ride of a result -------------------------------------------------------------------------------------
 def ridden(seconds: float = 60.0, **attributes: str) -> Result:
     """A run at 20 m/s with sines of known amplitude at two points: 2 Hz lateral, 5 Hz vertical."""

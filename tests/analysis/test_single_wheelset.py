@@ -15,47 +15,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
-FILE = """\
-name = "an axle in a bench"
-source = "made up"
-date = 2026-01-31
-[wheelset]
-mass_kg = 1813
-roll_inertia_kg_m2 = 1120
-spin_inertia_kg_m2 = 112
-yaw_inertia_kg_m2 = 1120
-flange_back_mm = 1360
-radius_mm = 460
-wheel = "wheels/S1002.toml"
-[wheelsets]
-axle.x_mm = 0
-[[elements]]
-kind = "spring"
-name = "guide"
-body = "track"
-to = "axle"
-at_mm = [0, 1000, 460]
-both_sides = true
-stiffness_kN_per_m = [1000, 80, 0]
-damping_kNs_per_m = [15, 16, 4]
-[[elements]]
-kind = "bump-stop"
-name = "stop"
-body = "track"
-to = "axle"
-at_mm = [0, 0, 460]
-direction = "y"
-travel_mm_force_kN = [[0.01, 0], [0.02, 0.001]]
-[[payloads]]
-name = "load"
-on = "axle"
-at_mm = [0, 0, 460]
-force_kN = [0, 0, -90]
-[[points]]
-name = "box"
-on = "axle"
-at_mm = [0, 1000, 460]
-"""
+FILE = (Path(__file__).parents[1] / "data/axle.toml").read_text()
 
 
 def study(analysis: str, **values: object) -> dict[str, object]:

@@ -128,11 +128,9 @@ def test_zeros_without_end_in_a_small_file_are_refused_with_their_number(tmp_pat
     assert "declares 1600 MB of numbers in a file of" in refusal(path)
 
 
-def test_crafted_files_get_one_line_or_numbers_from_every_command(
-    tmp_path: Path, run_files: tuple[Path, bytes]
-) -> None:
+def test_crafted_files_get_one_line_or_numbers_from_commands(tmp_path: Path, run_files: tuple[Path, bytes]) -> None:
     rng, content = random.Random(4), run_files[0].read_bytes()
-    for i, words in enumerate(corrupted.COMMANDS.values()):
+    for i, words in enumerate(corrupted.COMMANDS[name] for name in ("show", "export", "diff", "resolve")):
         path = tmp_path / f"{i}.nc"
         path.write_bytes(crafted.numbers(content, rng))
         places = {"FILE": str(path), "WHOLE": str(run_files[0])}

@@ -103,14 +103,13 @@ def test_the_time_that_a_run_took_is_told_beside_the_time_on_the_track(
     assert 0.0 <= summary["wall_time_s"] <= time.perf_counter() - began - summary["compiling_s"] + 1e-3
 
 
-@pytest.mark.parametrize("name", sorted(COMMANDS))
-def test_help_loses_no_word(name: str) -> None:
+def test_help_loses_no_word() -> None:
     """What stands in brackets is no markup of the terminal's."""
-    command = COMMANDS[name]
-    texts = [command.help, *(p.help for p in command.params if getattr(p, "help", None))]
-    told = " ".join(runner.invoke(app, [name, "-h"], env={"COLUMNS": "400", "NO_COLOR": "1"}).stdout.split())
-    for words in re.findall(r"\S*\[[^\]]+\]", " ".join(filter(None, texts)).replace("\\[", "[")):
-        assert words in told, words
+    for name, command in COMMANDS.items():
+        texts = [command.help, *(p.help for p in command.params if getattr(p, "help", None))]
+        told = " ".join(runner.invoke(app, [name, "-h"], env={"COLUMNS": "400", "NO_COLOR": "1"}).stdout.split())
+        for words in re.findall(r"\S*\[[^\]]+\]", " ".join(filter(None, texts)).replace("\\[", "[")):
+            assert words in told, (name, words)
 
 
 def test_one_option_means_one_thing_in_all_commands() -> None:

@@ -139,7 +139,7 @@ def test_the_deepest_zone_is_found_where_the_back_of_a_flange_lies_in_a_check_ra
         model.evaluate(np.array([0.0, HALF_SPACING + lateral - o, RADIUS + height]), axle_of(yaw, roll))
     rng = np.random.default_rng(2)
     at_the_back = 0
-    for _ in range(200):
+    for _ in range(80):
         origin = np.array([0.0, HALF_SPACING + rng.uniform(-12e-3, -5e-3) - o, RADIUS + rng.uniform(-1e-3, 1e-3)])
         contact = model.evaluate(origin, axle_of(rng.uniform(-0.02, 0.02), rng.uniform(-0.01, 0.01)))
         found = columns(contact.patches, "arc_wheel approach")
@@ -149,7 +149,7 @@ def test_the_deepest_zone_is_found_where_the_back_of_a_flange_lies_in_a_check_ra
         if depth > 1e-6:
             assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d in found)
             at_the_back += arc < 5e-3
-    assert at_the_back > 30
+    assert at_the_back > 12
 
 
 @pytest.mark.parametrize("pair", PAIRS)
@@ -157,7 +157,7 @@ def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
     model = pair_model(pair, **PLAIN)
     peaks = brute_force(model)
     several = 0
-    for origin, axle in random_poses(model, 80, seed=3):
+    for origin, axle in random_poses(model, 30, seed=3):
         contact = model.evaluate(origin, axle)
         found = columns(contact.patches, "arc_wheel approach")
         zones = peaks()
@@ -170,7 +170,7 @@ def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
                 assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d in found), (origin, axle, zones)
         for arc, depth in found[found[:, 1] > 1e-6]:
             assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d, _ in zones), (origin, axle, zones)
-    assert several > 3
+    assert several > 1
 
 
 def test_tread_root_and_flange_are_found_at_once():

@@ -201,20 +201,6 @@ def test_bloss_curves_are_known_on_even_track(tmp_path: Path) -> None:
     assert_design(restored(tmp_path, car, geometry(car), ""), line, car, 0.5)
 
 
-def test_design_and_what_is_left_are_what_was_recorded(by_chord: Restored, car: Car) -> None:
-    s = by_chord.recording.distance
-    cant = by_chord.law.cant(s) + by_chord.vertical[1] - by_chord.vertical[0]
-    inner = slice(40, -40)
-    # the design has shorter waves
-    np.testing.assert_allclose(cant[inner], in_or_longer(car.cant(), car.step)[inner], atol=5e-5)
-    gauge = 1.435 + by_chord.law.widening(s) + by_chord.lateral[0] - by_chord.lateral[1]
-    np.testing.assert_allclose(gauge[inner], in_or_longer(car.gauge(), car.step)[inner], atol=5e-5)
-
-
-def in_or_longer(values: Array, step: float) -> Array:
-    return filtered(values, step, InverseFilter(Plain(), (3.0, np.inf), 1.0).response, 12.0)
-
-
 def test_noise_is_enlarged_by_no_more_than_is_said(tmp_path: Path) -> None:
     random = np.random.default_rng(3)
     noise = random.standard_normal(40_000)
@@ -229,17 +215,6 @@ def test_noise_is_enlarged_by_no_more_than_is_said(tmp_path: Path) -> None:
         inside = 2.0 * np.pi / np.concatenate([np.linspace(low, high, 50) for low, high in np.minimum(kept, 1e4)])
         if not isinstance(system, Inertial):
             np.testing.assert_allclose(inverse.response(inside) * system.response(inside), 1.0, atol=1e-6)
-
-
-def test_noise_of_the_car_reaches_the_rails_no_more_than_is_said(by_chord: Restored, car: Car, tmp_path: Path) -> None:
-    noisy = Car(line(), noise=50e-6)
-    found = restored(tmp_path, noisy, geometry(car) | versines(car, 4.0, 6.0), "chord_m = [4, 6]")
-    factor = next(i.noise(car.step) for c, i in found.inverses if c.quantity == "level_left")
-    # a rail: the mean of two levels, and half of the cant
-    most = 50e-6 * np.hypot(factor / np.sqrt(2.0), 0.5 * InverseFilter(Plain(), (3.0, np.inf), 1.0).noise(car.step))
-    inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
-    off = in_band(found.vertical[0] - by_chord.vertical[0], car.step)[inner]
-    assert 0.2 * most < off.std() < 1.1 * most
 
 
 @pytest.mark.parametrize("system", [Chord(4.0, 6.0), Chord(5.0, 5.0)])

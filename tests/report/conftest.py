@@ -1,5 +1,7 @@
 """One run of a coach and one browser for all tests of pages."""
 
+import fcntl
+import os
 from collections.abc import Iterator
 
 import pytest
@@ -14,11 +16,17 @@ SEGMENTS = [straight(20.0), transition(20.0), arc(20.0, 300.0, 100.0), transitio
 
 
 @pytest.fixture(scope="session")
-def coach() -> Result:
-    """A coach through a short curve."""
-    scenario = load(SCENARIOS / "manchester_r300.toml")
-    keys = {"track.segments": SEGMENTS, "run.distance_m": 70, "output.patches_at_m": [35]}
-    return run(scenario.with_values(FAST | {"contact.strips": 20} | keys))
+def coach(tmp_path_factory: pytest.TempPathFactory) -> Result:
+    """A coach through a short curve, run by the first of the suite's workers that needs it."""
+    own = tmp_path_factory.getbasetemp()
+    file = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "coach.nc"
+    with file.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not file.exists():
+            scenario = load(SCENARIOS / "manchester_r300.toml")
+            keys = {"track.segments": SEGMENTS, "run.distance_m": 70, "output.patches_at_m": [35]}
+            run(scenario.with_values(FAST | {"contact.strips": 20} | keys)).save(file)
+    return Result.load(file)
 
 
 @pytest.fixture(scope="session")

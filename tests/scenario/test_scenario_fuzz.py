@@ -13,7 +13,6 @@ from support.scenario_texts import CURVE, STATIC
 from wrsim.errors import InputError
 from wrsim.inputs.lines import key_lines
 from wrsim.inputs.toml_files import parse_toml, read_text, write_toml
-from wrsim.scenario.build import build
 from wrsim.scenario.loading import load_text
 
 scalars = st.one_of(
@@ -127,54 +126,3 @@ def test_no_bytes_give_anything_but_text_or_an_input_error(content: bytes) -> No
             read_text(path)
         except InputError as error:
             assert "not UTF-8" in str(error)
-
-
-NAMED = {"name": st.sampled_from("ab"), "on": st.sampled_from(["wheelset", "wheelst", "track"])}
-PLACE = {"at_mm": st.lists(st.floats(-1e4, 1e4), min_size=3, max_size=3)}
-FORCE = {"force_kN": st.lists(st.floats(-1e4, 1e4), min_size=3, max_size=3)}
-TABLE = st.lists(st.lists(st.floats(0, 1e4), min_size=4, max_size=4), min_size=1, max_size=3)
-LOADS = st.one_of(
-    st.fixed_dictionaries(NAMED | PLACE | {"axes": st.sampled_from(["track", "body"])} | force)
-    for force in (FORCE, {"time_s_force_kN": TABLE}, {"distance_m_force_kN": TABLE})
-)
-PAYLOADS = st.one_of(st.fixed_dictionaries(NAMED | PLACE | kind) for kind in (FORCE, {"mass_kg": st.floats(1, 1e5)}))
-SENSIBLE: dict[str, st.SearchStrategy[Any]] = {
-    "track.gauge_mm": st.floats(400, 2000) | st.floats(1425, 1445),
-    "track.inclination": st.floats(0, 0.2) | st.sampled_from(["1:40", "none", "1:20"]),
-    "track.cant_base_mm": st.floats(400, 2200),
-    "track.rail": st.sampled_from(["rails/54E1.toml", "wheels/S1002.toml", ".", "/", "..", "a" * 300, "a/b", "é"]),
-    "track.segments[0].length_m": st.floats(0.01, 300),
-    "track.segments[0].cant_start_mm": st.floats(-250, 250),
-    "track.segments[1].length_m": st.floats(0.01, 300),
-    "track.segments[1].form": st.sampled_from(["bloss", "clothoid"]),
-    "track.segments[2].radius_m": st.floats(10, 1e6) | st.floats(-1e6, -10),
-    "track.segments[2].cant_mm": st.floats(-250, 250),
-    "track.segments[2].gauge_widening_mm": st.floats(-100, 100),
-    "vehicle.model": st.sampled_from(["vehicles", "rails/60E1.toml", "vehicles/wheelset_s1002_steering.toml"]),
-    "vehicle.wheel": st.sampled_from(["wheels/S1002.toml", "wheels/cone_1in20.toml", "rails/60E1.toml"]),
-    "vehicle.radius_mm": st.floats(100, 1500),
-    "vehicle.speed_kmh": st.floats(1, 500),
-    "vehicle.loads": st.lists(LOADS, max_size=2),
-    "vehicle.payloads": st.lists(PAYLOADS, max_size=2),
-    "run.start_distance_m": st.floats(0, 300),
-    "run.time_s": st.floats(0.001, 20),
-    "output.patches_at_m": st.lists(st.floats(0, 200), max_size=3),
-}
-"""Values that pass the schema each by itself, and need not go together."""
-
-
-@settings(max_examples=30)
-@given(
-    st.sets(st.sampled_from(sorted(SENSIBLE)), max_size=4).flatmap(
-        lambda chosen: st.fixed_dictionaries({key: SENSIBLE[key] for key in sorted(chosen)})
-    )
-)
-def test_no_combination_of_sensible_values_gives_anything_but_a_setup_or_an_input_error(
-    changes: dict[str, Any],
-) -> None:
-    try:
-        setup = build(load_text(CURVE).with_values(changes))
-    except InputError as error:
-        assert str(error)
-    else:
-        assert 0.0 <= setup.plan.start < setup.plan.end <= setup.track.length

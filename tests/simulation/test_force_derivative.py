@@ -4,6 +4,7 @@ Laws are taken from ``Normal`` and ``Tangential``. An implicit step solves with 
 the contact is exact, so half-space contacts have none of their own.
 """
 
+from itertools import product
 from typing import get_args
 
 import numpy as np
@@ -43,9 +44,15 @@ def pressed(law: VehicleOnTrack, lateral: float, yaw: float, approach: float) ->
     return q, q_t
 
 
-@pytest.mark.parametrize("pose", POSES)
-@pytest.mark.parametrize("creep", CREEP)
-@pytest.mark.parametrize("normal", FAST)
+# every law, and every pose with the laws of a run
+CASES = [(normal, creep, "root") for normal in FAST for creep in CREEP]
+CASES += [("strips", "fastsim", "tread"), ("strips", "fastsim", "flange"), ("kik-piotrowski", "fastsim", "flange")]
+LONG = [case for case in product(FAST, CREEP, POSES) if case not in CASES]
+
+
+@pytest.mark.parametrize(
+    ("normal", "creep", "pose"), [*CASES, *(pytest.param(*case, marks=pytest.mark.campaign) for case in LONG)]
+)
 def test_the_derivative_is_that_of_the_forces(normal: str, creep: str, pose: str) -> None:
     """Off by no more than theory allows, twice h/2 f'' of a forward difference and 2 e/h of forces known to e; and that
     is little."""
