@@ -225,6 +225,8 @@ def test_the_cant_of_a_straight_belongs_to_the_curve_beside_it() -> None:
         [Straight(40.0, cant_end=0.1), Arc(50.0, -400.0, 0.1), Straight(40.0, cant_start=0.1)], rounding=0.5
     )
     assert track.cant([20.0, 60.0, 110.0]) == pytest.approx([-0.05, -0.1, -0.05], abs=1e-15)
+    between = [Arc(50.0, -400.0, 0.1), Straight(40.0, cant_start=0.1, cant_end=0.1), Arc(50.0, 400.0, 0.1)]
+    assert Track.build(between).cant([60.0, 80.0]) == pytest.approx([-0.05, 0.05], abs=1e-15)
     bare = Track.build([Straight(40.0, 0.0, 0.1), Straight(10.0, 0.1, 0.1)])
     assert bare.cant(45.0) == pytest.approx(0.1)  # as in a left curve: right rail higher
     assert Track.build(mirrored(bare.segments)).cant(45.0) == pytest.approx(-0.1)

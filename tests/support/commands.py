@@ -6,13 +6,19 @@ import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryFile
 
+import typer.testing
 from click.testing import Result
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from wrsim.cli import app, main
+
+# made once and not for each call: options of all commands are read from signatures, for a tenth of a second
+typer.testing._get_command = cache(get_command)
 
 
 def call(*arguments: str | Path) -> Result:

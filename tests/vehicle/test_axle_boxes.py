@@ -8,6 +8,7 @@ from support.boxes import derivatives, displaced, moment_kept, on_springs, symme
 from support.vehicle_texts import fault
 from support.vehicles import manchester, shipped
 
+from wrsim.analysis.motion.body_channels import energy_channels
 from wrsim.analysis.stationary.statics import static_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise, natural_modes
@@ -168,3 +169,12 @@ def test_an_arm_off_the_axle_is_a_good_file(tmp_path) -> None:
     changes = (BODY, BOXES + BODY), (PRIMARY, 'to = ["box", "rear"]\norigin = "to"'), ("[0, 900, 0]", "[300, 900, 50]")
     beside = "'primary rear left' holds wheelset 'rear' beside its axle"
     assert beside in fault(tmp_path, *changes)
+
+
+def test_a_box_that_turns_has_the_energy_of_its_inertia_about_the_axle() -> None:
+    law = on_springs(on_arms())
+    q, q_t = design_state(law)
+    turning = q_t.copy()
+    turning[-2:] += (0.5, -0.2)
+    still, moved = (energy_channels(law, q[None], rates[None])["kinetic_energy"][0] for rates in (q_t, turning))
+    assert moved - still == pytest.approx(0.5 * INERTIA * (0.5**2 + 0.2**2))

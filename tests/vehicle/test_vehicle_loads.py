@@ -7,6 +7,8 @@ import pytest
 from scipy.optimize import minimize
 from support.vehicles import ROOT, manchester, on_track, shipped
 
+from wrsim.analysis.motion.derailment import Resultant, check_upright, resultant
+from wrsim.analysis.motion.messages import NoSteadyMotion
 from wrsim.analysis.stationary.statics import static_state
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
@@ -164,6 +166,33 @@ def test_a_table_counts_with_its_largest_force() -> None:
     gust = Load("gust", "carbody", (0.0, 0.0, HEIGHT), rows)
     found = static_state(replace(manchester(), loads=(gust,)))
     assert found.wheel_loads == pytest.approx(static_state(in_wind(30e3)).wheel_loads, rel=1e-9)
+
+
+def test_what_acts_on_a_vehicle_points_to_where_its_moment_vanishes() -> None:
+    """Bodies 0.1 m to the left of the middle: weight points there, centrifugal force moves that outward; a load too."""
+    vehicle = manchester()
+    aside = tuple(replace(b, centre=(b.centre[0], b.centre[1] + 0.1, b.centre[2])) for b in vehicle.bodies)
+    vehicle = replace(vehicle, bodies=aside)
+    _, y, z = vehicle.centre_of_load
+    assert 0.05 < y < 0.1
+    assert resultant(vehicle, 0.0, 0.0, 0.0, 20.0).point == pytest.approx(y)
+    share = 20.0**2 / 800.0 / vehicle.gravity
+    assert resultant(vehicle, 0.0, 1.0 / 800.0, 0.0, 20.0).point == pytest.approx(y - z * share)
+    held = replace(
+        vehicle, loads=(Load.constant("hook", "carbody", (0.0, 0.0, 1.1 * vehicle.weight), (0.0, y + 0.2, 1.0)),)
+    )
+    assert not np.isfinite(resultant(held, 0.0, 0.0, 0.0, 20.0).point)
+    half = replace(
+        vehicle, loads=(Load.constant("h", "carbody", (0.0, 0.0, 0.5 * vehicle.weight), (0.0, y + 0.2, 1.0)),)
+    )
+    assert resultant(half, 0.0, 0.0, 0.0, 20.0).point == pytest.approx(y - 0.2)
+
+
+def test_a_vehicle_overturns_where_what_acts_on_it_points_beside_a_rail() -> None:
+    check_upright(Resultant(0.0, -1.0, 0.74), 1.5, 0.0, manchester())
+    for point, curvature, side in ((0.76, 0.0, "left"), (-0.76, 0.0, "right"), (-0.76, 0.01, "outer")):
+        with pytest.raises(NoSteadyMotion, match=f"point 10 mm beyond the {side} rail"):
+            check_upright(Resultant(0.0, -1.0, point), 1.5, curvature, manchester())
 
 
 CURVE = [Arc(400.0, 300.0, cant=0.1)]

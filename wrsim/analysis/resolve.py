@@ -179,7 +179,7 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
     if setup.contact.normal == "half-space":
         raise InputError("contacts of the exact solver are drawn at snapshots only: anywhere else takes minutes")
     law = force_law(replace(setup, contact=replace(setup.contact, tangential="none")))
-    recorders = [StripRecorder(pair) for pair in law.wheels]
+    recorders, wheels = [StripRecorder(pair) for pair in law.wheels], wheels_of(law)
     q, q_t = design_state(law)  # bodies stay there: contacts depend on the wheelsets alone
     out = np.zeros(law.size)
     columns = {name: dataset[name].transpose("time", "wheelset", ...).values for name in NEEDED}
@@ -206,7 +206,7 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
             continue
         for recorder in recorders:
             recorder.store()
-        for wheel in wheels_of(law):
+        for wheel in wheels:
             found_remarks.update(filter(None, [contact_words([wheel])]))
         retained.append(i)
     if not retained:

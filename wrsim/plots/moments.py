@@ -65,7 +65,7 @@ def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
 
 
 def _indices(dataset: xr.Dataset, where: PatchAt) -> dict[str, Any]:
-    wheel = list(dataset["wheel"].values).index(where.wheel)
+    wheel = list(dataset.variables["wheel"].values).index(where.wheel)
     return {moment_dim(dataset): where.moment, "patch": where.patch, "wheel": wheel}
 
 
@@ -83,12 +83,11 @@ def select_elements(dataset: xr.Dataset, where: PatchAt) -> tuple[NDArray, NDArr
 def touching_runs(strips: xr.Dataset) -> list[xr.Dataset]:
     """The strips under pressure, split where a gap lies between neighbours: the islands of one patch."""
     a, p = (strips.variables[f"strip_{name}"].values for name in "ap")
-    loaded = strips.isel(strip=np.flatnonzero((a > 0.0) & (p > 0.0)))
-    if loaded.sizes["strip"] == 0:
-        return []
-    s, ds = (loaded.variables[f"strip_{name}"].values for name in ("s", "ds"))
+    own = np.flatnonzero((a > 0.0) & (p > 0.0))
+    s, ds = (strips.variables[f"strip_{name}"].values[own] for name in ("s", "ds"))
     gaps = np.flatnonzero(np.diff(s) > 0.75 * (ds[1:] + ds[:-1])) + 1
-    return [loaded.isel(strip=part) for part in np.split(np.arange(s.size), gaps)]
+    islands = [part for part in np.split(own, gaps) if part.size]
+    return [strips if part.size == a.size else strips.isel(strip=part) for part in islands]
 
 
 def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:

@@ -223,7 +223,7 @@ class Profile:
 
         return float(brentq(climb, lo, hi, xtol=1e-16) if climb(lo) > 0.0 > climb(hi) else self.arclength[i])
 
-    @property
+    @cached_property
     def top(self) -> tuple[float, float]:
         """Highest point (u, w), m."""
         return self._point(self.top_arclength)
