@@ -89,6 +89,12 @@ def flat_headed() -> Profile:
     return profile_from_sections("flat", "rail", pieces)
 
 
+def test_a_swing_that_reaches_beyond_the_known_shifts_has_no_conicity():
+    shift = np.linspace(-8e-3, 5e-3, 14)  # of a cone 1:20; known farther on one side
+    found = equivalent_conicity(shift, 0.1 * shift, 0.46, [4.9e-3, 5.1e-3])
+    assert found.conicity == pytest.approx([0.05, np.nan], rel=1e-6, nan_ok=True)
+
+
 @pytest.mark.parametrize(("rail", "gauge"), [(ROUND, ROUND_GAUGE), (flat_headed(), 1.435)], ids=["round", "flat"])
 @pytest.mark.parametrize("slope", [0.025, 0.05, 0.2])
 def test_a_cone_gives_its_own_conicity(slope, rail, gauge):
