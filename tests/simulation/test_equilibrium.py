@@ -7,6 +7,7 @@ from support.vehicles import shipped
 
 from wrsim.geometry.track.segments import Arc, Straight
 from wrsim.geometry.track.track import Track
+from wrsim.simulation.force_law import all_on_all
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import damped_newton
@@ -122,7 +123,7 @@ def test_derivatives_may_come_from_a_function_nearby():
         return np.array([x[0] ** 3 - 8.0, x[1] + 0.2 * x[0] - 1.0])
 
     small = np.full(2, 1e-2)
-    x, left, iterations = damped_newton(residual, np.array([1.9, 0.5]), small, 1e-12, 40, nearby)
+    x, left, iterations = damped_newton(residual, np.array([1.9, 0.5]), small, 1e-12, 40, [(nearby, all_on_all(2))])
     assert np.abs(left).max() < 1e-12
     assert np.abs(residual(x)).max() < 1e-12
     assert iterations < 40  # though it converges linearly

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, identity
 from scipy.sparse.linalg import splu
 
@@ -20,6 +21,9 @@ LONGEST = 30.0
 
 PROBE, BENT = 0.1, 0.5
 """Where along a step its curvature is evaluated, and the largest curvature correction as a part of the step."""
+
+Terms = Sequence[tuple[Callable[[Array], Array], Groups]]
+"""Functions whose sum has the derivatives of a residual, each with the unknowns that may be changed at once."""
 
 REUSED = 0.1
 """Derivatives are used for another step as long as a step reduces the residual to this part."""
@@ -37,19 +41,17 @@ def damped_newton(
     small: Array,
     tolerance: float,
     max_iterations: int,
-    near: Callable[[Array], Array] | None = None,
+    terms: Terms | None = None,
     while_deriving: Callable[[], AbstractContextManager[None]] = nullcontext,
-    apart: Groups | None = None,
     difference: float | Array = DIFFERENCE,
     held: Array | None = None,
 ) -> tuple[Array, Array, int]:
     """The best x, its residual (evaluated last), number of derivatives; the caller decides on convergence.
 
-    small: changes of the unknowns that change the residual by a few per cent. near: a cheaper function for the
-    derivatives. while_deriving: a context for the derivatives. apart: unknowns whose derivatives are taken at once,
-    default one by one. difference: steps of the derivatives as parts of the small changes. held: springs on the
-    unknowns in the derivatives alone, per small change; with them the equations are sparse, and a step becomes shorter
-    along its own direction ahead of any damping.
+    small: changes of the unknowns that change the residual by a few per cent. terms: of the derivatives, default the
+    residual itself, by one unknown after the other. while_deriving: a context for the derivatives. difference: steps of
+    the derivatives as parts of the small changes. held: springs on the unknowns in the derivatives alone, per small
+    change; with them the equations are sparse, and a step becomes shorter along its own direction ahead of any damping.
 
     Friction of a coupling is stiff where it sticks and yields nothing where it slips: a step from slip leads far beyond
     the place where it sticks. Levenberg's damping goes by the trace of all equations, in which the contacts are by far
@@ -59,6 +61,7 @@ def damped_newton(
     1201.5885): a wheelset that moves across its rails is on a curved path between stiff contacts.
     """
     r = residual(x)
+    terms = terms or [(residual, all_on_all(x.size))]
     damping = 0.0
     jacobian = None
     norms: list[float] = []
@@ -74,7 +77,7 @@ def damped_newton(
             break
         norms.append(float(np.linalg.norm(r)))
         with while_deriving():
-            jacobian = derivatives(near or residual, x, small, difference, apart)
+            jacobian = derivatives(terms, x, small, difference)
         for _ in range(15):
             step = _step(jacobian, r, damping, held)
             if held is not None and damping == 0.0 and (shorter := _shorter(residual, x, small, step, r)) is not None:
@@ -95,21 +98,16 @@ def damped_newton(
     return x, residual(x), len(norms)
 
 
-def derivatives(
-    residual: Callable[[Array], Array],
-    x: Array,
-    small: Array,
-    difference: float | Array = DIFFERENCE,
-    apart: Groups | None = None,
-) -> Array:
-    """Derivative of the residual with respect to x / small, by central differences; see ``damped_newton``."""
+def derivatives(terms: Terms, x: Array, small: Array, difference: float | Array = DIFFERENCE) -> Array:
+    """Derivative of the sum of the terms with respect to x / small, by central differences; see ``damped_newton``."""
     columns_of_it = np.zeros((x.size, x.size))
     part = np.broadcast_to(difference, x.size)
-    for columns, rows in apart or all_on_all(x.size):
-        h = np.zeros(x.size)
-        h[columns] = part[columns] * small[columns]
-        change = residual(x + h) - residual(x - h)
-        columns_of_it[columns[:, None], rows] = change[rows] / (2.0 * part[columns, None])
+    for term, groups in terms:
+        for columns, rows in groups:
+            h = np.zeros(x.size)
+            h[columns] = part[columns] * small[columns]
+            change = term(x + h) - term(x - h)
+            columns_of_it[columns[:, None], rows] += change[rows] / (2.0 * part[columns, None])
     return columns_of_it.T
 
 
@@ -146,59 +144,33 @@ def _step(jacobian: Array, r: Array, damping: float, held: Array | None = None) 
     return np.asarray(step * (LONGEST / np.max(np.abs(step), initial=LONGEST)))
 
 
-def roots(function: Callable[[Array], Array], begin: Array, small: float, enough: float) -> Array:
-    """Roots of falling functions, each of its own argument, all at once, by the Illinois method.
+def roots(
+    function: Callable[[Array], Array], begin: Array, small: float, enough: float, reach: float = np.inf
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Roots of falling functions (n,), each of its own argument, all at once, by the Illinois method; which were found.
 
-    function: of all arguments (n,); begin (n,): first guess, from which steps double from ``small`` on. Ends where all
-    are within ``enough``, or after 40 steps.
+    function: of all arguments (n,), evaluated at the roots at last; begin (n,): first guess, from which steps double
+    from ``small`` on, no farther than ``reach``. Ends where all are within ``enough``, or after 40 steps: where a
+    function jumps over 0, at the jump.
     """
     x, f = begin.copy(), function(begin)
     other, of_other = x.copy(), f.copy()
     step = small * np.sign(f)
     for _ in range(40):
-        far = np.abs(f) > enough
-        if not far.any():
-            break
+        far = ~(np.abs(f) <= enough)
         astride = f * of_other < 0.0
+        if not np.any(far & (astride | (np.abs(x - begin) < reach))):
+            break
         with np.errstate(divide="ignore", invalid="ignore"):
             between = (x * of_other - other * f) / (of_other - f)
-        new = np.where(far, np.where(astride, between, x + step), x)
+        new = np.where(far, np.where(astride, between, np.clip(x + step, begin - reach, begin + reach)), x)
         step = np.where(astride, step, 2.0 * step)
         of_new = function(new)
         crossed = of_new * f < 0.0
         of_other = np.where(crossed, f, np.where(astride, 0.5 * of_other, of_new))
         other = np.where(crossed, x, np.where(astride, other, new))
         x, f = new, of_new
-    return x
-
-
-def bracket(function: Callable[[float], float], begin: float, small: float, enough: float, reach: float) -> bool:
-    """Move from ``begin`` along the force until it is small or changes sign, then bisect.
-
-    function: force along a coordinate. Its last call has abs(force) <= enough; False if there is no such place within
-    ``reach``.
-    """
-    force = function(begin)
-    if abs(force) <= enough:
-        return True
-    sign = 1.0 if force > 0.0 else -1.0
-    inner, outer, move = begin, begin, small
-    while force * sign > 0.0:
-        if not move <= reach:
-            return False
-        inner, outer = outer, begin + sign * move
-        force = function(outer)
-        move *= 1.5
-    for _ in range(80):
-        if abs(force) <= enough:
-            break
-        middle = 0.5 * (inner + outer)
-        force = function(middle)
-        if force * sign > 0.0:
-            inner = middle
-        else:
-            outer = middle
-    return bool(np.isfinite(force))
+    return x, (np.abs(f) <= enough) | (f * of_other < 0.0)
 
 
 DRAG = 1e-3
@@ -224,6 +196,7 @@ def relax(
     residual: Callable[[Array], Array],
     x: Array,
     small: Array,
+    terms: Terms,
     goal: float,
     most: int,
     rolled: Callable[[Array], Array],
@@ -235,9 +208,9 @@ def relax(
     more on the way to them. So every unknown moves with the force along it, x_t = r / d, in implicit Euler steps that
     become longer as the motion decays: (d / h - r') dx = r (Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
 
-    residual: force along every unknown; small (n,): changes of the unknowns that change it by a few per cent; goal:
-    largest residual that ends the search; rolled: sets some unknowns to zeros of their own residuals; while_deriving: a
-    context for the derivatives.
+    residual: force along every unknown; small (n,): changes of the unknowns that change it by a few per cent; terms:
+    of its derivatives; goal: largest residual that ends the search; rolled: sets some unknowns to zeros of their own
+    residuals; while_deriving: a context for the derivatives.
     """
     x = rolled(x)
     r, h, creeps = residual(x), FIRST, 0
@@ -245,7 +218,7 @@ def relax(
         if np.max(np.abs(r)) <= goal or creeps == CREEPS:
             break
         with while_deriving():
-            slope = derivatives(residual, x, small)
+            slope = derivatives(terms, x, small)
         for _ in range(TRIES):
             step = np.linalg.solve(np.diag(np.full(x.size, DRAG / h)) - slope, r)
             far = float(np.max(np.abs(step)))

@@ -8,16 +8,18 @@ of rest. All states are at the time 0, with the vehicle's origin at the start of
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wrsim.core.body import rigid_body as kernels
 from wrsim.core.linalg import Vec
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import inertia_table
-from wrsim.simulation.force_law import Forces, Groups, groups_in_a_row
+from wrsim.simulation.force_law import Forces, Groups, all_on_all, groups_in_a_row
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.newton import DIFFERENCE, bracket, damped_newton, relax, roots
+from wrsim.simulation.newton import DIFFERENCE, Terms, damped_newton, relax, roots
 from wrsim.simulation.placement import design_state, turn_gears
 from wrsim.simulation.system import COORDINATES, Array
 
@@ -117,18 +119,30 @@ class SteadyMotion:
         self.masses = np.array([*(box.inertia[1] for _, box in vehicle.boxes.values()), *twisting, *rails])
         self._out, self._inertia, self._weight = np.zeros(law.size), np.zeros(6 * n), vehicle.weight
 
-    def apart(self, part: slice = slice(None)) -> Groups | None:
-        """Groups of unknowns of a train, or of a part of them, each of another vehicle; None for one vehicle."""
+    def terms(self) -> Terms:
+        """Forces without contacts, by an unknown of every third vehicle at once; contacts, by one of all wheelsets."""
+        first, behind = self.positions.start, 6 * len(self.inertia) - self.positions.start
+
+        def unknown(places: NDArray[np.intp]) -> NDArray[np.intp]:
+            return np.where(places < first, places, places + behind)
+
+        of_contacts = (group for block in self.law.blocks()[1:] for group in block.groups)
+        contacts = [(unknown(columns), unknown(rows)) for columns, rows in of_contacts]
+        without = partial(self.residual, contacts=False)
+        return [(without, self.apart()), (lambda x: self.residual(x) - without(x), contacts)]
+
+    def apart(self, part: slice = slice(None)) -> Groups:
+        """Groups of unknowns, or of a part of them, that may be changed at once: each of another vehicle of a train."""
         law, n = self.law, 6 * len(self.inertia)
-        if law.units < 2:
-            return None
-        first = self.positions.start
         begin, end, _ = part.indices(self.small.size)
+        if law.units < 2:
+            return all_on_all(end - begin)
+        first = self.positions.start
         places = (
             np.append(own[own < n], own[own >= first] - first + n) for own in law.coordinates_of_units(alone=True)
         )
         units = [own[(own >= begin) & (own < end)] - begin for own in places]
-        return groups_in_a_row(units) if all(map(len, units)) else None
+        return groups_in_a_row(units) if all(map(len, units)) else all_on_all(end - begin)
 
     @property
     def held(self) -> Array | None:
@@ -197,7 +211,7 @@ class SteadyMotion:
             return np.concatenate([0.5 * rest[spins] + rest[turning], 0.5 * rest[spins] - rest[turning]])
 
         begin = np.concatenate([x[spins] + 0.5 * x[turning], x[spins] - 0.5 * x[turning]])
-        moments(roots(moments, begin, SMALL_TURN, FREE))
+        roots(moments, begin, SMALL_TURN, FREE)
         return x
 
     def largest(self, q: Array, q_t: Array) -> float:
@@ -225,21 +239,18 @@ def steady_state(
     law.look_near(law.start)
     steady = SteadyMotion(law)
     q, q_t = lower_on_rails(law, *design_state(law)) if guess is None else guess
-    steady.slips = q_t[law.sliders]
+    nearly = steady if near is None else SteadyMotion(near)
+    steady.slips = nearly.slips = q_t[law.sliders]
     x = steady.unknowns(q, q_t)
-    slope = None
-    if near is not None:
-        nearly = SteadyMotion(near)
-        nearly.slips, slope = steady.slips, nearly.residual
-    goal = GOAL if tolerance <= TOLERANCE or near is None else tolerance
-    with law.settled(steady.slips), (near or law).settled(steady.slips):
+    goal = GOAL if near is None else tolerance
+    with law.settled(steady.slips), nearly.law.settled(steady.slips):
         if not np.all(np.isfinite(steady.residual(x))):
             raise SimulationError("steady motion: the forces at its start are not finite")
         _place_bodies(steady, x, max_iterations)
         # derivatives with warm starts, residuals from a cold start: the result does not depend on the iterations
         x, left, _ = damped_newton(
-            steady.residual, x, steady.small, goal, max_iterations, slope, (near or law).following,
-            steady.apart(), steady.difference, steady.held,
+            steady.residual, x, steady.small, goal, max_iterations, nearly.terms(), nearly.law.following,
+            steady.difference, steady.held,
         )  # fmt: skip
     largest = float(np.max(np.abs(left)))
     if not largest <= tolerance:
@@ -258,7 +269,9 @@ def relaxed_state(law: VehicleOnTrack, guess: tuple[Array, Array]) -> Equilibriu
     x = steady.unknowns(q, q_t)
     with law.settled(steady.slips):
         _place_bodies(steady, x, MOST_STEPS)
-        x, largest = relax(steady.residual, x, steady.small, AT_FLANGES, MOST_STEPS, steady.rolled, law.following)
+        x, largest = relax(
+            steady.residual, x, steady.small, steady.terms(), AT_FLANGES, MOST_STEPS, steady.rolled, law.following
+        )
     q, q_t = steady.state(x)
     return Equilibrium(q, q_t, largest)
 
@@ -280,8 +293,9 @@ def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> None:
 
     held = steady.held
     x[bodies] = damped_newton(
-        residual, x[bodies].copy(), steady.small[bodies], BODIES_PLACED, max_iterations, apart=steady.apart(bodies),
-        difference=steady.difference[bodies], held=None if held is None else held[bodies],
+        residual, x[bodies].copy(), steady.small[bodies], BODIES_PLACED, max_iterations,
+        [(residual, steady.apart(bodies))], difference=steady.difference[bodies],
+        held=None if held is None else held[bodies],
     )[0]  # fmt: skip
 
 
@@ -302,22 +316,22 @@ def lower_on_rails(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Ar
     steady = SteadyMotion(law)
     x = steady.unknowns(q, q_t)
     share = 1.0 / len(law.vehicle.wheelsets)
-    for i, mounted in enumerate(law.vehicle.wheelsets):
-        z, roll = 6 * i + COORDINATES.index("z"), 6 * i + COORDINATES.index("roll")
+    z, roll = (6 * np.arange(len(law.vehicle.wheelsets)) + COORDINATES.index(name) for name in ("z", "roll"))
 
-        def carried(angle: float, z: int = z, roll: int = roll, name: str = mounted.name) -> float:
-            """Residual moment at this roll, with the height found."""
-            x[roll] = angle
+    def lift(heights: Array) -> Array:
+        x[z] = heights
+        return steady.residual(x)[z]
 
-            def lift(height: float) -> float:
-                x[z] = height
-                return float(steady.residual(x)[z])
+    def carried(angles: Array) -> Array:
+        """Residual moments at these rolls, with the heights found."""
+        x[roll] = angles
+        x[z], found = roots(lift, x[z], SMALL_WHEELSET["z"], 0.1 * share, SEARCH_HEIGHT)
+        if not found.all():
+            raise NotCarried(law.vehicle.wheelsets[int(np.argmin(found))].name)
+        return steady.residual(x)[roll]
 
-            if not bracket(lift, float(x[z]), SMALL_WHEELSET["z"], 0.1 * share, SEARCH_HEIGHT):
-                raise NotCarried(name)
-            return float(steady.residual(x)[roll])
-
-        bracket(carried, float(x[roll]), SMALL_WHEELSET["roll"], 0.1 * share, SEARCH_ROLL)
+    with law.following():
+        x[roll], _ = roots(carried, x[roll], SMALL_WHEELSET["roll"], 0.1 * share, SEARCH_ROLL)
     if law.elastic is not None:  # everything sinks with the rails
         sunk = 0.5 * share * law.vehicle.weight / law.elastic.stiffness[1]
         x[: 6 * len(law.bodies) : 6] -= sunk

@@ -20,7 +20,7 @@ from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.newton import bracket, damped_newton
+from wrsim.simulation.newton import damped_newton, roots
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import GOAL, TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails, steady_state
 from wrsim.simulation.system import Array
@@ -99,17 +99,17 @@ def _slid(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Array]:
     across, others = axes[:, Y], np.delete(axes, Y, axis=1)
     found, place = np.zeros(start.size - 1), start.copy()
 
-    def push(shift: float) -> float:
-        """Force to the left, over the weight, that is left over at a lateral shift with everything else in balance."""
+    def push(shifts: Array) -> Array:
+        """Force to the left (1,), over the weight, that is left over at a shift with everything else in balance."""
 
         def residual(rest: Array) -> Array:
-            return steady.residual(start + shift * across + others @ rest) @ others
+            return steady.residual(start + shifts * across + others @ rest) @ others
 
         found[:] = damped_newton(residual, found.copy(), np.delete(steady.small, Y), GOAL, 20)[0]
-        place[:] = start + shift * across + others @ found
-        return float(steady.residual(place) @ across)
+        place[:] = start + shifts * across + others @ found
+        return across[None] @ steady.residual(place)
 
-    if not bracket(push, 0.0, steady.small[Y], TOLERANCE, PLAY):
+    if not roots(push, np.zeros(1), steady.small[Y], TOLERANCE, PLAY)[1].all():
         raise SimulationError(f"nothing holds wheelset '{law.vehicle.names[0]}' within {1e3 * PLAY:g} mm of the middle")
     return steady.state(place)
 

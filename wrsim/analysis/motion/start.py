@@ -41,6 +41,9 @@ STEADY_ENOUGH = 4e-3
 """Unbalanced part of the load of one wheelset with which a run may start after running in: patches that appear and
 vanish let forces jump, and a balance may lie inside of the jump."""
 
+MOST_AFTER_RUN = 10
+"""Iterations of Newton's method from a motion that has run in: it finds the balance in a few of them or not at all."""
+
 EXACT = 1e-5  # unbalanced part of the weight with the exact contact solver, which iterates
 EASE = 3.0  # time in the transition, at least [s], ...
 SETTLE = 3.0  # ... and in the full curve before the motion is taken as steady [s]
@@ -54,24 +57,29 @@ def shifts(setup: Setup[RunPlan], direction: float) -> list[Array]:
     """Lateral shifts of the wheelsets (wheelsets,) at the start of the run from which a search begins [m].
 
     From the middle towards ``direction``: in a curve a wheelset held hard against yaw does not find its way to the
-    outer rail by itself, nor down a canted track to the inner one, nor to where a load pushes it. Then each towards its
-    smaller wheel, if it has one: there, in the end on the root of the flange, both roll alike.
+    outer rail by itself, nor down a canted track to the inner one, nor to where a load pushes it. Without a direction
+    to either side. And each towards its smaller wheel, if it has one: there, in the end on the root of the flange, both
+    roll alike.
     """
     widening = float(setup.track.gauge(setup.plan.start)) - setup.track.nominal_gauge
     radii = np.array([[m.wheelset.left.radius, m.wheelset.right.radius] for m in setup.vehicle.wheelsets])
     smaller = np.sign(radii[:, 1] - radii[:, 0])
-    ways = [np.full(len(radii), np.sign(direction)), smaller]
+    sides = [np.sign(direction)] if direction != 0.0 else [1.0, -1.0]
+    ways = [*(np.full(len(radii), side) for side in sides), smaller]
     steps = np.arange(SHIFT, PLAY + 0.5 * max(widening, 0.0), SHIFT)
-    return [np.zeros(len(radii)), *(step * way for way in ways if way.any() for step in steps)]
+    return [np.zeros(len(radii)), *(step * way for step in steps for way in ways if way.any())]
 
 
-def first_steady(law: VehicleOnTrack, shifts: Sequence[Array]) -> steady.Equilibrium:
+def first_steady(
+    law: VehicleOnTrack, shifts: Sequence[Array], tolerance: float = steady.TOLERANCE
+) -> steady.Equilibrium:
     """The steady motion that the first of these shifts leads to. Raises what stopped the search from the first one."""
     problems = []
     for shift in shifts:
         try:
             law.look_near(law.start)
-            return steady.steady_state(law, steady.lower_on_rails(law, *design_state(law, lateral=shift)))
+            lowered = steady.lower_on_rails(law, *design_state(law, lateral=shift))
+            return steady.steady_state(law, lowered, tolerance=tolerance)
         except SimulationError as fault:
             problems.append(fault)
     raise problems[0]
@@ -107,8 +115,7 @@ def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
 
 def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibrium:
     curvature = float(setup.track.curvature(setup.plan.start))
-    aside = pushed(setup, law.speed).left
-    ways = shifts(setup, -curvature if curvature != 0.0 else aside)
+    ways = _ways(setup)
     problems: list[SimulationError] = []
     near: list[steady.Equilibrium] = []
 
@@ -134,6 +141,8 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibrium:
             return _reached(setup, law, straight)
         except SimulationError as fault:
             problems.insert(0, fault)
+    if setup.vehicle.members and curvature == 0.0:
+        ways = ways[:1]  # each vehicle has been looked for from all of its own
     if found := searched(ways[1:] if straight is None else ways[:1]):
         return found
     if curvature == 0.0 and straight is None and near:
@@ -141,18 +150,24 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibrium:
     raise NoSteadyMotion.of(problems[0])
 
 
+def _ways(setup: Setup[RunPlan]) -> list[Array]:
+    """The shifts towards where curve or loads push the vehicle. Raises NoSteadyMotion where they overturn it."""
+    curvature, aside = float(setup.track.curvature(setup.plan.start)), pushed(setup, setup.plan.speed).left
+    return shifts(setup, -curvature if curvature != 0.0 else aside)
+
+
 def _from_shift(setup: Setup[RunPlan], law: VehicleOnTrack, shift: Array) -> steady.Equilibrium:
     """The steady motion that Newton's method finds with the wheelsets so far aside; of a train first each vehicle by
-    itself, in its own place, then all of them together with the forces of their couplings."""
-    law.look_near(law.start)
+    itself, in its own place, on straight track also from its other shifts, then all of them together with the forces of
+    their couplings."""
     if not setup.vehicle.members:
-        lowered = steady.lower_on_rails(law, *design_state(law, lateral=shift))
-        return steady.steady_state(law, lowered, tolerance=enough(setup))
+        return first_steady(law, [shift], enough(setup))
     q, q_t = np.zeros((2, law.size))
     for k, places in enumerate(law.coordinates_of_units(alone=True)):
         alone = replace(setup, vehicle=setup.vehicle.alone(k))
         aside = shift[list(setup.vehicle.units[k].wheelsets)]
-        own = _from_shift(alone, force_law(alone, law.speed, held_by(alone)), aside)
+        ways = [aside] if setup.track.curvature(setup.plan.start) else [aside, *_ways(alone)[1:]]
+        own = first_steady(force_law(alone, law.speed, held_by(alone)), ways, enough(alone))
         q[places], q_t[places] = own.q, own.q_t
     q_t[law.sliders] = 0.0  # friction goes on from the design position, as it did in each vehicle
     return steady.steady_state(law, (q, q_t), tolerance=enough(setup))
@@ -174,7 +189,8 @@ def _reached(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float | None)
     or along the track from a straight place [m] into its transition. Raises NoSteadyMotion where it does not arrive."""
     held = replace(setup, vehicle=setup.vehicle.loaded_as_at(setup.plan.start))
     if straight is None:
-        return on_the_rails(law, steady.steady_state(law, _run_in(held), tolerance=enough(setup)))
+        near = steady.steady_state(law, _run_in(held), tolerance=enough(setup), max_iterations=MOST_AFTER_RUN)
+        return on_the_rails(law, near)
     # it ends some millimetres off the start: moved there as a whole, the vehicle would not suit the changing track
     plan = replace(setup.plan, start=straight, end=setup.plan.start, profile=None)
     _, q, q_t = _run(replace(held, plan=plan))
