@@ -1,12 +1,15 @@
 """What the pages name exists: modules, files, commands, scenarios, links."""
 
 import re
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from pydoc import locate
 from typing import get_args
 
+import jinja2
 import pytest
+import yaml
 from support.scripts import ROOT, script
 from typer.main import get_command
 
@@ -72,3 +75,28 @@ def test_every_shipped_scenario_is_in_the_guide() -> None:
     text = BUILT[ROOT / "docs" / "user" / "scenarios.md"]()
     for scenario in (ROOT / "scenarios").glob("*.toml"):
         assert scenario.name in text, scenario.name
+
+
+def test_the_conda_recipe_is_that_of_the_project() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    text = (ROOT / ".ci" / "conda" / "meta.yaml").read_text()
+    recipe = yaml.safe_load(jinja2.Template(text, undefined=jinja2.StrictUndefined).render(PYTHON="python"))
+    assert recipe["package"] == {"name": project["name"], "version": project["version"]}
+    script = recipe["build"]["script"]
+    assert all(isinstance(line, str) and line.startswith("python -m pip install ") for line in script)
+    assert recipe["build"]["entry_points"] == [f"{name} = {of}" for name, of in project["scripts"].items()]
+    needed = {name.replace("matplotlib>", "matplotlib-base>") for name in project["dependencies"]}
+    own = {
+        name.replace(" ", "") for name in recipe["requirements"]["run"] if name.split()[0] not in ("python", "libgl")
+    }
+    by_pip = needed - own
+    assert own <= needed and len(by_pip) == 1 and all(any(f" {name} " in line for line in script) for name in by_pip)
+
+
+def test_the_container_file_copies_what_there_is_and_has_a_python_of_the_project() -> None:
+    text = (ROOT / "Containerfile").read_text()
+    copied = [name for line in re.findall(r"^COPY (.+)$", text, re.MULTILINE) for name in line.split()[:-1]]
+    assert len(copied) > 5 and all((ROOT / name).exists() for name in copied)
+    classifiers = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["classifiers"]
+    (version,) = re.findall(r"^FROM .*python:(3\.\d+)-", text, re.MULTILINE)
+    assert f"Programming Language :: Python :: {version}" in classifiers
