@@ -9,6 +9,7 @@ import pytest
 from support.commands import call, ok
 from support.runs import FAST, SCENARIOS
 from support.scenario_texts import CURVE, STATIC
+from support.synthetic_result import curve_run
 
 from wrsim.analysis import run
 from wrsim.analysis.compare import compare_models, of_wheels
@@ -157,3 +158,12 @@ def test_a_force_between_samples_is_that_of_finer_samples() -> None:
     assert f"{beyond.max() / 1e3:.3g} kN beyond both: a smaller run.output_interval_ms" in event["event"]
     assert beyond.max() > 1e3
     assert "events" not in fine.summary(), "a sample at every step misses nothing"
+
+
+def test_of_several_patches_forces_and_areas_are_added_and_the_deepest_counts() -> None:
+    dataset = curve_run(samples=60)
+    found, several = of_wheels(dataset), np.isfinite(dataset["N"].values[:, 0]).sum(axis=-1) > 1
+    assert several.any()
+    for name, together in (("N", np.nansum), ("area", np.nansum), ("approach", np.nanmax), ("p0", np.nanmax)):
+        expected = together(dataset[name].values[:, 0][several], axis=-1)
+        assert found[name].values[several] == pytest.approx(expected), name

@@ -9,7 +9,7 @@ from support.runs import FAST, SCENARIOS, STEERING
 
 from wrsim.analysis import run
 from wrsim.analysis.contacts import force_law
-from wrsim.analysis.steady import BALANCED, steady_in_curve
+from wrsim.analysis.steady import BALANCED, cant_deficiency, steady_in_curve
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc
 from wrsim.results import Result
@@ -17,6 +17,7 @@ from wrsim.results.tables import tables
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.sections.run import RunPlan
+from wrsim.scenario.sections.steady import SteadyPoint
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.system import BodySystem
@@ -139,3 +140,9 @@ def test_an_interrupted_study_keeps_the_curves_it_has():
 def test_bad_input_is_answered_with_one_clear_line(values, message):
     with pytest.raises(InputError, match=message):
         build(load(SCENARIOS / "steady_manchester.toml").with_values(values))
+
+
+def test_cant_is_missing_alike_in_curves_of_both_hands() -> None:
+    points = [SteadyPoint("", radius, 0.1, 20.0) for radius in (300.0, -300.0)]
+    expected = 1.5 * 20.0**2 / (STANDARD_GRAVITY * 300.0) - 0.1
+    assert [cant_deficiency(point, 1.5) for point in points] == pytest.approx([expected] * 2)

@@ -232,6 +232,14 @@ def test_a_chord_sees_waves_and_circles_as_geometry_says(system: Chord) -> None:
     assert abs(near[1] - near[0]) < 1e-3
 
 
+def test_an_inertial_system_passes_half_of_a_wave_at_its_borders_and_little_an_octave_beyond() -> None:
+    """Fourth order, forward and back."""
+    lengths = np.array([1.5, 3.0, 8.7, 25.0, 50.0])
+    gain = Inertial(3.0, 25.0).response(2.0 * np.pi / lengths)
+    assert np.abs(gain) == pytest.approx([1.0 / 257.0, 0.5, 1.0, 0.5, 1.0 / 257.0], rel=1e-3)
+    assert gain.imag == pytest.approx(0.0)
+
+
 def test_without_curvature_the_versines_tell_the_curves(car: Car, tmp_path: Path) -> None:
     columns = {k: v for k, v in (geometry(car) | versines(car, 4.0, 6.0)).items() if not k.startswith("curvature")}
     found = restored(tmp_path, car, columns, "chord_m = [4, 6]")

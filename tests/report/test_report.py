@@ -84,6 +84,13 @@ def test_every_piece_holds_its_least_and_its_largest_value() -> None:
         assert sorted(both) == [inside.min(), inside.max()]
 
 
+def test_what_rises_or_falls_evenly_is_drawn_so() -> None:
+    places = np.linspace(0.0, 100.0, 5001)
+    pieces = pieces_of([places])
+    assert (np.diff(envelope(places, places, pieces)) > 0.0).all()
+    assert (np.diff(envelope(places, -places, pieces)) < 0.0).all()
+
+
 def test_where_a_curve_has_no_values_none_are_drawn() -> None:
     places = np.linspace(0.0, 10.0, 101)
     values = np.where((places > 4.0) & (places < 6.0), np.nan, 1.0)

@@ -12,6 +12,7 @@ from support.scenario_texts import CURVE, STATIC, edited, faults
 
 from wrsim.contact.settings import USUAL
 from wrsim.errors import InputError
+from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.checking import check_value
 from wrsim.inputs.values import Series
 from wrsim.register import ANALYSES, TABLES, resolved
@@ -21,6 +22,7 @@ from wrsim.scenario.plausibility import facts, warnings
 from wrsim.scenario.schema import ScenarioFile
 from wrsim.scenario.sections.static import read_cases
 from wrsim.scenario.track_build import rest_on_rail
+from wrsim.vehicle.loads import SlipControl
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
@@ -39,6 +41,13 @@ def test_everything_is_si_behind_build() -> None:
     assert setup.wheelset.profile_spacing == pytest.approx(1.5)
     assert setup.contact.friction == (0.35, 0.35)
     assert setup.contact.rail.shear_modulus == pytest.approx(82.03e9, rel=1e-4)
+
+
+def test_elasticity_of_rails_and_a_limit_of_slip_are_si_behind_build() -> None:
+    keys = {"vehicle.drive": "wheels", "vehicle.slip_control": {"slip_kmh": 3.6, "creepage": 0.1}}
+    setup = build(load(SCENARIOS / "manchester_mixed_line.toml").with_values(keys))
+    assert setup.track.elasticity == RailElasticity((25e6, 50e6), (40e3, 60e3), (120.0, 160.0))
+    assert setup.vehicle.slip_control == SlipControl(1.0, 0.1)
 
 
 def test_overrides_of_the_vehicle_hold_for_their_side() -> None:

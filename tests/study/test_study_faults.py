@@ -4,6 +4,7 @@ import json
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support.commands import ok, refusal
 from support.studies import AXES, study_file
@@ -11,7 +12,7 @@ from support.synthetic_result import curve_run
 
 from wrsim.errors import InputError
 from wrsim.results import Result
-from wrsim.study.outputs import case_outputs
+from wrsim.study.outputs import case_outputs, reduced
 from wrsim.study.plan import planned
 from wrsim.study.spec import OutputsSection
 from wrsim.study.task import COMPLETED, MARKER, Marker, read_marker, write_marker
@@ -29,6 +30,8 @@ OVER = '[[vary]]\nkind = "sobol"\nsamples = {}\n[[vary.over]]\nkey = "contact.fr
     (GRID.format("contact.friction", "[0.1]") * 2, r'two axes are called "friction"'),
     (GRID.format("contact.friction", "[0.1]") + OVER.format(4, "low = 0.1\nhigh = 0.2"),
      r"study\.toml:\d+: contact\.friction: is varied by axis 'friction' already"),
+    (GRID.format("contact.friction", "{from = 0.1, to = 0.5, step = 0.0001}")
+     + GRID.format("vehicle.speed_kmh", "{from = 40, to = 80, step = 0.1}"), "describes 1604401 cases; must be"),
     (OVER.format(12, "low = 0.1\nhigh = 0.2"), r"samples = 12: must be a power of 2 \(8 or 16\)"),
     (OVER.format(8, "low = 0.1"), r"vary\[0\]\.over\[0\]\.high is missing: goes with low: must be a finite number"),
     (OVER.format(8, "low = 0.3\nhigh = 0.2"), r"high = 0\.2: must be above low"),
@@ -121,3 +124,10 @@ def test_a_pipe_in_place_of_a_marker_is_no_marker_and_stays(tmp_path: Path) -> N
     assert read_marker(tmp_path) is None
     with pytest.raises(InputError, match="is a pipe"):
         write_marker(tmp_path, Marker("a", "a", COMPLETED, ""))
+
+
+def test_of_several_wheels_the_worst_counts() -> None:
+    """Either way for a peak, the smallest for the least value."""
+    values = np.array([[1.0, -5.0], [2.0, 3.0]])
+    assert [reduced(values, how) for how in ("peak", "max", "min")] == [-5.0, 3.0, -5.0]
+    assert reduced(values, "percentile", 50.0) == 1.5
