@@ -1,15 +1,17 @@
 """The step that a run chooses by itself is short enough: half of it changes nothing that matters, from 1 to 100 m/s."""
 
+import numba
 import numpy as np
 import pytest
 import xarray as xr
+from numba.core import sigutils
 from scipy.interpolate import CubicSpline
 from support.runs import FAST, LEADING, STEERING, arc, setup_of, straight, transition
 from support.vehicles import ROOT, SHORT
 
 from wrsim.analysis import run
 from wrsim.analysis.assessment.filters import low_pass
-from wrsim.analysis.motion.run import run_in_time
+from wrsim.analysis.motion.run import LARGE, run_in_time
 from wrsim.scenario.loading import load
 from wrsim.simulation.step_size import implicit_step
 
@@ -130,3 +132,11 @@ def test_a_run_ends_where_its_track_ends():
     # beyond it the track would go straight on, and the centrifugal force would be gone
     # which loads the outer wheel by 8 %
     assert dataset["Q"].values[-1] == pytest.approx(dataset["Q"].values[-2], rel=1e-2)
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_large_kernels_are_compiled_for_the_types_that_a_run_calls_them_with():
+    setup = setup_of([straight(30.0)], 10.0, STIFF, values=FAST | {"run.distance_m": 0.1})
+    run_in_time(setup)
+    for kernel, types in LARGE:
+        assert list(kernel.overloads) == [sigutils.normalize_signature(types)[0]]

@@ -216,7 +216,8 @@ def test_what_cannot_become_a_unit_is_one_message(tmp_path: Path, monkeypatch: p
     assert own.read_text() == "mine"
     assert "only runs along the track" in refusal("fmu", scenario, "-o", tmp_path / "static.fmu")
     assert "must end in .fmu" in refusal("fmu", scenario, "-o", tmp_path / "static.zip")
-    with pytest.raises(InputError, match="must be above 0"):
+    assert "'--step-ms'" in refusal("fmu", scenario, "--step-ms", "7")
+    with pytest.raises(InputError, match=r"^step = 0\.1: must be above 0"):
         write_unit(COACH, tmp_path / "coach.fmu", step=0.1)
     monkeypatch.setenv("CC", "no-such-compiler")
     with pytest.raises(WrsimError, match="no C compiler"):

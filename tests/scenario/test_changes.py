@@ -84,6 +84,7 @@ def test_a_mistake_in_set_is_named_as_such(key: str) -> None:
         ("vehicle.speed_kmh=60 km/h", "a number has no unit"),
         ('vehicle.wheel="wheels\\tram.toml"', 'is one letter, not a folder: write "wheels/tram.toml"'),
         ("track.rail=rails/UIC60.toml", 'did you mean "rails/60E1.toml"'),
+        ("vehicle.model=wheelset", 'did you mean "vehicles/wheelset_'),
         (r"track.rail='rails\60E1.toml'", 'write "rails/60E1.toml"'),
     ],
 )

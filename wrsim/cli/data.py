@@ -151,7 +151,7 @@ def fmu(
     file: options.ScenarioFile,
     output: Annotated[Path | None, options.into(metavar="FMU", help="Default: <name of FILE>.fmu here.")] = None,
     values: options.Set = None,
-    step_ms: Annotated[float, typer.Option(help="Step of the integration, at most 5 ms.")] = 1.0,
+    step_ms: Annotated[float, typer.Option(min=1e-3, max=5.0, help="Step of the integration.")] = 1.0,
     models: options.Models = None,
     force: options.Force = False,
     as_json: options.Json = False,

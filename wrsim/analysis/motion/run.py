@@ -63,20 +63,26 @@ CALLED = (
 """Kernels that Python calls in an implicit run along the track, and stages, without the normal model."""
 
 
-SIGNATURES: tuple[Any, ...] = (
-    ARGUMENTS,
-    "(float64, float64[::1], float64[::1], float64[::1], float64[::1], int64[:, ::1])",
-    "(float64, int64, boolean, int64[:, ::1], int64[:, :, ::1], float64[:, ::1], float64[:, ::1], float64[::1], "
-    "int64[:, ::1])",
+LARGE: tuple[tuple[Any, Any], ...] = (
+    (wheel_forces.one_wheel, ARGUMENTS),
+    (
+        vehicle_forces.vehicle_forces,
+        "(float64, float64[::1], float64[::1], float64[::1], float64[::1], int64[:, ::1])",
+    ),
+    (
+        derivative.add_differences,
+        "(float64, int64, boolean, int64[:, ::1], int64[:, :, ::1], float64[:, ::1], float64[:, ::1], float64[::1], "
+        "int64[:, ::1])",
+    ),
 )
+"""The large ones of the kernels that any run along the track calls, and the types of their arguments."""
 
 
 def _compile_others() -> None:
-    """The large ones of the kernels that any run along the track calls."""
+    """While another process compiles the normal model."""
     wheel_rail.compile_stages(CONTACT, CREEP_FORCES)
-    kernels: Any = wheel_forces.one_wheel, vehicle_forces.vehicle_forces, derivative.add_differences
-    for one, signature in zip(kernels, SIGNATURES, strict=True):
-        one.compile(signature)
+    for one, types in LARGE:
+        one.compile(types)
 
 
 class StepTooLong(InputError):
@@ -163,9 +169,10 @@ def stepper(scenario: Scenario, step: float = BENCH_STEP, iterations: int = BENC
     SimulationError
         Where there is no steady motion at the start.
     """
-    if not (0.0 < step <= BENCH_LONGEST and iterations >= 1):
-        most = f"above 0 and at most {BENCH_LONGEST:g} s"
-        raise InputError(f"step = {step:g}, iterations = {iterations}: must be {most}, and a whole number from 1 on")
+    if not 0.0 < step <= BENCH_LONGEST:
+        raise InputError(f"step = {step:g}: must be above 0 and at most {BENCH_LONGEST:g} s")
+    if not iterations >= 1:
+        raise InputError(f"iterations = {iterations}: must be a whole number from 1 on")
     setup = build(scenario)
     if not isinstance(setup.plan, RunPlan) or not ANALYSES[setup.analysis].moves:
         raise scenario.fault(("analysis",), "only runs along the track can be taken step by step")
