@@ -332,6 +332,18 @@ def test_the_charts_answer_with_the_envelope_of_the_dataset(
 
 
 @pytest.mark.usefixtures("unpainted")
+def test_cards_of_wheelsets_fit_a_phone(chromium: Browser, curve: Result, tmp_path: Path) -> None:
+    file = tmp_path / "report.html"
+    file.write_text(report_page([curve], ["run"]))
+    chromium.open(file, width=390)
+    widths = chromium.run(
+        "return [...document.querySelectorAll('.card table')].map((t) => [t.offsetWidth, t.parentElement.clientWidth])"
+    )
+    assert widths and all(table <= card for table, card in widths)
+    assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.usefixtures("unpainted")
 def test_texts_of_users_run_nothing(chromium: Browser, curve: Result, tmp_path: Path) -> None:
     evil = replace(curve, dataset=curve.dataset.assign_attrs(title=EVIL, scenario_text=EVIL))
     file = tmp_path / "report.html"
