@@ -133,6 +133,7 @@ class Viewer {
   record() {
     this.recording = new Recording(["section", "stage", "history"].map($));
     $("video").setAttribute("aria-pressed", "true");
+    this.show(); // the first frame has its words
     this.play(true);
     return new Promise((done) => (this.recorded = done));
   }
