@@ -215,6 +215,15 @@ def test_a_vertical_rail_side_is_touched_like_the_crown(depth):
     assert lobe["N"] > 0.0
 
 
+def test_parallel_bodies_never_lose_their_contact():
+    """Beside the flange root the distance is nearly even over millimetres, and the samples' slopes have any sign."""
+    stand = bench(pair_model("S1002/60E1 1:40", **PLAIN), rolling=False)
+    total = stand.wheels[0].model.arrays.total
+    for height in np.linspace(0.46082350, 0.46082370, 41):
+        stand.evaluate(6.6217876170330205e-3, height, 0.0, 0.0)
+        assert total.closest < -1e-5 and total.lobes > 0
+
+
 @pytest.mark.parametrize("lateral", [-4e-3, 0.0, 5e-3, 8e-3])
 def test_without_contact_there_are_no_patches_but_a_distance(lateral):
     stand = bench(pair_model("S1002/60E1 1:40", **PLAIN), rolling=False)

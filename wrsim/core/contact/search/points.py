@@ -279,6 +279,12 @@ def find_contacts(
                 top = guess
             else:
                 met = refine(wheel, rail, (last.node - stride) * step, (i + stride) * step, guess, at.foot, MINIMUM)
+                reach = stride
+                while met.status == NONE and at.distance < 0.0 and reach < wheel.profile.table.shape[0]:
+                    # both bodies are nearly parallel here, and the samples' slopes of no use
+                    reach *= 2
+                    lo, hi = max(last.node - reach, 0) * step, min(i + reach, wheel.profile.table.shape[0] - 1) * step
+                    met = refine(wheel, rail, lo, hi, met.arc_wheel, met.arc_rail, MINIMUM)
                 # else the slopes of samples were wrong, here or at the last turn
                 if met.status != NONE and (count == 0 or met.arc_wheel > found[count - 1].arc_wheel + SAME):
                     closest = min(closest, met.distance)
