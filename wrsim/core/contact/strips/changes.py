@@ -100,8 +100,6 @@ def enter(system, n, held):
             set_conditions(system, n, g, j, 1)
             if place.gap < -ENTRY:
                 x[base + j] = -place.gap * memo.deepest / place.bend
-                if 0 < j < n - 1:
-                    x[base + j] = max(x[base + j], 0.5 * min(x[base + j - 1], x[base + j + 1]))
                 changed = True
         if held:
             continue

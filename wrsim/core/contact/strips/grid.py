@@ -203,6 +203,16 @@ def _integral(grid, rows, s):
     return rows[r].xi + grid.spacing * x * (rows[r].density + 0.5 * x * rise), rows[r].density + x * rise
 
 
+@inlined
+def _between(a, b, c, d, t, h):
+    """A number at t, 0 to 1, from the second of four rows to the third, and its slope along the rail: a cubic whose
+    slopes at rows are those over the rows beside them, so that Newton's method meets no corner."""
+    rise = 0.5 * (c - a)
+    bow = a - 2.5 * b + 2.0 * c - 0.5 * d
+    turn = 0.5 * (d - a) + 1.5 * (b - c)
+    return b + t * (rise + t * (bow + t * turn)), (rise + t * (2.0 * bow + 3.0 * t * turn)) / h
+
+
 @kernel
 def place_strips(wheel, rail, grid, rows, places):
     """Lay the strips of a grid between its edges and find the geometry there. places: its own."""
@@ -238,10 +248,8 @@ def place_strips(wheel, rail, grid, rows, places):
         if abs(taken) > NEAR * h:
             at = opposite(wheel, rail, arc - taken, s)
         place.d, place.d_s, place.no, place.nb = at.d, at.d_s, at.no, at.nb
-        place.bend_s = (rows[c + 1].bend - rows[c].bend) / h
-        place.bend = rows[c].bend + t * h * place.bend_s
-        place.x_s = (rows[c + 1].x - rows[c].x) / h
-        place.x = rows[c].x + t * h * place.x_s
+        place.bend, place.bend_s = _between(rows[c - 1].bend, rows[c].bend, rows[c + 1].bend, rows[c + 2].bend, t, h)
+        place.x, place.x_s = _between(rows[c - 1].x, rows[c].x, rows[c + 1].x, rows[c + 2].x, t, h)
 
 
 @inlined

@@ -35,17 +35,13 @@ STEPS = 25  # of a solution, at most: those that come to one take fewer
 SLOW = 0.3  # residual over the last one that asks for a new inverse
 LEAST_RATE = 0.03  # of what a step leaves of the residual, when the next one is predicted
 KEPT_RATE = 0.95  # of the slowest of the last steps, when the next one is faster
-LEAST_REST = 0.2  # of a step that has to be left of it along itself for the inverse to learn from it
 OVERSHOOT, KEPT = -0.5, 0.1  # of a^2 after a step, over itself: below the first the strip leaves; what it keeps else
-LARGEST_GROWTH = 0.5  # of a^2 in a step, over the largest of its grid
-LARGEST_CHANGE = 0.5  # of a factor in a step, over itself
+LARGEST = 0.5  # growth of a^2 in a step over the largest of its grid, change of a factor over itself
 FARTHEST = 1.5  # move of an edge in a step, in mean widths of strips
-TURNS = 12  # changes of strips and edges in one solution
-HALVINGS = 6  # of a step, at most
+HALVINGS = 3  # of a step, at most
 CALM = 0.05  # residual below which strips may leave
 SPENT = 1e-4  # a^2/R_x over the deepest penetration below which they may at any residual: it may be theirs
 NEAR = 1e-3  # residual at which strips and edges are looked after
-LOOK = 3e-5  # the same from the last contact: what seems to touch while it is larger often does not
 SURE = 2.0  # safety of the predicted residual
 
 
@@ -57,17 +53,13 @@ def newton(system, n, tolerance):
     memo, vectors = system.memo[0], system.vectors
     size = memo.grids * block_of(n)
     _set_scale(system, n)
-    turns = 0
     last = 1e9
     looked = whole = False  # whole: the last step was one by the kept inverse, of full length
     residual = residuals(system, n, False)
     for _ in range(STEPS):
-        if residual < LOOK and not looked:
+        if residual < NEAR and not looked:
             looked = True
-            turns += 1
             if enter(system, n, False):
-                if turns > TURNS:
-                    return False
                 looked = whole = False
                 memo.inverted = 0
                 last = 1e9
@@ -121,16 +113,13 @@ def descend(system, n, held, tolerance):
     memo, vectors = system.memo[0], system.vectors
     size = memo.grids * block_of(n)
     _set_scale(system, n)
-    memo.inverted = turns = 0
+    memo.inverted = 0
     looked = False
     residual = residuals(system, n, held)
     for _ in range(STEPS):
         if residual < NEAR and not looked:
             looked = True
-            turns += 1
             if enter(system, n, held):
-                if turns > TURNS:
-                    return False
                 looked = False
                 residual = residuals(system, n, held)
                 continue
@@ -219,7 +208,7 @@ def _learn(system):
         square += weighted * step[i]
         product += weighted * missing[i]
     rest = square - product
-    if rest < LEAST_REST * square:
+    if rest <= 0.0:
         return
     row[:size] = 0.0
     for i in range(size):
@@ -248,9 +237,9 @@ def _longest_step(system, n):
             highest = max(highest, x[j])
         for j in range(base, base + n):
             if x[j] > 0.0:
-                worst = max(worst, step[j] / (LARGEST_GROWTH * highest))
-                worst = max(worst, abs(step[j + n]) / (LARGEST_CHANGE * x[j + n]))
-                worst = max(worst, abs(step[j + 2 * n]) / (LARGEST_CHANGE * sqrt(highest)))
+                worst = max(worst, step[j] / (LARGEST * highest))
+                worst = max(worst, abs(step[j + n]) / (LARGEST * x[j + n]))
+                worst = max(worst, abs(step[j + 2 * n]) / (LARGEST * sqrt(highest)))
         for e in range(base + OF_A_STRIP * n, base + block):
             worst = max(worst, n * abs(step[e]) / (FARTHEST * (grid.end - grid.start)))
     return 1.0 / worst
@@ -303,7 +292,7 @@ def _advance(system, n, held, share, calm):
             x[e + 1] = grid.most
             changed = changed or not grid.end_held
             grid.end_held = 1
-        if x[e + 1] - x[e] < 1e-4 * (grid.most - grid.least):
+        if x[e + 1] <= x[e]:
             leave(system, n, g)
             changed = True
         elif trim(system, n, g):

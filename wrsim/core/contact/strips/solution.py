@@ -1,10 +1,10 @@
 """First guesses of the strip model, and what is done until it has a solution.
 
 In a run the last contact is the first guess. Else Hertz's slanted ellipses, or wider ones, and Newton's method for all
-at once. If both fail, half lengths for given factors and edges (a monotone problem: strips leave and enter as they
-like), edges from the outer strips and factors from the second condition in turns before it. If that fails, too, every
-grid is solved for alone, then they come to press each other down step by step. At last strips count as not shifted
-along the rail."""
+at once. If both fail, every grid is solved for alone, then they come to press each other down step by step; where
+Newton's method does not get on, half lengths for given factors and edges (a monotone problem: strips leave and enter as
+they like), edges from the outer strips and factors from the second condition in turns before it. If that fails, the
+same without shifts along the rail, which then grow step by step. At last strips count as not shifted."""
 
 from math import inf
 from typing import NamedTuple
@@ -26,12 +26,11 @@ from wrsim.core.contact.strips.records import ROWS, X
 from wrsim.core.jit.compiling import kernel
 
 TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
-ROUGHLY = 5e-3  # the same of half lengths for given factors and edges
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
-WIDE, NARROW = 0.15, 0.5  # of a grid's depth: where contact ends at most, and at least
-COUPLINGS = 4, 16  # steps in which grids come to press each other down
+WIDE = 0.15  # of a grid's depth: where contact ends at most
+PORTIONS = 4  # in which grids come to press each other down, or strips to be shifted along the rail
+ROUGHLY = 5e-3  # residual of half lengths for given factors and edges
 ROUNDS = 8  # of half lengths, edges and factors in turn
-CALM = 0.3  # moves of edges, in widths of strips, and of factors, over themselves, in a round that end the turns
 SETTLED, STRAIGHT, UNSOLVED = range(3)
 """How a solution was found: as it is, as if no strip were shifted along the rail; or not."""
 
@@ -44,18 +43,45 @@ def solve(system, n, known, tolerance):
     memo.iterations = memo.factorisations = 0
     if known and newton(system, n, tolerance) and _sound(system, n):
         return SETTLED
-    for result in (SETTLED, STRAIGHT):
-        for turns in (0, ROUNDS):
-            for level in (0.0, WIDE):
-                if _at_once(system, n, level, turns) and _sound(system, n):
-                    return result
-        for steps in COUPLINGS:
-            if _one_by_one(system, n, steps) and _sound(system, n):
-                return result
-        if not memo.shifted:
-            break
-        memo.shifted = 0
-    return UNSOLVED
+    if _from_nothing(system, n):
+        return SETTLED
+    if not memo.shifted:
+        return UNSOLVED
+    memo.shifted = 0
+    if not _from_nothing(system, n):
+        return UNSOLVED
+    if _shift(system, n) and _sound(system, n):
+        return SETTLED
+    memo.shifted = 0
+    return STRAIGHT if _from_nothing(system, n) else UNSOLVED
+
+
+@kernel
+def _from_nothing(system, n):
+    """Solve for all grids at once from two first guesses, then one by one. True if that leads to a solution."""
+    return (
+        (_at_once(system, n, 0.0) and _sound(system, n))
+        or (_at_once(system, n, WIDE) and _sound(system, n))
+        or (_one_by_one(system, n) and _sound(system, n))
+    )
+
+
+@kernel
+def _shift(system, n):
+    """Solve from a solution without shifts along the rail, which grow step by step. True if that works: a continuation
+    as in ``_one_by_one``."""
+    memo = system.memo[0]
+    memo.shifted = 1
+    solved = True
+    for step in range(PORTIONS):
+        share = (step + 1.0) / (step if step > 0 else PORTIONS)
+        for g in range(memo.grids):
+            grid = system.grids[g]
+            for r in range(ROWS):
+                row = system.rows[g, r]
+                row.x = grid.x + share * (row.x - grid.x)
+        solved = solved and _descend(system, n)
+    return solved and newton(system, n, TOLERANCE)
 
 
 @kernel
@@ -139,19 +165,18 @@ def _clear(system, n):
 
 
 @kernel
-def _at_once(system, n, level, turns):
-    """Solve for all grids from Hertz's ellipses, or from wider ones, at once or after turns. True if that works."""
+def _at_once(system, n, level):
+    """Solve for all grids from Hertz's ellipses, or from wider ones, at once. True if that works."""
     memo = system.memo[0]
     _clear(system, n)
     for g in range(memo.grids):
         if system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
-    _take_turns(system, n, turns)
     return descend(system, n, False, NEAR) and newton(system, n, TOLERANCE)
 
 
 @kernel
-def _one_by_one(system, n, steps):
+def _one_by_one(system, n):
     """Solve for each grid as if it were alone, then let them press each other down more and more. True if that works:
     a continuation in the coupling of the grids (Deuflhard, Newton Methods for Nonlinear Problems, 2004, chapter 5)."""
     memo, grids = system.memo[0], system.grids
@@ -165,47 +190,48 @@ def _one_by_one(system, n, steps):
         base = g * block_of(n)
         grids[g].on = int(in_contact(system.vectors[X, base : base + n])[2] > 0)
     solved = True
-    for step in range(steps):
-        set_fading(system, (step + 1.0) / steps)
-        if solved and not descend(system, n, False, NEAR):
-            _take_turns(system, n, ROUNDS)
-            solved = descend(system, n, False, NEAR)
+    for step in range(PORTIONS):
+        set_fading(system, (step + 1.0) / PORTIONS)
+        solved = solved and _descend(system, n)
     return solved and newton(system, n, TOLERANCE)
 
 
 @kernel
 def _alone(system, n, g):
     """Solve for one grid, the only one in contact. True if that works."""
-    for turns in (0, ROUNDS):
-        for level in (0.0, WIDE, NARROW):
-            _guess(system, n, g, level)
-            _take_turns(system, n, turns)
-            if descend(system, n, False, NEAR) and newton(system, n, TOLERANCE) and system.grids[g].on:
-                return True
+    for level in (0.0, WIDE):
+        _guess(system, n, g, level)
+        if _descend(system, n) and newton(system, n, TOLERANCE) and system.grids[g].on:
+            return True
     return False
 
 
 @kernel
-def _take_turns(system, n, turns):
-    """Half lengths, edges and factors in turns, until they are calm."""
-    memo = system.memo[0]
-    for turn in range(turns):
+def _descend(system, n):
+    """Newton's method at once, and after turns. True if that works."""
+    if descend(system, n, False, NEAR):
+        return True
+    _take_turns(system, n)
+    return descend(system, n, False, NEAR)
+
+
+@kernel
+def _take_turns(system, n):
+    """Half lengths, edges and factors in turns."""
+    for _ in range(ROUNDS):
         descend(system, n, True, ROUGHLY)
-        moved = changed = 0.0
-        for g in range(memo.grids):
+        for g in range(system.memo[0].grids):
             if system.grids[g].on:
-                moved = max(moved, _draw_edges(system, n, g))
+                _draw_edges(system, n, g)
         residuals(system, n, True)
-        for g in range(memo.grids):
+        for g in range(system.memo[0].grids):
             if system.grids[g].on:
-                changed = max(changed, _relax_factors(system, n, g))
-        if turn > 0 and max(moved, changed) < CALM:
-            break
+                _relax_factors(system, n, g)
 
 
 @kernel
 def _draw_edges(system, n, g):
-    """Move the edges of a grid to where its outer strips ask for them. Returns by how many mean widths of strips.
+    """Move the edges of a grid to where its outer strips ask for them.
 
     Near an edge a^2 is in proportion to the distance from it, so that the ratio of the outer strips' tells where it is.
     """
@@ -214,10 +240,9 @@ def _draw_edges(system, n, g):
     first, last, count = in_contact(x[base : base + n])
     if count < FEWEST:
         leave(system, n, g)
-        return 0.0
+        return
     if first > 0 or last < n - 1:
         move_edges(system, n, g, places[first].lo, places[last].hi)
-    mean = (grid.end - grid.start) / n
     ends = grid.start, grid.end
     for side in range(2):
         outer, inner = (0, 1) if side == 0 else (n - 1, n - 2)
@@ -225,20 +250,14 @@ def _draw_edges(system, n, g):
         weights = x[base + n + outer] ** 2 * x[base + outer], x[base + n + inner] ** 2 * x[base + inner]
         ratio = min(weights[0] / max(weights[1], 1e-30) / EDGE_RATIO, 0.7)
         out = (ratio * (w0 + 0.5 * w1) - 0.5 * w0) / (1.0 - ratio)
-        if first > 0 if side == 0 else last < n - 1:
-            # strips have just left
-            out = min(out, 0.5 * mean)
         ends = (max(ends[0] - out, grid.least), ends[1]) if side == 0 else (ends[0], min(ends[1] + out, grid.most))
-    moved = (abs(ends[0] - grid.start) + abs(ends[1] - grid.end)) / mean
     move_edges(system, n, g, ends[0], ends[1])
-    return moved
 
 
 @kernel
 def _relax_factors(system, n, g):
-    """Bring the factors of a grid nearer to what the conditions at the ends ask for. Returns the largest change."""
+    """Bring the factors of a grid nearer to what the conditions at the ends ask for."""
     memo, x, base = system.memo[0], system.vectors[X], g * block_of(n) + n
-    largest = 0.0
     for j in range(n):
         place = system.places[g * n + j]
         if place.y <= 0.0:
@@ -247,6 +266,4 @@ def _relax_factors(system, n, g):
         # how far the surface bends away over the strip, over how far it should
         should = 0.5 * place.bend * REACH * REACH * place.y / memo.deepest
         ratio = 1.0 / max(1.0 + place.bow / should, 1e-9)
-        largest = max(largest, abs(ratio - 1.0))
         x[base + j] *= ratio
-    return largest
