@@ -55,7 +55,7 @@ SMALL = {"strips": 6, "cells": 4, "friction": FRICTION}
 CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 CORE = str(Path(wrsim.core.__file__).parent)
-LAST_RESORT = {"_one_by_one", "_alone", "rise", "_between", "_before"}
+LAST_RESORT = {"_shift", "rise", "_between", "_before"}
 """What the strip model does where Newton's method fails or grids change places: only in full, it is slow uncompiled."""
 
 
@@ -113,6 +113,11 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
     for height in (0.460652, 0.460651, 0.460692, 0.4608) if full else ():
         stand.evaluate(6.53e-3, height, 0.0176, 0.0)
         found[f"a tail {height:g}"] = numbers(contact_of(stand))
+    model = pair_model(PAIR, normal="strips", **SMALL)
+    stand = bench(model, rolling=False)
+    for lateral, height, yaw in ((6.4942e-3, 0.4605551, 0.015033),) if full else ():
+        stand.evaluate(lateral, height, yaw, 0.0)
+        found["shifts that grow"] = numbers(contact_of(stand))
     coarse = HalfSpaceSettings(resolution=6 if full else 4, tolerance=1e-9)
     level = replace(coarse, pairing="level", influence="angle-corrected")
     for name, settings, tangential, rail in (

@@ -204,7 +204,7 @@ def _integral(grid, rows, s):
 
 
 @inlined
-def _between(a, b, c, d, t, h):
+def _cubic(a, b, c, d, t, h):
     """A number at t, 0 to 1, from the second of four rows to the third, and its slope along the rail: a cubic whose
     slopes at rows are those over the rows beside them, so that Newton's method meets no corner."""
     rise = 0.5 * (c - a)
@@ -248,8 +248,8 @@ def place_strips(wheel, rail, grid, rows, places):
         if abs(taken) > NEAR * h:
             at = opposite(wheel, rail, arc - taken, s)
         place.d, place.d_s, place.no, place.nb = at.d, at.d_s, at.no, at.nb
-        place.bend, place.bend_s = _between(rows[c - 1].bend, rows[c].bend, rows[c + 1].bend, rows[c + 2].bend, t, h)
-        place.x, place.x_s = _between(rows[c - 1].x, rows[c].x, rows[c + 1].x, rows[c + 2].x, t, h)
+        place.bend, place.bend_s = _cubic(rows[c - 1].bend, rows[c].bend, rows[c + 1].bend, rows[c + 2].bend, t, h)
+        place.x, place.x_s = _cubic(rows[c - 1].x, rows[c].x, rows[c + 1].x, rows[c + 2].x, t, h)
 
 
 @inlined
