@@ -41,7 +41,7 @@ def solve(system, n, known, tolerance):
     UNSOLVED."""
     memo = system.memo[0]
     memo.iterations = memo.factorisations = 0
-    if known and newton(system, n, tolerance) and _sound(system, n):
+    if known and _solved(system, n, tolerance):
         return SETTLED
     if _from_nothing(system, n):
         return SETTLED
@@ -50,7 +50,7 @@ def solve(system, n, known, tolerance):
     memo.shifted = 0
     if not _from_nothing(system, n):
         return UNSOLVED
-    if _shift(system, n) and _sound(system, n):
+    if _shift(system, n):
         return SETTLED
     memo.shifted = 0
     return STRAIGHT if _from_nothing(system, n) else UNSOLVED
@@ -59,11 +59,7 @@ def solve(system, n, known, tolerance):
 @kernel
 def _from_nothing(system, n):
     """Solve for all grids at once from two first guesses, then one by one. True if that leads to a solution."""
-    return (
-        (_at_once(system, n, 0.0) and _sound(system, n))
-        or (_at_once(system, n, WIDE) and _sound(system, n))
-        or (_one_by_one(system, n) and _sound(system, n))
-    )
+    return _at_once(system, n, 0.0) or _at_once(system, n, WIDE) or _one_by_one(system, n)
 
 
 @kernel
@@ -81,12 +77,14 @@ def _shift(system, n):
                 row = system.rows[g, r]
                 row.x = grid.x + share * (row.x - grid.x)
         solved = solved and _descend(system, n)
-    return solved and newton(system, n, TOLERANCE)
+    return solved and _solved(system, n, TOLERANCE)
 
 
 @kernel
-def _sound(system, n):
-    """Whether all unknowns are numbers and some strip is in contact."""
+def _solved(system, n, tolerance):
+    """Newton's method near a solution. True if it ends in one: all unknowns are numbers, some strip is in contact."""
+    if not newton(system, n, tolerance):
+        return False
     x, block = system.vectors[X], block_of(n)
     touches = False
     for g in range(system.memo[0].grids):
@@ -172,7 +170,7 @@ def _at_once(system, n, level):
     for g in range(memo.grids):
         if system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
-    return descend(system, n, False, NEAR) and newton(system, n, TOLERANCE)
+    return descend(system, n, False, NEAR) and _solved(system, n, TOLERANCE)
 
 
 @kernel
@@ -193,7 +191,7 @@ def _one_by_one(system, n):
     for step in range(PORTIONS):
         set_fading(system, (step + 1.0) / PORTIONS)
         solved = solved and _descend(system, n)
-    return solved and newton(system, n, TOLERANCE)
+    return solved and _solved(system, n, TOLERANCE)
 
 
 @kernel
