@@ -115,8 +115,8 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
         found[f"a tail {height:g}"] = numbers(contact_of(stand))
     model = pair_model(PAIR, normal="strips", **SMALL)
     stand = bench(model, rolling=False)
-    for lateral, height, yaw in ((6.4942e-3, 0.4605551, 0.015033),) if full else ():
-        stand.evaluate(lateral, height, yaw, 0.0)
+    if full:
+        stand.evaluate(6.4942e-3, 0.4605551, 0.015033, 0.0)
         found["shifts that grow"] = numbers(contact_of(stand))
     coarse = HalfSpaceSettings(resolution=6 if full else 4, tolerance=1e-9)
     level = replace(coarse, pairing="level", influence="angle-corrected")

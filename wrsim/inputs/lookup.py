@@ -67,13 +67,10 @@ class Finder:
         plain = file.stem.lower().replace(" ", "").replace("_", "").replace("-", "")
         if ours := next((k for k in known if Path(k).stem == OTHER_NAMES.get(plain)), None):
             return ours
-        same_name = [k for k in known if file.name in (Path(k).name, Path(k).stem)]
+        if same_name := [k for k in known if file.name in (Path(k).name, Path(k).stem)]:
+            return same_name[0]
         stems = {Path(k).stem: k for k in known}
-        return (
-            same_name[0]
-            if same_name
-            else nearest(file.as_posix(), known) or stems.get(nearest(file.stem, list(stems)) or "")
-        )
+        return nearest(file.as_posix(), known) or stems.get(nearest(file.stem, list(stems)) or "")
 
 
 OTHER_NAMES = {

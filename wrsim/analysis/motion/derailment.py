@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,7 +123,6 @@ def contact_words(wheels: Sequence[WatchedWheel], statuses: Sequence[int] | None
     return "; ".join(f"{wheel.words}: {words}" for wheel, words in pairs if words)
 
 
-@lru_cache(maxsize=64)
 def flange_tip(wheel: Profile) -> tuple[float, float] | None:
     """(u, w) of the lowest point of the flange [m]; None for a wheel without a flange."""
     u, w = wheel.at(np.linspace(0.0, wheel.length, 2001))
@@ -135,7 +133,6 @@ def flange_tip(wheel: Profile) -> tuple[float, float] | None:
     return float(u[lowest]), float(w[lowest])
 
 
-@lru_cache(maxsize=64)
 def gauge_face(rail: Profile) -> float:
     """Outward coordinate of the gauge point of a rail profile [m], of its inner end if it has none."""
     try:
