@@ -377,6 +377,27 @@ def test_a_track_file_lies_beneath_the_keys_of_the_scenario(tmp_path: Path) -> N
         load(file)
 
 
+def test_a_track_file_lies_over_the_line_of_a_base_and_of_what_it_is_set_in(tmp_path: Path) -> None:
+    (tmp_path / "base.toml").write_text(SCENARIO + "[[track.grades]]\nfrom_m = 150\ngrade_permille = 3\n")
+    bend = '[track]\n[[track.segments]]\nkind = "straight"\nlength_m = 250\n'
+    (tmp_path / "bend.toml").write_text('name = "l"\nsource = "s"\ndate = 2026-01-01\n' + bend)
+    child = tmp_path / "child.toml"
+    child.write_text('base = "base.toml"\n[track]\nfile = "bend.toml"\ninclination = "1:20"\n')
+    for of_bend in (
+        load(child),
+        load(tmp_path / "base.toml").with_set(["track.inclination=1:20", "track.file=bend.toml"]),
+        load(tmp_path / "base.toml").with_values({"track.inclination": "1:20", "track.file": "bend.toml"}),
+    ):
+        track = of_bend.spec.track
+        assert track.segments[0].length_m == 250.0 and not track.grades
+        assert track.inclination == 0.05 and track.gauge_mm == 1435.0
+        assert load_text(of_bend.text).spec.track == track
+    longer = load(child).with_values({"track.segments[0].length_m": 260.0, "track.file": "bend.toml"})
+    assert longer.spec.track.segments[0].length_m == 260.0
+    with pytest.raises(InputError, match=r'track\.file = "bent\.toml": not found .* did you mean "bend\.toml"'):
+        load(child).with_set(["track.file=bent.toml"])
+
+
 def test_the_shipped_line_is_five_kilometres_and_as_uneven_as_it_says() -> None:
     text = SCENARIO.split("[track]")[0] + '[track]\nfile = "tracks/mixed_line.toml"\n'
     track = build(load_text(text)).track

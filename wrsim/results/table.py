@@ -18,6 +18,7 @@ from wrsim.errors import plain
 from wrsim.results.channels import Channel
 
 MISSING = "-"  # in place of a number where there is none
+ROUND_OFF = 1e-15  # in every unit of a table: what is smaller is shown as 0
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ def formatted(value: Cell, form: str = ".4g") -> str:
         return f"{formatted(value.value, form)} at {value.place}" if value.value is not None else MISSING
     if value is None or value != value:
         return MISSING
-    return f"{value:z{form}}" if isinstance(value, float) else str(value)
+    return f"{0.0 if abs(value) < ROUND_OFF else value:z{form}}" if isinstance(value, float) else str(value)
 
 
 def quantity(value: float | None, unit: str = "", form: str = ".4g") -> str:

@@ -19,7 +19,7 @@ from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import parse_value, shortened, value_hint, write_toml
 from wrsim.register import ANALYSES
-from wrsim.scenario.merging import BASE, Merged, of_text, read_merged, value_at, with_track_file
+from wrsim.scenario.merging import BASE, TRACK_FILE, Merged, holds, of_text, read_merged, value_at, with_track_file
 from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
 from wrsim.scenario.sections.vehicle import VehicleSection
 from wrsim.vehicle.vehicle_sections import TrainFile, VehicleFile, WheelsetFile
@@ -146,17 +146,19 @@ class Scenario:
         >>> from wrsim import load
         >>> slow = load("scenarios/curve_r300.toml").with_values({"vehicle.speed_kmh": 36, "contact.friction": 0.2})
         """
+        if TRACK_FILE in values and len(values) > 1:  # what else is changed lies over the file
+            rest = {key: value for key, value in values.items() if key != TRACK_FILE}
+            return self.with_values({TRACK_FILE: values[TRACK_FILE]}, owner).with_values(rest, owner)
         data, owners = self.merged.data, dict(self.merged.owners)
         for key, value in values.items():
             try:
                 path = found(data, _own_path(key), by_name=False)
-                new = next((end for end in range(1, len(path)) if not _holds(data, path[:end])), len(path))
+                new = next((end for end in range(1, len(path)) if not holds(data, path[:end])), len(path))
                 data = changed(data, path, _plain(key, value))
             except InputError as error:
                 raise InputError(f"{owner}: {error}") from None
             owners |= {path[:end]: owner for end in range(new, len(path) + 1)}
-        merged = replace(self.merged, data=data, text=write_toml(data), owners=owners)
-        return Scenario(check_section(ScenarioFile, data, merged.locate), self.path, self.finder, merged)
+        return _checked(replace(self.merged, data=data, text=write_toml(data), owners=owners), self.path, self.finder)
 
 
 def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
@@ -238,21 +240,16 @@ def _scenario(
 ) -> Scenario:
     beside = [file.parent for file in merged.files] or [folder]
     folders = (*beside, *user_folders(tuple(models)), shipped_models())
-    finder = Finder(tuple(dict.fromkeys(folders)), closed)
+    return _checked(merged, path, Finder(tuple(dict.fromkeys(folders)), closed))
+
+
+def _checked(merged: Merged, path: Path | None, finder: Finder) -> Scenario:
     count = len(merged.files)
     with finder.guard():
         merged = with_track_file(merged, finder)
     if len(merged.files) > count:  # what a track file names may lie beside it
-        finder = replace(finder, folders=tuple(dict.fromkeys((*folders, merged.files[-1].parent))))
+        finder = replace(finder, folders=tuple(dict.fromkeys((*finder.folders, merged.files[-1].parent))))
     return Scenario(check_section(ScenarioFile, merged.data, merged.locate), path, finder, merged)
-
-
-def _holds(data: Any, path: KeyPath) -> bool:
-    try:
-        value_at(data, path)
-    except KeyError:
-        return False
-    return True
 
 
 def _own_path(dotted_key: str) -> KeyPath:

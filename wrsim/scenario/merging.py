@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import reduce
 from operator import getitem
 from pathlib import Path
@@ -121,8 +121,21 @@ def value_at(data: Any, path: KeyPath) -> Any:
     return reduce(getitem, path, data)
 
 
+def holds(data: Any, path: KeyPath) -> bool:
+    """Whether a tree of tables has a key."""
+    try:
+        value_at(data, path)
+    except (LookupError, TypeError):
+        return False
+    return True
+
+
 FILE = "file"
+TRACK_FILE = f"track.{FILE}"
 """Key of [track] that names a track file."""
+LAYING = ("segments", "table")
+OF_ONE_LINE = (*LAYING, "grades", "irregularities", "rail_sections")
+"""Keys of [track] that lay a line, one of which a track file has; what belongs to that line alone."""
 
 
 class TrackFile(Section, header="a track file"):
@@ -137,8 +150,10 @@ class TrackFile(Section, header="a track file"):
 
 
 def with_track_file(merged: Merged, finder: Finder) -> Merged:
-    """The scenario with the track file that it names beneath its own [track]; unchanged when it names none.
+    """The scenario with the track file that it names; unchanged when it names none.
 
+    The file lies beneath what the same file, or one that starts from it, has in its own [track], and over the [track]
+    of what that starts from (``base``; for ``--set`` the scenario), whose line goes when the track file lays another.
     Raises InputError at the key for a file that is not there, and in the file for what it must not hold.
     """
     track = merged.data.get("track")
@@ -160,7 +175,21 @@ def with_track_file(merged: Merged, finder: Finder) -> Merged:
         raise InputError(f"{path}: track is missing: must be a table ([track] with [[track.segments]] or table)")
     if FILE in inner:
         raise InputError(fault_line(key, "a track file cannot name another one", below.locate, inner[FILE]))
-    below.data = {"track": inner}
-    own: dict[str, Any] = {**merged.data, "track": {k: v for k, v in track.items() if k != FILE}}
-    owners = {path: owner for path, owner in merged.owners.items() if path != key}
-    return laid_over(below, Merged(own, merged.text, merged.files, owners, merged.texts))
+    order = [str(file) for file in merged.files]
+
+    def layer(own: str) -> int:
+        owner = merged.owners.get(("track", own))
+        return order.index(owner) if owner in order else -1
+
+    gone = OF_ONE_LINE if any(own in inner for own in LAYING) else ()
+    inherited = {own for own in track if layer(own) > layer(FILE)}
+    bottom = replace(_with_keys(merged, inherited - {*gone}), files=())
+    middle = _with_keys(replace(below, data={"track": inner}), {*inner})
+    return laid_over(laid_over(bottom, middle), _with_keys(merged, {*track} - inherited - {FILE}))
+
+
+def _with_keys(merged: Merged, names: set[str]) -> Merged:
+    """A scenario with these keys of its [track] alone, and with the owners of what it has."""
+    data = {**merged.data, "track": {key: value for key, value in merged.data["track"].items() if key in names}}
+    owners = {path: owner for path, owner in merged.owners.items() if holds(data, path)}
+    return replace(merged, data=data, owners=owners)

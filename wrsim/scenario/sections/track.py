@@ -211,7 +211,7 @@ class TrackSection(Section, header="[track]"):
     }  # fmt: skip
 
     file: Annotated[str, text('a track file such as "tracks/mixed_line.toml"')] | None = None
-    """File of a track that many scenarios share; keys given here lie over its own."""
+    """File of a track that many scenarios share; keys given here lie over its own, keys of a base beneath."""
 
     gauge_mm: Annotated[float, number(400, 2000, "mm, gauge_depth_mm below the inclined rails' tops, such as 1435")]
     """Track gauge between the gauge points of the rails."""

@@ -156,8 +156,8 @@ def mileage_table(dataset: xr.Dataset) -> Table:
     """Numbers against the mileage, in units for readers."""
     columns = []
     for column, _, _, _ in COLUMNS.values():
-        words, _, unit = column.partition("_")
-        columns.append(Column(words, unit.replace("_per_", "/").removeprefix("u_"), ".5g", column))
+        words, _, unit = column.replace("depth_u", "at u").partition("_")
+        columns.append(Column(words, unit.replace("_per_", "/"), ".5g", column))
     rows = [
         [factor * float(dataset[name].values[i]) for name, (_, factor, _, _) in COLUMNS.items()]
         for i in range(dataset.sizes["point"])
