@@ -49,7 +49,7 @@ def test_a_terminal_is_told_what_goes_on_before_a_run(tmp_path: Path) -> None:
     scenario.write_text(edited(CURVE, "[run]\n", "[run]\nstart_distance_m = 20\ntime_s = 0.02\n"))
     done = on_a_terminal("run", scenario, "-o", tmp_path / "out", "--no-pictures")
     assert done.returncode == 0, done.stdout
-    assert "steady motion at the start: from 0 mm aside" in done.stdout
+    assert "steady motion at the start: wheelset S1002" in done.stdout
     assert "internal error" not in done.stdout
 
 

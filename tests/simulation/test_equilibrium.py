@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
-from support.vehicles import shipped
+from support.vehicles import on_track, shipped
 
 from wrsim.geometry.track.segments import Arc, Straight
 from wrsim.geometry.track.track import Track
@@ -12,7 +12,7 @@ from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import damped_newton
 from wrsim.simulation.placement import design_state, poses_on_track
-from wrsim.simulation.steady_state import NotCarried, Unbalanced, lower_on_rails, steady_state
+from wrsim.simulation.steady_state import NotCarried, Unbalanced, lower_on_rails, relaxed_state, steady_state
 from wrsim.simulation.system import COORDINATES
 from wrsim.vehicle.bogies import wheelsets_beneath
 
@@ -77,6 +77,21 @@ def test_a_rolling_wheelset_without_springs_keeps_the_place_that_nothing_determi
     forces = KnifeEdgeForces(example_wheelset(spring=0.0), SPEED)
     found = steady_state(forces, near(forces, {"x": 7.0}))
     assert found.q[1] == pytest.approx(7.0, abs=1e-9)
+
+
+def test_steady_motion_in_an_arc_is_the_same_at_every_heading():
+    """A coach on its flanges in 300 m, headings of 0.1 and 0.9 rad: its drive alone holds it along the track, and the
+    forces balance within the tolerance at either place."""
+    shifts = []
+    for start in (40.0, 260.0):
+        law = on_track(shipped("manchester_1"), 16.0, [Arc(400.0, 300.0, 0.1)], start).law
+        near = relaxed_state(law, lower_on_rails(law, *design_state(law)))
+        found = steady_state(law, (near.q, near.q_t))
+        wheelsets = (slice(6 * i, 6 * i + 6) for i in range(4))
+        poses = [poses_on_track(law.track.centre, found.q[None, w], found.q_t[None, w], start) for w in wheelsets]
+        shifts.append([pose.lateral.item() for pose in poses])
+    assert min(shifts[0]) < -5e-3
+    np.testing.assert_allclose(*shifts, rtol=0.0, atol=1e-8)
 
 
 def test_a_wheelset_off_the_rails_is_named():

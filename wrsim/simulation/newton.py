@@ -188,6 +188,9 @@ ASTRAY = 0.7
 CREEPS = 15
 """The search ends after so many shortened steps that changed no unknown by its small change."""
 
+STALE = 0.5
+"""The same part above which the next step takes new derivatives."""
+
 TRIES = 12
 """Most trials of a step, each shorter than the last."""
 
@@ -200,38 +203,43 @@ def relax(
     goal: float,
     most: int,
     rolled: Callable[[Array], Array],
-    while_deriving: Callable[[], AbstractContextManager[None]],
 ) -> tuple[Array, float]:
     """The x (n,) of a creeping motion after at most so many steps, and the largest residual there.
 
-    Newton's method reduces forces from step to step; independent wheels have nearly none between their flanges, and
-    more on the way to them. So every unknown moves with the force along it, x_t = r / d, in implicit Euler steps that
-    become longer as the motion decays: (d / h - r') dx = r (Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
+    Newton's method reduces forces from step to step; a wheelset on its way to a flange, and independent wheels between
+    theirs, have less of them at its begin than in its middle. So every unknown moves with the force along it,
+    x_t = r / d, in implicit Euler steps that become longer as the motion decays: (d / h - r') dx = r (Kelley and Keyes,
+    SIAM J. Numer. Anal. 35 (1998) 508). Derivatives serve as long as steps go where they lead.
 
     residual: force along every unknown; small (n,): changes of the unknowns that change it by a few per cent; terms:
     of its derivatives; goal: largest residual that ends the search; rolled: sets some unknowns to zeros of their own
-    residuals; while_deriving: a context for the derivatives.
+    residuals.
     """
     x = rolled(x)
-    r, h, creeps = residual(x), FIRST, 0
+    r, h, creeps, slope = residual(x), FIRST, 0, None
     for _ in range(most):
         if np.max(np.abs(r)) <= goal or creeps == CREEPS:
             break
-        with while_deriving():
-            slope = derivatives(terms, x, small)
+        new = False
         for _ in range(TRIES):
+            if slope is None:
+                slope, new = derivatives(terms, x, small), True
             step = np.linalg.solve(np.diag(np.full(x.size, DRAG / h)) - slope, r)
             far = float(np.max(np.abs(step)))
             if far <= REACH:
                 there = rolled(x + small * step)
                 trial = residual(there)
                 missed = float(np.linalg.norm(DRAG / h * step - trial))
-                if missed <= ASTRAY * max(float(np.linalg.norm(r)), float(np.linalg.norm(trial))):  # false for nan
+                missed /= max(float(np.linalg.norm(r)), float(np.linalg.norm(trial)))
+                if missed <= ASTRAY:  # false for nan
                     break
-            h *= SHORTER
+                slope = slope if new else None
+            if slope is not None:
+                h *= SHORTER
         else:
             break
         x, r = there, trial
+        slope = None if missed > STALE else slope
         creeps += far < 1.0 and h < FIRST
         if far < EASY:
             h *= LONGER

@@ -7,6 +7,7 @@ of rest. All states are at the time 0, with the vehicle's origin at the start of
 
 from __future__ import annotations
 
+from cmath import exp, phase
 from dataclasses import dataclass
 from functools import partial
 
@@ -14,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.core.body import rigid_body as kernels
+from wrsim.core.body.kinematics import HEADING, X, Y
 from wrsim.core.linalg import Vec
+from wrsim.core.track.path import frame_at
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import inertia_table
 from wrsim.simulation.force_law import Forces, Groups, all_on_all, groups_in_a_row
@@ -47,8 +50,8 @@ its derivative to this; on even track nothing else holds a train, or each vehicl
 FREE = 1e-9
 """Moment about its axle of a freely rolling independent wheel, over the weight times 1 m."""
 
-MOST_STEPS, AT_FLANGES = 120, 1e-6
-"""Steps of a vehicle with independent wheels on its way to its flanges, and residual at its end over the weight."""
+MOST_STEPS, RELAXED = 120, 1e-6
+"""Steps of a vehicle that creeps to its steady motion, and residual at its end over the weight."""
 
 SEARCH_HEIGHT, SEARCH_ROLL = 0.05, 0.05
 """Range of height [m] and roll [rad] in which the rails are searched."""
@@ -87,6 +90,9 @@ class SteadyMotion:
     Unknowns, six a body: its coordinates, of a wheelset the spin rate (less that of free rolling) in the place of the
     spin angle; the pitch of the axle boxes; the twist of axles (of independent wheels its rate); of elastic rails their
     displacements under the wheels. ``residual(x)``, ``state(x)``, and back ``unknowns(q, q_t)``.
+
+    In place of x, y and heading stand those against the arc at the start, as residual forces do: the drive alone holds
+    the vehicle along the track, and a way along it does not lead into a flange.
     """
 
     def __init__(self, law: VehicleOnTrack) -> None:
@@ -95,6 +101,10 @@ class SteadyMotion:
         self.slips = np.zeros(len(law.sliders))
         """Unknowns of sliders from which friction continues; 0: from the design position."""
         self.distance = law.start + vehicle.parts[vehicle.reference].centre[0]
+        self.curvature = float(law.track.curvature(self.distance))
+        frame = frame_at(law.track.centre.curve, self.distance)
+        self.place, self.tangent = complex(*frame.origin[:2]), exp(1j * phase(complex(*frame.t[:2])))
+        self.forward = np.full(n, self.tangent)
         self.inertia = inertia_table(law.bodies)
         self.spins = 5 + 6 * np.arange(w)
         self.positions = slice(law.size - law.positions, law.size)
@@ -161,16 +171,45 @@ class SteadyMotion:
         """Unknowns of a steady state near (q, q_t)."""
         n = len(self.inertia)
         x = np.concatenate([q[: 6 * n], q[self.positions]])
+        self._to_track(x[: 6 * n])
         x[self.spins] = 0.0
         _, rates, _ = self._state(x)
         x[self.spins] = q_t[self.spins] - rates[self.spins]
         x[self.turning] = q_t[self.turns]
         return x
 
+    def _from_track(self, coordinates: Array) -> None:
+        """Turn distances along the arc, offsets from it and headings against it into coordinates, in place.
+
+        ``forward``: the direction of the arc at the bodies (n,), in the complex plane of x and y.
+        """
+        c, own = self.curvature, coordinates.reshape(-1, 6)
+        if c == 0.0 and self.tangent == 1.0:
+            return
+        angle = c * own[:, X]
+        turned = np.exp(1j * angle)
+        gone = -1j / c * np.expm1(1j * angle) if c else own[:, X]
+        place = self.place + self.tangent * (gone + 1j * own[:, Y] * turned)
+        own[:, X], own[:, Y] = place.real, place.imag
+        own[:, HEADING] += phase(self.tangent) + angle
+        self.forward = self.tangent * turned
+
+    def _to_track(self, coordinates: Array) -> None:
+        """The reverse."""
+        c, own = self.curvature, coordinates.reshape(-1, 6)
+        if c == 0.0 and self.tangent == 1.0:
+            return
+        place = (own[:, X] + 1j * own[:, Y] - self.place) / self.tangent
+        angle = np.angle(1.0 + 1j * c * place)
+        own[:, Y] = (place * np.exp(-1j * angle) - (1j / c * np.expm1(-1j * angle) if c else 0.0)).imag
+        own[:, X] = angle / c if c else place.real
+        own[:, HEADING] -= phase(self.tangent) + angle
+
     def _state(self, x: Array) -> tuple[Array, Array, Vec]:
         law, n = self.law, len(self.inertia)
         q, q_t = np.zeros(law.size), np.zeros(law.size)
         q[: 6 * n] = x[: 6 * n]
+        self._from_track(q[: 6 * n])
         q[self.spins] = 0.0
         q[self.positions] = x[6 * n :]
         q[self.turns], q_t[self.turns] = 0.0, x[self.turning]
@@ -192,6 +231,9 @@ class SteadyMotion:
         forces(0.0, q, q_t, self._out)
         kernels.together_inertia(q, q_t, turning, self.inertia, len(self.spins), self._inertia)
         left = np.append(self._out[: 6 * n] - self._inertia, self.masses * self._out[self.positions])
+        along = left[: 6 * n].reshape(n, 6)
+        force = (along[:, X] + 1j * along[:, Y]) / self.forward
+        along[:, X], along[:, Y] = force.real, force.imag
         left *= 1.0 / self._weight
         if self.law.speed == 0.0:
             left[self.spins] = x[self.spins]  # at rest no axle turns
@@ -260,8 +302,8 @@ def steady_state(
 
 
 def relaxed_state(law: VehicleOnTrack, guess: tuple[Array, Array]) -> Equilibrium:
-    """The state that a vehicle with independent wheels creeps to, near its steady motion: not creep forces but flanges
-    guide its axles, and Newton's method does not converge from between them."""
+    """The state that a vehicle creeps to from a guess, near its steady motion: where flanges guide its axles, Newton's
+    method often does not converge from between them."""
     law.look_near(law.start)
     steady = SteadyMotion(law)
     q, q_t = guess
@@ -269,9 +311,8 @@ def relaxed_state(law: VehicleOnTrack, guess: tuple[Array, Array]) -> Equilibriu
     x = steady.unknowns(q, q_t)
     with law.settled(steady.slips):
         _place_bodies(steady, x, MOST_STEPS)
-        x, largest = relax(
-            steady.residual, x, steady.small, steady.terms(), AT_FLANGES, MOST_STEPS, steady.rolled, law.following
-        )
+        with law.following():
+            x, largest = relax(steady.residual, x, steady.small, steady.terms(), RELAXED, MOST_STEPS, steady.rolled)
     q, q_t = steady.state(x)
     return Equilibrium(q, q_t, largest)
 
