@@ -60,6 +60,17 @@ def test_wheelsets_and_curves_are_matched_by_order_and_what_was_asked_differentl
     assert (tmp_path / "d/diff.png").exists()
 
 
+def test_what_only_one_result_has_is_named_once_beside_the_differences(
+    runs: tuple[str, str, str], tmp_path: Path
+) -> None:
+    lone = Result.load(runs[1]).dataset.load()
+    both = lone.isel(wheelset=[0, 0]).assign_coords(wheelset=["front", "rear"])
+    Result(both).save(tmp_path / "result.nc")
+    lines = call("diff", runs[0], tmp_path).output.splitlines()
+    assert sum("rear" in line and "only in B" in line for line in lines) == 1
+    assert any(line.startswith("wheelset right") and "Q_max_kN" in line for line in lines)
+
+
 def test_a_run_that_stopped_is_not_like_one_that_came_to_its_end(runs: tuple[str, str, str]) -> None:
     answer = call("diff", runs[0], runs[2], "--tolerance", "1e9")
     assert answer.exit_code == 4 and "B: stopped" in answer.output

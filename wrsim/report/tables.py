@@ -18,7 +18,7 @@ from wrsim.results import CHANNELS, Result
 from wrsim.results.assessment import NO_VERDICT, Assessment, ZoneValue
 from wrsim.results.channels import PATCHES
 from wrsim.results.dataset import table_of_scenario
-from wrsim.results.differences import LISTED, beyond, difference_table, differences, inputs_apart
+from wrsim.results.differences import LISTED, beyond, difference_table, differences, inputs_apart, one_sided
 from wrsim.results.files import from_json
 from wrsim.results.moments import sample_of
 from wrsim.results.summary import summarise_wear
@@ -182,7 +182,8 @@ def apart(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
         letters = names[0][0], name[0]
         asked = inputs_apart(results[0], other, letters)
         try:
-            off = beyond(differences(results[0], other), APART_FROM)
+            off, alone = one_sided(beyond(differences(results[0], other), APART_FROM), letters)
+            asked += alone
         except InputError as problem:  # analyses of two kinds
             off, asked = [], [*asked, str(problem)]
         if not off and not asked:

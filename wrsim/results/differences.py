@@ -11,13 +11,14 @@ from wrsim.errors import InputError, suggest
 from wrsim.inputs.changes import leaves
 from wrsim.results.channels import PATCHES
 from wrsim.results.result import Result
-from wrsim.results.table import Column, Table, finite, quantity
+from wrsim.results.table import Column, Table, finite, listed, quantity
 from wrsim.results.wheelsets import matched, wheelsets
 
 LEFT_OUT = ("title", "analysis", "status", "stop", "versions", "integration", "extent", "events")
 """Parts of a summary that are no quantities."""
 PLACES = ("distance_m", "time_s", "pose", "from_m", "to_m", "radius_m")  # where something is, and in which curve
 LISTED = 20  # differences that are listed for people
+MOST_PLACES = 6  # that are named of those that only one result has
 SMALLEST = 1e-6  # values below this, in their unit for readers, count as zero
 
 
@@ -108,6 +109,17 @@ def beyond(found: Sequence[Deviation], tolerance: float) -> list[Deviation]:
     return [d for d in found if d.relative > tolerance]
 
 
+def one_sided(found: Sequence[Deviation], letters: Sequence[str] = "AB") -> tuple[list[Deviation], list[str]]:
+    """The differences of what both results have, and in a sentence each what only one of them has."""
+    both = [d for d in found if math.isfinite(d.absolute)]
+    words = []
+    for letter, other in zip(letters, ("second", "first"), strict=True):
+        alone = [d for d in found if not math.isfinite(d.absolute) and getattr(d, other) is None]
+        places = listed(list(dict.fromkeys(d.place or d.quantity for d in alone)), MOST_PLACES)
+        words += [f"only in {letter}, {len(alone)} numbers: {places}"] if alone else []
+    return both, words
+
+
 def other_ends(one: Result, other: Result) -> list[str]:
     """How the two ended, where they did not end alike."""
     if one.status == other.status:
@@ -120,15 +132,16 @@ def compared_tables(
 ) -> list[Table]:
     """What is beyond the tolerance, or the largest differences where nothing is; the verdict."""
     wrong, percent = beyond(found, tolerance), quantity(100.0 * tolerance, "%", "g")
-    listed = (wrong or [d for d in found if d.relative > 0.0])[:LISTED]
-    more = [f"... and {len(wrong) - LISTED} more; --json lists all"] if len(wrong) > LISTED else []
+    both, alone = one_sided(wrong or [d for d in found if d.relative > 0.0])
+    more = [f"... and {len(both) - LISTED} more; --json lists all"] if wrong and len(both) > LISTED else []
     verdict = f"alike: {len(found)} numbers, none differs by more than {percent}"
     if wrong:
         verdict = f"{len(wrong)} of {len(found)} numbers differ by more than {percent}"
     elif ends:
         verdict = "the numbers are alike, the ends are not"
     head = Table("", notes=tuple(f"{letter}: {name}" for letter, name in zip("AB", names, strict=True)) + tuple(apart))
-    return [head, *([difference_table(listed)] if listed else []), Table("", notes=(*more, *ends, verdict))]
+    shown = [difference_table(both[:LISTED])] if both else []
+    return [head, *shown, Table("", notes=(*more, *alone, *ends, verdict))]
 
 
 def _numbers(tree: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, str], float | None]]:
