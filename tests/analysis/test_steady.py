@@ -9,7 +9,7 @@ from support.runs import FAST, SCENARIOS, STEERING
 
 from wrsim.analysis import run
 from wrsim.analysis.contacts import force_law
-from wrsim.analysis.steady import BALANCED, cant_deficiency, steady_in_curve
+from wrsim.analysis.steady import cant_deficiency, steady_in_curve
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc
 from wrsim.results import Result
@@ -20,6 +20,7 @@ from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.steady import SteadyPoint
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.placement import poses_on_track
+from wrsim.simulation.steady_state import TOLERANCE
 from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
@@ -54,7 +55,7 @@ def wheel_state(law, q, q_t):
 def test_steady_motion_is_where_a_long_time_integration_ends(model, duration):
     setup = build(manchester(radius_m=450, speed_kmh=70).with_values({"vehicle.model": model}))
     found = steady_in_curve(setup, setup.plan.points[0])
-    assert found.left < BALANCED
+    assert found.left < TOLERANCE
     expected = wheel_state(found.law, found.q, found.q_t)
     # on a longer arc, disturbed, and left to itself for several swings of the car body
     start = found.law.start

@@ -1,5 +1,4 @@
-"""States and poses on a track: of a wheelset; of a whole vehicle in its design position, or with the poses of a known
-motion at another place."""
+"""States and poses on a track: of a wheelset; of a whole vehicle in its design position."""
 
 from __future__ import annotations
 
@@ -113,27 +112,6 @@ def turn_gears(law: VehicleOnTrack, q_t: Array) -> None:
     """Set the spin of the hollow axles of geared motors to that of their wheelsets, with cases that do not pitch."""
     for wheelset, place in law.gears.items():
         q_t[place + 1] = q_t[6 * wheelset + SPIN]
-
-
-def carried_over(known: VehicleOnTrack, known_q: Array, known_q_t: Array, law: VehicleOnTrack) -> tuple[Array, Array]:
-    """The state (q, q_t) of a vehicle of the same bodies with the poses on its own track that a known state has on that
-    of its law."""
-    q, q_t = np.zeros(law.size), np.zeros(law.size)
-    wheelsets = len(law.vehicle.wheelsets)
-    for i, (part, before) in enumerate(zip(law.vehicle.parts, known.vehicle.parts, strict=True)):
-        own = slice(6 * i, 6 * i + 6)
-        was = poses_on_track(
-            known.track.centre, known_q[None, own], known_q_t[None, own], known.start + before.centre[0]
-        )
-        spin = was.spin_rate[0] * law.speed / known.speed if i < wheelsets else 0.0
-        q[own], q_t[own] = state_on_track(
-            law.track.centre, law.start + part.centre[0], speed=law.speed, height=was.height[0], spin_rate=spin,
-            lateral=was.lateral[0], yaw=was.yaw[0], roll=was.roll[0],
-        )  # fmt: skip
-        if i >= wheelsets:
-            q[own.stop - 1] = known_q[own.stop - 1]
-    q[6 * len(law.bodies) :] = known_q[6 * len(law.bodies) :]
-    return q, q_t
 
 
 def _on_chord(law: VehicleOnTrack, x: float, wheelsets: tuple[int, ...]) -> tuple[float, float, float]:
