@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import replace
-from math import radians
+from math import asin, radians
 
 import numpy as np
 import pytest
@@ -101,13 +101,17 @@ GIVING = OWN / (4.0 * 160e3 * 9.5**2 + OWN) + OWN / (4.0 * (31391e3 * 1.0**2 + 3
 """What gives way beside them: the body, on the other bogie and lateral springs; the frame, in its primary springs."""
 
 
-def test_linear_springs_resist_by_their_stiffness_in_series_with_what_holds_body_and_frame():
-    found = loops.rotation_test(manchester(), bogies_of(manchester())[0], 0.01 * SLOW, 1500.0)
-    stiffness = OWN / (1.0 + GIVING)
-    assert found.moment == pytest.approx(stiffness * found.angle, abs=5e-4 * found.largest)
-    assert found.angle.max() == pytest.approx(9.5 / 1500.0, rel=1e-4)
+@pytest.mark.parametrize("radius", [1500.0, 20.0])
+def test_springs_resist_by_the_sine_of_the_angle_in_series_with_what_holds_body_and_frame(radius):
+    # springs alike along and across pull back to where they were: the couple of two of them is k b^2 sin(angle)
+    found = loops.rotation_test(manchester(), bogies_of(manchester())[0], 0.01 * SLOW, radius)
+    moment = OWN * found.angle
+    for _ in range(20):
+        moment = OWN * np.sin(found.angle - moment / OWN * GIVING)
+    assert found.moment == pytest.approx(moment, abs=5e-4 * found.largest)
+    assert found.angle.max() == pytest.approx(asin(9.5 / radius), rel=1e-9)
     assert found.axle_load == pytest.approx(manchester().weight / 4.0, rel=1e-6)
-    assert found.factor == pytest.approx(stiffness * 9.5 / 1500.0 / (2.56 * manchester().weight / 4.0), rel=5e-4)
+    assert found.factor == pytest.approx(moment.max() / (2.56 * manchester().weight / 4.0), rel=5e-4)
 
 
 def test_yaw_dampers_resist_with_the_rate_of_the_turntable():
