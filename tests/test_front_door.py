@@ -184,6 +184,11 @@ def test_the_card_for_notebooks_escapes_what_users_wrote() -> None:
     assert "<script>" not in card and "&lt;script&gt;" in card and "&amp; more" in card
 
 
+def test_what_a_function_wrote_is_named_in_notebooks(tmp_path: Path) -> None:
+    written = wrsim.new_file("track", "curve", tmp_path / "<bend>.toml")
+    assert str(tmp_path) in written._repr_html_() and "&lt;bend&gt;.toml" in written._repr_html_()
+
+
 def test_a_result_with_no_contacts_still_introduces_itself() -> None:
     dataset = static_poses((0.0,), (0.0,), ("left",), 24e3)
     bare = dataset.drop_vars([name for name in dataset.data_vars if str(name) in ("Y", "Q", "Y_over_Q", "p0")])

@@ -42,7 +42,9 @@ class Outcome:
         return "\n".join(filter(None, (as_text(self.tables), *self.lines, *map(str, self.files))))
 
     def _repr_html_(self) -> str:
-        return Markup("<div>{}</div>").format(Markup("").join(map(as_html, self.tables)))
+        words = "\n".join((*self.lines, *map(str, self.files)))
+        listed = Markup("<pre>{}</pre>").format(words) if words else ""
+        return Markup("<div>{}{}</div>").format(Markup("").join(map(as_html, self.tables)), listed)
 
     def __getitem__(self, key: str) -> Any:
         return self.numbers[key]
