@@ -108,7 +108,8 @@ def brute_force(model, points=4001):
     a = model.arrays
 
     def depths():
-        outline(a.wheel, a.settings["wheel_step"], model.radius, a.pose, arc, line)
+        none, numbers = np.zeros((0, 0)), np.zeros(5)
+        outline(a.wheel, a.settings["wheel_step"], model.radius, a.pose, none, none, numbers, arc, line)
         distance, near = tree.query(line.T)
         depth = -(-(line[0] - u[near]) * tw[near] + (line[1] - w[near]) * tu[near])
         beside = (near == 0) | (near == len(u) - 1) | (distance > 5e-3)

@@ -14,7 +14,7 @@ from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.pose import Pose
 from wrsim.contact.settings import ContactSettings, Material
 from wrsim.core.contact import records as k
-from wrsim.core.contact.records import PlacedWheel
+from wrsim.core.contact.records import PlacedWheel, Shape
 from wrsim.core.contact.records import ProfileTable as Table
 from wrsim.core.contact.records import WheelPose as WheelPose
 from wrsim.core.contact.search.locus import placed
@@ -118,7 +118,8 @@ def numbers(contact: Contact) -> list[float]:
 def wheel_at(table: Array, step: float, radius: float, origin: Array, axle: Array) -> PlacedWheel:
     """A wheel as the kernels take it, from its profile's table; origin, axle: (3,) in rail axes."""
     pose = WheelPose(Vec(*map(float, origin)), Vec(*map(float, axle)), Vec(0.0, 0.0, 0.0), Vec(0.0, 0.0, 0.0))
-    return placed(Table(table, float(step)), radius, pose)
+    none = np.zeros((0, 0))
+    return placed(Table(table, float(step)), radius, pose, Shape(none, none, 0, 0.0, 0.0, 0.0, 0.0, 0.0))
 
 
 def columns(rows: Array, names: str) -> Array:

@@ -34,6 +34,7 @@ from wrsim.core.contact.rail import unfold
 from wrsim.core.contact.strips.changes import leave
 from wrsim.core.contact.strips.records import OF_A_STRIP, System, X
 from wrsim.core.contact.wheel_rail import bodies
+from wrsim.geometry.profile.out_of_round import Flat
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.segments import Arc
@@ -137,6 +138,10 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
         found[f"rail of sections, {normal}"] = numbers(model.evaluate((0.0, 0.0, 0.45955), place=0.02))
         yawed = model.evaluate((0.0, 1e-4, 0.45955), (-0.01, sqrt(1.0 - 1e-4), 0.0), place=0.021)
         found[f"rail of sections, {normal}, yawed"] = numbers(yawed)
+        dent = (Flat.rounded(0.46, 0.04, 1e-4, width=0.05),)
+        model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, settings, FRICTION, out_of_round=dent)
+        yawed = model.evaluate((0.0, 1e-4, 0.45993), (-0.01, sqrt(1.0 - 1e-4), 0.0), wheel_angle=0.03)
+        found[f"wheel out of round, {normal}"] = numbers(yawed)
     few = ContactSettings(normal="kik-piotrowski", strips=6, cells=4)
     many = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, few, FRICTION)
     poses = np.array([[0.0, o, 0.45995, 0.0, 1.0, 0.0, 20.0, 0.0, 0.0, 0.0, 43.7, 0.0] for o in (0.0, 1e-4)])

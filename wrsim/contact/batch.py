@@ -69,8 +69,9 @@ def search_for(
 
 
 def evaluate_poses(
-    inputs: Arrays, poses: ArrayLike, load: ArrayLike | None, place: float, threads: int | None
-) -> Contacts:
+    inputs: Arrays, poses: ArrayLike, load: ArrayLike | None, place: float, threads: int | None,
+    wheel_angle: ArrayLike = 0.0,
+) -> Contacts:  # fmt: skip
     """See `ContactModel.evaluate_many` and `ContactModel.solve_many`; without a load the heights are as they are."""
     rows = np.array(poses, dtype=float)
     if rows.ndim != 2 or rows.shape[1] != k.POSE or not rows.size:
@@ -111,6 +112,10 @@ def evaluate_poses(
     view(len(parts) + inputs._fields.index("settings"), inputs.settings)["place"] = place
     mine = [(t, slice(t * share, min((t + 1) * share, n))) for t in range(count) if t * share < n]
     own = search_for(wanted, rows[:, 2], number.radius, number.E)
+    try:
+        own["angle"] = np.asarray(wheel_angle, dtype=float)
+    except ValueError:
+        raise InputError(f"wheel_angle: must be one angle or {n}, one a pose, not {np.shape(wheel_angle)}") from None
     for t, part in mine:
         size = part.stop - part.start
         at[t, :size], asked[t, :size] = rows[part], own[part]

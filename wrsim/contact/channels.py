@@ -165,7 +165,9 @@ def wheel_outline(wheel: WheelOnRail) -> Array:
     a = wheel.model.arrays
     arc = np.linspace(0.0, wheel.model.wheel.length, OUTLINE_POINTS)
     out = np.empty((2, OUTLINE_POINTS))
-    outline(a.wheel, a.settings.wheel_step, a.settings.radius, a.pose, arc, out)
+    n = a.settings
+    numbers = np.array([n.depth_rows, n.depth_first, n.depth_step, n.depth_least, n.wheel_angle])
+    outline(a.wheel, n.wheel_step, n.radius, a.pose, a.rows.depth, a.rows.branches, numbers, arc, out)
     begin = int(np.argmax(out[1, : int(np.argmin(out[1])) + 1]))
     out[:, :begin] = out[:, begin, None]
     return out

@@ -24,6 +24,7 @@ from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECT
 from wrsim.core.contact.wheel_rail import compile_stages
 from wrsim.core.jit import Array, Records
 from wrsim.errors import InputError
+from wrsim.geometry.profile.out_of_round import Part, shape_tables
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rolled_rail import RolledRail
 
@@ -73,8 +74,8 @@ class ContactModel:
 
     wheel, rail: profiles, the rail already inclined; radius: of the wheel at the tape circle [m]; friction: of this
     rail, everywhere or along it; rolled: the effective profile of a rail that changes along the track, in whose place
-    ``rail`` is drawn. The arrays are what the kernel takes; scratch arrays belong to the model, so
-    one model serves one thread."""
+    ``rail`` is drawn; out_of_round: what the wheel's radius deviates by. The arrays are what the kernel takes; scratch
+    arrays belong to the model, so one model serves one thread."""
 
     wheel: Profile
     rail: Profile
@@ -83,6 +84,7 @@ class ContactModel:
     friction: Friction | FrictionAlong
     normal: NormalModel
     rolled: RolledRail | None = None
+    out_of_round: tuple[Part, ...] = ()
     workspace: Workspace | None = field(default=None, repr=False, compare=False)
 
     def __repr__(self) -> str:
@@ -114,6 +116,7 @@ class ContactModel:
         omega: ArrayLike = (0.0, 0.0, 0.0),
         place: float = 0.0,
         turning: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        wheel_angle: float = 0.0,
     ) -> "Contact":
         """Contact for one pose.
 
@@ -134,17 +137,21 @@ class ContactModel:
         turning : tuple
             How the rail's section turns along the track, positive where its outer side rises [rad/m], and how the rail
             bends outward and up [1/m].
+        wheel_angle : float
+            By which a wheel out of round has rolled [rad].
 
         Returns
         -------
         Contact
         """
-        self.arrays.settings.place = place
+        self.arrays.settings.place, self.arrays.settings.wheel_angle = place, wheel_angle
         self.turn_rail(*turning)
         self.arrays.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
         return Contact.copy_from(self.arrays, self.solve())
 
-    def evaluate_many(self, poses: ArrayLike, *, place: float = 0.0, threads: int | None = None) -> Contacts:
+    def evaluate_many(
+        self, poses: ArrayLike, *, place: float = 0.0, threads: int | None = None, wheel_angle: ArrayLike = 0.0
+    ) -> Contacts:
         """Contacts at many poses, each to the bit as from `evaluate`, whatever their order and the threads.
 
         Parameters
@@ -155,6 +162,8 @@ class ContactModel:
             Distance along a rail that changes along the track [m].
         threads : int, optional
             That compute poses side by side; default all cores of the machine.
+        wheel_angle : array_like
+            By which a wheel out of round has rolled, one for all or (n,) [rad].
 
         Returns
         -------
@@ -166,11 +175,12 @@ class ContactModel:
         InputError
             For another shape, numbers that are not finite, more threads than cores, the exact half-space solver.
         """
-        return evaluate_poses(self._batch_inputs, poses, None, place, threads)
+        return evaluate_poses(self._batch_inputs, poses, None, place, threads, wheel_angle)
 
     def solve_many(
-        self, poses: ArrayLike, load: ArrayLike, *, place: float = 0.0, threads: int | None = None
-    ) -> Contacts:
+        self, poses: ArrayLike, load: ArrayLike, *, place: float = 0.0, threads: int | None = None,
+        wheel_angle: ArrayLike = 0.0,
+    ) -> Contacts:  # fmt: skip
         """Contacts of many poses, each at the height at which its vertical force is the load to 1e-8 of it.
 
         The search begins at the height of the pose, in contact or above its rail, and the strip model with the contact
@@ -183,7 +193,7 @@ class ContactModel:
             (n, 12) as in `evaluate_many`.
         load : array_like
             Vertical force of the rail on the wheel, of all or (n,) [N].
-        place, threads
+        place, threads, wheel_angle
             As in `evaluate_many`.
 
         Returns
@@ -198,7 +208,7 @@ class ContactModel:
         InputError
             As `evaluate_many`, and for loads of another shape or not above 0.
         """
-        return evaluate_poses(self._batch_inputs, poses, load, place, threads)
+        return evaluate_poses(self._batch_inputs, poses, load, place, threads, wheel_angle)
 
     def save_for_library(self, path: str | Path) -> None:
         """Write the file that the C library opens (docs/user/library.md).
@@ -311,6 +321,12 @@ def _inputs(model: ContactModel) -> Arrays:
     n.rows, n.field_rows, n.slack = rail.rows, rail.field_rows, rail.slack
     (n.field_o, n.field_b), n.field_spacing = field_.origin, field_.spacing
     n.stride = max(1, round(SEARCH_REACH / wheel_step))
+    depth = branches = np.zeros((0, 0))
+    if model.out_of_round:
+        shape = shape_tables(model.out_of_round, model.wheel, model.radius)
+        depth, branches = shape.depth, shape.branches.copy()
+        n.depth_rows, n.depth_first, n.depth_step, n.depth_least = shape.rows, shape.first, shape.step, shape.least
+        hollows += shape.hollow
     n.hollow = max(1.5 * hollows, 1.0)
     lobes, most = settings.patch_count, normal.rows(settings.strip_count)
     grids = lobes + SHOULDERS if normal.solves_for_strips else 0
@@ -338,5 +354,7 @@ def _inputs(model: ContactModel) -> Arrays:
         matrix=np.zeros((unknowns, unknowns)),
         memo=np.zeros(1, MEMO),
         friction=along,
+        depth=depth,
+        branches=branches,
         total=np.zeros(1, k.TOTAL),
     )

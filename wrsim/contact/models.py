@@ -4,12 +4,16 @@ A new normal model is a kernel that core.contact.wheel_rail calls, its number in
 `wrsim.contact.settings.Normal` with its usual choices in ``USUAL``, and an entry here.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel
 from wrsim.contact.settings import DRY, AnyFriction, ContactSettings, Friction, FrictionAlong, Normal
 from wrsim.core.contact.records import FREE_STRIPS, KIK_PIOTROWSKI
 from wrsim.errors import InputError, suggest
+from wrsim.geometry.profile.out_of_round import Part, shape_tables
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rail_surface import RailSurface
 from wrsim.geometry.track.rolled_rail import rolled_rail
@@ -37,6 +41,7 @@ def contact_model(
     settings: ContactSettings | None = None,
     friction: AnyFriction = DRY,
     surface: RailSurface | None = None,
+    out_of_round: Sequence[Part] = (),
 ) -> ContactModel:
     """The contact model of one wheel on one rail.
 
@@ -52,6 +57,8 @@ def contact_model(
         Coefficient of friction, a law of contact angle and slip, or such laws along the rail.
     surface : RailSurface, optional
         A rail whose profile changes along the track, of whose kind and gauge ``rail`` is.
+    out_of_round : sequence of Harmonic, Flat or RadiusTable
+        What the radius of the wheel deviates by, in sum.
 
     Returns
     -------
@@ -86,10 +93,15 @@ def contact_model(
         rolled = None if surface.constant else rolled_rail(surface, radius)
         rail = surface.constant or rail
     law = friction if isinstance(friction, FrictionAlong) else Friction.of(friction)
-    return ContactModel(wheel, rail, radius, settings, law, NORMAL_MODELS[settings.normal], rolled)
+    normal, parts = NORMAL_MODELS[settings.normal], tuple(out_of_round)
+    if parts and not np.any(shape_tables(parts, wheel, radius).depth):
+        parts = ()
+    return ContactModel(wheel, rail, radius, settings, law, normal, rolled, parts)
 
 
 def fast_model(model: ContactModel) -> ContactModel:
     """The same wheel on the same rail with `ContactSettings.fast`, in arrays of its own."""
     surface = None if model.rolled is None else model.rolled.surface
-    return contact_model(model.wheel, model.rail, model.radius, model.settings.fast(), model.friction, surface)
+    return contact_model(
+        model.wheel, model.rail, model.radius, model.settings.fast(), model.friction, surface, model.out_of_round
+    )

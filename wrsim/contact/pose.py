@@ -19,6 +19,8 @@ class Pose:
         Vertical force of the wheel, or of the whole wheelset, on the track [N].
     roll : float
         Of one wheel, positive lifts the left wheel [rad]; a wheelset finds its own.
+    wheel_angle : float
+        By which wheels out of round have rolled [rad].
     """
 
     name: str = ""
@@ -26,3 +28,4 @@ class Pose:
     yaw: float = 0.0
     load: float = 0.0
     roll: float = 0.0
+    wheel_angle: float = 0.0

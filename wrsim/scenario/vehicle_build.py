@@ -8,13 +8,15 @@ from functools import partial
 from operator import methodcaller
 from pathlib import Path
 
-from wrsim.errors import suggest
+from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile.models import load_profile
+from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import model_file, usual_finder
 from wrsim.inputs.section import SIDES
 from wrsim.scenario.loading import Scenario
 from wrsim.vehicle.assembly import Assembly, Place
 from wrsim.vehicle.loads import CarriedMass, Effort, SlipControl
+from wrsim.vehicle.out_of_round import parts_of
 from wrsim.vehicle.preload import preloads, with_ballast
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import Change, load_vehicle
@@ -41,6 +43,7 @@ def vehicle_of(scenario: Scenario) -> Vehicle:
             profile = scenario.read(("vehicle", key), name, partial(load_profile, kind="wheel"))
         radius = radius / 1000.0 if radius else None
         vehicle = vehicle.with_wheelsets(methodcaller("with_wheel", side, profile, radius))
+    vehicle = _out_of_round(scenario, vehicle)
     if section.sprung_mass_kg is not None:
         if vehicle.bodies or len(vehicle.wheelsets) > 1:
             message = "is what a single wheelset carries; the masses of a vehicle with bodies are in its file"
@@ -49,6 +52,32 @@ def vehicle_of(scenario: Scenario) -> Vehicle:
         carried = CarriedMass(vehicle.wheelsets[0].name, section.sprung_mass_kg, height)
         vehicle = replace(vehicle, carried=(carried,))
     return _with_efforts(scenario, _with_loads(scenario, vehicle))
+
+
+def _out_of_round(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
+    """The vehicle with wheels out of round as the scenario has it."""
+    tables, names = scenario.spec.vehicle.out_of_round, [mounted.name for mounted in vehicle.wheelsets]
+    for i, table in enumerate(tables):
+        for name in table.on:
+            if name not in names:
+                words = f"is no wheelset; there is {', '.join(names)}{suggest(name, names)}"
+                raise scenario.fault(("vehicle", "out_of_round", i, "on"), f"'{name}' {words}")
+    if not tables:
+        return vehicle
+
+    def fault(place: KeyPath, message: str) -> InputError:
+        return scenario.fault(("vehicle", "out_of_round", *place), message)
+
+    wheelsets = []
+    for mounted in vehicle.wheelsets:
+        own = [(i, table) for i, table in enumerate(tables) if not table.on or mounted.name in table.on]
+        wheelset = mounted.wheelset
+        for side in SIDES:
+            wheel = getattr(wheelset, side)
+            parts = parts_of(own, side, wheel, scenario.finder.find, fault)
+            wheelset = replace(wheelset, **{side: replace(wheel, out_of_round=parts)})
+        wheelsets.append(replace(mounted, wheelset=wheelset))
+    return replace(vehicle, wheelsets=tuple(wheelsets))
 
 
 def _with_efforts(scenario: Scenario, vehicle: Vehicle) -> Vehicle:

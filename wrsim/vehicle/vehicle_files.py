@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,6 +23,7 @@ from wrsim.vehicle.assembly import Assembly, Place
 from wrsim.vehicle.couplings import Gap
 from wrsim.vehicle.element_tables import Axes
 from wrsim.vehicle.elements import GUIDE, TRACK, Element
+from wrsim.vehicle.out_of_round import parts_of
 from wrsim.vehicle.preload import Ballast, normal_loads, preloads, with_ballast
 from wrsim.vehicle.vehicle import Coupling, Member, Vehicle, single_wheelset
 from wrsim.vehicle.vehicle_sections import MemberTable, TrainFile, VehicleFile, WheelsetFile, WheelsetTable
@@ -133,7 +135,12 @@ def _wheelset(
             profile = finder.find(name)
         except InputError as error:
             raise InputError(fault_line((*path, key), str(error), locate, name)) from None
-        return Wheel(load_profile(profile, "wheel"), table.of_side("radius_mm", side)[1] / 1000.0)
+        tables = list(enumerate(table.out_of_round))
+        wheel = Wheel(load_profile(profile, "wheel"), table.of_side("radius_mm", side)[1] / 1000.0)
+        return replace(wheel, out_of_round=parts_of(tables, side, wheel, finder.find, fault))
+
+    def fault(place: KeyPath, message: str) -> InputError:
+        return InputError(fault_line((*path, "out_of_round", *place), message, locate))
 
     return Wheelset(
         name=file.name,

@@ -13,6 +13,7 @@ from wrsim.vehicle.couplings import AnyCouplingTable
 from wrsim.vehicle.element_tables import AnyElementTable, Axes, Metre, Name, Place
 from wrsim.vehicle.elements import ZERO
 from wrsim.vehicle.loads import Load, LoadAxes, Over, Payload
+from wrsim.vehicle.out_of_round import AnyOutOfRoundTable
 from wrsim.vehicle.preload import Ballast
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Torsion
 
@@ -87,6 +88,8 @@ class WheelsetTable(Section, header="[wheelset]"):
     """Stiffness of the axle between its two wheels in spin; rigid where it is not given."""
     torsional_damping_kNms_per_rad: Annotated[float, number(0, 1e5, "beside the stiffness")] | None = None
     """Damping of the axle between its two wheels in spin."""
+    out_of_round: List[AnyOutOfRoundTable] = ()
+    """How the wheels are out of round: polygons, flats, measured radii; what is given sums up."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -97,6 +100,9 @@ class WheelsetTable(Section, header="[wheelset]"):
             yield Fault("torsional_stiffness_kNm_per_rad", message)
 
     def consistency(self) -> Iterator[Fault]:
+        for i, table in enumerate(self.out_of_round):
+            if table.on:
+                yield Fault(("out_of_round", i, "on"), "belongs in a scenario, [[vehicle.out_of_round]]")
         roll, spin, yaw = self.roll_inertia_kg_m2, self.spin_inertia_kg_m2, self.yaw_inertia_kg_m2
         if abs(roll - yaw) > 1e-6 * yaw:
             message = f"must equal yaw_inertia_kg_m2 = {yaw:g}, for a wheelset spins about its axle (take their mean)"

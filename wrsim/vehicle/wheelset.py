@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from wrsim.geometry.profile.out_of_round import Part
     from wrsim.geometry.profile.profile import Profile
 
 STANDARD_GRAVITY = 9.80665
@@ -14,10 +15,11 @@ STANDARD_GRAVITY = 9.80665
 
 @dataclass(frozen=True)
 class Wheel:
-    """One wheel: its profile and the radius at the tape circle [m]."""
+    """One wheel: its profile, the radius at the tape circle [m], and how it is out of round."""
 
     profile: Profile
     radius: float
+    out_of_round: tuple[Part, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -64,5 +66,5 @@ class Wheelset:
     def with_wheel(self, side: str, profile: Profile | None, radius: float | None) -> Wheelset:
         """The same with another profile or radius [m] on one side; None: unchanged."""
         old = self.left if side == "left" else self.right
-        new = Wheel(profile or old.profile, radius or old.radius)
+        new = replace(old, profile=profile or old.profile, radius=radius or old.radius)
         return replace(self, left=new) if side == "left" else replace(self, right=new)

@@ -102,6 +102,8 @@ class PoseSolver:
 
     def solve(self, pose: Pose) -> Solved:
         """Height (and roll, with two wheels) for the pose's load. The models then hold the contact found."""
+        for wheel in self.wheels:
+            wheel.model.arrays.settings.wheel_angle = pose.wheel_angle
         try:
             roll = pose.roll if len(self.wheels) == 1 else self._balanced_roll(pose)
             height = self._height(pose, roll)
@@ -209,6 +211,7 @@ class HalfSpacePoseSolver(PoseSolver):
         self._fast.solve(pose)
         for i, (wheel, fast) in enumerate(zip(self.wheels, self._fast.wheels, strict=True)):
             wheel.model.arrays.pose[:] = fast.model.arrays.pose
+            wheel.model.arrays.settings.wheel_angle = pose.wheel_angle
             element = self.solver.elements_at(wheel.model)
             if element is not None:
                 self._solvers[i] = replace(self.solver, element=element)

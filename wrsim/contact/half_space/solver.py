@@ -117,9 +117,11 @@ def _compliance(model: ContactModel) -> Compliance:
 
 def _damping(grid: Grid, damping: float) -> Array:
     """Factor of the pressures of every row (rows, 1): 1 + c times the rate of approach there, never negative. The spin
-    moves a surface of revolution in itself, so it brings nothing nearer."""
+    moves a surface of revolution in itself, so it brings nothing nearer, unless the wheel is out of round."""
     origin, axle, velocity, omega = (np.array(vector) for vector in grid.bodies.pose)
-    turning = omega - (omega @ axle) * axle
+    turning = omega
+    if not len(grid.bodies.wheel.shape.depth):
+        turning = omega - (omega @ axle) * axle
     arm = np.column_stack([grid.axis["x"], grid.centre]) - origin
     closing = -((velocity + np.cross(turning, arm)) * grid.axes[2]).sum(axis=1)
     return np.maximum(1.0 + damping * closing, 0.0)[:, None]

@@ -153,9 +153,11 @@ def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index:
         body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
         twist = parts[i].twist
         ahead = 0.5 * q_t[twist] if twist >= 0 else 0.0
+        turned = 0.5 * q[twist] if twist >= 0 else 0.0
         for k in range(first, first + 2):
             wheel = wheel_record(buffer, own, k)
             put_body(wheel.body, _turned(body, wheel.side * ahead))
+            wheel.angle = q[6 * i + SPIN] + wheel.side * turned
             if vehicle.rails >= 0:
                 rail = vehicle.rails + 2 * k
                 wheel.rail_n, wheel.rail_b = q[rail], q[rail + 1]

@@ -24,10 +24,11 @@ ARRAYS = IN_CONTACT + ARRAYS_OF_A_CONTACT
 POSE = Arrays._fields.index("pose")
 
 WHEEL = record(
-    "side half_spacing s step rail_n rail_b rail_n_t rail_b_t", "status", body=BODY, force=VECTOR, moment=VECTOR
+    "side half_spacing s step rail_n rail_b rail_n_t rail_b_t angle", "status", body=BODY, force=VECTOR, moment=VECTOR
 )  # fmt: skip
 """+1 left, -1 right; H/2 [m]; distance along the rail (a guess, updated) and step of its path [m]; the motion of the
-piece of rail under the wheel along n and b: displacement [m] and velocity [m/s]; the body of the wheelset. What comes
+piece of rail under the wheel along n and b: displacement [m] and velocity [m/s]; angle by which the wheel has rolled
+[rad]; the body of the wheelset. What comes
 out: force [N] and moment [N m] at its centre of mass, in global axes, and a status."""
 
 OK, OFF_TRACK = 0, 1024
@@ -94,7 +95,7 @@ def one_wheel(buffer: Array, index: Ints) -> int:
     pose[7] -= wheel.side * wheel.rail_n_t
     pose[8] -= wheel.rail_b_t
     settings = settings_of(buffer, arrays)
-    settings.place = s
+    settings.place, settings.wheel_angle = s, wheel.angle
     twist, to_left, up = bends(rail, s, at)
     settings.twist, settings.bow_o, settings.bow_b = wheel.side * twist, wheel.side * to_left, up
     wheel.status = stages.run(CONTACT, buffer, arrays)

@@ -16,7 +16,8 @@ class Arrays(NamedTuple):
     (20, 3) Kalker coefficients; shape: (cells,) bound over the cells; settings: (1,) SETTINGS; pose: (POSE,).
     found: (8,) FOUND, work: (14, >= strips, >= 8): scratch; influence to memo: of the strip model
     (core.contact.strips.records); friction: (rows, 7) along the rail (core.contact.tangential.friction), no rows where
-    it is the same everywhere. Results: patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.
+    it is the same everywhere; depth, branches: of a wheel out of round (core.contact.records.Shape), no rows for a
+    round one. Results: patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.
     """
 
     wheel: Any
@@ -40,13 +41,15 @@ class Arrays(NamedTuple):
     matrix: Any
     memo: Any
     friction: Any
+    depth: Any
+    branches: Any
     total: Any
 
 
 ARRAYS = len(Arrays._fields)
 TABLES = tuple(
     Arrays._fields.index(name)
-    for name in ("wheel", "rail", "rates", "stations", "field", "creep", "shape", "influence", "friction")
+    for name in ("wheel", "rail", "rates", "stations", "field", "creep", "shape", "influence", "friction", "depth")
 )
 """Arrays that kernels only read."""
 SETTINGS_PLACE = Arrays._fields.index("settings")
@@ -78,7 +81,9 @@ def arrays(buffer: Array, index: Ints) -> Arrays:
         matrix(buffer, index, first + 18),
         records(buffer, index, first + 19, MEMO),
         matrix(buffer, index, first + 20),
-        records(buffer, index, first + 21, TOTAL),
+        matrix(buffer, index, first + 21),
+        matrix(buffer, index, first + 22),
+        records(buffer, index, first + 23, TOTAL),
     )
 
 

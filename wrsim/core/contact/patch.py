@@ -106,7 +106,7 @@ def find_edge(
     rail_end = rail_length(rail)
     # the wheel's arclength follows that of its outline by extrapolated midpoint steps of the shrink
     shrink = 1.0
-    if wheel.axle.x != 0.0:
+    if wheel.axle.x != 0.0 or wheel.shape.depth.shape[0] > 0:
         shrink = locus_point(wheel, lobe.arc_wheel).shrink
     last_shrink = shrink
     while True:

@@ -45,12 +45,13 @@ from wrsim.core.jit import (
 )
 
 SEARCH = record(
-    "load tolerance farthest scale start height first rate last_height last_excess low high width",
+    "load tolerance farthest scale start height first rate last_height last_excess low high width angle",
     "asked touched bracketed",
 )
 """A search. load: vertical force [N], 0 for the contact at the height as it is, below 0 for nothing at all; tolerance:
 of it [1]; farthest: from the first height with contact [m]; scale: approach to begin with [m]; start, height: of the
-first contact asked for, of the next or last one [m].
+first contact asked for, of the next or last one [m]; angle: by which a wheel out of round has rolled, of many poses
+[rad].
 The rest is the search's own: first height with contact [m]; rate of force^(2/3) with the height; last height and its
 excess of force^(2/3); heights with too much and with too little force, their distance three steps ago; contacts asked
 for, whether the last one and any one touched, steps within the bracket."""
@@ -209,6 +210,7 @@ def some_poses(buffer: Array, index: Ints) -> int:
         if s.load < 0.0:
             continue
         copy(pose.shape[0], poses[i], pose)
+        settings.wheel_angle = s.angle
         if s.load > 0.0:
             settings.start = start
             meet_load(buffer, own, s)

@@ -13,8 +13,9 @@ from wrsim.core.linalg import Vec
 SETTINGS = record(
     "E G eps recess damping kA kS strip_width least_speed mu mu_gauge zone_start zone_end fall_ratio fall_decay"
     " wheel_step radius rail_step field_o field_b field_spacing hollow together apart tolerance place twist bow_o bow_b"
-    " slack",
-    "tangential parabolic blended stride normal projected joint strips fewest start rows station field_rows curved",
+    " slack wheel_angle averaged depth_first depth_step depth_least",
+    "tangential parabolic blended stride normal projected joint strips fewest start rows station field_rows curved"
+    " depth_rows",
 )
 """Numbers of a contact model.
 
@@ -27,6 +28,9 @@ distances [m]; slack: how far these may be off [m]; hollow: largest hollows of b
 distances of two places of contact that press each other down fully, and not at all [m], tolerance: of a contact that
 starts from the last one, of the deepest penetration [1] (strip model).
 place: distance along the rail [m]; twist, bow_o, bow_b: how it turns [rad/m] and bends [1/m] there.
+wheel_angle: by which a wheel out of round has rolled [rad]; averaged: half length over which its curvature along the
+rail is a mean [m]; depth_first, depth_step: of the columns of its depth [m]; depth_least: of all [m]; depth_rows:
+around the wheel.
 tangential, normal, start: see below; projected, parabolic, blended: 0 or 1; joint: whether lobes of a patch share
 recess and strips; stride: nodes between two samples of the search; strips, fewest: their number on a lobe; rows: of a
 section of the rail; station: its last one; field_rows: of the distances of a section; curved: whether the
@@ -141,14 +145,34 @@ class Rail(NamedTuple):
     radius: float
 
 
+class Shape(NamedTuple):
+    """How a wheel is out of round, see ``core.contact.out_of_round``.
+
+    depth: (columns * rows, 4) of values, rates over a row and a column, and of both, no rows for a round wheel;
+    branches: (n, 4); rows: around; first, step: first column and distance of columns [m]; least: depth [m]; angle: by
+    which it has rolled [rad]; averaged: half length of contact [m]."""
+
+    depth: Any
+    branches: Any
+    rows: int
+    first: float
+    step: float
+    least: float
+    angle: float
+    averaged: float
+
+
 class PlacedWheel(NamedTuple):
-    """A wheel in its place: radius at the tape circle, profile origin on the axle, axle e, q = sqrt(1 - e_t^2)."""
+    """A wheel in its place: radius at the tape circle, profile origin on the axle, axle e, q = sqrt(1 - e_t^2); lean:
+    e_t of a round wheel, 0 of one out of round."""
 
     profile: ProfileTable
     radius: float
     origin: Vec
     axle: Vec
     q: float
+    lean: float
+    shape: Shape
 
 
 class Field(NamedTuple):

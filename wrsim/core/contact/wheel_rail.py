@@ -18,6 +18,8 @@ import numpy as np
 
 from wrsim.core.contact.arrays import Arrays, arrays
 from wrsim.core.contact.normal.kik_piotrowski import bound_lobe, lay_lobe, press_lobes
+from wrsim.core.contact.out_of_round import contact_length, find_branches
+from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.rail import along, rail_and_envelope, share_at
 from wrsim.core.contact.records import (
     CONTACT,
@@ -31,6 +33,7 @@ from wrsim.core.contact.records import (
     PlacedWheel,
     ProfileTable,
     Rail,
+    Shape,
     Share,
     WheelPose,
     read_pose,
@@ -55,7 +58,11 @@ DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a co
 def bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
     """The wheel in its place, the rail there, and the pose."""
     settings, pose = a.settings[0], read_pose(a.pose)
-    wheel = placed(ProfileTable(a.wheel, settings.wheel_step), settings.radius, pose)
+    shape = Shape(
+        a.depth, a.branches, settings.depth_rows, settings.depth_first, settings.depth_step, settings.depth_least,
+        settings.wheel_angle, settings.averaged,
+    )  # fmt: skip
+    wheel = placed(ProfileTable(a.wheel, settings.wheel_step), settings.radius, pose, shape)
     place = settings.place + pose.origin.x
     if a.friction.shape[0] > 0:
         set_law(a.friction, place, settings)
@@ -77,6 +84,7 @@ def wheel_rail(buffer: Array, index: Ints) -> int:
     bits."""
     a = arrays(buffer, index)
     settings, lobes = a.settings[0], a.patches
+    settings.averaged = 0.0
     wheel, rail, pose = bodies(a)
     count, status = _search(a, wheel, rail)
     if count == 0:
@@ -104,6 +112,7 @@ def search(buffer: Array, index: Ints) -> tuple[int, int]:
     """Contacts at the pose set in the workspace, before any force, written to ``found``. Returns their number and a
     status; the closest distance is written to ``total``."""
     a = arrays(buffer, index)
+    a.settings[0].averaged = 0.0
     wheel, rail, _pose = bodies(a)
     return _search(a, wheel, rail)
 
@@ -124,6 +133,8 @@ def _search(a: Arrays, wheel: PlacedWheel, rail: Rail) -> tuple[int, int]:
     total.Mt = total.Mo = total.Mb = 0.0
     total.wear = 0.0
     total.lobes = total.patches = 0
+    if a.depth.shape[0] > 0:
+        find_branches(wheel)
     first = int(a.stations[1, rail.share.at]) * settings.field_rows
     field = Field(
         a.field, first, settings.field_rows, settings.field_o, settings.field_b, settings.field_spacing, settings.slack
@@ -131,7 +142,19 @@ def _search(a: Arrays, wheel: PlacedWheel, rail: Rail) -> tuple[int, int]:
     count, closest, status = find_contacts(wheel, rail, field, settings.stride, settings.hollow, a.found)
     total.closest = closest
     total.status = status
+    if a.depth.shape[0] > 0 and count > 0:
+        settings.averaged = _length(wheel, a.found, count, settings.eps)
     return count, status
+
+
+@kernel
+def _length(wheel: PlacedWheel, found: Records, count: int, eps: float) -> float:
+    """Half length of contact of a wheel out of round where it is deepest [m]."""
+    deepest = 0
+    for i in range(1, count):
+        deepest = i if found[i].depth > found[deepest].depth else deepest
+    own = found[deepest]
+    return contact_length(wheel, profile_point(wheel.profile, own.arc_wheel), eps * own.depth)
 
 
 @kernel

@@ -22,9 +22,11 @@ Lateral = Annotated[float, number(-100, 100, "mm, positive to the left")]
 Yaw = Annotated[float, number(-200, 200, "mrad, positive to the left")]
 Load = Annotated[float, positive(1000, "kN, downwards")]
 Roll = Annotated[float, number(-200, 200, "mrad, positive lifts the left wheel")]
+WheelAngle = Annotated[float, number(-720, 720, "degrees, rolling forward")]
 
-COLUMNS: dict[str, Any] = {"id": str, "lateral_mm": Lateral, "yaw_mrad": Yaw, "load_kN": Load, "roll_mrad": Roll}
-FACTORS = {"lateral_mm": 1e-3, "yaw_mrad": 1e-3, "load_kN": 1e3, "roll_mrad": 1e-3}
+COLUMNS: dict[str, Any] = {"id": str, "lateral_mm": Lateral, "yaw_mrad": Yaw, "load_kN": Load, "roll_mrad": Roll,
+                            "wheel_angle_deg": WheelAngle}  # fmt: skip
+FACTORS = {"lateral_mm": 1e-3, "yaw_mrad": 1e-3, "load_kN": 1e3, "roll_mrad": 1e-3, "wheel_angle_deg": np.pi / 180.0}
 """Keys of a grid and their factors to SI units, in the order of a pose."""
 MOST_POSES = 1_000_000
 
@@ -45,8 +47,8 @@ class StaticPlan:
 class StaticSection(PlanTable, header="[static]"):
     """Poses of one wheel or of a wheelset at a prescribed vertical load.
 
-    The poses are every combination of lateral_mm, yaw_mrad, load_kN and roll_mrad, or the rows of the CSV
-    table ``cases``. The load is that of the one wheel, or of the whole wheelset, which finds its own roll.
+    The poses are every combination of lateral_mm, yaw_mrad, load_kN, roll_mrad and wheel_angle_deg, or the rows of the
+    CSV table ``cases``. The load is that of the one wheel, or of the whole wheelset, which finds its own roll.
     """
 
     aliases = {
@@ -66,6 +68,8 @@ class StaticSection(PlanTable, header="[static]"):
     """Vertical load of the wheel, or of the whole wheelset."""
     roll_mrad: Series[Roll] = (0.0,)
     """Roll of a single wheel about the track's axis."""
+    wheel_angle_deg: Series[WheelAngle] = (0.0,)
+    """Angle by which wheels out of round have rolled."""
     cases: Annotated[str, text('a CSV file such as "poses.csv"')] | None = None
     """Table of poses, one a row, in place of all combinations."""
     rolling: Switch = True
@@ -86,13 +90,14 @@ class StaticSection(PlanTable, header="[static]"):
 
     def consistency(self) -> Iterator[Fault]:
         count = len(self.lateral_mm) * len(self.yaw_mrad) * len(self.load_kN or ()) * len(self.roll_mrad)
+        count *= len(self.wheel_angle_deg)
         if count > MOST_POSES:
             yield Fault((), f"describes {count} poses; must be at most {MOST_POSES}")
 
     def plan(self, given: Given) -> StaticPlan:
         if self.cases is None:
-            grid = product(self.lateral_mm, self.yaw_mrad, self.load_kN or (), self.roll_mrad)
-            poses = named([Pose("", y / 1e3, yaw / 1e3, load * 1e3, roll / 1e3) for y, yaw, load, roll in grid])
+            grid = product(*(getattr(self, key) or () for key in FACTORS))
+            poses = named([Pose("", *(v * f for v, f in zip(row, FACTORS.values(), strict=True))) for row in grid])
         else:
             poses = read_cases(given.find(("static", "cases"), self.cases), with_roll=self.target == "wheel")
         return StaticPlan(self.target, self.side, self.rolling, poses)
@@ -100,8 +105,12 @@ class StaticSection(PlanTable, header="[static]"):
 
 def named(poses: Sequence[Pose]) -> tuple[Pose, ...]:
     """The poses, those without a name called by what varies (mm, mrad, kN). Raises InputError for a duplicate name."""
-    values = [{"y": 1e3 * p.lateral, "yaw": 1e3 * p.yaw, "load": 1e-3 * p.load, "roll": 1e3 * p.roll} for p in poses]
-    varied = [name for name in ("y", "yaw", "load", "roll") if name == "y" or len({v[name] for v in values}) > 1]
+    values = [
+        {"y": 1e3 * p.lateral, "yaw": 1e3 * p.yaw, "load": 1e-3 * p.load, "roll": 1e3 * p.roll,
+         "angle": np.degrees(p.wheel_angle)}
+        for p in poses
+    ]  # fmt: skip
+    varied = [name for name in values[0] if name == "y" or len({v[name] for v in values}) > 1] if values else []
     seen: dict[str, int] = {}
     for name in (p.name for p in poses if p.name):
         if name in seen:
@@ -120,7 +129,8 @@ def named(poses: Sequence[Pose]) -> tuple[Pose, ...]:
 def read_cases(path: Path, with_roll: bool = True) -> tuple[Pose, ...]:
     """Read a CSV table of poses.
 
-    Columns ``id, lateral_mm, load_kN`` and, where they are not zero, ``yaw_mrad, roll_mrad``, in any order.
+    Columns ``id, lateral_mm, load_kN`` and, where they are not zero, ``yaw_mrad, roll_mrad, wheel_angle_deg``, in any
+    order.
     Raises InputError with every fault: file, line, column, value, what is allowed.
     """
     table, lines = read_columns(path, COLUMNS, ("id", "lateral_mm", "load_kN"), "poses")

@@ -11,6 +11,7 @@ from pydantic import Field
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import List, OrTable, RisingRows, Row, Two, number, text, within
 from wrsim.vehicle.loads import Effort, Over
+from wrsim.vehicle.out_of_round import AnyOutOfRoundTable
 from wrsim.vehicle.speed import SpeedProfile
 from wrsim.vehicle.vehicle_sections import LoadTable, PayloadTable, Radius, WheelName
 
@@ -149,6 +150,8 @@ class VehicleSection(Section, header="[vehicle]"):
     """Further forces on bodies, such as wind; bodies go by their full names."""
     payloads: List[PayloadTable] = ()
     """Further masses or forces that the vehicle is trimmed with; bodies go by their full names."""
+    out_of_round: List[AnyOutOfRoundTable] = ()
+    """How wheels are out of round, beside what the vehicle's file says."""
     efforts: List[EffortTable] = ()
     """Moments of motors and brakes on single axles, in runs."""
     slip_control: SlipControlTable | None = None

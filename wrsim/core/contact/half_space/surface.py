@@ -15,9 +15,10 @@ rail is at the main point; a gap along the normal of a section that rises by ``s
 itself, which is the distance of the inclined surfaces.
 """
 
-from math import inf, sqrt
+from math import atan2, inf, sqrt
 from typing import Any, NamedTuple
 
+from wrsim.core.contact.out_of_round import depth_at
 from wrsim.core.contact.patch import pair
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.rail import rail_point
@@ -127,7 +128,12 @@ def _meet_wheel(wheel: PlacedWheel, point: Vec, normal: Vec, arc: float, t: floa
         along = axial + t * facing
         radial = shifted(shifted(point, t, normal), -along, wheel.axle)
         rho = norm(radial)
-        arc, tu, tw, height = _foot(wheel.profile, along, wheel.radius - rho, arc)
+        out = wheel.radius - rho
+        if wheel.shape.depth.shape[0] > 0:
+            # theta of the point, with d0 = (0, e_z, -e_y) / q and d1 = (t - e_t e) / q
+            ahead, down = radial.x, radial.y * wheel.axle.z - radial.z * wheel.axle.y
+            out -= depth_at(wheel.shape, along, atan2(ahead, down) + wheel.shape.angle).d
+        arc, tu, tw, height = _foot(wheel.profile, along, out, arc)
         rate = -tu * dot(radial, normal) / rho - tw * facing
         if rate < LEAST_FACING:
             return t, arc, False

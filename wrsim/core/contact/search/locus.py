@@ -16,13 +16,28 @@ Curvatures follow Euler and the shape operator: with the principal curvatures k1
 
 A concave flange root at a large yaw can make k_t vanish: the wheel then touches at two places, ahead and behind, and
 the outline has a cusp. k_t is held at ``LEAST_ROLLING_CURVATURE`` k1 there; no wheelset in service gets near.
+
+Of a wheel out of round (core.contact.out_of_round) the same in terms of its second form II, with r_u and r_theta along
+profile and circumference, t = a r_u + b r_theta, K the Gaussian curvature:
+
+- k_t = II(t, t), of the outline K / k_t
+- arclength of the outline per arclength of the profile   (du/dL) |r_u - (r_u . t) t| k_t / (b II(t, r_theta))
 """
 
 from math import sqrt
 from typing import NamedTuple
 
+from wrsim.core.contact.out_of_round import (
+    LEAST,
+    Touch,
+    find_branches,
+    mean_curvature,
+    second_form,
+    slope_across,
+    touch,
+)
 from wrsim.core.contact.profile import ProfilePoint, profile_point
-from wrsim.core.contact.records import PlacedWheel, ProfileTable, WheelPose, read_pose
+from wrsim.core.contact.records import PlacedWheel, ProfileTable, Shape, WheelPose, read_pose
 from wrsim.core.jit import Array, inlined, kernel
 
 LEAST_ROLLING_CURVATURE = 0.1
@@ -57,10 +72,11 @@ class Node(NamedTuple):
 
 
 @inlined
-def placed(profile: ProfileTable, radius: float, pose: WheelPose) -> PlacedWheel:
-    """The wheel of that profile and radius in that pose."""
+def placed(profile: ProfileTable, radius: float, pose: WheelPose, shape: Shape) -> PlacedWheel:
+    """The wheel of that profile, radius and shape in that pose."""
     e_t = pose.axle.x
-    return PlacedWheel(profile, radius, pose.origin, pose.axle, sqrt(1.0 - e_t * e_t))
+    lean = e_t if shape.depth.shape[0] == 0 else 0.0
+    return PlacedWheel(profile, radius, pose.origin, pose.axle, sqrt(1.0 - e_t * e_t), lean, shape)
 
 
 @inlined
@@ -76,7 +92,9 @@ def locus_point(wheel: PlacedWheel, arc: float) -> Locus:
     at = profile_point(wheel.profile, arc)
     u = at.u
     rho = wheel.radius - at.w
-    if e.x == 0.0:
+    if wheel.lean == 0.0:
+        if wheel.shape.depth.shape[0] > 0:
+            return _out_of_round_point(wheel, at)
         to_axle = rho / max(at.tu, 1e-3)
         return Locus(
             origin.x,
@@ -124,6 +142,8 @@ def locus_node(wheel: PlacedWheel, at: ProfilePoint, largest: float) -> Node:
     has no point (a nearly vertical flank of a yawed wheel touches nowhere) or climbs around the wheel, and the plain
     section is returned."""
     origin, e, q = wheel.origin, wheel.axle, wheel.q
+    if wheel.shape.depth.shape[0] > 0:
+        return _out_of_round_node(wheel, at)
     rho = wheel.radius - at.w
     iq = 1.0 / q
     sine = -at.tw * e.x * iq / max(at.tu, 1e-3)
@@ -141,10 +161,66 @@ def locus_node(wheel: PlacedWheel, at: ProfilePoint, largest: float) -> Node:
 
 
 @kernel
-def outline(table: Array, step: float, radius: float, pose: Array, arc: Array, out: Array) -> None:
+def _out_of_round_point(wheel: PlacedWheel, at: ProfilePoint) -> Locus:
+    """As ``locus_point``."""
+    e_t, q = wheel.axle.x, wheel.q
+    on = touch(wheel, at.u, at.w, slope_across(at))
+    form = second_form(at, on)
+    o, b, no, nb = _seen_along(wheel, at, on)
+    a, c = e_t, q * on.cosine / on.p
+    k_t = (a * a * form.uu + 2.0 * a * c * form.ua + c * c * form.aa) / form.size
+    least = LEAST / (on.p * form.size)
+    mixed = c * q * on.rate / form.size  # b II(t, r_theta)
+    dot = e_t + on.p_u * q * on.sine
+    across = at.tu * sqrt(max(1.0 + on.p_u * on.p_u - dot * dot, 1e-6))
+    size2 = form.size * form.size
+    gauss = (form.uu * form.aa - form.ua * form.ua) / (on.p * on.p * size2 * size2)
+    x = wheel.origin.x + at.u * e_t + on.p * on.sine * q
+    k_mean = max(k_t, least)
+    if wheel.shape.averaged > 0.0:
+        k_mean, ahead = mean_curvature(wheel, at, on, form.size)
+        x += ahead
+    out = (no * wheel.axle.z - nb * wheel.axle.y) / q
+    return Locus(
+        x, o, b, no, nb, mixed / max(across * max(k_t, least), 1e-9), 1.0 / k_mean, on.p * on.cosine / max(out, 1e-3),
+        across * gauss / mixed,
+    )  # fmt: skip
+
+
+@inlined
+def _seen_along(wheel: PlacedWheel, at: ProfilePoint, on: Touch) -> tuple[float, float, float, float]:
+    """Point and normal of the outline (o, b, no, nb)."""
+    origin, e = wheel.origin, wheel.axle
+    iq = 1.0 / wheel.q
+    axial, down = at.u - on.p * on.sine * e.x * iq, on.p * on.cosine * iq
+    ne, nd = -on.p_u * iq, on.cosine + on.turn * on.sine
+    unit = iq / sqrt(ne * ne + nd * nd)
+    ne, nd = ne * unit, nd * unit
+    return (
+        origin.y + axial * e.y + down * e.z, origin.z + axial * e.z - down * e.y, ne * e.y + nd * e.z,
+        ne * e.z - nd * e.y,
+    )  # fmt: skip
+
+
+@kernel
+def _out_of_round_node(wheel: PlacedWheel, at: ProfilePoint) -> Node:
+    """As ``locus_node``; the sine is that of a round wheel."""
+    on = touch(wheel, at.u, at.w, slope_across(at))
+    o, b, no, nb = _seen_along(wheel, at, on)
+    return Node(o, b, no, nb, -at.tw * wheel.axle.x / (wheel.q * max(at.tu, 1e-3)))
+
+
+@kernel
+def outline(
+    table: Array, step: float, radius: float, pose: Array, depth: Array, branches: Array, numbers: Array, arc: Array,
+    out: Array,
+) -> None:  # fmt: skip
     """Outline of a wheel seen along its rail, for drawing: (o, b) at the arclengths ``arc`` to ``out`` (2, m). pose:
-    (POSE,)."""
-    wheel = placed(ProfileTable(table, step), radius, read_pose(pose))
+    (POSE,); depth, branches, numbers: of ``Shape``, (0, 0) and its numbers from rows to angle (5,)."""
+    shape = Shape(depth, branches, int(numbers[0]), numbers[1], numbers[2], numbers[3], numbers[4], 0.0)
+    wheel = placed(ProfileTable(table, step), radius, read_pose(pose), shape)
+    if depth.shape[0] > 0:
+        find_branches(wheel)
     for i in range(arc.shape[0]):
         at = locus_node(wheel, profile_point(wheel.profile, arc[i]), DRAWN_SINE)
         out[0, i] = at.o

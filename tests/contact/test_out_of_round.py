@@ -1,0 +1,267 @@
+"""Wheels out of round: laws, and a rounded flat beside CONTACT (../shared/reference/out_of_round)."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.optimize import brentq
+
+from tests.support.contacts import rail_profile, wheel_profile
+from wrsim.contact.models import contact_model
+from wrsim.contact.settings import ContactSettings, Material
+from wrsim.core.contact.out_of_round import depth_at
+from wrsim.core.contact.search.locus import locus_point
+from wrsim.core.contact.wheel_rail import bodies
+from wrsim.errors import InputError
+from wrsim.geometry.profile.out_of_round import Flat, Harmonic, RadiusTable, shape_tables
+from wrsim.geometry.profile.sections import circle, cone
+
+R = 0.46
+TURN = 2.0 * np.pi
+NO_PLACES = np.zeros(0)
+MODELS = ("kik-piotrowski", "strips")
+REFERENCE = Path(__file__).resolve().parents[2].parent / "shared/reference/out_of_round"
+WHEEL, RAIL = wheel_profile("S1002"), rail_profile("60E1", 40)
+
+
+def model(*parts, normal="kik-piotrowski", radius=R):
+    settings = ContactSettings(normal=normal, tangential="none", damping=0.0)
+    return contact_model(WHEEL, RAIL, radius, settings, 0.3, out_of_round=parts)
+
+
+def touched(of, *, lateral=-0.002, height=0.4599, yaw=0.0, along=0.0, wheel_angle=0.0):
+    axle = (-np.sin(yaw), np.cos(yaw), 0.0)
+    return of.evaluate((along, lateral, height), axle, (20.0, 0.0, 0.0), (0.0, 20.0 / R, 0.0), wheel_angle=wheel_angle)
+
+
+def place(contact):
+    """Centre of the strips' forces along the rail [m]."""
+    strips = np.concatenate(contact.strips)
+    return float(strips["N"] @ strips["x"] / strips["N"].sum())
+
+
+def uniform(deviation):
+    return RadiusTable(np.arange(8) * TURN / 8, NO_PLACES, np.full((8, 1), deviation))
+
+
+def test_a_wheel_without_depth_is_round_to_the_bit():
+    parts = Harmonic(3, 0.0), uniform(0.0)
+    assert model(*parts).out_of_round == ()
+    assert_allclose(touched(model(*parts), yaw=0.004).force, touched(model(), yaw=0.004).force, rtol=0.0)
+
+
+@pytest.mark.parametrize("normal", MODELS)
+@pytest.mark.parametrize("lateral, yaw", [(-0.002, 0.0), (-0.002, 0.006), (0.0012, -0.008)])
+def test_an_even_depth_is_a_smaller_round_wheel(normal, lateral, yaw):
+    depth = 1e-4
+    worn, turned = model(uniform(-depth), normal=normal), model(normal=normal, radius=R - depth)
+    one, other = (touched(m, lateral=lateral, yaw=yaw, wheel_angle=1.0, height=R - 1.6e-4) for m in (worn, turned))
+    assert other.patches.size > 0 and one.patches.size == other.patches.size
+    for name in ("arc_wheel", "arc_rail", "o", "b"):
+        assert_allclose(one.patches[name], other.patches[name], atol=1e-8)
+    # the mean over the length of contact knows that the gap of a yawed wheel is not even: a^2 sin(theta) / R
+    assert_allclose(one.patches["x"], other.patches["x"], atol=2e-6)
+    assert_allclose(one.patches["approach"], other.patches["approach"], atol=1e-11)
+    # a circle's gap is (a/R)^2/4 more than the parabola's at the end of the contact: 1e-4 of the curvature
+    assert_allclose(one.patches["N"], other.patches["N"], rtol=3e-4)
+    assert_allclose(one.patches["p0"], other.patches["p0"], rtol=3e-4)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.5])
+def test_an_eccentric_wheel_is_a_round_one_with_a_displaced_centre(angle):
+    a = 1e-4
+    height = R - 1e-4 + a * np.cos(angle)
+    one = touched(model(Harmonic(1, a)), wheel_angle=angle, yaw=0.003, height=height)
+    other = touched(model(), along=-a * np.sin(angle), height=height - a * np.cos(angle), yaw=0.003)
+    assert one.patches["N"].sum() > 0.0
+    second_order = a * a / (2.0 * R)
+    assert_allclose(one.patches["approach"], other.patches["approach"], atol=1.1 * second_order)
+    most = 1.6 * second_order / other.patches["approach"].min()
+    assert_allclose(one.patches["N"], other.patches["N"], rtol=most + 1e-3)
+    assert_allclose(one.patches["x"], other.patches["x"], atol=4.0 * second_order)
+
+
+def test_a_wave_turned_by_its_length_is_the_same():
+    polygon = model(Harmonic(18, 5e-5, 0.4))
+    found = [touched(polygon, wheel_angle=0.02 + k * TURN / 18, yaw=0.002).patches["N"] for k in (0, 1, 7)]
+    assert_allclose(found[1:], [found[0]] * 2, rtol=1e-6)
+
+
+@pytest.mark.parametrize("order", [1, 3, 18])
+@pytest.mark.parametrize("crest", [1.0, -1.0])
+def test_the_curvature_of_a_wave_is_that_of_its_second_derivative(order, crest):
+    """k = (P^2 + 2 P'^2 - P P'')/(P^2 + P'^2)^(3/2): at crests 1/R + a (n^2 - 1)/R^2 to first order."""
+    a, wheel = 1e-5, cone("cylinder", "wheel", 0.0, -0.03, 0.03)
+    settings = ContactSettings(normal="kik-piotrowski", tangential="none")
+    rail = circle("crown", "rail", 0.3, 0.04)
+    own = contact_model(wheel, rail, R, settings, out_of_round=[Harmonic(order, a)])
+    angle = 0.0 if crest > 0.0 else np.pi / order
+    own.evaluate((0.0, 0.0, R - 1e-5 + crest * a), wheel_angle=angle)
+    seen = bodies(own.arrays.rows)[0]
+    seen = seen._replace(shape=seen.shape._replace(averaged=0.0))
+    if crest > 0.0 or order == 1:  # a trough of a polygon does not touch: its neighbours do
+        at = locus_point(seen, 0.03)
+        first = 1.0 / R + crest * a * (order**2 - 1.0) / R**2
+        assert_allclose(1.0 / at.r_t, first, rtol=3.0 * (a * order**2 / R) ** 2 + 1e-6)
+        assert_allclose(at.x, 0.0, atol=1e-9)
+    else:
+        at = locus_point(seen, 0.03)
+        height = [(R + a * np.cos(order * (t + angle))) * np.cos(t) for t in np.linspace(-0.4, 0.4, 400_001)]
+        assert_allclose(-at.b + R - 1e-5 + crest * a, max(height), atol=1e-10)
+
+
+@pytest.mark.parametrize("normal", MODELS)
+def test_a_wheel_seen_in_a_mirror_touches_at_the_mirrored_place(normal):
+    dented = model(Flat.rounded(R, 0.06, 0.5e-3, width=0.05), normal=normal)
+    height = R - 2.2e-4
+    one = touched(dented, wheel_angle=0.04, yaw=0.004, height=height)
+    other = touched(dented, wheel_angle=-0.04, yaw=-0.004, height=height)
+    assert one.patches["N"].sum() > 1e4 and abs(place(one)) > 2e-3
+    assert_allclose(one.patches["N"], other.patches["N"], rtol=1e-6)
+    assert_allclose(place(one), -place(other), atol=1e-6)
+
+
+@pytest.mark.parametrize("length", [0.03, 0.06])
+def test_a_fresh_flat_lowers_the_wheel_by_its_depth_and_rests_on_its_edges(length):
+    """depth = length^2/(8 R); turned by beta the edge carries, R (1 - cos(half - beta)) below the round wheel. Rounded
+    over e it lies kink e/8 lower at most, kink = length/(2 R), and the mean of the chord's depth is e^2/(24 R) less."""
+    edge = 0.002
+    flat = Flat.fresh(R, length, None, edge)
+    assert_allclose(flat.deepest, length**2 / (8.0 * R), rtol=(length / R) ** 2)
+    assert Flat.fresh(R, None, flat.deepest, edge).length == pytest.approx(length, rel=1e-9)
+    own = model(flat)
+    half = np.arcsin(0.5 * length / R)
+    for beta in (0.0, 0.3 * half, 0.8 * half):
+        drop = lowest(own, beta) - lowest(own, np.pi)
+        wanted = -R * (1.0 - np.cos(half - beta))
+        assert -length / (2.0 * R) * edge / 8.0 < drop - wanted < edge**2 / (12.0 * R)
+
+
+def lowest(of, angle):
+    """Height at which a wheel begins to touch at this angle [m]."""
+    height = 0.461
+    for _ in range(6):
+        height -= touched(of, height=height, wheel_angle=angle).closest
+    return height
+
+
+def test_the_search_finds_what_the_exact_gap_shows():
+    """Depth of a search of the outline and the largest interpenetration of the true surfaces on a fine grid."""
+    parts = Flat.rounded(R, 0.06, 0.5e-3, width=0.05, centre=0.005), Harmonic(7, 3e-5, 1.0)
+    settings = ContactSettings(normal="half-space", tangential="none")
+    exact = contact_model(WHEEL, RAIL, R, settings, out_of_round=parts)
+    for angle, yaw in ((0.045, 0.0), (0.03, 0.008), (-0.05, -0.006)):
+        contact = touched(exact, wheel_angle=angle, yaw=yaw, height=R - 2.5e-4)
+        deepest = exact.arrays.found["depth"].max()
+        assert_allclose(contact.patches["approach"].max(), deepest, rtol=2e-3)
+        assert contact.status == 0
+
+
+def test_a_table_is_the_surface_that_it_was_made_of():
+    angle, across = np.arange(0, 360, 0.5) * np.pi / 180, np.linspace(-0.03, 0.03, 13)
+    surface = lambda a, u: 2e-4 * np.cos(2 * a) * (1 + 10 * u) + 1e-4 * np.sin(5 * a)  # noqa: E731
+    table = RadiusTable(angle, across, surface(angle[:, None], across))
+    own = contact_model(cone("c", "wheel", 0.0, -0.03, 0.03), circle("r", "rail", 0.3, 0.05), R, out_of_round=[table])
+    own.evaluate((0.0, 0.0, R))
+    shape = bodies(own.arrays.rows)[0].shape
+    for a, u in ((0.1, 0.0), (3.3, 0.012), (6.28, -0.02), (-40.0, 0.0299)):
+        at = depth_at(shape, u, a)
+        assert_allclose(at.d, -surface(a, u), atol=1e-9)
+        h = 1e-4
+        assert_allclose(at.a, -(surface(a + h, u) - surface(a - h, u)) / (2 * h), atol=1e-7)
+        assert_allclose(at.u, -(surface(a, u + h) - surface(a, u - h)) / (2 * h), atol=1e-5)
+
+
+def test_waves_shorter_than_the_limit_are_taken_out_of_a_table():
+    angle = np.arange(0, 360, 0.25) * np.pi / 180
+    deviation = 1e-4 * np.cos(3 * angle) + 1e-5 * np.cos(360 * angle)
+    table = RadiusTable(angle, NO_PLACES, deviation[:, None], shortest=0.05)
+    found = table.depth(angle, NO_PLACES, R)[:, 0]
+    assert_allclose(found, -1e-4 * 0.5 ** ((3 * 0.05 / (TURN * R)) ** 2) * np.cos(3 * angle), atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    "angles, deviations, words",
+    [
+        ([0, 90, 80, 270], [0, 0, 0, 0], "must rise"),
+        ([0, 90, 180, 270], [0, 1e-4, 2e-4, 3e-4], "does not close"),
+        ([0, 120, 240, 360], [0, 1e-5, 2e-5, 1e-5], "does not close"),
+        ([0, 180, 370], [0, 0, 0], "span"),
+    ],
+)
+def test_a_table_that_is_no_wheel_is_refused(angles, deviations, words):
+    with pytest.raises(InputError, match=words):
+        RadiusTable(np.radians(np.array(angles, float)), NO_PLACES, np.array(deviations, float)[:, None])
+
+
+def test_a_depth_that_the_search_cannot_follow_is_refused():
+    with pytest.raises(InputError, match=r"allowed: 20\.7 mm"):
+        shape_tables((Harmonic(1, 0.02),), WHEEL, R)
+
+
+# CONTACT
+
+LENGTH, HOLLOW = 0.10018, 0.3  # of the flat: a fit of flat_d09_depth.csv within 6 nm
+
+
+def closed_form():
+    return Flat.rounded(0.45, LENGTH, 0.9e-3, width=2.0 * np.sqrt(2.0 * HOLLOW * 0.9e-3))
+
+
+def rows_of_contact():
+    with (REFERENCE / "rounded_flat_d09.csv").open() as file:
+        return {int(row["case"]): {k: float(v) for k, v in row.items()} for row in csv.DictReader(file)}
+
+
+def flat_of_table():
+    """From the depths of the file; CONTACT's spline over the angle has its slices as coefficients, so that its values
+    there are (1, 4, 1)/6 of theirs."""
+    angle, across, depth = np.loadtxt(REFERENCE / "flat_d09_depth.csv", delimiter=",", skiprows=1).T
+    angle, across = np.unique(angle), 1e-3 * np.unique(across)
+    depth = 1e-3 * depth.reshape(angle.size, across.size)
+    depth[1:-1] = (depth[:-2] + 4.0 * depth[1:-1] + depth[2:]) / 6.0
+    return RadiusTable(angle, across, -depth)
+
+
+def carrying(own, row, load=1e4):
+    """Height below the nominal one [m] and contact of a pose of the table."""
+
+    def excess(z):
+        return float(own.evaluate((0.0, 0.0, 0.45 - z), wheel_angle=-row["pitch"]).force[2]) / load - 1.0
+
+    z = brentq(excess, 1e-3 * row["z_ws"] - 5e-6, 1e-3 * row["z_ws"] + 5e-6, xtol=1e-10)
+    return z, own.evaluate((0.0, 0.0, 0.45 - z), wheel_angle=-row["pitch"])
+
+
+def test_the_closed_form_is_the_flat_of_the_table():
+    angle, across, depth = np.loadtxt(REFERENCE / "flat_d09_depth.csv", delimiter=",", skiprows=1).T
+    found = closed_form().depth(np.unique(angle), 1e-3 * np.unique(across), 0.45)
+    assert_allclose(found.ravel(), 1e-3 * depth, atol=3e-8)
+
+
+def on_crown(normal, flat):
+    # G 82 GPa, nu .28
+    steel = Material(2.0 * 82e9 * 1.28, 0.28)
+    settings = ContactSettings(normal=normal, tangential="none", wheel=steel, rail=steel, damping=0.0)
+    wheel, rail = cone("cylinder", "wheel", 0.0, -0.0302, 0.0302), circle("crown", "rail", 0.3, 0.05)
+    return contact_model(wheel, rail, 0.45, settings, 0.3, out_of_round=[flat])
+
+
+@pytest.mark.parametrize("normal, cases", [("strips", (1, 2, 3, 4, 6, 13)), ("half-space", (1, 3, 13))])
+def test_a_rounded_flat_beside_contact(normal, cases):
+    own, rows = on_crown(normal, closed_form()), rows_of_contact()
+    for case in cases:
+        row = rows[case]
+        z, contact = carrying(own, row)
+        assert_allclose(1e3 * z, row["z_ws"], atol=0.002)
+        assert_allclose(1e3 * place(contact), row["xcp"], atol=0.1)
+
+
+def test_the_flat_of_the_table_lowers_the_wheel_as_in_contact():
+    own, rows = on_crown("strips", flat_of_table()), rows_of_contact()
+    for case in (1, 2, 4, 6, 8):
+        z, contact = carrying(own, rows[case])
+        assert_allclose(1e3 * z, rows[case]["z_ws"], atol=0.002)
+        assert_allclose(1e3 * place(contact), rows[case]["xcp"], atol=0.1)
