@@ -20,7 +20,6 @@ from wrsim.cli import app
 from wrsim.core.jit.compiling import Kernel
 from wrsim.results import Result
 from wrsim.results.table import Column, Table, on_terminal
-from wrsim.simulation.recorder import Recorder
 
 runner = CliRunner()
 COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
@@ -154,14 +153,6 @@ def test_a_result_that_cannot_be_used_is_named_in_one_line(command: str, run: Re
     told = call(command, file, *((other,) if command == "diff" else ()))
     assert told.exit_code == 2 and str(file) in told.stderr and told.stderr.count("\n") == 1
     assert (" more lines)" in told.stderr) == (command == "resolve")
-
-
-def test_a_run_file_whose_scenario_has_several_faults_is_refused_in_one_line(tmp_path: Path) -> None:
-    path = tmp_path / "result.nc.part"
-    Recorder.create(path, {"scenario_text": "a = 1\nb = 2\n", "folders": ["/x"]}, 12).close()
-    told = call("show", path)
-    assert told.exit_code == 2 and told.stderr.count("\n") == 1
-    assert f"{path}: scenario" in told.stderr and " more lines)" in told.stderr
 
 
 @pytest.mark.usefixtures("unpainted")

@@ -66,22 +66,13 @@ class Structure(HTMLParser):
 
 # --- envelopes ----------------------------------------------------------------------------------------------
 @given(st.integers(1, 3000), st.integers(0, 2**32 - 1))
-def test_no_peak_is_lost(samples: int, seed: int) -> None:
+def test_every_piece_holds_its_least_and_its_largest_value(samples: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    places = np.sort(rng.uniform(-3.0, 500.0, samples))
-    values = rng.normal(size=samples)
-    found = envelope(places, values, pieces_of([places]))
-    assert np.nanmin(found) == values.min() and np.nanmax(found) == values.max()
-
-
-def test_every_piece_holds_its_least_and_its_largest_value() -> None:
-    places = np.linspace(0.0, 100.0, 5001)
-    values = np.sin(places) + np.where(np.arange(5001) == 2718, 40.0, 0.0)
+    places, values = np.sort(rng.uniform(-3.0, 500.0, samples)), rng.normal(size=samples)
     pieces = pieces_of([places])
-    found = envelope(places, values, pieces).reshape(-1, 2)
-    for low, high, both in zip(pieces[:-1], pieces[1:], found, strict=True):
+    for low, high, both in zip(pieces[:-1], pieces[1:], envelope(places, values, pieces).reshape(-1, 2), strict=True):
         inside = values[(places >= low) & ((places < high) | (high == pieces[-1]))]
-        assert sorted(both) == [inside.min(), inside.max()]
+        assert not inside.size or sorted(both) == [inside.min(), inside.max()]
 
 
 def test_what_rises_or_falls_evenly_is_drawn_so() -> None:

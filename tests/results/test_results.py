@@ -212,14 +212,6 @@ def test_a_result_that_does_not_say_all_of_its_run_has_a_summary(name):
     assert summarise(dataset)["status"] == "stopped"
 
 
-def test_a_file_whose_checksum_was_lost_is_refused(written, tmp_path):
-    """The seal covers every byte, small variables and attributes too: without it nothing is known of them."""
-    sealed = (written["static"] / "result.nc").read_bytes()
-    (tmp_path / "result.nc").write_bytes(sealed[:-16])
-    with pytest.raises(InputError, match="its checksum is missing"):
-        Result.load(tmp_path)
-
-
 def test_files_that_are_not_ours_are_refused(tmp_path):
     with pytest.raises(InputError, match="no such result file"):
         Result.load(tmp_path / "missing.nc")
