@@ -35,6 +35,9 @@ from wrsim.errors import InputError as InputError
 from wrsim.errors import SimulationError as SimulationError
 from wrsim.errors import WrsimError as WrsimError
 from wrsim.geometry.profile.models import load_profile as load_profile
+from wrsim.geometry.profile.out_of_round import Flat as Flat
+from wrsim.geometry.profile.out_of_round import Harmonic as Harmonic
+from wrsim.geometry.profile.out_of_round import RadiusTable as RadiusTable
 from wrsim.geometry.profile.profile import Profile as Profile
 from wrsim.geometry.track.segments import Arc as Arc
 from wrsim.geometry.track.segments import Straight as Straight

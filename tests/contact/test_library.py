@@ -22,6 +22,7 @@ from wrsim.contact.status import WORDS, status_words
 from wrsim.core.contact import records as k
 from wrsim.core.jit import kernel
 from wrsim.errors import InputError, WrsimError
+from wrsim.geometry.profile.out_of_round import Harmonic
 from wrsim.library.build import HEADER, LIBRARY, SOURCE, build_library
 
 ROOT = Path(__file__).parents[2]
@@ -205,6 +206,22 @@ def test_a_turned_rail_gives_the_same_forces_through_ctypes(built, saved):
         assert np.array_equal(forces[-1], contact.force)
     assert not np.array_equal(*forces)
     assert "S1002" in opened.library.wrsim_contact_description(opened.handle).decode()
+    opened.close()
+
+
+def test_a_wheel_out_of_round_turns_as_in_python(built, tmp_path):
+    plain = pair_model(PAIR)
+    polygon = contact_model(
+        plain.wheel, plain.rail, plain.radius, plain.settings, 0.3, out_of_round=[Harmonic(5, 1e-4)]
+    )
+    polygon.save_for_library(tmp_path / "polygon.contact")
+    row = poses_under_load(plain, (3e-3,))[0, :12]
+    opened = Opened(built, tmp_path / "polygon.contact")
+    for angle in (0.0, 0.1):
+        assert opened.library.wrsim_contact_turn_wheel(opened.handle, ctypes.c_double(angle)) == 0
+        assert opened.evaluate(row) == 0
+        contact = polygon.evaluate(*row.reshape(4, 3), wheel_angle=angle)
+        assert np.array_equal(opened.result()["force"], contact.force)
     opened.close()
 
 

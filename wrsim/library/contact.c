@@ -203,6 +203,13 @@ int wrsim_contact_turn_rail(wrsim_contact *contact, double twist, double outward
     return 0;
 }
 
+int wrsim_contact_turn_wheel(wrsim_contact *contact, double angle)
+{
+    if (!contact || !isfinite(angle)) return WRSIM_ARGUMENT;
+    settings_of(contact)->wheel_angle = angle;
+    return 0;
+}
+
 int wrsim_contact_evaluate(wrsim_contact *contact, const double origin[3], const double axle[3],
                            const double velocity[3], const double omega[3], double place)
 {

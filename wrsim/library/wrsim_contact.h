@@ -99,6 +99,9 @@ WRSIM_API int wrsim_contact_follow(wrsim_contact *contact, int on);
  * [1/m], from now on. All 0 after opening. */
 WRSIM_API int wrsim_contact_turn_rail(wrsim_contact *contact, double twist, double outward, double up);
 
+/* Angle by which a wheel out of round has rolled [rad], from now on. 0 after opening. */
+WRSIM_API int wrsim_contact_turn_wheel(wrsim_contact *contact, double angle);
+
 /* Contact at a pose. origin: of the wheel's profile on the axle [m]; axle: its direction, outward, of length 1;
  * velocity: of that origin [m/s]; omega: angular velocity of the wheel [rad/s]; place: distance along a rail whose
  * profile or friction changes along the track [m]. Returns the status. */

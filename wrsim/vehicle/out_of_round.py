@@ -112,8 +112,8 @@ class MeasuredTable(OutOfRoundTable):
 
     file: Annotated[str, text('a CSV file such as "wheel_3_left.csv"')]
     """CSV file, beside this one."""
-    shortest_wave_mm: Annotated[float, number(0, 1000, "mm along the circumference")] = 10.0
-    """Waves shorter than this are taken out, half of the amplitude at it; a contact is some 10 mm long."""
+    cutoff_mm: Annotated[float, number(0, 1000, "mm along the circumference")] = 10.0
+    """Length of the waves that smoothing halves; a contact is some 10 mm long."""
 
     def read_file(self, path: Path, profile: Profile) -> RadiusTable:
         """The deviations in the file. Raises InputError."""
@@ -127,14 +127,14 @@ class RadiusFileTable(MeasuredTable, kind="radius"):
     """Measured deviations of the radius over the angle, perhaps over the place across the profile as well."""
 
     def read_file(self, path: Path, profile: Profile) -> RadiusTable:
-        return read_radii(path, self.shortest_wave_mm / 1e3)
+        return read_radii(path, self.cutoff_mm / 1e3)
 
 
 class SectionsTable(MeasuredTable, kind="sections"):
     """Sections of the wheel at angles: profile files, compared with the wheel's own profile."""
 
     def read_file(self, path: Path, profile: Profile) -> RadiusTable:
-        return read_sections(path, profile, self.shortest_wave_mm / 1e3)
+        return read_sections(path, profile, self.cutoff_mm / 1e3)
 
 
 AnyOutOfRoundTable = Annotated[HarmonicTable | FlatTable | RadiusFileTable | SectionsTable, Field(discriminator="kind")]
