@@ -13,6 +13,7 @@ from support.contacts import (
     PLAIN,
     bench,
     contact_model,
+    contact_of,
     flat_rail,
     pair_model,
     rail_profile,
@@ -28,9 +29,12 @@ from wrsim.contact.models import contact_model as wheel_on_rail
 from wrsim.contact.settings import ContactSettings, HalfSpaceSettings, Material
 from wrsim.contact.tables import combined_modulus, influence_table
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
+from wrsim.core.contact.strips.derivatives import jacobian
+from wrsim.core.contact.strips.equations import residuals
 from wrsim.core.contact.strips.influence import find_terms, pressed_at
-from wrsim.core.contact.strips.records import FROM, INVERSE, MIDDLE, NB, PUSH, TERMS, TO, VECTORS
-from wrsim.core.contact.wheel_rail import wheel_rail
+from wrsim.core.contact.strips.records import FROM, INVERSE, MIDDLE, NB, PUSH, SOLVED, TERMS, TO, VECTORS, F, System, X
+from wrsim.core.contact.strips.solution import SETTLED
+from wrsim.core.contact.wheel_rail import bodies, wheel_rail
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.profile.wear import Removal, worn
@@ -39,6 +43,7 @@ TWO_SOLUTIONS = (
     pytest.mark.xfail(strict=True, reason="a cold start finds two solutions where the locus turns aside"),
     pytest.mark.campaign,
 )
+SEAM = 6.6e-3, 0.460661647, -19.1e-3  # lateral shift, height, yaw: strips as long as 32 mm reach over a waist
 DATA = Path(__file__).parents[1] / "data"
 STRIPS = {"normal": "strips", "strips": 20}
 
@@ -506,7 +511,7 @@ def test_a_hump_beyond_a_gap_has_strips_of_its_own(yaw):
     a = stand.wheels[0].model.arrays
     height = settle(stand, 5.6e-3, yaw, 100e3)[0].height
     borne = []
-    for less in np.arange(34e-6, 14.4e-6, -0.5e-6):  # then the gap has closed
+    for less in np.arange(34e-6, 14.9e-6, -0.5e-6):  # then the gap has closed
         stand.evaluate(5.6e-3, height + less, yaw, 0.0)
         own = runs(a)
         assert a.total.lobes == 1 and all(len(run) == STRIPS["strips"] for run in own)
@@ -515,6 +520,58 @@ def test_a_hump_beyond_a_gap_has_strips_of_its_own(yaw):
     assert borne[0] == 0.0 and borne[-1] > 0.02
     # measured: 0.0001 in the first step, 0.0016 at most
     assert (steps > -1e-9).all() and steps.max() < 0.002 and steps[steps > 0.0][0] < 0.001
+
+
+def test_force_does_not_jump_where_the_gap_between_two_lobes_opens():
+    # what a third one does to the second reaches the first while they hang together (0.02 of the load)
+    stand = bench(pair_model("S1002/60E1 1:20", **STRIPS, **PLAIN), rolling=False)
+    found, force = stand.wheels[0].model.arrays.found, []
+    for height in (0.459793312, 0.459793314):
+        stand.evaluate(6.3e-3, height, -12.822652e-3, 0.0)
+        force.append(stand.force[2])
+        assert (found[1].saddle > 0.0) == (len(force) == 1)
+    assert force[1] == pytest.approx(force[0], rel=1e-4)
+
+
+@pytest.mark.parametrize(("pair", "height", "yaw"), [
+    ("S1002/60E1 1:20", 0.459917289, -18.8e-3), ("S1002/54E1 1:20", 0.460119058, -16.2e-3),
+    ("S1002/60E1 1:40", *SEAM[1:]),
+])  # fmt: skip
+def test_long_strips_far_shifted_against_each_other_press_as_the_half_space_does(pair, height, yaw):
+    # 5 and 7 % too low where shifts are left out; 25 % too high where strips at a seam are free of those beyond
+    stand = bench(pair_model(pair, **STRIPS, **PLAIN), rolling=False)
+    model = stand.wheels[0].model
+    stand.evaluate(6.6e-3, height, yaw, 0.0)
+    assert model.arrays.rows.memo[0].result == SETTLED
+    own = contact_of(stand).normal_force
+    assert own == pytest.approx(HalfSpace(resolution=12).solve_pose(model).normal_force, rel=0.02)
+
+
+def test_the_derivatives_of_all_conditions_are_those_of_their_residuals():
+    # two grids whose edges are held where they meet, strips shifted along the rail
+    stand = bench(pair_model("S1002/60E1 1:40", **STRIPS, **PLAIN), rolling=False)
+    stand.evaluate(*SEAM, 0.0)
+    rows, n = stand.wheels[0].model.arrays.rows, STRIPS["strips"]
+    wheel, rail, _pose = bodies(rows)
+    system = System(
+        wheel, rail, rows.influence, rows.rows, rows.places, rows.grids, rows.vectors, rows.matrix, rows.memo
+    )
+    assert rows.grids[0].end_held and rows.grids[1].start_held and rows.memo[0].shifted
+    x, f = rows.vectors[X], rows.vectors[F]
+    residuals(system, n, False)
+    jacobian(system, n, False)
+    size = int(rows.memo[0].unknowns)
+    solved, matrix = rows.vectors[SOLVED, :size].astype(int), rows.matrix[:size, :size].copy()
+    for column, own in enumerate(solved):
+        before, step = x[own], 1e-6 * max(abs(x[own]), 1e-6)
+        sides = []
+        for sign in (1.0, -1.0):
+            x[own] = before + sign * step
+            residuals(system, n, False)
+            sides.append(f[solved].copy())
+        x[own] = before
+        difference = (sides[0] - sides[1]) / (2.0 * step)
+        np.testing.assert_allclose(matrix[:, column], difference, atol=5e-3 * abs(difference).max())
 
 
 def test_normal_force_grows_with_depth_between_equal_radii():

@@ -56,7 +56,7 @@ SMALL = {"strips": 6, "cells": 4, "friction": FRICTION}
 CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 CORE = str(Path(wrsim.core.__file__).parent)
-LAST_RESORT = {"_shift", "rise", "_between", "_before"}
+LAST_RESORT = {"_scale_shifts", "rise", "_between", "_before"}
 """What the strip model does where Newton's method fails or grids change places: only in full, it is slow uncompiled."""
 
 

@@ -67,10 +67,12 @@ def set_grids(system, found, wheel, rail, pose, count):
             grade_rows(grid, rows, pose.axle)
             memo.deepest = max(memo.deepest, grid.deepest)
             _set_main_place(grid, rows)
-            grid.chain = 1.0
+        for g in range(first, memo.grids - 1):
+            grid, other = system.grids[g], system.grids[g + 1]
+            grid.chain = rise(system.rows[g, ROWS - 1].d / min(grid.deepest, other.deepest), CHAINED)
         grid = system.grids[memo.grids - 1]
         grid.chain = 0.0
-        if last < count - 1 and found[last].saddle > 0.0:
+        if last < count - 1:
             grid.chain = rise(found[last].saddle / min(found[last].depth, found[last + 1].depth), CHAINED)
         i = last + 1
     set_fading(system, 1.0)

@@ -52,13 +52,14 @@ how it ended (`solution`); calls so far without a whole solution."""
 
 (
     X, F, STEP, SAVED, NEXT, LAST, WISH, PIVOT, SCALE, SOLVED, FADING, FROM, TO, INVERSE, PUSH, MIDDLE, NO, NB, SIDE,
-    LIFT, TERMS,
-) = range(21)  # fmt: skip
+    LIFT, SOUND, TERMS,
+) = range(22)  # fmt: skip
 """Rows of ``vectors``: unknowns, residuals, step, unknowns before a step; of the unknowns that are solved for the next
 step, the last one and the residuals; rows exchanged in the factors; weights of the unknowns; numbers of those that are
 solved for; how much of the influence of a grid reaches another one, row after row; of all strips both ends, 1/a,
 amplitude times a^2 (0 out of contact), middle along x, normal (0, 1 where angles do not count), lateral
-over normal force, and that times nu/(1 - nu); from TERMS on what all strips do to the derivatives at three
+over normal force, and that times nu/(1 - nu);
+unknowns of the last solution while something grows; from TERMS on what all strips do to the derivatives at three
 points (`influence.find_terms`)."""
 POINTS, OF_A_POINT = 3, 5
 VECTORS = TERMS + POINTS * OF_A_POINT

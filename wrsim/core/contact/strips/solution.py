@@ -22,13 +22,14 @@ from wrsim.core.contact.strips.equations import (
 )
 from wrsim.core.contact.strips.hertz import hertz_ellipse
 from wrsim.core.contact.strips.newton import NEAR, descend, newton
-from wrsim.core.contact.strips.records import ROWS, X
+from wrsim.core.contact.strips.records import OF_A_STRIP, ROWS, SOUND, X
+from wrsim.core.dense import copy
 from wrsim.core.jit.compiling import kernel
 
 TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 WIDE = 0.15  # of a grid's depth: where contact ends at most
-PORTIONS = 4  # in which grids come to press each other down, or strips to be shifted along the rail
+LEAST_PORTION = 1 / 32  # of what grows, at which a solution is given up
 ROUGHLY = 5e-3  # residual of half lengths for given factors and edges
 ROUNDS = 8  # of half lengths, edges and factors in turn
 SETTLED, STRAIGHT, UNSOLVED = range(3)
@@ -50,7 +51,7 @@ def solve(system, n, known, tolerance):
     memo.shifted = 0
     if not _from_nothing(system, n):
         return UNSOLVED
-    if _shift(system, n):
+    if _grow(system, n, True):
         return SETTLED
     memo.shifted = 0
     return STRAIGHT if _from_nothing(system, n) else UNSOLVED
@@ -63,21 +64,56 @@ def _from_nothing(system, n):
 
 
 @kernel
-def _shift(system, n):
-    """Solve from a solution without shifts along the rail, which grow step by step. True if that works: a continuation
-    as in ``_one_by_one``."""
-    memo = system.memo[0]
-    memo.shifted = 1
-    solved = True
-    for step in range(PORTIONS):
-        share = (step + 1.0) / (step if step > 0 else PORTIONS)
-        for g in range(memo.grids):
-            grid = system.grids[g]
-            for r in range(ROWS):
-                row = system.rows[g, r]
-                row.x = grid.x + share * (row.x - grid.x)
-        solved = solved and _descend(system, n)
-    return solved and _solved(system, n, TOLERANCE)
+def _grow(system, n, shifts):
+    """Solve while shifts along the rail, or else what grids do to each other, grow from nothing, where there is a
+    solution. True if that works: a continuation whose portions are halved until Newton's method follows, and doubled
+    behind (Deuflhard, Newton Methods for Nonlinear Problems, 2004, chapter 5)."""
+    memo, vectors = system.memo[0], system.vectors
+    size = memo.grids * block_of(n)
+    memo.shifted = int(shifts or memo.shifted)
+    done, portion, now = 0.0, 1.0, 1.0
+    while done < 1.0:
+        share = min(done + portion, 1.0)
+        copy(size, vectors[X], vectors[SOUND])
+        if shifts:
+            _scale_shifts(system, share / now)
+            now = share
+        else:
+            set_fading(system, share)
+        if _descend(system, n):
+            done = share
+            portion *= 2.0
+            continue
+        portion *= 0.5
+        if portion < LEAST_PORTION:
+            break
+        copy(size, vectors[SOUND], vectors[X])
+        _switch(system, n)
+    if shifts and now < 1.0:
+        _scale_shifts(system, 1.0 / now)
+    return done == 1.0 and _solved(system, n, TOLERANCE)
+
+
+@kernel
+def _scale_shifts(system, factor):
+    """Strips lie shifted by so much more along the rail."""
+    for g in range(system.memo[0].grids):
+        grid = system.grids[g]
+        for r in range(ROWS):
+            row = system.rows[g, r]
+            row.x = grid.x + factor * (row.x - grid.x)
+
+
+@kernel
+def _switch(system, n):
+    """Which grids are in contact, and which edges at their bounds, as the unknowns have it."""
+    x = system.vectors[X]
+    for g in range(system.memo[0].grids):
+        grid, base = system.grids[g], g * block_of(n)
+        e = base + OF_A_STRIP * n
+        grid.on = int(in_contact(x[base : base + n])[2] > 0)
+        grid.start_held, grid.end_held = int(x[e] <= grid.least), int(x[e + 1] >= grid.most)
+    lay_strips(system, n)
 
 
 @kernel
@@ -184,14 +220,8 @@ def _one_by_one(system, n):
         if grids[g].deepest >= RETURN * memo.deepest and not _alone(system, n, g):
             leave(system, n, g)
         grids[g].on = 0
-    for g in range(memo.grids):
-        base = g * block_of(n)
-        grids[g].on = int(in_contact(system.vectors[X, base : base + n])[2] > 0)
-    solved = True
-    for step in range(PORTIONS):
-        set_fading(system, (step + 1.0) / PORTIONS)
-        solved = solved and _descend(system, n)
-    return solved and _solved(system, n, TOLERANCE)
+    _switch(system, n)
+    return _grow(system, n, False)
 
 
 @kernel
