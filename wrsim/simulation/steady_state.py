@@ -33,6 +33,9 @@ SMALL_RAIL, SMALL_BOX, SMALL_TWIST, SMALL_TURN = 1e-5, 1e-4, 1e-4, 1e-2
 displacement of a rail [m], pitch of an axle box, twist of an axle [rad], difference of the spin rates of independent
 wheels [rad/s]."""
 
+ALONG = 1e-2
+"""The same along the track of a body in a train: gaps of couplings add up to centimetres, steps are limited."""
+
 GOAL, TOLERANCE = 1e-10, 1e-9
 """Largest residual force over the weight that ends the search, and that is accepted; moments are divided by 1 m."""
 
@@ -119,6 +122,8 @@ class SteadyMotion:
         of_twists = np.where(independent, SMALL_TURN, SMALL_TWIST)
         behind = [[SMALL_BOX] * len(vehicle.boxes), of_twists, [SMALL_RAIL] * law.rails]
         self.small = np.concatenate([np.tile(of_wheelset, w), np.tile(of_body, n - w), *behind])
+        if law.units > 1:
+            self.small[X : 6 * n : 6] = ALONG
         self.difference = np.full(self.small.size, DIFFERENCE)
         for coupling in vehicle.couplings:
             for name in (coupling.ahead, coupling.behind):
@@ -289,6 +294,18 @@ def steady_state(
         if not np.all(np.isfinite(steady.residual(x))):
             raise SimulationError("steady motion: the forces at its start are not finite")
         _place_bodies(steady, x, max_iterations)
+        if law.units > 1:
+            with law.following():
+                x = damped_newton(
+                    steady.residual,
+                    x,
+                    steady.small,
+                    RELAXED,
+                    max_iterations,
+                    nearly.terms(),
+                    difference=steady.difference,
+                    held=steady.held,
+                )[0]
         # derivatives with warm starts, residuals from a cold start: the result does not depend on the iterations
         x, left, _ = damped_newton(
             steady.residual, x, steady.small, goal, max_iterations, nearly.terms(), nearly.law.following,
