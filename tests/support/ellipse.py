@@ -43,10 +43,12 @@ def roll(
     direction: float = 1.0,
     radius: float = MEAN_RADIUS,
     peak: float = PEAK,
+    **numbers: float,
 ) -> Array:
     """A tangential model on the ellipse; xi, eta at its centre, spin phi [1/m]. Returns the strips.
 
-    model: a choice of ContactSettings.tangential, or "fastsim, parabolic", or "fastsim, blended".
+    model: a choice of ContactSettings.tangential, or "fastsim, parabolic", or "fastsim, blended"; direction: speed
+    along x [m/s]; numbers: of SETTINGS.
     """
     rows = ellipse(aspect, strips, radius, peak)
     rows["xi"], rows["eta"], rows["phi"] = xi - phi * rows["s"], eta, phi
@@ -61,8 +63,10 @@ def roll(
     settings["blended"] = option == "blended"
     settings["mu"] = settings["mu_gauge"] = friction
     settings["G"] = SHEAR_MODULUS
-    for factor in ("fall_ratio", "kA", "kS"):
+    for factor in ("fall_ratio", "kA", "kS", "slope_k0", "slope_alpha_inf"):
         settings[factor] = 1.0
+    for name, value in numbers.items():
+        settings[name] = value
     shape = bound_over_cells(cells, option == "parabolic")
     work = np.zeros((12, max(strips, 8)))
     nothing = Arrays(*[None] * ARRAYS)

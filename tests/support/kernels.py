@@ -93,7 +93,8 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
         for lateral, yaw in PLACES if full else PLACES[:2]:
             model = pair_model(PAIR, tangential=tangential, **SMALL)
             found[f"{tangential} {lateral:g}"] = lowered(model, lateral, yaw)
-    plain = pair_model(PAIR, flexibility="three", max_patches=1, **SMALL)
+    slope = {"slope_k0": 0.5, "slope_alpha_inf": 0.1, "slope_beta": 0.5}
+    plain = pair_model(PAIR, tangential="fastsim", flexibility="three", max_patches=1, **slope, **SMALL)
     found["three flexibilities, one lobe"] = lowered(plain, *PLACES[1])
     found["outline"] = list(wheel_outline(WheelOnRail(plain, 1, 0.75, (0.0, 0.0))).ravel())
     for lateral, yaw in PLACES if full else PLACES[:2]:

@@ -315,6 +315,7 @@ def _inputs(model: ContactModel) -> Arrays:
     n.tangential = TANGENTIAL[settings.creep_forces]
     n.parabolic, n.blended = parabolic, settings.flexibility == "blended"
     n.kA, n.kS = settings.polach_adhesion, settings.polach_slip
+    n.slope_k0, n.slope_alpha_inf, n.slope_beta = settings.slope_k0, settings.slope_alpha_inf, settings.slope_beta
     law = friction if isinstance(friction, Friction) else friction.laws[0]
     n.mu, n.mu_gauge, n.zone_start, n.zone_end, n.fall_ratio, n.fall_decay = law.numbers
     n.wheel_step, n.radius, n.rail_step = wheel_step, model.radius, rail.step

@@ -186,6 +186,9 @@ class ContactSettings:
         everywhere (Kalker's original).
     polach_adhesion, polach_slip : float
         Polach's factors kA and kS, ``0 < kS <= kA <= 1``.
+    slope_k0, slope_alpha_inf, slope_beta : float
+        Slope reduction of FASTSIM and FaStrip: part of Kalker's stiffness at no creepage, part of that at infinite
+        creepage, and how fast it falls.
     friction : tuple of float, Friction or FrictionAlong
         On the left and right rail: a coefficient [1], a law, or laws along the track.
     strips : int, optional
@@ -213,6 +216,9 @@ class ContactSettings:
     flexibility: Flexibility = "blended"
     polach_adhesion: float = 1.0
     polach_slip: float = 1.0
+    slope_k0: float = 1.0
+    slope_alpha_inf: float = 1.0
+    slope_beta: float = 0.0
     friction: tuple[AnyFriction, AnyFriction] = (DRY, DRY)
     strips: int | None = None
     strip_width: float | None = None

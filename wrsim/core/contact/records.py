@@ -13,7 +13,8 @@ from wrsim.core.linalg import Vec
 SETTINGS = record(
     "E G eps recess damping kA kS strip_width least_speed mu mu_gauge zone_start zone_end fall_ratio fall_decay"
     " wheel_step radius rail_step field_o field_b field_spacing hollow together apart tolerance place twist bow_o bow_b"
-    " slack wheel_angle averaged depth_first depth_step depth_least",
+    " slack wheel_angle averaged depth_first depth_step depth_least"
+    " slope_k0 slope_alpha_inf slope_beta",
     "tangential parabolic blended stride normal projected joint strips fewest start rows station field_rows curved"
     " depth_rows",
 )
@@ -21,6 +22,7 @@ SETTINGS = record(
 
 E, G: of the pair of bodies [Pa]; eps: Kik-Piotrowski's [1]; recess: of the depth, where strips begin [1]; damping
 [s/m]; kA, kS: Polach's [1]; strip_width: 0 where their number rules [m]; least_speed [m/s].
+slope_k0, slope_alpha_inf, slope_beta: of the slope reduction of FASTSIM and FaStrip [1].
 mu, mu_gauge: friction on the top and on the gauge corner [1]; zone_start, zone_end: tangents of half the angles of the
 ramp between them; fall_ratio, fall_decay: of its fall with the slip [1, s/m].
 wheel_step, rail_step: of the tables [m]; radius: of the wheel [m]; field_o, field_b, field_spacing: grid of the rail's

@@ -205,7 +205,8 @@ class ContactSection(Section, header="[contact]"):
         "normal": "normal_model model contact_model", "traction_bound": "bound",
         "tangential": "tangential_model creep creep_forces creep_model",
         "strips": "n_strips", "cells": "n_cells", "max_patches": "patches", "polach_kA": "kA k_A",
-        "polach_kS": "kS k_S",
+        "polach_kS": "kS k_S", "slope_k0": "k_0 k0_mf", "slope_alpha_inf": "alpha_inf alfamf",
+        "slope_beta": "betamf",
     }  # fmt: skip
 
     normal: Normal = DEFAULTS.normal
@@ -222,6 +223,12 @@ class ContactSection(Section, header="[contact]"):
     """Polach's reduction of the adhesion area's stiffness."""
     polach_kS: Annotated[float, positive(1)] = DEFAULTS.polach_slip
     """Polach's reduction of the slip area's stiffness."""
+    slope_k0: Annotated[float, positive(1)] = DEFAULTS.slope_k0
+    """Slope reduction of FASTSIM and FaStrip: part of Kalker's stiffness at no creepage."""
+    slope_alpha_inf: Annotated[float, number(0, 1)] = DEFAULTS.slope_alpha_inf
+    """Slope reduction: part of that stiffness at infinite creepage."""
+    slope_beta: Annotated[float, number(0, 100)] = DEFAULTS.slope_beta
+    """Slope reduction: how fast the stiffness falls with the creepage."""
     friction: FrictionValue = DRY
     """Coefficient of friction, or a table of how it depends on place and slip."""
     friction_left: FrictionValue | None = None
@@ -258,6 +265,9 @@ class ContactSection(Section, header="[contact]"):
         if raw.get("tangential") == "half-space" and raw.get("normal", DEFAULTS.normal) != "half-space":
             message = '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
             yield Fault("tangential", message)
+        slope = [key for key in ("slope_k0", "slope_alpha_inf", "slope_beta") if key in raw]
+        if slope and raw.get("tangential", "fastrip") not in ("fastsim", "fastrip"):
+            yield Fault(slope[0], 'goes with tangential = "fastsim" or "fastrip" only')
         yield from both_or_sides(raw, "friction", complete=True)
         name = raw.get("normal", DEFAULTS.normal)
         model = NORMAL_MODELS[name] if name in get_args(Normal) else None

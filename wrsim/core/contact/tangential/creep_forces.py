@@ -1,5 +1,6 @@
 """Creep forces of one lobe: its equivalent ellipse, its mean creepages, the model of the user's choice."""
 
+from math import pi, sqrt
 from typing import NamedTuple
 
 from wrsim.core.contact.arrays import Arrays
@@ -50,6 +51,8 @@ def creep_forces(a: Arrays, speed: float, count: int, i: int) -> None:
         for j in range(count):
             grip = min(grip, FIRM * lobe.amplitude / max(lobes[j].amplitude, 1e-300))
         soft = Flexibilities(soft.l1 / grip, soft.l2 / grip, soft.l3 / grip)
+    if settings.slope_k0 != 1.0 or settings.slope_beta > 0.0:
+        soft = _reduced(a.creep, settings, own, n, normal, mean, ellipse, soft)
     on = Rolling(own, n, soft, direction, a.shape, a.work)
     peak = PARABOLA_PEAK if settings.parabolic else 1.0
     if model == FASTSIM and settings.blended:
@@ -60,6 +63,32 @@ def creep_forces(a: Arrays, speed: float, count: int, i: int) -> None:
         fastrip(on, ellipse.a)
     else:
         linear_creep(on, mean, 1.0 if model == SHEN_HEDRICK_ELKINS else 0.0)
+
+
+@inlined
+def _reduced(
+    creep: Array, settings: Record, strips: Records, n: int, normal: float, mean: Creepages, ellipse: Ellipse,
+    soft: Flexibilities,
+) -> Flexibilities:  # fmt: skip
+    """Flexibilities over the factor k of the slope reduction (Spiryagin, Polach, Oldknow, Vollebregt and Dollevoet,
+    Vehicle System Dynamics 51, 2013),
+
+        k = k_0 (alpha_inf + (1 - alpha_inf) / (1 + beta eps)),   eps = G pi a b k_0 C11 nu / (4 mu N),
+
+    nu the total creepage, spin at the end of the ellipse included."""
+    friction = own = 0.0
+    for i in range(n):
+        friction += strips[i].mu * strips[i].N
+        own += strips[i].N
+    eta = mean.eta + mean.phi * ellipse.a
+    eta = eta if abs(eta) > abs(mean.eta) else mean.eta
+    total = sqrt(mean.xi * mean.xi + eta * eta)
+    c11 = kalker_coefficients(creep, ellipse.aspect).c11
+    area = pi * ellipse.a * ellipse.b
+    eps = settings.G * area * settings.slope_k0 * c11 * total * own / (4.0 * friction * normal)
+    alpha = settings.slope_alpha_inf
+    k = settings.slope_k0 * (alpha + (1.0 - alpha) / (1.0 + settings.slope_beta * eps))
+    return Flexibilities(soft.l1 / k, soft.l2 / k, soft.l3 / k)
 
 
 class Stretch(NamedTuple):
