@@ -56,8 +56,8 @@ SMALL = {"strips": 6, "cells": 4, "friction": FRICTION}
 CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 CORE = str(Path(wrsim.core.__file__).parent)
-LAST_RESORT = {"_scale_shifts", "rise", "_between", "_before"}
-"""What the strip model does where Newton's method fails or grids change places: only in full, it is slow uncompiled."""
+LAST_RESORT = {"_scale_shifts"}
+"""What the strip model does where Newton's method fails: only in full, it is slow uncompiled."""
 
 
 def kernels() -> dict[tuple[str, str], Any]:

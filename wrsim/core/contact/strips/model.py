@@ -27,7 +27,6 @@ from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.grid import opposite
 from wrsim.core.contact.strips.ground import set_grids
-from wrsim.core.contact.strips.last_contact import carry_over
 from wrsim.core.contact.strips.records import LIFT, OF_A_STRIP, ROWS, SIDE, System, X
 from wrsim.core.contact.strips.solution import UNSOLVED, solve
 from wrsim.core.jit.compiling import kernel
@@ -54,10 +53,7 @@ def press_strips(a, wheel, rail, pose, count):
     memo.curved = settings.curved
     _set_sides(system, n, settings.E / settings.G - 1.0, a.strips)
     status = set_grids(system, a.found, wheel, rail, pose, count)
-    known = memo.known > 0
-    if known and not _same_grids(system, n, memo.known):
-        memo.inverted = 0
-        known = carry_over(system, n)
+    known = memo.known > 0 and _same_grids(system, n, memo.known)
     result = solve(system, n, known, settings.tolerance)
     memo.known = memo.grids if result != UNSOLVED else 0
     memo.result = result
