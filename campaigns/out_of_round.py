@@ -1,6 +1,7 @@
 """A wheel with a rounded flat beside CONTACT: height, place, approach and pressure of every pose, by every model.
 
     python campaigns/out_of_round.py REFERENCE [--models strips,kik-piotrowski,half-space]
+    python campaigns/out_of_round.py --random 8
 
 REFERENCE: folder with rounded_flat_d09.csv, 15 poses by CONTACT 25.2 (rolling radius 450 mm, rail crown 300 mm, 10 kN),
 and flat_d09_depth.csv, the depth of the wheel at slices of its angle; not part of this repository.
@@ -12,6 +13,9 @@ by a crown of 300 mm. The spline of CONTACT over the angle has its slices as coe
 
 Height: of the wheelset where it carries the load [um]; place: of the normal force along the rail [mm]; approach: the
 penetration across from CONTACT's reference point [%]; p0 [%], where CONTACT has fewer than 1200 elements in contact.
+
+--random N: polygons and flats of S1002 on 60E1 1:40 at N random lateral shifts, yaws and angles of the wheel each, 70
+kN by strips; fast models beside the half-space solver at the same height: N, p0 [%], place along the rail [mm].
 """
 
 import argparse
@@ -24,7 +28,8 @@ from scipy.optimize import brentq
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ContactSettings, Material
-from wrsim.geometry.profile.out_of_round import Flat, RadiusTable
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.out_of_round import Flat, Harmonic, Part, RadiusTable
 from wrsim.geometry.profile.sections import circle, cone
 
 RADIUS, CROWN, LOAD = 0.45, 0.3, 1e4
@@ -57,17 +62,64 @@ def carrying(model: ContactModel, height: float, angle: float) -> tuple[float, C
     return z, at(z)
 
 
+WHEELS: dict[str, Part] = {
+    "polygon, order 18, 0.05 mm": Harmonic(18, 5e-5),
+    "rounded flat, 90 mm, 0.5 mm": Flat.rounded(0.46, 0.09, 5e-4),
+    "the same, 60 mm wide": Flat.rounded(0.46, 0.09, 5e-4, width=0.06, centre=-0.01),
+    "fresh flat, 40 mm, edges 12 mm": Flat.fresh(0.46, 0.04, None, 0.012),
+    "fresh flat, 40 mm, edges 4 mm": Flat.fresh(0.46, 0.04, None, 0.004),
+}
+
+
+def random_poses(count: int) -> None:
+    """Median and largest difference of the fast models from the exact one."""
+    wheel, rail = load_profile("wheels/S1002.toml"), load_profile("rails/60E1.toml").inclined(1.0 / 40.0)
+    rng = np.random.default_rng(3)
+    for name, part in WHEELS.items():
+        models = {
+            normal: contact_model(
+                wheel, rail, 0.46, ContactSettings(normal=normal, tangential="none", damping=0.0), out_of_round=[part]
+            )
+            for normal in ("half-space", "strips", "kik-piotrowski")
+        }
+        found = np.zeros((len(models), count, 3))
+        for k in range(count):
+            lateral, yaw = rng.uniform(-4e-3, 1e-3), rng.uniform(-8e-3, 8e-3)
+            angle = rng.uniform(0.0, 6.0) if isinstance(part, Harmonic) else rng.uniform(-0.06, 0.06)
+            axle = (-np.sin(yaw), np.cos(yaw), 0.0)
+            start = [[0.0, lateral, 0.461, *axle, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]]
+            pose = models["strips"].solve_many(start, 7e4, threads=1, wheel_angle=angle).poses[0]
+            for own, model in zip(found, models.values(), strict=True):
+                contact = model.evaluate(pose[:3], axle, wheel_angle=angle)
+                strips = np.concatenate(contact.strips)
+                middle = strips["N"] @ strips["x"] / strips["N"].sum()
+                own[k] = contact.normal_force, contact.patches["p0"].max(), 1e3 * middle
+        for normal, own in list(zip(models, found, strict=True))[1:]:
+            off = np.abs(np.column_stack([100.0 * (own[:, :2] / found[0, :, :2] - 1.0), own[:, 2] - found[0, :, 2]]))
+            cells = (f"{m:.2g} / {w:.2g}" for m, w in zip(np.median(off, axis=0), off.max(axis=0), strict=True))
+            print(f"{name:32} {normal:15} {', '.join(cells)}", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("reference", type=Path)
+    parser.add_argument("reference", type=Path, nargs="?")
+    parser.add_argument("--random", type=int, default=0, metavar="N")
     parser.add_argument("--models", default="strips,kik-piotrowski,half-space")
     given = parser.parse_args()
-    with (given.reference / "rounded_flat_d09.csv").open() as file:
+    if given.random:
+        random_poses(given.random)
+    if given.reference is not None:
+        beside_contact(given.reference, given.models.split(","))
+
+
+def beside_contact(reference: Path, normals: list[str]) -> None:
+    """Every pose of CONTACT's table."""
+    with (reference / "rounded_flat_d09.csv").open() as file:
         rows = list(csv.DictReader(file))
     wheel, rail = cone("cylinder", "wheel", 0.0, -0.0302, 0.0302), circle("crown", "rail", CROWN, 0.05)
-    for normal in given.models.split(","):
+    for normal in normals:
         for name, full in (("all places", True), ("table", False)):
-            part = table(given.reference, full)
+            part = table(reference, full)
             settings = ContactSettings(normal=normal, tangential="none", wheel=STEEL, rail=STEEL, damping=0.0)
             model = contact_model(wheel, rail, RADIUS, settings, out_of_round=[part])
             errors = []
