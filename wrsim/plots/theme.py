@@ -167,7 +167,8 @@ LINE = 3.6  # height of a line of a title or a note, mm
 def wrapped(words: str, width: float, size: float = 7.5) -> str:
     """Words in as many lines as they need in a width of mm, in letters of that size in points; none on its own."""
     letters = max(int(width / (0.195 * size)), 10)
-    return "\n".join(fill("\N{NO-BREAK SPACE}".join(line.rsplit(" ", 1)), letters) for line in words.split("\n"))
+    tied = ("\N{NO-BREAK SPACE}".join(line.rsplit(" ", 1)) for line in words.split("\n"))
+    return "\n".join(fill(line, letters) for line in tied).replace("\N{NO-BREAK SPACE}", " ")
 
 
 def headline(figure: Figure, title: str, note: str = "") -> None:
