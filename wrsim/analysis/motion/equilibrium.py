@@ -11,7 +11,7 @@ from wrsim.analysis.motion.derailment import pushed
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of
-from wrsim.analysis.motion.start import EXACT, PLAY, first_steady, on_the_rails, shifts
+from wrsim.analysis.motion.start import EXACT, on_the_rails
 from wrsim.analysis.progress import Progress, Report
 from wrsim.core.body.kinematics import X, Y
 from wrsim.errors import SimulationError
@@ -29,6 +29,10 @@ from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 
 ENOUGH = 1e-5
 """Force left over, as a part of the weight, that is accepted where patches that appear and vanish stop the search."""
+
+
+PLAY = 12e-3  # farthest lateral shift of a wheelset at which a search begins, more by half the gauge widening [m]
+SHIFT = 1e-3  # between two shifts at which a search begins [m]
 
 
 def run_equilibrium(setup: Setup[RunPlan], progress: Progress | None = None) -> Result:
@@ -74,15 +78,29 @@ def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
 
 def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     """A wheelset looked for further and further to where cant or loads push it and springs or a flange hold it."""
-    ways = shifts(setup, pushed(setup, 0.0).left)
-    try:
-        return first_steady(law, ways)
-    except SimulationError as problem:
+    problems = []
+    for shift in _shifts(setup):
         try:
             law.look_near(law.start)
-            return steady_state(law, _slid(law, *lower_on_rails(law, *design_state(law))))
-        except SimulationError:
-            raise NoSteadyMotion(problem) from None
+            return steady_state(law, lower_on_rails(law, *design_state(law, lateral=shift)))
+        except SimulationError as problem:
+            problems.append(problem)
+    try:
+        law.look_near(law.start)
+        return steady_state(law, _slid(law, *lower_on_rails(law, *design_state(law))))
+    except SimulationError:
+        raise NoSteadyMotion(problems[0]) from None
+
+
+def _shifts(setup: Setup[RunPlan]) -> list[float]:
+    """Lateral shifts of the wheelset from which a search begins [m]: from the middle to where it is pushed, without a
+    push to either side, and towards its smaller wheel, if it has one."""
+    widening = float(setup.track.gauge(setup.plan.start)) - setup.track.nominal_gauge
+    push, wheelset = pushed(setup, 0.0).left, setup.vehicle.wheelsets[0].wheelset
+    sides = [np.sign(push)] if push != 0.0 else [1.0, -1.0]
+    ways = [*sides, np.sign(wheelset.right.radius - wheelset.left.radius)]
+    steps = np.arange(SHIFT, PLAY + 0.5 * max(widening, 0.0), SHIFT)
+    return [0.0, *(float(step * way) for step in steps for way in ways if way)]
 
 
 def _slid(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Array]:

@@ -4,7 +4,6 @@ nothing is steady, the motion that the vehicle has come to along its track from 
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -28,9 +27,6 @@ State = tuple[Array, Array]
 LOGGER = logging.getLogger("wrsim.start")
 """Reports at level INFO how the search for the motion at the start goes; an empty line at the end."""
 
-PLAY = 12e-3  # farthest lateral shift of the wheelsets at which a search begins, more by half the gauge widening [m]
-SHIFT = 1e-3  # between two shifts at which a search begins [m]
-
 STEADY_ENOUGH = 4e-3
 """Unbalanced part of the load of one wheelset with which a run may start: patches that appear and vanish let forces
 jump, and a balance may lie inside of the jump."""
@@ -40,43 +36,6 @@ MARGIN = 2.0  # beyond the centres of the first and the last of a vehicle's part
 EVEN = 1e-9  # curvature, and change of it, that does not count [1/m]
 APART = 1.0  # between the places at which straight track is looked for [m]
 SAMPLES = 0.1  # time between two samples of the run [s]
-
-
-def shifts(setup: Setup[RunPlan], direction: float) -> list[Array]:
-    """Lateral shifts of the wheelsets (wheelsets,) at the start of the run from which a search begins [m].
-
-    From the middle towards ``direction``: in a curve a wheelset held hard against yaw does not find its way to the
-    outer rail by itself, nor down a canted track to the inner one, nor to where a load pushes it. Without a direction
-    to either side. And each towards its smaller wheel, if it has one: there, in the end on the root of the flange, both
-    roll alike.
-    """
-    widening = float(setup.track.gauge(setup.plan.start)) - setup.track.nominal_gauge
-    radii = np.array([[m.wheelset.left.radius, m.wheelset.right.radius] for m in setup.vehicle.wheelsets])
-    smaller = np.sign(radii[:, 1] - radii[:, 0])
-    sides = [np.sign(direction)] if direction != 0.0 else [1.0, -1.0]
-    ways = [*(np.full(len(radii), side) for side in sides), smaller]
-    steps = np.arange(SHIFT, PLAY + 0.5 * max(widening, 0.0), SHIFT)
-    return [np.zeros(len(radii)), *(step * way for step in steps for way in ways if way.any())]
-
-
-def first_steady(
-    law: VehicleOnTrack, shifts: Sequence[Array], tolerance: float = steady.TOLERANCE
-) -> steady.Equilibrium:
-    """The steady motion that the first of these shifts leads to. Raises what stopped the search from the first one."""
-    problems = []
-    for shift in shifts:
-        try:
-            law.look_near(law.start)
-            lowered = steady.lower_on_rails(law, *design_state(law, lateral=shift))
-            return steady.steady_state(law, lowered, tolerance=tolerance)
-        except SimulationError as fault:
-            problems.append(fault)
-    raise problems[0]
-
-
-def enough(setup: Setup[RunPlan]) -> float:
-    """``STEADY_ENOUGH`` as a part of the weight of the whole vehicle."""
-    return STEADY_ENOUGH / len(setup.vehicle.wheelsets)
 
 
 def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
@@ -109,28 +68,30 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibrium:
     if straight is not None:
         with suppress(SimulationError):
             return on_the_rails(law, _come_along(setup, law, straight))
+    enough = STEADY_ENOUGH / len(setup.vehicle.wheelsets)
     if not setup.vehicle.members:
-        return on_the_rails(law, _steady(setup, law))
+        LOGGER.info("steady motion at the start: %s", setup.vehicle.name)
+        return on_the_rails(law, steady_alone(law, enough))
     q, q_t = np.zeros((2, law.size))
     for k, places in enumerate(law.coordinates_of_units(alone=True)):
         alone = replace(setup, vehicle=setup.vehicle.alone(k))
-        own = _steady(alone, force_law(alone, law.speed, held_by(alone)))
+        LOGGER.info("steady motion at the start: %s", alone.vehicle.name)
+        own = steady_alone(force_law(alone, law.speed, held_by(alone)), STEADY_ENOUGH / len(alone.vehicle.wheelsets))
         q[places], q_t[places] = own.q, own.q_t
     q_t[law.sliders] = 0.0  # friction goes on from the design position, as it did in each vehicle
-    return on_the_rails(law, steady.steady_state(law, (q, q_t), tolerance=enough(setup)))
+    return on_the_rails(law, steady.steady_state(law, (q, q_t), tolerance=enough))
 
 
-def _steady(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibrium:
+def steady_alone(law: VehicleOnTrack, tolerance: float = steady.TOLERANCE) -> steady.Equilibrium:
     """The steady motion of one vehicle: on straight track Newton's method finds it from the design position; in curves,
-    and where it does not, from where the vehicle creeps to."""
-    LOGGER.info("steady motion at the start: %s", setup.vehicle.name)
+    and where it does not, from where the vehicle creeps to. Raises SimulationError beyond a tolerance of the weight."""
     law.look_near(law.start)
     guess = steady.lower_on_rails(law, *design_state(law))
-    if setup.track.curvature(setup.plan.start) == 0.0:
+    if law.track.curvature(law.start) == 0.0:
         with suppress(SimulationError):
             return steady.steady_state(law, guess)
     near = steady.relaxed_state(law, guess)
-    return steady.steady_state(law, (near.q, near.q_t), tolerance=enough(setup))
+    return steady.steady_state(law, (near.q, near.q_t), tolerance=tolerance)
 
 
 def _come_along(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float) -> steady.Equilibrium:

@@ -17,7 +17,7 @@ from scipy.optimize import linear_sum_assignment
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import contact_words, overlap, pushed, wheels_of
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
-from wrsim.analysis.motion.start import first_steady, shifts
+from wrsim.analysis.motion.start import steady_alone
 from wrsim.core.contact.records import STATUS_TOO_DEEP
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
@@ -26,7 +26,7 @@ from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.stability import StabilityPlan
 from wrsim.simulation.law import ConicalVehicleOnTrack, VehicleOnTrack
 from wrsim.simulation.modes import linearise, mode_name
-from wrsim.simulation.steady_state import Equilibrium, steady_state
+from wrsim.simulation.steady_state import steady_state
 from wrsim.simulation.system import Array
 
 LENGTH, PLACE = 400.0, 200.0
@@ -124,13 +124,14 @@ class RollingVehicle:
         """The steady state (q, q_t) at a speed [m/s]. Raises SimulationError when there is none."""
         law = self.law
         law.set_speed(speed)
+        pushed(self.setup, speed)  # not overturned
         law.look_near(PLACE)
         try:
-            found = self._from_design() if self._last is None else steady_state(law, self._last)
+            found = steady_alone(law) if self._last is None else steady_state(law, self._last)
         except SimulationError:
             if self._last is None:
                 raise
-            found = self._from_design()
+            found = steady_alone(law)
         self._last = found.q, found.q_t
         law.at(0.0, found.q, found.q_t)
         wheels = wheels_of(law)
@@ -138,10 +139,6 @@ class RollingVehicle:
             raise SimulationError(steady_words(NoSteadyMotion(overlap(wheels)), law.vehicle))
         self.remark = contact_words(wheels)
         return found.q.copy(), found.q_t.copy()
-
-    def _from_design(self) -> Equilibrium:
-        """The steady state from the middle of the track or, where loads push the vehicle aside, from there."""
-        return first_steady(self.law, shifts(self.setup, pushed(self.setup, self.law.speed).left))
 
     def modes(self, speed: float, highest: float) -> Modes:
         """Modes of the small motions about the steady state at a speed [m/s], up to a frequency [Hz]."""
