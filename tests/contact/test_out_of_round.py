@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.optimize import brentq
+from support.contacts import rail_profile, wheel_profile
+from support.scripts import script
 
-from tests.support.contacts import rail_profile, wheel_profile
 from wrsim.contact.models import contact_model
-from wrsim.contact.settings import ContactSettings, Material
+from wrsim.contact.settings import ContactSettings
 from wrsim.core.contact.out_of_round import depth_at
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.contact.wheel_rail import bodies
@@ -22,7 +22,6 @@ R = 0.46
 TURN = 2.0 * np.pi
 NO_PLACES = np.zeros(0)
 MODELS = ("kik-piotrowski", "strips")
-REFERENCE = Path(__file__).resolve().parents[2].parent / "shared/reference/out_of_round"
 WHEEL, RAIL = wheel_profile("S1002"), rail_profile("60E1", 40)
 
 
@@ -203,11 +202,8 @@ def test_a_depth_that_the_search_cannot_follow_is_refused():
 
 # CONTACT
 
-LENGTH, HOLLOW = 0.10018, 0.3  # of the flat: a fit of flat_d09_depth.csv within 6 nm
-
-
-def closed_form():
-    return Flat.rounded(0.45, LENGTH, 0.9e-3, width=2.0 * np.sqrt(2.0 * HOLLOW * 0.9e-3))
+REFERENCE = Path(__file__).resolve().parents[2].parent / "shared/reference/out_of_round"
+CAMPAIGN = script("campaigns/out_of_round.py")
 
 
 def rows_of_contact():
@@ -215,53 +211,40 @@ def rows_of_contact():
         return {int(row["case"]): {k: float(v) for k, v in row.items()} for row in csv.DictReader(file)}
 
 
-def flat_of_table():
-    """From the depths of the file; CONTACT's spline over the angle has its slices as coefficients, so that its values
-    there are (1, 4, 1)/6 of theirs."""
-    angle, across, depth = np.loadtxt(REFERENCE / "flat_d09_depth.csv", delimiter=",", skiprows=1).T
-    angle, across = np.unique(angle), 1e-3 * np.unique(across)
-    depth = 1e-3 * depth.reshape(angle.size, across.size)
-    depth[1:-1] = (depth[:-2] + 4.0 * depth[1:-1] + depth[2:]) / 6.0
-    return RadiusTable(angle, across, -depth)
-
-
-def carrying(own, row, load=1e4):
-    """Height below the nominal one [m] and contact of a pose of the table."""
-
-    def excess(z):
-        return float(own.evaluate((0.0, 0.0, 0.45 - z), wheel_angle=-row["pitch"]).force[2]) / load - 1.0
-
-    z = brentq(excess, 1e-3 * row["z_ws"] - 5e-6, 1e-3 * row["z_ws"] + 5e-6, xtol=1e-10)
-    return z, own.evaluate((0.0, 0.0, 0.45 - z), wheel_angle=-row["pitch"])
-
-
 def test_the_closed_form_is_the_flat_of_the_table():
     angle, across, depth = np.loadtxt(REFERENCE / "flat_d09_depth.csv", delimiter=",", skiprows=1).T
-    found = closed_form().depth(np.unique(angle), 1e-3 * np.unique(across), 0.45)
+    width = 2.0 * np.sqrt(2.0 * CAMPAIGN.CROWN * CAMPAIGN.DEPTH)
+    flat = Flat.rounded(CAMPAIGN.RADIUS, CAMPAIGN.LENGTH, CAMPAIGN.DEPTH, width=width)
+    found = flat.depth(np.unique(angle), 1e-3 * np.unique(across), CAMPAIGN.RADIUS)
     assert_allclose(found.ravel(), 1e-3 * depth, atol=3e-8)
 
 
-def on_crown(normal, flat):
-    # G 82 GPa, nu .28
-    steel = Material(2.0 * 82e9 * 1.28, 0.28)
-    settings = ContactSettings(normal=normal, tangential="none", wheel=steel, rail=steel, damping=0.0)
-    wheel, rail = cone("cylinder", "wheel", 0.0, -0.0302, 0.0302), circle("crown", "rail", 0.3, 0.05)
-    return contact_model(wheel, rail, 0.45, settings, 0.3, out_of_round=[flat])
+def on_crown(normal, full):
+    """The reference's wheel, at all places across of its slices or at those of the table, on its rail."""
+    settings = ContactSettings(normal=normal, tangential="none", wheel=CAMPAIGN.STEEL, rail=CAMPAIGN.STEEL, damping=0.0)
+    wheel, rail = cone("cylinder", "wheel", 0.0, -0.0302, 0.0302), circle("crown", "rail", CAMPAIGN.CROWN, 0.05)
+    part = CAMPAIGN.table(REFERENCE, full)
+    return contact_model(wheel, rail, CAMPAIGN.RADIUS, settings, out_of_round=[part])
 
 
-@pytest.mark.parametrize("normal, cases", [("strips", (1, 2, 3, 4, 6, 13)), ("half-space", (1, 3, 13))])
-def test_a_rounded_flat_beside_contact(normal, cases):
-    own, rows = on_crown(normal, closed_form()), rows_of_contact()
+@pytest.mark.parametrize(
+    "normal, full, cases",
+    [
+        ("strips", True, (1, 2, 3, 4, 5, 6, 7, 13)),
+        ("strips", False, (1, 2, 4, 6, 8)),
+        ("kik-piotrowski", True, (1, 2, 4, 6)),
+        ("half-space", True, (1, 3, 13)),
+    ],
+)
+def test_a_rounded_flat_beside_contact(normal, full, cases):
+    """Height, place, and but for Kik-Piotrowski's model and places lost across the approach."""
+    own, rows = on_crown(normal, full), rows_of_contact()
     for case in cases:
         row = rows[case]
-        z, contact = carrying(own, row)
+        z, contact = CAMPAIGN.carrying(own, 1e-3 * row["z_ws"], -row["pitch"])
         assert_allclose(1e3 * z, row["z_ws"], atol=0.002)
         assert_allclose(1e3 * place(contact), row["xcp"], atol=0.1)
-
-
-def test_the_flat_of_the_table_lowers_the_wheel_as_in_contact():
-    own, rows = on_crown("strips", flat_of_table()), rows_of_contact()
-    for case in (1, 2, 4, 6, 8):
-        z, contact = carrying(own, rows[case])
-        assert_allclose(1e3 * z, rows[case]["z_ws"], atol=0.002)
-        assert_allclose(1e3 * place(contact), rows[case]["xcp"], atol=0.1)
+        if full and normal != "kik-piotrowski":
+            strips = np.concatenate(contact.strips)
+            across = strips[np.argmin(np.abs(strips["o"]))]
+            assert_allclose(1e3 * across["penetration"], row["approach"], rtol=0.02)
