@@ -1,6 +1,6 @@
 """Strips, edges and grids of the strip model that come into contact and leave it: what changes the equations."""
 
-from wrsim.core.contact.strips.equations import block_of, bond, edge_wish, lay_strips, pressed, set_conditions
+from wrsim.core.contact.strips.equations import block_of, edge_wish, lay_strips, pressed, set_conditions
 from wrsim.core.contact.strips.hertz import hertz_ellipse
 from wrsim.core.contact.strips.records import EDGES, NB, NO, OF_A_STRIP, ROWS, STEP, X
 from wrsim.core.dense import copy
@@ -105,7 +105,7 @@ def enter(system, n, held):
             continue
         changed = _reach_out(system, n, g) or changed
         for side in range(EDGES):
-            if (grid.start_held if side == 0 else grid.end_held) and _recedes(system, n, g, side):
+            if (grid.start_held if side == 0 else grid.end_held) and edge_wish(places, g * n, n, side) < 0.0:
                 if side == 0:
                     grid.start_held = 0
                 else:
@@ -115,18 +115,6 @@ def enter(system, n, held):
         if not system.grids[g].on:
             changed = _grid_enters(system, n, g) or changed
     return changed
-
-
-@inlined
-def _recedes(system, n, g, side):
-    """Whether an edge that is held is to go back from its bound: at a seam only if the edge beyond is to go, too, else
-    the pressure goes on there."""
-    seam = (g + side) * n
-    goes = edge_wish(system.places, g * n, n, side) < 0.0
-    if not goes or seam == 0 or seam == system.memo[0].grids * n or bond(system, n, seam) == 0.0:
-        return goes
-    beyond = g + 2 * side - 1
-    return edge_wish(system.places, beyond * n, n, 1 - side) < 0.0
 
 
 @inlined

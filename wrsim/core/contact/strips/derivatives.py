@@ -4,16 +4,14 @@ from math import sqrt
 
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
+    EVEN_MIDDLES,
     EVENNESS,
     REACH,
     THIRD,
+    all_touch,
     block_of,
-    bond,
-    bond_of_four,
-    bond_of_three,
     fading,
     step_ratio,
-    unknown_of,
 )
 from wrsim.core.contact.strips.influence import facing, find_terms
 from wrsim.core.contact.strips.records import EDGES, MIDDLE, NB, NO, OF_A_POINT, OF_A_STRIP, SOLVED, TERMS
@@ -181,53 +179,43 @@ def jacobian(system, n, held):
                 _press_row(system, n, g, i)
                 _own_row(system, n, g, i)
         if grids[g].on and not held:
+            _even_rows(system, n, g)
             _edge_rows(system, n, g)
-    if not held:
-        _even_rows(system, n)
     _gather(system, n, held)
 
 
 @kernel
-def _even_rows(system, n):
+def _even_rows(system, n, g):
     """What holds neighbouring strips alike."""
-    memo, places, m = system.memo[0], system.places, system.matrix
-    for i in range(1, memo.grids * n):
-        one, other, weight = unknown_of(i - 1, n) + n, unknown_of(i, n) + n, EVENNESS * bond(system, n, i)
-        m[one, one] += weight
-        m[one, other] -= weight
-        m[other, other] += weight
-        m[other, one] -= weight
-    for i in range(3, memo.grids * n if memo.shifted else 0):
-        weight = bond_of_four(system, n, i)
-        if weight > 0.0:
-            weight *= places[i - 2].bend / memo.deepest
+    places, m, base = system.places, system.matrix, g * block_of(n)
+    for j in range(1, n):
+        r = base + n + j
+        m[r, r] += EVENNESS
+        m[r, r - 1] -= EVENNESS
+        m[r - 1, r - 1] += EVENNESS
+        m[r - 1, r] -= EVENNESS
+    for j in range(1, n - 2 if system.memo[0].shifted else 1):
+        if all_touch(places, g * n + j - 1, 4):
+            weight, r = system.grids[g].calm * places[g * n + j].bend / system.memo[0].deepest, base + j - 1
             for p in range(4):
                 for q in range(4):
-                    m[unknown_of(i - 3 + p, n), unknown_of(i - 3 + q, n)] += weight * THIRD[p] * THIRD[q]
-    for i in range(2, memo.grids * n if memo.shifted else 0):
-        weight = bond_of_three(system, n, i)
-        if weight > 0.0:
-            _even_middles(system, n, i, weight)
-
-
-@inlined
-def _even_middles(system, n, i, weight):
-    """What holds the middles of strip i, counted over all grids, and of the two before it on a line."""
-    places, m = system.places, system.matrix
-    one, two, three = places[i - 2], places[i - 1], places[i]
-    ratio, step = step_ratio(places, i), two.s - one.s
-    parts, signs = (ratio, -1.0 - ratio, 1.0), (1.0, -1.0, 0.0)
-    uneven = three.off - two.off - ratio * (two.off - one.off)
-    for p in range(3):
-        row = unknown_of(i - 2 + p, n) + 2 * n
+                    m[r + p, r + q] += weight * THIRD[p] * THIRD[q]
+    e, weight = base + OF_A_STRIP * n, EVEN_MIDDLES / system.grids[g].reach
+    for j in range(2, n if system.memo[0].shifted else 0):
+        one, two, three = places[g * n + j - 2], places[g * n + j - 1], places[g * n + j]
+        ratio, r = step_ratio(places, g * n + j), base + 2 * n + j - 2
+        parts, signs = (ratio, -1.0 - ratio, 1.0), (1.0, -1.0, 0.0)
+        uneven = three.off - two.off - ratio * (two.off - one.off)
         # the ratio of their distances moves with the edges
-        own = weight * (signs[p] * uneven - parts[p] * (two.off - one.off)) / step
-        for q in range(3):
-            j = i - 2 + q
-            e = j // n * block_of(n) + OF_A_STRIP * n
-            m[row, unknown_of(j, n) + 2 * n] += weight * parts[p] * parts[q]
-            m[row, e] += own * parts[q] * places[j].mid_start
-            m[row, e + 1] += own * parts[q] * places[j].mid_end
+        step = two.s - one.s
+        by_start = three.mid_start - two.mid_start - ratio * (two.mid_start - one.mid_start)
+        by_end = three.mid_end - two.mid_end - ratio * (two.mid_end - one.mid_end)
+        for p in range(3):
+            for q in range(3):
+                m[r + p, r + q] += weight * parts[p] * parts[q]
+            own = signs[p] * uneven - parts[p] * (two.off - one.off)
+            m[r + p, e] += weight * own * by_start / step
+            m[r + p, e + 1] += weight * own * by_end / step
 
 
 @kernel

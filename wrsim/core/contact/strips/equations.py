@@ -171,17 +171,30 @@ def residuals(system, n, held):
                 largest = max(largest, abs(out[base + j]))
                 continue
             if place.y > 0.0:
-                out[base + n + j] = place.bow
-                out[base + 2 * n + j] = place.turn
-    if not held:
-        _hold_even(system, n, out)
-        for i in range(memo.grids * n):
-            own = unknown_of(i, n)
-            for kind in range(OF_A_STRIP):
-                largest = max(largest, abs(out[own + kind * n]))
-    for g in range(memo.grids if not held else 0):
-        grid, base = grids[g], g * block
-        for side in range(EDGES if grid.on else 0):
+                out[base + n + j] += place.bow
+                out[base + 2 * n + j] += place.turn
+            if j > 0:
+                uneven = EVENNESS * (place.k - places[g * n + j - 1].k)
+                out[base + n + j] += uneven
+                out[base + n + j - 1] -= uneven
+        if held:
+            continue
+        for j in range(1, n - 2 if memo.shifted else 1):
+            if all_touch(places, g * n + j - 1, 4):
+                calm = grid.calm * third_difference(places, g * n + j, memo.deepest)
+                for p in range(4):
+                    out[base + j + p - 1] += THIRD[p] * calm
+        for j in range(2, n if memo.shifted else 0):
+            i = g * n + j
+            ratio, row = step_ratio(places, i), base + 2 * n + j
+            one, two, three = places[i - 2].off, places[i - 1].off, places[i].off
+            uneven = EVEN_MIDDLES / grid.reach * (three - two - ratio * (two - one))
+            out[row - 2] += ratio * uneven
+            out[row - 1] -= (1.0 + ratio) * uneven
+            out[row] += uneven
+        for i in range(base, base + OF_A_STRIP * n):
+            largest = max(largest, abs(out[i]))
+        for side in range(EDGES):
             e = base + OF_A_STRIP * n + side
             if grid.start_held if side == 0 else grid.end_held:
                 continue
@@ -191,77 +204,15 @@ def residuals(system, n, held):
 
 
 @inlined
-def _hold_even(system, n, out):
-    """Add what holds neighbouring strips alike: factors, half lengths and middles."""
-    memo, places = system.memo[0], system.places
-    for i in range(1, memo.grids * n):
-        one, other = unknown_of(i - 1, n) + n, unknown_of(i, n) + n
-        uneven = EVENNESS * bond(system, n, i) * (places[i].k - places[i - 1].k)
-        out[one] -= uneven
-        out[other] += uneven
-    for i in range(3, memo.grids * n if memo.shifted else 0):
-        weight = bond_of_four(system, n, i)
-        if weight > 0.0:
-            calm = weight * third_difference(places, i, memo.deepest)
-            for p in range(4):
-                out[unknown_of(i - 3 + p, n)] += THIRD[p] * calm
-    for i in range(2, memo.grids * n if memo.shifted else 0):
-        weight = bond_of_three(system, n, i)
-        if weight > 0.0:
-            ratio = step_ratio(places, i)
-            one, two, three = places[i - 2].off, places[i - 1].off, places[i].off
-            uneven = weight * (three - two - ratio * (two - one))
-            out[unknown_of(i - 2, n) + 2 * n] += ratio * uneven
-            out[unknown_of(i - 1, n) + 2 * n] -= (1.0 + ratio) * uneven
-            out[unknown_of(i, n) + 2 * n] += uneven
-
-
-@inlined
-def unknown_of(i, n):
-    """Number of the first unknown of strip i, counted over all grids."""
-    return i // n * block_of(n) + i % n
-
-
-@inlined
-def bond(system, n, i):
-    """How firmly strip i, counted over all grids, is held to the one before: fully in a grid, over a seam to which both
-    grids reach as what they do to each other counts."""
-    g = i // n
-    grid = system.grids[g]
-    if i % n > 0:
-        return float(grid.on)
-    before = system.grids[g - 1]
-    both = grid.on * grid.start_held * before.on * before.end_held
-    return fading(system, g - 1, g) if both == 1 and before.most == grid.least else 0.0
-
-
-@inlined
-def bond_of_three(system, n, i):
-    """Weight with which the middles of strip i, counted over all grids, and the two before it are held on a line."""
-    at = i if i % n > 1 else i // n * n
-    return EVEN_MIDDLES / system.grids[i // n].reach * bond(system, n, at)
-
-
-@inlined
-def bond_of_four(system, n, i):
-    """Weight with which a^2 of strip i, counted over all grids, and of the three before it, all in contact, are held on
-    a parabola."""
-    if not all_touch(system.places, i - 3, 4):
-        return 0.0
-    at = i if i % n > 2 else i // n * n
-    return system.grids[i // n].calm * bond(system, n, at)
-
-
-@inlined
 def step_ratio(places, i):
     """Distance of strip i from the one before, over that from there to the one before it."""
     return (places[i].s - places[i - 1].s) / (places[i - 1].s - places[i - 2].s)
 
 
 @inlined
-def third_difference(places, i, deepest):
-    """What holds a^2 of four neighbours up to i on a parabola: nothing for Hertz's ellipse."""
-    one, two, three, four = places[i - 3], places[i - 2], places[i - 1], places[i]
+def third_difference(places, j, deepest):
+    """What holds a^2 of four neighbours on a parabola: nothing for Hertz's ellipse."""
+    one, two, three, four = places[j - 1], places[j], places[j + 1], places[j + 2]
     return two.bend / deepest * (four.y - one.y + 3.0 * (two.y - three.y))
 
 

@@ -89,8 +89,10 @@ def _grow(system, n, shifts):
             break
         copy(size, vectors[SOUND], vectors[X])
         _switch(system, n)
-    if shifts and now < 1.0:
+    if shifts:
         _scale_shifts(system, 1.0 / now)
+    else:
+        set_fading(system, 1.0)
     return done == 1.0 and _solved(system, n, TOLERANCE)
 
 
