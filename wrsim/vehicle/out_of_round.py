@@ -41,6 +41,8 @@ SECTION_DISTANCE = 1e-3  # of the places at which sections are compared [m]
 class OutOfRoundTable(Choice, header="[[out_of_round]]"):
     """How a wheel is out of round: tables of one wheel sum up."""
 
+    kind: str
+    """Form of the deviation."""
     wheel: Literal["left", "right", "both"] = "both"
     """Which of the wheels is out of round."""
     on: List[Annotated[str, text("the name of a wheelset")]] = ()
