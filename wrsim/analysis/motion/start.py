@@ -84,14 +84,17 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibrium:
 
 def steady_alone(law: VehicleOnTrack, tolerance: float = steady.TOLERANCE) -> steady.Equilibrium:
     """The steady motion of one vehicle: on straight track Newton's method finds it from the design position; in curves,
-    and where it does not, from where the vehicle creeps to. Raises SimulationError beyond a tolerance of the weight."""
+    and where it does not, from where the vehicle creeps to. A wheelset that hunts creeps nowhere: then it is the design
+    position again. Raises SimulationError beyond a tolerance of the weight."""
     law.look_near(law.start)
     guess = steady.lower_on_rails(law, *design_state(law))
     if law.track.curvature(law.start) == 0.0:
         with suppress(SimulationError):
             return steady.steady_state(law, guess)
-    near = steady.relaxed_state(law, guess)
-    return steady.steady_state(law, (near.q, near.q_t), tolerance=tolerance)
+    with suppress(SimulationError):
+        near = steady.relaxed_state(law, guess)
+        return steady.steady_state(law, (near.q, near.q_t), tolerance=tolerance)
+    return steady.steady_state(law, guess, tolerance=tolerance)
 
 
 def _come_along(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float) -> steady.Equilibrium:
