@@ -175,7 +175,7 @@ class RadiusTable:
             spline = CubicSpline(own, values[stretch], bc_type="periodic" if closed else "clamped")
             found[inside] = spline(at[inside])
         if self.shortest > 0.0:
-            wave = np.fft.rfftfreq(angle.size, TURN / angle.size / TURN) * self.shortest / (TURN * radius)
+            wave = np.arange(angle.size // 2 + 1) * self.shortest / (TURN * radius)
             found = np.fft.irfft(np.fft.rfft(found, axis=0) * 0.5 ** (wave**2)[:, None], angle.size, axis=0)
         return -found
 
