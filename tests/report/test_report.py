@@ -334,6 +334,27 @@ def test_cards_of_wheelsets_fit_a_phone(chromium: Browser, curve: Result, tmp_pa
     assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
 
 
+def test_paper_has_pictures_of_the_height_of_their_pages_and_the_screen_keeps_its_own(
+    chromium: Browser, page: str, tmp_path: Path
+) -> None:
+    """Pages begin where the layout says; between two of them lie at most the 259 mm between the margins of A4."""
+    file = tmp_path / "report.html"
+    file.write_text(page)
+    chromium.open(file)
+    inline = "return [...document.querySelectorAll('figure img')].filter((img) => img.style.height).length"
+    assert chromium.run(inline) == 0
+    chromium.run("dispatchEvent(new Event('beforeprint'))")
+    heights = chromium.run(
+        "return [...document.querySelectorAll('figure img')].map((img) => parseFloat(img.style.height) * 25.4 / 96)"
+    )
+    assert len(heights) > 6 and all(0.0 < height <= 259.0 for height in heights if height is not None)
+    tops = chromium.run("return document.querySelectorAll('.page-top').length")
+    assert tops >= sum(filter(None, heights)) / 259.0 - 1.0
+    chromium.run("dispatchEvent(new Event('afterprint'))")
+    assert chromium.run(inline) == 0 and chromium.run("return document.querySelectorAll('.page-top').length") == 0
+    assert chromium.complaints() == []
+
+
 @pytest.mark.usefixtures("unpainted")
 def test_texts_of_users_run_nothing(chromium: Browser, curve: Result, tmp_path: Path) -> None:
     evil = replace(curve, dataset=curve.dataset.assign_attrs(title=EVIL, scenario_text=EVIL))
