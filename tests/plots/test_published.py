@@ -2,13 +2,16 @@
 
 import io
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.collections import QuadMesh
+from matplotlib.text import Text
 from support import synthetic_result
 
+from wrsim import load, run
 from wrsim.errors import InputError
 from wrsim.plots import patch_gallery, section_gallery, standard_figures
 from wrsim.plots.drawing import save_all
@@ -16,13 +19,18 @@ from wrsim.plots.histories import channels_figure, wheelsets_figure
 from wrsim.plots.marks import broken
 from wrsim.plots.stability import stability_figures
 from wrsim.plots.static import static_figure
-from wrsim.plots.theme import LOOK, STOP_COLOUR, look_of
+from wrsim.plots.theme import LOOK, STOP_COLOUR, look_of, style
 from wrsim.results import Result
 
 
 @pytest.fixture(scope="module")
 def one() -> xr.Dataset:
     return Result(synthetic_result.curve_run(samples=120)).wheelset()
+
+
+@pytest.fixture(scope="module")
+def conicity() -> Result:
+    return run(load(Path(__file__).parents[2] / "scenarios/conicity_s1002.toml"))
 
 
 @pytest.fixture(scope="module")
@@ -142,16 +150,64 @@ def test_pictures_have_the_width_the_font_and_the_kinds_that_are_chosen(one, tmp
     assert [file.suffix for file in files] == [".png", ".pdf", ".svg"]
     assert files[1].read_bytes().startswith(b"%PDF") and b"<svg" in files[2].read_bytes()
     assert figure.get_size_inches()[0] == pytest.approx(85.0 / 25.4)
-    assert figure.axes[0].yaxis.label.get_fontfamily() == ["DejaVu Serif"]
+    assert figure.axes[0].yaxis.label.get_fontfamily() == ["DejaVu Serif", "DejaVu Sans"]
     assert len(figure.axes) > 5 and figure.axes[0].get_position().width > 0.5  # one column: too narrow for two
 
 
+def drawn_texts(figure) -> list:
+    """All words of a picture that are drawn: ticks beyond the ends of an axis are not."""
+    ticks, drawn = set(), set()
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            ticks |= {id(t) for tick in axis.get_major_ticks() for t in (tick.label1, tick.label2)}
+            drawn |= {id(t) for tick in axis._update_ticks() for t in (tick.label1, tick.label2)}
+    texts = figure.findobj(lambda a: isinstance(a, Text) and a.get_visible() and bool(a.get_text().strip()))
+    return [t for t in texts if id(t) not in ticks or id(t) in drawn]
+
+
 @pytest.mark.parametrize(
-    "chosen", [{"formats": "gif"}, {"font": "No Such Font"}, {"style": "ggplott"}, {"style": "BAD"}], ids=str
+    ("width", "look"),
+    [(80.0, {}), (80.0, {"font": "DejaVu Sans Mono"}), (125.0, {"style": "big"}), (180.0, {"style": "ggplot"})],
+    ids=str,
+)
+def test_no_word_is_cut_off_whatever_the_width_the_style_and_the_font(
+    one, conicity, width, look, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "big").write_text("font.size: 20\naxes.labelsize: 30\nfigure.figsize: 1, 1\nsavefig.bbox: tight")
+    token = LOOK.set(look_of(width=width, **look))
+    try:
+        cycles = stability(["cycle"]).assign_attrs(critical_note="stable at all speeds, " * 8)
+        makers = stability_figures(cycles) | standard_figures(conicity.dataset) | standard_figures(one)
+        for name, make in makers.items():
+            figure = make()
+            figure.set_dpi(220)
+            with style():
+                figure.canvas.draw()
+            for text in drawn_texts(figure):
+                box = text.get_window_extent()
+                outside = max(-box.x0, -box.y0, box.x1 - figure.bbox.width, box.y1 - figure.bbox.height)
+                assert outside <= 2.0, (name, text.get_text(), outside)
+    finally:
+        LOOK.reset(token)
+
+
+@pytest.mark.parametrize(
+    "chosen",
+    [
+        {"formats": "gif"},
+        {"style": "dark_background"},
+        {"font": "No Such Font"},
+        {"style": "ggplott"},
+        {"style": "BAD"},
+    ],
+    ids=str,
 )
 def test_what_pictures_cannot_be_is_refused(chosen, tmp_path) -> None:
     (tmp_path / "bad").write_text("lines.linewidht: 3")
-    with pytest.raises(InputError, match=r"none of png|is not here|did you mean 'ggplot'|line 1.*lines\.linewidth"):
+    with pytest.raises(
+        InputError, match=r"none of png|a dark ground|is not here|did you mean 'ggplot'|line 1.*lines\.linewidth"
+    ):
         look_of(**{key: str(tmp_path / "bad") if value == "BAD" else value for key, value in chosen.items()})
 
 

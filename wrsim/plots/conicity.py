@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wrsim.plots.marks import broken, minus, note, panels, remark
-from wrsim.plots.theme import INK, QUIET, WHEEL_COLOUR, pressure_map, shown
+from wrsim.plots.theme import INK, QUIET, TWO_COLUMNS, WHEEL_COLOUR, full_width, pressure_map, shown
 from wrsim.results import CHANNELS
 from wrsim.results.conicity import ConicityMap, steering_summary
 from wrsim.results.table import formatted, quantity
@@ -82,7 +82,8 @@ def contact_points(axes: Axes, dataset: xr.Dataset) -> None:
             label = f"{wheel} {name.removeprefix('u_')}"
             axes.plot(*points, color=WHEEL_COLOUR[str(wheel)], linestyle=line, label=label)
     axes.set(xlabel=CHANNELS["lateral_shift"].label, ylabel="Contact point, outward u [mm]")
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=4, fontsize=6.5, handlelength=1.6)
+    across = 4 if full_width() >= TWO_COLUMNS else 2
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=across, fontsize=6.5, handlelength=1.6)
 
 
 def angles(axes: Axes, dataset: xr.Dataset) -> None:

@@ -42,8 +42,8 @@ HEAD, FOOT, GAP, LEFT, RIGHT, LABEL = 10.0, 17.0, 3.4, 19.0, 14.5, 11.2
 """Room over, beneath and between panels, beside them, and distance of their labels, mm."""
 LETTERS, LINE = 115, 4.2
 """Letters in a line of the legend of a picture of 170 mm, counting seven for the look of each entry, its height, mm."""
-MANY, TWO_COLUMNS = 4, 130.0
-"""From so many panels on they have two columns, in pictures that are so wide [mm]."""
+MANY = 4
+"""From so many panels on they have two columns."""
 OWN_PLACE, ORIGIN = "of each wheelset", "of the vehicle's origin"
 Panel = Callable[[Axes, xr.Dataset], object]
 
@@ -178,7 +178,7 @@ def stacked(
         figure.text(0.5, 0.2, "No samples to draw.", ha="center", color=theme.QUIET)
         return figure
     across = theme.full_width()
-    columns = 2 if len(panels) >= MANY and across >= TWO_COLUMNS else 1
+    columns = 2 if len(panels) >= MANY and across >= theme.TWO_COLUMNS else 1
     gap = GAP + (2.6 if titled else 0.0)
     cells = [panels[i : i + columns] for i in range(0, len(panels), columns)]
     heights = [panel_height_mm - gap] * len(cells)
@@ -190,8 +190,7 @@ def stacked(
     if count := dataset.sizes.get("snapshot", 0):
         letters = snapshot_letter(0) + (f" to {snapshot_letter(count - 1)}" if count > 1 else "")
         legend.append(Line2D([], [], label=f"{letters}: see patches, sections", **(SNAPSHOT | {"linewidth": 0.8})))
-    words = sum(7 + len(str(e.get_label())) for e in legend)
-    lines = max(ceil(words / (LETTERS * across / 170.0)), 1 if len(legend) <= 5 else 2)
+    lines = _legend_lines([7 + len(str(e.get_label())) for e in legend], LETTERS * across / 170.0)
     total = top + sum(heights) + gap * (len(cells) - 1) + FOOT + LINE * (lines - 1)
     figure = theme.new_figure(across, total, constrained=False)
     theme.headline(figure, title, note)
@@ -217,6 +216,15 @@ def stacked(
     if legend:
         marks.legend_beneath(figure, legend, ceil(len(legend) / lines))
     return figure
+
+
+def _legend_lines(letters: Sequence[int], most: float) -> int:
+    """Lines of a legend of entries of so many letters, whose columns have at most so many together, at most five."""
+    for lines in range(1, len(letters) + 1):
+        columns = ceil(len(letters) / lines)
+        if columns <= 5 and sum(part.max() for part in np.array_split(letters, columns)) <= most:
+            return lines
+    return max(len(letters), 1)
 
 
 def overview_figure(dataset: xr.Dataset) -> Figure:

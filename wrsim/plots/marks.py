@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 
 from wrsim.plots.theme import (
     LINE,
+    MM,
     QUIET,
     STOP_COLOUR,
+    TWO_COLUMNS,
     WHEEL_COLOUR,
     abscissa,
     full_width,
@@ -47,8 +49,9 @@ def note_above(axes: Axes, text: str, x: float, lift: float = 1.5) -> None:
 
 
 def remark(axes: Axes, words: str) -> None:
-    """How to read the axes, small above them."""
-    axes.set_title(words, fontsize=6.5, color=QUIET, pad=2.0)
+    """How to read the axes, small above them, in as many lines as it needs there."""
+    across = axes.get_window_extent().width / axes.figure.dpi / MM
+    axes.set_title(wrapped(words, across, 6.5), fontsize=6.5, color=QUIET, pad=2.0)
 
 
 @style()
@@ -65,9 +68,11 @@ def panels(
 ) -> Figure:
     """A figure of so many mm height under a title (and, in red, a note), with a panel for each function, row by row.
     share: panels share their horizontal axis, which only the lowest name; legend: entries beneath all panels, in so
-    many columns ``across``; None: those of the first panel."""
-    figure = new_figure(full_width(), height)
-    rows, drawn = ceil(len(draws) / columns), list[Axes]()
+    many columns ``across``; None: those of the first panel. Narrow figures have half the columns."""
+    narrow = max(columns // 2, 1) if full_width() < TWO_COLUMNS else columns
+    rows, drawn = ceil(len(draws) / narrow), list[Axes]()
+    figure = new_figure(full_width(), height * rows / ceil(len(draws) / columns))
+    columns = narrow
     for i, draw in enumerate(draws):
         axes = figure.add_subplot(rows, columns, i + 1, sharex=drawn[0] if share and drawn else None)
         drawn.append(axes)
@@ -88,13 +93,20 @@ def panels(
 def large_and_small(
     title: str, large: Callable[[Axes], object], small: Sequence[Callable[[Axes], object]], height: float, width: float
 ) -> Figure:
-    """A figure of so many mm height: a large panel, so many times as wide as small ones to its right with one axis."""
-    figure = new_figure(full_width(), height)
-    figure.suptitle(title, x=0.012, ha="left", fontsize=8.0)
-    grid = figure.add_gridspec(len(small), 2, width_ratios=(width, 1.0))
-    large(figure.add_subplot(grid[:, 0]))
+    """A figure of so many mm height: a large panel, so many times as wide as small ones to its right with one axis, or,
+    twice as high, above them in narrow figures."""
+    narrow = full_width() < TWO_COLUMNS
+    figure = new_figure(full_width(), height * (2.0 if narrow else 1.0))
+    figure.suptitle(wrapped(title, 0.97 * full_width(), 8.0), x=0.012, ha="left", fontsize=8.0)
+    if narrow:
+        grid = figure.add_gridspec(2 * len(small), 1)
+        places = [grid[: len(small), 0], *(grid[len(small) + i, 0] for i in range(len(small)))]
+    else:
+        grid = figure.add_gridspec(len(small), 2, width_ratios=(width, 1.0))
+        places = [grid[:, 0], *(grid[i, 1] for i in range(len(small)))]
+    large(figure.add_subplot(places[0]))
     for i, draw in enumerate(small):
-        axes = figure.add_subplot(grid[i, 1], sharex=figure.axes[-1] if i else None)
+        axes = figure.add_subplot(places[1 + i], sharex=figure.axes[-1] if i else None)
         draw(axes)
         if i + 1 < len(small):
             axes.set_xlabel("")
@@ -102,11 +114,13 @@ def large_and_small(
     return figure
 
 
-def legend_beneath(figure: Figure, entries: Sequence[Artist], columns: int) -> None:
+def legend_beneath(
+    figure: Figure, entries: Sequence[Artist], columns: int, side: str = "center", **options: Any
+) -> None:
     """One legend beneath all panels, in so many columns, or in as many as the figure is wide enough for."""
-    loc: Any = "lower center" if figure.get_layout_engine() is None else "outside lower center"
+    loc: Any = f"lower {side}" if figure.get_layout_engine() is None else f"outside lower {side}"
     for ncols in range(columns, 0, -1):
-        legend = figure.legend(handles=list(entries), loc=loc, ncols=ncols)
+        legend = figure.legend(handles=list(entries), loc=loc, ncols=ncols, **options)
         if ncols == 1 or legend.get_window_extent().width <= figure.bbox.width:
             return
         legend.remove()
@@ -118,10 +132,11 @@ def minus(words: str) -> str:
 
 
 def few_ticks(axes: Axes, most: int, size: float, pad: float = 1.5) -> None:
-    """At most so many round ticks on both axes, with small numbers."""
+    """At most so many round ticks on both axes, with small numbers, upwards no more than the panel has lines for."""
     axes.tick_params(labelsize=size, pad=pad)
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10]))
+    lines = 72.0 * axes.get_window_extent().height / axes.figure.dpi / (1.6 * size)
+    for axis, count in ((axes.xaxis, most), (axes.yaxis, max(1, min(most, int(lines))))):
+        axis.set_major_locator(MaxNLocator(count, steps=[1, 2, 5, 10], min_n_ticks=1))
 
 
 def right_axis(axes: Axes) -> Axes:

@@ -13,7 +13,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from wrsim.plots.marks import large_and_small, note, panels
+from wrsim.plots.marks import large_and_small, legend_beneath, note, panels
 from wrsim.plots.theme import INK, QUIET, SERIES_COLOURS, STOP_COLOUR, pressure_map, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.stability import summarise_stability
@@ -38,8 +38,7 @@ def modes_figure(dataset: xr.Dataset) -> Figure:
     """Root locus on the left; damping and frequency over speed on the right."""
     curves = [partial(over_speed, dataset=dataset, name=f"mode_{name}") for name in ("damping", "frequency")]
     figure = large_and_small(_title(dataset), partial(root_locus, dataset=dataset), curves, 118.0, 1.15)
-    named = figure.axes[-2].get_legend_handles_labels()
-    figure.legend(*named, loc="outside lower right", ncols=2, fontsize=6.5)
+    legend_beneath(figure, figure.axes[-2].get_legend_handles_labels()[0], 2, "right", fontsize=6.5)
     return figure
 
 

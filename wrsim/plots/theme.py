@@ -7,10 +7,12 @@ is blue and the right one vermilion in every picture.
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from textwrap import fill
 from typing import Any, Literal
@@ -22,8 +24,11 @@ import xarray as xr
 from matplotlib import font_manager
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import Colormap, LinearSegmentedColormap
+from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.text import Text
+from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
@@ -51,6 +56,7 @@ SERIES_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F0
 MM = 1.0 / 25.4  # inches in a millimetre
 KINDS = ("png", "svg", "pdf")
 NARROW, WIDE = 60.0, 500.0  # widths that pictures may have [mm]
+TWO_COLUMNS = 130.0  # width from which pictures have panels beside each other [mm]
 
 
 @dataclass(frozen=True)
@@ -63,11 +69,17 @@ class Look:
     settings: tuple[tuple[str, Any], ...] = ()
 
 
+LAID_OUT = re.compile(
+    r"(?!lines\.)(.*(size|pad|spacing|length|usetex|layout.*|title[xy])$)"
+    r"|(figure|savefig)\.(?!facecolor|edgecolor)|[xy]tick\.(alignment|label|top|right|direction)"
+)
+"""Settings of matplotlib that the pictures are laid out with: those of a style would clip their letters."""
+
 LOOK: ContextVar[Look] = ContextVar("look", default=Look())  # noqa: B039 (frozen)
 """Of the pictures that are drawn."""
 
 STYLE: Any = {
-    "font.family": "DejaVu Sans", "font.size": 7.5, "mathtext.fontset": "dejavusans",
+    "font.family": ["DejaVu Sans"], "font.size": 7.5, "mathtext.fontset": "dejavusans",
     "axes.titlesize": 7.5, "axes.titlelocation": "left", "axes.labelsize": 7.5, "axes.labelcolor": INK,
     "axes.edgecolor": INK, "axes.linewidth": 0.6, "axes.spines.top": False, "axes.spines.right": False,
     "axes.grid": True, "axes.axisbelow": True, "axes.unicode_minus": True,
@@ -89,7 +101,8 @@ def pressure_map() -> Colormap:
 
 def look_of(formats: str = "png", width: float | None = None, font: str = "", style: str = "") -> Look:
     """formats: kinds of files with commas between; width [mm]; font: the name of a family; style: a style file of
-    matplotlib or the name of one of its styles. Raises InputError for what there is not."""
+    matplotlib or the name of one of its styles: its colours, lines, grids and families of letters, not its sizes
+    (``LAID_OUT``). Raises InputError for what there is not."""
     kinds = tuple(dict.fromkeys(part.strip().lower() for part in formats.split(",")))
     if unknown := [kind for kind in kinds if kind not in KINDS]:
         raise InputError(f"--format {formats}: {unknown[0]!r} is none of {', '.join(KINDS)}")
@@ -106,7 +119,10 @@ def look_of(formats: str = "png", width: float | None = None, font: str = "", st
                     known = suggest(key, list(mpl.rcParams))
                     raise InputError(f"--style {style}, line {number}: matplotlib has no setting {key!r}{known}")
             found: Any = mpl.rc_params_from_file(style, True, False) if own else mpl.style.library[style]
-            settings |= found
+            settings |= {key: value for key, value in found.items() if not LAID_OUT.match(key)}
+            grounds = (settings.get(key, "white") for key in ("figure.facecolor", "axes.facecolor"))
+            if any(np.dot(to_rgb(ground), LUMA) < 0.5 for ground in grounds):
+                raise InputError(f"--style {style}: has a dark ground, and the letters of the pictures are dark")
         except (KeyError, ValueError, UnicodeError, OSError) as problem:
             why = str(problem).strip("' ").splitlines()
             raise InputError(f"--style {style}: is no style file of matplotlib: {why[0] if why else problem}") from None
@@ -115,7 +131,7 @@ def look_of(formats: str = "png", width: float | None = None, font: str = "", st
             font_manager.findfont(font, fallback_to_default=False)
         except ValueError:
             raise InputError(f"--font {font}: is not here{suggest(font, font_manager.get_font_names())}") from None
-        settings["font.family"] = font
+        settings["font.family"] = [font, *STYLE["font.family"]]  # for the letters that it lacks
     return Look(kinds, width or Look.width, tuple(settings.items()))
 
 
@@ -132,8 +148,31 @@ def style() -> Iterator[None]:
         yield
 
 
+LUMA = (0.2126, 0.7152, 0.0722)  # brightness of red, green and blue (ITU-R BT.709)
+SAMPLE = "Distance along the track [m], largest pressure 0123456789"
+
+
+@cache
+def _narrowing(family: str) -> float:
+    """Size of letters of a family over that of the pictures' own, so that words are no wider than they are laid out."""
+    fonts = (FontProperties(family=[name]) for name in (*STYLE["font.family"], family))
+    own, other = (TextPath((0.0, 0.0), SAMPLE, 100, prop=font).get_extents().width for font in fonts)
+    return min(1.0, 1.03 * float(own / max(other, 1e-9)))
+
+
 class Picture(Figure):
-    """A figure that notebooks show by themselves, without pyplot."""
+    """A figure that notebooks show by themselves, without pyplot. narrowing: of its letters, which all get once."""
+
+    narrowing = 1.0
+
+    def draw(self, renderer: Any) -> None:
+        if self.narrowing < 1.0:
+            for axes in self.axes:  # makes the ticks
+                axes.get_xticklabels(), axes.get_yticklabels()
+            for text in self.findobj(Text):
+                text.set_fontsize(self.narrowing * float(text.get_fontsize()))
+            self.narrowing = 1.0
+        super().draw(renderer)
 
     def _repr_png_(self) -> bytes:
         stream = io.BytesIO()
@@ -145,6 +184,7 @@ class Picture(Figure):
 def new_figure(width_mm: float, height_mm: float, *, constrained: bool = True) -> Figure:
     """Empty figure on an Agg canvas, of a size in mm."""
     figure = Picture(figsize=(width_mm * MM, height_mm * MM), layout="constrained" if constrained else None)
+    figure.narrowing = _narrowing(mpl.rcParams["font.family"][0])
     FigureCanvasAgg(figure)
     return figure
 

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from wrsim.plots.marks import large_and_small, panels
+from wrsim.plots.marks import large_and_small, legend_beneath, panels
 from wrsim.plots.theme import GROUP_LINE, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, WHEEL_COLOUR, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.summary import worst_worn
@@ -60,7 +60,7 @@ def fatigue_figure(dataset: xr.Dataset) -> Figure:
 
     small = [partial(draw, name=name) for name in passage]
     figure = large_and_small(dataset.attrs["title"], partial(shakedown_map, dataset=dataset), small, 100.0, 0.87)
-    figure.legend(handles=_legend([]), loc="outside lower center", ncols=2)
+    legend_beneath(figure, _legend([]), 2)
     return figure
 
 
