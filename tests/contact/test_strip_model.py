@@ -67,7 +67,7 @@ def test_primitive_of_the_influence_of_a_strip(xi, t):
                  0.5 * np.pi, points=[nearest], epsabs=1e-13, epsrel=1e-12, limit=400)[0]  # fmt: skip
     vectors = np.zeros((VECTORS, 1))
     vectors[[FROM, TO, INVERSE, PUSH, MIDDLE, NB], 0] = 0.0, t, 1.0, 1.0, 0.0, 1.0
-    found = pressed_at(influence_table(), vectors, 0, 1, 0.0, 0.0, xi, 3, 0.0, 1.0)
+    found = pressed_at(influence_table(), vectors, 0, 1, 0.0, 0.0, xi, 3, 0.0, 1.0, False)
     assert found.fore == pytest.approx(exact, rel=2e-5)
     assert found.aft == pytest.approx(found.fore, rel=1e-12)
 
@@ -81,7 +81,7 @@ def test_terms_of_the_derivatives_are_those_of_the_displacement(xi, t):
     find_terms(influence_table(), vectors, 0, 1, 0.0, xi, *terms)
     u, u_xi, turn, start, end = terms[:, 0]
     step = 1e-5
-    beside = pressed_at(influence_table(), vectors.copy(), 0, 1, 0.0, xi, step, 3, 0.0, 1.0)
+    beside = pressed_at(influence_table(), vectors.copy(), 0, 1, 0.0, xi, step, 3, 0.0, 1.0, False)
     assert u == pytest.approx(beside.middle, rel=1e-12)
     assert u_xi == pytest.approx((beside.fore - beside.aft) / (2.0 * step), rel=1e-4, abs=1e-6)
     assert (start, end) == pytest.approx((potential(xi, 0.3 * t), potential(xi, 1.2 * t)), rel=1e-4)

@@ -107,7 +107,8 @@ def creep_coefficients(poisson_ratio: float) -> Array:
 
 @cache
 def influence_table() -> Array:
-    """Coefficients of the cubic spline of PHI/t, see `core.contact.strips.influence`: (places of xi + 2, of t + 2).
+    """Coefficients of the cubic spline of PHI/t, see `core.contact.strips.influence`: (places of xi + 3, of t + 2), in
+    the last row for xi = 0.
 
     PHI is the integral of sqrt(1 - x^2) asinh(t/|x - xi|) over x; its pieces begin and end where that is singular.
     """
@@ -124,7 +125,8 @@ def influence_table() -> Array:
             x = lo + (hi - lo) * share
             weights = (hi - lo) * w * np.sqrt(1.0 - x * x)
             value[i] += weights @ np.arcsinh(t / np.maximum(np.abs(x - middle), 1e-300)[:, None])
-    return np.ascontiguousarray(_spline(_spline(value / t).T).T)
+    table = _spline(_spline(value / t).T).T
+    return np.vstack([table, (table[0] + 4.0 * table[1] + table[2]) / 6.0])
 
 
 def _at_octave(octave: Array) -> Array:

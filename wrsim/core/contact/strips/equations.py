@@ -114,11 +114,13 @@ def pressed(system, n, g, s, x, r, points, no, nb):
 
     no, nb: the normal there, (0, 1) where angles do not count.
     """
+    memo = system.memo[0]
     middle = fore = aft = 0.0
-    for h in range(system.memo[0].grids):
-        part = fading(system, h, g) / system.memo[0].stiffness
+    for h in range(memo.grids):
+        part = fading(system, h, g) / memo.stiffness
         if part > 0.0:
-            own = pressed_at(system.table, system.vectors, h * n, (h + 1) * n, s, x, r, points, no, nb)
+            aligned = not memo.shifted and h == g
+            own = pressed_at(system.table, system.vectors, h * n, (h + 1) * n, s, x, r, points, no, nb, aligned)
             middle, fore, aft = middle + part * own.middle, fore + part * own.fore, aft + part * own.aft
     return Displacements(middle, fore, aft)
 

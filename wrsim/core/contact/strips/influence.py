@@ -11,7 +11,7 @@ difference of two values of
 
 however wide it is, near or far. PHI/t is a cubic spline at equal steps of the octaves of t and of y + sqrt(y^2 + 1),
 y = SHARP (xi^2 - 1), which is fine beside the end of the line, xi = 1, where f bends within t.
-`wrsim.contact.tables` makes its coefficients.
+`wrsim.contact.tables` makes its coefficients; the last row has those of the spline at xi = 0.
 """
 
 from math import sqrt
@@ -20,6 +20,7 @@ from typing import NamedTuple
 from wrsim.core.contact.strips.records import FROM, INVERSE, LIFT, MIDDLE, NB, NO, PUSH, SIDE, TERMS, TO
 from wrsim.core.jit.arena import bits_of, number_of
 from wrsim.core.jit.compiling import filling, inlined, kernel
+from wrsim.core.jit.spline import difference, difference_in_row, spline, spline_by_u, spline_by_v
 
 LOWEST, HIGHEST, STEPS = -12, 12, 6
 """Octaves of t in the table, and steps in each; below the first t counts as its start."""
@@ -51,32 +52,6 @@ def _octave_rate(x):
     return (1.0 + z) * slope
 
 
-class Knot(NamedTuple):
-    """A place on one axis of the table: the first of the four coefficients that count there, their weights."""
-
-    i: int
-    a: float
-    b: float
-    c: float
-    d: float
-
-
-@inlined
-def _weights(i, z):
-    """Of cubic B-splines at the place z, 0 to 1, in a step."""
-    y = 1.0 - z
-    return Knot(
-        i, y * y * y / 6.0, 2.0 / 3.0 - 0.5 * z * z * (1.0 + y), 2.0 / 3.0 - 0.5 * y * y * (1.0 + z), z * z * z / 6.0
-    )
-
-
-@inlined
-def _slopes(i, z):
-    """Slopes of the weights by z."""
-    y = 1.0 - z
-    return Knot(i, -0.5 * y * y, z * (1.5 * z - 2.0), y * (2.0 - 1.5 * y), 0.5 * z * z)
-
-
 @inlined
 def _place_across(t):
     """Steps up to t."""
@@ -88,29 +63,6 @@ def _place_beside(xi):
     """Steps up to xi."""
     y = SHARP * (xi * xi - 1.0)
     return min(max((octave(y + sqrt(y * y + 1.0)) - INNER) * STEPS_BESIDE, 0.0), _MOST_XI)
-
-
-@inlined
-def _knot(u):
-    """A place on an axis, so many steps from its start."""
-    i = int(u)
-    return _weights(i, u - i)
-
-
-@inlined
-def _column(table, u, j):
-    """Sum of four coefficients in a column of the table, weighted along xi."""
-    i = u.i
-    return u.a * table[i, j] + u.b * table[i + 1, j] + u.c * table[i + 2, j] + u.d * table[i + 3, j]
-
-
-@inlined
-def _sum(table, u, v):
-    """Sum of the sixteen coefficients with these weights; u: by xi, v: by t. Four columns are summed side by side."""
-    j = v.i
-    a, b = _column(table, u, j), _column(table, u, j + 1)
-    c, d = _column(table, u, j + 2), _column(table, u, j + 3)
-    return (v.a * a + v.b * b) + (v.c * c + v.d * d)
 
 
 @filling
@@ -155,21 +107,23 @@ class Displacements(NamedTuple):
 
 
 @kernel
-def pressed_at(table, vectors, first, last, s, x, r, points, no, nb):
+def pressed_at(table, vectors, first, last, s, x, r, points, no, nb, aligned):
     """Displacements under strips that follow each other at (x, s), x + r and x - r, or the first ``points`` of these;
-    no, nb: the normal there.
+    no, nb: the normal there; aligned: x is the middle of all strips.
 
-    The places in the table are found for several strips at a time, its coefficients added up strip by strip.
+    The places in the table are found for several strips at a time.
     """
     low, high, beside, before, behind = (
         vectors[TERMS], vectors[TERMS + 1], vectors[TERMS + 2], vectors[TERMS + 3], vectors[TERMS + 4],
     )  # fmt: skip
     _find_ends(vectors, first, last, s, low, high)
-    _find_point(vectors, first, last, x, beside)
+    if not aligned:
+        _find_point(vectors, first, last, x, beside)
     if points > 1:
         _find_point(vectors, first, last, x + r, before)
     if points > 2:
         _find_point(vectors, first, last, x - r, behind)
+    in_middle = table[table.shape[0] - 1]
     middle = fore = aft = 0.0
     for j in range(first, last):
         push = vectors[PUSH, j] * vectors[INVERSE, j]
@@ -177,14 +131,14 @@ def pressed_at(table, vectors, first, last, s, x, r, points, no, nb):
             continue
         push *= facing(vectors, j, no, nb, s)
         lo, hi = (vectors[FROM, j] - s) * push, (vectors[TO, j] - s) * push
-        start, end, at = _knot(low[j]), _knot(high[j]), _knot(beside[j])
-        middle += hi * _sum(table, at, end) - lo * _sum(table, at, start)
+        if aligned:
+            middle += difference_in_row(in_middle, lo, low[j], hi, high[j])
+        else:
+            middle += difference(table, beside[j], lo, low[j], hi, high[j])
         if points > 1:
-            at = _knot(before[j])
-            fore += hi * _sum(table, at, end) - lo * _sum(table, at, start)
+            fore += difference(table, before[j], lo, low[j], hi, high[j])
         if points > 2:
-            at = _knot(behind[j])
-            aft += hi * _sum(table, at, end) - lo * _sum(table, at, start)
+            aft += difference(table, behind[j], lo, low[j], hi, high[j])
     return Displacements(middle, fore, aft)
 
 
@@ -197,19 +151,15 @@ def find_terms(table, vectors, first, last, s, x, p, p_xi, turn, f0, f1):
     for j in range(first, last):
         inverse = vectors[INVERSE, j]
         xi = (x - vectors[MIDDLE, j]) * inverse
-        k = _place_beside(xi)
-        i = int(k)
-        beside, by_xi = _weights(i, k - i), _slopes(i, k - i)
+        beside = _place_beside(xi)
         y = SHARP * (xi * xi - 1.0)
         root = sqrt(y * y + 1.0)
         rate = STEPS_BESIDE * _octave_rate(y + root) * 2.0 * SHARP * xi / root
         lo, hi = (vectors[FROM, j] - s) * inverse, (vectors[TO, j] - s) * inverse
         u, v = _place_across(lo), _place_across(hi)
-        m, n = int(u), int(v)
-        start, end = _weights(m, u - m), _weights(n, v - n)
-        low, high = _sum(table, beside, start), _sum(table, beside, end)
-        f0[j] = low + STEPS * _octave_rate(max(abs(lo), _LEAST_T)) * _sum(table, beside, _slopes(m, u - m))
-        f1[j] = high + STEPS * _octave_rate(max(abs(hi), _LEAST_T)) * _sum(table, beside, _slopes(n, v - n))
+        low, high = spline(table, beside, u), spline(table, beside, v)
+        f0[j] = low + STEPS * _octave_rate(max(abs(lo), _LEAST_T)) * spline_by_v(table, beside, u)
+        f1[j] = high + STEPS * _octave_rate(max(abs(hi), _LEAST_T)) * spline_by_v(table, beside, v)
         p[j] = hi * high - lo * low
-        p_xi[j] = rate * (hi * _sum(table, by_xi, end) - lo * _sum(table, by_xi, start))
+        p_xi[j] = rate * (hi * spline_by_u(table, beside, v) - lo * spline_by_u(table, beside, u))
         turn[j] = hi * f1[j] - lo * f0[j]

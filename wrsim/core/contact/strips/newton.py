@@ -1,5 +1,8 @@
 """Newton's method for all unknowns of the strip model at once, with an inverse of the Jacobian that is kept.
 
+A contact that follows another one starts from the step that the moved ground asks for (an Euler predictor: Allgower and
+Georg, Numerical Continuation Methods, 1990, chapter 2).
+
 The inverse serves from call to call as long as it brings the residual down; updates of rank one by Broyden keep it
 young.
 What changes the equations (strips that leave and enter, edges that come to their bounds and go) needs a new one.
@@ -10,11 +13,14 @@ from math import sqrt
 from wrsim.core.contact.strips.changes import ENTRY, enter, leave, trim
 from wrsim.core.contact.strips.derivatives import jacobian
 from wrsim.core.contact.strips.equations import (
+    REACH,
     block_of,
+    edge_wish,
     lay_strips,
     residuals,
 )
 from wrsim.core.contact.strips.records import (
+    EDGES,
     LAST,
     NEXT,
     OF_A_STRIP,
@@ -55,6 +61,8 @@ def newton(system, n, tolerance):
     _set_scale(system, n)
     last = 1e9
     looked = whole = False  # whole: the last step was one by the kept inverse, of full length
+    if memo.inverted:
+        _predict(system, n)
     residual = residuals(system, n, False)
     for _ in range(STEPS):
         if residual < NEAR and not looked:
@@ -100,6 +108,40 @@ def newton(system, n, tolerance):
                 min(residual / last, 1.0), KEPT_RATE * memo.rate if memo.rate < 1.0 else LEAST_RATE, LEAST_RATE
             )
     return False
+
+
+@kernel
+def _predict(system, n):
+    """Take the step that the ground asks for which has moved since the last contact, as if strips pressed it down as
+    they did: the displacements were the gaps then."""
+    memo, places, vectors = system.memo[0], system.places, system.vectors
+    f, block = vectors[F], block_of(n)
+    for g in range(memo.grids):
+        for j in range(n if system.grids[g].on else 0):
+            place = places[g * n + j]
+            f[g * block + j], f[g * block + n + j] = place.d, place.bend
+    lay_strips(system, n)
+    for g in range(memo.grids):
+        grid, base = system.grids[g], g * block
+        if not grid.on:
+            continue
+        for j in range(n):
+            place = places[g * n + j]
+            bend = (place.bend - f[base + n + j]) / memo.deepest if place.y > 0.0 else 0.0
+            r = REACH * sqrt(place.y)
+            f[base + j] = (f[base + j] - place.d) / memo.deepest if place.y > 0.0 else 0.0
+            f[base + j] += 0.5 * bend * place.off * place.off
+            f[base + n + j] = -0.5 * bend * r * r
+            f[base + 2 * n + j] = 2.0 * bend * r * place.off
+        for side in range(EDGES):
+            f[base + OF_A_STRIP * n + side] = edge_wish(places, g * n, n, side)
+    _multiply_inverse(system)
+    _scatter(system, memo.grids * block)
+    if _longest_step(system, n) < 1.0:
+        return
+    changed, _whole = _advance(system, n, False, 1.0, False)
+    if changed:
+        memo.inverted = 0
 
 
 @kernel
