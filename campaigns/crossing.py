@@ -47,7 +47,8 @@ LEADING = 10.78  # of the coach's leading wheelset ahead of its origin [m]
 BEGIN, END = -0.53, 1.0  # of it that is laid [m]
 PLAIN, LEAD = -0.757, -2.2  # place of its last plain section, and where that stands before a lead-in [m]
 BEFORE, AFTER = 2.4, 1.1  # way of the leading wheelset to its origin and behind it [m]
-ELASTIC = {  # of the order of 60E1 on concrete sleepers and ballast, see docs/user/track.md
+ELASTIC = {
+    "kind": "moving mass",  # of the order of 60E1 on concrete sleepers and ballast, see docs/user/track.md
     "lateral_stiffness_MN_per_m": 25, "vertical_stiffness_MN_per_m": 50,
     "lateral_damping_kNs_per_m": 40, "vertical_damping_kNs_per_m": 60,
     "lateral_mass_kg": 120, "vertical_mass_kg": 160,
@@ -72,7 +73,7 @@ def ride(table: Path, speed: float, step_us: int, elastic: bool) -> Result:
         "output.patches_at_m": [],
     }
     if elastic:
-        values["track.elasticity"] = ELASTIC
+        values["track.structure"] = ELASTIC
     return run(load(ROOT / "scenarios" / "manchester_r300.toml").with_values(values))
 
 

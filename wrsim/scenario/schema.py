@@ -48,8 +48,11 @@ class ScenarioSpec(Section, header="a scenario"):
             yield Fault(("track", "gauge_between"), f'may be "origins" with {_where("origins")} only')
         if "conical" in contact and not (analysis and analysis.conical):
             yield Fault(("contact", "conical"), f"is for {_where('conical')} only")
-        if "conical" in contact and "elasticity" in track:
-            yield Fault(("track", "elasticity"), "has no place beside [contact.conical], whose rails are rigid")
+        if "conical" in contact and "structure" in track:
+            yield Fault(("track", "structure"), "has no place beside [contact.conical], whose rails are rigid")
+        structure = track.get("structure")
+        if isinstance(structure, dict) and structure.get("kind") == "sleepers":
+            yield from _of_sleepers(own, raw, contact)
         if analysis is not None:
             yield from _of_tables(analysis, raw)
             yield from _of_vehicle_and_track(analysis, raw, vehicle, track)
@@ -57,6 +60,18 @@ class ScenarioSpec(Section, header="a scenario"):
 
 def _where(ability: str) -> str:
     return " or ".join(f'analysis = "{a.name}"' for a in ANALYSES.values() if getattr(a, ability))
+
+
+def _of_sleepers(analysis: Any, raw: dict[str, Any], contact: dict[str, Any]) -> Iterator[Fault]:
+    """What rails on sleepers do not go with: they have a state of their own, which implicit steps of a run move on."""
+    run = raw.get("run")
+    if isinstance(analysis, str) and analysis in ANALYSES and not ANALYSES[analysis].moves:
+        runs = " or ".join(f'"{a.name}"' for a in ANALYSES.values() if a.moves)
+        yield Fault(("track", "structure", "kind"), f'may be "sleepers" with analysis = {runs} only')
+    if contact.get("normal") == "half-space":
+        yield Fault(("contact", "normal"), 'cannot be "half-space" on sleepers: the fast models only')
+    if isinstance(run, dict) and run.get("integrator") == "rk44":
+        yield Fault(("run", "integrator"), 'cannot be "rk44" on sleepers, which need implicit steps')
 
 
 def _of_tables(analysis: Analysis, raw: dict[str, Any]) -> Iterator[Fault]:

@@ -92,6 +92,10 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
         file = scenario.find((*key, "file"), entry.file) if isinstance(entry, TableSection) else Path()
         with scenario.faults_at(key):
             uneven += entry.disturbances(law.curvature.end, file)
+    structure = None
+    if section.structure is not None:
+        with scenario.faults_at(("track", "structure")):
+            structure = section.structure.to_geometry()
     with scenario.faults_at(("track",)):
         offsets = [(0.0, 0.0)] * 2  # of the profiles' origins, from half the gauge and from the track's plane
         if section.gauge_between == "gauge points":
@@ -106,7 +110,7 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
             right_offset=offsets[1],
             cant_base=section.cant_base,
             step=section.row_distance_m,
-            elasticity=None if section.elasticity is None else section.elasticity.to_geometry(),
+            elasticity=structure,
         )
 
 

@@ -49,6 +49,8 @@ class ForceLaw:
     """
 
     units = 1
+    explicit = True
+    """Whether explicit methods may integrate it."""
     dampers = positions = rails = 0
     sliders: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
 
@@ -72,6 +74,13 @@ class ForceLaw:
             yield
         finally:
             self.follow(False)
+
+    def begin_step(self, step: float, q: Array, q_t: Array, q_tt: Array) -> None:
+        """Called ahead of an implicit step [s], with the solver's own first guess of its end, which it may change."""
+
+    def end_step(self, q: Array, q_t: Array) -> None:
+        """Called after an implicit step with the state at its end, of which it may write rates that are not
+        integrated."""
 
     def stuck(self) -> AbstractContextManager[None]:
         """While this lasts, no slider slips."""

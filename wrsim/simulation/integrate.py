@@ -304,18 +304,19 @@ class Integration:
         """Take one implicit step that has failed in parts, at last by RK44; raises what the law raises there.
 
         Newton's method fails where a contact begins or ends within the step and the force jumps, or where an iteration
-        leads to a state without forces. Explicit steps take any jump.
+        leads to a state without forces. Explicit steps take any jump; where the law has none the last parts are
+        implicit.
         """
         system, state = self.system, self.system.forces.get_state()
         for parts in (*PARTS, EXPLICIT_PARTS):
-            explicit = parts == EXPLICIT_PARTS
+            explicit = parts == EXPLICIT_PARTS and system.forces.explicit
             try:
                 system.solve(
                     self._q, self._q_t, self._time(self._last), self.step / parts, parts, lambda t: True,
                     integrator="rk44" if explicit else "generalised-alpha", tolerance=LOOSE * parts * self._tolerance,
                 )  # fmt: skip
             except SimulationError:
-                if explicit:
+                if parts == EXPLICIT_PARTS:
                     raise
                 system.forces.set_state(state)
             else:

@@ -21,8 +21,10 @@ from wrsim.core.body.kinematics import is_near
 from wrsim.core.jit.compiling import use_threads
 from wrsim.core.jit.stages import make_ready
 from wrsim.errors import SimulationError
+from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.force_law import Array, Block, Groups, all_on_all, groups_in_a_row
+from wrsim.simulation.rails import RailsOnSleepers
 from wrsim.simulation.vehicle_arrays import (
     RAIL_COORDINATES,
     Layout,
@@ -80,8 +82,8 @@ class VehicleOnTrack(Layout):
         arrays lie ahead of the law's in ``whole``.
         """
         drive = drive or vehicle.drive
-        self.elastic = track.elasticity if contacts else None
-        super().__init__(vehicle, track, self.elastic is not None)
+        elasticity = track.elasticity if contacts else None
+        super().__init__(vehicle, track, elasticity is not None)
         self.speed, self.start, self.drive = speed, start, drive
         self.profile = profile or SpeedProfile.constant(speed)
         use_threads(threads)
@@ -117,6 +119,15 @@ class VehicleOnTrack(Layout):
             placed_on_rails(mounted.wheelset, pair, track)
             for mounted, pair in zip(vehicle.wheelsets, zip(placed[::2], placed[1::2], strict=True), strict=False)
         )
+        self.on_sleepers: RailsOnSleepers | None = None
+        """Rails on sleepers, if they lie on any; else elastic ones are pieces that move along."""
+        if isinstance(elasticity, SleeperTrack):
+            places = np.repeat([start + mounted.x for mounted in vehicle.wheelsets], 2)
+            memory = self.workspace.buffer, self.workspace.index[first:]
+            self.on_sleepers = RailsOnSleepers(track, memory, self._records_of_wheels, places, vehicle.weight)
+            elasticity, self.explicit = self.on_sleepers.static, False
+        self.elastic = elasticity
+        """Springs and masses of the rails under the wheels, of those on sleepers at the start."""
         self._state, self._evaluated = np.zeros((2, self.size)), np.nan
         """Coordinates and rates that the contacts belong to, and their time, nan where unknown."""
         self._blocks: list[Block] = []
@@ -247,15 +258,28 @@ class VehicleOnTrack(Layout):
 
     def memory(self) -> list[NDArray[Any]]:
         """See ``ForceLaw``: places on the track, and contacts."""
-        return self._found_at + [view for wheels in self.wheels for w in wheels for view in w.model.arrays.kept()]
+        found = self._found_at + [view for wheels in self.wheels for w in wheels for view in w.model.arrays.kept()]
+        return found if self.on_sleepers is None else found + self.on_sleepers.memory()
 
     def set_state(self, state: Array) -> None:
         """See ``ForceLaw``. Inverses of the contacts are dropped, for they are no part of the state."""
         self._evaluated = np.nan
         super().set_state(state)
+        if self.on_sleepers is not None:
+            self.on_sleepers.resume()
         for wheels in self.wheels:
             for wheel in wheels:
                 wheel.model.arrays.rows.memo["inverted"] = 0
+
+    def begin_step(self, step: float, q: Array, q_t: Array, q_tt: Array) -> None:
+        if self.on_sleepers is not None:
+            rails = slice(self.size - self.rails, self.size)
+            self.on_sleepers.begin(step, q[rails], q_t[rails], q_tt[rails])
+            self._evaluated = np.nan
+
+    def end_step(self, q: Array, q_t: Array) -> None:
+        if self.on_sleepers is not None:
+            self.on_sleepers.end(q[self.size - self.rails :], q_t[self.size - self.rails :])
 
     @contextmanager
     def settled(self, slips: Array | None = None) -> Iterator[None]:

@@ -187,12 +187,16 @@ class BodySystem:
     def _pre_newton(self, t: float, iteration: int, repetition: int) -> None:
         if self._newton is not None:
             self._newton.begin_iteration(iteration)
+            if iteration == 0:
+                self.forces.begin_step(self._clock[1], self.q, self.q_t, self.q_tt)
 
     def _post_step(self, t: float) -> bool:
         start, step, before = self._clock
         self._done = round(t / step)
         if self._newton is not None:
             self._newton.end_step()
+            if self._done:
+                self.forces.end_step(self.q, self.q_t)
         self._going = self._after_step(start + (before + self._done) * step)
         return self._going and self._done < self._last
 

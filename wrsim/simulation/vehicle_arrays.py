@@ -18,7 +18,8 @@ from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.body.suspension import ELEMENT
 from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
 from wrsim.core.frames import BODY
-from wrsim.geometry.track.track import Track
+from wrsim.geometry.track.sleepers import SleeperTrack
+from wrsim.geometry.track.track import RailElasticity, Track
 from wrsim.simulation.bodies import bodies_of, inertia_table
 from wrsim.simulation.force_law import Array, ForceLaw
 from wrsim.vehicle.bogies import holders_of
@@ -193,8 +194,10 @@ def _whole(layout: Layout, drive: Drive, gravity: float, turns: int) -> NDArray[
     own.guide_ahead = vehicle.guide_ahead
     own.rails, own.turns = -1, turns
     e = track.elasticity
-    if layout.rails and e is not None:
+    if layout.rails:
         own.rails = layout.size - layout.rails
+        own.sleepers = isinstance(e, SleeperTrack)
+    if isinstance(e, RailElasticity):
         own.rail_n, own.rail_b = zip(e.mass, e.stiffness, e.damping, strict=True)
     if vehicle.slip_control is not None:
         own.slip_speed, own.slip_creepage = vehicle.slip_control.speed, vehicle.slip_control.creepage

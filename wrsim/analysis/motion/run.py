@@ -29,6 +29,7 @@ from wrsim.core.jit.stages import ARGUMENTS
 from wrsim.core.track import path as path_kernels
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.segments import Straight
+from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.register import ANALYSES
 from wrsim.results import Result
 from wrsim.results.run_file import run_header
@@ -178,6 +179,8 @@ def stepper(scenario: Scenario, step: float = BENCH_STEP, iterations: int = BENC
         raise scenario.fault(("analysis",), "only runs along the track can be taken step by step")
     if setup.contact.fast() != setup.contact:
         raise scenario.fault(("contact", "normal"), "takes seconds a step; step by step only with the fast models")
+    if isinstance(setup.track.elasticity, SleeperTrack):
+        raise scenario.fault(("track", "structure", "kind"), 'cannot be "sleepers" step by step')
     law = force_law(replace(setup, vehicle=with_torques(setup.vehicle), threads=1), stepped=True)
     try:
         return Stepper(law, *start_state(setup, law), step, iterations)
@@ -213,7 +216,7 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
     if plan.step:
         return plan.step
     fastest = plan.speeds[1]
-    step = steps.implicit_step(fastest, plan.output_interval)
+    step = steps.implicit_step(fastest, plan.output_interval, isinstance(setup.track.elasticity, SleeperTrack))
     places = [[own.distance for own in surface.sections] for surface in setup.surfaces if surface is not None]
     gaps = np.concatenate([np.zeros(0), *map(np.diff, places)]).tolist()
     # sections that follow each other closely show how fast the rail changes

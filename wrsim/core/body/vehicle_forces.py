@@ -16,13 +16,15 @@ wheelset after wheelset. The coordinates are, in this order:
   while the body's spin is the mean of both and takes their sum. Without stiffness and damping the wheels are
   independent. The spin counts about the axle itself, heading_t sin(roll) and all, so that nothing is left out; also
   gyroscopic moments know the sum alone;
-- on elastic rails the displacements of a piece of rail under every wheel, moving along with it: left rail along n and
-  b, right rail along n and b, wheelset after wheelset. Each follows
+- on elastic rails the displacements of the rail under every wheel, moving along with it: left rail along n and b, right
+  rail along n and b, wheelset after wheelset. The wheel meets the rail where it has moved to, with the velocity that is
+  left between them. Either a piece of rail moves along,
 
       m u_tt + c u_t + k u = force of the wheel on the rail along n or b,
 
-  written with a mass of 1 (its "force" is the acceleration). The wheel meets the rail where it has moved to, with the
-  velocity that is left between them. The pieces of two wheels do not act on each other.
+  written with a mass of 1 (its "force" is the acceleration), and the pieces of two wheels do not act on each other. Or
+  it lies on sleepers, and its "force" leads to the displacement that ``core.body.sleepers`` foretells for the wheel's
+  force at the end of the step.
 
 Two frames follow the last body, and behind these the axle boxes; springs may be fixed to all of them. The track frame
 follows the centre line at the run's speed (`motion_at`): it is evaluated, not integrated. The guide frame is the bogie
@@ -55,12 +57,12 @@ RAIL = record("mass stiffness damping")
 """A piece of rail under a wheel, in one direction [kg, N/m, N s/m]."""
 
 VEHICLE = record(
-    "gravity step guide_ahead slip_speed slip_creepage", "drive rails turns settled", rail_n=RAIL, rail_b=RAIL
+    "gravity step guide_ahead slip_speed slip_creepage", "drive rails sleepers turns settled", rail_n=RAIL, rail_b=RAIL
 )
 """Acceleration of gravity [m/s2]; step of the centre line [m]; how far the axle in the guide frame sits ahead of the
 bogie's centre [m]; limits of the slip control, speed [m/s] and creepage, both 0 without. Kind of drive, place of the
-rails' first coordinate or -1 on rigid ones; which of the stages that ask all wheels; whether geared motors have
-settled; the pieces of rail under the wheels, along n and b."""
+rails' first coordinate or -1 on rigid ones; whether they lie on sleepers; which of the stages that ask all wheels;
+whether geared motors have settled; the pieces of rail under the wheels, along n and b."""
 
 PART = record("mass twist_inertia twist_stiffness twist_damping", "wheelset twist")
 """Mass of a body [kg]; of the twist of its axle inertia [kg m2], stiffness [N m/rad] and damping [N m s/rad]; number of
@@ -179,9 +181,16 @@ def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index:
         if vehicle.rails >= 0:
             for k in range(first, first + 2):
                 rail, total = vehicle.rails + 2 * k, wheel_total(buffer, own, k)
-                push_n = -wheel_record(buffer, own, k).side * total.Fo
-                out[rail] = _rail_acceleration(vehicle.rail_n, push_n, q[rail], q_t[rail])
-                out[rail + 1] = _rail_acceleration(vehicle.rail_b, -total.Fb, q[rail + 1], q_t[rail + 1])
+                wheel = wheel_record(buffer, own, k)
+                push_n, push_b = -wheel.side * total.Fo, -total.Fb
+                if vehicle.sleepers != 0:
+                    n = wheel.yield_nn * push_n + wheel.yield_nb * push_b + wheel.free_n
+                    b = wheel.yield_nb * push_n + wheel.yield_bb * push_b + wheel.free_b
+                    out[rail] = wheel.rate * (n - wheel.held * q[rail])
+                    out[rail + 1] = wheel.rate * (b - wheel.held * q[rail + 1])
+                else:
+                    out[rail] = _rail_acceleration(vehicle.rail_n, push_n, q[rail], q_t[rail])
+                    out[rail + 1] = _rail_acceleration(vehicle.rail_b, push_b, q[rail + 1], q_t[rail + 1])
     return status
 
 

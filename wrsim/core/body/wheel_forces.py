@@ -24,11 +24,13 @@ ARRAYS = IN_CONTACT + ARRAYS_OF_A_CONTACT
 POSE = Arrays._fields.index("pose")
 
 WHEEL = record(
-    "side half_spacing s step rail_n rail_b rail_n_t rail_b_t angle", "status", body=BODY, force=VECTOR, moment=VECTOR
+    "side half_spacing s step rail_n rail_b rail_n_t rail_b_t angle yield_nn yield_nb yield_bb free_n free_b held rate",
+    "status", body=BODY, force=VECTOR, moment=VECTOR,
 )  # fmt: skip
 """+1 left, -1 right; H/2 [m]; distance along the rail (a guess, updated) and step of its path [m]; the motion of the
 piece of rail under the wheel along n and b: displacement [m] and velocity [m/s]; angle by which the wheel has rolled
-[rad]; the body of the wheelset. What comes
+[rad]; how the rail on sleepers yields: compliances along n and b [m/N], displacements without its force [m], whether it
+is held at rest (1), rate [1/s2] of its unknown (``core.body.vehicle_forces``); the body of the wheelset. What comes
 out: force [N] and moment [N m] at its centre of mass, in global axes, and a status."""
 
 OK, OFF_TRACK = 0, 1024

@@ -25,6 +25,7 @@ from wrsim.geometry.track.irregularities import SMOOTH, Disturbance, RailIrregul
 from wrsim.geometry.track.path import Path
 from wrsim.geometry.track.rail import CentreLine, SweptCurve
 from wrsim.geometry.track.segments import Arc, Grade, Laws, Segment, Transition, check_range, kind_of, laws, pitch_law
+from wrsim.geometry.track.sleepers import SleeperTrack
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class Track:
     centre_rows: float
     rail_rows: float
     """Largest distances of the rows of path tables [m]."""
-    elasticity: RailElasticity | None = None
+    elasticity: RailElasticity | SleeperTrack | None = None
     """None: rigid rails."""
 
     @classmethod
@@ -133,7 +134,7 @@ class Track:
         step: float | None = None,
         start: tuple[float, float, float] = (0.0, 0.0, 0.0),
         heading: float = 0.0,
-        elasticity: RailElasticity | None = None,
+        elasticity: RailElasticity | SleeperTrack | None = None,
     ) -> Track:
         """A track of given laws of curvature, cant and gauge.
 

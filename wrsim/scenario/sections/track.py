@@ -13,10 +13,10 @@ from pydantic import BeforeValidator, Field
 
 from wrsim.geometry.profile.profile import GAUGE_DEPTH
 from wrsim.geometry.track import segments
-from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.section import SIDES, Choice, Fault, Section, both_or_sides, on_side
 from wrsim.inputs.values import List, number, number_limits, plain_number, positive, refuse, text, unpacked, words
 from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection, grades_in_order
+from wrsim.scenario.sections.structure import AnyStructure
 
 Length = Annotated[float, number(0.01, 1e5, "m")]
 LENGTHS = number_limits(unpacked(Length).limits)[:2]
@@ -170,32 +170,6 @@ class RailSectionSection(Section, header="[[track.rail_sections]]"):
     """How far the profile lies further away from the track centre than that of a plain rail."""
 
 
-class ElasticitySection(Section, header="[track.elasticity]"):
-    """A mass on spring and damper under each wheel, moving along with it; laterally and vertically."""
-
-    aliases = {"vertical_mass_kg": "mass_kg"}
-
-    lateral_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "20 to 50 for one rail under one wheel")]
-    """Stiffness that holds the rail sideways under one wheel."""
-    vertical_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "30 to 100")]
-    """Stiffness that carries the rail under one wheel."""
-    lateral_damping_kNs_per_m: Annotated[float, number(0, 1e5)]
-    """Damping of the rail sideways under one wheel."""
-    vertical_damping_kNs_per_m: Annotated[float, number(0, 1e5)]
-    """Damping of the rail up and down under one wheel."""
-    lateral_mass_kg: Annotated[float, number(1, 1e5, "of the rail and what moves with it")]
-    """Mass of rail that moves sideways with one wheel."""
-    vertical_mass_kg: Annotated[float, number(1, 1e5, "of the rail and what moves with it")]
-    """Mass of rail that moves up and down with one wheel."""
-
-    def to_geometry(self) -> RailElasticity:
-        return RailElasticity(
-            stiffness=(1e6 * self.lateral_stiffness_MN_per_m, 1e6 * self.vertical_stiffness_MN_per_m),
-            damping=(1e3 * self.lateral_damping_kNs_per_m, 1e3 * self.vertical_damping_kNs_per_m),
-            mass=(self.lateral_mass_kg, self.vertical_mass_kg),
-        )
-
-
 class TrackSection(Section, header="[track]"):
     """Gauge, rails, the way they are laid and what they rest on.
 
@@ -207,7 +181,7 @@ class TrackSection(Section, header="[track]"):
     aliases = {
         "inclination": "rail_cant rail_inclination", "rail": "profile rail_profile", "segments": "segment",
         "grades": "grade gradients", "rail_sections": "sections rail_section",
-        "irregularities": "irregularity defects", "table": "csv", "file": "model",
+        "irregularities": "irregularity defects", "structure": "elasticity", "table": "csv", "file": "model",
     }  # fmt: skip
 
     file: Annotated[str, text('a track file such as "tracks/mixed_line.toml"')] | None = None
@@ -237,7 +211,7 @@ class TrackSection(Section, header="[track]"):
     """Where the line begins to climb or fall."""
     irregularities: List[Annotated[IrregularitySection, Field(discriminator="kind")]] = ()
     """Where the rails leave their designed place: spectra, measurements, single defects."""
-    elasticity: ElasticitySection | None = None
+    structure: AnyStructure | None = None
     """What the rails rest on; without this table they are rigid."""
     rail_sections: List[RailSectionSection] = ()
     """Profiles of rails that change along the track, such as worn stretches, welds, crossings."""

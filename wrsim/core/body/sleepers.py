@@ -1,0 +1,359 @@
+"""Rails on sleepers under the wheels of a vehicle: implicit steps of their motion.
+
+The four systems M u_tt + C u_t + K u = B f of ``wrsim.geometry.track.sleepers`` (left and right rail vertically, sum
+and difference of both laterally) are integrated by generalised alpha (Arnold and Bruls, Multibody System Dynamics 18
+(2007), algorithm 1) with the step of the vehicle. With c and d, the changes of u and u_t for a change of u_tt, and with
+p and p_t, what the method predicts for u_tt = 0 at the end of the step,
+
+    (M + d C + c K) u_tt = B f - C p_t - K p,
+
+so the displacement of a rail under a wheel is affine in the force of the wheel at the end of the step:
+
+    u = u* + g (f - f*)
+
+with the force f* of the step before. g (2 x 2: lateral, vertical) is the wheel's own; it comes from the band of the
+inverse. What f - f* does within the step to the rails under other wheels is left to its end, where all rails are solved
+for all forces. The vehicle's step has u as an unknown, whose "force" is the acceleration g (f - f*) / c: contact and
+rail are solved together, implicitly.
+
+u is the displacement by the shape functions of the wheel's element and that of the element between its nodes under the
+wheel's own force (static, as of a beam clamped at its nodes), which the nodes do not know. The wheel pushes on the
+rail's head so high above its shear centre, and beside its middle by the part of the force's moment: both twist the
+rail.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+from wrsim.core.body.wheel_forces import ARRAYS, IN_CONTACT, POSE, wheel_record, wheel_total
+from wrsim.core.jit import Array, Ints, Records, kernel, record, vector
+from wrsim.core.root import neighbours
+from wrsim.core.track.banded import factorise, invert_band, quadratic_form, solve, subtract_product
+
+TIE = record("side place speed offset push_n push_b guess_n guess_b rate_n rate_b nn nb bb own_nn own_nb own_bb")
+"""A wheel on its rail: +1 left, -1 right; distance along the centre line [m] and speed [m/s] at the end of the step;
+how far to the left of the rail's middle it pushes [m]; its force on the rail to the left and up at the last step's end
+[N]; displacement [m] and velocity [m/s] of the rail under it with that force; compliance g, and the part of it that is
+the element's between its nodes [m/N]."""
+
+U, U_T, U_TT, A, P, P_T, P_A = range(7)
+"""Rows of a system: displacements, velocities, accelerations and those of the method; what it predicts."""
+ROWS = 7
+
+WIDEST = 0.04
+"""Farthest from the rail's middle that a force acts [m]: half of a rail's head."""
+LEAST = 1e3
+"""Vertical force [N] below which the place of a contact stays as it was."""
+
+
+class Pair(NamedTuple):
+    """Two systems of the same layout: ``own`` unknowns a node in ``numbers`` (own, elements a bay). bands (2, n, k +
+    1): mass, damping, stiffness, factors, the band of the inverse; drag (2, n): dampers of the end zones; rows (2,
+    ROWS, n); bending (2, elements) [N m2]; shear (1,) [N]."""
+
+    numbers: Ints
+    mass: Array
+    damping: Array
+    stiffness: Array
+    factors: Array
+    inverse: Array
+    drag: Array
+    rows: Array
+    bending: Array
+    shear: Array
+
+
+class Rails(NamedTuple):
+    """Vertical and lateral systems; nodes (n,) [m]; ties of the wheels; loads, slopes (wheels, 3, 6): numbers of the
+    load vector of a vertical force in the vertical system, and of a lateral and a vertical one in the lateral systems,
+    and their derivatives along the rail; places (wheels, 2, 6) of these; head (2,): height of the head above the shear
+    centre [m], torsional stiffness G J [N m2]; along (3, m): distances along the left, along the right rail, along the
+    centre line."""
+
+    vertical: Pair
+    lateral: Pair
+    nodes: Array
+    ties: Records
+    loads: Array
+    slopes: Array
+    places: Array
+    head: Array
+    along: Array
+
+
+@kernel
+def look_ahead(time: float, buffer: Array, index: Ints, rails: Rails) -> None:
+    """Write to the ties where the wheels will be after a time [s], and where on the rail's head they push."""
+    for i in range(rails.ties.shape[0]):
+        wheel, tie, total = wheel_record(buffer, index, i), rails.ties[i], wheel_total(buffer, index, i)
+        pose = vector(buffer, index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS], POSE)
+        s = wheel.s + time * pose[6]
+        own = rails.along[0] if tie.side > 0.0 else rails.along[1]
+        low, _high, _part = neighbours(own, s)
+        low = min(low, own.shape[0] - 2)
+        slope = (rails.along[2, low + 1] - rails.along[2, low]) / (own[low + 1] - own[low])
+        tie.place, tie.speed = rails.along[2, low] + slope * (s - own[low]), slope * pose[6]
+        if total.Fb > LEAST:
+            aside = (total.Mt + pose[1] * total.Fb - pose[2] * total.Fo) / total.Fb
+            tie.offset = tie.side * min(max(aside, -WIDEST), WIDEST)
+
+
+@kernel
+def push_on(buffer: Array, index: Ints, rails: Rails) -> None:
+    """Write the wheels' forces on the rails at the last evaluation to the ties."""
+    for i in range(rails.ties.shape[0]):
+        total, tie = wheel_total(buffer, index, i), rails.ties[i]
+        tie.push_n, tie.push_b = -tie.side * total.Fo, -total.Fb
+
+
+@kernel
+def place(rails: Rails) -> None:
+    """Load vectors of all wheels at their places."""
+    for i in range(rails.ties.shape[0]):
+        tie = rails.ties[i]
+        low, _high, _part = neighbours(rails.nodes, tie.place)
+        e = min(low, rails.nodes.shape[0] - 2)
+        length = rails.nodes[e + 1] - rails.nodes[e]
+        xi = (tie.place - rails.nodes[e]) / length
+        load, slope = rails.loads[i], rails.slopes[i]
+        rail = 0 if tie.side > 0.0 else 1
+        head, twisting = rails.head[0], rails.head[1]
+        v_bending, l_bending = rails.vertical.bending[rail, e], rails.lateral.bending[0, e]
+        v_shear, l_shear = rails.vertical.shear[0], rails.lateral.shear[0]
+        _shapes(xi, length, 12.0 * v_bending / (v_shear * length * length), load[0], slope[0])
+        _shapes(xi, length, 12.0 * l_bending / (l_shear * length * length), load[1], slope[1])
+        for k in range(4):
+            load[2, k] = slope[2, k] = 0.0
+        load[1, 4], load[1, 5] = -head * (1.0 - xi), -head * xi
+        load[2, 4], load[2, 5] = tie.offset * (1.0 - xi), tie.offset * xi
+        slope[1, 4], slope[1, 5] = head / length, -head / length
+        slope[2, 4], slope[2, 5] = -tie.offset / length, tie.offset / length
+        first, second = _node(rails.vertical.numbers, e), _node(rails.vertical.numbers, e + 1)
+        for k in range(2):
+            rails.places[i, 0, k], rails.places[i, 0, 2 + k] = first + k, second + k
+        first, second = _node(rails.lateral.numbers, e), _node(rails.lateral.numbers, e + 1)
+        for k in range(2):
+            rails.places[i, 1, k], rails.places[i, 1, 2 + k] = first + k, second + k
+        rails.places[i, 1, 4], rails.places[i, 1, 5] = first + 2, second + 2
+        twist = xi * (1.0 - xi) * length / twisting
+        tie.own_nn = _between(xi, length, l_bending, l_shear) + head * head * twist
+        tie.own_nb = -head * tie.offset * twist
+        tie.own_bb = _between(xi, length, v_bending, v_shear) + tie.offset * tie.offset * twist
+
+
+@kernel
+def prepare(of_mass: float, of_damping: float, of_stiffness: float, rails: Rails) -> None:
+    """Factors and the band of the inverse of a sum of the matrices."""
+    _prepare(of_mass, of_damping, of_stiffness, rails.vertical)
+    _prepare(of_mass, of_damping, of_stiffness, rails.lateral)
+
+
+@kernel
+def rest(speed_too: bool, rails: Rails) -> None:
+    """Static displacements under the ties' forces, by prepared factors of the stiffness; speed_too: velocities of
+    what moves along with the wheels, else none."""
+    for pair in (rails.vertical, rails.lateral):
+        pair.rows[:] = 0.0
+    add_loads(U, rails.loads, rails)
+    if speed_too:
+        add_loads(U_T, rails.slopes, rails)
+    for pair in (rails.vertical, rails.lateral):
+        for r in range(2):
+            solve(pair.factors[r], pair.rows[r, U])
+            solve(pair.factors[r], pair.rows[r, U_T])
+
+
+@kernel
+def add_loads(row: int, numbers: Array, rails: Rails) -> None:
+    """Add the ties' forces to a row of all systems, with the numbers of loads or, times the speed, of slopes."""
+    for i in range(rails.ties.shape[0]):
+        tie = rails.ties[i]
+        factor = tie.speed if row == U_T else 1.0
+        _add(row, i, factor * tie.push_n, factor * tie.push_b, numbers, rails)
+
+
+@kernel
+def compliances(of_inverse: float, rails: Rails) -> None:
+    """Write the compliances g of all wheels: of_inverse B^T S^-1 B, and the own ones between the nodes."""
+    for i in range(rails.ties.shape[0]):
+        tie, load, places = rails.ties[i], rails.loads[i], rails.places[i]
+        rail = 0 if tie.side > 0.0 else 1
+        bb = quadratic_form(rails.vertical.inverse[rail], places[0, :4], load[0, :4], load[0, :4])
+        nn = nb = 0.0
+        for r in range(2):
+            band = rails.lateral.inverse[r]
+            nn += 0.5 * quadratic_form(band, places[1], load[1], load[1])
+            nb += 0.5 * quadratic_form(band, places[1], load[1], load[2])
+            bb += 0.5 * quadratic_form(band, places[1], load[2], load[2])
+        tie.nn, tie.nb, tie.bb = (
+            of_inverse * nn + tie.own_nn,
+            of_inverse * nb + tie.own_nb,
+            of_inverse * bb + tie.own_bb,
+        )
+
+
+@kernel
+def read(row: int, i: int, rails: Rails) -> tuple[float, float]:
+    """Displacements to the left and up under a wheel by a row of all systems, without its own between the nodes."""
+    return _read(row, i, rails.loads, rails)
+
+
+@kernel
+def begin(method: Array, buffer: Array, index: Ints, rails: Rails) -> None:
+    """Begin a step with prepared factors and placed wheels: what the rails do under the forces of the step before.
+
+    method (7,): step [s], alpha_m, alpha_f, beta, gamma, changes c and d of u and u_t for a change of u_tt. Writes the
+    guesses to the ties, and how the rail under a wheel yields to its record.
+    """
+    c, d = method[5], method[6]
+    for pair in (rails.vertical, rails.lateral):
+        for r in range(2):
+            _predict(method, pair, r)
+    add_loads(U_TT, rails.loads, rails)
+    for pair in (rails.vertical, rails.lateral):
+        for r in range(2):
+            solve(pair.factors[r], pair.rows[r, U_TT])
+    compliances(c, rails)
+    for i in range(rails.ties.shape[0]):
+        tie, wheel = rails.ties[i], wheel_record(buffer, index, i)
+        p, a = _read(P, i, rails.loads, rails), _read(U_TT, i, rails.loads, rails)
+        tie.guess_n = p[0] + c * a[0] + tie.own_nn * tie.push_n + tie.own_nb * tie.push_b
+        tie.guess_b = p[1] + c * a[1] + tie.own_nb * tie.push_n + tie.own_bb * tie.push_b
+        p_t, p_x, a_x = (
+            _read(P_T, i, rails.loads, rails),
+            _read(P, i, rails.slopes, rails),
+            _read(U_TT, i, rails.slopes, rails),
+        )
+        tie.rate_n = p_t[0] + d * a[0] + tie.speed * (p_x[0] + c * a_x[0])
+        tie.rate_b = p_t[1] + d * a[1] + tie.speed * (p_x[1] + c * a_x[1])
+        wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = tie.nn, tie.nb, tie.bb
+        wheel.free_n = -(tie.nn * tie.push_n + tie.nb * tie.push_b)
+        wheel.free_b = -(tie.nb * tie.push_n + tie.bb * tie.push_b)
+        wheel.held, wheel.rate = 0.0, 1.0 / c
+
+
+@kernel
+def end(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -> None:
+    """End a step. found: displacements of the rails under the wheels, to the left and up in turn, that the vehicle's
+    step has found, and behind them (2, 2 wheels) in all their velocities, which are written."""
+    c, d, later = method[5], method[6], (1.0 - method[2]) / (1.0 - method[1])
+    for pair in (rails.vertical, rails.lateral):
+        for r in range(2):
+            for j in range(pair.rows.shape[2]):
+                pair.rows[r, A, j] = 0.0  # for the correction
+    for i in range(rails.ties.shape[0]):
+        tie = rails.ties[i]
+        n, b = found[0, 2 * i] - tie.guess_n, found[0, 2 * i + 1] - tie.guess_b
+        whole = tie.nn * tie.bb - tie.nb * tie.nb
+        more_n, more_b = (tie.bb * n - tie.nb * b) / whole, (tie.nn * b - tie.nb * n) / whole
+        tie.push_n += more_n
+        tie.push_b += more_b
+        _add(A, i, more_n, more_b, rails.loads, rails)
+        wheel_record(buffer, index, i).rate = 0.0
+    for pair in (rails.vertical, rails.lateral):
+        for r in range(2):
+            own = pair.rows[r]
+            solve(pair.factors[r], own[A])
+            for j in range(own.shape[1]):
+                own[U_TT, j] += own[A, j]
+                own[U, j] = own[P, j] + c * own[U_TT, j]
+                own[U_T, j] = own[P_T, j] + d * own[U_TT, j]
+                own[A, j] = own[P_A, j] + later * own[U_TT, j]
+    for i in range(rails.ties.shape[0]):
+        tie = rails.ties[i]
+        rate, slope = _read(U_T, i, rails.loads, rails), _read(U, i, rails.slopes, rails)
+        found[1, 2 * i], found[1, 2 * i + 1] = rate[0] + tie.speed * slope[0], rate[1] + tie.speed * slope[1]
+
+
+@kernel
+def _prepare(of_mass: float, of_damping: float, of_stiffness: float, pair: Pair) -> None:
+    for r in range(2):
+        a, k = pair.factors[r], pair.factors.shape[2] - 1
+        for i in range(a.shape[0]):
+            for j in range(k + 1):
+                a[i, j] = of_mass * pair.mass[r, i, j] + of_damping * pair.damping[r, i, j]
+                a[i, j] += of_stiffness * pair.stiffness[r, i, j]
+            a[i, k] += of_damping * pair.drag[r, i]
+        factorise(a)
+        invert_band(a, pair.inverse[r])
+
+
+@kernel
+def _predict(method: Array, pair: Pair, r: int) -> None:
+    """Write what the method predicts, and - C p_t - K p to the row of accelerations."""
+    h, am, af, beta, gamma = method[0], method[1], method[2], method[3], method[4]
+    own, drag = pair.rows[r], pair.drag[r]
+    for j in range(own.shape[1]):
+        a = (af * own[U_TT, j] - am * own[A, j]) / (1.0 - am)
+        own[P, j] = own[U, j] + h * own[U_T, j] + h * h * ((0.5 - beta) * own[A, j] + beta * a)
+        own[P_T, j] = own[U_T, j] + h * ((1.0 - gamma) * own[A, j] + gamma * a)
+        own[P_A, j] = a
+        own[U_TT, j] = -drag[j] * own[P_T, j]
+    subtract_product(pair.damping[r], own[P_T], own[U_TT])
+    subtract_product(pair.stiffness[r], own[P], own[U_TT])
+
+
+@kernel
+def _add(row: int, i: int, push_n: float, push_b: float, numbers: Array, rails: Rails) -> None:
+    """Add a wheel's force to a row of all systems."""
+    own, places, side = numbers[i], rails.places[i], rails.ties[i].side
+    vertical = rails.vertical.rows[0 if side > 0.0 else 1, row]
+    for k in range(4):
+        vertical[int(places[0, k])] += own[0, k] * push_b
+    for r in range(2):
+        lateral, share = rails.lateral.rows[r, row], sqrt(0.5) * (1.0 if r == 0 else side)
+        for k in range(6):
+            lateral[int(places[1, k])] += share * (own[1, k] * push_n + own[2, k] * push_b)
+
+
+@kernel
+def _read(row: int, i: int, numbers: Array, rails: Rails) -> tuple[float, float]:
+    """What a row of all systems gives for a wheel, to the left and up."""
+    own, places, side = numbers[i], rails.places[i], rails.ties[i].side
+    vertical = rails.vertical.rows[0 if side > 0.0 else 1, row]
+    n = b = 0.0
+    for k in range(4):
+        b += own[0, k] * vertical[int(places[0, k])]
+    for r in range(2):
+        lateral, share = rails.lateral.rows[r, row], sqrt(0.5) * (1.0 if r == 0 else side)
+        for k in range(6):
+            n += share * own[1, k] * lateral[int(places[1, k])]
+            b += share * own[2, k] * lateral[int(places[1, k])]
+    return n, b
+
+
+@kernel
+def _node(numbers: Ints, node: int) -> int:
+    """Place of a node's first unknown; see ``wrsim.geometry.track.sleepers.Layout``."""
+    own, elements = numbers[0], numbers[1]
+    bay, inner = node // elements, node % elements
+    return bay * (own * elements + 1) + (1 + inner * own if inner > 0 else 0)
+
+
+@kernel
+def _shapes(x: float, length: float, phi: float, value: Array, slope: Array) -> None:
+    """Shape functions of an element in bending at the part x of its length, and their derivatives along it [1/m]."""
+    one = 1.0 / (1.0 + phi)
+    value[0] = one * (1.0 - 3.0 * x * x + 2.0 * x * x * x + phi * (1.0 - x))
+    value[1] = one * length * (x - 2.0 * x * x + x * x * x + 0.5 * phi * (x - x * x))
+    value[2] = one * (3.0 * x * x - 2.0 * x * x * x + phi * x)
+    value[3] = one * length * (x * x * x - x * x - 0.5 * phi * (x - x * x))
+    slope[0] = one / length * (6.0 * x * x - 6.0 * x - phi)
+    slope[1] = one * (1.0 - 4.0 * x + 3.0 * x * x + 0.5 * phi * (1.0 - 2.0 * x))
+    slope[2] = -slope[0]
+    slope[3] = one * (3.0 * x * x - 2.0 * x - 0.5 * phi * (1.0 - 2.0 * x))
+
+
+@kernel
+def _between(xi: float, length: float, bending: float, shear: float) -> float:
+    """Static deflection under a unit force on a beam clamped at both ends [m/N]: of the two elements that meet
+    there."""
+    nn = nt = tt = 0.0
+    for side in range(2):
+        part = max(xi if side == 0 else 1.0 - xi, 1e-9) * length
+        phi = 12.0 * bending / (shear * part * part)
+        unit = bending / (part * (1.0 + phi))
+        nn += 12.0 * unit / (part * part)
+        nt += (6.0 if side == 1 else -6.0) * unit / part
+        tt += (4.0 + phi) * unit
+    return tt / (nn * tt - nt * nt)

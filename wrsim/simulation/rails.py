@@ -1,0 +1,184 @@
+"""Rails on sleepers under a vehicle: a window of them that travels along with it, and their part in every step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.core.body import sleepers as kernel
+from wrsim.core.jit import Array, Ints
+from wrsim.geometry.track.sleepers import SleeperTrack
+from wrsim.geometry.track.track import RailElasticity, Track
+from wrsim.simulation.implicit_step import ALPHA_F, ALPHA_M, BETA, GAMMA, changes_of_step
+
+MOVE = 4
+"""Bays by which the window moves at once."""
+
+BEFORE, BEYOND, APART = 200.0, 400.0, 1.0
+"""How far from the track's ends distances along the rails are tabled, and between two rows [m]; beyond it is
+straight."""
+
+STARTING_MASS = 100.0
+"""Mass in place of the rail in the search for the start: it scales an equation of statics [kg]."""
+
+
+class RailsOnSleepers:
+    """Rails under the wheels of a vehicle, from their start on; see ``core.body.sleepers``.
+
+    Until the first step the rails are at rest under each wheel's force. ``static``: a spring and a mass in their
+    place for the search of that state.
+    """
+
+    def __init__(
+        self, track: Track, workspace: tuple[Array, Ints], wheels: Sequence[np.record], places: Array, weight: float
+    ) -> None:
+        """workspace: buffer and index of the wheels (``core.body.wheel_forces``); wheels: their records WHEEL; places
+        (wheels,) along the centre line [m]; weight [N] of the vehicle."""
+        elasticity = track.elasticity
+        assert isinstance(elasticity, SleeperTrack)
+        self.sleepers, self._wheels, self._records = elasticity, workspace, wheels
+        reach = float(np.ptp(places)) + 2.0 * elasticity.margin
+        self.count = int(np.ceil(reach / elasticity.spacing)) + MOVE + 2
+        self._state = np.zeros(2)
+        """Number of the window's first sleeper; whether steps have been taken."""
+        self._prepared: tuple[float, float] = (np.nan, np.nan)
+        """First sleeper and step that the factors belong to; step 0: statics."""
+        ties = np.zeros(len(places), kernel.TIE)
+        ties["side"] = [wheel.side for wheel in wheels]
+        ties["place"], ties["push_b"] = places, -weight / len(places)
+        lines = np.append(np.arange(-BEFORE, track.length + BEYOND, APART), track.length + BEYOND)
+        along = np.array([track.rail_distance("left", lines), track.rail_distance("right", lines), lines])
+        beam, n = elasticity.rail, len(places)
+        head = np.array([beam.height - beam.shear_centre, beam.shear_modulus * beam.torsion])
+        self.rails = kernel.Rails(
+            self._pair(0), self._pair(2), np.zeros(self.count * elasticity.elements + 1), ties,
+            np.zeros((n, 3, 6)), np.zeros((n, 3, 6)), np.zeros((n, 2, 6)), head, along,
+        )  # fmt: skip
+        self.method = np.zeros(7)
+        self._found = np.zeros((2, 2 * n))
+        self.static = self._rest_at_start()
+
+    @property
+    def ties(self) -> NDArray[np.record]:
+        """Records TIE of the wheels."""
+        return self.rails.ties  # type: ignore[return-value]
+
+    @property
+    def first(self) -> int:
+        """Number of the window's first sleeper."""
+        return int(self._state[0])
+
+    def memory(self) -> list[Array]:
+        """Views of all that lasts from step to step."""
+        rails = self.rails
+        return [self._state, self.ties.view(np.float64), rails.vertical.rows, rails.lateral.rows]
+
+    def resume(self) -> None:
+        """After the memory has been restored: between two steps the rails under the wheels stay where they are."""
+        if self._state[1]:
+            self._release()
+
+    def begin(self, step: float, q: Array, q_t: Array, q_tt: Array) -> None:
+        """Begin a step [s]; q, q_t, q_tt: of the rails under the wheels, overwritten by guesses of its end."""
+        rails = self.rails
+        if not self._state[1]:
+            self._start()
+        kernel.look_ahead(step, *self._wheels, rails)
+        self._move()
+        kernel.place(rails)
+        if self._prepared != (self.first, step):
+            c, d = changes_of_step(step)
+            self.method[:] = step, ALPHA_M, ALPHA_F, BETA, GAMMA, c, d
+            kernel.prepare(1.0, d, c, rails)
+            self._prepared = self.first, step
+        kernel.begin(self.method, *self._wheels, rails)
+        q[0::2], q[1::2] = self.ties["guess_n"], self.ties["guess_b"]
+        q_t[0::2], q_t[1::2] = self.ties["rate_n"], self.ties["rate_b"]
+        q_tt[:] = 0.0
+
+    def end(self, q: Array, q_t: Array) -> None:
+        """End the step with the displacements q that it has found; writes their rates."""
+        self._found[0] = q
+        kernel.end(self.method, self._found, *self._wheels, self.rails)
+        q_t[:] = self._found[1]
+
+    def _start(self) -> None:
+        """The rails as wheels that roll along keep them deflected, under the forces of the last evaluation."""
+        kernel.look_ahead(0.0, *self._wheels, self.rails)
+        kernel.push_on(*self._wheels, self.rails)
+        self._move(True)
+        kernel.place(self.rails)
+        self._prepare_statics()
+        kernel.rest(True, self.rails)
+        self._state[1] = 1.0
+
+    def _rest_at_start(self) -> RailElasticity:
+        """Place the wheels at rest; how a rail yields to its own wheel there."""
+        self._move(True)
+        kernel.place(self.rails)
+        self._prepare_statics()
+        kernel.rest(False, self.rails)
+        kernel.compliances(1.0, self.rails)
+        ties = self.ties
+        stiffness = float(1.0 / ties["nn"].mean()), float(1.0 / ties["bb"].mean())
+        for i, (tie, wheel) in enumerate(zip(ties, self._records, strict=True)):
+            n, b = kernel.read(kernel.U, i, self.rails)
+            wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = tie.nn, tie.nb, tie.bb
+            # the other wheels with their mean forces
+            wheel.free_n = n - (tie.nb - tie.own_nb) * tie.push_b
+            wheel.free_b = b - (tie.bb - tie.own_bb) * tie.push_b
+            wheel.held, wheel.rate = 1.0, stiffness[1] / STARTING_MASS
+        mass = STARTING_MASS * stiffness[0] / stiffness[1]
+        return RailElasticity(stiffness, (0.0, 0.0), (mass, STARTING_MASS))
+
+    def _release(self) -> None:
+        for wheel in self._records:
+            wheel.rate = 0.0
+
+    def _prepare_statics(self) -> None:
+        kernel.prepare(0.0, 0.0, 1.0, self.rails)
+        self._prepared = self.first, 0.0
+
+    def _pair(self, system: int) -> kernel.Pair:
+        own = self.sleepers
+        layout = own.layout(self.count, system)
+        band, n = (2, layout.size, layout.width + 1), layout.size
+        mass, damping, stiffness, factors, inverse = np.zeros((5, *band))
+        rows, bending = np.zeros((2, kernel.ROWS, n)), np.zeros((2, self.count * own.elements))
+        shear = np.array([own.rail.shear("vertical" if system < 2 else "lateral")])
+        return kernel.Pair(
+            np.array([layout.own, own.elements]), mass, damping, stiffness, factors, inverse, np.zeros((2, n)), rows,
+            bending, shear,
+        )  # fmt: skip
+
+    def _move(self, fresh: bool = False) -> None:
+        """Move the window along if it has to; fresh: lay it anew."""
+        own, places = self.sleepers, self.ties["place"]
+        first = own.number_at(float(places.min()) - own.margin)
+        if not fresh and 0 <= first - self.first < MOVE:
+            if np.isnan(self._prepared[0]):
+                self._fill()
+            return
+        gone = first - self.first
+        self._state[0] = first
+        for pair in (self.rails.vertical, self.rails.lateral):
+            shift, rows = gone * (pair.numbers[0] * own.elements + 1), pair.rows
+            if fresh or not 0 <= shift < rows.shape[2]:
+                rows[:] = 0.0
+                continue
+            rows[:, :, : rows.shape[2] - shift] = rows[:, :, shift:].copy()
+            rows[:, :, rows.shape[2] - shift :] = 0.0
+        self._fill()
+
+    def _fill(self) -> None:
+        """Matrices of the window."""
+        own, first = self.sleepers, self.first
+        for pair, system in ((self.rails.vertical, 0), (self.rails.lateral, 2)):
+            for r in range(2):
+                bays, bands = own.bays(first, self.count, system + r), own.bands(first, self.count, system + r)
+                pair.mass[r], pair.damping[r], pair.stiffness[r] = bands.mass, bands.damping, sum(bands.stiffness)
+                pair.drag[r], pair.bending[r] = own.end_zones(bays, bands.mass, system + r), bays.bending
+        self.rails.nodes[:] = bays.places[0] + np.append(0.0, np.cumsum(bays.length))
+        self._prepared = np.nan, np.nan
