@@ -204,3 +204,51 @@ def test_every_import_of_wrsim_resolves_also_those_inside_functions() -> None:
                 for name in (alias.name for alias in node.names):
                     found = hasattr(module, name) or find_spec(f"{module.__name__}.{name}") is not None
                     assert found, f"{path}:{node.lineno}: {node.module} has no {name}"
+
+
+def test_what_a_notebook_shows_of_objects_names_them_and_runs_nothing() -> None:
+    texts = {
+        "wheels/S1002.toml": wrsim.load_profile("wheels/S1002.toml"),
+        "Manchester": wrsim.load_vehicle("vehicles/manchester_1.toml"),
+        "S1002 on 60E1": wrsim.load(ROOT / "scenarios" / "static_s1002.toml"),
+        "R 300 m": wrsim.Track.build([wrsim.Straight(10.0), wrsim.Arc(20.0, radius=300.0)]),
+    }
+    for words, thing in texts.items():
+        shown = thing._repr_html_()
+        assert Path(words).stem.split("/")[0] in shown and shown.count("<table>") == 1, words
+    evil = wrsim.load_text(texts["S1002 on 60E1"].text, ROOT / "scenarios").with_values(
+        {"title": "<script>evil()</script>"}
+    )
+    assert "<script" not in evil._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda pair: wrsim.contact_model(*pair, radius=460.0), "radius = 460"),
+        (lambda pair: wrsim.contact_model("wheels/S1002.toml", pair[1], 0.46), "must be a Profile"),
+        (lambda pair: wrsim.contact_model(*pair, 0.46, friction=-0.1), "friction = -0.1"),
+        (lambda pair: wrsim.contact_model(*pair, 0.46, friction="dry"), "friction = 'dry'"),
+        (lambda pair: wrsim.contact_model(*pair, 0.46, {"strips": 30}), "not dict"),
+        (lambda pair: wrsim.contact_model(*pair, 0.46, wrsim.ContactSettings(strips=-1)), "strips = -1"),
+        (lambda pair: wrsim.contact_model(*pair, 0.46, wrsim.ContactSettings(tangential="fastsin")), "'fastsim'"),
+        (lambda pair: wrsim.contact_model(*pair, 0.46).evaluate((0.0, 0.0)), r"shape \(3,\)"),
+        (lambda pair: wrsim.solve_poses(wrsim.contact_model(*pair, 0.46), [(0.0, 0.0)]), "list of at least one Pose"),
+        (
+            lambda pair: wrsim.solve_poses(wrsim.contact_model(*pair, 0.46), [wrsim.Pose(lateral=np.nan, load=1e3)]),
+            "nan",
+        ),
+        (lambda pair: pair[1].inclined(40), "slope = 40"),
+    ],
+)
+def test_what_cannot_be_is_named_from_python_too(call, words: str) -> None:
+    pair = wrsim.load_profile("wheels/S1002.toml"), wrsim.load_profile("rails/60E1.toml").inclined(1 / 40)
+    with pytest.raises(wrsim.InputError, match=words):
+        call(pair)
+
+
+def test_a_file_is_as_good_as_the_scenario_in_it_and_one_change_as_a_list_of_them() -> None:
+    file = ROOT / "scenarios" / "static_s1002.toml"
+    change = 'title="other"'
+    assert wrsim.load(file).with_set(change) == wrsim.load(file).with_set([change])
+    assert wrsim.run(file).dataset.identical(wrsim.run(wrsim.load(file)).dataset)

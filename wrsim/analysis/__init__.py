@@ -21,7 +21,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results import Result
 from wrsim.results.table import duration
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.loading import Scenario
+from wrsim.scenario.loading import Scenario, loaded
 from wrsim.scenario.plausibility import warnings
 from wrsim.simulation.step_size import evaluations_for
 from wrsim.timing import timed
@@ -41,7 +41,7 @@ def _usual_threads(setup: Setup) -> int:
 
 
 def run(
-    scenario: Scenario,
+    scenario: Scenario | str | Path,
     progress: Progress | None = None,
     *,
     record: str | Path | None = None,
@@ -53,8 +53,8 @@ def run(
 
     Parameters
     ----------
-    scenario : Scenario
-        From `load`, perhaps changed by `Scenario.with_values`.
+    scenario : Scenario, str or Path
+        From `load`, perhaps changed by `Scenario.with_values`; or its file.
     progress : callable, optional
         Called some ten times a second with the fraction done and the seconds left.
     record : str or Path, optional
@@ -82,6 +82,7 @@ def run(
     SimulationError
         When there is not even a start.
     """
+    scenario = loaded(scenario)
     if setup is None:
         setup = build(scenario)
         for words in (*warnings(setup), *exact_run_warning(setup)):

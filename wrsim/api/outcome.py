@@ -68,9 +68,9 @@ def paths_among(*given: Given) -> list[Path]:
 
 
 def as_scenario(given: Scenario | str | Path, models: Sequence[str | Path]) -> Scenario:
-    from wrsim.scenario.loading import Scenario, load
+    from wrsim.scenario.loading import loaded
 
-    return given if isinstance(given, Scenario) else load(given, models)
+    return loaded(given, models)
 
 
 @contextmanager

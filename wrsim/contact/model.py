@@ -143,10 +143,18 @@ class ContactModel:
         Returns
         -------
         Contact
+
+        Raises
+        ------
+        InputError
+            For vectors of another shape.
         """
         self.arrays.settings.place, self.arrays.settings.wheel_angle = place, wheel_angle
         self.turn_rail(*turning)
-        self.arrays.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
+        vectors = [np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)]
+        if any(x.shape != (3,) for x in vectors):
+            raise InputError(f"origin, axle, velocity, omega: must be of shape (3,), not {[x.shape for x in vectors]}")
+        self.arrays.pose[:] = np.concatenate(vectors)
         return Contact.copy_from(self.arrays, self.solve())
 
     def evaluate_many(

@@ -12,7 +12,7 @@ import numpy as np
 from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel
 from wrsim.contact.settings import DRY, AnyFriction, ContactSettings, Friction, FrictionAlong, Normal
 from wrsim.core.contact.records import FREE_STRIPS, KIK_PIOTROWSKI
-from wrsim.errors import InputError, suggest
+from wrsim.errors import InputError
 from wrsim.geometry.profile.out_of_round import Part, shape_tables
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rail_surface import RailSurface
@@ -32,6 +32,8 @@ NORMAL_MODELS: dict[Normal, NormalModel] = {
     "strips": replace(_KIK_PIOTROWSKI, kernel=FREE_STRIPS, fewest=12, most=200, solves_for_strips=True),
     "half-space": replace(_KIK_PIOTROWSKI, solve=_solve_exactly),
 }
+
+LARGEST = 10.0  # radius of a wheel; a roller rig's roller is smaller [m]
 
 
 def contact_model(
@@ -78,22 +80,23 @@ def contact_model(
     >>> model = contact_model(wheel, rail, 0.46, ContactSettings(normal="strips"), friction=0.3)
     """
     settings = settings or ContactSettings()
+    if not isinstance(settings, ContactSettings):
+        raise InputError(f"settings: must be ContactSettings, not {type(settings).__name__}")
+    settings.check()
     for profile, kind in ((wheel, "wheel"), (rail, "rail")):
+        if not isinstance(profile, Profile):
+            raise InputError(f"{kind} = {profile!r:.60}: must be a Profile, such as load_profile gives of a file")
         if profile.kind != kind:
             raise InputError(f"profile '{profile.name}' is a {profile.kind}; a {kind} is needed here")
-    if not radius > 0.0:
-        raise InputError(f"radius = {radius:g}: must be a radius above 0 m")
-    if settings.normal not in NORMAL_MODELS:
-        raise InputError(
-            f"normal = {settings.normal!r:.40}: must be one of {', '.join(NORMAL_MODELS)}"
-            f"{suggest(str(settings.normal), tuple(NORMAL_MODELS))}"
-        )
+    if not 0.0 < radius <= LARGEST:
+        raise InputError(f"radius = {radius:g}: must be a radius above 0 and at most {LARGEST:g} m")
     rolled = None
     if surface is not None:
         rolled = None if surface.constant else rolled_rail(surface, radius)
         rail = surface.constant or rail
     law = friction if isinstance(friction, FrictionAlong) else Friction.of(friction)
-    normal, parts = NORMAL_MODELS[settings.normal], tuple(out_of_round)
+    parts = (out_of_round,) if isinstance(out_of_round, Part) else tuple(out_of_round)
+    normal = NORMAL_MODELS[settings.normal]
     if parts and not np.any(shape_tables(parts, wheel, radius).depth):
         parts = ()
     return ContactModel(wheel, rail, radius, settings, law, normal, rolled, parts)

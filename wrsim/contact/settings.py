@@ -3,10 +3,13 @@
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import atan, radians, tan
-from typing import Literal
+from numbers import Real
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from wrsim.errors import InputError, suggest
 
 Array = NDArray[np.float64]
 
@@ -35,6 +38,19 @@ USUAL: dict[Normal, Usual] = {
     "half-space": Usual("half-space", 40, 4),
 }
 """Defaults that depend on another choice. Such a key is None in ContactSettings unless given."""
+
+CHOICES: dict[str, tuple[str | None, ...]] = {
+    "normal": get_args(Normal), "approach": get_args(Approach), "tangential": (None, *get_args(Tangential)),
+    "traction_bound": get_args(TractionBound), "flexibility": get_args(Flexibility),
+}  # fmt: skip
+"""What the settings of these names may be."""
+RANGES = {
+    "polach_adhesion": (1e-6, 1.0), "polach_slip": (1e-6, 1.0), "slope_k0": (1e-6, 1.0), "slope_alpha_inf": (0.0, 1.0),
+    "slope_beta": (0.0, 100.0), "strips": (5, 1000), "strip_width": (5e-6, 2e-3), "cells": (2, 500),
+    "damping": (0.0, 1000.0), "max_patches": (1, 6),
+}  # fmt: skip
+"""Smallest and largest numbers of these names, those of the keys of a scenario, in SI units."""
+MOST_FRICTION = 2.0  # largest coefficient
 
 DRY = 0.35  # coefficient of friction unless given
 
@@ -102,8 +118,12 @@ class Friction:
 
     @classmethod
     def of(cls, friction: "float | Friction") -> "Friction":
-        """The law itself, or that of a mere coefficient."""
-        return friction if isinstance(friction, Friction) else cls(friction)
+        """The law itself, or that of a mere coefficient. Raises InputError for what is neither."""
+        if isinstance(friction, Friction):
+            return friction
+        if not (isinstance(friction, Real) and 0.0 <= float(friction) <= MOST_FRICTION):
+            raise InputError(f"friction = {friction!r:.40}: must be a number from 0 to {MOST_FRICTION:g}, or a law")
+        return cls(friction)
 
     @property
     def at_corner(self) -> float:
@@ -252,6 +272,20 @@ class ContactSettings:
     def patch_count(self) -> int:
         """Largest number of patches of one wheel: the one chosen, or the usual one of the normal model."""
         return self.max_patches or USUAL[self.normal].patches
+
+    def check(self) -> None:
+        """Raise InputError for a model that there is not, and for a number out of its range."""
+        for name, allowed in CHOICES.items():
+            if (value := getattr(self, name)) not in allowed:
+                known = [word for word in allowed if word]
+                raise InputError(
+                    f"{name} = {value!r:.40}: must be one of {', '.join(known)}{suggest(str(value), known)}"
+                )
+        for name, (low, high) in RANGES.items():
+            if (value := getattr(self, name)) is not None and not (
+                isinstance(value, Real) and low <= float(value) <= high
+            ):
+                raise InputError(f"{name} = {value!r:.40}: must be a number from {low:g} to {high:g}")
 
     def __post_init__(self) -> None:
         if self.tangential == "half-space" and self.normal != "half-space":

@@ -16,6 +16,7 @@ from wrsim.inputs.changes import changed, found, key_path
 from wrsim.inputs.checking import check_section, dotted, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+from wrsim.inputs.notebook import card, folded
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import parse_value, shortened, value_hint, write_toml
 from wrsim.register import ANALYSES
@@ -46,6 +47,10 @@ class Scenario:
 
     def __repr__(self) -> str:
         return f"Scenario({self.title!r}, {self.analysis}, {self.path or 'from a text'})"
+
+    def _repr_html_(self) -> str:
+        rows = (("analysis", self.analysis), ("file", self.path or "from a text"))
+        return card(self.title, rows, folded("the whole as TOML", self.text))
 
     @property
     def text(self) -> str:
@@ -109,7 +114,7 @@ class Scenario:
         Raises InputError.
         """
         scenario = self
-        for option in options:
+        for option in [options] if isinstance(options, str) else options:
             key, _, value = (part.strip() for part in option.partition("="))
             if not key or not value:
                 raise InputError(f"--set {shortened(option)}: must be key=value, such as vehicle.speed_kmh=60")
@@ -201,6 +206,11 @@ def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
             if (name := getattr(section, key)) is not None:
                 scenario.find((table, key), name)
     return scenario
+
+
+def loaded(given: Scenario | str | Path, models: Sequence[str | Path] = ()) -> Scenario:
+    """What is given, or the scenario of that file."""
+    return given if isinstance(given, Scenario) else load(given, models)
 
 
 def load_text(

@@ -10,7 +10,7 @@ import numpy as np
 from wrsim.core.body import outputs, vehicle_forces
 from wrsim.core.body import stepper as kernel
 from wrsim.core.body.wheel_forces import OFF_TRACK
-from wrsim.errors import InputError, SimulationError
+from wrsim.errors import InputError, SimulationError, suggest
 from wrsim.inputs.section import SIDES
 from wrsim.simulation import law as laws
 from wrsim.simulation.bodies import accelerations, mass_matrix
@@ -89,6 +89,12 @@ class Stepper:
         if outputs.observe(self.memory.buffer, self.memory.index):
             raise SimulationError(laws.OFF_TRACK.format(self.time))
 
+    def __repr__(self) -> str:
+        named = f"{len(self.inputs)} inputs, {len(self.outputs)} outputs"
+        return (
+            f"Stepper({self.law.vehicle.name!r}, t = {self.time:.6g} s, step {1e3 * float(self._own.h):g} ms, {named})"
+        )
+
     @property
     def time(self) -> float:
         """Time since the start [s]."""
@@ -117,9 +123,16 @@ def with_torques(vehicle: Vehicle) -> Vehicle:
     return replace(vehicle, efforts=(*vehicle.efforts, *more))
 
 
-def _named(found: Iterable[tuple[str, Array]]) -> dict[str, Array]:
+class Named(dict[str, Array]):
+    """Views by name; the error for a name that there is not has the nearest one."""
+
+    def __missing__(self, name: str) -> Array:
+        raise InputError(f"{name!r:.60}: is no input or output of that name{suggest(str(name), list(self))}")
+
+
+def _named(found: Iterable[tuple[str, Array]]) -> Named:
     """By name. Raises InputError for two of one name."""
-    named: dict[str, Array] = {}
+    named = Named()
     for name, view in found:
         if (word := name.replace(" ", "_")) in named:
             raise InputError(

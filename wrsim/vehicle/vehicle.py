@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.inputs.notebook import card
 from wrsim.vehicle.elements import GUIDE, TRACK, ZERO, Element, Spring, Triple
 from wrsim.vehicle.loads import CarriedMass, Drive, Effort, GearedMotor, Load, Payload, SlipControl
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
@@ -161,6 +162,16 @@ class Vehicle:
     def __repr__(self) -> str:
         counted = f"{len(self.wheelsets)} wheelsets, {len(self.bodies)} bodies, {len(self.elements)} elements"
         return f"Vehicle({self.name!r}, {counted}, {self.mass / 1e3:.4g} t)"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (part.name, f"{part.mass:.5g} kg, centre at x {part.centre[0]:.4g}, z {part.centre[2]:.4g} m")
+            for part in self.parts
+        ]
+        kinds = [type(element).__name__ for element in self.elements]
+        counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+        whole = (("mass", f"{self.mass / 1e3:.4g} t"), ("elements", counted or "none"), ("file", self.source or "none"))
+        return card(self.name, (*rows, *whole))
 
     @property
     def parts(self) -> tuple[MountedWheelset | Body, ...]:

@@ -35,7 +35,7 @@ from wrsim.results import Result
 from wrsim.results.run_file import run_header
 from wrsim.results.table import quantity
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.loading import Scenario
+from wrsim.scenario.loading import Scenario, loaded
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation import step_size as steps
 from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
@@ -146,13 +146,13 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
     return result_of(setup, law, motion, monitor.events(), None if record is None else record.path.parent)
 
 
-def stepper(scenario: Scenario, step: float = BENCH_STEP, iterations: int = BENCH_ITERATIONS) -> Stepper:
+def stepper(scenario: Scenario | str | Path, step: float = BENCH_STEP, iterations: int = BENCH_ITERATIONS) -> Stepper:
     """A vehicle for a test bench or for co-simulation, in the steady motion that a run of the scenario starts from.
 
     Parameters
     ----------
-    scenario : Scenario
-        Of a run along the track. Its length does not matter, the track must be long enough for all steps.
+    scenario : Scenario, str or Path
+        Of a run along the track, or its file. Its length does not matter, the track must be long enough for all steps.
     step : float
         Of the integration [s].
     iterations : int
@@ -174,6 +174,7 @@ def stepper(scenario: Scenario, step: float = BENCH_STEP, iterations: int = BENC
         raise InputError(f"step = {step:g}: must be above 0 and at most {BENCH_LONGEST:g} s")
     if not iterations >= 1:
         raise InputError(f"iterations = {iterations}: must be a whole number from 1 on")
+    scenario = loaded(scenario)
     setup = build(scenario)
     if not isinstance(setup.plan, RunPlan) or not ANALYSES[setup.analysis].moves:
         raise scenario.fault(("analysis",), "only runs along the track can be taken step by step")

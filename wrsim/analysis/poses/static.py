@@ -102,9 +102,11 @@ def solve_poses(
     >>> model = contact_model(load_profile("wheels/S1002.toml"), rail, radius=0.46)
     >>> result = solve_poses(model, [Pose(lateral=1e-3 * y, load=60e3) for y in (0, 3, 6)])
     """
-    if isinstance(poses, Pose) or not poses:
+    if isinstance(poses, Pose) or not poses or not all(isinstance(pose, Pose) for pose in poses):
         raise InputError("poses: must be a list of at least one Pose")
     for pose in poses:
+        if not np.isfinite([pose.lateral, pose.yaw, pose.roll, pose.wheel_angle]).all():
+            raise InputError(f"pose '{pose.name}': has numbers that are not finite: {pose}")
         if not pose.load > 0.0:
             raise InputError(f"pose '{pose.name}': load = {pose.load:g}: must be a vertical force above 0 N")
     wheel = on_rail(model, side, gauge, profile_spacing, rolling)

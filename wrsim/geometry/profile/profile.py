@@ -21,6 +21,7 @@ from scipy.optimize import brentq
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
+from wrsim.inputs.notebook import card
 
 Kind = Literal["wheel", "rail"]
 
@@ -82,6 +83,21 @@ class Profile:
             f"Profile({self.name!r}, {self.kind}, u {1e3 * self.u.min():.2f} .. {1e3 * self.u.max():.2f} mm, "
             f"length {1e3 * self.length:.2f} mm, {self.u.size} nodes)"
         )
+
+    def _repr_html_(self) -> str:
+        u, w = 1e3 * self.u[:: max(self.u.size // 300, 1)], -1e3 * self.w[:: max(self.u.size // 300, 1)]
+        low, high = (f(axis) for f, axis in ((np.min, u), (np.max, u)))
+        box = f"{low - 1:.1f} {w.min() - 1:.1f} {high - low + 2:.1f} {np.ptp(w) + 2:.1f}"
+        points = " ".join(f"{x:.2f},{y:.2f}" for x, y in zip(u, w, strict=True))
+        line = f"<polyline points='{points}' fill='none' stroke='currentColor' stroke-width='0.6'/>"
+        drawn = f"<svg viewBox='{box}' width='320' role='img' aria-label='profile'>{line}</svg>"
+        rows = (
+            ("kind", self.kind),
+            ("u, outward", f"{1e3 * self.u.min():.2f} to {1e3 * self.u.max():.2f} mm"),
+            ("length", f"{1e3 * self.length:.2f} mm, {self.u.size} nodes"),
+            ("source", self.source or "none"),
+        )
+        return card(self.name, rows, drawn)
 
     def _fault(self, message: str) -> InputError:
         return InputError(f"profile '{self.name}': {message}")
@@ -259,7 +275,10 @@ class Profile:
         return replace(self, u=c * self.u - s * self.w, w=s * self.u + c * self.w, angle=self.angle + angle)
 
     def inclined(self, slope: float) -> Profile:
-        """Rail inclined towards the track centre (negative u) by atan(slope), slope e.g. 1/40."""
+        """Rail inclined towards the track centre (negative u) by atan(slope), slope e.g. 1/40. Raises InputError for
+        more than 1."""
+        if not abs(slope) <= 1.0:
+            raise self._fault(f"slope = {slope:g}: must be from -1 to 1, such as 1 / 40")
         return self.rotated(float(np.arctan(slope)))
 
     def mirrored(self) -> Profile:

@@ -26,6 +26,7 @@ from wrsim.geometry.track.path import Path
 from wrsim.geometry.track.rail import CentreLine, SweptCurve
 from wrsim.geometry.track.segments import Arc, Grade, Laws, Segment, Transition, check_range, kind_of, laws, pitch_law
 from wrsim.geometry.track.sleepers import SleeperTrack
+from wrsim.inputs.notebook import card
 
 
 @dataclass(frozen=True)
@@ -176,6 +177,11 @@ class Track:
         pieces = ", ".join(f"{f.label} {f.start:g}..{f.end:g} m" for f in self.features())
         uneven = ", with irregularities" if self.is_uneven else ""
         return f"Track({self.length:g} m, gauge {1e3 * self.nominal_gauge:g} mm: {pieces}{uneven})"
+
+    def _repr_html_(self) -> str:
+        pieces = [(f"{f.start:g} to {f.end:g} m", f.label) for f in self.features()]
+        more = (("gauge", f"{1e3 * self.nominal_gauge:g} mm"), ("irregularities", "yes" if self.is_uneven else "none"))
+        return card(f"Track of {self.length:g} m", (*pieces, *more))
 
     @cached_property
     def centre(self) -> Path:
