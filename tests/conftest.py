@@ -1,14 +1,11 @@
 """Settings of the whole test suite."""
 
-import base64
-import importlib
 import os
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 
 import pytest
 from hypothesis import settings
+from support.pictures import leave_unpainted
 
 sys.exudynFast = False  # the module that checks ranges and lengths
 os.environ.setdefault("NUMBA_NUM_THREADS", "2")  # two threads can be tried on one core
@@ -20,23 +17,10 @@ settings.register_profile("wrsim", deadline=None, derandomize=True)
 settings.load_profile("wrsim")
 
 
-PIXEL = base64.b64decode(
-    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
-)
-"""The smallest picture."""
-
-
 @pytest.fixture
 def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Pictures are neither put together nor painted, for tests of what becomes of their files."""
-
-    @contextmanager
-    def drawing(figures: Mapping[str, object], paint: object = None) -> Iterator[object]:
-        kinds = getattr(paint, "__name__", "") == "_in_all_kinds"
-        yield lambda: dict.fromkeys(figures, {"png": PIXEL} if kinds else PIXEL)
-
-    for module in ("wrsim.plots", "wrsim.plots.drawing", "wrsim.report.page"):
-        monkeypatch.setattr(importlib.import_module(module), "drawing", drawing)
+    """Pictures are neither put together nor painted."""
+    leave_unpainted(monkeypatch)
 
 
 FIRST = (

@@ -1,6 +1,7 @@
 """Every tangential model: Kalker's linear theory at small creepage, friction at large, beside the exact solution."""
 
 import csv
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,9 @@ from hypothesis import strategies as st
 from support.contacts import bench, columns, finite, pair_model, settle
 from support.ellipse import COEFFICIENTS, FORCE, MEAN_RADIUS, PEAK, SHEAR_MODULUS, ellipse, roll, total
 
-from wrsim.contact.tables import creep_coefficients
-from wrsim.core.contact.tangential.flexibility import kalker_coefficients
+from wrsim.contact.tables import bound_over_cells, creep_coefficients
+from wrsim.core.contact.tangential.flexibility import Flexibilities, Rolling, kalker_coefficients
+from wrsim.core.contact.tangential.march import begin, march
 
 FRICTION = 0.3
 MODELS = ["fastsim", "fastsim, parabolic", "fastsim, blended", "fastrip", "polach", "linear", "shen-hedrick-elkins"]
@@ -157,6 +159,20 @@ def test_forces_have_no_jumps_along_a_rise_of_creepage(model, aspect, turn, spin
         return np.array([total(roll(aspect, *(f * creepages), model=model, **few))[:2] for f in scales])
 
     assert_no_jump(forces, np.linspace(0.0, 1.0, 201), 1e-3 * FRICTION * FORCE)
+
+
+@pytest.mark.parametrize("rising", [1.0, 0.0])
+@pytest.mark.parametrize("start", [1.0, 0.9, 0.4])
+def test_without_slip_a_traction_rises_with_the_bound_by_its_eighth_power_and_falls_with_it(start, rising):
+    # the march alone; a traction at the bound stays at it (rising), one below keeps its size until the bound cuts it
+    strip, work, shape = ellipse(1.0, 1), np.zeros((12, 1)), bound_over_cells(20, False)
+    begin(work, 0, PEAK, 1.0, 0.0, start, 0.0, 0.0, 0.0)
+    march(Rolling(strip, 1, Flexibilities(1e-12, 1e-12, 1e-12), 1.0, shape, work), rising)
+    tractions = [start * shape[0]]
+    for before, bound in pairwise(shape):
+        rise = rising * max(bound / before - 1.0, 0.0) * (tractions[-1] / before) ** 8
+        tractions.append(min(tractions[-1] * (1.0 + rise), bound))
+    assert strip["Fy"][0] == pytest.approx(PEAK * np.mean(tractions) * 2.0 * strip["a"][0] * strip["ds"][0], rel=1e-12)
 
 
 def reference():

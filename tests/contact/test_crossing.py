@@ -39,7 +39,7 @@ def test_the_felt_section_is_the_upper_envelope_where_branches_cross() -> None:
     u = np.linspace(0.015, 0.034, 400)
     for s in (-0.2434, -0.1438):
         highest = np.full(u.size, -1.0)
-        for x in np.linspace(-0.04, 0.04, 801):
+        for x in np.linspace(-0.04, 0.04, 201):
             for piece in surface.pieces:
                 rows = piece.spline(s + x)
                 top = rows[rows[:, 1] > -5e-3]

@@ -13,8 +13,10 @@ from support.contacts import (
     columns,
     contact_model,
     contact_of,
+    flat_rail,
     pair_model,
     rail_origin,
+    round_wheel,
     settle,
     wheel_at,
     wheel_profile,
@@ -214,6 +216,14 @@ def test_a_vertical_rail_side_is_touched_like_the_crown(depth):
     assert lobe["angle"] == pytest.approx(0.5 * np.pi, abs=1e-9)
     assert (lobe["o"], lobe["b"]) == pytest.approx((side + 0.5 * depth, -22e-3), abs=1e-7)
     assert lobe["N"] > 0.0
+
+
+def test_beyond_the_end_of_a_rail_nothing_is_touched():
+    # a plane of 60 mm, whose ends are straight on both sides: 2 mm within them, and half a row of its table beyond
+    model = contact_model(round_wheel(0.05, 0.01), flat_rail(0.03), **PLAIN)
+    for side in (1.0, -1.0):
+        found = [model.evaluate((0.0, side * o, RADIUS - 1e-5)).patches for o in (0.028, 0.03005)]
+        assert list(map(len, found)) == [1, 0]
 
 
 def test_parallel_bodies_never_lose_their_contact():

@@ -48,8 +48,11 @@ def stability() -> Result:
 
 @pytest.fixture(scope="module")
 def page(coach: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """With contacts every 1.2 m, .06 s."""
     file = tmp_path_factory.mktemp("view") / "view.html"
-    file.write_text(view_page(coach, Path()))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("wrsim.report.view_data.SECTIONS", 60)
+        file.write_text(view_page(coach, Path()))
     return file
 
 
@@ -280,6 +283,8 @@ def test_a_report_takes_the_viewer_inside(chromium: Browser, page: Path, coach: 
         1e3 * coach.wheelset("front.outer")["lateral_shift"].values[found["sample"]], rel=1e-6
     )
     assert chromium.colours("iframe") > 50 and chromium.complaints() == []
+    chromium.run("document.documentElement.classList.remove('live')")  # then histories are pictures
+    assert chromium.colours(".drawn img") > 10
     assert file.stat().st_size < 6e6
 
 
