@@ -35,11 +35,13 @@ def warnings(setup: Setup) -> list[str]:
 
 def vehicle_warnings(vehicle: Vehicle) -> list[str]:
     """The same of a vehicle on its own."""
-    return doubts(vehicle) + [
-        f"{what} = {value:.4g} {unit} is outside of the usual {low:g} to {high:g} {unit}: is it meant so?"
+    unusual = {
+        f"{what} = {value:.4g} {unit} is outside of the usual {low:g} to {high:g} {unit}: is it meant so?": what
         for what, value, (low, high), unit in _values(vehicle)
         if not low <= value <= high
-    ]
+    }
+    known = [what.split("'")[1] for what in unusual.values() if what.startswith("mass")]
+    return doubts(vehicle, known) + list(unusual)
 
 
 def _values(vehicle: Vehicle) -> Iterator[tuple[str, float, tuple[float, float], str]]:

@@ -55,7 +55,7 @@ LINE = 120
 
 TEMPLATES: dict[str, dict[str, str]] = {
     "vehicle": {
-        "coach": "vehicles/manchester_1.toml", "metro": "vehicles/gz18.toml", "freight": "vehicles/freight_y25.toml",
+        "coach": "vehicles/manchester_1.toml", "metro": "templates/metro.toml", "freight": "vehicles/freight_y25.toml",
         "tram": "vehicles/tram.toml", "locomotive": "templates/locomotive.toml",
         "wheelset": "vehicles/wheelset_s1002_leading.toml",
     },

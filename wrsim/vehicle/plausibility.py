@@ -6,7 +6,7 @@ experiment may run.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import hypot, inf, pi
@@ -14,6 +14,7 @@ from math import hypot, inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.vehicle.elements import Element
 from wrsim.vehicle.preload import WORDS, Preload, motions, preloads
 from wrsim.vehicle.vehicle import Body, MountedWheelset, Vehicle
 
@@ -22,6 +23,9 @@ Array = NDArray[np.float64]
 RIGID_UP_TO = 100.0
 """Frequency [Hz] above which no body of a railway vehicle is rigid: frames and car bodies bend at 8 to 50 Hz, wheelsets
 from 50 Hz on. A rigid body that oscillates faster on its springs has no counterpart."""
+ARMS_UP_TO = 250.0
+"""Frequency [Hz] of axle boxes on their bushings: a bar of mass m that turns about the axle on a bushing of stiffness k
+at its end has omega^2 = 3 k / m whatever its length, 247 Hz with the stiffest bushings, 40 kN/mm, and 50 kg."""
 SLOWEST = 1e-3
 """Frequency [Hz] below which a direction is free: within the minutes of a run nothing returns."""
 HIGHEST = 4.0
@@ -83,10 +87,11 @@ class _Springs:
         return np.array([*of_parts, *(box.inertia[1] for _, box in self.vehicle.boxes.values())])
 
 
-def doubts(vehicle: Vehicle) -> list[str]:
+def doubts(vehicle: Vehicle, known: Collection[str] = ()) -> list[str]:
     """What of a vehicle is implausible: one sentence each, with the element, its value, what is plausible and why.
 
-    Of a train, vehicle by vehicle; of several alike the first one.
+    Of a train, vehicle by vehicle; of several alike the first one. known: parts of which something is known to be
+    wrong; what follows from that has no sentence of its own.
     """
     found, seen = [], set()
     for own in [vehicle.alone(k) for k in range(len(vehicle.members))] or [vehicle]:
@@ -97,27 +102,73 @@ def doubts(vehicle: Vehicle) -> list[str]:
         )
         if kind not in seen:
             seen.add(kind)
-            found += [
-                *_places(own), *_masses(own), *_gyration(own),
-                *_free_directions(springs), *_frequencies(springs),
-                *_compression(own, loads := preloads(own)), *_wheel_loads(own, moved, loads),
-            ]  # fmt: skip
+            found += _of_vehicle(springs, moved, known)
     return found
 
 
-def _places(vehicle: Vehicle) -> Iterator[str]:
-    """Heights of centres, distances of wheelsets."""
-    for body in vehicle.bodies:
+def _of_vehicle(springs: _Springs, moved: list[tuple[Array, Array]], known: Collection[str]) -> list[str]:
+    vehicle, named = springs.vehicle, set(known)
+    heights, apart = dict(_heights(vehicle)), [*_distances(vehicle)]
+    named |= heights.keys()
+    radii = dict(_gyration(vehicle, named, bool(apart)))
+    named |= radii.keys()
+    dense = dict(_density(vehicle, named))
+    light = [] if named else [*_masses(vehicle)]
+    named |= dense.keys()
+    free = [*_free_directions(springs)]
+    fast = [] if apart else [*_frequencies(springs, named)]
+    loads = preloads(vehicle)
+    uneven = [] if free else [*_wheel_loads(vehicle, moved, loads)]
+    one_a_part = (*heights.values(), *radii.values(), *dense.values())
+    return [*one_a_part, *apart, *light, *free, *fast, *_compression(vehicle, loads), *uneven]
+
+
+def _heights(vehicle: Vehicle) -> Iterator[tuple[str, str]]:
+    """Bodies whose centres are too high or too low, with a sentence each."""
+    for body in {(body.mass, body.centre[2]): body for body in vehicle.bodies[::-1]}.values():
         if not 0.0 <= body.centre[2] <= HIGHEST:
             words = f"centre of mass of body '{body.name}' is at a height of {body.centre[2]:.4g} m above the rails"
-            yield f"{words}; plausible is 0 to {HIGHEST:g} m, below the roof of the loading gauge"
+            yield body.name, f"{words}; plausible is 0 to {HIGHEST:g} m, below the roof of the loading gauge"
+
+
+def _distances(vehicle: Vehicle) -> Iterator[str]:
+    """Wheelsets that overlap or are too far apart, bogies among each other."""
+    close, far = list[str](), list[str]()
     for ahead, behind in pairwise(sorted(vehicle.wheelsets, key=lambda m: -m.x)):
         apart, least = ahead.x - behind.x, ahead.wheelset.mean_radius + behind.wheelset.mean_radius
-        pair = f"wheelsets '{ahead.name}' and '{behind.name}' are {apart:.4g} m apart"
+        pair = f"wheelsets '{ahead.name}' and '{behind.name}' are {apart:.4g} m apart{{}}"
         if apart < least:
-            yield f"{pair}; plausible is more than {least:.4g} m, or their wheels overlap: check wheelbase and pivots"
+            close.append(
+                f"{pair}; plausible is more than {least:.4g} m, or their wheels overlap: check wheelbase and pivots"
+            )
         if apart > LONGEST_SPAN:
-            yield f"{pair}; plausible is up to {LONGEST_SPAN:g} m, or the vehicle leaves the gauge in curves"
+            far.append(f"{pair}; plausible is up to {LONGEST_SPAN:g} m, or the vehicle leaves the gauge in curves")
+    for words in (close, far):
+        yield from (words[0].format(_more(words, "pair")) for _ in words[:1])
+    if close:
+        return
+    spans = dict[str, tuple[float, float]]()
+    for name in (body.name for body in vehicle.bodies if body is not vehicle.parts[vehicle.reference]):
+        held = [
+            m.x for m in vehicle.wheelsets if any({name, m.name} == {*_carriers(vehicle, e)} for e in vehicle.elements)
+        ]
+        spans |= {name: (min(held), max(held))} if len(held) > 1 else {}
+    for (first, own), (second, other) in pairwise(sorted(spans.items(), key=lambda item: -sum(item[1]))):
+        if other[1] > own[0]:
+            mixed = (
+                f"wheelsets of '{first}' and '{second}' are among each other: {own[1] - own[0]:.4g} m is a wheelbase"
+            )
+            yield f"{mixed} too long for their distance of {0.5 * (sum(own) - sum(other)):.4g} m"
+
+
+def _carriers(vehicle: Vehicle, element: Element) -> tuple[str, str]:
+    return vehicle.carrier(element.first), vehicle.carrier(element.second)
+
+
+def _more(words: Sequence[object], what: str) -> str:
+    """How many more there are than the first."""
+    more = len(words) - 1
+    return f" (and {more} more {what}{'s' * (more != 1)})" if more > 0 else ""
 
 
 def _masses(vehicle: Vehicle) -> Iterator[str]:
@@ -127,27 +178,40 @@ def _masses(vehicle: Vehicle) -> Iterator[str]:
         yield f"{words}; plausible is 10 to 30 %: its bodies are too light"
 
 
-def _gyration(vehicle: Vehicle) -> Iterator[str]:
-    """Radii of gyration beyond the size of a body, and moments of inertia of something too dense."""
+def _gyration(vehicle: Vehicle, known: Collection[str], misplaced: bool) -> Iterator[tuple[str, str]]:
+    """Parts whose radii of gyration are beyond their size, with a sentence each; of misplaced ones the length is not
+    known."""
     held = [end for e in vehicle.elements for end in zip((e.first, e.second), e.points, strict=True)]
     for part in _alike(vehicle):
         if isinstance(part, Body):
             reach = max(abs(end[0] - part.centre[0]) for name, end in held if name == part.name) + OVERHANG
             most = (HALF_GAUGE, hypot(reach, HIGHEST), hypot(reach, 0.5 * HIGHEST))
+            most = (most[0], inf, inf) if misplaced else most
             what, mass, inertia = f"body '{part.name}'", part.mass, part.inertia
         else:
             own = part.wheelset
             across = hypot(0.5 * own.profile_spacing + 0.5, own.mean_radius)
             most = (across, inf, across)  # inertia of gears and motors is often counted about the axle
             what, mass, inertia = f"wheelset '{part.name}'", own.mass, own.inertia
-        for axis, value, limit in zip(WORDS[3:], inertia, most, strict=True):
-            if (radius := (value / mass) ** 0.5) > limit:
-                words = f"radius of gyration of {what} {axis} is {radius:.4g} m ({value:.4g} kg m2, {mass:.4g} kg)"
-                yield f"{words}; plausible is up to {limit:.3g} m, as far as any mass"
+        radii = [(value / mass) ** 0.5 for value in inertia]
+        wrong = [k for k in range(3) if radii[k] > most[k]]
+        if wrong and part.name not in known:
+            each = _joined([f"{radii[k]:.4g} m {WORDS[3 + k]} ({inertia[k]:.4g} kg m2)" for k in wrong])
+            limits = _joined([f"{most[k]:.3g}" for k in wrong])
+            words = f"radius of gyration of {what} of {mass:.4g} kg is {each}"
+            yield part.name, f"{words}; plausible is up to {limits} m, as far as any mass"
+
+
+def _density(vehicle: Vehicle, known: Collection[str]) -> Iterator[tuple[str, str]]:
+    """Parts whose moments of inertia are those of something too dense, with a sentence each."""
+    for part in _alike(vehicle):
+        mass = part.mass if isinstance(part, Body) else part.wheelset.mass
+        inertia = part.inertia if isinstance(part, Body) else part.wheelset.inertia
         sphere = 0.6 * (0.75 * mass / pi / DENSEST) ** (2 / 3)
-        if (found := 0.5 * sum(inertia) / mass) < sphere:
+        if (found := 0.5 * sum(inertia) / mass) < sphere and part.name not in known:
+            what = f"{'body' if isinstance(part, Body) else 'wheelset'} '{part.name}'"
             words = f"moments of inertia of {what} are those of a sphere of {(found / 0.6) ** 0.5:.3g} m of radius"
-            yield f"{words}; {mass:.4g} kg of the densest metal have {(sphere / 0.6) ** 0.5:.3g} m"
+            yield part.name, f"{words}; {mass:.4g} kg of the densest metal have {(sphere / 0.6) ** 0.5:.3g} m"
 
 
 def _alike(vehicle: Vehicle) -> Iterator[Body | MountedWheelset]:
@@ -179,44 +243,56 @@ def _free_directions(springs: _Springs) -> Iterator[str]:
     if len(vehicle.parts) == 1:
         return
     own = [[0, 1, 5] if i < base else [0, 1, 2, 3, 4, 5] for i in range(len(vehicle.parts))]
-    count, whole = 0, False
+    alike: dict[str, list[str]] = {}
     for i, directions in enumerate(own):
         loose = springs.loose(6 * i + np.array(directions))
         if loose.size:
-            count, whole = count + loose.shape[1], whole or i == vehicle.reference
             free = [WORDS[directions[k]] for k, row in enumerate(loose) if row @ row > 0.5]
-            yield f"nothing holds {_what(vehicle, i)} {_joined(free)}: no spring of it works in that direction"
+            alike.setdefault(_joined(free), []).append(_what(vehicle, i))
+    for along, parts in alike.items():
+        what = parts[0] + _more(parts, "part")
+        yield f"nothing holds {what} {along}: no spring of it works in that direction"
     own[vehicle.reference] = [k for k in own[vehicle.reference] if k not in (0, 1, 5)]
     places = np.array([6 * i + k for i, directions in enumerate(own) for k in directions])
     together = springs.loose(places)
-    if together.size and together.shape[1] > count and not whole:
+    if together.size and not alike:
         moves = np.zeros((len(vehicle.parts), 6))
         moves[places // 6, places % 6] = np.linalg.norm(together, axis=1)
         parts = [name for name, row in zip(vehicle.names, moves, strict=True) if max(row) > 0.1 * moves.max()]
-        along = [word for word, column in zip(WORDS, moves.T, strict=True) if max(column) > 0.1 * moves.max()]
-        words = f"{', '.join(parts)} move together {_joined(along)}"
+        ways = [word for word, column in zip(WORDS, moves.T, strict=True) if max(column) > 0.1 * moves.max()]
+        words = f"{', '.join(parts)} move together {_joined(ways)}"
         yield f"{words}, and nothing holds them against {_what(vehicle, vehicle.reference)}"
 
 
-def _frequencies(springs: _Springs) -> Iterator[str]:
-    """Frequencies of single parts, all others held: bounds from below of the highest one of the whole vehicle.
+def _frequencies(springs: _Springs, known: Collection[str]) -> Iterator[str]:
+    """Frequencies of single parts and axle boxes, all others held: bounds from below of the highest one of the whole
+    vehicle.
 
     Motors and cases that ride on the axle that they drive are held by bearings and left out.
     """
     vehicle, whole, inertia = springs.vehicle, springs.whole, springs.inertia
     joined = {frozenset((e.first, e.second)) for e in vehicle.elements}
     on_axle = {n for d in vehicle.drives for n in (d.motor, d.case) if frozenset((n, d.wheelset)) in joined}
+    wrong = {part.mass for part in vehicle.parts if part.name in known}
     fastest: dict[bytes, tuple[float, str]] = {}
     for i, part in enumerate(vehicle.parts):
         places = slice(6 * i, 6 * i + 6)
         scale = inertia[places] ** -0.5
         values, vectors = np.linalg.eigh(scale[:, None] * whole[places, places] * scale)
         frequency, shape = max(values[-1], 0.0) ** 0.5 / (2.0 * pi), scale * vectors[:, -1]
-        if frequency > RIGID_UP_TO and part.name not in on_axle:
+        if frequency > RIGID_UP_TO and part.name not in on_axle and part.mass not in wrong:
             element = vehicle.elements[int(np.argmax([shape @ own[places, places] @ shape for own in springs.of]))]
             along = WORDS[int(np.argmax(np.abs(vectors[:, -1])))]
             words = f"{_what(vehicle, i)} oscillates {along} at {frequency:.4g} Hz on '{element.name}'"
             words += f"; plausible is up to {RIGID_UP_TO:g} Hz, above which it bends: stiffness or mass is wrong"
+            alike = element.stiffness_at_rest.tobytes()
+            fastest[alike] = max(fastest.get(alike, (0.0, "")), (frequency, words))
+    for at, name in enumerate(vehicle.boxes, 6 * len(vehicle.parts)):
+        frequency = max(whole[at, at] / inertia[at], 0.0) ** 0.5 / (2.0 * pi)
+        if frequency > ARMS_UP_TO:
+            element = vehicle.elements[int(np.argmax([own[at, at] for own in springs.of]))]
+            words = f"axle box '{name}' oscillates in pitch at {frequency:.4g} Hz on '{element.name}'"
+            words += f"; plausible is up to {ARMS_UP_TO:g} Hz: stiffness, mass or inertia is wrong"
             alike = element.stiffness_at_rest.tobytes()
             fastest[alike] = max(fastest.get(alike, (0.0, "")), (frequency, words))
     yield from (words for _, words in fastest.values())
