@@ -78,7 +78,7 @@ def test_terms_of_the_derivatives_are_those_of_the_displacement(xi, t):
     vectors = np.zeros((VECTORS, 1))
     vectors[[FROM, TO, INVERSE, PUSH, MIDDLE, NB], 0] = -0.3 * t, 1.2 * t, 1.0, 1.0, 0.0, 1.0
     terms = vectors[TERMS : TERMS + 5]
-    find_terms(influence_table(), vectors, 0, 1, 0.0, xi, *terms)
+    find_terms(influence_table(), vectors, 0, 1, 0.0, xi, False, *terms)
     u, u_xi, turn, start, end = terms[:, 0]
     step = 1e-5
     beside = pressed_at(influence_table(), vectors.copy(), 0, 1, 0.0, xi, step, 3, 0.0, 1.0, False)
@@ -86,6 +86,20 @@ def test_terms_of_the_derivatives_are_those_of_the_displacement(xi, t):
     assert u_xi == pytest.approx((beside.fore - beside.aft) / (2.0 * step), rel=1e-4, abs=1e-6)
     assert (start, end) == pytest.approx((potential(xi, 0.3 * t), potential(xi, 1.2 * t)), rel=1e-4)
     assert turn == pytest.approx(1.2 * t * end + 0.3 * t * start, rel=1e-12)
+
+
+@pytest.mark.parametrize("t", [0.01, 0.4, 3.0])
+def test_the_row_of_the_middle_is_that_of_the_table(t):
+    vectors = np.zeros((VECTORS, 1))
+    vectors[[FROM, TO, INVERSE, PUSH, MIDDLE, NB], 0] = -0.3 * t, 1.2 * t, 1.0, 1.0, 0.0, 1.0
+    found, terms = [], []
+    for aligned in (True, False):
+        own = vectors.copy()
+        found.append(pressed_at(influence_table(), own, 0, 1, 0.0, 0.0, 0.5, 2, 0.0, 1.0, aligned)[:2])
+        find_terms(influence_table(), own, 0, 1, 0.0, 0.0, aligned, *own[TERMS : TERMS + 5])
+        terms.append(own[TERMS : TERMS + 5, 0])
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+    np.testing.assert_allclose(terms[0], terms[1], rtol=1e-12, atol=1e-15)
 
 
 @pytest.mark.parametrize(("pair", "lateral", "yaw", "wrong"), [

@@ -28,16 +28,21 @@ FOUR, LANES = ir.VectorType(DOUBLE, 4), ir.VectorType(LANE, 4)
 FUSED = ("contract",)  # a product and a sum in one, where the processor can
 
 
-def _python(of_u: Any, of_v: Any) -> Any:
-    def value(table: Array, u: float, v: float) -> float:
-        (i, rows), (j, columns) = _weights(u, of_u), _weights(v, of_v)
-        total = 0.0
-        for p in range(4):
-            for q in range(4):
-                total += rows[p] * columns[q] * table[i + p, j + q]
-        return total
+def _with_slopes(table: Array, u: float, v: float) -> tuple[float, float, float]:
+    (i, rows), (_, turned) = _weights(u, WEIGHTS), _weights(u, SLOPES)
+    (j, columns), (_, leaning) = _weights(v, WEIGHTS), _weights(v, SLOPES)
+    value = by_u = by_v = 0.0
+    for p in range(4):
+        for q in range(4):
+            value += rows[p] * columns[q] * table[i + p, j + q]
+            by_u += turned[p] * columns[q] * table[i + p, j + q]
+            by_v += rows[p] * leaning[q] * table[i + p, j + q]
+    return value, by_u, by_v
 
-    return value
+
+def _with_slope_in_row(row: Array, v: float) -> tuple[float, float]:
+    (j, columns), (_, leaning) = _weights(v, WEIGHTS), _weights(v, SLOPES)
+    return sum(columns[q] * row[j + q] for q in range(4)), sum(leaning[q] * row[j + q] for q in range(4))
 
 
 def _weights(at: float, powers: Any) -> tuple[int, list[float]]:
@@ -48,12 +53,11 @@ def _weights(at: float, powers: Any) -> tuple[int, list[float]]:
 
 
 def _difference(table: Array, u: float, lo: float, v: float, hi: float, w: float) -> float:
-    return hi * spline(table, u, w) - lo * spline(table, u, v)
+    return hi * _with_slopes(table, u, w)[0] - lo * _with_slopes(table, u, v)[0]
 
 
 def _difference_in_row(row: Array, lo: float, v: float, hi: float, w: float) -> float:
-    (i, start), (j, end) = _weights(v, WEIGHTS), _weights(w, WEIGHTS)
-    return sum(hi * end[p] * row[j + p] - lo * start[p] * row[i + p] for p in range(4))
+    return hi * _with_slope_in_row(row, w)[0] - lo * _with_slope_in_row(row, v)[0]
 
 
 class Sum:
@@ -72,17 +76,17 @@ class Sum:
             found = self.add(self.times(found, z), constant)
         return i, found
 
-    def columns(self, rows: tuple[Any, Any], j: Any) -> Any:
-        """Four columns from j on, each the sum of four rows by their weights."""
-        i, weights = rows
+    def columns(self, i: Any, j: Any, *weights: Any) -> list[Any]:
+        """Four columns from j on, each the sum of four rows from i on, by each of these weights."""
         place = self.builder.add(self.builder.mul(i, self.width), j)
-        total = None
+        found = [FOUR([0.0] * 4)] * len(weights)
         for p in range(4):
-            weight = self.builder.shuffle_vector(weights, weights, LANES([p] * 4))
-            part = self.times(self.load(place), weight)
-            total = part if total is None else self.add(total, part)
+            row = self.load(place)
+            for w, of_rows in enumerate(weights):
+                weight = self.builder.shuffle_vector(of_rows, of_rows, LANES([p] * 4))
+                found[w] = self.add(found[w], self.times(row, weight))
             place = self.builder.add(place, self.width)
-        return total
+        return found
 
     def load(self, place: Any) -> Any:
         """Four numbers from a place on."""
@@ -111,26 +115,41 @@ class Sum:
         return self.builder.fadd(self.builder.fadd(one, three), self.builder.fadd(two, four))
 
 
-def _compiled(of_u: Any, of_v: Any) -> Any:
-    @intrinsic
-    def value(_context: Any, table: Any, u: Any, v: Any) -> Any:
-        def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-            own = Sum(context, builder, table, args[0])
-            j, columns = own.weights(args[2], of_v)
-            return own.total(own.times(own.columns(own.weights(args[1], of_u), j), columns))
+@intrinsic
+def _with_slopes_compiled(_context: Any, table: Any, u: Any, v: Any) -> Any:
+    found = types.UniTuple(types.float64, 3)
 
-        return types.float64(table, types.float64, types.float64), code
+    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        own = Sum(context, builder, table, args[0])
+        (i, rows), (_, turned) = (own.weights(args[1], powers) for powers in (WEIGHTS, SLOPES))
+        (j, columns), (_, leaning) = (own.weights(args[2], powers) for powers in (WEIGHTS, SLOPES))
+        level, by_u = own.columns(i, j, rows, turned)
+        products = own.times(level, columns), own.times(by_u, columns), own.times(level, leaning)
+        return context.make_tuple(builder, found, [own.total(x) for x in products])
 
-    return value
+    return found(table, types.float64, types.float64), code
+
+
+@intrinsic
+def _with_slope_in_row_compiled(_context: Any, row: Any, v: Any) -> Any:
+    found = types.UniTuple(types.float64, 2)
+
+    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        own = Sum(context, builder, row, args[0])
+        (j, columns), (_, leaning) = (own.weights(args[1], powers) for powers in (WEIGHTS, SLOPES))
+        level = own.load(j)
+        return context.make_tuple(builder, found, [own.total(own.times(level, x)) for x in (columns, leaning)])
+
+    return found(row, types.float64), code
 
 
 @intrinsic
 def _difference_compiled(_context: Any, table: Any, u: Any, lo: Any, v: Any, hi: Any, w: Any) -> Any:
     def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
         own = Sum(context, builder, table, args[0])
-        rows, (i, start), (j, end) = (own.weights(at, WEIGHTS) for at in (args[1], args[3], args[5]))
-        start, end = own.times(own.columns(rows, i), start), own.times(own.columns(rows, j), end)
-        return own.step(args[2], start, args[4], end)
+        (k, rows), (i, start), (j, end) = (own.weights(at, WEIGHTS) for at in (args[1], args[3], args[5]))
+        low, high = own.columns(k, i, rows)[0], own.columns(k, j, rows)[0]
+        return own.step(args[2], own.times(low, start), args[4], own.times(high, end))
 
     return types.float64(table, *[types.float64] * 5), code
 
@@ -145,15 +164,20 @@ def _difference_in_row_compiled(_context: Any, row: Any, lo: Any, v: Any, hi: An
     return types.float64(row, *[types.float64] * 4), code
 
 
-_made = _python if CONFIG.DISABLE_JIT else _compiled
-spline: Any = _made(WEIGHTS, WEIGHTS)
-"""spline(table, u, v): value at the place u steps along the rows and v along the columns of a C-contiguous table, in
-whose rows u to u + 3 and columns v to v + 3 the coefficients lie that count."""
-spline_by_u: Any = _made(SLOPES, WEIGHTS)
-"""Its derivative by u."""
-spline_by_v: Any = _made(WEIGHTS, SLOPES)
-"""Its derivative by v."""
-difference: Any = _difference if CONFIG.DISABLE_JIT else _difference_compiled
-"""difference(table, u, lo, v, hi, w): hi times the value at (u, w) less lo times that at (u, v)."""
-difference_in_row: Any = _difference_in_row if CONFIG.DISABLE_JIT else _difference_in_row_compiled
-"""difference_in_row(row, lo, v, hi, w): the same of a spline of one argument."""
+with_slopes: Any
+with_slope_in_row: Any
+difference: Any
+difference_in_row: Any
+if CONFIG.DISABLE_JIT:
+    with_slopes, with_slope_in_row = _with_slopes, _with_slope_in_row
+    difference, difference_in_row = _difference, _difference_in_row
+else:
+    with_slopes, with_slope_in_row = _with_slopes_compiled, _with_slope_in_row_compiled
+    difference, difference_in_row = _difference_compiled, _difference_in_row_compiled
+"""Of a C-contiguous table, in whose rows u to u + 3 and columns v to v + 3 the coefficients lie that count at (u, v)
+steps along rows and columns, or of a row of one.
+
+with_slopes(table, u, v), with_slope_in_row(row, v): value and derivatives by u and v, or by v;
+difference(table, u, lo, v, hi, w), difference_in_row(row, lo, v, hi, w): hi times the value at w less lo times that at
+v.
+"""

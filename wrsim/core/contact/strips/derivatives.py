@@ -22,10 +22,9 @@ from wrsim.core.jit.compiling import inlined, kernel
 def _point(system, n, g, i, h, point, x):
     """The terms of the strips of grid h at a point x of strip i of grid g."""
     v, t = system.vectors, TERMS + OF_A_POINT * point
-    first, last = h * n, (h + 1) * n
-    find_terms(
-        system.table, v, first, last, system.places[g * n + i].s, x, v[t], v[t + 1], v[t + 2], v[t + 3], v[t + 4]
-    )
+    aligned = point == 0 and h == g and not system.memo[0].shifted
+    first, last, s = h * n, (h + 1) * n, system.places[g * n + i].s
+    find_terms(system.table, v, first, last, s, x, aligned, v[t], v[t + 1], v[t + 2], v[t + 3], v[t + 4])
 
 
 @kernel

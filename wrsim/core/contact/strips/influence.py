@@ -20,7 +20,7 @@ from typing import NamedTuple
 from wrsim.core.contact.strips.records import FROM, INVERSE, LIFT, MIDDLE, NB, NO, PUSH, SIDE, TERMS, TO
 from wrsim.core.jit.arena import bits_of, number_of
 from wrsim.core.jit.compiling import filling, inlined, kernel
-from wrsim.core.jit.spline import difference, difference_in_row, spline, spline_by_u, spline_by_v
+from wrsim.core.jit.spline import difference, difference_in_row, with_slope_in_row, with_slopes
 
 LOWEST, HIGHEST, STEPS = -12, 12, 6
 """Octaves of t in the table, and steps in each; below the first t counts as its start."""
@@ -79,6 +79,25 @@ def _find_point(vectors, first, last, x, beside):
     """Places on the other axis, (>= last,): of the point x, seen from the middles of strips."""
     for j in range(first, last):
         beside[j] = _place_beside((x - vectors[MIDDLE, j]) * vectors[INVERSE, j])
+
+
+@filling
+def _find_rates(vectors, first, last, s, low, high):
+    """Slopes of the places of both ends over the logarithm of t, (>= last,)."""
+    for j in range(first, last):
+        inverse = vectors[INVERSE, j]
+        low[j] = STEPS * _octave_rate(max(abs((vectors[FROM, j] - s) * inverse), _LEAST_T))
+        high[j] = STEPS * _octave_rate(max(abs((vectors[TO, j] - s) * inverse), _LEAST_T))
+
+
+@filling
+def _scale_by_rate(vectors, first, last, x, p):
+    """Multiply by the slope of the place on the other axis over xi, (>= last,)."""
+    for j in range(first, last):
+        xi = (x - vectors[MIDDLE, j]) * vectors[INVERSE, j]
+        y = SHARP * (xi * xi - 1.0)
+        root = sqrt(y * y + 1.0)
+        p[j] *= STEPS_BESIDE * _octave_rate(y + root) * 2.0 * SHARP * xi / root
 
 
 @inlined
@@ -142,24 +161,41 @@ def pressed_at(table, vectors, first, last, s, x, r, points, no, nb, aligned):
     return Displacements(middle, fore, aft)
 
 
-@filling
-def find_terms(table, vectors, first, last, s, x, p, p_xi, turn, f0, f1):
+@kernel
+def find_terms(table, vectors, first, last, s, x, aligned, p, p_xi, turn, f0, f1):
     """What the derivatives of the displacement at (x, s) by strips that follow each other are made of, each (>= last,).
 
-    Differences of PHI, and of its slope by xi; of t f; f(1, xi, t) at both ends.
+    Differences of PHI, and of its slope by xi; of t f; f(1, xi, t) at both ends. aligned: as in ``pressed_at``.
     """
+    _find_ends(vectors, first, last, s, f0, f1)
+    _find_rates(vectors, first, last, s, turn, p_xi)
+    if aligned:
+        _find_terms_in_row(table[table.shape[0] - 1], vectors, first, last, s, p, p_xi, turn, f0, f1)
+        return
+    _find_point(vectors, first, last, x, p)
     for j in range(first, last):
         inverse = vectors[INVERSE, j]
-        xi = (x - vectors[MIDDLE, j]) * inverse
-        beside = _place_beside(xi)
-        y = SHARP * (xi * xi - 1.0)
-        root = sqrt(y * y + 1.0)
-        rate = STEPS_BESIDE * _octave_rate(y + root) * 2.0 * SHARP * xi / root
         lo, hi = (vectors[FROM, j] - s) * inverse, (vectors[TO, j] - s) * inverse
-        u, v = _place_across(lo), _place_across(hi)
-        low, high = spline(table, beside, u), spline(table, beside, v)
-        f0[j] = low + STEPS * _octave_rate(max(abs(lo), _LEAST_T)) * spline_by_v(table, beside, u)
-        f1[j] = high + STEPS * _octave_rate(max(abs(hi), _LEAST_T)) * spline_by_v(table, beside, v)
+        low, low_xi, low_t = with_slopes(table, p[j], f0[j])
+        high, high_xi, high_t = with_slopes(table, p[j], f1[j])
+        f0[j] = low + turn[j] * low_t
+        f1[j] = high + p_xi[j] * high_t
         p[j] = hi * high - lo * low
-        p_xi[j] = rate * (hi * spline_by_u(table, beside, v) - lo * spline_by_u(table, beside, u))
+        p_xi[j] = hi * high_xi - lo * low_xi
+        turn[j] = hi * f1[j] - lo * f0[j]
+    _scale_by_rate(vectors, first, last, x, p_xi)
+
+
+@kernel
+def _find_terms_in_row(row, vectors, first, last, s, p, p_xi, turn, f0, f1):
+    """The same at xi = 0; row: the coefficients there."""
+    for j in range(first, last):
+        inverse = vectors[INVERSE, j]
+        lo, hi = (vectors[FROM, j] - s) * inverse, (vectors[TO, j] - s) * inverse
+        low, low_t = with_slope_in_row(row, f0[j])
+        high, high_t = with_slope_in_row(row, f1[j])
+        f0[j] = low + turn[j] * low_t
+        f1[j] = high + p_xi[j] * high_t
+        p[j] = hi * high - lo * low
+        p_xi[j] = 0.0
         turn[j] = hi * f1[j] - lo * f0[j]
