@@ -123,10 +123,10 @@ def test_couplings_carry_what_accelerates_the_vehicles_behind(tmp_path: Path) ->
     text = ("[[couplings]]", '[[vehicles]]\nname = "more"\nmodel = "vehicles/manchester_1.toml"\ncount = 2\n'
             "length_mm = 26400\ndriven = false\n[[couplings]]")  # fmt: skip
     rate = 0.5
-    speeds = {"time_s_speed_kmh": [[0.5, 36.0], [5.0, 36.0 + 3.6 * 4.5 * rate]]}
+    speeds = {"time_s_speed_kmh": [[0.3, 36.0], [3.0, 36.0 + 3.6 * 2.7 * rate]]}
     keys = {
         "track.segments": [straight(200.0)],
-        "run.distance_m": 40.0,
+        "run.distance_m": 30.0,
         "vehicle.speed_kmh": speeds,
         "run.step_us": 5000,
     }
@@ -178,9 +178,9 @@ def test_a_train_starts_in_a_curve_as_one_that_has_come_there(tmp_path: Path) ->
 
 def test_a_train_starts_where_a_transition_is_beneath_it(tmp_path: Path) -> None:
     """It has come along the track: Y and Q are those of a run that passes there, within 1 % of the largest Q."""
-    curves = [straight(60.0), transition(40.0), arc(60.0, 300.0, 60.0)]
+    curves = [straight(60.0), transition(30.0), arc(60.0, 300.0, 60.0)]
     keys = {"track.segments": curves, "vehicle.speed_kmh": 40.0, "run.step_us": 5000, "run.output_interval_ms": 10.0}
-    passed, began = (two_coaches_at(100.0, start, tmp_path, keys) for start in (38.0, 95.0))
+    passed, began = (two_coaches_at(89.0, start, tmp_path, keys) for start in (56.0, 84.0))
     for name in ("Y", "Q"):
         np.testing.assert_allclose(began[name], passed[name], atol=0.01 * float(passed["Q"].max()), rtol=0.0)
 

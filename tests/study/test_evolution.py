@@ -42,7 +42,7 @@ length_m = 12
 model = "vehicles/wheelset_s1002_leading.toml"
 [run]
 start_distance_m = 2
-distance_m = 1
+distance_m = 0.4
 output_interval_ms = 10
 [output]
 patches_at_m = []
