@@ -223,20 +223,18 @@ def _transition(
     if s.size < 8:
         return _Fit(form, p.end, length, own[0], own[1], np.inf)
 
-    def levels(x: Array) -> Array:
-        return np.asarray(x[2:].reshape(2, 2) * held[:, None])
-
-    def off(x: Array) -> Array:
-        before, behind = levels(x)
+    def fitted(x: Array) -> tuple[Array, Array]:
+        """For a start and a length: the values (2, 2) before and behind that come nearest, and what they leave over."""
         part = _part(s - x[0], x[1], form)
-        return np.asarray((before[:, None] + (behind - before)[:, None] * part - rows).ravel())
+        shares = np.stack([1.0 - part, part]) * held[:, None]
+        levels = np.linalg.lstsq(shares.T, rows.T)[0]
+        return levels, np.asarray((levels.T @ shares - rows).ravel())
 
-    start = np.concatenate(([p.end, length], (own / noise).ravel()))
-    longest = max(window[1] - window[0], SHORTEST) + SHORTEST
-    low = np.array([window[0] - SMOOTHING, SHORTEST, *[-np.inf] * 4])
-    high = np.array([window[1] + SMOOTHING, longest, *[np.inf] * 4])
-    best = least_squares(off, np.clip(start, low + 1e-6, high - 1e-6), bounds=(low, high))
-    before, behind = levels(best.x) * noise
+    low = np.array([window[0] - SMOOTHING, SHORTEST])
+    high = np.array([window[1] + SMOOTHING, max(window[1] - window[0], SHORTEST) + SHORTEST])
+    start = np.clip([p.end, length], low + 1e-6, high - 1e-6)
+    best = least_squares(lambda x: fitted(x)[1], start, bounds=(low, high))
+    before, behind = fitted(best.x)[0] * noise
     return _Fit(form, float(best.x[0]), float(best.x[1]), before, behind, float(best.cost))
 
 
