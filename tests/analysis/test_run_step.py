@@ -97,6 +97,7 @@ def test_the_implicit_step_divides_the_time_between_two_samples(speed, interval_
     assert implicit_step(speed, 1e-3 * interval_ms) == pytest.approx(1e-3 * step_ms)
 
 
+@pytest.mark.campaign  # in the suite: the orders of both integrators, and half the step of short runs
 def test_after_the_low_pass_a_coach_over_a_dip_is_within_half_a_percent_and_converges():
     # one rail dips by 3 mm over 2 m. The low-pass of 20 Hz is that of the assessment; what it takes away, wheels that
     # bounce on their contacts at some 200 Hz, is out of phase with a step of 2 ms

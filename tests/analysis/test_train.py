@@ -118,6 +118,7 @@ def test_the_ends_of_vehicles_swing_through_an_s_curve_as_chords_do(tmp_path: Pa
     assert np.abs(d["coupling_force"].values).max() < 500.0
 
 
+@pytest.mark.campaign  # in the suite: wagons without rails (test_couplings)
 def test_couplings_carry_what_accelerates_the_vehicles_behind(tmp_path: Path) -> None:
     """The first coach alone is driven, 0.5 m/s2: masses and turning wheels behind each coupling, within 1 %."""
     text = ("[[couplings]]", '[[vehicles]]\nname = "more"\nmodel = "vehicles/manchester_1.toml"\ncount = 2\n'

@@ -227,7 +227,7 @@ def turned(profile: Profile, angle: float) -> Profile:
 
 
 @every_normal
-@pytest.mark.parametrize("angle", [-0.3, 0.15])
+@pytest.mark.parametrize("angle", [-0.3, pytest.param(0.15, marks=pytest.mark.campaign)])
 def test_a_turned_section_gives_turned_forces(normal, angle):
     # about t: no direction in the section is special
     c, s = np.cos(angle), np.sin(angle)
@@ -260,7 +260,7 @@ def enlarged(profile: Profile, scale: float) -> Profile:
 
 
 @every_normal
-@pytest.mark.parametrize("scale", [0.5, 1.4])
+@pytest.mark.parametrize("scale", [0.5, pytest.param(1.4, marks=pytest.mark.campaign)])
 def test_lengths_times_k_give_forces_times_k_squared(normal, scale):
     # pressures and creepages stay; turning rates fall with 1/k
     @settings(max_examples=examples(normal, 12))
