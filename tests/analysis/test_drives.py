@@ -1,5 +1,6 @@
 """Speed along the line, motors and brakes: where the frame is, what the energy becomes, what adhesion lets through."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,13 +9,15 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from support.runs import straight
 from support.scenario_texts import CURVE, faults
-from support.vehicles import COARSE, ROOT, manchester
+from support.vehicles import COARSE, ROOT, manchester, on_track
 
 from wrsim.analysis import run
 from wrsim.analysis.contacts import force_law
 from wrsim.core.body.vehicle_forces import PIECE, motion_at
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
+from wrsim.simulation.placement import design_state
+from wrsim.vehicle.loads import Effort
 from wrsim.vehicle.speed import SpeedProfile
 
 Array = NDArray[np.float64]
@@ -65,6 +68,19 @@ def braked(creepage: float | None):
     """The coach whose first axle is braked beyond adhesion."""
     control = {} if creepage is None else {"vehicle.slip_control": {"creepage": creepage}}
     return run(on_straight().with_values(SLIPPERY | {"vehicle.efforts": HARD} | control))
+
+
+@pytest.mark.parametrize(
+    ("spin", "share"), [(40.0, 1.0), (0.5, 1.0), (0.1, 0.2), (0.0, 0.0), (-0.25, -0.5), (-3.0, -1.0)]
+)
+def test_a_brake_fades_with_the_spin_of_its_wheels_and_turns_round_with_it(spin, share):
+    """From .5 rad/s on it has its whole moment, of the second axle here."""
+    brake = Effort(manchester().wheelsets[1].name, ((0.0, -9e3),))
+    law = on_track(replace(manchester(), efforts=(brake,)), 20.0).law
+    q, q_t = design_state(law)
+    q_t[6 + 5] = spin
+    law(0.0, q, q_t, np.zeros(law.size))
+    assert law.axles["moment"] == pytest.approx([0.0, -9e3 * share, 0.0, 0.0])
 
 
 def test_a_brake_beyond_adhesion_stops_the_wheels_and_is_told():

@@ -64,6 +64,15 @@ def test_what_motor_gear_and_axle_take_from_each_other_is_the_rate_of_what_turns
     assert law.axles["shaft"][0] == pytest.approx(STIFFNESS * 2e-3, rel=1e-9)
 
 
+def test_a_hollow_axle_loses_its_damping_times_the_square_of_its_rate():
+    vehicle = shipped("manchester_motor")
+    law = on_track(vehicle, 20.0).law
+    q, q_t = design_state(law)
+    q_t[law.gears[1] + 1] += 0.3  # of the second motor alone
+    law(0.0, q, q_t, np.zeros(law.size))
+    assert law.axles["loss"] == pytest.approx([0.0, vehicle.drives[1].damping * 0.3**2, 0.0, 0.0], rel=1e-6, abs=1e-9)
+
+
 # --- laws -------------------------------------------------------------------------------------------------
 def in_space(name: str, **drive: float) -> VehicleOnTrack:
     """The bodies of a vehicle with their geared motors, which nothing else holds or carries."""
