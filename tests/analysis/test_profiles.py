@@ -8,6 +8,7 @@ import pytest
 from support.commands import ok, refusal
 
 import wrsim
+from wrsim.analysis.profiles import measured_tables
 from wrsim.geometry.profile.flange import tread_hollow
 from wrsim.geometry.profile.head_wear import head_wear
 from wrsim.geometry.profile.models import load_profile
@@ -29,6 +30,18 @@ def test_head_wear_of_a_shifted_rail_is_that_of_its_arcs(shift: tuple[float, flo
     along = np.dot(shift, [-np.sqrt(0.5), np.sqrt(0.5)])
     reach = along + np.sqrt(CORNER**2 - (np.dot(shift, shift) - along**2))
     assert found.corner == pytest.approx(CORNER - reach, abs=1e-9)
+
+
+@pytest.mark.parametrize("offset", [2e-3, -2e-3])
+def test_a_scan_beside_the_unworn_rail_is_known_by_its_field_side_which_wear_leaves_alone(offset: float) -> None:
+    """The side leans by 1:20: vertical wear of d, that moves no side, is as good as a shift by d / 20."""
+    gauge_side = worn(RAIL, [Removal("normal", 3e-3, -34e-3, 8e-3)], "worn")
+    assert head_wear(gauge_side, RAIL).field == pytest.approx(0.0, abs=1e-9)
+    assert head_wear(RAIL.shifted(offset, 0.0), RAIL).field == pytest.approx(-offset, abs=1e-9)
+    (note,) = [
+        n for n in measured_tables({"scan": RAIL.shifted(offset, 0.0)}, [], RAIL, None)["rail"].notes if "scan" in n
+    ]
+    assert f"its field side lies 2.00 mm {'outside' if offset > 0.0 else 'inside'} that of 60E1" in note
 
 
 def test_a_narrower_standard_rail_lacks_the_published_difference_at_the_side() -> None:

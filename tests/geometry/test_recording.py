@@ -316,6 +316,11 @@ LANGUAGES = {
          "Alignment right D1 [mm]", "Longitudinal level L D1 (mm)", "Longitudinal level R D1 (mm)", "Twist 3 m [mm/m]",
          "Speed [km/h]", "Cant deficiency [mm]"],
     ),
+    "as spoken": (
+        ",", "utf-8",
+        ["Mileage_km", "Gage (mm)", "Superelevation mm", "Curv 1/km", "LH alinement D1 (mm)", "RH alinement D1 (mm)",
+         "Left top D1 (mm)", "Unevenness right D1 (mm)", "Twist 3 m [mm/m]", "Speed [km/h]", "Cant deficiency [mm]"],
+    ),
     "german": (
         ";", "latin-1",
         ["Streckenkilometer / km", "Spurweite / mm", "Überhöhung / mm", "Krümmung / 1/km", "Richtung links D1 / mm",

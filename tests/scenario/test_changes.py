@@ -76,6 +76,8 @@ def test_a_mistake_in_set_is_named_as_such(key: str) -> None:
     [
         ("contact.normal=hertz", 'did you mean "strips" or "half-space"'),
         ("contact.normal=kik", 'did you mean "kik-piotrowski"'),
+        ("run.dt=0.001", "did you mean 'step_us' (in microseconds)?"),
+        ("run.integrator=sodasrt2", 'did you mean "generalised-alpha"'),
         ("contact.tangential=usetab", 'did you mean "fastrip" or "half-space"'),
         ("contact.tangential=kalker", 'did you mean "fastsim", "linear" or "half-space"'),
         ("contact.creep_forces=polach", "did you mean 'tangential'"),

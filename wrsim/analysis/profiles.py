@@ -19,6 +19,8 @@ from wrsim.geometry.profile.profile import KINDS, Kind, Profile
 from wrsim.results.table import Cell, Column, Table, quantity
 
 MEASURES = {"wheel": ("Sh", "Sd", "qR", "hollow"), "rail": ("W1", "W2", "W3")}
+LAID = 0.5e-3
+"""How far the field sides of a rail and an unworn one may be apart [m]: tolerance of the width of heads, EN 13674-1."""
 SIDE = re.compile(r"(?<![a-z0-9])(left|right|l|r)(?![a-z0-9])", re.IGNORECASE)  # in the name of a file
 
 
@@ -95,6 +97,7 @@ def _table(kind: Kind, profiles: Mapping[str, Profile], unworn: Profile | None, 
     for name, profile in profiles.items():
         try:
             own = _measures(profile, against) if names else ()
+            notes += _doubts(name, profile, against)
         except InputError as error:
             notes.append(f"{name}: {error}")
             own = (np.nan,) * len(names)
@@ -107,6 +110,23 @@ def _table(kind: Kind, profiles: Mapping[str, Profile], unworn: Profile | None, 
         columns.append(Column("p0", "MPa", ".0f", "p0_MPa"))
         notes += [partner.words(), *reasons]
     return Table("", tuple(columns), rows, tuple(notes))
+
+
+def _doubts(name: str, rail: Profile, unworn: Profile | None) -> list[str]:
+    """A note where a scan does not lie on the unworn rail: at its field side, or above it."""
+    if unworn is None or rail.kind != "rail":
+        return []
+    wear, found = head_wear(rail, unworn), []
+    if abs(wear.field) > LAID:
+        side = "inside" if wear.field > 0.0 else "outside"
+        found.append(f"its field side lies {quantity(1e3 * abs(wear.field), 'mm', '.2f')} {side} that of {unworn.name}")
+    if wear.vertical < -LAID:
+        found.append(f"its top lies {quantity(-1e3 * wear.vertical, 'mm', '.2f')} above that of {unworn.name}")
+    return (
+        [f"{name}: {' and '.join(found)}: is it of that rail? field_side, shift_mm, turn_mrad of the scan"]
+        if found
+        else []
+    )
 
 
 def _measures(profile: Profile, unworn: Profile | None) -> tuple[float, ...]:

@@ -192,6 +192,9 @@ def similar_files(path: Path) -> str:
     """A hint with files like ``path`` in its folder, or on a missing folder."""
     if not os.path.isdir(path.parent):
         return f" (there is no folder '{path.parent}')"
+    for whole in (path.with_suffix(".toml"), path.parent / "scenarios" / f"{path.stem}.toml"):
+        if os.path.isfile(whole):
+            return f"; did you mean '{whole}'?"
     names = [p.name for p in path.parent.iterdir() if os.path.isfile(p)]
     if near := get_close_matches(path.name, names, n=3):
         return "; did you mean " + " or ".join(f"'{path.parent / n}'" for n in near) + "?"

@@ -177,6 +177,8 @@ ELSEWHERE: dict[str, tuple[str, ...]] = {
     "simplified": ("fastsim",), "contact": ("half-space",),
     "multi-hertz": ("strips",), "stripes": ("strips",), "kp": ("kik-piotrowski",), "duvorol": ("half-space",),
     "newmark": ("generalised-alpha",), "hht": ("generalised-alpha",), "runge-kutta": ("rk44",), "rk4": ("rk44",),
+    "sodasrt": ("generalised-alpha",), "sodasrt2": ("generalised-alpha",), "bdf": ("generalised-alpha",),
+    "implicit": ("generalised-alpha",), "explicit": ("rk44",),
     "clothoid": ("transition",), "curve": ("arc",), "circle": ("arc",), "tangent": ("straight",),
     "shear": ("shear-spring",), "bushing": ("spring",), "bumpstop": ("bump-stop",), "airspring": ("air-spring",),
 }  # fmt: skip

@@ -181,15 +181,15 @@ GUESSES: tuple[tuple[str, str], ...] = (
     ("distance", r"dist|chainage|mileage|kilomet|stati?on|posit|(^|[^a-z])pk($|[^a-z])|km$|^s$|^k?m$|abscisse|weg"),
     ("twist", r"twist|verwind|gauchiss|^gauche(?!.*(dress|nivel|fleche))"),
     ("cant", r"cant|cross.?level|(?<![a-z])x.?level|super.?elev|u(e)?berho|querho|querneig|gegens|devers|nivel.*trans"),
-    ("gauge", r"gauge|spur|ecartement"),
+    ("gauge", r"gauge|(?<![a-z])gage|spur|ecartement"),
     ("curvature", r"curv|kru(e)?mm|courbure"),
-    ("alignment", r"align|richt|pfeilh|fleche|versine|dress|lateral|seitenlage"),
-    ("level", r"level|vertical|vertikal|profil|surface|^top|ho(e)?he|nivea|nivel"),
+    ("alignment", r"align|aline|richt|pfeilh|fleche|versine|dress|lateral|seitenlage"),
+    ("level", r"level|vertical|vertikal|profil|surface|(?<![a-z])top(?![a-z])|uneven|ho(e)?he|nivea|nivel"),
 )
 """Quantities and patterns of their columns' names in English, German and French, without accents; the first counts."""
 DEVIATION = r"dev|abw|erweit|widen|delta|sur.?ecart|ecart.?d.?ecart"  # in the name of a gauge: from the nominal one
 SIDES = {"left": r"left|link|gauche", "right": r"right|recht|droite?"}
-LETTERS = {"left": {"l", "li", "g"}, "right": {"r", "re", "d"}}
+LETTERS = {"left": {"l", "lh", "li", "g"}, "right": {"r", "rh", "re", "d"}}
 
 
 def guessed(header: Sequence[str], where: str, chord: Sequence[float] | None, band: str | None) -> list[dict[str, Any]]:
@@ -245,7 +245,7 @@ SPELLINGS = {
     "µm": "um", "μm": "um", "per_km": "1/km", "per_m": "1/m", "mm_per_m": "mm/m",
 }  # fmt: skip
 TAIL = re.compile(
-    r"\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|\s/\s*(\S+)|\sin\s+(\S+)|[\s_](mm_per_m|per_km|per_m|permille|mm|cm|um|km)|_(m|in|ft))$"
+    r"\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|\s/\s*(\S+)|\sin\s+(\S+)|[\s_](mm_per_m|per_km|per_m|1/km|1/m|mm/m|permille|mm|cm|um|km)|_(m|in|ft))$"
 )
 
 

@@ -98,7 +98,7 @@ def read_points(
     stated = scan.kind or layout.suffixes.get(suffix)
     body = kind or stated
     if body is None:
-        raise InputError(f"{path}: unknown whether this is a wheel or a rail; give kind")
+        raise InputError(f"{path}: unknown whether this is a wheel or a rail; give kind (--kind)")
     if stated not in (None, body):
         raise InputError(f"{path}: this is a {stated} profile; a {kind} is needed here")
 

@@ -17,11 +17,13 @@ from wrsim.geometry.profile.profile import Profile
 class HeadWear:
     """vertical W1: at the top of the unworn rail, on its centre line; lateral W2: across, `Profile.gauge_depth` (14 mm)
     below that top, on the gauge side; corner W3: along the normal of the unworn gauge corner where that leans by 45
-    degrees. All positive where material is missing [m]."""
+    degrees; field: across, as deep on the field side as both heads reach, where a rail does not wear. All positive
+    where material is missing [m]."""
 
     vertical: float
     lateral: float
     corner: float
+    field: float
 
 
 def head_wear(rail: Profile, unworn: Profile) -> HeadWear:
@@ -31,7 +33,11 @@ def head_wear(rail: Profile, unworn: Profile) -> HeadWear:
     lateral = float(rail.at(side)[0] - unworn.at(unworn_side)[0])
     heads = rail.clipped(float(side), rail.length), unworn.clipped(float(unworn_side), unworn.length)
     vertical, corner = (_at_top(*(head.rotated(turn) for head in heads)) for turn in (0.0, -0.25 * np.pi))
-    return HeadWear(vertical, lateral, corner)
+    own, other = rail.mirrored(), unworn.mirrored()
+    low = max(float(side.w[side.arclength < side.top_arclength].min(initial=side.top[1])) for side in (own, other))
+    level = low + 0.1 * (min(own.top[1], other.top[1]) - low)
+    field = [float(side.at(side.gauge_arclength(side.top[1] - level))[0]) for side in (own, other)]
+    return HeadWear(vertical, lateral, corner, field[0] - field[1])
 
 
 def _at_top(worn: Profile, unworn: Profile) -> float:
