@@ -2,7 +2,7 @@
 
 The four systems M u_tt + C u_t + K u = B f of ``wrsim.geometry.track.sleepers`` (left and right rail vertically, sum
 and difference of both laterally) are integrated by generalised alpha (Arnold and Bruls, Multibody System Dynamics 18
-(2007), algorithm 1) with the step of the vehicle. With c and d, the changes of u and u_t for a change of u_tt, and with
+(2007), algorithm 1) with the step of the vehicle and more numerical damping. With c and d, the changes of u and u_t for a change of u_tt, and with
 p and p_t, what the method predicts for u_tt = 0 at the end of the step,
 
     (M + d C + c K) u_tt = B f - C p_t - K p,
@@ -13,7 +13,7 @@ so the displacement of a rail under a wheel is affine in the force of the wheel 
 
 with the force f* of the step before. g (2 x 2: lateral, vertical) is the wheel's own; it comes from the band of the
 inverse. What f - f* does within the step to the rails under other wheels is left to its end, where all rails are solved
-for all forces. The vehicle's step has u as an unknown, whose "force" is the acceleration g (f - f*) / c: contact and
+for all forces. The vehicle's step has u as an unknown, whose "force" is the acceleration g (f - f*) over its own c: contact and
 rail are solved together, implicitly.
 
 u is the displacement by the shape functions of the wheel's element and that of the element between its nodes under the
@@ -200,12 +200,14 @@ def read(row: int, i: int, rails: Rails) -> tuple[float, float]:
 
 @kernel
 def begin(method: Array, buffer: Array, index: Ints, rails: Rails) -> None:
-    """Begin a step with prepared factors and placed wheels: what the rails do under the forces of the step before.
+    """Begin a step with prepared factors: place the wheels; what the rails do under the forces of the step before.
 
-    method (7,): step [s], alpha_m, alpha_f, beta, gamma, changes c and d of u and u_t for a change of u_tt. Writes the
+    method (8,): step [s], alpha_m, alpha_f, beta, gamma, changes c and d of u and u_t for a change of u_tt, and 1 over
+    the change c of the vehicle's method [1/s2]. Writes the
     guesses to the ties, and how the rail under a wheel yields to its record.
     """
     c, d = method[5], method[6]
+    place(rails)
     for pair in (rails.vertical, rails.lateral):
         for r in range(2):
             _predict(method, pair, r)
@@ -229,7 +231,7 @@ def begin(method: Array, buffer: Array, index: Ints, rails: Rails) -> None:
         wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = tie.nn, tie.nb, tie.bb
         wheel.free_n = -(tie.nn * tie.push_n + tie.nb * tie.push_b)
         wheel.free_b = -(tie.nb * tie.push_n + tie.bb * tie.push_b)
-        wheel.held, wheel.rate = 0.0, 1.0 / c
+        wheel.held, wheel.rate = 0.0, method[7]
 
 
 @kernel

@@ -1,10 +1,14 @@
 """Symmetric systems with few diagonals: factors L D L^T, solutions, products, and the band of the inverse.
 
 A matrix (n, n) with k diagonals below the main one is stored as its lower band (n, k + 1): number (i, j) at
-[i, k - i + j]. Factors overwrite a band: L without its unit diagonal, and 1/D in the last column.
+[i, k - i + j]; what would lie left of the first column is 0. Factors overwrite a band: L without its unit diagonal, and
+1/D in the last column. Loops of solutions and products have fixed lengths for k = 4 and 6, those of rails.
 """
 
-from wrsim.core.jit import Array, kernel
+from wrsim.core.jit import Array, inlined, kernel
+
+RAIL, TWISTED_RAIL = 4, 6
+"""Diagonals of a rail in bending, and of one with torsion."""
 
 
 @kernel
@@ -29,30 +33,61 @@ def factorise(a: Array) -> None:
 @kernel
 def solve(factors: Array, x: Array) -> None:
     """The solution in place of the right-hand side x (n,)."""
-    n, k = factors.shape[0], factors.shape[1] - 1
-    for i in range(n):
-        total = x[i]
-        for j in range(max(0, i - k), i):
-            total -= factors[i, k - i + j] * x[j]
-        x[i] = total
-    for i in range(n - 1, -1, -1):
-        x[i] *= factors[i, k]
-    for i in range(n - 1, -1, -1):
-        value = x[i]
-        for j in range(max(0, i - k), i):
-            x[j] -= factors[i, k - i + j] * value
+    if factors.shape[1] - 1 == RAIL:
+        _solve(factors, RAIL, x)
+    elif factors.shape[1] - 1 == TWISTED_RAIL:
+        _solve(factors, TWISTED_RAIL, x)
+    else:
+        _solve(factors, factors.shape[1] - 1, x)
 
 
 @kernel
 def subtract_product(a: Array, x: Array, out: Array) -> None:
     """Subtract a x from out."""
-    n, k = a.shape[0], a.shape[1] - 1
-    for i in range(n):
-        total = a[i, k] * x[i]
-        for j in range(max(0, i - k), i):
-            number = a[i, k - i + j]
-            total += number * x[j]
-            out[j] -= number * x[i]
+    if a.shape[1] - 1 == RAIL:
+        _subtract_product(a, RAIL, x, out)
+    elif a.shape[1] - 1 == TWISTED_RAIL:
+        _subtract_product(a, TWISTED_RAIL, x, out)
+    else:
+        _subtract_product(a, a.shape[1] - 1, x, out)
+
+
+@inlined
+def _solve(factors: Array, k: int, x: Array) -> None:
+    n = factors.shape[0]
+    for i in range(min(k, n)):
+        for j in range(i):
+            x[i] -= factors[i, k - i + j] * x[j]
+    for i in range(k, n):
+        total = x[i]
+        for j in range(k):
+            total -= factors[i, j] * x[i - k + j]
+        x[i] = total
+    for i in range(n - 1, max(n - k, 0) - 1, -1):
+        x[i] *= factors[i, k]
+        for j in range(i + 1, n):
+            x[i] -= factors[j, k - j + i] * x[j]
+    for i in range(n - k - 1, -1, -1):
+        total = x[i] * factors[i, k]
+        for j in range(k):  # from the farthest below
+            total -= factors[i + k - j, j] * x[i + k - j]
+        x[i] = total
+
+
+@inlined
+def _subtract_product(a: Array, k: int, x: Array, out: Array) -> None:
+    n = a.shape[0]
+    for i in range(min(k, n)):
+        out[i] -= a[i, k] * x[i]
+        for j in range(i):
+            out[i] -= a[i, k - i + j] * x[j]
+            out[j] -= a[i, k - i + j] * x[i]
+    for i in range(k, n):
+        here, total = x[i], a[i, k] * x[i]
+        for j in range(k):
+            number = a[i, j]
+            total += number * x[i - k + j]
+            out[i - k + j] -= number * here
         out[i] -= total
 
 

@@ -207,8 +207,8 @@ class SleeperTrack:
     unsupported: tuple[tuple[float, Literal["left", "right", "both"]], ...] = ()
     joints: tuple[Joint, ...] = ()
     elements: int = 4
-    margin: float = 12.0
-    end: float = 6.0
+    margin: float = 10.0
+    end: float = 4.0
 
     def __post_init__(self) -> None:
         if self.spacing - 2.0 * self.scatter < self.sleeper_width:
@@ -232,6 +232,11 @@ class SleeperTrack:
                 k = 1.0 / (1.0 / k + 1.0 / self.ballast.stiffness[i])
             lengths.append(2.0 * np.pi * (4.0 * self.rail.bending(direction) * self.spacing / k) ** 0.25)
         return float(max(lengths))
+
+    @property
+    def uniform(self) -> bool:
+        """Whether all bays are alike."""
+        return not (self.scatter or self.supports or self.unsupported or self.joints)
 
     def places(self, first: int, count: int) -> Array:
         """Places of sleepers along the track [m], from the number ``first`` on: one and the same at any call."""

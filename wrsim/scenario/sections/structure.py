@@ -181,9 +181,9 @@ class SleepersStructure(StructureTable, kind="sleepers"):
     """Joints of the rails."""
     elements: Annotated[int, number(1, 50)] = 4
     """Finite elements of the rail from sleeper to sleeper."""
-    margin_m: Annotated[float, number(1, 1000)] = 12.0
+    margin_m: Annotated[float, number(1, 1000)] = 10.0
     """Length of the window beyond the first and the last wheel."""
-    end_m: Annotated[float, number(0.1, 1000)] = 6.0
+    end_m: Annotated[float, number(0.1, 1000)] = 4.0
     """Length at either end of the window that is damped, so that no waves come back."""
 
     def to_geometry(self) -> SleeperTrack:
