@@ -49,8 +49,6 @@ class ForceLaw:
     """
 
     units = 1
-    explicit = True
-    """Whether explicit methods may integrate it."""
     dampers = positions = rails = 0
     sliders: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
 
@@ -78,8 +76,12 @@ class ForceLaw:
     def begin_step(self, step: float, q: Array, q_t: Array, q_tt: Array) -> None:
         """Called ahead of an implicit step [s], with the solver's own first guess of its end, which it may change."""
 
+    def begin_explicit(self, t: float, step: float, q: Array, q_t: Array) -> None:
+        """Called ahead of a step [s] from the state at a time [s] that an explicit method takes in parts, in place of
+        an implicit one that failed."""
+
     def end_step(self, q: Array, q_t: Array) -> None:
-        """Called after an implicit step with the state at its end, of which it may write rates that are not
+        """Called after such a step with the state at its end, of which it may write rates that are not
         integrated."""
 
     def stuck(self) -> AbstractContextManager[None]:

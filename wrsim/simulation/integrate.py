@@ -309,18 +309,22 @@ class Integration:
         """
         system, state = self.system, self.system.forces.get_state()
         for parts in (*PARTS, EXPLICIT_PARTS):
-            explicit = parts == EXPLICIT_PARTS and system.forces.explicit
+            explicit = parts == EXPLICIT_PARTS
             try:
+                if explicit:
+                    system.forces.begin_explicit(self._time(self._last), self.step, self._q, self._q_t)
                 system.solve(
                     self._q, self._q_t, self._time(self._last), self.step / parts, parts, lambda t: True,
                     integrator="rk44" if explicit else "generalised-alpha", tolerance=LOOSE * parts * self._tolerance,
                 )  # fmt: skip
             except SimulationError:
-                if parts == EXPLICIT_PARTS:
+                if explicit:
                     raise
                 system.forces.set_state(state)
             else:
                 system.work.cut_steps += parts > 1
                 system.work.explicit_steps += explicit
+                if explicit:
+                    system.forces.end_step(system.q, system.q_t)
                 self._after_step(self._time(self._last + 1))
                 return

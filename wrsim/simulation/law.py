@@ -125,7 +125,7 @@ class VehicleOnTrack(Layout):
             places = np.repeat([start + mounted.x for mounted in vehicle.wheelsets], 2)
             memory = self.workspace.buffer, self.workspace.index[first:]
             self.on_sleepers = RailsOnSleepers(track, memory, self._records_of_wheels, places, vehicle.weight)
-            elasticity, self.explicit = self.on_sleepers.static, False
+            elasticity = self.on_sleepers.static
         self.elastic = elasticity
         """Springs and masses of the rails under the wheels, of those on sleepers at the start."""
         self._state, self._evaluated = np.zeros((2, self.size)), np.nan
@@ -276,6 +276,11 @@ class VehicleOnTrack(Layout):
             rails = slice(self.size - self.rails, self.size)
             self.on_sleepers.begin(step, q[rails], q_t[rails], q_tt[rails])
             self._evaluated = np.nan
+
+    def begin_explicit(self, t: float, step: float, q: Array, q_t: Array) -> None:
+        if self.on_sleepers is not None:
+            self(t, q, q_t, np.zeros(self.size))  # contacts and places at its begin
+            self.on_sleepers.begin_explicit(step, q[self.size - self.rails :], q_t[self.size - self.rails :])
 
     def end_step(self, q: Array, q_t: Array) -> None:
         if self.on_sleepers is not None:

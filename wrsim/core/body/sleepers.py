@@ -2,8 +2,8 @@
 
 The four systems M u_tt + C u_t + K u = B f of ``wrsim.geometry.track.sleepers`` (left and right rail vertically, sum
 and difference of both laterally) are integrated by generalised alpha (Arnold and Bruls, Multibody System Dynamics 18
-(2007), algorithm 1) with the step of the vehicle and more numerical damping. With c and d, the changes of u and u_t for a change of u_tt, and with
-p and p_t, what the method predicts for u_tt = 0 at the end of the step,
+(2007), algorithm 1) with the step of the vehicle and more numerical damping. With c and d, the changes of u and u_t for
+a change of u_tt, and with p and p_t, what the method predicts for u_tt = 0 at the end of the step,
 
     (M + d C + c K) u_tt = B f - C p_t - K p,
 
@@ -13,8 +13,12 @@ so the displacement of a rail under a wheel is affine in the force of the wheel 
 
 with the force f* of the step before. g (2 x 2: lateral, vertical) is the wheel's own; it comes from the band of the
 inverse. What f - f* does within the step to the rails under other wheels is left to its end, where all rails are solved
-for all forces. The vehicle's step has u as an unknown, whose "force" is the acceleration g (f - f*) over its own c: contact and
-rail are solved together, implicitly.
+for all forces. The vehicle's step has u as an unknown, whose "force" is the acceleration
+
+    u_tt + m (g (f - f*) - (u - u*)) / c
+
+with its own c, so that the residual is 0 where the equation above holds. The mass m = c / g_bb of the rail in the step
+makes it a force. So contact and rail are solved together, implicitly.
 
 u is the displacement by the shape functions of the wheel's element and that of the element between its nodes under the
 wheel's own force (static, as of a beam clamped at its nodes), which the nodes do not know. The wheel pushes on the
@@ -229,9 +233,10 @@ def begin(method: Array, buffer: Array, index: Ints, rails: Rails) -> None:
         tie.rate_n = p_t[0] + d * a[0] + tie.speed * (p_x[0] + c * a_x[0])
         tie.rate_b = p_t[1] + d * a[1] + tie.speed * (p_x[1] + c * a_x[1])
         wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = tie.nn, tie.nb, tie.bb
-        wheel.free_n = -(tie.nn * tie.push_n + tie.nb * tie.push_b)
-        wheel.free_b = -(tie.nb * tie.push_n + tie.bb * tie.push_b)
-        wheel.held, wheel.rate = 0.0, method[7]
+        scale = 1.0 / (method[7] * tie.bb)
+        wheel.rate, wheel.held = scale * method[7], 1.0 - 1.0 / scale
+        wheel.free_n = wheel.held * tie.guess_n - tie.nn * tie.push_n - tie.nb * tie.push_b
+        wheel.free_b = wheel.held * tie.guess_b - tie.nb * tie.push_n - tie.bb * tie.push_b
 
 
 @kernel
