@@ -49,6 +49,8 @@ class ForceLaw:
     """
 
     units = 1
+    divisible = True
+    """Whether implicit steps may become as short as one likes."""
     dampers = positions = rails = 0
     sliders: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
 

@@ -308,7 +308,7 @@ class Integration:
         implicit.
         """
         system, state = self.system, self.system.forces.get_state()
-        for parts in (*PARTS, EXPLICIT_PARTS):
+        for parts in (*(PARTS if system.forces.divisible else PARTS[:1]), EXPLICIT_PARTS):
             explicit = parts == EXPLICIT_PARTS
             try:
                 if explicit:

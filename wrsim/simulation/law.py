@@ -126,6 +126,7 @@ class VehicleOnTrack(Layout):
             memory = self.workspace.buffer, self.workspace.index[first:]
             self.on_sleepers = RailsOnSleepers(track, memory, self._records_of_wheels, places, vehicle.weight)
             elasticity = self.on_sleepers.static
+            self.divisible = False  # what the nodes do not know of the rail's motion is a spring without mass
         self.elastic = elasticity
         """Springs and masses of the rails under the wheels, of those on sleepers at the start."""
         self._state, self._evaluated = np.zeros((2, self.size)), np.nan
