@@ -301,6 +301,8 @@ def _described(annotation: Any, error: Any, value: Any) -> InitErrorDetails:
         return _detail(error["type"], error["msg"], (key, *place), error["input"])
     if depth and table_header(entry_of(annotation)):
         return _choice_of_table(kind.base, error, (key, *place), table_header(entry_of(annotation)))
+    if kind.tagged and not place and isinstance(value, dict):
+        return _choice_of_table(kind.base, error, (key,), table_header(annotation))
     return _detail(FAULT, refusal(annotation, place, value), (key,), value)
 
 

@@ -126,7 +126,7 @@ class UnsupportedSection(Section, header="[[track.structure.unsupported]]"):
 
     at_m: Place
     """The nearest sleeper to this place is the first one."""
-    sleepers: Annotated[int, number(1, 100)] = 1
+    sleepers: Annotated[int, number(1, 20)] = 1
     """How many in a row."""
     side: Which = "both"
     """Under which rail."""
