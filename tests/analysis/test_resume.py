@@ -5,6 +5,7 @@ import os
 import signal
 from collections.abc import Iterator
 from contextlib import closing
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +62,12 @@ def play(recorder: recorders.Recorder | None = None, seconds: float = 0.5) -> Mo
     ).run(Q0, V0)  # fmt: skip
 
 
+@cache
+def uncut() -> Motion:
+    """The whole run."""
+    return play()
+
+
 def same(a: Motion, b: Motion) -> bool:
     """To the bit."""
     states = all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("times", "q", "q_t"))
@@ -78,7 +85,7 @@ def kept(tmp_path: Path, often: None) -> Iterator[Path]:
     """The file of a whole run."""
     path = tmp_path / "x.part"
     with closing(Recorder.create(path, HEADER, 6)) as recorder:
-        assert same(play(recorder), play())
+        assert same(play(recorder), uncut())
     yield path
 
 
@@ -88,7 +95,7 @@ def resumed(path: Path) -> Motion:
 
 
 def test_a_file_cut_anywhere_is_read_as_far_as_it_is_whole_and_goes_on_to_the_same_end(kept):
-    data, whole = kept.read_bytes(), play()
+    data, whole = kept.read_bytes(), uncut()
     records = list(records_of(kept))
     assert len(records) > 20
     ends = [record.end for record in records[1:]]
@@ -107,7 +114,7 @@ def test_a_file_cut_anywhere_is_read_as_far_as_it_is_whole_and_goes_on_to_the_sa
 
 
 def test_damage_within_a_record_ends_the_file_there(kept):
-    data, whole = bytearray(kept.read_bytes()), play()
+    data, whole = bytearray(kept.read_bytes()), uncut()
     for place in (len(data) // 3, len(data) // 2, len(data) - 3):
         broken = data.copy()
         broken[place] ^= 0x10
@@ -117,7 +124,7 @@ def test_damage_within_a_record_ends_the_file_there(kept):
 
 
 def test_a_whole_file_is_played_back_without_a_step(kept, monkeypatch):
-    whole = play()
+    whole = uncut()
     monkeypatch.setattr(BodySystem, "solve", None)
     assert same(resumed(kept), whole)
     assert same(recorded_motion(kept), whole)
