@@ -35,6 +35,7 @@ from wrsim.core.contact.strips.influence import find_terms, pressed_at
 from wrsim.core.contact.strips.records import FROM, INVERSE, MIDDLE, NB, PUSH, SOLVED, TERMS, TO, VECTORS, F, System, X
 from wrsim.core.contact.strips.solution import SETTLED
 from wrsim.core.contact.wheel_rail import bodies, wheel_rail
+from wrsim.core.jit import kernel
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.profile.wear import Removal, worn
@@ -560,6 +561,14 @@ def test_long_strips_far_shifted_against_each_other_press_as_the_half_space_does
     assert own == pytest.approx(HalfSpace(resolution=12).solve_pose(model).normal_force, rel=0.02)
 
 
+@kernel
+def conditions(system, n, derivatives):
+    """Both in one: they are compiled once."""
+    residuals(system, n, False)
+    if derivatives:
+        jacobian(system, n, False)
+
+
 def test_the_derivatives_of_all_conditions_are_those_of_their_residuals():
     # two grids whose edges are held where they meet, strips shifted along the rail
     stand = bench(pair_model("S1002/60E1 1:40", **STRIPS, **PLAIN), rolling=False)
@@ -571,8 +580,7 @@ def test_the_derivatives_of_all_conditions_are_those_of_their_residuals():
     )
     assert rows.grids[0].end_held and rows.grids[1].start_held and rows.memo[0].shifted
     x, f = rows.vectors[X], rows.vectors[F]
-    residuals(system, n, False)
-    jacobian(system, n, False)
+    conditions(system, n, True)
     size = int(rows.memo[0].unknowns)
     solved, matrix = rows.vectors[SOLVED, :size].astype(int), rows.matrix[:size, :size].copy()
     for column, own in enumerate(solved):
@@ -580,7 +588,7 @@ def test_the_derivatives_of_all_conditions_are_those_of_their_residuals():
         sides = []
         for sign in (1.0, -1.0):
             x[own] = before + sign * step
-            residuals(system, n, False)
+            conditions(system, n, False)
             sides.append(f[solved].copy())
         x[own] = before
         difference = (sides[0] - sides[1]) / (2.0 * step)
