@@ -5,7 +5,8 @@ import pytest
 from scipy.optimize import brentq
 from support.contacts import RADIUS, round_wheel, wheel_at, wheel_profile
 
-from wrsim.core.contact.search.locus import locus_point
+from wrsim.core.contact.profile import profile_point
+from wrsim.core.contact.search.locus import LARGEST_SINE, locus_node, locus_point
 
 WHEELS = {"S1002": wheel_profile("S1002"), "round": round_wheel(0.1, 0.05)}
 YAWS = [0.0, 0.002, -0.012, 0.05]
@@ -66,8 +67,11 @@ def places(profile, yaw):
 @pytest.mark.parametrize("profile", WHEELS.values(), ids=WHEELS)
 def test_the_locus_is_where_the_wheels_normal_is_across_the_rail(profile, yaw):
     surface = Surface(profile, yaw)
+    wheel = wheel_at(*profile.table(1e-4), RADIUS, ORIGIN, axle(yaw))
     for arc in places(profile, yaw):
         point, normal, _, _, _ = kernel(profile, yaw, arc)
+        node = locus_node(wheel, profile_point(wheel.profile, arc), LARGEST_SINE)  # as the search has it
+        np.testing.assert_allclose(node[:4], [*point[1:], *normal[1:]], atol=1e-14)
         angle = surface.outline_angle(arc)
         # 1e-8: the normal of the brute force comes from differences
         np.testing.assert_allclose(point, surface(arc, angle), atol=1e-8)

@@ -4,7 +4,7 @@ from math import pi
 
 import numpy as np
 import pytest
-from support.contacts import bench, pair_model, settle
+from support.contacts import bench, pair_model, settle, wheel_profile
 
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.wear.laws import (
@@ -19,7 +19,7 @@ from wrsim.contact.wear.laws import (
     usfd,
     wear_coefficient,
 )
-from wrsim.contact.wear.losses import Losses, ways
+from wrsim.contact.wear.losses import Losses, _foot, ways
 from wrsim.core.contact.records import LOBE
 
 PAIR = "S1002/60E1 1:40"
@@ -133,6 +133,26 @@ def test_wear_lies_where_the_contact_is() -> None:
         worn = u[np.nan_to_num(depth) > 0.0]
         assert low.min() - 0.3e-3 < worn.min() < low.min() + 1.5e-3
         assert high.max() - 1.5e-3 < worn.max() < high.max() + 0.3e-3
+
+
+def test_a_right_wheel_of_another_wheelset_loses_what_its_mirror_image_does() -> None:
+    choices = {"normal": "strips", "tangential": "fastrip", "strips": 20}
+    stand, still = (bench(pair_model(PAIR, **choices), sides=(-1,)) for _ in range(2))
+    settle(stand, 0.0, -20e-3, 80e3)
+    (right,), (idle,) = stand.wheels, still.wheels
+    found = Losses(WearSettings(LAWS), [(idle, idle), (idle, right)], [np.array([WAY])] * 2)
+    found.store(1, 0)
+    lost = found.channels()["wear_wheel_mass"].sum(axis=-1)
+    np.testing.assert_allclose(lost[:, 1, 1], mass(losses(20.0)[0]), rtol=1e-6)
+    assert (np.delete(lost.reshape(3, 4), 3, axis=1) == 0.0).all()
+
+
+def test_the_foot_of_a_point_beside_a_profile_is_where_its_normal_leaves_it() -> None:
+    wheel = wheel_profile("S1002")
+    arc = np.linspace(0.03, 0.12, 50)
+    (u, w), (nu, nw) = wheel.at(arc), wheel.normal(arc)
+    foot = _foot(wheel, arc + 2e-4, np.asarray(u + 1e-4 * nu), np.asarray(w + 1e-4 * nw))
+    np.testing.assert_allclose(foot, arc, atol=1e-6)
 
 
 def test_a_strip_slides_behind_its_zone_of_adhesion() -> None:
