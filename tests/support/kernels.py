@@ -39,7 +39,8 @@ from wrsim.core.contact.wheel_rail import bodies
 from wrsim.geometry.profile.out_of_round import Flat
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
-from wrsim.geometry.track.segments import Arc
+from wrsim.geometry.track.segments import Arc, Segment
+from wrsim.geometry.track.sleepers import Layer, RailBeam, SleeperTrack
 from wrsim.geometry.track.track import RailElasticity
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
 from wrsim.simulation.force_law import Array, force_derivative
@@ -199,7 +200,7 @@ def vehicle_cases() -> dict[str, list[float]]:
     brake = Effort(vehicle.wheelsets[1].name, ((40.0, 0.0), (60.0, -9e3)), "distance")
     vehicle = replace(vehicle, loads=(push, pull), efforts=(brake,), slip_control=SlipControl(0.1, 0.01))
     elastic = RailElasticity((2e7, 8e7), (1e4, 1e5), (100.0, 150.0))
-    curve = [Arc(400.0, 600.0, 0.1)]
+    curve: list[Segment] = [Arc(400.0, 600.0, 0.1)]
     for drive, rails, threads in (("wheels", elastic, 1), ("train", None, 2)):
         law = on_track(vehicle, 20.0, curve, drive=drive, elasticity=rails, threads=threads).law
         q, q_t = design_state(law, lateral=2e-3)
@@ -228,6 +229,7 @@ def vehicle_cases() -> dict[str, list[float]]:
     at[2] -= 1e-4
     at[-1], moving[-1] = 1e-3, 0.2
     found["implicit step"] = implicit_step(alone, at, moving)
+    found["rails on sleepers"] = step_on_sleepers(curve)
     motors = shipped("manchester_motor")
     moment = Effort(motors.drives[0].wheelset, ((0.0, 5e3),))
     geared = VehicleOnTrack(replace(motors, efforts=(moment,)), law.track, (), speed=20.0, start=60.0)
@@ -270,6 +272,23 @@ def vehicle_cases() -> dict[str, list[float]]:
     bench.step()
     found["step with a deadline"] = [*bench.q, *(float(value[0]) for value in bench.outputs.values())]
     return found
+
+
+def step_on_sleepers(segments: list[Segment]) -> list[float]:
+    """A wheelset on rails of coarse elements: forces, and the rails at the end of a step."""
+    pads, ballast = Layer((5e7, 2e8), (2e4, 3e4)), Layer((2e7, 5e7), (4e4, 6e4))
+    laid = SleeperTrack(RailBeam(), pads, ballast, sleeper_mass=300.0, elements=1, margin=10.0)
+    law = on_track(shipped("wheelset_s1002_steering"), 20.0, segments, elasticity=laid).law
+    rails = law.on_sleepers
+    assert rails is not None
+    q, q_t = design_state(law, lateral=2e-3)
+    q[0] -= 1e-4  # into the rails
+    forces, (u, u_t, u_tt) = np.zeros(law.size), np.zeros((3, 4))
+    law(0.0, q, q_t, forces)
+    rails.begin(1e-3, u, u_t, u_tt)
+    law(1e-3, q, q_t, forces)
+    rails.end(u, u_t)
+    return [*forces, *u, *u_t]
 
 
 def implicit_step(law: VehicleOnTrack, q: Array, q_t: Array) -> list[float]:
