@@ -137,6 +137,13 @@ FILES = {
 }
 """Kinds of files that users write, and the class of each, or the classes that it may be one of."""
 
+COMMANDS = {
+    "scenario": "wrsim run", "study": "wrsim study", "evolution": "wrsim wear", "vehicle": "wrsim vehicle",
+    "wheelset": "wrsim vehicle", "train": "wrsim vehicle", "track": "wrsim track", "profile": "wrsim profile",
+    "columns": "wrsim recording --columns",
+}  # fmt: skip
+"""The commands that take these kinds of files."""
+
 OTHER_NAMES = {"service": "evolution", "wear": "evolution"}
 """Other names of kinds of files, that are understood."""
 

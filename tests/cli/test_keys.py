@@ -181,3 +181,31 @@ def test_keys_of_a_table_are_printed_and_a_slip_names_the_nearest() -> None:
     assert ok("keys", "--file", "service").output == ok("keys", "--file", "evolution").output
     found = json.loads(call("keys", "run", "--json").output)
     assert {e["key"] for e in found["[run]"]} >= {"step_us", "output_interval_ms"}
+
+
+@pytest.mark.parametrize(
+    ("command", "file", "words"),
+    [
+        ("check", "models/vehicles/manchester_1.toml", "is a vehicle file (wrsim vehicle); a scenario is needed here"),
+        ("check", "models/tracks/mixed_line.toml", "is a track file (wrsim track); a scenario is needed here"),
+        ("check", "models/rails/60E1.toml", "is a profile file (wrsim profile); a scenario is needed here"),
+        ("check", "scenarios/studies/friction_speed.toml", "is a study (wrsim study); a scenario is needed here"),
+        (
+            "check",
+            "scenarios/wear/coach_service.toml",
+            "is a profile evolution (wrsim wear); a scenario is needed here",
+        ),
+        ("study", "scenarios/curve_r300.toml", "is a scenario (wrsim run); a study is needed here"),
+        ("wear", "scenarios/curve_r300.toml", "is a scenario (wrsim run); a profile evolution is needed here"),
+        ("profile", "scenarios/curve_r300.toml", "is a scenario (wrsim run); a profile file is needed here"),
+    ],
+)
+def test_a_file_of_another_kind_is_named_as_what_it_is(command: str, file: str, words: str) -> None:
+    assert refusal(command, ROOT / file).strip() == f"{ROOT / file}: {words}"
+
+
+def test_a_key_is_explained_alone_by_its_name_or_another_of_its_names() -> None:
+    alone = call("keys", "contact.normal").output
+    assert "normal" in alone and "friction" not in alone
+    assert call("keys", "contact.normal_model").output == alone
+    assert "contact has no key 'nrmal' (did you mean 'normal'?)" in refusal("keys", "contact.nrmal")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 from wrsim.api.outcome import Outcome, as_result, as_scenario, folder_beside
 
@@ -68,10 +68,13 @@ def read_recording(
     InputError
         For a table that cannot be read, with line and column.
     """
+    from wrsim.inputs.checking import check_value
+    from wrsim.inputs.values import number
     from wrsim.report.outputs import write_recording
     from wrsim.results.recording import recording_numbers, recording_tables
     from wrsim.scenario.recorded import restored_track
 
+    check_value(Annotated[float, number(1, 500, "km/h")] | None, speed_kmh, "--speed-kmh")
     path, beside = Path(file), Path(file).with_suffix(".toml")
     chosen = Path(columns) if columns is not None else beside if beside.is_file() else None
     found = restored_track(path, chosen, chord_m, band, (from_m, to_m), wavelength_m, amplification, transitions)

@@ -56,7 +56,8 @@ def check_command(
 
 def keys_command(
     section: Annotated[
-        str | None, typer.Argument(metavar="SECTION", help="A table such as contact or track.segments; default: all.")
+        str | None,
+        typer.Argument(metavar="SECTION", help="A table or a key, such as track.segments or contact.normal."),
     ] = None,
     file: Annotated[str, typer.Option("--file", metavar="KIND", help=f"{', '.join(FILES)}.")] = "scenario",
     schema: Annotated[

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -13,6 +13,7 @@ from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.section import ABSENT, FAULT, MOST_FAULTS, STRICT, Section
 from wrsim.inputs.toml_files import parse_toml, read_text, shortened, shown_value
 from wrsim.inputs.values import refusal
+from wrsim.register import COMMANDS, FILES, resolved
 
 S = TypeVar("S", bound=Section)
 
@@ -36,7 +37,29 @@ def check_section(section: type[S], data: dict[str, Any], locate: Locate) -> S:
     try:
         return section.model_validate(data)
     except ValidationError as error:
+        refuse_other_kind(section, data, locate)
         raise InputError(first_faults(_lines(error, locate), locate(()))) from None
+
+
+def refuse_other_kind(kind: Any, data: dict[str, Any], locate: Locate) -> None:
+    """Raise InputError where most keys at the top of a file are those of another kind of file than it should be."""
+
+    def known(kind: Any) -> int:
+        return max((len(data.keys() & {*each.model_fields, *each.foreign}) for each in _classes(kind)), default=0)
+
+    own = known(kind)
+    if 2 * own > len(data):
+        return
+    places = {name: place for name, (_, place) in FILES.items()}
+    wanted = next((name for name, place in places.items() if {*_classes(kind)} <= {*_classes(resolved(place))}), None)
+    best = max(places, key=lambda name: known(resolved(places[name])))
+    if wanted is not None and known(resolved(places[best])) > own + 1:
+        raise InputError(f"{locate(())}: is {FILES[best][0]} ({COMMANDS[best]}); {FILES[wanted][0]} is needed here")
+
+
+def _classes(kind: Any) -> list[type[Section]]:
+    """The class of a kind of file, or those that it may be one of."""
+    return [kind] if isinstance(kind, type) else [each for part in get_args(kind) for each in _classes(part)]
 
 
 def first_faults(faults: Sequence[str], where: str) -> str:

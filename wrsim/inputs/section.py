@@ -70,6 +70,8 @@ class Section(BaseModel):
 
     header: ClassVar[str] = "this table"
     """Name of the table in messages; a subclass sets it: ``header="[vehicle]"``."""
+    foreign: ClassVar[tuple[str, ...]] = ()
+    """Tables of a file that are those of another kind of file and are not among its keys."""
     aliases: ClassVar[dict[str, str]] = {}
     """Key -> its names in other programs, with spaces between."""
     elsewhere: ClassVar[dict[str, str]] = {}

@@ -13,7 +13,7 @@ import numpy as np
 
 from wrsim.errors import InputError
 from wrsim.inputs.changes import changed, found, key_path
-from wrsim.inputs.checking import check_section, dotted, fault_line
+from wrsim.inputs.checking import check_section, dotted, fault_line, refuse_other_kind
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.notebook import card, folded
@@ -255,6 +255,9 @@ def _scenario(
 
 def _checked(merged: Merged, path: Path | None, finder: Finder) -> Scenario:
     count = len(merged.files)
+    if count > 1:  # keys of its base hide what the file itself is
+        own = {key: value for key, value in merged.data.items() if merged.owners.get((key,)) == str(merged.files[0])}
+        refuse_other_kind(ScenarioFile, own, lambda _: str(merged.files[0]))
     with finder.guard():
         merged = with_track_file(merged, finder)
     if len(merged.files) > count:  # what a track file names may lie beside it

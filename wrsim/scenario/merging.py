@@ -141,6 +141,8 @@ OF_ONE_LINE = (*LAYING, "grades", "irregularities", "rail_sections")
 class TrackFile(Section, header="a track file"):
     """Keys beside [track] in a track file."""
 
+    foreign = ("track",)
+
     name: Annotated[str, text("the track's name")]
     """Name of the track."""
     source: Source

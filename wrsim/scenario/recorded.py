@@ -150,6 +150,8 @@ def restored_track(
         check_value(Annotated[float, number(0.5, LONGEST_BAND, "m")], length, "--wavelength-m")
     if not wavelengths[0] < wavelengths[1]:
         raise InputError(f"--wavelength-m {wavelengths[0]:g} {wavelengths[1]:g}: must rise")
+    if part[0] is not None and part[1] is not None and not part[0] < part[1]:
+        raise InputError(f"--from-m {part[0]:g} --to-m {part[1]:g}: must rise")
     read = recording_from(file, columns, chord=chord, band=band, part=part)
     forms = tuple(form for form in FORMS if transitions in (form, "either"))
     return restore(read, wavelengths, amplification, forms)

@@ -31,17 +31,30 @@ def keys_text(file: str, section: str | None) -> str:
     if section is None:
         return "\n".join(f"{kind.header}: {', '.join(e.key for e in entries(kind))}" for kind in tables_of_file(file))
     parts = []
-    for kind in chosen_tables(section, tables_of_file(file)):
-        parts += [heading(kind).strip("`"), *(_indented(line, 2) for line in purpose(kind)), ""]
-        parts += [*map(_entry_text, entries(kind)), ""]
+    for kind, own in _chosen(section, tables_of_file(file)).items():
+        meant = purpose(kind) if len(own) == len(entries(kind)) else []
+        parts += [heading(kind).strip("`"), *(_indented(line, 2) for line in meant), "", *map(_entry_text, own), ""]
     return "\n".join(parts)
 
 
 def keys_numbers(file: str, section: str | None) -> dict[str, Any]:
     """The same as plain records by the headers of tables."""
     tables = tables_of_file(file)
-    chosen = tables if section is None else chosen_tables(section, tables)
-    return {kind.header: [vars(entry) for entry in entries(kind)] for kind in chosen}
+    chosen = {kind: entries(kind) for kind in tables} if section is None else _chosen(section, tables)
+    return {kind.header: [vars(entry) for entry in own] for kind, own in chosen.items()}
+
+
+def _chosen(section: str, tables: list[type[Section]]) -> dict[type[Section], list[Entry]]:
+    """The tables of a name with their keys; of the name of a key, ``contact.friction``, that key. Raises InputError."""
+    table, _, key = section.strip("[] ").rpartition(".")
+    if not any({key, section} & {*_names(kind)} for kind in tables):
+        own = {k: [e for e in entries(k) if key in (e.key, *e.aliases)] for k in tables if table in ("", *_names(k))}
+        if found := {kind: those for kind, those in own.items() if those}:
+            return found
+        if table and own:
+            known = [e.key for kind in own for e in entries(kind)]
+            raise InputError(f"{table} has no key '{key}'{suggest(key, known)}; there is {', '.join(known)}")
+    return {kind: entries(kind) for kind in chosen_tables(section, tables)}
 
 
 def _entry_text(entry: Entry) -> str:

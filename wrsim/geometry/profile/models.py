@@ -18,7 +18,7 @@ from wrsim.geometry.profile.file_kinds import MM, Coordinate, PointsFile, Profil
 from wrsim.geometry.profile.files import PROFILE_FILES, Reading, read_points
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.geometry.profile.wear import AnyRemoval, DepthTable, Direction, Removal, worn
-from wrsim.inputs.checking import check_section, opened
+from wrsim.inputs.checking import check_section, opened, refuse_other_kind
 from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.lookup import Finder, model_file, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section, kinds_in
@@ -203,6 +203,8 @@ def load_points(path: str | Path, kind: Kind | None = None) -> Reading | None:
 
 def _read_toml(path: Path, kind: Kind | None) -> ProfileFile:
     data, locate = opened(path, "profile file")
+    if "kind" not in data:
+        refuse_other_kind(AnyProfileFile, data, locate)
     file_kind = check_section(_AnyFile, {k: v for k, v in data.items() if k == "kind"}, locate).kind
     model = check_section(FILE_KINDS[file_kind], data, locate)
     if kind is not None and model.body != kind:
