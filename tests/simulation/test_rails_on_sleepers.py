@@ -39,7 +39,7 @@ def push(rails: RailsOnSleepers, step: float, forces: np.ndarray) -> np.ndarray:
     q[0::2] += ties["nn"] * n + ties["nb"] * b
     q[1::2] += ties["nb"] * n + ties["bb"] * b
     rails.end(q, q_t)
-    assert ties["push_b"] == pytest.approx(forces[:, 1], abs=1e-6)
+    assert ties["last_b"] == pytest.approx(forces[:, 1], abs=1e-6)
     return np.array([kernel.read(kernel.U, i, rails.rails) for i in range(len(forces))])
 
 

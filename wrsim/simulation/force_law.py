@@ -49,8 +49,9 @@ class ForceLaw:
     """
 
     units = 1
-    divisible = True
-    """Whether implicit steps may become as short as one likes."""
+    stretches = 1
+    """In how many stretches an explicit method takes a step in place of an implicit one that failed; if more than one,
+    implicit steps cannot be divided."""
     dampers = positions = rails = 0
     sliders: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
 

@@ -304,27 +304,33 @@ class Integration:
         """Take one implicit step that has failed in parts, at last by RK44; raises what the law raises there.
 
         Newton's method fails where a contact begins or ends within the step and the force jumps, or where an iteration
-        leads to a state without forces. Explicit steps take any jump; where the law has none the last parts are
-        implicit.
+        leads to a state without forces. Explicit steps take any jump.
         """
         system, state = self.system, self.system.forces.get_state()
-        for parts in (*(PARTS if system.forces.divisible else PARTS[:1]), EXPLICIT_PARTS):
-            explicit = parts == EXPLICIT_PARTS
+        for parts in PARTS if system.forces.stretches == 1 else PARTS[:1]:
             try:
-                if explicit:
-                    system.forces.begin_explicit(self._time(self._last), self.step, self._q, self._q_t)
                 system.solve(
                     self._q, self._q_t, self._time(self._last), self.step / parts, parts, lambda t: True,
-                    integrator="rk44" if explicit else "generalised-alpha", tolerance=LOOSE * parts * self._tolerance,
+                    integrator="generalised-alpha", tolerance=LOOSE * parts * self._tolerance,
                 )  # fmt: skip
             except SimulationError:
-                if explicit:
-                    raise
                 system.forces.set_state(state)
             else:
                 system.work.cut_steps += parts > 1
-                system.work.explicit_steps += explicit
-                if explicit:
-                    system.forces.end_step(system.q, system.q_t)
-                self._after_step(self._time(self._last + 1))
-                return
+                break
+        else:
+            self._step_explicitly()
+            system.work.cut_steps += 1
+            system.work.explicit_steps += 1
+        self._after_step(self._time(self._last + 1))
+
+    def _step_explicitly(self) -> None:
+        """Take one step by RK44, in as many stretches as the law wants."""
+        system, q, q_t = self.system, self._q, self._q_t
+        count = system.forces.stretches
+        for k in range(count):
+            start = self._time(self._last) + k * self.step / count
+            system.forces.begin_explicit(start, self.step / count, q, q_t)
+            system.solve(q, q_t, start, self.step / EXPLICIT_PARTS, EXPLICIT_PARTS // count, lambda t: True)
+            system.forces.end_step(system.q, system.q_t)
+            q, q_t = system.q.copy(), system.q_t.copy()

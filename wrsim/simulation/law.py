@@ -24,7 +24,7 @@ from wrsim.errors import SimulationError
 from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.force_law import Array, Block, Groups, all_on_all, groups_in_a_row
-from wrsim.simulation.rails import RailsOnSleepers
+from wrsim.simulation.rails import STRETCHES, RailsOnSleepers
 from wrsim.simulation.vehicle_arrays import (
     RAIL_COORDINATES,
     Layout,
@@ -124,9 +124,12 @@ class VehicleOnTrack(Layout):
         if isinstance(elasticity, SleeperTrack):
             places = np.repeat([start + mounted.x for mounted in vehicle.wheelsets], 2)
             memory = self.workspace.buffer, self.workspace.index[first:]
-            self.on_sleepers = RailsOnSleepers(track, memory, self._records_of_wheels, places, vehicle.weight)
+            self.on_sleepers = RailsOnSleepers(
+                elasticity, track, memory, self._records_of_wheels, places, vehicle.weight
+            )
             elasticity = self.on_sleepers.static
-            self.divisible = False  # what the nodes do not know of the rail's motion is a spring without mass
+            # what the nodes do not know of the rail's motion is a spring without mass: short steps do not solve it
+            self.stretches = STRETCHES
         self.elastic = elasticity
         """Springs and masses of the rails under the wheels, of those on sleepers at the start."""
         self._state, self._evaluated = np.zeros((2, self.size)), np.nan

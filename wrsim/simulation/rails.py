@@ -20,6 +20,9 @@ BEFORE, BEYOND, APART = 200.0, 400.0, 1.0
 """How far from the track's ends distances along the rails are tabled, and between two rows [m]; beyond it is
 straight."""
 
+STRETCHES = 8
+"""Of a step that an explicit method takes: in each the rail knows the mean force of a wheel alone."""
+
 STARTING_MASS = 100.0
 """Mass in place of the rail in the search for the start: it scales an equation of statics [kg]."""
 
@@ -47,16 +50,15 @@ class RailsOnSleepers:
     """
 
     def __init__(
-        self, track: Track, workspace: tuple[Array, Ints], wheels: Sequence[np.record], places: Array, weight: float
-    ) -> None:
-        """workspace: buffer and index of the wheels (``core.body.wheel_forces``); wheels: their records WHEEL; places
-        (wheels,) along the centre line [m]; weight [N] of the vehicle."""
-        elasticity = track.elasticity
-        assert isinstance(elasticity, SleeperTrack)
-        self.sleepers, self._wheels, self._records = elasticity, workspace, wheels
-        reach = float(np.ptp(places)) + 2.0 * elasticity.margin
-        self._moves = 1 if elasticity.uniform else MOVE
-        self.count = int(np.ceil(reach / elasticity.spacing)) + self._moves + 2
+        self, own: SleeperTrack, track: Track, workspace: tuple[Array, Ints], wheels: Sequence[np.record],
+        places: Array, weight: float,
+    ) -> None:  # fmt: skip
+        """own: what the rails of the track lie on; workspace: buffer and index of the wheels
+        (``core.body.wheel_forces``); wheels: their records WHEEL; places (wheels,) along the centre line [m]; weight
+        [N] of the vehicle."""
+        self.sleepers, self._wheels, self._records = own, workspace, wheels
+        self._moves = 1 if own.uniform else MOVE
+        self.count = int(np.ceil((float(np.ptp(places)) + 2.0 * own.margin) / own.spacing)) + self._moves + 2
         self._state = np.zeros(2)
         """Number of the window's first sleeper; whether steps have been taken."""
         self._filled: float = np.nan
@@ -67,13 +69,13 @@ class RailsOnSleepers:
         ties["place"], ties["push_b"] = places, -weight / len(places)
         lines = np.append(np.arange(-BEFORE, track.length + BEYOND, APART), track.length + BEYOND)
         along = np.array([track.rail_distance("left", lines), track.rail_distance("right", lines), lines])
-        beam, n = elasticity.rail, len(places)
+        beam, n = own.rail, len(places)
         head = np.array([beam.height - beam.shear_centre, beam.shear_modulus * beam.torsion])
         self.rails = kernel.Rails(
-            self._pair(0), self._pair(2), np.zeros(self.count * elasticity.elements + 1), ties,
+            self._pair(0), self._pair(2), np.zeros(self.count * own.elements + 1), ties,
             np.zeros((n, 3, 6)), np.zeros((n, 3, 6)), np.zeros((n, 2, 6)), head, along,
         )  # fmt: skip
-        self.method = np.zeros(8)
+        self.method = np.zeros(9)
         self._found = np.zeros((2, 2 * n))
         self.static = self._rest_at_start()
 
@@ -106,18 +108,14 @@ class RailsOnSleepers:
 
     def begin(self, step: float, q: Array, q_t: Array, q_tt: Array) -> None:
         """Begin a step [s]; q, q_t, q_tt: of the rails under the wheels, overwritten by guesses of its end."""
-        rails = self.rails
         if not self._state[1]:
             self._start()
-        kernel.look_ahead(step, *self._wheels, rails)
-        self._move()
-        if self._prepared != (self._matrices, step):
-            self.method[:] = method_of(step)
-            kernel.prepare(1.0, self.method[6], self.method[5], rails)
-            self._prepared = self._matrices, step
-        kernel.begin(self.method, *self._wheels, rails)
-        q[0::2], q[1::2] = self.ties["guess_n"], self.ties["guess_b"]
-        q_t[0::2], q_t[1::2] = self.ties["rate_n"], self.ties["rate_b"]
+        self._prepare(step)
+        if not kernel.begin(self.method, self._found, *self._wheels, self.rails):
+            self._move()
+            self._prepare(step)
+            kernel.begin(self.method, self._found, *self._wheels, self.rails)
+        q[:], q_t[:] = self._found
         q_tt[:] = 0.0
 
     def begin_explicit(self, step: float, q: Array, q_t: Array) -> None:
@@ -135,6 +133,13 @@ class RailsOnSleepers:
         self._found[0] = q
         kernel.end(self.method, self._found, *self._wheels, self.rails)
         q_t[:] = self._found[1]
+
+    def _prepare(self, step: float) -> None:
+        """Factors for a step [s]."""
+        if self._prepared != (self._matrices, step):
+            self.method[:8] = method_of(step)
+            kernel.prepare(1.0, self.method[6], self.method[5], self.rails)
+            self._prepared = self._matrices, step
 
     def _start(self) -> None:
         """The rails as wheels that roll along keep them deflected, under the forces of the last evaluation."""
@@ -186,11 +191,9 @@ class RailsOnSleepers:
         )  # fmt: skip
 
     def _move(self, fresh: bool = False) -> None:
-        """Move the window along if it has to; fresh: lay it anew."""
-        own, places = self.sleepers, self.ties["place"]
-        first = own.number_at(float(places.min()) - own.margin)
-        if not fresh and 0 <= first - self.first < self._moves:
-            return
+        """Move the window to where the wheels are; fresh: lay it anew, at rest."""
+        own = self.sleepers
+        first = own.number_at(float(self.ties["place"].min()) - own.margin)
         gone = first - self.first
         self._state[0] = first
         for pair in (self.rails.vertical, self.rails.lateral):
@@ -216,3 +219,4 @@ class RailsOnSleepers:
             self._prepared = np.nan, np.nan
         nodes[:] = own.places(self.first, 1)[0] + self._along
         self._filled = self.first
+        self.method[8] = own.offset + own.spacing * (self.first + self._moves) + own.margin

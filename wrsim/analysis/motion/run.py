@@ -217,7 +217,9 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
     if plan.step:
         return plan.step
     fastest = plan.speeds[1]
-    step = steps.implicit_step(fastest, plan.output_interval, isinstance(setup.track.elasticity, SleeperTrack))
+    rails = setup.track.elasticity
+    spacing = rails.spacing if isinstance(rails, SleeperTrack) else None
+    step = steps.implicit_step(fastest, plan.output_interval, spacing)
     places = [[own.distance for own in surface.sections] for surface in setup.surfaces if surface is not None]
     gaps = np.concatenate([np.zeros(0), *map(np.diff, places)]).tolist()
     # sections that follow each other closely show how fast the rail changes

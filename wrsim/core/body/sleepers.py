@@ -11,9 +11,9 @@ so the displacement of a rail under a wheel is affine in the force of the wheel 
 
     u = u* + g (f - f*)
 
-with the force f* of the step before. g (2 x 2: lateral, vertical) is the wheel's own; it comes from the band of the
-inverse. What f - f* does within the step to the rails under other wheels is left to its end, where all rails are solved
-for all forces. The vehicle's step has u as an unknown, whose "force" is the acceleration
+with a force f* that the steps before foretell. g (2 x 2: lateral, vertical) is the wheel's own; it comes from the band
+of the inverse. What f - f* does within the step to the rails under other wheels is left to its end, where all rails are
+solved for all forces. The vehicle's step has u as an unknown, whose "force" is the acceleration
 
     u_tt + m (g (f - f*) - (u - u*)) / c
 
@@ -34,11 +34,13 @@ from wrsim.core.jit import Array, Ints, Records, kernel, record, vector
 from wrsim.core.root import neighbours
 from wrsim.core.track.banded import factorise, invert_band, quadratic_form, solve, subtract_product
 
-TIE = record("side place speed offset push_n push_b guess_n guess_b rate_n rate_b nn nb bb own_nn own_nb own_bb")
+TIE = record(
+    "side place speed offset push_n push_b last_n last_b guess_n guess_b rate_n rate_b nn nb bb own_nn own_nb own_bb"
+)
 """A wheel on its rail: +1 left, -1 right; distance along the centre line [m] and speed [m/s] at the end of the step;
-how far to the left of the rail's middle it pushes [m]; its force on the rail to the left and up at the last step's end
-[N]; displacement [m] and velocity [m/s] of the rail under it with that force; compliance g, and the part of it that is
-the element's between its nodes [m/N]."""
+how far to the left of the rail's middle it pushes [m]; its force on the rail to the left and up that is foretold for
+the end of the step, and that at the last step's end [N]; displacement [m] and velocity [m/s] of the rail under it with
+that force; compliance g, and the part of it that is the element's between its nodes [m/N]."""
 
 U, U_T, U_TT, A, P, P_T, P_A = range(7)
 """Rows of a system: displacements, velocities, accelerations and those of the method; what it predicts."""
@@ -46,6 +48,8 @@ ROWS = 7
 
 WIDEST = 0.04
 """Farthest from the rail's middle that a force acts [m]: half of a rail's head."""
+TREND = 0.5
+"""Part of the last change of the forces that is extrapolated to the next step."""
 LEAST = 1e3
 """Vertical force [N] below which the place of a contact stays as it was."""
 
@@ -108,6 +112,7 @@ def push_on(buffer: Array, index: Ints, rails: Rails) -> None:
     for i in range(rails.ties.shape[0]):
         total, tie = wheel_total(buffer, index, i), rails.ties[i]
         tie.push_n, tie.push_b = -tie.side * total.Fo, -total.Fb
+        tie.last_n, tie.last_b = tie.push_n, tie.push_b
 
 
 @kernel
@@ -203,13 +208,20 @@ def read(row: int, i: int, rails: Rails) -> tuple[float, float]:
 
 
 @kernel
-def begin(method: Array, buffer: Array, index: Ints, rails: Rails) -> None:
-    """Begin a step with prepared factors: place the wheels; what the rails do under the forces of the step before.
+def begin(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -> bool:
+    """Begin a step with prepared factors: place the wheels; what the rails do under the forces that are foretold.
 
-    method (8,): step [s], alpha_m, alpha_f, beta, gamma, changes c and d of u and u_t for a change of u_tt, and 1 over
-    the change c of the vehicle's method [1/s2]. Writes the
-    guesses to the ties, and how the rail under a wheel yields to its record.
+    method (9,): step [s], alpha_m, alpha_f, beta, gamma, changes c and d of u and u_t for a change of u_tt, 1 over the
+    change c of the vehicle's method [1/s2], place where the last wheel leaves the window [m]. found (2, 2 wheels):
+    receives displacements of the rails to the left and up in turn, and their velocities. Writes how the rail under a
+    wheel yields to its record. Returns False, and has done nothing, where the window has to be moved.
     """
+    look_ahead(method[0], buffer, index, rails)
+    last = rails.ties[0].place
+    for i in range(rails.ties.shape[0]):
+        last = min(last, rails.ties[i].place)
+    if last >= method[8]:
+        return False
     c, d = method[5], method[6]
     place(rails)
     for pair in (rails.vertical, rails.lateral):
@@ -237,6 +249,9 @@ def begin(method: Array, buffer: Array, index: Ints, rails: Rails) -> None:
         wheel.rate, wheel.held = scale * method[7], 1.0 - 1.0 / scale
         wheel.free_n = wheel.held * tie.guess_n - tie.nn * tie.push_n - tie.nb * tie.push_b
         wheel.free_b = wheel.held * tie.guess_b - tie.nb * tie.push_n - tie.bb * tie.push_b
+        found[0, 2 * i], found[0, 2 * i + 1] = tie.guess_n, tie.guess_b
+        found[1, 2 * i], found[1, 2 * i + 1] = tie.rate_n, tie.rate_b
+    return True
 
 
 @kernel
@@ -253,9 +268,10 @@ def end(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -
         n, b = found[0, 2 * i] - tie.guess_n, found[0, 2 * i + 1] - tie.guess_b
         whole = tie.nn * tie.bb - tie.nb * tie.nb
         more_n, more_b = (tie.bb * n - tie.nb * b) / whole, (tie.nn * b - tie.nb * n) / whole
-        tie.push_n += more_n
-        tie.push_b += more_b
         _add(A, i, more_n, more_b, rails.loads, rails)
+        more_n, more_b = tie.push_n + more_n, tie.push_b + more_b
+        tie.push_n, tie.push_b = more_n + TREND * (more_n - tie.last_n), more_b + TREND * (more_b - tie.last_b)
+        tie.last_n, tie.last_b = more_n, more_b
         wheel_record(buffer, index, i).rate = 0.0
     for pair in (rails.vertical, rails.lateral):
         for r in range(2):
