@@ -269,6 +269,12 @@ def test_results_of_other_analyses_have_reports_too(two_pages: str) -> None:
     assert two_pages.count("data:image/svg+xml;base64") == 2
 
 
+def test_results_of_one_wheel_and_of_two_stand_beside_each_other(curve: Result) -> None:
+    one = Result(static_poses((0.0, 5.0), (0.0,), ("left",)))
+    assert "change, left" in page_of(one, one) and "change, right" not in page_of(one, one)
+    assert "change, left" not in page_of(curve, one)
+
+
 def test_contacts_have_a_picture_and_numbers_of_every_patch_in_contact(page: str, coach: Result) -> None:
     contacts = page[page.index('id="contacts"') : page.index('id="ride"')]
     in_contact = np.isfinite(coach.dataset["strip_p"].values).any(axis=-1).sum()

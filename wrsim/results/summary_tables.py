@@ -86,8 +86,9 @@ def extent_words(dataset: xr.Dataset) -> str:
 
 def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: str = "Peaks") -> list[Table]:
     """Peaks of one wheelset and its wheels with their places, a column for each result; names: of the results. Of two
-    results their change too."""
-    pairs, two = list(zip(own, names, strict=True)), len(own) == 2 and all(own)
+    results of the same wheels their change too."""
+    pairs, alike = list(zip(own, names, strict=True)), {tuple(each["wheels"]) if each else () for each in own}
+    two = len(own) == 2 and len(alike) == 1 and all(own)
     wheels = [(each, name, wheel) for each, name in pairs for wheel in (each["wheels"] if each else WHEELS)]
     rows: list[Sequence[Cell]] = []
     for key, peak in PEAKS.items():
@@ -95,7 +96,7 @@ def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: 
         rows.append((with_unit(peak.words, peak.unit), *cells, *(_changes(cells) if two else ())))
     heads = [Column(f"{name}: {wheel}" if len(own) > 1 else wheel) for _, name, wheel in wheels]
     if two:
-        heads += [Column(f"change, {wheel}", "%", ".1f") for wheel in WHEELS]
+        heads += [Column(f"change, {wheel}", "%", ".1f") for wheel in next(iter(alike))]
     tables = [Table(title, (Column(), *heads), _known(rows))]
     rows = []
     for key, peak in OF_WHEELSET.items():
