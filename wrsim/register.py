@@ -133,6 +133,7 @@ FILES = {
     "train": ("a train file", "wrsim.vehicle.vehicle_files:TrainFile"),
     "track": ("a track file", "wrsim.scenario.merging:TrackFile"),
     "profile": ("a profile file", "wrsim.geometry.profile.models:AnyProfileFile"),
+    "crossing": ("a crossing file", "wrsim.geometry.track.crossing:CrossingFile"),
     "columns": ("the column map of a recording", "wrsim.recording.columns:ColumnsFile"),
 }
 """Kinds of files that users write, and the class of each, or the classes that it may be one of."""

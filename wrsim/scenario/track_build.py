@@ -14,6 +14,7 @@ from wrsim.errors import InputError
 from wrsim.geometry.profile.flange import LEVEL
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Array, Profile
+from wrsim.geometry.track.crossing import read_crossing
 from wrsim.geometry.track.irregularities import Disturbance
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
 from wrsim.geometry.track.segments import Grade, Laws, Segment, Straight, laws
@@ -124,7 +125,9 @@ def surfaces_of(scenario: Scenario, track: Track) -> tuple[RailSurface | None, R
             for one in read[i]:
                 place = each.at_m + one.distance
                 if not 0.0 <= place <= track.length:
-                    which = "" if each.table is None else f"its section at {one.distance:g} m lies at {place:g} m: it "
+                    which = (
+                        "" if each.rail is not None else f"its section at {one.distance:g} m lies at {place:g} m: it "
+                    )
                     message = f"{which}must be on the track, which is {track.length:g} m long"
                     raise scenario.fault(("track", "rail_sections", i, "at_m"), message)
                 own.append(replace(one, distance=float(curve.arclength(place))))
@@ -136,17 +139,21 @@ def surfaces_of(scenario: Scenario, track: Track) -> tuple[RailSurface | None, R
 def _rail_sections(scenario: Scenario, i: int) -> list[RailSection]:
     """The sections of an entry of [[track.rail_sections]], as laid; distances are from its at_m."""
     entry, inclination = scenario.spec.track.rail_sections[i], scenario.spec.track.inclination
-    kind, name = ("rail", entry.rail) if entry.table is None else ("table", entry.table)
+    kind = next(name for name in ("rail", "table", "crossing") if getattr(entry, name) is not None)
     key = ("track", "rail_sections", i, kind)
     features, shift = tuple(f / 1e3 for f in entry.features_mm), (entry.outward_mm / 1e3, -entry.down_mm / 1e3)
 
     def read(file: Path) -> list[RailSection]:
+        if entry.crossing is not None:
+            return read_crossing(file, inclination, bool(entry.trailing))
         if entry.table is not None:
-            return read_sections(file, bool(entry.measured))
-        return [RailSection(0.0, load_profile(file, "rail"), features)]
+            found = read_sections(file, bool(entry.measured))
+        else:
+            found = [RailSection(0.0, load_profile(file, "rail"), features)]
+        return [replace(one, profile=one.profile.inclined(inclination)) for one in found]
 
-    found = scenario.read(key, name or "", read)
-    return [replace(one, profile=one.profile.inclined(inclination).shifted(*shift)) for one in found]
+    found = scenario.read(key, getattr(entry, kind), read)
+    return [replace(one, profile=one.profile.shifted(*shift)) for one in found]
 
 
 def check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], track: Track) -> None:

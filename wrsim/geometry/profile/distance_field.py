@@ -9,7 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 
 from wrsim.geometry.profile.profile import Array, Profile
 
@@ -18,6 +19,7 @@ MARGIN_SIDE = 6e-3
 MARGIN_TOP = 8e-3
 MARGIN_BELOW = 6e-3  # below the lowest point: a flat rail is penetrated there
 SAMPLE = 0.05e-3
+WALK, WALKS = 0.5e-3, 4  # along the curve to the foot of a point: each time at most [m], times
 
 
 @dataclass(frozen=True)
@@ -57,10 +59,13 @@ def field_of_points(
     u, w, tu, tw = rows.T
     last, step = float(arc[-1]), float(arc[1] - arc[0])
     axes = (origin + spacing * np.arange(count) for origin, count in zip(low, counts, strict=True))
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    _, nearest = cKDTree(np.column_stack([u, w])).query(grid.reshape(-1, 2))
-    du = grid[..., 0].ravel() - u[nearest]
-    dw = grid[..., 1].ravel() - w[nearest]
+    o, b = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
+    nearest = _nearest_cells(rows[:, :2], low, counts, spacing)
+    for _ in range(WALKS):
+        along = (o - u[nearest]) * tu[nearest] + (b - w[nearest]) * tw[nearest]
+        reach = np.rint(np.clip(along, -WALK, WALK) / step).astype(int)
+        nearest = np.clip(nearest + reach, 0, u.size - 1)
+    du, dw = o - u[nearest], b - w[nearest]
     along = du * tu[nearest] + dw * tw[nearest]
     outward = -du * tw[nearest] + dw * tu[nearest]
     foot = np.clip(arc[nearest] + np.clip(along, -step, step), 0.0, last)
@@ -70,3 +75,19 @@ def field_of_points(
     beyond = ((nearest == 0) & (along < 0.0)) | ((nearest == len(arc) - 1) & (along > 0.0))
     distance[beyond] = np.abs(distance[beyond])
     return np.ascontiguousarray(np.stack([distance, foot], axis=-1).reshape(*counts, 2))
+
+
+def _nearest_cells(
+    points: Array, low: tuple[float, float], counts: tuple[int, int], spacing: float
+) -> NDArray[np.intp]:
+    """Number of a point (n, 2) of the curve in the cell of the grid that is nearest to each place of it, (n_o n_b,).
+
+    Beside the true nearest one by two halves of a cell's diagonal at most, and elsewhere only where two parts of the
+    curve are as near as that.
+    """
+    cells = np.rint((points - low) / spacing).astype(int)
+    inside = ((cells >= 0) & (cells < counts)).all(axis=1)
+    first = np.full(counts, -1)
+    first[tuple(cells[inside].T)] = np.flatnonzero(inside)
+    places = distance_transform_edt(first < 0, return_distances=False, return_indices=True)
+    return np.asarray(first[tuple(places)].ravel())

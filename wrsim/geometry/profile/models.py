@@ -137,7 +137,7 @@ def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
     path = model_file(path)
     if path.suffix.lower() != ".toml":
         return read_points(path, kind).profile()
-    model = _read_toml(path, kind)
+    model = read_profile_file(path, kind)
     try:
         profile = model.build(path)
         if profile.length < SHORTEST:
@@ -197,11 +197,12 @@ def load_points(path: str | Path, kind: Kind | None = None) -> Reading | None:
     path = model_file(path)
     if path.suffix.lower() != ".toml":
         return read_points(path, kind)
-    model = _read_toml(path, kind)
+    model = read_profile_file(path, kind)
     return model.reading(path) if isinstance(model, PointsFile) else None
 
 
-def _read_toml(path: Path, kind: Kind | None) -> ProfileFile:
+def read_profile_file(path: Path, kind: Kind | None) -> ProfileFile:
+    """What a TOML file says of a profile. Raises InputError."""
     data, locate = opened(path, "profile file")
     if "kind" not in data:
         refuse_other_kind(AnyProfileFile, data, locate)

@@ -143,23 +143,28 @@ class RailSectionSection(Section, header="[[track.rail_sections]]"):
 
     Before the first and behind the last one the rail stays as it is there. features_mm: arclengths from the first point
     of the profile of places that belong together in all sections, such as corners. A part between two of them that has
-    no length in a section does not exist there. down_mm, outward_mm: the profile is moved. table: many sections from
-    one file, in place of rail and features_mm.
+    no length in a section does not exist there. down_mm, outward_mm: the profile is moved. table, crossing: many
+    sections from one file, in place of rail and features_mm.
     """
 
-    one_of = ("rail table",)
-    at_most_one = ("table features_mm",)
-    goes_with = {"measured": "table"}
+    one_of = ("rail table crossing",)
+    at_most_one = ("table features_mm", "crossing features_mm")
+    goes_with = {"measured": "table", "trailing": "crossing"}
     aliases = {"at_m": "distance_m position_m s_m", "rail": "profile", "features_mm": "features"}
 
     at_m: Annotated[float, number(0, 1e6, "m along the track")]
-    """Where along the track the rail has this section; where the distances of a table begin to count."""
+    """Where along the track the rail has this section; where the distances of a table begin to count, or where the
+    faces of a crossing's nose meet."""
     rail: RailName | None = None
     """Profile of the rail there."""
     table: Annotated[str, text('a CSV file of sections such as "crossing.csv"')] | None = None
     """CSV file of the points of many sections: columns at_m, outward_mm, up_mm, feature."""
     measured: bool | None = None
     """The points of the table are smoothed (true) or interpolated (false, the default)."""
+    crossing: Annotated[str, text('a crossing file such as "crossings/60E1_1in9.toml"')] | None = None
+    """Fixed crossing of the track with another one, from a few numbers."""
+    trailing: bool | None = None
+    """The crossing is passed from its nose onto its wing (true), or the other way (false, the default)."""
     side: Literal["left", "right", "both"] = "both"
     """Which rail has it."""
     features_mm: List[Annotated[float, number(0, 1000)]] = ()
@@ -235,7 +240,7 @@ class TrackSection(Section, header="[track]"):
             yield Fault("cant_base_mm", f"must be from the gauge to 500 mm more ({allowed})")
         for side in SIDES:
             own = on_side(self.rail_sections, side)
-            if len(own) == 1 and own[0][1].table is None:
+            if len(own) == 1 and own[0][1].rail is not None:
                 yield Fault(("rail_sections", own[0][0]), "is the only one of its rail; at least 2 are needed")
             for (_, before), (i, section) in pairwise(own):
                 if section.at_m <= before.at_m:
