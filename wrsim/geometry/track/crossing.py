@@ -238,9 +238,9 @@ def _section(file: CrossingFile, head: Head, s: float, inclination: float) -> Ra
         foot = FOOT * (1.0 - np.cos(side)) - FLOOR
         out.line(out.u + slope * (out.w - foot), foot)
         out.arc(FOOT, -side, 0.0)
-        beside = slope * (level - head.low[-1] - foot) + FOOT * np.sin(side)
-        out.line(away + edge - beside, -FLOOR)
-        on_nose.append(out.length - 0.5 * (out.u - out.pieces[-1].u0))
+        end = away + edge - slope * (level - head.low[-1] - foot) - FOOT * np.sin(side)
+        on_nose.append(out.length + 0.5 * (end - out.u))
+        out.line(end, -FLOOR)
         out.arc(FOOT, 0.0, side)
     on_wing: list[float] = []
     if wing:
