@@ -33,7 +33,7 @@ NORMAL_MODELS: dict[Normal, NormalModel] = {
     "half-space": replace(_KIK_PIOTROWSKI, solve=_solve_exactly),
 }
 
-LARGEST = 1e3  # radius of a wheel; bodies of comparisons with ellipses are larger than any wheel [m]
+LARGEST = 100.0  # radius of a wheel; bodies of comparisons with ellipses are larger than any wheel [m]
 
 
 def contact_model(

@@ -46,7 +46,7 @@ CHOICES: dict[str, tuple[str | None, ...]] = {
 """What the settings of these names may be."""
 RANGES = {
     "polach_adhesion": (1e-6, 1.0), "polach_slip": (1e-6, 1.0), "slope_k0": (1e-6, 1.0), "slope_alpha_inf": (0.0, 1.0),
-    "slope_beta": (0.0, 100.0), "strips": (5, 1000), "strip_width": (5e-6, 2e-3), "cells": (2, 500),
+    "slope_beta": (0.0, 100.0), "strips": (5, 10000), "strip_width": (5e-6, 2e-3), "cells": (2, 500),
     "damping": (0.0, 1000.0), "max_patches": (1, 6),
 }  # fmt: skip
 """Smallest and largest numbers of these names, those of the keys of a scenario, in SI units."""

@@ -144,7 +144,7 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
             cells = {j: partial(close, where=where, first=j == min(places)) for j, where in places.items()}
             rows.append(gallery.GalleryRow(gallery.PATCH_NAMES[patch], colour, page.panel, 15.0, cells))
     reading = (
-        "Axes: outward o (field side to the right) and up b\nfrom the rail's profile origin.\n"
+        "Axes: outward o (field side to the right) and up b from the rail's profile origin.\n"
         "Thin lines: pressure along the normals." + gallery.selection_words(dataset, chosen)
     )
     title = dataset.attrs.get("title", "")

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from wrsim.geometry.profile.profile import Array, Profile
 
@@ -85,6 +84,8 @@ def _nearest_cells(
     Beside the true nearest one by two halves of a cell's diagonal at most, and elsewhere only where two parts of the
     curve are as near as that.
     """
+    from scipy.ndimage import distance_transform_edt  # only contacts need it
+
     cells = np.rint((points - low) / spacing).astype(int)
     inside = ((cells >= 0) & (cells < counts)).all(axis=1)
     first = np.full(counts, -1)
