@@ -15,6 +15,7 @@ from wrsim.errors import SimulationError
 from wrsim.plots.histories import vehicle_figures
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
+from wrsim.simulation import integrate
 from wrsim.simulation.modes import linearise
 
 COACH = "vehicles/manchester_1.toml"
@@ -82,7 +83,9 @@ def gust(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, Path]]
             asked.append(fraction)
             signal.raise_signal(signal.SIGINT)
 
-    stopped = run(gusty(), progress, record=file)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(integrate, "PROGRESS_INTERVAL", 0.0)  # a fast machine is through before the first report else
+        stopped = run(gusty(), progress, record=file)
     assert (stopped.status, stopped.dataset.attrs["stop_cause"]) == ("stopped", "interrupt")
     yield run(gusty()).dataset, file
 
