@@ -104,3 +104,11 @@ def test_wrong_crossings_are_refused(tmp_path, key, value, words):
         read_crossing(path)
     assert words in str(error.value)
     assert str(path) in str(error.value)
+
+
+def test_a_head_whose_arcs_do_not_meet_is_refused(tmp_path):
+    head = (FILE.parents[1] / "rails" / "60E1.toml").read_text().replace("10.228, 26.0265", "10.228, 99.0")
+    (tmp_path / "head.toml").write_text(head)
+    with pytest.raises(InputError) as error:
+        read_crossing(changed(tmp_path, ("rail", '"head.toml"')))
+    assert "rail = \"head.toml\": profile '60E1': the arc of radius 80 mm has no room" in str(error.value)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -19,17 +19,29 @@ DEFAULT_INTEGRATOR: Integrator = "generalised-alpha"
 SPECTRAL_RADIUS = 0.9
 """Factor by which generalised alpha damps the fastest oscillation in a step."""
 
-ALPHA_M, ALPHA_F = (2.0 * SPECTRAL_RADIUS - 1.0) / (SPECTRAL_RADIUS + 1.0), SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1.0)
-GAMMA = 0.5 + ALPHA_F - ALPHA_M
-BETA = 0.25 * (GAMMA + 0.5) ** 2
-"""Numbers of the method."""
+
+class Numbers(NamedTuple):
+    """Of generalised alpha."""
+
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
+
+    def changes(self, step: float) -> tuple[float, float]:
+        """Changes of q and q_t for a change of q_tt in a step [s]."""
+        of_acceleration = step * step * self.beta * (1.0 - self.alpha_f) / (1.0 - self.alpha_m)
+        return of_acceleration, of_acceleration * self.gamma / (step * self.beta)
 
 
-def changes_of_step(step: float) -> tuple[float, float]:
-    """Changes of q and q_t for a change of q_tt in a step [s]."""
-    of_acceleration = step * step * BETA * (1.0 - ALPHA_F) / (1.0 - ALPHA_M)
-    return of_acceleration, of_acceleration * GAMMA / (step * BETA)
+def damping_by(radius: float) -> Numbers:
+    """Numbers with which the method damps the fastest oscillation by a factor in a step."""
+    alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
+    gamma = 0.5 + alpha_f - alpha_m
+    return Numbers(alpha_m, alpha_f, 0.25 * (gamma + 0.5) ** 2, gamma)
 
+
+METHOD = damping_by(SPECTRAL_RADIUS)
 
 WEIGHTS = np.array([SMALL[name] for name in COORDINATES]) ** -2.0
 """Of the coordinates of a body in Broyden's update."""
@@ -51,7 +63,7 @@ class ImplicitStep:
         """q, q_t, q_tt: the solver's own arrays, bodies first; tolerance, loosest: see ``BodySystem.solve``."""
         self.q, self.q_t, self.q_tt = q, q_t, q_tt
         own = np.zeros(1, kernel.STEP)
-        own["q_of_q_tt"], own["q_t_of_q_tt"] = changes_of_step(step)
+        own["q_of_q_tt"], own["q_t_of_q_tt"] = METHOD.changes(step)
         own["tolerance"], own["loosest"] = tolerance, tolerance if loosest is None else loosest
         for name in ("predicted", "residual", "moved", "ratio"):
             own[name] = np.inf

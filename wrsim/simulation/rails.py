@@ -11,7 +11,7 @@ from wrsim.core.body import sleepers as kernel
 from wrsim.core.jit import Array, Ints
 from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.geometry.track.track import RailElasticity, Track
-from wrsim.simulation.implicit_step import changes_of_step
+from wrsim.simulation.implicit_step import METHOD, damping_by
 
 MOVE = 6
 """Bays by which the window moves at once where they differ."""
@@ -26,7 +26,6 @@ STRETCHES = 8
 STARTING_MASS = 100.0
 """Mass in place of the rail in the search for the start: it scales an equation of statics [kg]."""
 
-
 RADIUS = 0.5
 """Factor by which the method damps the fastest oscillation of the rails in a step. The elements vibrate at up to some
 10 kHz, which no step resolves: wheels that pass kinks of the rail over sleepers excite it, and it must decay. At 0.5
@@ -35,11 +34,8 @@ the numerical damping of 100 Hz at 1 ms is 0.4 % of critical."""
 
 def method_of(step: float) -> Array:
     """Numbers of generalised alpha with this factor as the kernel takes them (8,)."""
-    alpha_m, alpha_f = (2.0 * RADIUS - 1.0) / (RADIUS + 1.0), RADIUS / (RADIUS + 1.0)
-    gamma = 0.5 + alpha_f - alpha_m
-    beta, part = 0.25 * (gamma + 0.5) ** 2, (1.0 - alpha_f) / (1.0 - alpha_m)
-    changes = step**2 * beta * part, step * gamma * part
-    return np.array([step, alpha_m, alpha_f, beta, gamma, *changes, 1.0 / changes_of_step(step)[0]])
+    own = damping_by(RADIUS)
+    return np.array([step, *own, *own.changes(step), 1.0 / METHOD.changes(step)[0]])
 
 
 class RailsOnSleepers:
@@ -215,7 +211,7 @@ class RailsOnSleepers:
                     bands = own.bands(self._matrices, self.count, system + r)
                     pair.mass[r], pair.damping[r], pair.stiffness[r] = bands.mass, bands.damping, sum(bands.stiffness)
                     pair.drag[r], pair.bending[r] = own.end_zones(bays, bands.mass, system + r), bays.bending
-            self._along = np.append(0.0, np.cumsum(bays.length))
+            self._along = bays.along
             self._prepared = np.nan, np.nan
         nodes[:] = own.places(self.first, 1)[0] + self._along
         self._filled = self.first

@@ -15,7 +15,7 @@ from wrsim.inputs.section import SIDES
 from wrsim.simulation import law as laws
 from wrsim.simulation.bodies import accelerations, mass_matrix
 from wrsim.simulation.force_law import force_derivative
-from wrsim.simulation.implicit_step import ALPHA_F, ALPHA_M, BETA, GAMMA, changes_of_step
+from wrsim.simulation.implicit_step import METHOD
 from wrsim.simulation.integrate import OF_CONTACTS
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import Array
@@ -59,8 +59,8 @@ class Stepper:
         self._own, rows = views[kernel.OWN][0], views[kernel.STATE]
         own = self._own
         own.h, own.iterations = step, iterations
-        own.alpha_m, own.alpha_f, own.beta, own.gamma = ALPHA_M, ALPHA_F, BETA, GAMMA
-        own.q_of_q_tt, own.q_t_of_q_tt = by = changes_of_step(step)
+        own.alpha_m, own.alpha_f, own.beta, own.gamma = METHOD
+        own.q_of_q_tt, own.q_t_of_q_tt = by = METHOD.changes(step)
         self.q, self.q_t = rows[kernel.Q], rows[kernel.Q_T]
         self.q[:], self.q_t[:], rows[kernel.AT] = q, q_t, q
         law.follow(True, OF_CONTACTS)

@@ -193,23 +193,19 @@ class ChainFile(ProfileFile, kind="chain"):
     def build(self, path: Path) -> Profile:
         if not self.pieces:
             raise InputError("pieces is empty; at least one [[pieces]] table is needed")
-        place, angle = np.array([self.start_mm * MM, 0.0]), np.radians(self.start_angle_deg)
-        chain: list[shapes.ProfileSection] = []
+        chain, angle = shapes.Chain(self.start_mm * MM, 0.0), np.radians(self.start_angle_deg)
         for i, piece in enumerate(self.pieces):
             if isinstance(piece, ChainLine):
-                end = place + piece.length_mm * MM * np.array([np.cos(angle), np.sin(angle)])
-                chain.append(shapes.ProfileLine(place[0], place[1], end[0], end[1]))
-            else:
-                last = np.radians(piece.to_angle_deg)
-                if abs(last - angle) < 1e-9:
-                    key = f"pieces[{i}].to_angle_deg = {piece.to_angle_deg:g}"
-                    raise InputError(f"{key}: the curve has this angle already; must differ, or the piece be a line")
-                radius = piece.radius_mm * MM
-                side = np.sign(last - angle) * radius * np.array([-np.sin(angle), np.cos(angle)])
-                chain.append(shapes.ProfileArc(place[0] + side[0], place[1] + side[1], radius, angle, last))
-                end, angle = chain[-1].evaluate(np.array([chain[-1].end]))[0][0], last
-            place = end
-        profile = shapes.profile_from_sections(self.name, self.body, chain, self.source)
+                length = piece.length_mm * MM
+                chain.line(chain.u + length * np.cos(angle), chain.w + length * np.sin(angle))
+                continue
+            last = np.radians(piece.to_angle_deg)
+            if abs(last - angle) < 1e-9:
+                key = f"pieces[{i}].to_angle_deg = {piece.to_angle_deg:g}"
+                raise InputError(f"{key}: the curve has this angle already; must differ, or the piece be a line")
+            chain.arc(piece.radius_mm * MM, angle, last)
+            angle = last
+        profile = shapes.profile_from_sections(self.name, self.body, chain.sections, self.source)
         return profile.shifted(dw=-float(profile.at(profile.arclength_of(0.0))[1]))
 
 

@@ -10,7 +10,7 @@ gives r, dr/dt, d2r/dt2 at t (n,), each (n, 2) with columns u, w.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 
@@ -182,15 +182,30 @@ def _nodes(section: ProfileSection, shift: Array) -> Array:
     return np.column_stack([L, r, np.arctan2(v[:, 1], v[:, 0]), curvature_of(v, a)])
 
 
-def rail_head(
-    name: str, radii: Sequence[float], half_widths: Sequence[float], side_slope: float, depth: float, source: str = ""
-) -> Profile:
-    """Symmetric rail head of tangent arcs and straight sides, origin at the crown.
+class Chain:
+    """Lines and arcs that follow each other with growing u. u, w: where they have come to [m]; length so far [m]."""
 
-    radii: of the arcs from the crown outward [m], e.g. 0.3, 0.08, 0.013; half_widths: distance from the axis at which
-    each arc but the last one ends [m], one fewer; side_slope: lean of the straight sides, e.g. 1/20,
-    tangent to the last arc; depth: how far below the crown the sides are continued [m].
-    """
+    def __init__(self, u: float, w: float) -> None:
+        self.u, self.w, self.length = u, w, 0.0
+        self.sections: list[ProfileSection] = []
+
+    def line(self, to_u: float, to_w: float) -> None:
+        """Straight to a place [m]."""
+        self.sections.append(ProfileLine(self.u, self.w, to_u, to_w))
+        self.length += float(np.hypot(to_u - self.u, to_w - self.w))
+        self.u, self.w = to_u, to_w
+
+    def arc(self, radius: float, first: float, last: float) -> None:
+        """Around a circle from one angle of the tangent to another one [rad], positive where it rises."""
+        side = np.sign(last - first) * radius
+        own = ProfileArc(self.u - side * np.sin(first), self.w + side * np.cos(first), radius, first, last)
+        self.sections.append(own)
+        self.length += own.end
+        self.u, self.w = own.evaluate(np.array([own.end]))[0][0]
+
+
+def head_arcs(name: str, radii: Sequence[float], half_widths: Sequence[float], side_slope: float) -> list[ProfileArc]:
+    """Arcs of one half of a rail's head, from the crown in the origin outward; arguments as for `rail_head`."""
     centre, steepness = np.array([0.0, -radii[0]]), 0.0
     right: list[ProfileArc] = []
     for i, radius in enumerate(radii):
@@ -205,15 +220,31 @@ def rail_head(
             slope = f"it starts at a slope of {np.degrees(steepness):.4g} degrees"
             words = f"the arc of radius {1e3 * radius:g} mm has no room: {slope}"
             raise InputError(f"profile '{name}': {words}; its half width or the radius before it does not fit")
-        right.append(ProfileArc(centre[0], centre[1], radius, -steepness if i else end, -end))
+        right.append(ProfileArc(centre[0], centre[1], radius, -steepness, -end))
         steepness = end
-    u, w = centre + radii[-1] * np.array([np.sin(steepness), np.cos(steepness)])
+    return right
+
+
+def rail_head(
+    name: str, radii: Sequence[float], half_widths: Sequence[float], side_slope: float, depth: float, source: str = ""
+) -> Profile:
+    """Symmetric rail head of tangent arcs and straight sides, origin at the crown.
+
+    radii: of the arcs from the crown outward [m], e.g. 0.3, 0.08, 0.013; half_widths: distance from the axis at which
+    each arc but the last one ends [m], one fewer; side_slope: lean of the straight sides, e.g. 1/20,
+    tangent to the last arc; depth: how far below the crown the sides are continued [m].
+    """
+    right = head_arcs(name, radii, half_widths, side_slope)
+    steepness = -right[-1].last
+    u, w = np.array([right[-1].u, right[-1].w]) + radii[-1] * np.array([np.sin(steepness), np.cos(steepness)])
     if w <= -depth:
         words = f"depth {1e3 * depth:g} mm ends before the straight sides begin"
         raise InputError(f"profile '{name}': {words}; allowed: above {-1e3 * w:.5g} mm")
     low = u + side_slope * (w + depth)
     left = [ProfileArc(-s.u, s.w, s.radius, -s.last, -s.first) for s in reversed(right[1:])]
-    row: list[ProfileSection] = [ProfileLine(-low, -depth, -u, w), *left, *right, ProfileLine(u, w, low, -depth)]
+    crown = replace(right[0], first=-right[0].last)
+    middle = [*left, crown, *right[1:]]
+    row: list[ProfileSection] = [ProfileLine(-low, -depth, -u, w), *middle, ProfileLine(u, w, low, -depth)]
     return profile_from_sections(name, "rail", row, source)
 
 

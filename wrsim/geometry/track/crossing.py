@@ -20,7 +20,7 @@ from wrsim.errors import InputError
 from wrsim.geometry.profile.file_kinds import MM, RailHeadFile
 from wrsim.geometry.profile.models import read_profile_file
 from wrsim.geometry.profile.profile import Array
-from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, ProfileSection, profile_from_sections
+from wrsim.geometry.profile.sections import Chain, head_arcs, profile_from_sections
 from wrsim.geometry.track.rail_surface import DEEP, RailSection
 from wrsim.inputs.checking import check_section, opened
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
@@ -97,15 +97,12 @@ class Head:
     @classmethod
     def of(cls, file: RailHeadFile) -> Head:
         """The head that a file describes."""
-        radii, widths = MM * np.array(file.radii_mm), MM * np.array(file.half_widths_mm)
-        angles, reach = [0.0], [0.0]
-        for radius, width in zip(radii[:-1], widths, strict=True):
-            angles.append(float(np.arcsin((width - reach[-1]) / radius + np.sin(angles[-1]))))
-            reach.append(float(width))
-        angles.append(0.5 * np.pi - float(np.arctan(file.side_slope)))
-        reach.append(reach[-1] + float(radii[-1] * (np.sin(angles[-1]) - np.sin(angles[-2]))))
-        low = np.cumsum([0.0, *(-radii * np.diff(np.cos(angles)))])
-        return cls(radii, np.array(angles), np.array(reach), low, MM * file.depth_mm)
+        given, widths = [MM * r for r in file.radii_mm], [MM * b for b in file.half_widths_mm]
+        arcs = head_arcs(file.name, given, widths, file.side_slope)
+        radii, angles = np.array([arc.radius for arc in arcs]), np.array([0.0, *(-arc.last for arc in arcs)])
+        reach = np.array([0.0, *(arc.u + arc.radius * np.sin(-arc.last) for arc in arcs)])
+        low = np.array([0.0, *(-arc.w - arc.radius * np.cos(arc.last) for arc in arcs)])
+        return cls(radii, angles, reach, low, MM * file.depth_mm)
 
     def planed(self, half: float, crown: float, corner: float) -> tuple[Array, Array]:
         """Radii (m,) and angles (m + 1,) of a head whose sides lie at this distance [m] from its middle, from the crown
@@ -138,37 +135,15 @@ class Head:
                 return -self.reach[-1] + slope * rise, rise - self.low[-1], radii, angles
 
 
-class Outline:
-    """Lines and arcs that follow each other outward, from the gauge side on. u, w: where it has come to [m]."""
-
-    def __init__(self, u: float, w: float) -> None:
-        self.u, self.w, self.length = u, w, 0.0
-        self.pieces: list[ProfileSection] = []
-
-    def line(self, to_u: float, to_w: float) -> None:
-        """A line to a place."""
-        self.pieces.append(ProfileLine(self.u, self.w, to_u, to_w))
-        self.length += float(np.hypot(to_u - self.u, to_w - self.w))
-        self.u, self.w = to_u, to_w
-
-    def arc(self, radius: float, start: float, end: float) -> None:
-        """An arc from one angle of its tangent to another one, positive where it rises outward."""
-        side = np.sign(end - start) * radius
-        u, w = self.u - side * np.sin(start), self.w + side * np.cos(start)
-        self.pieces.append(ProfileArc(u, w, radius, start, end))
-        self.length += radius * abs(end - start)
-        self.u, self.w = u + side * np.sin(end), w - side * np.cos(end)
-
-    def head(self, radii: Array, angles: Array) -> list[float]:
-        """A head from one side over its crown to the other; arclengths of both corners' ends and the crown."""
-        begin = self.length
-        for radius, upper, lower in zip(radii[::-1], angles[-2::-1], angles[:0:-1], strict=True):
-            if upper > 0.0 or radius != radii[0]:
-                self.arc(radius, lower, upper)
-        self.arc(radii[0], angles[1], -angles[1])
-        for radius, upper, lower in zip(radii[1:], angles[1:], angles[2:], strict=False):
-            self.arc(radius, -upper, -lower)
-        return [begin, 0.5 * (begin + self.length), self.length]
+def _add_head(out: Chain, radii: Array, angles: Array) -> list[float]:
+    """A head from one side over its crown to the other; arclengths of both corners' ends and the crown."""
+    begin = out.length
+    for radius, upper, lower in zip(radii[:0:-1], angles[-2:0:-1], angles[:1:-1], strict=True):
+        out.arc(radius, lower, upper)
+    out.arc(radii[0], angles[1], -angles[1])
+    for radius, upper, lower in zip(radii[1:], angles[1:], angles[2:], strict=False):
+        out.arc(radius, -upper, -lower)
+    return [begin, 0.5 * (begin + out.length), out.length]
 
 
 def read_crossing(path: Path, inclination: float = 0.0, trailing: bool = False) -> list[RailSection]:
@@ -181,11 +156,11 @@ def read_crossing(path: Path, inclination: float = 0.0, trailing: bool = False) 
     folders = (path.parent, *user_folders(), shipped_models(), shipped_models() / "rails")
     try:
         rail = read_profile_file(Finder(folders).find(file.rail), "rail")
+        if not isinstance(rail, RailHeadFile) or len(rail.radii_mm) < 2:
+            raise InputError('must be of the kind "rail-head" with two or more radii')
+        head = Head.of(rail)
     except InputError as error:
         raise InputError(f'{path}: rail = "{file.rail}": {error}') from None
-    if not isinstance(rail, RailHeadFile) or len(rail.radii_mm) < 2:
-        raise InputError(f'{path}: rail = "{file.rail}": must be of the kind "rail-head" with two or more radii')
-    head = Head.of(rail)
     found = [_section(file, head, s, inclination) for s in _places(file, head)]
     if not trailing:
         return found
@@ -227,13 +202,13 @@ def _section(file: CrossingFile, head: Head, s: float, inclination: float) -> Ra
     under = head.depth - head.low[-1]  # of a flank
     on_nose: list[float] = []
     if nose:
-        out = Outline(edge - slope * under, -head.depth)
+        out = Chain(edge - slope * under, -head.depth)
         top = -MM * file.nose_lowered_mm * _ramp(narrow)
         *at, radii, angles = head.nose(width, top, MM * file.crown_radius_mm, corner)
         out.line(*at)
-        on_nose = out.head(radii, angles)
+        on_nose = _add_head(out, radii, angles)
     else:
-        out = Outline(away + edge - slope * under, level - head.depth)
+        out = Chain(away + edge - slope * under, level - head.depth)
     if nose and wing:
         foot = FOOT * (1.0 - np.cos(side)) - FLOOR
         out.line(out.u + slope * (out.w - foot), foot)
@@ -245,9 +220,9 @@ def _section(file: CrossingFile, head: Head, s: float, inclination: float) -> Ra
     on_wing: list[float] = []
     if wing:
         out.line(away + edge, level - head.low[-1])
-        on_wing = out.head(head.radii, head.angles)
+        on_wing = _add_head(out, head.radii, head.angles)
     last = level - head.depth if wing else -head.depth
     out.line(out.u + slope * (out.w - last), last)
     features = [*(on_nose or [0.0] * 3), *([] if on_nose[3:] else [out.length * nose]), *(on_wing or [out.length] * 3)]
-    profile = profile_from_sections(f"{file.name}, {s:.3f} m", "rail", out.pieces, file.source).inclined(inclination)
+    profile = profile_from_sections(f"{file.name}, {s:.3f} m", "rail", out.sections, file.source).inclined(inclination)
     return RailSection(s, profile, tuple(min(one, profile.length) for one in features))

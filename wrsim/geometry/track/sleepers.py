@@ -127,6 +127,11 @@ class Bays(NamedTuple):
     pad: Array
     ballast: Array
 
+    @property
+    def along(self) -> Array:
+        """Places of the nodes, from the first sleeper on (b e + 1,) [m]."""
+        return np.append(0.0, np.cumsum(self.length))
+
 
 class Bands(NamedTuple):
     """Lower bands (n, k + 1) of the symmetric matrices of a system: number (i, j) stands at [i, k - i + j]. damping:
@@ -327,7 +332,7 @@ class SleeperTrack:
         layout = self.layout(len(bays.pad), system)
         speed = np.sqrt(self.rail.shear("vertical" if system < 2 else "lateral") / self.rail.mass)
         rate = 3.0 * np.log(1.0 / ENDS) * speed / self.end
-        nodes = bays.places[0] + np.append(0.0, np.cumsum(bays.length))
+        nodes = bays.places[0] + bays.along
         deep = np.maximum(nodes[0] + self.end - nodes, nodes - nodes[-1] + self.end) / self.end
         found = np.zeros(layout.size)
         found[layout.nodes] = rate * np.maximum(deep, 0.0)[:, None] ** 2 * mass[:, -1][layout.nodes]
@@ -376,7 +381,7 @@ class SleeperTrack:
         """Load vector (n,) of a unit force on the rail's head at a node, and the complex amplitudes (f, n) under it."""
         bays, layout = self.bays(first, count, system), self.layout(count, system)
         bands = self.bands(first, count, system)
-        nodes = bays.places[0] + np.append(0.0, np.cumsum(bays.length))
+        nodes = bays.places[0] + bays.along
         own, load = layout.nodes[np.argmin(np.abs(nodes - place))], np.zeros(layout.size)
         load[own[0]] = 1.0
         if system >= 2:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, get_args
 from wrsim.contact.models import NORMAL_MODELS
 from wrsim.contact.settings import (
     DRY,
+    RANGES,
     Approach,
     ContactSettings,
     Flexibility,
@@ -225,9 +226,9 @@ class ContactSection(Section, header="[contact]"):
     """Polach's reduction of the slip area's stiffness."""
     slope_k0: Annotated[float, positive(1)] = DEFAULTS.slope_k0
     """Slope reduction of FASTSIM and FaStrip: part of Kalker's stiffness at no creepage."""
-    slope_alpha_inf: Annotated[float, number(0, 1)] = DEFAULTS.slope_alpha_inf
+    slope_alpha_inf: Annotated[float, number(*RANGES["slope_alpha_inf"])] = DEFAULTS.slope_alpha_inf
     """Slope reduction: part of that stiffness at infinite creepage."""
-    slope_beta: Annotated[float, number(0, 100)] = DEFAULTS.slope_beta
+    slope_beta: Annotated[float, number(*RANGES["slope_beta"])] = DEFAULTS.slope_beta
     """Slope reduction: how fast the stiffness falls with the creepage."""
     friction: FrictionValue = DRY
     """Coefficient of friction, or a table of how it depends on place and slip."""
@@ -245,13 +246,13 @@ class ContactSection(Section, header="[contact]"):
     """Number of strips over the width of a patch; the usual one of the normal model unless given."""
     strip_width_mm: Annotated[float, number(0.005, 2, "mm along the curved axis")] | None = None
     """Width of a strip, in place of their number; for Kik-Piotrowski."""
-    cells: Annotated[int, number(2, 500)] = DEFAULTS.cells
+    cells: Annotated[int, number(*RANGES["cells"])] = DEFAULTS.cells
     """Number of cells of a strip along the rolling direction, for FASTSIM and FaStrip."""
-    damping_s_per_m: Annotated[float, number(0, 1000, "normal force times this times the rate of approach")] = (
-        DEFAULTS.damping
-    )
+    damping_s_per_m: Annotated[
+        float, number(*RANGES["damping"], "normal force times this times the rate of approach")
+    ] = DEFAULTS.damping
     """Normal damping: the force grows by this times the speed of approach, and never pulls."""
-    max_patches: Annotated[int, number(1, 6)] | None = None
+    max_patches: Annotated[int, number(*RANGES["max_patches"])] | None = None
     """Largest number of patches of one wheel, largest first; the usual number of the normal model unless given."""
     material: MaterialSection = MaterialSection()
     """Elastic numbers of wheel and rail."""

@@ -167,35 +167,25 @@ def find_terms(table, vectors, first, last, s, x, aligned, p, p_xi, turn, f0, f1
 
     Differences of PHI, and of its slope by xi; of t f; f(1, xi, t) at both ends. aligned: as in ``pressed_at``.
     """
+    in_middle = table[table.shape[0] - 1]
     _find_ends(vectors, first, last, s, f0, f1)
     _find_rates(vectors, first, last, s, turn, p_xi)
-    if aligned:
-        _find_terms_in_row(table[table.shape[0] - 1], vectors, first, last, s, p, p_xi, turn, f0, f1)
-        return
-    _find_point(vectors, first, last, x, p)
+    if not aligned:
+        _find_point(vectors, first, last, x, p)
     for j in range(first, last):
         inverse = vectors[INVERSE, j]
         lo, hi = (vectors[FROM, j] - s) * inverse, (vectors[TO, j] - s) * inverse
-        low, low_xi, low_t = with_slopes(table, p[j], f0[j])
-        high, high_xi, high_t = with_slopes(table, p[j], f1[j])
+        if aligned:
+            low, low_t = with_slope_in_row(in_middle, f0[j])
+            high, high_t = with_slope_in_row(in_middle, f1[j])
+            low_xi = high_xi = 0.0
+        else:
+            low, low_xi, low_t = with_slopes(table, p[j], f0[j])
+            high, high_xi, high_t = with_slopes(table, p[j], f1[j])
         f0[j] = low + turn[j] * low_t
         f1[j] = high + p_xi[j] * high_t
         p[j] = hi * high - lo * low
         p_xi[j] = hi * high_xi - lo * low_xi
         turn[j] = hi * f1[j] - lo * f0[j]
-    _scale_by_rate(vectors, first, last, x, p_xi)
-
-
-@kernel
-def _find_terms_in_row(row, vectors, first, last, s, p, p_xi, turn, f0, f1):
-    """The same at xi = 0; row: the coefficients there."""
-    for j in range(first, last):
-        inverse = vectors[INVERSE, j]
-        lo, hi = (vectors[FROM, j] - s) * inverse, (vectors[TO, j] - s) * inverse
-        low, low_t = with_slope_in_row(row, f0[j])
-        high, high_t = with_slope_in_row(row, f1[j])
-        f0[j] = low + turn[j] * low_t
-        f1[j] = high + p_xi[j] * high_t
-        p[j] = hi * high - lo * low
-        p_xi[j] = 0.0
-        turn[j] = hi * f1[j] - lo * f0[j]
+    if not aligned:
+        _scale_by_rate(vectors, first, last, x, p_xi)
