@@ -4,7 +4,8 @@ const MM = 96 / 25.4;
 const WIDTH = 182 * MM, HEIGHT = 259 * MM; // A4 within the margins of @page in report.css
 const SLACK = 4 * MM; // lines may break otherwise on paper
 const LEAST = 0.5; // of the width of a page, below which letters of a picture are too small
-const BLOCKS = "figure, .card, .verdict, tr, h1, h2, h3, h4, p, li, pre, summary, caption";
+const WHOLE = "figure, .one .card, .several .card > .wide, .verdict"; // what no page break parts
+const BLOCKS = `${WHOLE}, tr, h1, h2, h3, h4, p, li, pre, summary, caption`;
 let undo = [];
 
 /** The style sheets as for paper, until they are called back. */
@@ -18,14 +19,14 @@ function asPaper() {
 /** What a page break must not part: its height without that of its picture, the full height of the picture, the height
  * of the head that a table repeats above it, and whether a break may come before it. */
 function measured() {
-  const own = [...document.body.querySelectorAll(BLOCKS)].filter((el) => el.getClientRects().length && !el.parentElement.closest("figure, .card, .verdict, thead, pre"));
+  const own = [...document.body.querySelectorAll(BLOCKS)].filter((el) => el.getClientRects().length && !el.parentElement.closest(`${WHOLE}, thead, pre`));
   const blocks = [];
   for (const el of own.filter((el) => !el.closest("thead") || el.matches(":first-child"))) {
     const img = el.matches("figure") ? el.querySelector("img") : null, top = el.getBoundingClientRect().top;
     const last = blocks.at(-1);
     if (last && top < last.top + 1 && !img) continue; // beside the last one
     const head = el.closest("tbody") && el.previousElementSibling ? el.closest("table").tHead?.offsetHeight ?? 0 : 0;
-    const tied = last && (last.el.matches("h1, h2, h3, h4, caption, summary, thead tr") || last.el.matches("h2 + .note"));
+    const tied = last && (last.el.matches("h1, h2, h3, h4, caption, summary, thead tr") || last.el.matches("h2 + .note") || el.matches(".assessment tbody tr:not(.first)"));
     blocks.push({ el, img, top, head, tied });
   }
   const end = document.getElementById("main").getBoundingClientRect().bottom;
@@ -49,7 +50,7 @@ function pagesOf(blocks) {
       const room = HEIGHT - SLACK - fixed, scale = full ? Math.min(1, room / full) : 1;
       if (to > from + 1 && (room < 0 || scale < LEAST)) break;
       const empty = Math.max(0, (room - scale * full) / HEIGHT);
-      const foot = to < n ? empty ** 2 : 2 * Math.max(0, empty - 0.4) ** 2;
+      const foot = to < n ? empty ** 2 : 4 * Math.max(0, empty - 0.25) ** 2;
       const cost = best[from].cost + 0.02 + foot + (full ? 0.4 * (1 - scale) ** 2 : 0);
       if (cost < best[to].cost) best[to] = { cost, from, scale: Math.max(scale, LEAST) };
     }
