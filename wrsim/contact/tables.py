@@ -81,7 +81,7 @@ def bound_over_cells(cells: int, parabolic: bool) -> Array:
 
 @cache
 def _kalker_table() -> Array:
-    """(20, 3, 3): aspect (a < b from .1 to 1, then a > b from b/a = .1 to 1), Poisson ratio 0, .25, .5, C11 C22 C23."""
+    """(20, 3, 3): aspect (a < b from 0.1 to 1, then b/a from 0.1 to 1), Poisson ratio 0, 0.25, 0.5, C11 C22 C23."""
     text = files("wrsim.contact").joinpath("data/kalker_1990_table_e3.csv").read_text(encoding="utf-8")
     rows = np.array([[float(x) for x in line.split(",")] for line in text.splitlines() if line and line[0].isdigit()])
     by_aspect = {round(a, 4): rows[np.isclose(rows[:, 0], a)][:, 2:] for a in np.unique(rows[:, 0])}
@@ -91,7 +91,7 @@ def _kalker_table() -> Array:
 
 
 def creep_coefficients(poisson_ratio: float) -> Array:
-    """C11, C22, C23 as (20, 3) for the kernels: rows a/b = .1 ... 1, then b/a = .1 ... 1.
+    """C11, C22, C23 as (20, 3) for the kernels: rows a/b = 0.1 ... 1, then b/a = 0.1 ... 1.
 
     1/C is quadratic in the Poisson ratio through the three columns of the table (Kalker's own rule).
     """

@@ -1,8 +1,8 @@
 """Laws of wear, each for one of two steel bodies that roll on each other, and of rolling contact fatigue of a patch.
 
 Arrays in, arrays out, SI units. All laws of wear give what is lost for every metre rolled. They agree at mild wear:
-5.3e-9 kg per metre and newton of T-gamma (USFD), 6.2e-9 (BRR), 4.0e-9 (Archard, friction .35), none of which was fitted
-to the others. Sources and their limits: docs/user/wear.md.
+5.3e-9 kg per metre and newton of T-gamma (USFD), 6.2e-9 (BRR), 4.0e-9 (Archard, friction 0.35); none is fitted to the
+others. Sources and their limits: docs/user/wear.md.
 """
 
 from collections.abc import Mapping
@@ -77,7 +77,7 @@ def wear_coefficient(
 def brr(wear_number: ArrayLike) -> Array:
     """Mass lost per metre rolled [kg/m] at T-gamma of a patch [N].
 
-    In the source the area that a wheel's section loses, in mm2 per km, times its diameter D in mm: .25 T-gamma below
+    In the source the area that a wheel's section loses, in mm2 per km, times its diameter D in mm: 0.25 T-gamma below
     100 N, 25 up to 200 N, 1.19 T-gamma - 154 above. The jump at 200 N belongs to it. The volume of the ring, that
     area times pi D, does not depend on D.
     """
