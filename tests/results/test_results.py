@@ -16,10 +16,11 @@ from support.synthetic_result import curve_run, static_poses
 
 from wrsim.errors import InputError, WrsimError
 from wrsim.report.output_folder import read
-from wrsim.results import CHANNELS, Result, assemble, netcdf, summarise, tables, write_atomically, write_run
+from wrsim.results import CHANNELS, Result, assemble, netcdf, summarise, write_atomically, write_run
 from wrsim.results.files import Manifest, as_csv
 from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.run_file import RunFile
+from wrsim.results.tables import tables
 
 ROOT = Path(__file__).parents[2]
 ATTRIBUTES = {"title": "t", "analysis": "curving", "status": "completed", "scenario_text": "x = 1\n"}

@@ -10,7 +10,7 @@ from support.vehicles import manchester
 from wrsim.core.body import vehicle_forces
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
-from wrsim.simulation.implicit_step import Integrator
+from wrsim.simulation import Integrator
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state

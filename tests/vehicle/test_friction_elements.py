@@ -10,8 +10,8 @@ from support.boxes import AT, FIXED, MASS, box, displaced, in_plane, motion, on_
 
 from wrsim.core.body.friction import STUCK
 from wrsim.errors import InputError
+from wrsim.simulation import Integrator
 from wrsim.simulation.force_law import force_derivative
-from wrsim.simulation.implicit_step import Integrator
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise, natural_modes

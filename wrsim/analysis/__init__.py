@@ -10,27 +10,28 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from wrsim.analysis.motion.record import RunRecord, recorded_setup
-from wrsim.analysis.motion.run import StepTooLong, refuse_step
 from wrsim.analysis.progress import Progress
-from wrsim.core.jit.compiling import cores, use_threads
 from wrsim.errors import InputError
 from wrsim.register import ANALYSES, resolved
-from wrsim.results import Result
 from wrsim.results.table import duration
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario, loaded
 from wrsim.scenario.plausibility import warnings
-from wrsim.simulation.step_size import evaluations_for
+from wrsim.simulation.step_size import StepTooLong, evaluations_for
 from wrsim.timing import timed
+
+if TYPE_CHECKING:
+    from wrsim.results import Result
 
 MANY = 3  # vehicles whose contacts take all cores unless threads are given
 
 
 def _usual_threads(setup: Setup) -> int:
     """How many compute the contacts of this vehicle or train: one also where there is no OpenMP."""
+    from wrsim.core.jit.compiling import cores, use_threads
+
     if len(setup.vehicle.units) < MANY:
         return 1
     try:
@@ -82,6 +83,8 @@ def run(
     SimulationError
         When there is not even a start.
     """
+    from wrsim.analysis.motion.record import RunRecord
+
     scenario = loaded(scenario)
     if setup is None:
         setup = build(scenario)
@@ -102,6 +105,8 @@ def run(
 
 def check_step(scenario: Scenario, setup: Setup[Any]) -> None:
     """Raise InputError for a time step in a scenario that ``run`` would refuse at the start of its set-up's run."""
+    from wrsim.analysis.motion.run import refuse_step
+
     with _naming_step(scenario):
         refuse_step(setup)
 
@@ -153,6 +158,8 @@ def recorded(record: str | Path) -> Result:
 
     Raises InputError when there is no such file, it is none of a run, or its models are gone or have changed.
     """
+    from wrsim.analysis.motion.record import recorded_setup
+
     setup = recorded_setup(Path(record))
     if not ANALYSES[setup.analysis].moves:
         raise InputError(f"{record}: analysis = {setup.analysis!r} in its scenario is no run along the track")

@@ -88,7 +88,7 @@ def exit_code(result: Result) -> int:
 
 def folder_beside(given: Given, output: str | Path | None) -> Path:
     """Where files about a result go: ``output``, else beside it. Raises InputError."""
-    from wrsim.report.output_folder import folder_of_result
+    from wrsim.results.files import folder_of_result
 
     if output is not None:
         return Path(output)

@@ -90,9 +90,9 @@ def reporting_errors(as_json: bool) -> Iterator[None]:
 
 @contextmanager
 def writing_files(as_json: bool, force: bool, *reads: Path, of: Path | None = None) -> Iterator[None]:
-    """The same of a command that writes files; see `wrsim.report.output_folder.writing`."""
+    """The same of a command that writes files; see `wrsim.results.files.writing`."""
     with reporting_errors(as_json):
-        from wrsim.report.output_folder import writing
+        from wrsim.results.files import writing
 
         with writing(force, *reads, of=of):
             yield

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel
-from wrsim.contact.settings import DRY, AnyFriction, ContactSettings, Friction, FrictionAlong, Normal
+from wrsim.contact.settings import DRY, SOLVED_STRIPS, AnyFriction, ContactSettings, Friction, FrictionAlong, Normal
 from wrsim.core.contact.records import FREE_STRIPS, KIK_PIOTROWSKI
 from wrsim.errors import InputError
 from wrsim.geometry.profile.out_of_round import Part, shape_tables
@@ -27,9 +27,11 @@ def _solve_exactly(model: ContactModel) -> int:
 
 _KIK_PIOTROWSKI = NormalModel(KIK_PIOTROWSKI, recess=1.0 - EPSILON, joint=True, fewest=3, most=MOST_STRIPS)
 
+FEWEST, MOST = SOLVED_STRIPS["strips"]
+
 NORMAL_MODELS: dict[Normal, NormalModel] = {
     "kik-piotrowski": _KIK_PIOTROWSKI,
-    "strips": replace(_KIK_PIOTROWSKI, kernel=FREE_STRIPS, fewest=12, most=200, solves_for_strips=True),
+    "strips": replace(_KIK_PIOTROWSKI, kernel=FREE_STRIPS, fewest=FEWEST, most=MOST, solves_for_strips=True),
     "half-space": replace(_KIK_PIOTROWSKI, solve=_solve_exactly),
 }
 

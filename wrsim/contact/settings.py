@@ -39,6 +39,9 @@ USUAL: dict[Normal, Usual] = {
 }
 """Defaults that depend on another choice. Such a key is None in ContactSettings unless given."""
 
+SOLVED_STRIPS: dict[str, tuple[int, int]] = {"strips": (12, 200)}
+"""Models that solve for every strip, and how many strips a patch may have then."""
+
 CHOICES: dict[str, tuple[str | None, ...]] = {
     "normal": get_args(Normal), "approach": get_args(Approach), "tangential": (None, *get_args(Tangential)),
     "traction_bound": get_args(TractionBound), "flexibility": get_args(Flexibility),

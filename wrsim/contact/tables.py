@@ -8,8 +8,8 @@ from functools import cache, lru_cache
 from importlib.resources import files
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import solve_banded
 
 from wrsim.contact.settings import ContactSettings
 from wrsim.core.contact.strips.influence import HIGHEST, INNER, LOWEST, OUTER, RISE, SHARP, STEPS, STEPS_BESIDE
@@ -147,5 +147,5 @@ def _spline(values: Array) -> Array:
     bands[0, 2] = bands[4, -3] = 1.0
     bands[1, 1] = bands[3, -2] = -2.0
     bands[2, [0, -1]] = 7.0
-    c = solve_banded((2, 2), bands, 6.0 * values)
+    c = scipy.linalg.solve_banded((2, 2), bands, 6.0 * values)
     return np.concatenate([[3.0 * (c[0] - c[1]) + c[2]], c, [3.0 * (c[-1] - c[-2]) + c[-3]]])

@@ -8,8 +8,8 @@ from functools import cached_property
 from math import factorial, perm
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PPoly
 
 Array = NDArray[np.float64]
 Jet = tuple[Array, Array, Array]  # value, slope and second derivative
@@ -22,14 +22,14 @@ class Piecewise:
     At a joint the piece behind it holds. Outside, value and derivatives of the nearer end are held.
     """
 
-    pieces: PPoly
+    pieces: scipy.interpolate.PPoly
 
     @classmethod
     def of_rows(cls, edges: Array, rows: ArrayLike) -> Piecewise:
         """c0 + c1 xi + c2 xi^2 + ... with xi = 0..1 in each piece; edges: (m + 1,) [m], rows: (m, k)."""
         coefficients = np.array(rows, dtype=np.float64).T
         powers = np.arange(len(coefficients))[:, None]
-        return cls(PPoly((coefficients / np.diff(edges) ** powers)[::-1], edges))
+        return cls(scipy.interpolate.PPoly((coefficients / np.diff(edges) ** powers)[::-1], edges))
 
     @classmethod
     def through(cls, s: Array, values: Array) -> Piecewise:
@@ -52,7 +52,7 @@ class Piecewise:
         return not self.pieces.c.any()
 
     @cached_property
-    def _integral(self) -> PPoly:
+    def _integral(self) -> scipy.interpolate.PPoly:
         return self.pieces.antiderivative()
 
     def __call__(self, s: ArrayLike, derivative: int = 0) -> Array:
@@ -101,7 +101,7 @@ class Piecewise:
         for row, n in zip(c, orders, strict=True):
             slopes = sum(bump[4 - k] * powers[k - n] * perm(k, n) for k in range(n, 5))
             np.add.at(row, at, slopes / factorial(n))
-        return Piecewise(PPoly(c, parts)) if real.any() else self
+        return Piecewise(scipy.interpolate.PPoly(c, parts)) if real.any() else self
 
 
 def arclengths(velocity: Callable[[Array], Array], t: Array, points: int = 8) -> Array:

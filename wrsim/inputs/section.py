@@ -23,7 +23,7 @@ from wrsim.errors import nearest
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.values import choice, entry_of, fields, refusal, refuse, table_header, unpacked, words
 
-STRICT = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
+STRICT = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 FAULT, ABSENT = "fault", "absent"
 """Types of faults whose messages are final; all others are pydantic's."""
 MOST_FAULTS = 50

@@ -33,16 +33,6 @@ OUTPUTS = (RESULT, RECORD, "summary.json", "vehicle.csv", "history.csv", "patche
 """Names of files that an analysis writes; pictures and further tables are looked at when they are written."""
 
 
-def folder_of_result(result: Path) -> Path:
-    """The folder of a result that is named by its file or by that folder."""
-    return result if result.is_dir() else result.parent
-
-
-def writing(force: bool, *reads: Path, of: Path | None = None) -> AbstractContextManager[None]:
-    """While this lasts, no file of the user's is written over, ``reads`` least of all; of: the result reported on."""
-    return keeping(Keeper(reads if of is None else (*reads, of), force, None if of is None else folder_of_result(of)))
-
-
 @contextmanager
 def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path | None = None) -> Iterator[Keeper]:
     """Reserve a folder for one analysis: no other process writes into it, and no file of the user's is replaced. reads:

@@ -1,24 +1,25 @@
 """Results: one labelled dataset per analysis, its file, its tables, its summary.
 
-The pipeline in one line: ``write_run(Result(assemble(coords, channels, attributes)), directory)``.
+The pipeline in one line: ``write_run(Result(assemble(coords, channels, attributes)), directory)``. What is here is
+imported on first use: most commands need no dataset.
 """
 
-from wrsim.results.channels import CHANNELS, Channel
-from wrsim.results.dataset import assemble, versions
-from wrsim.results.exports import write_run
-from wrsim.results.files import write_atomically
-from wrsim.results.result import Result
-from wrsim.results.summary import summarise
-from wrsim.results.tables import tables
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-__all__ = [
-    "CHANNELS",
-    "Channel",
-    "Result",
-    "assemble",
-    "summarise",
-    "tables",
-    "versions",
-    "write_atomically",
-    "write_run",
-]
+if TYPE_CHECKING:
+    from wrsim.results.channels import CHANNELS, Channel
+    from wrsim.results.dataset import assemble, versions
+    from wrsim.results.exports import write_run
+    from wrsim.results.files import write_atomically
+    from wrsim.results.result import Result
+    from wrsim.results.summary import summarise
+
+__all__ = ["CHANNELS", "Channel", "Result", "assemble", "summarise", "versions", "write_atomically", "write_run"]
+_ROOMS = "channels", "channels", "result", "dataset", "summary", "dataset", "files", "exports"
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module 'wrsim.results' has no attribute '{name}'")
+    return getattr(import_module(f"wrsim.results.{_ROOMS[__all__.index(name)]}"), name)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import degrees, radians
+from math import degrees
 from typing import Any
 
 import numpy as np
@@ -27,9 +27,6 @@ from wrsim.results.wheelsets import of_wheelset, wheelsets
 Array = NDArray[np.float64]
 
 CONTACT_DISTANCE = 1.5  # 2 e, between the contact points of both wheels by EN 15302 [m]
-
-FLANGE_FROM = radians(40.0)
-"""Contact angle from which the outer wheel is on its flange unless given otherwise [rad]."""
 
 
 def summarise_conicity(dataset: xr.Dataset) -> dict[str, Any]:

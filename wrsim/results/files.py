@@ -18,7 +18,7 @@ import os
 import re
 import secrets
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from fnmatch import fnmatch
@@ -314,3 +314,13 @@ def keeping(keeper: Keeper) -> Iterator[None]:
         yield
     finally:
         KEEPER.reset(before)
+
+
+def folder_of_result(result: Path) -> Path:
+    """The folder of a result that is named by its file or by that folder."""
+    return result if result.is_dir() else result.parent
+
+
+def writing(force: bool, *reads: Path, of: Path | None = None) -> AbstractContextManager[None]:
+    """While this lasts, no file of the user's is written over, ``reads`` least of all; of: the result reported on."""
+    return keeping(Keeper(reads if of is None else (*reads, of), force, None if of is None else folder_of_result(of)))

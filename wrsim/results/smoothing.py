@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial import cKDTree
+import scipy
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import Reading
@@ -64,9 +63,9 @@ def report_smoothing(reading: Reading) -> SmoothingReport:
     """Smooth a reading's points and compare. Raises InputError where they are too far apart for the cut-off."""
     points, profile = reading.points, reading.profile()
     p = points.places
-    spline = CubicSpline(np.concatenate([[0.0], np.cumsum(points.chords)]), p)
+    spline = scipy.interpolate.CubicSpline(np.concatenate([[0.0], np.cumsum(points.chords)]), p)
     bare = curvature_of(spline(spline.x, 1), spline(spline.x, 2))
-    L = profile.arclength[cKDTree(np.column_stack([profile.u, profile.w])).query(p)[1]]
+    L = profile.arclength[scipy.spatial.cKDTree(np.column_stack([profile.u, profile.w])).query(p)[1]]
     for _ in range(3):  # to the foot: nodes are 0.1 mm apart and nearly there
         t = np.stack(profile.tangent(L), axis=-1)
         L = np.clip(L + ((p - np.stack(profile.at(L), axis=-1)) * t).sum(axis=1), 0.0, profile.length)

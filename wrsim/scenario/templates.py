@@ -13,7 +13,6 @@ from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import shown_value
 from wrsim.inputs.values import entry_of, fields, table_header, unpacked
 from wrsim.register import ANALYSES
-from wrsim.scenario.schema import ScenarioFile
 
 WHEELSET, COACH = "vehicles/wheelset_s1002_steering.toml", "vehicles/manchester_1.toml"
 CURVE: tuple[dict[str, Any], ...] = (
@@ -98,6 +97,8 @@ def _shipped(name: str) -> str:
 
 def scenario_template(analysis: str) -> str:
     """The text of a scenario of this kind."""
+    from wrsim.scenario.schema import ScenarioFile  # all models of tables, which a wrong name does not need
+
     start = STARTS[analysis]
     lines = [
         "# A scenario of wrsim. Lines like # key = value are keys with their defaults: take the # away to change one.",

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from wrsim.core.body import implicit_step as kernel
 from wrsim.errors import SimulationError
 from wrsim.simulation.force_law import COORDINATES, SMALL, Array
-
-Integrator = Literal["generalised-alpha", "rk44"]
-"""The implicit method of Chung and Hulbert in the form of Arnold and Bruls (Multibody System Dynamics 18, 2007); or
-Runge-Kutta's explicit one of fourth order."""
-
-DEFAULT_INTEGRATOR: Integrator = "generalised-alpha"
 
 SPECTRAL_RADIUS = 0.9
 """Factor by which generalised alpha damps the fastest oscillation in a step."""

@@ -6,9 +6,8 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix, identity
-from scipy.sparse.linalg import splu
 
 from wrsim.errors import SimulationError
 from wrsim.simulation.force_law import Array, Groups, all_on_all
@@ -126,14 +125,14 @@ def _step(jacobian: Array, r: Array, damping: float, held: Array | None = None) 
     """Levenberg's step, limited to the longest; undamped the shortest least-squares solution, or where unknowns are
     held that of sparse equations."""
     if held is not None:
-        matrix = csc_matrix(jacobian - np.diag(held))
+        matrix = scipy.sparse.csc_matrix(jacobian - np.diag(held))
         right = -r
         if damping > 0.0:
             normal = matrix.T @ matrix
-            matrix = normal + damping * normal.trace() * identity(len(r), format="csc")
+            matrix = normal + damping * normal.trace() * scipy.sparse.identity(len(r), format="csc")
             right = jacobian.T @ -r
         try:
-            step = splu(csc_matrix(matrix)).solve(right)
+            step = scipy.sparse.linalg.splu(scipy.sparse.csc_matrix(matrix)).solve(right)
         except RuntimeError:
             raise SimulationError("steady motion: its equations are singular") from None
     elif damping == 0.0:

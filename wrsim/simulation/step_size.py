@@ -8,13 +8,16 @@ forces are near saturation there.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from wrsim.simulation.bodies import mass_matrix
-from wrsim.simulation.force_law import force_derivative
-from wrsim.simulation.implicit_step import Integrator
-from wrsim.simulation.system import Array, BodySystem
+from wrsim.errors import InputError
+from wrsim.simulation import Integrator
 from wrsim.vehicle.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from wrsim.simulation.system import Array, BodySystem
 
 LARGEST_STEP, LARGEST_STEP_UNEVEN = 1e-3, 5e-4
 """Largest step on even and on uneven track [s].
@@ -51,6 +54,17 @@ CREEP_COEFFICIENT, CREEP_LOAD = 1.3e7, 50e3
 
 MANCHESTER_WHEELSET = (1813.0, 112.0, 0.46, 50e3)
 """Mass [kg], spin inertia [kg m2], radius [m], wheel load [N] where no wheelset is given."""
+
+
+class StepTooLong(InputError):
+    """The given step is not stable. ``rule``: what is allowed, without file and key."""
+
+    def __init__(self, step: float, limit: float, speed: float) -> None:
+        self.rule = (
+            f"must be at most {1e6 * limit:.0f}, where rk44 becomes unstable at {3.6 * speed:g} km/h; without "
+            "step_us a good one is chosen"
+        )
+        super().__init__(f"run.step_us = {1e6 * step:g}: {self.rule}")
 
 
 def creep_rate(speed: float, mass: float, spin_inertia: float, radius: float, creep_coefficient: float) -> float:
@@ -114,6 +128,9 @@ def eigenvalues(system: BodySystem, q: Array, q_t: Array, t: float = 0.0) -> Arr
     Without the gyroscopic terms of the spin (some rad/s): this is for the fast modes that limit the step.
     """
     n, bodies = system.size, len(system.bodies)
+    from wrsim.simulation.bodies import mass_matrix
+    from wrsim.simulation.force_law import force_derivative
+
     derivatives = [force_derivative(system.forces, q, q_t, bodies, t, *by) for by in ((1.0, 0.0), (0.0, 1.0))]
     matrix = np.zeros((2 * n, 2 * n))
     matrix[:n, n:] = np.eye(n)

@@ -18,14 +18,15 @@ from dataclasses import astuple, dataclass
 from typing import Any, cast
 
 import numpy as np
-from scipy.sparse import csr_matrix
+import scipy
 
 from wrsim.core.body.implicit_step import CONTRACTION
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import SimulationError
+from wrsim.simulation import Integrator
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, Forces, force_derivative
-from wrsim.simulation.implicit_step import NOT_SOLVED, SPECTRAL_RADIUS, ImplicitStep, Integrator, NotSolved
+from wrsim.simulation.implicit_step import NOT_SOLVED, SPECTRAL_RADIUS, ImplicitStep, NotSolved
 
 if not hasattr(sys, "exudynFast") and not os.environ.get("EXUDYN_MODULE"):
     sys.exudynFast = True  # type: ignore[attr-defined]
@@ -155,7 +156,7 @@ class BodySystem:
         if not self.sparse:
             return full
         sparse = exudyn.MatrixContainer()
-        sparse.SetWithSparseMatrix(csr_matrix(full))
+        sparse.SetWithSparseMatrix(scipy.sparse.csr_matrix(full))
         return sparse
 
     def _time(self, t: float) -> float:

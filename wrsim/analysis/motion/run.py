@@ -86,17 +86,6 @@ def _compile_others() -> None:
         one.compile(types)
 
 
-class StepTooLong(InputError):
-    """The given step is not stable. ``rule``: what is allowed, without file and key."""
-
-    def __init__(self, step: float, limit: float, speed: float) -> None:
-        self.rule = (
-            f"must be at most {1e6 * limit:.0f}, where rk44 becomes unstable at {3.6 * speed:g} km/h; without "
-            "step_us a good one is chosen"
-        )
-        super().__init__(f"run.step_us = {1e6 * step:g}: {self.rule}")
-
-
 def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record: RunRecord | None = None) -> Result:
     """Integrate from the start to the end of the run; a run that has to stop returns what it has.
 
@@ -241,7 +230,7 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
     limit = steps.stable_step(BodySystem(law.bodies, law), q, q_t)
     if plan.step is not None:
         if plan.step > limit:
-            raise StepTooLong(plan.step, limit, plan.speed)
+            raise steps.StepTooLong(plan.step, limit, plan.speed)
         return plan.step
     slowest = replace(plan, speed=plan.speeds[0], profile=None)
     if setup.track.curvature(plan.start) != 0.0 or slowest.speed < plan.speed:

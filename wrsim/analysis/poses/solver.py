@@ -16,7 +16,7 @@ from operator import or_
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from wrsim.contact.batch import DEEPEST, LOAD_TOLERANCE, search_for
 from wrsim.contact.channels import ElementField, WheelOnRail
@@ -167,7 +167,7 @@ class PoseSolver:
                 if abs(roll) > LARGEST_ROLL:
                     raise LoadNotReached("the wheelset finds no balance in roll")
             ends.append(roll)
-        return float(brentq(moment, *ends, xtol=1e-15, rtol=8.9e-16, maxiter=200))
+        return float(scipy.optimize.brentq(moment, *ends, xtol=1e-15, rtol=8.9e-16, maxiter=200))
 
 
 class HalfSpacePoseSolver(PoseSolver):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import radians
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from wrsim.geometry.profile.profile import Profile
 LEVEL = 10e-3  # depth below the tread at the tape circle at which thickness is measured [m]
 TIP = 2e-3  # height above the tip of the flange of the other point of qR [m]
 BACK = 70e-3  # distance of the flange back from the tape circle [m], EN 13715
+FLANGE_FROM = radians(40.0)  # contact angle from which a wheel counts as on its flange unless given otherwise [rad]
 
 
 @dataclass(frozen=True)

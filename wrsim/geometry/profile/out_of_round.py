@@ -12,7 +12,7 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator, CubicSpline
+import scipy
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
@@ -163,7 +163,7 @@ class RadiusTable:
         known, values, stretches = self._stretches()
         if self.across.size:
             inside = np.clip(across, self.across[0], self.across[-1])
-            values = Akima1DInterpolator(self.across, values, axis=1)(inside)
+            values = scipy.interpolate.Akima1DInterpolator(self.across, values, axis=1)(inside)
         at = known[0] + (angle - known[0]) % TURN
         found = np.column_stack([np.interp(at, known, column) for column in values.T])
         for stretch in stretches:
@@ -172,7 +172,7 @@ class RadiusTable:
                 continue
             inside = (at >= own[0]) & (at <= own[-1])
             closed = len(stretches) == 1
-            spline = CubicSpline(own, values[stretch], bc_type="periodic" if closed else "clamped")
+            spline = scipy.interpolate.CubicSpline(own, values[stretch], bc_type="periodic" if closed else "clamped")
             found[inside] = spline(at[inside])
         if self.shortest > 0.0:
             wave = np.arange(angle.size // 2 + 1) * self.shortest / (TURN * radius)
@@ -223,14 +223,14 @@ def shape_tables(parts: tuple[Part, ...], profile: Profile, radius: float) -> Sh
         allowed = f"allowed: {1e3 * LARGEST_RANGE * radius:.4g} mm ({LARGEST_RANGE:g} of the radius)"
         raise InputError(f"the radius differs by {1e3 * span:.4g} mm around the wheel; {allowed}")
     ring = np.append(angle, TURN)
-    spline = CubicSpline(ring, np.append(depth, depth[:1], axis=0), bc_type="periodic")
+    spline = scipy.interpolate.CubicSpline(ring, np.append(depth, depth[:1], axis=0), bc_type="periodic")
     around = spline(angle, 1) * (TURN / n)
     step = 1.0 if uniform else (high - low) / (m - 1)
     sideways, twist, hollow = np.zeros_like(depth), np.zeros_like(depth), 0.0
     if not uniform:
-        of_columns = Akima1DInterpolator(across, depth, axis=1)
+        of_columns = scipy.interpolate.Akima1DInterpolator(across, depth, axis=1)
         sideways = of_columns(across, 1) * step
-        twist = Akima1DInterpolator(across, around, axis=1)(across, 1) * step
+        twist = scipy.interpolate.Akima1DInterpolator(across, around, axis=1)(across, 1) * step
         hollow = float(np.abs(np.diff(sideways, axis=1)).max()) / step**2
     table = np.stack([depth, around, sideways, twist], axis=-1).transpose(1, 0, 2).reshape(n * m, 4)
     columns = np.linspace(low, high, max(int((high - low) / COLUMN_DISTANCE), 2) + 1)

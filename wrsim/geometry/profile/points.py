@@ -13,11 +13,8 @@ from itertools import permutations
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, CubicSpline
-from scipy.linalg import solveh_banded
-from scipy.sparse import diags_array
-from scipy.spatial import cKDTree
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import arclengths, subdivided
@@ -139,7 +136,7 @@ def first_crossing(points: ProfilePoints) -> tuple[int, int] | None:
     p = points.places
     middle, d = 0.5 * (p[1:] + p[:-1]), p[1:] - p[:-1]
     # Segments that intersect have middles no farther apart than the longest segment.
-    pairs = cKDTree(middle).query_pairs(float(points.chords.max()) * (1.0 + 1e-9), output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(middle).query_pairs(float(points.chords.max()) * (1.0 + 1e-9), output_type="ndarray")
     pairs = pairs[np.abs(pairs[:, 0] - pairs[:, 1]) > 1]
     i, j = pairs.min(axis=1), pairs.max(axis=1)
 
@@ -192,13 +189,13 @@ def interpolated(points: ProfilePoints, name: str, kind: Kind, source: str = "")
     p = points.places
     s = np.concatenate([[0.0], np.cumsum(points.chords)])
     for _ in range(50):
-        spline = CubicSpline(s, p)
+        spline = scipy.interpolate.CubicSpline(s, p)
         new = arclengths(spline.derivative(), s)
         done = np.abs(new - s).max() <= 1e-15 * new[-1]
         s = new
         if done:
             break
-    return profile_from_curve(CubicSpline(s, p), s, name, kind, source)
+    return profile_from_curve(scipy.interpolate.CubicSpline(s, p), s, name, kind, source)
 
 
 def profile_from_curve(curve: Callable[..., Array], t: Array, name: str, kind: Kind, source: str) -> Profile:
@@ -244,7 +241,7 @@ def smoothed(points: ProfilePoints, name: str, kind: Kind, source: str = "", cut
     return profile_from_curve(curve, np.clip(knots, s[0], s[-1]), name, kind, source)
 
 
-def smoothing_spline(s: Array, p: Array, cutoff: float) -> BSpline:
+def smoothing_spline(s: Array, p: Array, cutoff: float) -> scipy.interpolate.BSpline:
     """Smoothing spline of degree five over evenly spaced knots through points p (n, m) at increasing s (n,) [m].
 
     cutoff: wavelength that passes with half its amplitude [m].
@@ -254,18 +251,19 @@ def smoothing_spline(s: Array, p: Array, cutoff: float) -> BSpline:
     knots = s[0] + step * np.arange(-DEGREE, count + DEGREE + 1)
     n = count + DEGREE
     x = np.clip(s, s[0], knots[-DEGREE - 1])
-    basis = BSpline.design_matrix(x, knots, DEGREE)
+    basis = scipy.interpolate.BSpline.design_matrix(x, knots, DEGREE)
     gaps = np.diff(s)
-    weight = diags_array(0.5 * (np.concatenate([gaps[:1], gaps]) + np.concatenate([gaps, gaps[-1:]])))
+    weight = scipy.sparse.diags_array(0.5 * (np.concatenate([gaps[:1], gaps]) + np.concatenate([gaps, gaps[-1:]])))
     # The third derivative is a spline of degree two with the third differences over step^3 as coefficients;
     # three Gauss points on every interval integrate its square exactly.
     gauss, gauss_weight = np.polynomial.legendre.leggauss(3)
     place = (s[0] + step * (np.arange(count)[:, None] + 0.5 + 0.5 * gauss)).ravel()
-    differences = diags_array(
+    differences = scipy.sparse.diags_array(
         [np.full(n - 3, c) / step**3 for c in (-1.0, 3.0, -3.0, 1.0)], offsets=[0, 1, 2, 3], shape=(n - 3, n)
     )
-    third = BSpline.design_matrix(place, knots[3:-3], DEGREE - 3) @ differences
-    penalty = third.T @ diags_array(np.tile(0.5 * step * gauss_weight, count)) @ third
+    third = scipy.interpolate.BSpline.design_matrix(place, knots[3:-3], DEGREE - 3) @ differences
+    penalty = third.T @ scipy.sparse.diags_array(np.tile(0.5 * step * gauss_weight, count)) @ third
     matrix = (basis.T @ weight @ basis + (cutoff / (2.0 * np.pi)) ** 6 * penalty).tocsr()
     bands = [np.concatenate([matrix.diagonal(k), np.zeros(k)]) for k in range(DEGREE + 1)]
-    return BSpline(knots, solveh_banded(np.stack(bands), basis.T @ (weight @ p), lower=True), DEGREE)
+    found = scipy.linalg.solveh_banded(np.stack(bands), basis.T @ (weight @ p), lower=True)
+    return scipy.interpolate.BSpline(knots, found, DEGREE)

@@ -16,8 +16,8 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
@@ -237,7 +237,8 @@ class Profile:
         def climb(L: float) -> float:
             return float(self._evaluate(L)[1][1])
 
-        return float(brentq(climb, lo, hi, xtol=1e-16) if climb(lo) > 0.0 > climb(hi) else self.arclength[i])
+        inside = climb(lo) > 0.0 > climb(hi)
+        return float(scipy.optimize.brentq(climb, lo, hi, xtol=1e-16) if inside else self.arclength[i])
 
     @cached_property
     def top(self) -> tuple[float, float]:

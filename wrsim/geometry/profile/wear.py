@@ -21,8 +21,8 @@ from math import sqrt
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import arclengths
@@ -78,8 +78,8 @@ class DepthTable:
         return float(self.places[0]), float(self.places[-1])
 
     @cached_property
-    def _spline(self) -> CubicSpline:
-        return CubicSpline(self.places, self.depths)
+    def _spline(self) -> scipy.interpolate.CubicSpline:
+        return scipy.interpolate.CubicSpline(self.places, self.depths)
 
     def at(self, place: Array) -> tuple[Array, Array]:
         """Removed depth [m] and its slope at places of any shape; constant outside."""

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from wrsim.geometry.piecewise import Array, Jet, Piecewise
 
@@ -97,7 +97,7 @@ def _sum(parts: Sequence[tuple[float, Shape]], s: ArrayLike) -> Jet:
 class Sampled:
     """A cubic spline through samples, zero beyond them."""
 
-    spline: CubicSpline
+    spline: scipy.interpolate.CubicSpline
     resolution: float
 
     @classmethod
@@ -108,7 +108,7 @@ class Sampled:
         """
         window = smooth_step((distance - distance[0]) / fade) * smooth_step((distance[-1] - distance) / fade)
         # value, slope and curvature vanish at the ends, where the zero beyond begins
-        spline = CubicSpline(distance, values * window, bc_type="clamped")
+        spline = scipy.interpolate.CubicSpline(distance, values * window, bc_type="clamped")
         return cls(spline, shortest / ROWS_A_WAVE)
 
     def jet(self, s: Array) -> Jet:

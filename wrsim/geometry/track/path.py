@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wrsim.core.frames import CurveNodes
-from wrsim.core.track import path as core
+if TYPE_CHECKING:
+    from wrsim.core.frames import CurveNodes
 
 COLUMNS = ("x", "y", "z", "tx", "ty", "tz", "roll", "droll_ds", "kx", "ky", "kz")
 
@@ -28,7 +29,10 @@ class Path:
     @cached_property
     def curve(self) -> CurveNodes:
         """The path as kernels take it."""
-        return CurveNodes(np.ascontiguousarray(self.table).view(core.NODE).reshape(-1), self.step)
+        from wrsim.core.frames import CurveNodes
+        from wrsim.core.track.path import NODE  # with numba, which a look at a scenario does not need
+
+        return CurveNodes(np.ascontiguousarray(self.table).view(NODE).reshape(-1), self.step)
 
     @property
     def length(self) -> float:
@@ -37,9 +41,11 @@ class Path:
 
     def frame(self, s: ArrayLike) -> NDArray[np.float64]:
         """Position and frame at arclength s [m]: shape (..., 4, 3) with the rows r, t, n, b."""
+        from wrsim.core.track.path import frame_many
+
         s = np.asarray(s, dtype=np.float64)
         out = np.empty((s.size, 12))
-        core.frame_many(self.curve, np.ascontiguousarray(s.ravel()), out)
+        frame_many(self.curve, np.ascontiguousarray(s.ravel()), out)
         return out.reshape((*s.shape, 4, 3))
 
     def position(self, s: ArrayLike) -> NDArray[np.float64]:
@@ -49,5 +55,7 @@ class Path:
     def turning(self, s: float) -> tuple[float, float, float]:
         """How the cross-section turns about the tangent, positive where its left side rises [rad/m], and how the path
         bends to the left and up [1/m]."""
-        twist, to_left, up = core.bends(self.curve, s, core.frame_at(self.curve, s))
+        from wrsim.core.track.path import bends, frame_at
+
+        twist, to_left, up = bends(self.curve, s, frame_at(self.curve, s))
         return float(twist), float(to_left), float(up)

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicHermiteSpline
 
 from wrsim.geometry.piecewise import Array, Jet, Piecewise, gauss_integrals, subdivided
 from wrsim.geometry.track.irregularities import SMOOTH, RailIrregularity
@@ -114,11 +114,11 @@ class SweptCurve:
         return np.concatenate(([0.0], np.cumsum(self._advance(self._anchors[:-1], self._anchors[1:]))))
 
     @cached_property
-    def _from_arclength(self) -> CubicHermiteSpline:
+    def _from_arclength(self) -> scipy.interpolate.CubicHermiteSpline:
         """Distance at own arclength, nearly: the cubics through arclengths and rates at the anchors."""
         apart = np.append(np.diff(self._anchor_lengths) > 0.0, True)
         s = self._anchors[apart]
-        return CubicHermiteSpline(self._anchor_lengths[apart], s, 1.0 / self._rate(s))
+        return scipy.interpolate.CubicHermiteSpline(self._anchor_lengths[apart], s, 1.0 / self._rate(s))
 
     @property
     def length(self) -> float:

@@ -15,10 +15,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 
-from wrsim.core.contact.rail import FALL
 from wrsim.errors import InputError
 from wrsim.geometry.profile.points import ProfilePoints, check_points, interpolated, smoothed
 from wrsim.geometry.profile.profile import CURVE, Array, Profile
@@ -129,6 +128,8 @@ class RailSurface:
             inside = np.clip(s, knots[0], knots[-1])
             own = piece.spline(inside)
             loose = np.where(s < knots[0], piece.open_ends[0], piece.open_ends[1])
+            from wrsim.core.contact.rail import FALL
+
             own[:, :, 1] -= (FALL * np.abs(s - inside) * loose)[:, None]
             found.append(own)
         starts = np.cumsum([0, *(own.shape[1] for own in found)])
@@ -192,7 +193,7 @@ class Piece:
     """A piece of a surface: rows (n, 4) of u, w and their derivatives along the row's number over s between its first
     and last section; whether the piece ends there; the row with a fixed arclength along s."""
 
-    spline: PPoly
+    spline: scipy.interpolate.PPoly
     open_ends: tuple[bool, bool]
     anchor: int
 
@@ -228,7 +229,7 @@ def _rows(section: RailSection, first: int, counts: NDArray[np.int64], longest: 
     return np.column_stack((*(np.array(section.profile.at(inside)) + (arc - inside) * tangent), *(rate * tangent)))
 
 
-def _joined(s: Array, rows: Array, open_ends: tuple[bool, bool]) -> PPoly:
+def _joined(s: Array, rows: Array, open_ends: tuple[bool, bool]) -> scipy.interpolate.PPoly:
     """Cubics through rows (sections, n, 4) at s; level at the ends where the rail is constant beyond.
 
     The rail's curvature along the track enters the contact, so cubics meet with the same second derivative, except at a
@@ -245,10 +246,11 @@ def _joined(s: Array, rows: Array, open_ends: tuple[bool, bool]) -> PPoly:
             if last > first + 1:
                 own = slice(first, last + 1)
                 ends = ((1, local[first]), (1, local[last]))
-                slopes[first + 1 : last] = CubicSpline(s[own], rows[own], bc_type=ends)(s[own][1:-1], 1)
+                spline = scipy.interpolate.CubicSpline(s[own], rows[own], bc_type=ends)
+                slopes[first + 1 : last] = spline(s[own][1:-1], 1)
         more = np.append(np.append(False, _size((slopes - local)[1:-1]) > most), False) & ~broken
         if not more.any():
-            return CubicHermiteSpline(s, rows, slopes)
+            return scipy.interpolate.CubicHermiteSpline(s, rows, slopes)
         broken |= more
 
 

@@ -16,7 +16,7 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
+import scipy
 
 from wrsim.core.contact.rail import envelope_rows, unfold
 from wrsim.errors import InputError
@@ -189,7 +189,7 @@ def _rows(curve: _Curve, arc: Array) -> Array:
     if at.size < 2:
         return np.column_stack((arc, np.full(arc.size, -NOWHERE), np.ones(arc.size), *np.zeros((5, arc.size))))
     inside = np.clip(arc, at[0], at[-1])
-    spline = CubicHermiteSpline(at, rows[:, :2], rows[:, 2:4])
+    spline = scipy.interpolate.CubicHermiteSpline(at, rows[:, :2], rows[:, 2:4])
     point, tangent = spline(inside), spline(inside, 1)
     tangent /= np.hypot(tangent[:, 0], tangent[:, 1])[:, None]
     point = point + (arc - inside)[:, None] * tangent

@@ -19,8 +19,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import solve_banded
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
@@ -397,7 +397,7 @@ class SleeperTrack:
                 part = lower[j:, k - j]
                 whole[k + j, : n - j] = part
                 whole[k - j, j:] = part
-            found[i] = solve_banded((k, k), whole, load)
+            found[i] = scipy.linalg.solve_banded((k, k), whole, load)
         return load, found
 
 

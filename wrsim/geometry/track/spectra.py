@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len
+import scipy
 
 from wrsim.geometry.piecewise import Array
 from wrsim.geometry.track.irregularities import CHANNELS, Channel, Disturbance, Sampled
@@ -90,7 +90,7 @@ class Realisation:
         generator = np.random.Generator(np.random.PCG64(self.seed))
         step = self.shortest / SAMPLES_A_WAVE
         count = int(np.ceil((self.end - self.start) / step)) + 1
-        period = next_fast_len(max(count, int(np.ceil(LINES * self.longest / step))), real=True)
+        period = scipy.fft.next_fast_len(max(count, int(np.ceil(LINES * self.longest / step))), real=True)
         distance = np.linspace(self.start, self.end, count)
         step = (self.end - self.start) / (count - 1)
         found = []
@@ -100,7 +100,7 @@ class Realisation:
             if channel not in self.channels or density is None:
                 continue
             amplitudes = self.scale * self._amplitudes(density, period, step)
-            values = irfft(0.5 * period * amplitudes * np.exp(2j * np.pi * phases), period)[:count]
+            values = scipy.fft.irfft(0.5 * period * amplitudes * np.exp(2j * np.pi * phases), period)[:count]
             shape = Sampled.through(distance, values, min(self.fade, 0.5 * (self.end - self.start)), self.shortest)
             found.append(Disturbance.of(shape, channel))
         return tuple(found)

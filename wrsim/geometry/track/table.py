@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array, Piecewise
@@ -86,8 +86,8 @@ class TrackTable:
         grade = self.columns.get("grade_permille", zero) / 1e3
         return Laws(
             curvature=Piecewise.through(self.distance, self.columns.get("curvature_per_km", zero) / 1e3),
-            cant=Piecewise(CubicSpline(self.distance, self.columns.get("cant_mm", zero) / 1e3)),
-            widening=Piecewise(CubicSpline(self.distance, widening)),
+            cant=Piecewise(scipy.interpolate.CubicSpline(self.distance, self.columns.get("cant_mm", zero) / 1e3)),
+            widening=Piecewise(scipy.interpolate.CubicSpline(self.distance, widening)),
             pitch=Piecewise.through(self.distance, np.arctan(grade)),
         )
 
@@ -124,7 +124,7 @@ def _filtered(distance: Array, values: Array, band: tuple[float, float]) -> tupl
 
     count = distance.size
     even = np.linspace(distance[0], distance[-1], count)
-    values = CubicSpline(distance, values)(even)
+    values = scipy.interpolate.CubicSpline(distance, values)(even)
     per_metre = (count - 1) / (distance[-1] - distance[0])
     high = min(1.0 / band[0], 0.499 * per_metre)
     filters = ((1.0 / band[1], "highpass"), (high, "lowpass"))

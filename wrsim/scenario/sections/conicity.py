@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from math import degrees, radians
 from typing import Annotated, Any, Literal
 
+from wrsim.geometry.profile.flange import FLANGE_FROM
 from wrsim.inputs.values import Series, number, positive
-from wrsim.results.conicity import FLANGE_FROM
 from wrsim.scenario.sections.table import Given, PlanTable
 
 Roll = Literal["none", "rail-top", "centre"]

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 from math import radians
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 
-from wrsim.contact.models import NORMAL_MODELS
 from wrsim.contact.settings import (
     DRY,
     RANGES,
+    SOLVED_STRIPS,
     Approach,
     ContactSettings,
     Flexibility,
@@ -271,18 +271,19 @@ class ContactSection(Section, header="[contact]"):
             yield Fault(slope[0], 'goes with tangential = "fastsim" or "fastrip" only')
         yield from both_or_sides(raw, "friction", complete=True)
         name = raw.get("normal", DEFAULTS.normal)
-        model = NORMAL_MODELS[name] if name in get_args(Normal) else None
-        if model is None or not model.solves_for_strips:
+        bounds = SOLVED_STRIPS.get(name) if isinstance(name, str) else None
+        if bounds is None:
             if "strips" in raw and "strip_width_mm" in raw:
                 yield Fault("strip_width_mm", "cannot be given with strips: give one of them")
             return
         strips = raw.get("strips")
-        if isinstance(strips, int) and not model.fewest <= strips <= model.most:
-            yield Fault("strips", f'must be {model.fewest} to {model.most} with normal = "{name}"')
+        fewest, most = bounds
+        if isinstance(strips, int) and not fewest <= strips <= most:
+            yield Fault("strips", f'must be {fewest} to {most} with normal = "{name}"')
         if raw.get("approach") == "constant":
             yield Fault("approach", f'"constant" is Kik-Piotrowski\'s: normal = "{name}" projects the approach')
         if "strip_width_mm" in raw:
-            others = f'normal = "{name}" takes a number of strips, strips = {model.fewest} to {model.most}'
+            others = f'normal = "{name}" takes a number of strips, strips = {fewest} to {most}'
             yield Fault("strip_width_mm", f'goes with normal = "kik-piotrowski" only: {others}')
 
     def consistency(self) -> Iterator[Fault]:

@@ -14,7 +14,7 @@ from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number, positive
 from wrsim.scenario.sections.table import AnalysisTable, Given, PlanTable
-from wrsim.simulation.implicit_step import DEFAULT_INTEGRATOR, Integrator
+from wrsim.simulation import DEFAULT_INTEGRATOR, Integrator
 from wrsim.vehicle.speed import SpeedProfile
 
 Place = Annotated[float, number(-1e6, 1e6, "m along the centre line")]
