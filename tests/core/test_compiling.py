@@ -62,6 +62,14 @@ def test_what_another_kernel_calls_can_be_called_from_python():
     assert power(2.0, 3, True) == 0.125
 
 
+def test_types_in_words_are_kept_in_the_cache_as_those_of_a_call(monkeypatch):
+    asked = []
+    monkeypatch.setattr(outer._cache, "load_overload", lambda types, target: asked.append(types))
+    outer.compile("(float32,)")
+    outer(np.float32(2.0))
+    assert asked == [(numba.float32,)]
+
+
 COUNTED = """
 import sys
 from numba.core import event

@@ -7,7 +7,6 @@ from contextlib import closing, nullcontext, suppress
 from dataclasses import replace
 from math import ceil
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -21,11 +20,10 @@ from wrsim.analysis.progress import Progress
 from wrsim.contact.models import NORMAL_MODELS
 from wrsim.core.body import derivative, implicit_step, kinematics, rigid_body, vehicle_forces, watch, wheel_forces
 from wrsim.core.contact import wheel_rail
-from wrsim.core.contact.records import CONTACT, CREEP_FORCES, FREE_STRIPS
+from wrsim.core.contact.records import FREE_STRIPS
 from wrsim.core.contact.search import locus
 from wrsim.core.contact.strips import equations
 from wrsim.core.jit.compiling import COUNT, Kernel
-from wrsim.core.jit.stages import ARGUMENTS
 from wrsim.core.track import path as path_kernels
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.segments import Straight
@@ -38,6 +36,7 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario, loaded
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation import step_size as steps
+from wrsim.simulation.ahead import compile_others
 from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.stepper import Stepper, with_torques
@@ -64,28 +63,6 @@ CALLED = (
 """Kernels that Python calls in an implicit run along the track, and stages, without the normal model."""
 
 
-LARGE: tuple[tuple[Any, Any], ...] = (
-    (wheel_forces.one_wheel, ARGUMENTS),
-    (
-        vehicle_forces.vehicle_forces,
-        "(float64, float64[::1], float64[::1], float64[::1], float64[::1], int64[:, ::1])",
-    ),
-    (
-        derivative.add_differences,
-        "(float64, int64, boolean, int64[:, ::1], int64[:, :, ::1], float64[:, ::1], float64[:, ::1], float64[::1], "
-        "int64[:, ::1])",
-    ),
-)
-"""The large ones of the kernels that any run along the track calls, and the types of their arguments."""
-
-
-def _compile_others() -> None:
-    """While another process compiles the normal model."""
-    wheel_rail.compile_stages(CONTACT, CREEP_FORCES)
-    for one, types in LARGE:
-        one.compile(types)
-
-
 def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record: RunRecord | None = None) -> Result:
     """Integrate from the start to the end of the run; a run that has to stop returns what it has.
 
@@ -98,7 +75,7 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
     if normal is wheel_rail.free_strips:
         with wheel_rail.compiled_aside(FREE_STRIPS) as aside:
             if aside:
-                _compile_others()
+                compile_others()
     law = force_law(setup)
     system = BodySystem(law.bodies, law)
     if record is not None and record.resume:

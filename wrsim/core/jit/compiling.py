@@ -27,7 +27,7 @@ from typing import Any, TypeVar
 
 import numba
 from numba import prange as prange
-from numba.core import compiler, event, types, typing
+from numba.core import compiler, event, sigutils, types, typing
 from numba.core.codegen import JITCodeLibrary
 from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]
 from numba.core.environment import lookup_environment
@@ -165,6 +165,10 @@ class Kernel(CPUDispatcher):
         self._compiler, self._part_compiler = Compiler(*given), Compiler(*given)
         self._part_compiler.library = Part
         self._parts: dict[tuple[tuple[types.Type, ...], bool], Any] = {}
+
+    def compile(self, sig: Any) -> Any:
+        """For arguments of these types. The cache knows types in words under another key than those of a call."""
+        return super().compile(sigutils.normalize_signature(sig)[0])
 
     def enable_caching(self) -> None:
         self._cache = KernelCache(self.py_func)
