@@ -20,7 +20,7 @@ CURVED = (Arc(400.0, 800.0, cant=0.04),)
 @cache
 def train(elastic: bool, curved: bool = False) -> Train:
     segments = {"segments": CURVED} if curved else {}
-    return on_track(manchester(), SPEED, elasticity=TRACK if elastic else None, **segments)
+    return on_track(manchester(), SPEED, structure=TRACK if elastic else None, **segments)
 
 
 @cache

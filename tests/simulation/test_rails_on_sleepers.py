@@ -21,7 +21,7 @@ TRACK = SleeperTrack(
 
 def standing(track: SleeperTrack, start: float) -> RailsOnSleepers:
     """The rails under a wheelset that stands at a place [m], at rest without load; its forces are prescribed."""
-    rails = on_track(shipped("wheelset_s1002"), elasticity=track, start=start).law.on_sleepers
+    rails = on_track(shipped("wheelset_s1002"), structure=track, start=start).law.on_sleepers
     assert rails is not None
     rails._state[1] = 1.0
     rails.ties["push_b"] = 0.0
@@ -120,7 +120,7 @@ def test_waves_do_not_come_back_from_the_ends_of_the_window() -> None:
 
 
 def law_of_a_wheelset() -> VehicleOnTrack:
-    return on_track(shipped("wheelset_s1002"), 25.0, elasticity=replace(TRACK, scatter=0.02, seed=5)).law
+    return on_track(shipped("wheelset_s1002"), 25.0, structure=replace(TRACK, scatter=0.02, seed=5)).law
 
 
 def test_a_run_goes_on_from_its_snapshot_to_the_bit() -> None:
@@ -141,7 +141,7 @@ def test_a_run_goes_on_from_its_snapshot_to_the_bit() -> None:
 
 
 def test_wheels_on_sleepers_rise_and_sink_with_the_sleepers() -> None:
-    law = on_track(shipped("wheelset_s1002"), 20.0, elasticity=TRACK).law
+    law = on_track(shipped("wheelset_s1002"), 20.0, structure=TRACK).law
     start = steady_state(law)
     law.look_near(law.start)
     motion = Integration(BodySystem(law.bodies, law), duration=0.24, step=1e-3, weight=law.vehicle.weight).run(

@@ -202,7 +202,7 @@ def vehicle_cases() -> dict[str, list[float]]:
     elastic = RailElasticity((2e7, 8e7), (1e4, 1e5), (100.0, 150.0))
     curve: list[Segment] = [Arc(400.0, 600.0, 0.1)]
     for drive, rails, threads in (("wheels", elastic, 1), ("train", None, 2)):
-        law = on_track(vehicle, 20.0, curve, drive=drive, elasticity=rails, threads=threads).law
+        law = on_track(vehicle, 20.0, curve, drive=drive, structure=rails, threads=threads).law
         q, q_t = design_state(law, lateral=2e-3)
         q[2 : 6 * len(vehicle.wheelsets) : 6] -= 1e-4
         out = np.zeros(law.size)
@@ -278,7 +278,7 @@ def step_on_sleepers(segments: list[Segment]) -> list[float]:
     """A wheelset on rails of coarse elements: forces, and the rails at the end of a step."""
     pads, ballast = Layer((5e7, 2e8), (2e4, 3e4)), Layer((2e7, 5e7), (4e4, 6e4))
     laid = SleeperTrack(RailBeam(), pads, ballast, sleeper_mass=300.0, elements=1, margin=10.0)
-    law = on_track(shipped("wheelset_s1002_steering"), 20.0, segments, elasticity=laid).law
+    law = on_track(shipped("wheelset_s1002_steering"), 20.0, segments, structure=laid).law
     rails = law.on_sleepers
     assert rails is not None
     q, q_t = design_state(law, lateral=2e-3)

@@ -79,7 +79,7 @@ def on_track(
     drive: Drive = "train",
     gravity: float = STANDARD_GRAVITY,
     heading: float = 0.0,
-    elasticity: RailElasticity | None = None,
+    structure: RailElasticity | None = None,
     threads: int = 1,
     stepped: bool = False,
 ) -> Train:
@@ -87,7 +87,7 @@ def on_track(
     stepped: for a Stepper."""
     setup = rails_and_contact()
     left, right = ((curve.outward, curve.height) for curve in (setup.track.left_curve, setup.track.right_curve))
-    laid = {"cant_base": setup.track.cant_base, "heading": heading, "elasticity": elasticity}
+    laid = {"cant_base": setup.track.cant_base, "heading": heading, "structure": structure}
     track = Track.build(segments, setup.track.nominal_gauge, left_offset=left, right_offset=right, **laid)
     contacts = []
     for mounted in vehicle.wheelsets:

@@ -53,6 +53,8 @@ class ScenarioSpec(Section, header="a scenario"):
         structure = track.get("structure")
         if isinstance(structure, dict) and structure.get("kind") == "sleepers":
             yield from _of_sleepers(own, raw, contact)
+        if isinstance(structure, dict) and structure.get("kind") == "bridge" and contact.get("normal") == "half-space":
+            yield Fault(("contact", "normal"), 'cannot be "half-space" on a bridge: the fast models only')
         if analysis is not None:
             yield from _of_tables(analysis, raw)
             yield from _of_vehicle_and_track(analysis, raw, vehicle, track)

@@ -96,7 +96,7 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
     structure = None
     if section.structure is not None:
         with scenario.faults_at(("track", "structure")):
-            structure = section.structure.to_geometry()
+            structure = section.structure.to_geometry(partial(scenario.find, ("track", "structure", "modes")))
     with scenario.faults_at(("track",)):
         offsets = [(0.0, 0.0)] * 2  # of the profiles' origins, from half the gauge and from the track's plane
         if section.gauge_between == "gauge points":
@@ -111,7 +111,7 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
             right_offset=offsets[1],
             cant_base=section.cant_base,
             step=section.row_distance_m,
-            elasticity=structure,
+            structure=structure,
         )
 
 

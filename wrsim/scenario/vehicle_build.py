@@ -104,7 +104,7 @@ def _with_loads(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
     """The vehicle with the loads and payloads of the scenario as well."""
     bodies = {body.name: body for body in vehicle.bodies}
     wheelsets = {mounted.name: mounted for mounted in vehicle.wheelsets}
-    added = Assembly({}, {}, scenario.locate, bodies, wheelsets)
+    added = Assembly({}, {}, scenario.locate, bodies=bodies, wheelsets=wheelsets)
     added.add_loads(scenario.spec.vehicle, ("vehicle",), Place())
     for i, load in enumerate(added.loads):
         if load.name in (other.name for other in (*vehicle.loads, *added.loads[:i])):

@@ -81,7 +81,7 @@ def _name(index: int, system: BodySystem) -> str:
     if place >= system.size - forces.rails:
         return "the displacement of a rail under its wheel"
     if place >= system.size - forces.positions:
-        return "the pitch of an axle box, or the twist of an axle"
+        return "the pitch of an axle box, the twist of an axle, or an elastic mode"
     if place >= 6 * len(system.bodies):
         return f"unknown {place - 6 * len(system.bodies)} of dampers in series and of friction"
     body, coordinate = divmod(place, 6)

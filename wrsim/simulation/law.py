@@ -21,6 +21,7 @@ from wrsim.core.body.kinematics import is_near
 from wrsim.core.jit.compiling import use_threads
 from wrsim.core.jit.stages import make_ready
 from wrsim.errors import SimulationError
+from wrsim.geometry.track.bridge import Bridge
 from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.force_law import Array, Block, Groups, all_on_all, groups_in_a_row
@@ -82,8 +83,7 @@ class VehicleOnTrack(Layout):
         arrays lie ahead of the law's in ``whole``.
         """
         drive = drive or vehicle.drive
-        elasticity = track.elasticity if contacts else None
-        super().__init__(vehicle, track, elasticity is not None)
+        super().__init__(vehicle, track, bool(contacts))
         self.speed, self.start, self.drive = speed, start, drive
         self.profile = profile or SpeedProfile.constant(speed)
         use_threads(threads)
@@ -121,6 +121,7 @@ class VehicleOnTrack(Layout):
         )
         self.on_sleepers: RailsOnSleepers | None = None
         """Rails on sleepers, if they lie on any; else elastic ones are pieces that move along."""
+        elasticity = None if isinstance(track.structure, Bridge) or not contacts else track.structure
         if isinstance(elasticity, SleeperTrack):
             places = np.repeat([start + mounted.x for mounted in vehicle.wheelsets], 2)
             memory = self.workspace.buffer, self.workspace.index[first:]
@@ -169,16 +170,19 @@ class VehicleOnTrack(Layout):
             units = self.coordinates_of_units()
             groups = groups_in_a_row(units) if len(units) > 1 else all_on_all(self.size)
             self._blocks = [CompiledBlock(self, differences.ON_BODIES, groups)]
-            count, twisting = len(self.wheels), list(self.twists)
-            own = np.arange(6 * count).reshape(count, 6)
-            if self.rails and count:
-                own = np.hstack([own, np.arange(self.size - self.rails, self.size).reshape(count, RAIL_COORDINATES)])
-            if twisting and count:
-                with_twist = np.column_stack([own[twisting], list(self.twists.values())])
-                self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, [(c, with_twist) for c in with_twist.T]))
-                own = np.delete(own, twisting, axis=0)
-            if len(own):
-                self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, [(c, own) for c in own.T]))
+            alike: dict[int, list[NDArray[np.intp]]] = {}
+            for w in range(len(self.wheels)):
+                rails = self.size - self.rails + RAIL_COORDINATES * w + np.arange(RAIL_COORDINATES if self.rails else 0)
+                twist = [self.twists[w]] if w in self.twists else []
+                own = np.concatenate([np.arange(6 * w, 6 * w + 6), rails, np.array(twist, int), self.modes_of(w)])
+                alike.setdefault(len(own), []).append(own)
+            for length in sorted(alike, reverse=True):
+                wheelsets = np.array(alike[length])
+                self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, [(c, wheelsets) for c in wheelsets.T]))
+            if self.deck is not None:  # what one wheelset does to it is small beside its own stiffness and left out
+                on_all = np.r_[0 : 6 * len(self.wheels), self.of_deck][None]
+                columns = [(np.array([k]), on_all) for k in self.of_deck]
+                self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, columns))
         return self._blocks
 
     @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,13 +109,17 @@ def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
         if value.imag <= 2.0 * np.pi * SLOWEST:
             continue
         shape = vector[:free].reshape(-1, 6)
-        boxes, twists = np.split(vector[free : free + len(of_boxes) + len(law.twists)], [len(of_boxes)])
+        ends = np.cumsum([free, len(of_boxes), len(law.twists), len(law.modes)])
+        boxes, twists, elastic = (vector[a:b] for a, b in pairwise(ends))
         twisting = (0.25 * law.bodies[w].inertia[1] * abs(a) ** 2 for w, a in zip(law.twists, twists, strict=True))
         energies = {
             "axle boxes pitch": float(of_boxes @ np.abs(boxes) ** 2),
             "axles twist": sum(twisting),
             "hollow axles twist": float(of_gears @ np.abs(vector[geared]) ** 2) / abs(value) ** 2,
         }
+        for part, own in law.attachments.modes.items():
+            own_part = elastic[law.modes_of(part) - law.modes.start]
+            energies[f"{vehicle.names[part]} bends"] = float(own.masses @ np.abs(own_part) ** 2)
         name = max(energies, key=lambda word: energies[word])
         if energies[name] <= _energy(vehicle, shape).sum():
             name = mode_name(vehicle, shape)

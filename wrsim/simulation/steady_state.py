@@ -91,8 +91,8 @@ class SteadyMotion:
     """Forces less inertia forces of a vehicle in steady motion about the axis of the curve that it is in.
 
     Unknowns, six a body: its coordinates, of a wheelset the spin rate (less that of free rolling) in the place of the
-    spin angle; the pitch of the axle boxes; the twist of axles (of independent wheels its rate); of elastic rails their
-    displacements under the wheels. ``residual(x)``, ``state(x)``, and back ``unknowns(q, q_t)``.
+    spin angle; the pitch of the axle boxes; the twist of axles (of independent wheels its rate); elastic modes; of
+    elastic rails their displacements under the wheels. ``residual(x)``, ``state(x)``, and back ``unknowns(q, q_t)``.
 
     In place of x, y and heading stand those against the arc at the start, as residual forces do: the drive alone holds
     the vehicle along the track, and a way along it does not lead into a flange.
@@ -120,7 +120,8 @@ class SteadyMotion:
         """... and among the unknowns."""
         of_wheelset, of_body = ([small[name] for name in COORDINATES] for small in (SMALL_WHEELSET, SMALL_BODY))
         of_twists = np.where(independent, SMALL_TURN, SMALL_TWIST)
-        behind = [[SMALL_BOX] * len(vehicle.boxes), of_twists, [SMALL_RAIL] * law.rails]
+        of_modes = [SMALL_BODY["z"]] * len(law.modes)
+        behind = [[SMALL_BOX] * len(vehicle.boxes), of_twists, of_modes, [SMALL_RAIL] * law.rails]
         self.small = np.concatenate([np.tile(of_wheelset, w), np.tile(of_body, n - w), *behind])
         if law.units > 1:
             self.small[X : 6 * n : 6] = ALONG
@@ -131,7 +132,10 @@ class SteadyMotion:
                 self.difference[own : own + 6] = COUPLED
         rails = () if law.elastic is None else np.tile(law.elastic.mass, law.rails // 2)
         twisting = (0.25 * law.bodies[i].inertia[1] for i in law.twists)
-        self.masses = np.array([*(box.inertia[1] for _, box in vehicle.boxes.values()), *twisting, *rails])
+        modal = np.concatenate([np.zeros(0), *(own.masses for own in law.attachments.modes.values())])
+        if law.deck is not None:
+            modal = np.append(modal, law.deck.masses)
+        self.masses = np.array([*(box.inertia[1] for _, box in vehicle.boxes.values()), *twisting, *modal, *rails])
         self._out, self._inertia, self._weight = np.zeros(law.size), np.zeros(6 * n), vehicle.weight
 
     def terms(self) -> Terms:
@@ -362,7 +366,9 @@ def _largest(law: VehicleOnTrack, left: Array) -> tuple[tuple[str, float], ...]:
     names = law.vehicle.names
     places = [f"{name} {coordinate}" for name in names for coordinate in COORDINATES]
     places += [f"{name} pitch" for name in law.vehicle.boxes]
-    places += [f"{names[i]} twist" for i in law.twists] + ["rail"] * law.rails
+    places += [f"{names[i]} twist" for i in law.twists]
+    places += [f"{names[i]} mode {k + 1}" for i in law.attachments.modes for k in range(len(law.modes_of(i)))]
+    places += ["bridge"] * len(law.of_deck) + ["rail"] * law.rails
     return tuple((places[i], float(left[i])) for i in np.argsort(-np.abs(left))[:4])
 
 

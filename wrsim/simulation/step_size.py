@@ -35,9 +35,10 @@ IMPLICIT_STEP, IMPLICIT_WAY, IMPLICIT_GRID = 2e-3, 0.033, 5e-4
 """Largest default step of generalised alpha [s]; longer, up to ``LONGEST`` in whole multiples of the last number [s],
 where the distance run in it is at most the second [m]."""
 
-SLEEPERS_STEP, STEPS_OF_A_BAY = 1.25e-3, 20
-"""Largest default step of generalised alpha on sleepers [s]: ten steps a period where wheels and rails vibrate
-together, at 60 to 80 Hz. Least number of steps from sleeper to sleeper."""
+VIBRATING_STEP, STEPS_OF_A_BAY = 1.25e-3, 20
+"""Largest default step of generalised alpha on sleepers and with elastic modes [s]: ten steps a period at 80 Hz, to
+where comfort is assessed and below which wheels and rails on sleepers vibrate together. Least number of steps from
+sleeper to sleeper."""
 
 USUAL_EVALUATIONS = 1.5
 """Evaluations of the forces in a step of generalised alpha: 1.2 on even track, 2 to 2.5 on uneven track."""
@@ -91,15 +92,16 @@ def step_for_speed(speed: float, vehicle: Vehicle | None = None) -> float:
     return round_step(SAFETY * RK44_LIMIT / creep_rate(max(speed, 0.1), mass, inertia, radius, coefficient))
 
 
-def implicit_step(speed: float, sample_interval: float, spacing: float | None = None) -> float:
+def implicit_step(speed: float, sample_interval: float, spacing: float | None = None, vibrates: bool = False) -> float:
     """Step of generalised alpha [s] at a speed [m/s]: a whole part of the time between two samples [s].
 
-    spacing: of the sleepers [m] where rails lie on them.
+    spacing: of the sleepers [m] where rails lie on them; vibrates: whether there are elastic modes.
     """
-    if spacing is None:
-        longest = min(max(IMPLICIT_GRID * np.floor(IMPLICIT_WAY / speed / IMPLICIT_GRID), IMPLICIT_STEP), LONGEST)
-    else:
-        longest = min(SLEEPERS_STEP, spacing / (STEPS_OF_A_BAY * speed))
+    longest = min(max(IMPLICIT_GRID * np.floor(IMPLICIT_WAY / speed / IMPLICIT_GRID), IMPLICIT_STEP), LONGEST)
+    if spacing is not None:
+        longest = min(VIBRATING_STEP, spacing / (STEPS_OF_A_BAY * speed))
+    elif vibrates:
+        longest = min(VIBRATING_STEP, longest)
     return sample_interval / int(np.ceil(sample_interval / longest - 1e-9))
 
 

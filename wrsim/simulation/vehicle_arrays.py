@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.model import ContactModel
-from wrsim.core.body import friction, outputs, suspension, vehicle_forces
+from wrsim.core.body import deck as deck_kernel
+from wrsim.core.body import flexible, friction, outputs, suspension, vehicle_forces
 from wrsim.core.body import loads as load_kernel
 from wrsim.core.body import rigid_body as body_kernel
 from wrsim.core.body import stepper as step_kernel
@@ -18,14 +19,16 @@ from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.body.suspension import ELEMENT
 from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
 from wrsim.core.frames import BODY
+from wrsim.geometry.track.bridge import Bridge
 from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.geometry.track.track import RailElasticity, Track
 from wrsim.simulation.bodies import bodies_of, inertia_table
+from wrsim.simulation.flexible_arrays import Attachments
 from wrsim.simulation.force_law import Array, ForceLaw
 from wrsim.vehicle.bogies import holders_of
 from wrsim.vehicle.elements import Tables
 from wrsim.vehicle.loads import Drive, LoadAxes, Over
-from wrsim.vehicle.preload import normal_loads, preloads
+from wrsim.vehicle.preload import Preload, normal_loads, preloads
 from wrsim.vehicle.speed import SpeedProfile
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.wheelset import Wheelset
@@ -39,25 +42,36 @@ class Layout(ForceLaw):
     unknowns, ``size`` in all.
 
     The last ``positions`` of them are positions: the pitch of the axle boxes, the twist of axles whose wheels turn
-    against each other (``twists``, by wheelset), and ``rails`` displacements of the rails under the wheels.
+    against each other (``twists``, by wheelset), the elastic modes (``modes``: where they are) of parts and of the
+    bridge ``deck`` (``of_deck``), and ``rails`` displacements of the rails under the wheels. ``attachments``: where
+    elastic parts are held.
     ``sliders``: places of the unknowns of friction. ``gears``: by wheelset the place of the twist of its geared motor's
     hollow axle, ahead of that of its rate.
     """
 
-    def __init__(self, vehicle: Vehicle, track: Track, elastic: bool) -> None:
-        """elastic: whether the rails under the wheels move."""
+    def __init__(self, vehicle: Vehicle, track: Track, on_rails: bool) -> None:
+        """on_rails: whether rails carry the vehicle."""
         self.track, self.tables = track, Tables()
-        self.elements = element_records(vehicle, self.tables)
+        self.attachments = Attachments(vehicle)
+        self.elements, self.preloads = element_records(vehicle, self.tables, self.attachments)
         self.vehicle, self.bodies, self.units = vehicle, bodies_of(vehicle), len(vehicle.units)
         twisting = [i for i, mounted in enumerate(vehicle.wheelsets) if mounted.wheelset.torsion is not None]
-        self.rails = RAIL_COORDINATES * len(vehicle.wheelsets) if elastic else 0
-        self.positions = len(vehicle.boxes) + len(twisting) + self.rails
+        structure = track.structure if on_rails else None
+        self.deck = structure if isinstance(structure, Bridge) else None
+        moving = structure is not None and self.deck is None
+        self.rails = RAIL_COORDINATES * len(vehicle.wheelsets) if moving else 0
+        elastic = self.attachments.count + (0 if self.deck is None else len(self.deck.frequencies))
+        self.boxes = box_records(vehicle, self.attachments)
+        self.positions = len(vehicle.boxes) + len(twisting) + elastic + self.rails
         self.dampers = self.tables.unknowns + 2 * len(vehicle.drives) + self.positions
         self.size = size = 6 * len(self.bodies) + self.dampers
         first = size - self.positions - 2 * len(vehicle.drives)
         self.sliders = 6 * len(self.bodies) + np.array(self.tables.slips, dtype=np.intp)
         self.gears = {vehicle.index(d.wheelset): first + 2 * j for j, d in enumerate(vehicle.drives)}
-        self.twists = {wheelset: size - self.rails - len(twisting) + j for j, wheelset in enumerate(twisting)}
+        self.modes = range(size - self.rails - elastic, size - self.rails)
+        self.of_deck = self.modes[self.attachments.count :]
+        self.twists = {wheelset: self.modes.start - len(twisting) + j for j, wheelset in enumerate(twisting)}
+        self.boxes["coordinate"] = size - self.positions + np.arange(len(vehicle.boxes))
 
     def coordinates_of_units(self, alone: bool = False) -> list[NDArray[np.intp]]:
         """Places of the unknowns of every vehicle of a train, those of couplings with the vehicle ahead, without rails;
@@ -65,10 +79,11 @@ class Layout(ForceLaw):
         """
         bodies = len(self.bodies)
         boxes = [wheelset for wheelset, _ in self.vehicle.boxes.values()]
-        unit_of = np.zeros(bodies + vehicle_forces.FRAMES + len(boxes), dtype=int)
+        held = self.attachments.owners
+        unit_of = np.zeros(bodies + vehicle_forces.FRAMES + len(boxes) + len(held), dtype=int)
         for k, unit in enumerate(self.vehicle.units):
             unit_of[list(unit.parts)] = k
-        unit_of[bodies + vehicle_forces.FRAMES :] = unit_of[boxes]
+        unit_of[bodies + vehicle_forces.FRAMES :] = unit_of[[*boxes, *held]]
         owner = np.full(self.size, -1)
         owner[: 6 * bodies] = np.repeat(unit_of[:bodies], 6)
         for row in self.elements:
@@ -85,26 +100,48 @@ class Layout(ForceLaw):
             owner[place] = unit_of[wheelset]
         for wheelset, place in self.gears.items():
             owner[place : place + 2] = unit_of[wheelset]
+        for part in self.attachments.modes:
+            owner[self.modes_of(part)] = unit_of[part]
         if alone and self.rails:
             owner[self.size - self.rails :] = np.repeat(unit_of[: len(self.vehicle.wheelsets)], RAIL_COORDINATES)
         return [np.flatnonzero(owner == k) for k in range(len(self.vehicle.units))]
 
+    def modes_of(self, part: int) -> NDArray[np.intp]:
+        """Places of the modes of a part in the state; none of a rigid one."""
+        if part not in self.attachments.modes:
+            return np.zeros(0, dtype=np.intp)
+        first = self.modes.start + self.attachments.first[part]
+        return first + np.arange(len(self.attachments.modes[part].frequencies))
 
-def element_records(vehicle: Vehicle, tables: Tables) -> NDArray[np.record]:
-    """Records of all elements, with the preloads that hold the vehicle in its design position; fills the tables."""
+
+def element_records(
+    vehicle: Vehicle, tables: Tables, attachments: Attachments
+) -> tuple[NDArray[np.record], list[Preload]]:
+    """Records of all elements, and the preloads that hold the vehicle in its design position; fills the tables."""
     rows = np.zeros(len(vehicle.elements), ELEMENT)
     rows["state"] = rows["normal"] = -1
     held = preloads(vehicle)
     normals = normal_loads(vehicle, held)
     for row, element, preload, normal in zip(rows, vehicle.elements, held, normals, strict=True):
-        row.first, row.second = vehicle.index(element.first), vehicle.index(element.second)
-        start, end = element.points
-        row.point_1 = tuple(np.array(start) - vehicle.place(element.first))
-        row.point_2 = tuple(np.array(end) - vehicle.place(element.second))
+        start, end = (
+            tuple(np.subtract(point, vehicle.place(name)).tolist())
+            for name, point in zip((element.first, element.second), element.points, strict=True)
+        )
+        row.first, row.point_1 = attachments.hold(vehicle.index(element.first), start)
+        row.second, row.point_2 = attachments.hold(vehicle.index(element.second), end)
         row.turning_preload = tuple(preload.moment)
         element.write(row, preload.force, tables)
         if normal is not None:
             row.normal, row.load = normal
+    return rows, held
+
+
+def box_records(vehicle: Vehicle, attachments: Attachments) -> NDArray[np.record]:
+    """Records of all axle boxes but for their coordinates; on an elastic axle each sits at an attachment."""
+    rows = np.zeros(len(vehicle.boxes), body_kernel.AXLE_BOX)
+    for row, (w, box) in zip(rows, vehicle.boxes.values(), strict=True):
+        row.inertia = box.inertia[1]
+        row.wheelset, (_, row.lateral, _) = attachments.hold(w, (0.0, box.y, 0.0))
     return rows
 
 
@@ -121,13 +158,11 @@ def vehicle_arrays(
     ``pieces_of_motion``.
     """
     vehicle = layout.vehicle
-    frames = len(layout.bodies) + vehicle_forces.FRAMES + len(vehicle.boxes)
-    first = layout.size - layout.positions
+    frames = len(layout.bodies) + vehicle_forces.FRAMES + len(vehicle.boxes) + len(layout.attachments.owners)
     loads, load_tables = _loads(vehicle)
     efforts, effort_tables = _efforts(vehicle)
     axles, units = _axles_and_units(layout)
     carried = [(c.mass, c.height, vehicle.index(c.body)) for c in vehicle.carried]
-    boxes = [(box.inertia[1], box.y, w, first + j) for j, (w, box) in enumerate(vehicle.boxes.values())]
     return [
         _whole(layout, drive, gravity, turns),
         _parts(layout),
@@ -141,12 +176,27 @@ def vehicle_arrays(
         np.array(carried, load_kernel.CARRIED),
         axles,
         layout.track.centre.curve.nodes,
-        np.array(boxes, body_kernel.AXLE_BOX),
+        layout.boxes,
         motion,
         efforts,
         effort_tables,
         units,
+        *_modes(layout),
     ]
+
+
+def _modes(layout: Layout) -> list[Any]:
+    """The arrays of elastic parts, and of the bridge, whose modes follow theirs."""
+    rows, points, shapes, gyroscopic = layout.attachments.arrays(layout.modes.start, layout.preloads)
+    deck = layout.deck
+    if deck is None:
+        return [rows, points, shapes, gyroscopic, np.zeros(0, deck_kernel.DECK), np.zeros((0, 2))]
+    own, omega = np.zeros(len(deck.frequencies), flexible.MODE), 2.0 * np.pi * deck.frequencies
+    own["stiffness"], own["damping"], own["mass"] = omega**2, 2.0 * deck.damping * omega, deck.masses
+    own["coordinate"] = layout.of_deck
+    at = np.array([(deck.start, deck.step, len(rows), len(own))], deck_kernel.DECK)
+    gyroscopic = np.pad(gyroscopic, ((0, len(own)), (0, 0)))
+    return [np.concatenate([rows, own]), points, shapes, gyroscopic, at, deck.shapes.reshape(len(deck.shapes), -1)]
 
 
 def stepper_arrays(layout: Layout, wheelsets: int) -> list[Any]:
@@ -193,7 +243,7 @@ def _whole(layout: Layout, drive: Drive, gravity: float, turns: int) -> NDArray[
     own.step = track.centre.step
     own.guide_ahead = vehicle.guide_ahead
     own.rails, own.turns = -1, turns
-    e = track.elasticity
+    e = track.structure
     if layout.rails:
         own.rails = layout.size - layout.rails
         own.sleepers = isinstance(e, SleeperTrack)
@@ -209,6 +259,7 @@ def _parts(layout: Layout) -> NDArray[np.record]:
     wheelsets = layout.vehicle.wheelsets
     for i, (row, body) in enumerate(zip(found, layout.bodies, strict=True)):
         row.mass, row.wheelset, row.twist = body.mass, i if i < len(wheelsets) else -1, layout.twists.get(i, -1)
+        row.wheels = layout.attachments.wheels.get(i, -1)
         if i < len(wheelsets) and (torsion := wheelsets[i].wheelset.torsion) is not None:
             row.twist_inertia, row.twist_stiffness, row.twist_damping = (
                 0.25 * body.inertia[1], torsion.stiffness, torsion.damping,

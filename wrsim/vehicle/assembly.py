@@ -6,16 +6,19 @@ Inside of a part, names refer to its own bodies or to those of the parts around 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
 from typing import Any
 
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.checking import Locate, fault_line
 from wrsim.inputs.lines import KeyPath
+from wrsim.inputs.section import given
 from wrsim.vehicle import vehicle_sections as sections
 from wrsim.vehicle.element_tables import VEHICLE_AXES, Axes, ElementTable, Joint
 from wrsim.vehicle.elements import TRACK, ZERO, Element, Triple
+from wrsim.vehicle.flexible import Modes
 from wrsim.vehicle.loads import GearedMotor, Load, Payload
 from wrsim.vehicle.preload import Ballast
 from wrsim.vehicle.vehicle import AxleBox, Body, MeasuringPoint, MountedWheelset
@@ -51,6 +54,7 @@ class Assembly:
     parts: dict[str, sections.PartTable]
     types: dict[str, Wheelset]
     locate: Locate
+    find: Callable[[str], FilePath] = FilePath
     bodies: dict[str, Body] = field(default_factory=dict)
     wheelsets: dict[str, MountedWheelset] = field(default_factory=dict)
     boxes: dict[str, str] = field(default_factory=dict)
@@ -96,7 +100,9 @@ class Assembly:
     def _bodies(self, part: sections.PartTable, path: KeyPath, place: Place) -> None:
         for name, body in part.bodies.items():
             full = self._new(name, (*path, "bodies", name), place)
-            self.bodies[full] = Body(full, body.mass_kg, body.inertia_kg_m2, place.axes.point(body.centre_mm))
+            centre = place.axes.point(body.centre_mm)
+            modes = None if body.flexible is None else self._modes(body, centre, (*path, "bodies", name), place)
+            self.bodies[full] = Body(full, body.mass_kg, body.inertia_kg_m2, centre, modes)
         for name, mount in part.wheelsets.items():
             full = self._new(name, (*path, "wheelsets", name), place)
             key = (*path, "wheelsets", name, "type")
@@ -135,6 +141,13 @@ class Assembly:
                 raise self._fault(key, sections.NO_BALLAST, payload.on)
             else:
                 self.ballast.append(found)
+
+    def _modes(self, body: sections.BodyTable, centre: Triple, path: KeyPath, place: Place) -> Modes:
+        table = given(body.flexible)
+        try:
+            return table.of_body(body.mass_kg, centre, place.axes.origin, place.axes.signs, self.find)
+        except InputError as error:
+            raise self._fault((*path, "flexible", "modes"), str(error), table.modes) from None
 
     def _axle_boxes(self, name: str, table: sections.AxleBoxTable, path: KeyPath, place: Place) -> None:
         full = self._new(name, path, place)

@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.inputs.notebook import card
+from wrsim.vehicle.axle import AxleModes, Disc
 from wrsim.vehicle.elements import GUIDE, TRACK, ZERO, Element, Spring, Triple
+from wrsim.vehicle.flexible import Modes
 from wrsim.vehicle.loads import CarriedMass, Drive, Effort, GearedMotor, Load, Payload, SlipControl
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
 
@@ -65,12 +67,13 @@ class Unit:
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body: mass [kg], principal inertia about x, y, z [kg m2], centre of mass [m]."""
+    """A body: mass [kg], principal inertia about x, y, z [kg m2], centre of mass [m]; elastic modes, None: rigid."""
 
     name: str
     mass: float
     inertia: Triple
     centre: Triple
+    modes: Modes | None = None
 
     @property
     def box(self) -> Triple:
@@ -119,6 +122,16 @@ class MountedWheelset:
         roll, spin, yaw = self.wheelset.inertia
         across = sum(box.mass * box.y**2 + 0.5 * (box.inertia[0] + box.inertia[2]) for box in self.boxes)
         return (roll + across, spin, yaw + across)
+
+    @cached_property
+    def modes(self) -> AxleModes | None:
+        """Bending modes of its elastic axle with its axle boxes; None: rigid."""
+        own, axle, half = self.wheelset, self.wheelset.axle, 0.5 * self.wheelset.profile_spacing
+        if axle is None:
+            return None
+        boxes = [Disc(box.y, box.mass, 0.0, 0.5 * (box.inertia[0] + box.inertia[2])) for box in self.boxes]
+        wheels = axle.wheels(own.mass, own.inertia[1], own.inertia[0], half)
+        return axle.modes((*wheels, *boxes))
 
 
 @dataclass(frozen=True)

@@ -116,7 +116,7 @@ def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate, pla
         types[""] = _wheelset(file.wheelset, ("wheelset",), file, finder, locate)
     for name, table in file.wheelset_types.items():
         types[name] = _wheelset(table, ("wheelset_types", name), file, finder, locate)
-    assembly = Assembly(file.parts, types, locate)
+    assembly = Assembly(file.parts, types, locate, finder.find)
     assembly.add(file, (), place)
     lists = ("elements", "loads", "payloads", "points", "drives")
     parts: dict[str, Any] = {key: tuple(getattr(assembly, key)) for key in lists}
@@ -142,6 +142,12 @@ def _wheelset(
     def fault(place: KeyPath, message: str) -> InputError:
         return InputError(fault_line((*path, "out_of_round", *place), message, locate))
 
+    axle = None if table.axle is None else table.axle.axle()
+    if axle is not None:
+        try:
+            axle.wheels(table.mass_kg, table.spin_inertia_kg_m2, table.yaw_inertia_kg_m2, 0.5 * table.spacing)
+        except InputError as error:
+            raise InputError(fault_line((*path, "axle"), str(error), locate)) from None
     return Wheelset(
         name=file.name,
         mass=table.mass_kg,
@@ -151,6 +157,7 @@ def _wheelset(
         right=wheel("right"),
         source=file.source,
         torsion=table.torsion,
+        axle=axle,
     )
 
 

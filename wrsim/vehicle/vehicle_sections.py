@@ -9,9 +9,11 @@ from pydantic import Field
 
 from wrsim.inputs.section import Fault, Section, both_or_sides, given
 from wrsim.inputs.values import Day, List, RisingRows, Row, Source, Switch, Three, number, positive, text, within, words
+from wrsim.vehicle.axle import AxleTable
 from wrsim.vehicle.couplings import AnyCouplingTable
 from wrsim.vehicle.element_tables import AnyElementTable, Axes, Metre, Name, Place
 from wrsim.vehicle.elements import ZERO
+from wrsim.vehicle.flexible import FlexibleTable
 from wrsim.vehicle.loads import Load, LoadAxes, Over, Payload
 from wrsim.vehicle.out_of_round import AnyOutOfRoundTable
 from wrsim.vehicle.preload import Ballast
@@ -90,6 +92,8 @@ class WheelsetTable(Section, header="[wheelset]"):
     """Damping of the axle between its two wheels in spin."""
     out_of_round: List[AnyOutOfRoundTable] = ()
     """How the wheels are out of round: polygons, flats, measured radii; what is given sums up."""
+    axle: AxleTable | None = None
+    """Shaft of an elastic axle; rigid where it is not given."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -117,7 +121,8 @@ class WheelsetTable(Section, header="[wheelset]"):
         if self.independent_wheels:
             return Torsion()
         if self.torsional_stiffness_kNm_per_rad is None:
-            return None
+            axle = None if self.axle is None else self.axle.axle()
+            return None if axle is None else Torsion(axle.torsional_stiffness(0.5 * self.spacing))
         return Torsion(1e3 * self.torsional_stiffness_kNm_per_rad, 1e3 * (self.torsional_damping_kNms_per_rad or 0.0))
 
     @property
@@ -157,7 +162,7 @@ Mirror = Annotated[List[Literal["x", "y"]], Field(description='a list of "x" (fr
 
 
 class BodyTable(Section, header="[bodies.NAME]"):
-    """[bodies.NAME]: a rigid body."""
+    """[bodies.NAME]: a body, rigid or with elastic modes."""
 
     aliases: ClassVar[dict[str, str]] = {"centre_mm": "center_mm position_mm"}
 
@@ -167,6 +172,9 @@ class BodyTable(Section, header="[bodies.NAME]"):
     """Principal moments of inertia about its centre."""
     centre_mm: Place
     """Its centre of mass in the design position, above the rails."""
+
+    flexible: FlexibleTable | None = None
+    """Its elastic modes; rigid where it is not given."""
 
     def consistency(self) -> Iterator[Fault]:
         for i, name in enumerate("xyz"):

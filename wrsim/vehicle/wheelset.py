@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from wrsim.geometry.profile.out_of_round import Part
     from wrsim.geometry.profile.profile import Profile
+    from wrsim.vehicle.axle import Axle
 
 STANDARD_GRAVITY = 9.80665
 """Standard acceleration of gravity [m/s2]."""
@@ -41,7 +42,7 @@ class Wheelset:
 
     mass [kg]; inertia about the centre of mass (roll, pitch/spin, yaw) [kg m2]; profile_spacing: distance H between
     the two wheel profile origins [m]. torsion: of an axle whose wheels turn against each other, each with half of the
-    spin inertia; None: rigid.
+    spin inertia; None: rigid. axle: an elastic one; None: rigid in bending.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Wheelset:
     right: Wheel
     source: str = ""
     torsion: Torsion | None = None
+    axle: Axle | None = None
 
     @property
     def independent(self) -> bool:

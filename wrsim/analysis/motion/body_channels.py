@@ -63,6 +63,8 @@ def point_accelerations(law: VehicleOnTrack, q: Array, q_t: Array, forces: Array
         acceleration = axes @ (np.array([changes[1], changes[2], changes[0] + vehicle.gravity]))
         alpha = _angular_acceleration(at, rates, changes)
         found[j] = acceleration + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
+        if len(own := law.modes_of(i)):
+            found[j] += forces[own] @ law.attachments.shapes(i, np.array([point.at]))[:, 0, :3]
         found[j, 2] -= vehicle.gravity
     return found
 
@@ -87,6 +89,19 @@ def twist_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array
         found[0, :, i] = q_t[:, at]
         found[1, :, i] = 0.0 if torsion is None or torsion.independent else q[:, at]
     return {"spin_difference": found[0], "axle_twist": found[1]}
+
+
+def deck_channels(law: VehicleOnTrack, q: Array, accelerations: Array) -> dict[str, Array]:
+    """Deflection, bending moment where it is known, and acceleration of a bridge in the middle of its spans (samples,
+    spans), downward, as the deck sags, and up; accelerations: of its modes (samples, modes)."""
+    deck = law.deck
+    if deck is None:
+        return {}
+    eta = q[:, law.of_deck]
+    found = {"deck_deflection": -eta @ deck.values.T, "deck_acceleration": accelerations @ deck.values.T}
+    if deck.moments is not None:
+        found["deck_moment"] = eta @ deck.moments.T
+    return found
 
 
 def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[str, Array]:
@@ -138,7 +153,8 @@ Z = COORDINATES.index("z")
 
 
 def energy_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]:
-    """Kinetic energy of all bodies, axle boxes and geared motors, and m g z of all bodies, (samples,) [J]."""
+    """Kinetic energy of all bodies with their modes, axle boxes and geared motors, and m g z of all bodies, (samples,)
+    [J]."""
     vehicle, n = law.vehicle, 6 * len(law.bodies)
     mass = np.array([body.mass for body in law.bodies])
     kinetic = np.zeros(len(q))
@@ -150,6 +166,8 @@ def energy_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Arra
         kinetic += 0.5 * drive.inertia * q_t[:, place + 1] ** 2
     for wheelset, twist in law.twists.items():
         kinetic += 0.125 * law.bodies[wheelset].inertia[1] * q_t[:, twist] ** 2
+    for part, own in law.attachments.modes.items():
+        kinetic += 0.5 * q_t[:, law.modes_of(part)] ** 2 @ own.masses
     return {"kinetic_energy": kinetic, "potential_energy": vehicle.gravity * q[:, Z:n:6] @ mass}
 
 
@@ -163,6 +181,9 @@ def lost_at(law: VehicleOnTrack, q_t: Array) -> tuple[float, float, float]:
     for wheelset, twist in law.twists.items():
         torsion = law.vehicle.wheelsets[wheelset].wheelset.torsion
         dampers += 0.0 if torsion is None else torsion.damping * q_t[twist] ** 2
+    for part, modes in law.attachments.modes.items():
+        rates = 4.0 * np.pi * modes.frequencies * modes.damping * modes.masses
+        dampers += float(rates @ q_t[law.modes_of(part)] ** 2)
     pull = 0.0
     if law.drive == "train":
         forces = law.workspace.views[vehicle_forces.UNITS]["force"]

@@ -91,6 +91,8 @@ def result_of(
         "coupling": vehicle.couplings, "external_load": vehicle.loads,
     }  # fmt: skip
     coords: dict[str, Any] = {"time": motion.times}
+    if law.deck is not None:
+        coords["span"] = np.arange(1, len(law.deck.values) + 1)
     coords |= {dimension: [each.name for each in own] for dimension, own in named.items() if own}
     if losses is not None:
         channels |= losses.channels()
@@ -126,7 +128,7 @@ def _block(
     records = np.zeros((n, *law.records.shape))
     reference, drive = np.zeros(n), np.zeros(n)
     external = np.zeros((n, len(vehicle.loads), 3))
-    axles = np.zeros((5, n, count))
+    axles, deck = np.zeros((5, n, count)), np.zeros((n, len(law.of_deck)))
     powers = np.zeros((3, n))
     for i in range(n):
         law.look_near(places[block][i])
@@ -140,6 +142,7 @@ def _block(
         external[i] = law.load_forces
         reference[i], drive[i] = law.distance, law.drive_force
         axles[:, i] = [law.axles[name] for name in ("moment", "power", "slip", "speed", "shaft")]
+        deck[i] = out[law.of_deck]
         if vehicle.bodies:
             powers[:, i] = states.lost_at(law, q_t[i])
         if vehicle.points:
@@ -167,6 +170,7 @@ def _block(
         of_wheelsets.append(own)
     found = stack_wheelsets(of_wheelsets)
     found |= {"distance": reference, "drive_force": drive, **states.guide_channels(law, times, records)}
+    found |= states.deck_channels(law, q, deck)
     if law.twists:
         found |= states.twist_channels(law, q, q_t)
     if law.driven:

@@ -146,7 +146,7 @@ def stepper(scenario: Scenario | str | Path, step: float = BENCH_STEP, iteration
         raise scenario.fault(("analysis",), "only runs along the track can be taken step by step")
     if setup.contact.fast() != setup.contact:
         raise scenario.fault(("contact", "normal"), "takes seconds a step; step by step only with the fast models")
-    if isinstance(setup.track.elasticity, SleeperTrack):
+    if isinstance(setup.track.structure, SleeperTrack):
         raise scenario.fault(("track", "structure", "kind"), 'cannot be "sleepers" step by step')
     law = force_law(replace(setup, vehicle=with_torques(setup.vehicle), threads=1), stepped=True)
     try:
@@ -183,9 +183,9 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
     if plan.step:
         return plan.step
     fastest = plan.speeds[1]
-    rails = setup.track.elasticity
+    rails = setup.track.structure
     spacing = rails.spacing if isinstance(rails, SleeperTrack) else None
-    step = steps.implicit_step(fastest, plan.output_interval, spacing)
+    step = steps.implicit_step(fastest, plan.output_interval, spacing, vibrates=len(law.modes) > 0)
     places = [[own.distance for own in surface.sections] for surface in setup.surfaces if surface is not None]
     gaps = np.concatenate([np.zeros(0), *map(np.diff, places)]).tolist()
     # sections that follow each other closely show how fast the rail changes

@@ -16,6 +16,7 @@ wheelset after wheelset. The coordinates are, in this order:
   while the body's spin is the mean of both and takes their sum. Without stiffness and damping the wheels are
   independent. The spin counts about the axle itself, heading_t sin(roll) and all, so that nothing is left out; also
   gyroscopic moments know the sum alone;
+- the elastic modes of bodies and axles (core.body.flexible), and of a bridge (core.body.deck);
 - on elastic rails the displacements of the rail under every wheel, moving along with it: left rail along n and b, right
   rail along n and b, wheelset after wheelset. The wheel meets the rail where it has moved to, with the velocity that is
   left between them. Either a piece of rail moves along,
@@ -26,32 +27,46 @@ wheelset after wheelset. The coordinates are, in this order:
   it lies on sleepers, and its "force" leads to the displacement that ``core.body.sleepers`` foretells for the wheel's
   force at the end of the step.
 
-Two frames follow the last body, and behind these the axle boxes; springs may be fixed to all of them. The track frame
+Two frames follow the last body, and behind these the axle boxes and the attachments of elastic bodies; springs may be
+fixed to all of them. The track frame
 follows the centre line at the run's speed (`motion_at`): it is evaluated, not integrated. The guide frame is the bogie
 that the vehicle's wheelset leads: it goes with the track frame, but lies along the chord of a curve, turned about b by
 -a kappa for an axle at a distance a ahead of the bogie's centre. Its springs turn with it; how fast the angle changes
 in a transition is left out of its velocity.
 """
 
-from math import cos, sin
+from math import cos, hypot, sin
 
 from wrsim.core.body import loads
+from wrsim.core.body.deck import DECK, deck_motion, push_deck
+from wrsim.core.body.flexible import (
+    ATTACHMENT,
+    MODE,
+    at_wheel,
+    attached,
+    deform,
+    hand_over_forces,
+    push_modes,
+    vibrate,
+    wheel_on_axle,
+)
 from wrsim.core.body.kinematics import SPIN, add_generalised_forces, kinematics
 from wrsim.core.body.rigid_body import AXLE_BOX, PITCH, hand_over, on_axle, pitched
 from wrsim.core.body.suspension import ELEMENT, READING, WRENCH, Suspension, suspension_forces
-from wrsim.core.body.wheel_forces import ARRAYS, OFF_TRACK, wheel_record, wheel_total
+from wrsim.core.body.wheel_forces import ARRAYS, OFF_TRACK, place_on_rail, wheel_record, wheel_total
 from wrsim.core.frames import BODY, BodyMotion, CurveNodes, get_body, put, put_body, vec
-from wrsim.core.jit import Array, Ints, Record, Records, kernel, matrix, record, records, stages
-from wrsim.core.linalg import ZERO, Vec, add, dot, mixed, scale, shifted
+from wrsim.core.jit import Array, Ints, Record, Records, block, kernel, matrix, record, records, stages
+from wrsim.core.linalg import ZERO, Vec, add, cross, dot, mixed, scale, shifted, sub
 from wrsim.core.root import neighbours
 from wrsim.core.track.path import NODE, frame_at, frame_rates
 
 # arrays before those of the wheels
 (
     WHOLE, PARTS, BODIES, WRENCHES, ELEMENTS, TABLES, READINGS, LOADS, LOAD_TABLES, CARRIED_MASSES, AXLES, CENTRE,
-    AXLE_BOXES, MOTION, EFFORTS, EFFORT_TABLES, UNITS,
-) = range(17)  # fmt: skip
-FIRST_WHEEL = 17
+    AXLE_BOXES, MOTION, EFFORTS, EFFORT_TABLES, UNITS, MODES, ATTACHMENTS, SHAPES, GYROSCOPIC, DECKS,
+    DECK_SHAPES,
+) = range(23)  # fmt: skip
+FIRST_WHEEL = 23
 
 RAIL = record("mass stiffness damping")
 """A piece of rail under a wheel, in one direction [kg, N/m, N s/m]."""
@@ -64,9 +79,10 @@ bogie's centre [m]; limits of the slip control, speed [m/s] and creepage, both 0
 rails' first coordinate or -1 on rigid ones; whether they lie on sleepers; which of the stages that ask all wheels;
 whether geared motors have settled; the pieces of rail under the wheels, along n and b."""
 
-PART = record("mass twist_inertia twist_stiffness twist_damping", "wheelset twist")
+PART = record("mass twist_inertia twist_stiffness twist_damping", "wheelset twist wheels")
 """Mass of a body [kg]; of the twist of its axle inertia [kg m2], stiffness [N m/rad] and damping [N m s/rad]; number of
-its wheelset or -1; number of the twist among the coordinates or -1."""
+its wheelset or -1; number of the twist among the coordinates or -1; number of the left wheel's attachment on an elastic
+axle, behind which the right one follows, or -1."""
 
 PIECE = record("time distance speed acceleration")
 """Beginning of a piece [s], distance along the centre line [m] and speed [m/s] there, acceleration in it [m/s2]."""
@@ -106,6 +122,9 @@ def add_forces_on_bodies(t: float, q: Array, q_t: Array, out: Array, buffer: Arr
     put_body(bodies[n], track)
     put_body(bodies[n + 1], guide)
     boxes = records(buffer, index, AXLE_BOXES, AXLE_BOX)
+    modes, attachments = records(buffer, index, MODES, MODE), records(buffer, index, ATTACHMENTS, ATTACHMENT)
+    shapes, behind = block(buffer, index, SHAPES), n + FRAMES + boxes.shape[0]
+    deform(q, q_t, modes, attachments, shapes, bodies, behind)
     for j in range(boxes.shape[0]):
         at, wheelset = boxes[j].coordinate, get_body(bodies[boxes[j].wheelset])
         put_body(bodies[n + FRAMES + j], on_axle(boxes[j], wheelset, q[at], q_t[at]))
@@ -118,6 +137,8 @@ def add_forces_on_bodies(t: float, q: Array, q_t: Array, out: Array, buffer: Arr
     for j in range(boxes.shape[0]):
         box, w = boxes[j], boxes[j].wheelset
         out[box.coordinate] = hand_over(box, get_body(bodies[w]), wrenches[n + FRAMES + j], wrenches[w])
+    vibrate(q, q_t, modes, matrix(buffer, index, GYROSCOPIC), bodies, wrenches, out)
+    hand_over_forces(modes, attachments, shapes, bodies, wrenches, behind, out)
     loads.add_carried(track, records(buffer, index, CARRIED_MASSES, loads.CARRIED), vehicle.gravity, wrenches)
     given, load_tables = records(buffer, index, LOADS, loads.LOAD), matrix(buffer, index, LOAD_TABLES)
     lost = loads.add_loads(t, bodies, given, load_tables, centre, wrenches)
@@ -147,6 +168,9 @@ def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index:
     vehicle = records(buffer, index, WHOLE, VEHICLE)[0]
     parts = records(buffer, index, PARTS, PART)
     own = index[FIRST_WHEEL:]
+    modes, attachments = records(buffer, index, MODES, MODE), records(buffer, index, ATTACHMENTS, ATTACHMENT)
+    shapes = block(buffer, index, SHAPES)
+    decks, deck_shapes = records(buffer, index, DECKS, DECK), matrix(buffer, index, DECK_SHAPES)
     wheels = own.shape[0] // ARRAYS
     for i in range(parts.shape[0]):
         first = 2 * parts[i].wheelset
@@ -158,12 +182,20 @@ def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index:
         turned = 0.5 * q[twist] if twist >= 0 else 0.0
         for k in range(first, first + 2):
             wheel = wheel_record(buffer, own, k)
-            put_body(wheel.body, _turned(body, wheel.side * ahead))
+            if parts[i].wheels >= 0:
+                spin, j = q_t[6 * i + SPIN], parts[i].wheels + k - first
+                seat = attached(_turned(body, -spin), j, q, q_t, modes, attachments, shapes)
+                put_body(wheel.body, wheel_on_axle(seat, wheel.side * wheel.half_spacing, spin + wheel.side * ahead))
+            else:
+                put_body(wheel.body, _turned(body, wheel.side * ahead))
             wheel.angle = q[6 * i + SPIN] + wheel.side * turned
             if vehicle.rails >= 0:
                 rail = vehicle.rails + 2 * k
                 wheel.rail_n, wheel.rail_b = q[rail], q[rail + 1]
                 wheel.rail_n_t, wheel.rail_b_t = q_t[rail], q_t[rail + 1]
+            if decks.shape[0] > 0:
+                s, speed = place_on_rail(buffer, own, k), hypot(body.velocity.x, body.velocity.y)
+                wheel.rail_b, wheel.rail_b_t = deck_motion(s, speed, decks[0], deck_shapes, modes, q, q_t)
     stages.run(vehicle.turns, buffer, own)
     status = 0
     for i in range(parts.shape[0]):
@@ -172,12 +204,26 @@ def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index:
             continue
         left, right = wheel_record(buffer, own, first), wheel_record(buffer, own, first + 1)
         status |= left.status | right.status
-        push, turn = add(vec(left.force), vec(right.force)), add(vec(left.moment), vec(right.moment))
-        body = get_body(left.body)
-        add_generalised_forces(body, push, turn, out[6 * i : 6 * i + 6])
+        of_body = out[6 * i : 6 * i + 6]
+        if parts[i].wheels >= 0:
+            body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
+            for k in range(first, first + 2):
+                wheel, j = wheel_record(buffer, own, k), parts[i].wheels + k - first
+                disc, force = get_body(wheel.body), vec(wheel.force)
+                place, moment = at_wheel(disc, wheel.side * wheel.half_spacing, force, vec(wheel.moment))
+                add_generalised_forces(body, force, add(moment, cross(sub(place, body.position), force)), of_body)
+                of_body[SPIN] += dot(moment, sub(disc.left, body.left))  # it spins about its own axis
+                push_modes(j, body, force, moment, modes, attachments, shapes, out)
+        else:
+            push, turn = add(vec(left.force), vec(right.force)), add(vec(left.moment), vec(right.moment))
+            add_generalised_forces(get_body(left.body), push, turn, of_body)
         if parts[i].twist >= 0:
-            apart = dot(vec(left.moment), body.left) - dot(vec(right.moment), body.left)
+            axis_left, axis_right = vec(left.body.left), vec(right.body.left)
+            apart = dot(vec(left.moment), axis_left) - dot(vec(right.moment), axis_right)
             out[parts[i].twist] += 0.5 * apart / parts[i].twist_inertia
+        if decks.shape[0] > 0:
+            push_deck(left.s, -wheel_total(buffer, own, first).Fb, decks[0], deck_shapes, modes, out)
+            push_deck(right.s, -wheel_total(buffer, own, first + 1).Fb, decks[0], deck_shapes, modes, out)
         if vehicle.rails >= 0:
             for k in range(first, first + 2):
                 rail, total = vehicle.rails + 2 * k, wheel_total(buffer, own, k)

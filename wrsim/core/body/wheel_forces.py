@@ -133,6 +133,15 @@ def wheel_record(buffer: Array, index: Ints, i: int) -> Record:
 
 
 @inlined
+def place_on_rail(buffer: Array, index: Ints, i: int) -> float:
+    """Distance of the wheel number i along its rail [m], that of the last evaluation where it has no place."""
+    wheel = wheel_record(buffer, index, i)
+    rail = CurveNodes(records(buffer, index[i * ARRAYS :], RAIL, NODE), wheel.step)
+    s, bad = locate(rail, wheel_origin(get_body(wheel.body), wheel.side, wheel.half_spacing), wheel.s)
+    return s if bad == 0 else wheel.s
+
+
+@inlined
 def wheel_total(buffer: Array, index: Ints, i: int) -> Record:
     """Resultants of this wheel's contact: a record TOTAL."""
     return results(buffer, index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS])[0]

@@ -1,4 +1,4 @@
-"""Finite elements of a rail: bending with shear (Timoshenko) and torsion, in closed form.
+"""Finite elements of a rail or an axle: bending with shear (Timoshenko) and torsion, in closed form.
 
 Unknowns of an element in bending: deflection and turn of the cross-section at its first node, then at its second. With
 the bending stiffness B, the shear stiffness S and the length l
@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 from wrsim.geometry.piecewise import Array
 
 
-def bending_stiffness(length: Array, bending: Array, shear: float) -> NDArray[np.float64]:
+def bending_stiffness(length: Array, bending: Array, shear: Array | float) -> NDArray[np.float64]:
     """Stiffness (n, 4, 4) of elements of these lengths [m] and bending stiffnesses [N m2], each (n,); shear: shear
-    stiffness kappa G A [N]."""
+    stiffness kappa G A [N], of all or each."""
     phi = 12.0 * bending / (shear * length**2)
     one, b = np.ones_like(length), bending / (length**3 * (1.0 + phi))
     near, far = (4.0 + phi) * length**2, (2.0 - phi) * length**2
@@ -39,7 +39,9 @@ def bending_stiffness(length: Array, bending: Array, shear: float) -> NDArray[np
     return np.moveaxis(b * np.array(rows), -1, 0)
 
 
-def bending_mass(length: Array, bending: Array, shear: float, mass: float, rotary: float) -> NDArray[np.float64]:
+def bending_mass(
+    length: Array, bending: Array, shear: Array | float, mass: Array | float, rotary: Array | float
+) -> NDArray[np.float64]:
     """Mass (n, 4, 4) of the same elements; mass [kg/m], rotary: moment of inertia of the section's mass [kg m]."""
     p = 12.0 * bending / (shear * length**2)
     a = 13 / 35 + 7 / 10 * p + p**2 / 3

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
+from wrsim.geometry.track.bridge import Bridge
 from wrsim.geometry.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.geometry.track.path import Path
 from wrsim.geometry.track.rail import CentreLine, SweptCurve
@@ -81,7 +82,7 @@ class Track:
     centre_rows: float
     rail_rows: float
     """Largest distances of the rows of path tables [m]."""
-    elasticity: RailElasticity | SleeperTrack | None = None
+    structure: RailElasticity | SleeperTrack | Bridge | None = None
     """None: rigid rails."""
 
     @classmethod
@@ -135,7 +136,7 @@ class Track:
         step: float | None = None,
         start: tuple[float, float, float] = (0.0, 0.0, 0.0),
         heading: float = 0.0,
-        elasticity: RailElasticity | SleeperTrack | None = None,
+        structure: RailElasticity | SleeperTrack | Bridge | None = None,
     ) -> Track:
         """A track of given laws of curvature, cant and gauge.
 
@@ -144,7 +145,7 @@ class Track:
         rail profile's origin [m], outward of the gauge point and above the rail tops. cant_base: distance over which
         cant is measured [m], default gauge + 0.065 m. step: largest distance of the tables' rows [m]; None: 0.25 m, and
         on the rails what their irregularities need. start, heading: point [m] and direction [rad] at s = 0.
-        elasticity: of the rails, None for rigid ones.
+        structure: what the rails rest on, None for rigid ones.
         """
         check_range("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
         base = gauge + RAIL_HEAD_WIDTH if cant_base is None else cant_base
@@ -171,7 +172,7 @@ class Track:
         line = CentreLine(law.curvature, pitch, start, heading)
         swept = partial(SweptCurve, line, law.cant, law.widening, gauge, base)
         left, right = swept(1, *left_offset, uneven[1]), swept(-1, *right_offset, uneven[-1])
-        return cls(segments, gauge, base, line, left, right, ROWS if step is None else step, rows, elasticity)
+        return cls(segments, gauge, base, line, left, right, ROWS if step is None else step, rows, structure)
 
     def __repr__(self) -> str:
         pieces = ", ".join(f"{f.label} {f.start:g}..{f.end:g} m" for f in self.features())
@@ -251,7 +252,7 @@ class Track:
     def relaid(self, segments: Sequence[Segment]) -> Track:
         """Another track, of these segments, with the same rails, gauge and cant base."""
         left, right = ((curve.outward, curve.height) for curve in (self.left_curve, self.right_curve))
-        rails: dict[str, Any] = {"left_offset": left, "right_offset": right, "elasticity": self.elasticity}
+        rails: dict[str, Any] = {"left_offset": left, "right_offset": right, "structure": self.structure}
         return Track.build(segments, self.nominal_gauge, cant_base=self.cant_base, **rails)
 
     def features(self) -> tuple[Feature, ...]:

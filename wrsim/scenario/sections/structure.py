@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field
 
+from wrsim.geometry.track.bridge import Bridge, read_bridge
 from wrsim.geometry.track.sleepers import Joint, Layer, RailBeam, SleeperTrack, SupportRow
 from wrsim.geometry.track.track import RailElasticity
-from wrsim.inputs.section import Choice, Section
-from wrsim.inputs.values import List, number, positive
+from wrsim.inputs.section import Choice, Fault, Section, given
+from wrsim.inputs.values import List, number, positive, text
 
 Stiffness = Annotated[float, number(0.1, 1e5)]
 Damping = Annotated[float, number(0, 1e5)]
@@ -42,7 +45,7 @@ class MovingMassStructure(StructureTable, kind="moving mass"):
     vertical_mass_kg: Annotated[float, number(1, 1e5, "of the rail and what moves with it")]
     """Mass of rail that moves up and down with one wheel."""
 
-    def to_geometry(self) -> RailElasticity:
+    def to_geometry(self, find: Callable[[str], Path]) -> RailElasticity:
         return RailElasticity(
             stiffness=(1e6 * self.lateral_stiffness_MN_per_m, 1e6 * self.vertical_stiffness_MN_per_m),
             damping=(1e3 * self.lateral_damping_kNs_per_m, 1e3 * self.vertical_damping_kNs_per_m),
@@ -186,7 +189,7 @@ class SleepersStructure(StructureTable, kind="sleepers"):
     end_m: Annotated[float, number(0.1, 1000)] = 4.0
     """Length at either end of the window that is damped, so that no waves come back."""
 
-    def to_geometry(self) -> SleeperTrack:
+    def to_geometry(self, find: Callable[[str], Path]) -> SleeperTrack:
         spacing = 1e-3 * self.spacing_mm
         unsupported = tuple((row.at_m + i * spacing, row.side) for row in self.unsupported for i in range(row.sleepers))
         return SleeperTrack(
@@ -199,4 +202,42 @@ class SleepersStructure(StructureTable, kind="sleepers"):
         )  # fmt: skip
 
 
-AnyStructure = Annotated[MovingMassStructure | SleepersStructure, Field(discriminator="kind")]
+class BridgeStructure(StructureTable, kind="bridge"):
+    """A bridge below stiff rails: a continuous beam over its spans, or modes from a file; it moves up and down."""
+
+    aliases = {"spans_m": "length_m span_m", "modes": "file", "count": "mode_count"}
+
+    at_m: Place
+    """Where it begins along the track."""
+    spans_m: List[Annotated[float, number(1, 500, "m")]] = ()
+    """Lengths of its spans on stiff supports."""
+    bending_GNm2: Annotated[float, positive(1e6, "GN m2, E I of the whole deck")] | None = None
+    """Bending stiffness of the deck."""
+    mass_t_per_m: Annotated[float, positive(1000, "t/m, with the track on it")] | None = None
+    """Mass of deck and track."""
+    damping_percent: Annotated[float, number(0, 100, "percent of critical")] = 1.0
+    """Damping of every mode of the beam."""
+    count: Annotated[int, number(1, 50)] = 10
+    """Modes of the beam."""
+    modes: Annotated[str, text('a CSV file such as "bridge_modes.csv"')] | None = None
+    """File of the modes of any deck, in place of a beam."""
+    elastic_length_m: Annotated[float, number(0, 5, "m, (4 E I / k)^(1/4) of both rails on their supports")] = 0.8
+    """Length with which rails, sleepers and ballast spread the load of a wheel over the deck; 0: not at all."""
+
+    def consistency(self) -> Iterator[Fault]:
+        beam = ("spans_m", "bending_GNm2", "mass_t_per_m")
+        if self.modes is not None:
+            if given := [key for key in (*beam, "damping_percent", "count") if key in self.model_fields_set]:
+                yield Fault(given[0], "cannot be given with modes: it is of a beam")
+        elif missing := [key for key in beam if not getattr(self, key)]:
+            yield Fault(missing[0], "must be given (or modes, a file)", missing=True)
+
+    def to_geometry(self, find: Callable[[str], Path]) -> Bridge:
+        if self.modes is not None:
+            return read_bridge(find(self.modes), self.at_m).beneath(self.elastic_length_m)
+        bending, mass = 1e9 * given(self.bending_GNm2), 1e3 * given(self.mass_t_per_m)
+        beam = Bridge.of_spans(self.at_m, self.spans_m, bending, mass, 0.01 * self.damping_percent, self.count)
+        return beam.beneath(self.elastic_length_m)
+
+
+AnyStructure = Annotated[MovingMassStructure | SleepersStructure | BridgeStructure, Field(discriminator="kind")]

@@ -1,0 +1,62 @@
+"""A bridge below the rails: its deck moves up and down in modes, and both rails with it.
+
+With the deflection w(s, t) = sum_k phi_k(s) eta_k(t) a wheel at s meets rails that have risen by w and rise by w_t + v
+w_s; the wheels push the modes down,
+
+    m_k (eta_k_tt + 2 zeta_k omega_k eta_k_t + omega_k^2 eta_k) = -sum over wheels of phi_k(s) Q.
+
+The modes are records MODE of ``core.body.flexible``. That the rails lie on a slope on the deck is left out: of the
+order of w_s times the wheel load, along the track.
+"""
+
+from wrsim.core.jit import Array, Record, Records, kernel, record
+
+DECK = record("start step", "first count")
+"""Beginning of the bridge and distance of the rows of its shapes along the track [m]; number of its first mode, and how
+many it has."""
+
+
+@kernel
+def _between(s: float, deck: Record, rows: Array) -> tuple[int, float, bool]:
+    """Row ahead of a place s [m], the part of the way to the next one, and whether it is on the bridge."""
+    x = (s - deck.start) / deck.step
+    i = min(max(int(x), 0), rows.shape[0] - 2)
+    return i, x - i, 0.0 <= x <= rows.shape[0] - 1.0
+
+
+@kernel
+def _shape(k: int, i: int, x: float, step: float, rows: Array) -> tuple[float, float]:
+    """Value [1] and slope [1/m] of a mode at a part x of the way from row i to the next."""
+    a, b = rows[i, 2 * k], rows[i + 1, 2 * k]
+    da, db = step * rows[i, 2 * k + 1], step * rows[i + 1, 2 * k + 1]
+    bend = 2.0 * (a - b) + da + db
+    lean = 3.0 * (b - a) - 2.0 * da - db
+    return a + x * (da + x * (lean + x * bend)), (da + x * (2.0 * lean + 3.0 * x * bend)) / step
+
+
+@kernel
+def deck_motion(
+    s: float, speed: float, deck: Record, rows: Array, modes: Records, q: Array, q_t: Array
+) -> tuple[float, float]:
+    """How far the deck has risen at a wheel's place s [m], and how fast it rises under the wheel [m/s]. speed: of the
+    wheel along the track [m/s]; rows (n, 2 modes): value and slope of every mode."""
+    i, x, on = _between(s, deck, rows)
+    up, rate = 0.0, 0.0
+    if on:
+        for k in range(deck.count):
+            at = modes[deck.first + k].coordinate
+            value, slope = _shape(k, i, x, deck.step, rows)
+            up += value * q[at]
+            rate += value * q_t[at] + speed * slope * q[at]
+    return up, rate
+
+
+@kernel
+def push_deck(s: float, force: float, deck: Record, rows: Array, modes: Records, out: Array) -> None:
+    """Add the accelerations of the modes by a force up [N] at a place [m]."""
+    i, x, on = _between(s, deck, rows)
+    if on:
+        for k in range(deck.count):
+            mode = modes[deck.first + k]
+            value, _slope = _shape(k, i, x, deck.step, rows)
+            out[mode.coordinate] += value * force / mode.mass

@@ -1,0 +1,95 @@
+"""The arrays of elastic bodies and axles for their kernel (``core.body.flexible``), and their attachments."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.core.body import flexible, vehicle_forces
+from wrsim.simulation.force_law import Array
+from wrsim.vehicle.elements import Triple
+from wrsim.vehicle.flexible import Modes
+from wrsim.vehicle.preload import Preload
+from wrsim.vehicle.vehicle import Vehicle
+
+
+class Attachments:
+    """Points of elastic parts that suspension elements, axle boxes and wheels hold on to; one number for each point.
+
+    ``modes``: of the elastic parts, by their numbers; ``count``: of all modes; ``wheels``: number of the attachment of
+    the left wheel of every elastic axle, behind which the right one follows.
+    """
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        parts = enumerate(vehicle.parts)
+        self.vehicle = vehicle
+        self.modes: dict[int, Modes] = {i: part.modes for i, part in parts if part.modes is not None}
+        counts = [len(modes.frequencies) for modes in self.modes.values()]
+        self.first = dict(zip(self.modes, np.cumsum([0, *counts]).tolist(), strict=False))
+        self.count = sum(counts)
+        self._points: list[tuple[int, Triple]] = []
+        self._behind = len(vehicle.parts) + vehicle_forces.FRAMES + len(vehicle.boxes)
+        self.wheels: dict[int, int] = {}
+        for i in self.modes:
+            if i < len(vehicle.wheelsets):
+                half = 0.5 * vehicle.wheelsets[i].wheelset.profile_spacing
+                self.wheels[i] = self._number(i, (0.0, half, 0.0))
+                self._number(i, (0.0, -half, 0.0))
+
+    def _number(self, part: int, point: Triple) -> int:
+        if (part, point) not in self._points:
+            self._points.append((part, point))
+        return self._points.index((part, point))
+
+    def hold(self, part: int, point: Triple) -> tuple[int, Triple]:
+        """The body that an element holds on to at a point in a part's axes [m], and the point in the body's axes."""
+        if part not in self.modes:
+            return part, point
+        return self._behind + self._number(part, point), (0.0, 0.0, 0.0)
+
+    @property
+    def owners(self) -> list[int]:
+        """Number of the part of every attachment."""
+        return [part for part, _ in self._points]
+
+    def arrays(self, coordinate: int, preloads: Sequence[Preload]) -> list[NDArray[Any]]:
+        """MODES, ATTACHMENTS, SHAPES and GYROSCOPIC of ``core.body.vehicle_forces``. coordinate: of the first mode."""
+        vehicle, most = self.vehicle, max([len(own.frequencies) for own in self.modes.values()], default=1)
+        rows, points = np.zeros(self.count, flexible.MODE), np.zeros(len(self._points), flexible.ATTACHMENT)
+        shapes, gyroscopic = np.zeros((len(points), most, 6)), np.zeros((self.count, most))
+        for i, own in self.modes.items():
+            first, n = self.first[i], len(own.frequencies)
+            omega, (coupling, turning) = 2.0 * np.pi * own.frequencies, own.gyroscopic()
+            gyroscopic[first : first + n, :n] = coupling
+            rest = self._at_rest(i, preloads)
+            for k, row in enumerate(rows[first : first + n]):
+                row.stiffness, row.damping = omega[k] ** 2, 2.0 * own.damping[k] * omega[k]
+                row.mass, row.rest, row.coordinate = own.masses[k], rest[k], coordinate + first + k
+                row.body, row.first, row.count, row.turning = i, first, n, tuple(turning[k])
+        for j, (i, point) in enumerate(self._points):
+            n = len(self.modes[i].frequencies)
+            points[j].body, points[j].first, points[j].count, points[j].point = i, self.first[i], n, point
+            shapes[j, :n] = self.shapes(i, np.array([point]) + vehicle.parts[i].centre)[:, 0]
+        return [rows, points, shapes, gyroscopic]
+
+    def shapes(self, part: int, points: Array) -> Array:
+        """Displacement and turn (n, p, 6) of points (p, 3) of a part in the vehicle's axes [m] by its modes."""
+        return self.modes[part].shapes(points)
+
+    def _at_rest(self, part: int, preloads: Sequence[Preload]) -> Array:
+        """What the preload does to the modes of a body (n,) [N]; an axle is straight without load."""
+        found = np.zeros(len(self.modes[part].frequencies))
+        if part < len(self.vehicle.wheelsets):
+            return found
+        for element, preload in zip(self.vehicle.elements, preloads, strict=True):
+            force = element.directions.T @ preload.force
+            arm = np.subtract(element.points[1], element.points[0])
+            for name, end, sign in ((element.first, element.points[0], -1.0), (element.second, element.points[1], 1.0)):
+                if self.vehicle.index(name) == part:
+                    turning = preload.moment + (np.cross(arm, force) if sign < 0.0 else 0.0)
+                    shape = self.shapes(part, np.array([end]))[:, 0]
+                    found += sign * (shape @ np.concatenate([force, turning]))
+        return found

@@ -1,0 +1,251 @@
+"""Elastic modes of a body: from a file of frequencies and mode shapes, or those of a beam; [bodies.NAME.flexible].
+
+Modes are those of the free body. Their equations: ``core.body.flexible``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from wrsim.errors import InputError
+from wrsim.inputs.csv_tables import read_columns
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import number, positive, text
+
+Array = NDArray[np.float64]
+
+_Frequency = Annotated[float, positive(1500, "Hz")]
+_Damping = Annotated[float, number(0, 1, "of critical")]
+_Mass = Annotated[float, positive(1e6, "kg")]
+_Place = Annotated[float, number(-1e5, 1e5, "mm in the axes of the vehicle or part")]
+_Shift = Annotated[float, number(-1e6, 1e6, "per unit of the mode")]
+_Turn = Annotated[float, number(-1e6, 1e6, "rad per m of the mode")]
+COLUMNS = {
+    "mode": Annotated[int, number(1, 1000)], "frequency_Hz": _Frequency, "damping": _Damping,
+    "modal_mass_kg": _Mass, "x_mm": _Place, "y_mm": _Place, "z_mm": _Place,
+    "ux": _Shift, "uy": _Shift, "uz": _Shift, "rx": _Turn, "ry": _Turn, "rz": _Turn,
+}  # fmt: skip
+"""Columns of a file of modes, a row for every mode at every point; those of turns may be left out."""
+NEEDED = [name for name in COLUMNS if name not in ("rx", "ry", "rz")]
+
+
+@dataclass(frozen=True, eq=False)
+class Modes(ABC):
+    """Modes of a free body: frequencies [Hz], damping ratios, modal masses [kg], each (n,)."""
+
+    frequencies: Array
+    damping: Array
+    masses: Array
+
+    @abstractmethod
+    def shapes(self, points: Array) -> Array:
+        """Displacement [1] and turn [1/m] along x, y, z (n, p, 6) at points (p, 3) of the vehicle [m]. Raises
+        InputError for a point that the modes do not reach."""
+
+    def gyroscopic(self) -> tuple[Array, Array]:
+        """Sums G (n, n) and g (n, 3) of ``core.body.flexible``; 0 for what does not spin."""
+        n = len(self.frequencies)
+        return np.zeros((n, n)), np.zeros((n, 3))
+
+
+def carried(arms: Array, shapes: Array) -> Array:
+    """Displacement and turn (n, p, 6) of points that stiff arms (p, 3) carry from points with these (n, p, 6)."""
+    found = shapes.copy()
+    found[..., :3] += np.cross(shapes[..., 3:], arms)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class PointModes(Modes):
+    """Modes given at points.
+
+    points (p, 3) [m] and values (n, p, 6) in the axes of a part; origin, signs: of these axes in the vehicle's; reach:
+    how far stiff arms lead from a point [m]; source: for messages.
+    """
+
+    points: Array
+    values: Array
+    reach: float
+    source: str = ""
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    signs: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+    def shapes(self, points: Array) -> Array:
+        signs = np.array(self.signs)
+        own = (points - np.array(self.origin)) * signs
+        far = np.linalg.norm(own[:, None] - self.points, axis=-1)
+        nearest = np.argmin(far, axis=1)
+        worst = int(np.argmax(far[np.arange(len(own)), nearest], axis=0)) if len(own) else 0
+        if len(own) and (away := far[worst, nearest[worst]]) > self.reach:
+            x, y, z = 1e3 * own[worst]
+            raise InputError(
+                f"{self.source}: no point of the modes lies near the attachment at x = {x:.5g}, y = {y:.5g}, "
+                f"z = {z:.5g} mm: the nearest is {1e3 * away:.4g} mm away; allowed: reach_mm = {1e3 * self.reach:g}"
+            )
+        found = carried(own - self.points[nearest], self.values[:, nearest])
+        return np.asarray(found * np.append(signs, np.prod(signs) * signs))
+
+
+def read_modes(path: Path, reach: float) -> PointModes:
+    """Modes in a CSV file (``COLUMNS``) or in an NPZ file of arrays ``frequency_Hz``, ``damping``, ``modal_mass_kg``
+    (n,), ``points_mm`` (p, 3), ``shapes`` (n, p, 3 or 6). Raises InputError."""
+    frequencies, damping, masses, points, values = (_from_npz if path.suffix == ".npz" else _from_csv)(path)
+    largest = np.abs(values[..., :3]).max(axis=(1, 2))
+    if not largest.all():
+        raise InputError(f"{path}: mode {int(np.argmin(largest)) + 1} moves no point")
+    scaled = values / largest[:, None, None]
+    return PointModes(frequencies, damping, masses / largest**2, points, scaled, reach, str(path))
+
+
+Given = tuple[Array, Array, Array, Array, Array]
+
+
+def _from_csv(path: Path) -> Given:
+    table, lines = read_columns(path, COLUMNS, NEEDED)
+    modes, first, count = np.unique(table["mode"], return_index=True, return_counts=True)
+    shape = (len(modes), int(count[0]))
+    uneven = np.flatnonzero(count != count[0])
+    grid = np.argsort(table["mode"], kind="stable")
+    at = np.stack([table[name] for name in ("x_mm", "y_mm", "z_mm")], axis=-1)[grid]
+    if uneven.size or np.any(at.reshape(*shape, 3) != at[: shape[1]]):
+        line = lines[first[uneven[0]]] if uneven.size else lines[0]
+        raise InputError(f"{path}:{line}: every mode needs the same points in the same order")
+    for name in ("frequency_Hz", "damping", "modal_mass_kg"):
+        own = table[name][grid].reshape(shape)
+        if np.any(own != own[:, :1]):
+            mode = int(modes[np.argmax(np.any(own != own[:, :1], axis=1))])
+            raise InputError(f"{path}: column {name}: mode {mode} has several values; must be the same in all its rows")
+    zero = np.zeros(len(lines))
+    columns = [table.get(name, zero)[grid].reshape(shape) for name in ("ux", "uy", "uz", "rx", "ry", "rz")]
+    of_modes = (table[name][first] for name in ("frequency_Hz", "damping", "modal_mass_kg"))
+    frequencies, damping, masses = of_modes
+    return frequencies, damping, masses, at[: shape[1]] / 1e3, np.stack(columns, axis=-1)
+
+
+def _from_npz(path: Path) -> Given:
+    names = ("frequency_Hz", "damping", "modal_mass_kg", "points_mm", "shapes")
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            missing = [name for name in names if name not in file]
+            if missing:
+                raise InputError(f"{path}: array '{missing[0]}' is missing; a file of modes has {', '.join(names)}")
+            frequencies, damping, masses, points, values = (np.asarray(file[name], dtype=float) for name in names)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: is no NPZ file of modes ({error})") from None
+    n, p = len(np.atleast_1d(frequencies)), len(points)
+    wanted = {"frequency_Hz": (n,), "damping": (n,), "modal_mass_kg": (n,), "points_mm": (p, 3)}
+    for name, array in zip(names, (frequencies, damping, masses, points), strict=False):
+        if array.shape != wanted[name] or not np.isfinite(array).all():
+            raise InputError(f"{path}: array '{name}' must have the shape {wanted[name]} and finite numbers")
+    if values.shape not in ((n, p, 3), (n, p, 6)) or not np.isfinite(values).all():
+        raise InputError(f"{path}: array 'shapes' must have the shape {(n, p, 6)} or {(n, p, 3)} and finite numbers")
+    if not (np.all(frequencies > 0.0) and np.all(masses > 0.0) and np.all(damping >= 0.0)):
+        raise InputError(f"{path}: frequencies and modal masses must be above 0, damping ratios not below 0")
+    if values.shape[2] == 3:
+        values = np.concatenate([values, np.zeros_like(values)], axis=2)
+    return frequencies, damping, masses, points / 1e3, values
+
+
+def free_roots(count: int) -> Array:
+    """Roots of cos(x) cosh(x) = 1 above 0: wave numbers of the modes of a free beam times its length."""
+    guesses = np.pi * (np.arange(count) + 1.5)
+    return np.array([brentq(lambda x: np.cos(x) - 1.0 / np.cosh(x), g - 0.1, g + 0.1, xtol=1e-14) for g in guesses])
+
+
+@dataclass(frozen=True, eq=False)
+class BeamModes(Modes):
+    """Bending modes of a free uniform beam along x without shear: roots of ``free_roots`` and planes (0: vertical, 1:
+    lateral) (n,), its middle (3,) and its length [m]."""
+
+    roots: Array
+    planes: NDArray[np.intp]
+    middle: Array
+    length: float
+
+    @classmethod
+    def of_body(
+        cls, mass: float, middle: tuple[float, float, float], length: float, frequencies: tuple[float | None, ...],
+        count: int, damping: float,
+    ) -> BeamModes:  # fmt: skip
+        """frequencies: of the first mode in each plane [Hz], None: stiff; count: modes in a plane. The others have
+        frequencies in proportion to the squares of their roots; all have a quarter of the mass, for an end moves by 1.
+        """
+        roots = free_roots(count)
+        planes = np.array([i for i, first in enumerate(frequencies) if first is not None])
+        found = np.concatenate([(roots / roots[0]) ** 2 * f for f in frequencies if f is not None])
+        even, repeated = np.ones(len(found)), np.tile(roots, len(planes))
+        return cls(
+            found, damping * even, 0.25 * mass * even, repeated, np.repeat(planes, count), np.array(middle), length
+        )
+
+    def shapes(self, points: Array) -> Array:
+        arms = points - self.middle
+        along = np.clip(arms[:, 0] / self.length + 0.5, 0.0, 1.0)
+        found = np.zeros((len(self.roots), len(points), 6))
+        for own, k, plane in zip(found, self.roots, self.planes, strict=True):
+            moved, slope = _free_shape(k, along)
+            own[:, 2 - plane] = moved
+            own[:, 4 + plane] = (slope if plane else -slope) / self.length
+        arms[:, 0] = 0.0
+        return carried(arms, found)
+
+
+def _free_shape(k: float, x: Array) -> tuple[Array, Array]:
+    """Deflection of a free beam of length 1 in the mode with the root k, 1 at x = 0, and its slope."""
+    s = (np.cosh(k) - np.cos(k)) / (np.sinh(k) - np.sin(k))
+    # cosh - s sinh without the difference of large numbers
+    near, far = 0.5 * (1.0 + s) * np.exp(-k * x), 0.5 * (1.0 - s) * np.exp(k * x)
+    moved = near + far + np.cos(k * x) - s * np.sin(k * x)
+    slope = k * (far - near - np.sin(k * x) - s * np.cos(k * x))
+    return 0.5 * moved, 0.5 * slope
+
+
+class FlexibleTable(Section, header="[bodies.NAME.flexible]"):
+    """[bodies.NAME.flexible]: elastic modes of a body, from a file or those of a free uniform beam along x."""
+
+    aliases: ClassVar[dict[str, str]] = {"modes": "file", "first_vertical_Hz": "first_bending_Hz frequency_Hz"}
+
+    modes: Annotated[str, text('a CSV or NPZ file such as "carbody_modes.csv"')] | None = None
+    """File of frequencies, damping, modal masses and mode shapes at points."""
+    reach_mm: Annotated[float, positive(10_000, "mm")] = 500.0
+    """Longest stiff arm from a point of the file to a suspension element or a point of the results."""
+    length_mm: Annotated[float, positive(100_000, "mm, of the beam")] | None = None
+    """Length of the beam, in place of a file; its middle is the centre of mass."""
+    first_vertical_Hz: _Frequency | None = None
+    """Frequency of the first vertical bending mode of the free beam; stiff where it is not given."""
+    first_lateral_Hz: _Frequency | None = None
+    """Frequency of the first lateral bending mode."""
+    count: Annotated[int, number(1, 20)] = 3
+    """Bending modes in each of these planes."""
+    damping: _Damping = 0.015
+    """Damping ratio of the modes of the beam."""
+
+    def consistency(self) -> Iterator[Fault]:
+        of_beam = [key for key in ("length_mm", "first_vertical_Hz", "first_lateral_Hz") if getattr(self, key)]
+        if self.modes is not None:
+            more = [*of_beam, *(key for key in ("count", "damping") if key in self.model_fields_set)]
+            if more:
+                yield Fault(more[0], "cannot be given with modes: it is of a beam")
+        elif self.length_mm is None:
+            yield Fault("modes", "must be a file (or give length_mm and first_vertical_Hz of a beam)", missing=True)
+        elif len(of_beam) == 1:
+            yield Fault("first_vertical_Hz", "must be a frequency in Hz (or give first_lateral_Hz)", missing=True)
+
+    def of_body(
+        self, mass: float, centre: tuple[float, float, float], origin: tuple[float, float, float],
+        signs: tuple[float, float, float], find: Callable[[str], Path],
+    ) -> Modes:  # fmt: skip
+        """Modes of a body of this mass [kg] and centre [m]; origin, signs: of its part's axes. Raises InputError."""
+        if self.modes is None:
+            first = (self.first_vertical_Hz, self.first_lateral_Hz)
+            return BeamModes.of_body(mass, centre, (self.length_mm or 0.0) / 1e3, first, self.count, self.damping)
+        given = read_modes(find(self.modes), self.reach_mm / 1e3)
+        return PointModes(**vars(given) | {"origin": origin, "signs": signs})
