@@ -47,6 +47,7 @@ _HOMES = {
     "run_wear": "wrsim.api.studies",
     "Outcome": "wrsim.api.outcome",
     "Result": "wrsim.results",
+    "free_modes": "wrsim.vehicle.finite_elements",
     "load_profile": "wrsim.geometry.profile.models",
     "Profile": "wrsim.geometry.profile.profile",
     "Pose": "wrsim.contact.pose",

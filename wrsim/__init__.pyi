@@ -47,6 +47,7 @@ from wrsim.results import Result as Result
 from wrsim.scenario.loading import Scenario as Scenario
 from wrsim.scenario.loading import load as load
 from wrsim.scenario.loading import load_text as load_text
+from wrsim.vehicle.finite_elements import free_modes as free_modes
 from wrsim.vehicle.vehicle import Vehicle as Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle as load_vehicle
 

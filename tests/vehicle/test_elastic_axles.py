@@ -1,5 +1,6 @@
 """Elastic axles: natural frequencies of shafts, whirl, and the axle bent by its load in a vehicle."""
 
+import itertools
 from dataclasses import replace
 from pathlib import Path
 
@@ -51,12 +52,7 @@ def test_a_shaft_with_discs_at_its_ends_has_the_frequencies_of_theory() -> None:
         return float(turned + 2.0 * heavy / mass * b * np.sinh(x) * np.sin(x))
 
     grid = np.linspace(0.2, 4.0, 4000)
-    found = [
-        brentq(law, a, b)
-        for law in (even, odd)
-        for a, b in zip(grid[:-1], grid[1:], strict=True)
-        if law(a) * law(b) < 0.0
-    ]
+    found = [brentq(law, a, b) for law in (even, odd) for a, b in itertools.pairwise(grid) if law(a) * law(b) < 0.0]
     theory = np.sort(found)[:4] ** 2 * np.sqrt(stiffness / mass) / (2.0 * np.pi)
     assert axle.modes(()).frequencies[:4] == pytest.approx(theory, rel=5e-3)
 
@@ -88,7 +84,7 @@ def test_a_stepped_shaft_has_the_frequencies_of_theory() -> None:
     found = [
         brentq(determinant, lo, hi, args=(even,))
         for even in (True, False)
-        for lo, hi in zip(grid[:-1], grid[1:], strict=True)
+        for lo, hi in itertools.pairwise(grid)
         if determinant(lo, even) * determinant(hi, even) < 0.0
     ]
     theory = np.sort(found)[:4] / (2.0 * np.pi)

@@ -1,5 +1,6 @@
 """Elastic bodies: a beam on springs, energy, statics, files of modes and their faults."""
 
+import itertools
 from dataclasses import replace
 from pathlib import Path
 
@@ -65,12 +66,7 @@ def test_a_beam_on_two_springs_has_the_frequencies_of_theory(stiffness: float) -
         return float(bending * b**3 * turned - 2.0 * stiffness * np.sinh(x) * np.sin(x))
 
     grid = np.linspace(0.02, 0.45, 4000)
-    found = [
-        brentq(law, a, b)
-        for law in (even, odd)
-        for a, b in zip(grid[:-1], grid[1:], strict=True)
-        if law(a) * law(b) < 0.0
-    ]
+    found = [brentq(law, a, b) for law in (even, odd) for a, b in itertools.pairwise(grid) if law(a) * law(b) < 0.0]
     theory = np.sort(np.array(found) ** 2 * np.sqrt(bending * LENGTH / MASS) / (2.0 * np.pi))[:4]
     assert frequencies(on_two_springs(beam(), stiffness))[:4] == pytest.approx(theory, rel=5e-3)
 

@@ -220,8 +220,8 @@ def profiles(
 def stationary(
     vehicle: Vehicle | str, *, cant_deficiency: float | None = None, twist: float | None = None,
     twist_test: bool = False, twists: tuple[float, float] | None = None, rotation_test: bool = False,
-    rotation_radius_m: float = 150.0,
-    picture: Path | None = None, loops: Path | None = None, models: Sequence[str | Path] = (),
+    rotation_radius_m: float = 150.0, picture: Path | None = None, loops: Path | None = None,
+    campbell: Path | None = None, models: Sequence[str | Path] = (),
 ) -> Outcome:  # fmt: skip
     """Mass, centre, static wheel loads, natural modes and stationary tests of a vehicle.
 
@@ -237,6 +237,8 @@ def stationary(
         Tests of EN 14363; twists: of the first under body and bogie [per mille], rotation_radius_m: of the second.
     picture, loops : Path, optional
         Where the vehicle, and the loops of these tests, are drawn.
+    campbell : Path, optional
+        Where the natural frequencies of its elastic axles over the speed are drawn.
 
     Returns
     -------
@@ -262,12 +264,15 @@ def stationary(
     found = at_rest.numbers_at_rest(loaded, cant_deficiency, twist) | {"warnings": vehicle_warnings(loaded)}
     tested, twisted, turned = at_rest.stationary_tests(loaded, twist_test, twists, rotation_test, rotation_radius_m)
     found |= tested
-    if picture is not None or loops is not None:
-        from wrsim.report.outputs import draw_loops, draw_model
+    if campbell is not None and not found["axles"]:
+        raise InputError("--campbell draws elastic axles: this vehicle has none; [wheelset.axle] gives them")
+    if picture is not None or loops is not None or campbell is not None:
+        from wrsim.report.outputs import draw_campbell, draw_loops, draw_model
 
         found |= {"picture": str(draw_model("vehicle", picture, loaded))} if picture else {}
         found |= {"loops": str(draw_loops(loaded, twisted, turned, loops))} if loops else {}
-    files = [Path(found[key]) for key in ("picture", "loops") if key in found]
+        found |= {"campbell": str(draw_campbell(loaded.name, found["axles"], campbell))} if campbell else {}
+    files = [Path(found[key]) for key in ("picture", "loops", "campbell") if key in found]
     return Outcome(at_rest.tables_at_rest(found), found, files, (twisted, turned))
 
 

@@ -124,6 +124,10 @@ def vehicle(
     loops: Annotated[
         Path | None, typer.Option("--loops", metavar="PNG|SVG|PDF", help="Draw the loops of these two tests there.")
     ] = None,
+    campbell: Annotated[
+        Path | None,
+        typer.Option(metavar="PNG|SVG|PDF", help="Draw the frequencies of its elastic axles over the speed there."),
+    ] = None,
     models: options.Models = None,
     force: options.Force = False,
     as_json: options.Json = False,
@@ -134,10 +138,11 @@ def vehicle(
 
         options.check_ending("-o", output, *options.PICTURES)
         options.check_ending("--loops", loops, *options.PICTURES)
+        options.check_ending("--campbell", campbell, *options.PICTURES)
         found = stationary(
             file, cant_deficiency=cant_deficiency, twist=twist, twist_test=twist_test, twists=twists,
             rotation_test=rotation_test, rotation_radius_m=rotation_radius_m, picture=output, loops=loops,
-            models=models or (),
+            campbell=campbell, models=models or (),
         )  # fmt: skip
         for words in [] if as_json else found["warnings"]:
             print_error(f"{file}: warning: {words}")

@@ -271,6 +271,7 @@ VEHICLE_PICTURES = {
         "coupling",
         "coupling_force coupling_fy_ahead coupling_fy_behind coupling_offset coupling_yaw",
     ),
+    "bridge": ("span", "deck_deflection deck_moment deck_acceleration"),
     "vehicle_external_loads": ("external_load", "external_fx external_fy external_fz"),
 }
 """Dimension and channels of every picture, by file name without ending."""
@@ -314,6 +315,8 @@ def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> F
     """Channels of wheelsets, bodies or points, a panel each, and a line for each of them, the smallest in front."""
     names = [str(n) for n in dataset[dim].values]
     labels = numbered(names).values() if dim == "wheelset" else names
+    if dim == "span":
+        labels = [f"span {name}" for name in names]
     pairs = zip(cycle(PART_COLOURS), cycle(theme.GROUP_LINE), labels)
     looks: list[dict[str, Any]] = [{"color": colour, "linestyle": line} for colour, line, _ in pairs]
 
@@ -322,7 +325,9 @@ def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> F
         for i in np.argsort(-np.ptp(values, axis=0), kind="stable"):  # small ones last, or large ones hide them
             at = dataset["wheelset_distance"].values[:, i] if dim == "wheelset" else x
             marks.draw_line(axes, at, values[:, i], **(looks[i] | crowded(values[:, i])))
-        axes.set_ylabel(CHANNELS[name].label.replace(" of the body", "").replace(" [", "\n["))
+        axes.set_ylabel(
+            CHANNELS[name].label.replace(" of the body", "").replace(" of the bridge", "").replace(" [", "\n[")
+        )
 
     legend = [Line2D([], [], label=label, **look) for label, look in zip(labels, looks, strict=True)]
     panels = [partial(panel, name=name) for name in channels]

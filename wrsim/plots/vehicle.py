@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
+from wrsim.plots.histories import PART_COLOURS
 from wrsim.plots.marks import panels
 from wrsim.plots.theme import FAINT, INK, QUIET, RAIL_FILL, WHEEL_FILL, full_width, mm_axes, new_figure, style
 from wrsim.vehicle.couplings import GLYPHS
@@ -128,3 +129,18 @@ def loops_figure(title: str, loops: Sequence[tuple[str, str, Sequence[tuple[str,
 
     draws = [partial(draw, xlabel=x, ylabel=y, lines=lines) for x, y, lines in loops]
     return panels(title, draws, 80.0, columns=len(loops), share=False)
+
+
+def campbell_figure(title: str, axles: Sequence[Mapping[str, Any]]) -> Figure:
+    """Natural frequencies of free axles over the speed, a panel for each: modes that whirl backward and forward.
+    axles: numbers of ``campbell``."""
+
+    def draw(axes: Axes, axle: Mapping[str, Any]) -> None:
+        for way, look in (("backward", "--"), ("forward", "-")):
+            for k, own in enumerate(np.array(axle[f"{way}_Hz"]).T):
+                label = way if k == 0 else None
+                axes.plot(axle["speed_kmh"], own, look, color=PART_COLOURS[k % len(PART_COLOURS)], label=label)
+        axes.set(xlabel="speed [km/h]", ylabel="frequency [Hz]", ylim=(0.0, None), title=axle["wheelset"])
+        axes.legend()
+
+    return panels(title, [partial(draw, axle=axle) for axle in axles], 90.0, columns=len(axles), share=False)

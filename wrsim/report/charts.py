@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 PIECES = 400  # pieces that a history is cut into; each gives two points
 
-NAMED = ("body", "point", "coupling")
+NAMED = ("body", "point", "coupling", "span")
 """Dimensions, besides that of wheelsets, whose labels name the curves of a chart."""
 
 DASHES = ("", "5 3", "1 3", "8 3 2 3", "12 4")
@@ -45,6 +45,7 @@ CHARTS = {
     "T_gamma": "",
     "guide_force_y": f"of the frame on the wheelset, {LEFT}",
     "body_lateral": "", "body_roll": "", "body_yaw": "", "point_ay": "", "point_az": "",
+    "deck_deflection": "downward", "deck_moment": "", "deck_acceleration": "up",
     "coupling_force": "pull is positive",
     "coupling_offset": OF_TWO,
     "coupling_yaw": OF_TWO,

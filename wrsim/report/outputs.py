@@ -21,7 +21,7 @@ from wrsim.plots.drawing import Makers, save_all
 from wrsim.plots.profile import profile_figure, profiles_figure
 from wrsim.plots.ride import ride_figures
 from wrsim.plots.track import track_figure
-from wrsim.plots.vehicle import loops_figure, vehicle_figure
+from wrsim.plots.vehicle import campbell_figure, loops_figure, vehicle_figure
 from wrsim.results.assessment import Assessment, assessment_csv, assessment_json
 from wrsim.results.channels import WHEELS
 from wrsim.results.conicity import ConicityMap
@@ -167,6 +167,11 @@ def write_profiles(
         like = unworn if unworn is not None and unworn.kind == kind else None
         files.append(save(profiles_figure([p for p in profiles.values() if p.kind == kind], table, like), path))
     return files
+
+
+def draw_campbell(title: str, axles: Sequence[Mapping[str, Any]], path: Path) -> Path:
+    """Campbell's diagram of every kind of elastic axle."""
+    return save(campbell_figure(title, axles), path)
 
 
 def draw_loops(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest], path: Path) -> Path:

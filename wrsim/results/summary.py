@@ -73,6 +73,13 @@ OF_WHEELSET = {
 OF_POINT = {f"{name}_max_m_s2": Peak(name, "magnitude", CHANNELS[name].long_name) for name in ("point_ay", "point_az")}
 """Peaks of a point of a vehicle."""
 
+OF_SPAN = {
+    "deflection_max_mm": Peak("deck_deflection", "magnitude", "deflection, downward"),
+    "moment_max_kNm": Peak("deck_moment", "magnitude", "bending moment"),
+    "acceleration_max_m_s2": Peak("deck_acceleration", "magnitude", "acceleration"),
+}
+"""Peaks in the middle of a span of a bridge."""
+
 _STEADY = 1e-4  # change of curvature over its largest value, per metre, below which a curve counts as full
 _SHORTEST = 5  # samples of a full curve that make a median worth reporting
 
@@ -117,6 +124,11 @@ def summarise_contacts(dataset: xr.Dataset) -> dict[str, Any]:
     if "point" in dataset.dims:
         points = {str(name): dataset.sel(point=name) for name in dataset["point"].values}
         summary["points"] = {n: {key: peak(one, own) for key, own in OF_POINT.items()} for n, one in points.items()}
+    if "span" in dataset.dims:
+        spans = {str(k): dataset.sel(span=k) for k in dataset["span"].values}
+        summary["spans"] = {
+            k: {key: peak(one, own) for key, own in OF_SPAN.items() if own.channel in one} for k, one in spans.items()
+        }
     if "kinetic_energy" in dataset:
         summary["energy"] = energy(dataset)
     if has_wear(dataset):

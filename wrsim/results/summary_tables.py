@@ -11,7 +11,7 @@ import xarray as xr
 from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, PATCHES, WHEELS
 from wrsim.results.moments import has_patches, with_patches
-from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_WHEELSET, PATCH_CHANNELS, PEAKS, wheel_peaks
+from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_SPAN, OF_WHEELSET, PATCH_CHANNELS, PEAKS, wheel_peaks
 from wrsim.results.table import Cell, Column, Placed, Table, formatted, listed, quantity, with_unit
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
@@ -36,6 +36,16 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
         heads = (Column("wheelset"), *(Column(peak.short or peak.words, peak.unit) for peak in known.values()))
         tables += [Table("largest either way", heads, rows)] if known else []
     tables += curve_tables(labels, own)
+    if spans := summary.get("spans"):
+        known = {key: own for key, own in OF_SPAN.items() if key in next(iter(spans.values()))}
+        heads = (Column("span"), *(Column(own.words, own.unit) for own in known.values()))
+        tables.append(
+            Table(
+                "bridge, largest in the middle of its spans",
+                heads,
+                [(k, *(_placed(each[key]) for key in known)) for k, each in spans.items()],
+            )
+        )
     if energy := summary.get("energy"):
         parts = [(words, energy[key]) for key, words in ENERGY.items() if energy[key] or key == "left_over_kJ"]
         tables.append(Table("balance of energy over the run", (Column(), Column("work", "kJ")), parts))

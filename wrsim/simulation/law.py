@@ -178,11 +178,15 @@ class VehicleOnTrack(Layout):
                 alike.setdefault(len(own), []).append(own)
             for length in sorted(alike, reverse=True):
                 wheelsets = np.array(alike[length])
-                self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, [(c, wheelsets) for c in wheelsets.T]))
-            if self.deck is not None:  # what one wheelset does to it is small beside its own stiffness and left out
+                groups = [(c, wheelsets) for c in wheelsets.T]
+                if self.deck is not None:  # every wheelset acts on it, and it on every wheelset
+                    wide = [np.append(own, self.of_deck) for own in alike[length]]
+                    groups = [(own[k : k + 1], own[None]) for own in wide for k in range(length)]
+                self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, groups))
+            if self.deck is not None:
                 on_all = np.r_[0 : 6 * len(self.wheels), self.of_deck][None]
-                columns = [(np.array([k]), on_all) for k in self.of_deck]
-                self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, columns))
+                by_deck = [(np.array([k]), on_all) for k in self.of_deck]
+                self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, by_deck))
         return self._blocks
 
     @contextmanager

@@ -78,6 +78,18 @@ class PointModes(Modes):
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     signs: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
+    def save(self, path: str | Path) -> Path:
+        """Write an NPZ file that ``[bodies.NAME.flexible] modes`` takes; in the axes of the points. Raises InputError
+        where there is a file already."""
+        path = Path(path)
+        if path.suffix != ".npz" or path.exists():
+            raise InputError(f"{path}: " + ("exists already" if path.exists() else "must end in .npz"))
+        np.savez(
+            path, frequency_Hz=self.frequencies, damping=self.damping, modal_mass_kg=self.masses,
+            points_mm=1e3 * self.points, shapes=self.values,
+        )  # fmt: skip
+        return path
+
     def shapes(self, points: Array) -> Array:
         signs = np.array(self.signs)
         own = (points - np.array(self.origin)) * signs

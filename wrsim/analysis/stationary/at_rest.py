@@ -17,6 +17,7 @@ from wrsim.analysis.stationary.statics import StaticState, canted, static_state
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.table import Column, Table, formatted, quantity
 from wrsim.simulation.modes import natural_modes
+from wrsim.vehicle.axle import whirl
 from wrsim.vehicle.vehicle import Vehicle
 
 Numbers = Mapping[str, Any]
@@ -40,6 +41,7 @@ def numbers_at_rest(
             {"frequency_Hz": mode.frequency, "damping": mode.damping, "motion": mode.name}
             for mode in natural_modes(trimmed)
         ],
+        "axles": campbell(vehicle),
     }
     tests: dict[str, tuple[dict[str, float], Callable[[], dict[str, Any]]]] = {}
     if vehicle.loads:
@@ -93,6 +95,27 @@ def _unloading(vehicle: Vehicle, level: StaticState, rest: StaticState) -> dict[
 
 def _wheel_loads(vehicle: Vehicle, loads: NDArray[np.float64]) -> dict[str, Any]:
     return {"wheel_loads_kN": _by_wheel(vehicle, loads / 1e3), "weight_kN": float(loads.sum()) / 1e3}
+
+
+CAMPBELL = tuple(range(0, 401, 25))
+"""Speeds of Campbell's diagram [km/h]."""
+
+
+def campbell(vehicle: Vehicle) -> list[dict[str, Any]]:
+    """Natural frequencies of the free elastic axles over the speed, of every kind of axle once; of none where all are
+    rigid. ``backward_Hz`` and ``forward_Hz`` (speeds, modes) are those that whirl against the rolling and with it."""
+    found: list[dict[str, Any]] = []
+    for mounted in vehicle.wheelsets:
+        if mounted.modes is None or any(mounted.wheelset == w.wheelset for w in vehicle.wheelsets[: len(found)]):
+            continue
+        ways: tuple[list[list[float]], list[list[float]]] = [], []
+        for speed in CAMPBELL:
+            # at rest both ways are one motion in two planes
+            frequencies, forward = whirl(mounted.modes, max(speed, 1e-3) / 3.6 / mounted.wheelset.mean_radius)
+            for way, of_way in zip(ways, (~forward, forward), strict=True):
+                way.append(frequencies[of_way].tolist())
+        found.append({"wheelset": mounted.name, "speed_kmh": CAMPBELL, "backward_Hz": ways[0], "forward_Hz": ways[1]})
+    return found
 
 
 def _by_wheel(vehicle: Vehicle, values: NDArray[np.float64]) -> dict[str, dict[str, float]]:
@@ -160,6 +183,11 @@ def tables_at_rest(found: Numbers) -> list[Table]:
         tables.append(_twist_table(found["twist_test"]))
     if "rotation_test" in found:
         tables.append(_rotation_table(found["rotation_test"]))
+    for axle in found["axles"]:
+        columns = (Column("speed", "km/h", "g"), *(Column(word, "Hz", ".2f") for word in ("backward", "forward") * 2))
+        pairs = zip(axle["speed_kmh"], axle["backward_Hz"], axle["forward_Hz"], strict=True)
+        cells = [(v, b[0], f[0], b[1], f[1]) for v, b, f in pairs if v % 100 == 0 and len(b) > 1]
+        tables.append(Table(f"bending of the free elastic axle '{axle['wheelset']}'", columns, cells))
     heads = (Column("frequency", "Hz", ".3f"), Column("damping", "", ".3f"), Column("motion"))
     rows = [(m["frequency_Hz"], m["damping"], m["motion"]) for m in found["modes"]]
     return [*tables, *([Table("modes on its springs, wheelsets held", heads, rows)] if rows else [])]

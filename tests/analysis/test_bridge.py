@@ -1,0 +1,148 @@
+"""A bridge below the track: modes of its beam, moving loads, a coach over it beside a published program."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.integrate import solve_ivp
+from support.vehicles import ROOT, on_track, shipped
+
+from wrsim.analysis import run
+from wrsim.errors import InputError
+from wrsim.geometry.track.bridge import Bridge, read_bridge
+from wrsim.scenario.loading import load
+from wrsim.simulation.steady_state import steady_state
+
+SPAN, BENDING, MASS = 20.0, 35e9 * 0.52, 16587.0
+
+
+def bridge(count: int = 10, spans: tuple[float, ...] = (SPAN,), damping: float = 0.02) -> Bridge:
+    return Bridge.of_spans(50.0, spans, BENDING, MASS, damping, count)
+
+
+def test_a_span_vibrates_in_sines() -> None:
+    found = bridge(5)
+    n = np.arange(1, 6)
+    theory = (n * np.pi / SPAN) ** 2 * np.sqrt(BENDING / MASS) / (2.0 * np.pi)
+    assert found.frequencies == pytest.approx(theory, rel=1e-5)
+    assert found.masses == pytest.approx(np.full(5, 0.5 * MASS * SPAN), rel=1e-5)
+    x = np.linspace(0.0, SPAN, len(found.shapes))
+    for k in n:
+        value, slope = found.shapes[:, k - 1].T
+        sign = np.sign(slope[0])
+        assert sign * value == pytest.approx(np.sin(k * np.pi * x / SPAN), abs=1e-6)
+        assert sign * slope == pytest.approx(k * np.pi / SPAN * np.cos(k * np.pi * x / SPAN), abs=1e-6)
+    moment = -BENDING * (np.pi / SPAN) ** 2 * found.values[0, 0]
+    assert found.moments is not None
+    assert found.moments[0, 0] == pytest.approx(moment, rel=1e-4)
+
+
+def test_two_equal_spans_vibrate_as_one_pinned_and_one_clamped() -> None:
+    """A continuous beam of two spans: odd modes those of a span, even ones of a span clamped at the middle pier."""
+    found = bridge(4, (SPAN, SPAN)).frequencies
+    roots = np.array([np.pi, 3.926602, 2.0 * np.pi, 7.068583])  # tan x = tanh x
+    theory = (roots / SPAN) ** 2 * np.sqrt(BENDING / MASS) / (2.0 * np.pi)
+    assert found == pytest.approx(theory, rel=1e-5)
+
+
+def test_spread_loads_leave_the_static_deflection_and_smooth_the_ends() -> None:
+    """The weights of a beam on its foundation have no second moment: a sine of wavelength l is met with 1/(1 +
+    (2 pi L/l)^4/4) of it."""
+    plain, length = bridge(1), 2.0
+    beneath = plain.beneath(length)
+    middle = len(beneath.shapes) // 2
+    part = beneath.shapes[middle, 0, 0] / plain.shapes[len(plain.shapes) // 2, 0, 0]
+    k = np.pi / SPAN * length
+    assert part == pytest.approx(1.0 / (1.0 + 0.25 * k**4), rel=2e-3)
+    assert np.abs(beneath.shapes[0]).max() < 1e-3
+    assert beneath.start < plain.start
+
+
+def test_stiffness_of_deck_and_wheels_have_one_potential() -> None:
+    """At rest what a mode does to a wheelset is what the wheelset does to the mode (Maxwell and Betti)."""
+    law = on_track(shipped("wheelset_s1002"), 0.0, structure=bridge(2), start=57.0).law
+    rest = steady_state(law)
+    q, q_t, h = rest.q, rest.q_t, 1e-6
+
+    def forces(change: np.ndarray) -> np.ndarray:
+        law(0.0, q + change, q_t, out := np.zeros(law.size))
+        out[law.of_deck] *= bridge(2).masses
+        return out
+
+    by_height, by_mode = np.zeros((2, law.size))
+    by_height[0], by_mode[law.of_deck[0]] = h, h
+    of_height, of_mode = (forces(c) - forces(-c) for c in (by_height, by_mode))
+    assert of_height[law.of_deck[0]] == pytest.approx(of_mode[0], rel=1e-4)
+
+
+# --- a coach --------------------------------------------------------------------------------------------------------
+
+
+@cache
+def over_the_bridge(mass: float, spread: float) -> xr.Dataset:
+    """The shipped scenario, with this mass [t/m] and elastic length [m]."""
+    values = {"track.structure.mass_t_per_m": mass, "track.structure.elastic_length_m": spread}
+    return run(load(ROOT / "scenarios/bridge.toml").with_values(values | {"contact.normal": "kik-piotrowski"})).dataset
+
+
+def moving_loads(mass: float) -> float:
+    """Deflection [m] in the middle under the wheel loads of the coach as constant forces, in modes."""
+    n = np.arange(1, 12)
+    k, load, speed = n * np.pi / SPAN, 44482.0 / 4.0 * 9.80665, 100 / 3.6
+    omega = k**2 * np.sqrt(BENDING / mass)
+    ahead = np.array([10.78, 8.22, -8.22, -10.78]) - 10.78
+
+    def rates(t: float, y: np.ndarray) -> np.ndarray:
+        x = speed * t + ahead
+        on = (x > 0.0) & (x < SPAN)
+        push = 2.0 * load / (mass * SPAN) * np.sin(np.outer(n, np.where(on, x, 0.0)) * np.pi / SPAN).sum(axis=1)
+        return np.concatenate([y[11:], push - 0.04 * omega * y[11:] - omega**2 * y[:11]])
+
+    times = np.linspace(0.0, 41.56 / speed, 1000)
+    found = solve_ivp(rates, (0.0, times[-1]), np.zeros(22), t_eval=times, max_step=2e-3, rtol=1e-6)
+    return float((np.sin(0.5 * n * np.pi) @ found.y[:11]).max())
+
+
+def test_a_coach_bends_a_bridge_nearly_as_its_weight_does() -> None:
+    """The suspension takes some of the dynamic part: one per cent."""
+    found = float(over_the_bridge(16.587, 0.0)["deck_deflection"].max())
+    weight = moving_loads(MASS)
+    assert 0.985 < found / weight < 0.995
+
+
+def test_a_coach_bends_a_bridge_as_in_a_published_program() -> None:
+    """TTB-2D (D. Cantero, SoftwareX 20 (2022) 101253): -2.0576 mm, 989 771 N m, 0.1807 m/s2 in the middle. A track lies
+    on its deck: 0.54 t/m of rails and sleepers, on springs whose elastic length is 0.93 m."""
+    found = over_the_bridge(17.127, 0.93)
+    assert float(found["deck_deflection"].max()) == pytest.approx(2.0576e-3, rel=0.01)
+    assert float(found["deck_moment"].max()) == pytest.approx(989771.0, rel=0.01)
+    assert float(np.abs(found["deck_acceleration"]).max()) == pytest.approx(0.1807, rel=0.03)
+
+
+def test_wrong_files_of_a_bridge_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "deck.csv"
+    head = "mode,frequency_Hz,damping,modal_mass_kg,at_m,uz\n"
+    x = np.linspace(0.0, SPAN, 11)
+    rows = [f"1,4.1,0.02,165870,{a},{np.sin(np.pi * a / SPAN)}" for a in x]
+    path.write_text(head + "\n".join(rows))
+    found = read_bridge(path, 50.0)
+    assert found.frequencies == pytest.approx([4.1])
+    assert found.shapes[:, 0, 0] == pytest.approx(np.sin(np.pi * np.linspace(0.0, 1.0, len(found.shapes))), abs=1e-4)
+    path.write_text(head + "\n".join(rows[:3]))
+    with pytest.raises(InputError, match="at least four"):
+        read_bridge(path, 50.0)
+    path.write_text(head + "\n".join(rows[1:]))
+    with pytest.raises(InputError, match="rising from 0"):
+        read_bridge(path, 50.0)
+
+
+def test_a_bridge_has_its_keys_together() -> None:
+    base = load(ROOT / "scenarios/bridge.toml")
+    for values, words in (
+        ({"track.structure.modes": "a.csv"}, "cannot be given with modes"),
+        ({"contact.normal": "half-space"}, 'cannot be "half-space" on a bridge'),
+    ):
+        with pytest.raises(InputError, match=words):
+            base.with_values(values)

@@ -1,0 +1,136 @@
+"""Modes of a free body from its finite element matrices: Matrix Market files, or Exudyn's ``FEMinterface``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.io import mmread
+from scipy.linalg import eigh
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import ArpackError, eigsh
+
+from wrsim.errors import InputError
+from wrsim.vehicle.flexible import PointModes
+
+Array = NDArray[np.float64]
+
+RIGID = 6
+"""Motions of a free body without deformation."""
+DENSE = 600
+"""Unknowns up to which all natural frequencies are computed at once."""
+SHIFT = 1.0
+"""Where natural frequencies are searched from [Hz]: K + (2 pi)^2 M can be factorised, K of a free body cannot."""
+
+
+def free_modes(
+    stiffness: str | Path | Any, mass: str | Path | Any, nodes: ArrayLike, points: ArrayLike, *, count: int = 10,
+    damping: float = 0.01, radius: float = 0.1, basis: Array | None = None,
+) -> PointModes:  # fmt: skip
+    """Elastic modes of a free body at the points where it is held.
+
+    Parameters
+    ----------
+    stiffness, mass : str, Path or matrix
+        Matrix Market files, or matrices, sparse or not; three unknowns a node along x, y, z, node after node [N/m, kg].
+    nodes : array_like
+        Places of the nodes (n, 3), in the axes of the vehicle [m].
+    points : array_like
+        Where suspension elements and points of the results are (p, 3) [m].
+    count : int
+        Number of modes.
+    damping : float
+        Damping ratio of all.
+    radius : float
+        The nodes within so far from a point [m] carry it as a stiff body, in the mean of least squares; at least three
+        of them.
+    basis : ndarray, optional
+        Shapes (3 n, b) in whose combinations the modes are searched, as those of Craig and Bampton.
+
+    Returns
+    -------
+    PointModes
+        ``save(path)`` writes the NPZ file that ``[bodies.NAME.flexible] modes`` takes.
+
+    Raises
+    ------
+    InputError
+        For matrices that do not fit the nodes, that are not those of a free body, and a point without nodes.
+
+    Examples
+    --------
+    >>> from wrsim import free_modes
+    >>> free_modes("K.mtx", "M.mtx", nodes, [[9.5, 1.0, 1.0]]).save("carbody_modes.npz")
+
+    From an ``exudyn.FEM.FEMinterface``, within its basis of Craig and Bampton:
+
+    >>> matrices = fem.GetStiffnessMatrix(), fem.GetMassMatrix(), fem.GetNodePositionsAsArray()
+    >>> free_modes(*matrices, [[9.5, 1.0, 1.0]], basis=fem.modeBasis["matrix"])
+    """
+    k, m = (_matrix(given, name) for given, name in ((stiffness, "stiffness"), (mass, "mass")))
+    places, held = np.asarray(nodes, dtype=float), np.asarray(points, dtype=float)
+    size = 3 * len(places)
+    for name, matrix in (("stiffness", k), ("mass", m)):
+        if matrix.shape != (size, size):
+            raise InputError(f"{name}: has the shape {matrix.shape}; allowed: {(size, size)} for {len(places)} nodes")
+    shapes = np.eye(0) if basis is None else np.asarray(basis, dtype=float)
+    if basis is not None and (shapes.ndim != 2 or len(shapes) != size):
+        raise InputError(f"basis: has the shape {shapes.shape}; allowed: ({size}, shapes)")
+    most = (size if basis is None else shapes.shape[1]) - RIGID
+    if not 0 < count <= most:
+        raise InputError(f"count = {count}: must be from 1 to {most}")
+    if basis is None:
+        squares, vectors = _eigen(k, m, count + RIGID)
+    else:
+        squares, own = _eigen(csc_matrix(shapes.T @ (k @ shapes)), csc_matrix(shapes.T @ (m @ shapes)), count + RIGID)
+        vectors = shapes @ own
+    if squares[RIGID - 1] > 1e-4 * squares[RIGID]:
+        free = int(np.sum(squares < 1e-4 * squares[RIGID]))
+        raise InputError(f"the matrices are not those of a free body: {free} of 6 motions have no stiffness")
+    frequencies = np.sqrt(squares[RIGID:]) / (2.0 * np.pi)
+    moved = vectors[:, RIGID:].T.reshape(count, -1, 3)
+    values = np.stack([_carried(places, moved, point, radius) for point in held], axis=1)
+    largest = np.abs(values[..., :3]).max(axis=(1, 2))
+    return PointModes(
+        frequencies, np.full(count, damping), largest**-2.0, held, values / largest[:, None, None], radius, "modes"
+    )
+
+
+def _matrix(given: Any, name: str) -> csc_matrix:
+    if isinstance(given, str | Path):
+        try:
+            given = mmread(str(given))
+        except (OSError, ValueError) as error:
+            raise InputError(f"{given}: is no Matrix Market file of the {name} ({error})") from None
+    return csc_matrix(given, dtype=float)
+
+
+def _eigen(k: csc_matrix, m: csc_matrix, count: int) -> tuple[Array, Array]:
+    """The smallest eigenvalues omega^2 (count,) and their vectors (n, count), of unit modal mass."""
+    n = k.shape[0]
+    if count >= n - 1 or n <= DENSE:
+        squares, vectors = eigh(k.toarray(), m.toarray(), subset_by_index=[0, count - 1])
+        return np.abs(squares), vectors
+    try:
+        squares, vectors = eigsh(k, count, m, sigma=-((2.0 * np.pi * SHIFT) ** 2))
+    except (ArpackError, RuntimeError) as error:
+        raise InputError(f"stiffness and mass have no natural frequencies ({error})") from None
+    order = np.argsort(squares)
+    return np.abs(squares[order]), vectors[:, order]
+
+
+def _carried(places: Array, moved: Array, point: Array, radius: float) -> Array:
+    """Displacement and turn (n, 6) of a point that the nodes (p, 3) near it carry; moved: their own (n, p, 3)."""
+    near = np.flatnonzero(np.linalg.norm(places - point, axis=1) <= radius)
+    if len(near) < 3:
+        x, y, z = point
+        words = f"{len(near)} nodes within radius = {radius:g} m; allowed: at least 3, not on a line"
+        raise InputError(f"point ({x:g}, {y:g}, {z:g}) m: has {words}")
+    arms = places[near] - point
+    rows = np.zeros((len(near), 3, 6))
+    rows[:, :, :3] = np.eye(3)
+    rows[:, :, 3:] = [[[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]] for x, y, z in arms]
+    found = np.linalg.lstsq(rows.reshape(-1, 6), moved[:, near].reshape(len(moved), -1).T, rcond=1e-9)[0]
+    return np.asarray(found.T)
