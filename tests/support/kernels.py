@@ -38,6 +38,7 @@ from wrsim.core.contact.strips.records import OF_A_STRIP, System, X
 from wrsim.core.contact.wheel_rail import bodies
 from wrsim.geometry.profile.out_of_round import Flat
 from wrsim.geometry.profile.sections import circle
+from wrsim.geometry.track.bridge import Bridge
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.segments import Arc, Segment
 from wrsim.geometry.track.sleepers import Layer, RailBeam, SleeperTrack
@@ -49,6 +50,7 @@ from wrsim.simulation.law import ConicalVehicleOnTrack, VehicleOnTrack
 from wrsim.simulation.placement import design_state, poses_on_track
 from wrsim.simulation.steady_state import SteadyMotion
 from wrsim.simulation.stepper import Stepper
+from wrsim.vehicle.axle import Axle
 from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut
 from wrsim.vehicle.loads import Effort, Load, SlipControl
 from wrsim.vehicle.wheelset import Torsion, Wheelset
@@ -230,6 +232,7 @@ def vehicle_cases() -> dict[str, list[float]]:
     at[-1], moving[-1] = 1e-3, 0.2
     found["implicit step"] = implicit_step(alone, at, moving)
     found["rails on sleepers"] = step_on_sleepers(curve)
+    found["elastic axle on a bridge"] = bent(curve)
     motors = shipped("manchester_motor")
     moment = Effort(motors.drives[0].wheelset, ((0.0, 5e3),))
     geared = VehicleOnTrack(replace(motors, efforts=(moment,)), law.track, (), speed=20.0, start=60.0)
@@ -272,6 +275,19 @@ def vehicle_cases() -> dict[str, list[float]]:
     bench.step()
     found["step with a deadline"] = [*bench.q, *(float(value[0]) for value in bench.outputs.values())]
     return found
+
+
+def bent(segments: list[Segment]) -> list[float]:
+    """An elastic axle that spins, bent, on a bridge: forces."""
+    axle = Axle(((2.2, 0.16),), count=2)
+    wheelset = shipped("wheelset_s1002_steering").with_wheelsets(lambda own: replace(own, axle=axle))
+    deck = Bridge.of_spans(40.0, (30.0,), 2e10, 2e4, 0.02, 2)
+    law = on_track(wheelset, 20.0, segments, structure=deck).law
+    q, q_t = design_state(law, lateral=2e-3)
+    q[0] -= 1e-4
+    q[law.modes.start : law.modes.stop], q_t[law.modes.start : law.modes.stop] = 1e-5, 1e-2
+    law(0.0, q, q_t, out := np.zeros(law.size))
+    return list(out)
 
 
 def step_on_sleepers(segments: list[Segment]) -> list[float]:
