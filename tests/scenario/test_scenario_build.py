@@ -46,7 +46,7 @@ def test_everything_is_si_behind_build() -> None:
 def test_elasticity_of_rails_and_a_limit_of_slip_are_si_behind_build() -> None:
     keys = {"vehicle.drive": "wheels", "vehicle.slip_control": {"slip_kmh": 3.6, "creepage": 0.1}}
     setup = build(load(SCENARIOS / "manchester_mixed_line.toml").with_values(keys))
-    assert setup.track.elasticity == RailElasticity((25e6, 50e6), (40e3, 60e3), (120.0, 160.0))
+    assert setup.track.structure == RailElasticity((25e6, 50e6), (40e3, 60e3), (120.0, 160.0))
     assert setup.vehicle.slip_control == SlipControl(1.0, 0.1)
 
 

@@ -48,7 +48,7 @@ def as_expected(found: PointModes) -> None:
     sign = np.sign(np.sum(theory * found.values, axis=(1, 2)))[:, None, None]
     assert sign * found.values == pytest.approx(theory, rel=0.03, abs=0.01)
     for part in found.masses / BEAM.masses[order] * largest**2:
-        assert part == pytest.approx(1.0, rel=0.03)
+        assert part == pytest.approx(1.0, rel=0.05)  # sections 0.6 m wide turn
 
 
 def test_modes_of_matrices_are_those_of_the_body_they_describe(tmp_path: Path) -> None:
