@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import factorial, perm
 
 import numpy as np
@@ -109,10 +109,13 @@ def arclengths(velocity: Callable[[Array], Array], t: Array, points: int = 8) ->
     return np.append(0.0, np.cumsum(gauss_integrals(lambda x: np.hypot(*velocity(x).T), t[:-1], t[1:], points)))
 
 
+_gauss = lru_cache(np.polynomial.legendre.leggauss)
+
+
 def gauss_integrals(function: Callable[[Array], Array], start: Array, end: Array, points: int) -> Array:
     """Integrals of function(s (m,)) -> (m, ...) from start to end, both (n,), by Gauss-Legendre quadrature."""
     middle, half = 0.5 * (start + end), 0.5 * (end - start)
-    place, weight = np.polynomial.legendre.leggauss(points)
+    place, weight = _gauss(points)
     values = function((middle + place[:, None] * half).ravel())
     total = sum(w * row for w, row in zip(weight, values.reshape(points, -1, *values.shape[1:]), strict=True))
     return np.asarray((np.asarray(total).T * half).T)

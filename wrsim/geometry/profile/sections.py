@@ -162,8 +162,8 @@ def _nodes(section: ProfileSection, shift: Array) -> Array:
     rates = np.hypot(*section.evaluate(ends)[1].T)
     shifted = [e for e in (0, 1) if np.abs(shift[e]).max() > 0.0]
 
-    def moved(t: Array) -> tuple[Array, Array, Array]:
-        r, v, a = (np.array(x) for x in section.evaluate(t))
+    def moved(t: Array, orders: Sequence[int] = (0, 1, 2)) -> list[Array]:
+        found = [np.array(x) for x in section.evaluate(t)]
         for e in shifted:
             sign, rate = (1.0, -1.0)[e], rates[e]
             x = sign * (t - ends[e]) * rate / fade  # 0 at the join, 1 where it ends
@@ -173,12 +173,13 @@ def _nodes(section: ProfileSection, shift: Array) -> Array:
             for axis in (0, 1):
                 start = [p[axis], 3.0 * p[axis] + q[axis], 6.0 * p[axis] + 3.0 * q[axis]]
                 c = polynomial.polymul([1.0, -3.0, 3.0, -1.0], start)
-                for k, out in enumerate((r, v, a)):
-                    out[near, axis] += polynomial.polyval(x[near], polynomial.polyder(c, k)) * (sign * rate / fade) ** k
-        return r, v, a
+                for k in orders:
+                    bump = polynomial.polyval(x[near], polynomial.polyder(c, k))
+                    found[k][near, axis] += bump * (sign * rate / fade) ** k
+        return found
 
     r, v, a = moved(t)
-    L = arclengths(lambda x: moved(x)[1], t)
+    L = arclengths(lambda x: moved(x, (1,))[1], t)
     return np.column_stack([L, r, np.arctan2(v[:, 1], v[:, 0]), curvature_of(v, a)])
 
 
