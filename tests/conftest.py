@@ -5,7 +5,8 @@ import sys
 
 import pytest
 from hypothesis import settings
-from support.pictures import leave_unpainted
+from support import examples  # noqa: F401 (its profiles)
+from support.pictures import leave_unpainted, sketch
 
 sys.exudynFast = False  # the module that checks ranges and lengths
 os.environ.setdefault("NUMBA_NUM_THREADS", "2")  # two threads can be tried on one core
@@ -13,7 +14,6 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "2")  # two threads can be tried on o
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 # the first example of a test compiles kernels: no deadline; the same examples in every run
-settings.register_profile("wrsim", deadline=None, derandomize=True)
 settings.load_profile("wrsim")
 
 
@@ -21,6 +21,12 @@ settings.load_profile("wrsim")
 def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures are neither put together nor painted."""
     leave_unpainted(monkeypatch)
+
+
+@pytest.fixture
+def sketched(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures are put together and not painted."""
+    sketch(monkeypatch)
 
 
 FIRST = (

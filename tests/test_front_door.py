@@ -12,10 +12,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from support.rows import rows_of
 from support.synthetic_result import curve_run, static_poses
 
 import wrsim
 from wrsim import ContactSettings, InputError, Pose, Result, contact_model, load_profile, solve_poses
+
+table = rows_of(__file__)
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "user" / "python.md"
@@ -61,14 +64,7 @@ def test_every_public_name_says_what_it_is(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("code", "heavy"),
-    [
-        ("import wrsim.cli", "numpy pydantic numba matplotlib xarray exudyn scipy rich.progress"),  # so --help is quick
-        (
-            "import wrsim, wrsim.scenario.build as b, wrsim.analysis.motion.run\n"
-            "b.build(wrsim.load('scenarios/curve_r300.toml'))",
-            "scipy.signal scipy.stats scipy.ndimage matplotlib dask",
-        ),
-    ],
+    table("nothing_heavy_is_imported_before_it_is_needed"),
     ids=["the package and its commands", "a run"],
 )
 def test_nothing_heavy_is_imported_before_it_is_needed(code: str, heavy: str) -> None:

@@ -7,6 +7,7 @@ from math import pi, sqrt, tan
 import numpy as np
 import pytest
 from support.commands import ok, refusal
+from support.rows import rows_of
 from support.scenario_texts import CURVE
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 from support.vehicles import shipped
@@ -22,6 +23,8 @@ from wrsim.results.assessment import Assessment, assessment_json
 from wrsim.scenario.sections.assessment import AssessmentSettings
 from wrsim.scenario.sections.run import RideSection
 from wrsim.vehicle.bogies import bogie_mass, level_of
+
+table = rows_of(__file__)
 
 RATE = 500.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)
@@ -331,15 +334,7 @@ def test_nadals_limit_in_closed_form():
 
 @pytest.mark.parametrize(
     "text",
-    [
-        "contact = 3",
-        'contact = {friction = "x"}',
-        'contact = {friction = {static = "x"}}',
-        "contact = {friction = nan}",
-        f"contact = {{friction = {10**400}}}",
-        f"a = {'[' * 5000}",
-        "\0",
-    ],
+    table("a_result_whose_scenario_has_no_friction_gives_no_nadal_limit"),
     ids=lambda text: text[:40],
 )
 def test_a_result_whose_scenario_has_no_friction_gives_no_nadal_limit(text):
@@ -397,6 +392,7 @@ def test_limits_are_those_of_the_standards():
 
 
 # --- files, command, errors ---------------------------------------------------------------------------------
+@pytest.mark.usefixtures("sketched")
 def test_the_command_leaves_tables_and_pictures(tmp_path):
     run(
         400.0,

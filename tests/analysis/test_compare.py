@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from support.commands import call, ok
+from support.rows import rows_of
 from support.runs import FAST, SCENARIOS
 from support.scenario_texts import CURVE, STATIC
 from support.synthetic_result import curve_run
@@ -17,6 +18,8 @@ from wrsim.analysis.resolve import resolve_contacts
 from wrsim.errors import InputError
 from wrsim.scenario.contact_choice import split_names, with_contact_model
 from wrsim.scenario.loading import load, load_text
+
+table = rows_of(__file__)
 
 POSES = STATIC.replace("lateral_mm = 0\n", "lateral_mm = [0, 5.06, -100]\n")
 SHORT = CURVE.replace("[run]\n", "[run]\nstart_distance_m = 60\ntime_s = 0.06\n")
@@ -83,15 +86,7 @@ def test_names_choose_models():
 
 @pytest.mark.parametrize(
     ("names", "words"),
-    [
-        ("kik-piotrowsky,half-space", 'did you mean "kik-piotrowski"?'),
-        ("half-space+fastsym,file", 'did you mean "fastsim"?'),
-        ("half-space+kik-piotrowski,file", "there is a normal model already"),
-        ("file,kik-piotrowski+half-space", 'needs normal = "half-space"'),
-        ("file,,half-space", "has an empty name"),
-        ("file,file", "duplicate"),
-        ("half-space", "needs two models at least"),
-    ],
+    table("wrong_names_are_one_clear_error"),
 )
 def test_wrong_names_are_one_clear_error(tmp_path, names, words):
     with pytest.raises(InputError, match=r"model|--contact") as error:
@@ -104,8 +99,9 @@ def test_wrong_names_are_one_clear_error(tmp_path, names, words):
     assert "Traceback" not in ended.output
 
 
+@pytest.mark.usefixtures("sketched")
 def test_the_command_leaves_tables_and_pictures(tmp_path):
-    (tmp_path / "case.toml").write_text(POSES.replace(", -100", "") + "[contact.half_space]\nresolution = 20\n")
+    (tmp_path / "case.toml").write_text(POSES.replace(", -100", "") + "[contact.half_space]\nresolution = 12\n")
     models = ["--contact", "half-space,kik-piotrowski", "--reference", "half-space"]
     ended = ok("compare", tmp_path / "case.toml", *models, "-o", tmp_path / "out", "--json")
     report = json.loads(ended.stdout)
@@ -116,7 +112,7 @@ def test_the_command_leaves_tables_and_pictures(tmp_path):
     ratio = float(rows[1]["p0_MPa"]) / float(rows[0]["p0_MPa"]) - 1.0
     assert float(rows[1]["p0_difference_percent"]) == pytest.approx(100.0 * ratio)
     for name in ("compare_values.png", "compare_patches.png", "half-space/result.nc", "kik-piotrowski/result.nc"):
-        assert (tmp_path / "out" / name).stat().st_size > 10_000
+        assert (tmp_path / "out" / name).is_file()
 
 
 def test_every_wheel_of_a_vehicle_is_compared():

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 from support.commands import call, ok, refusal
+from support.rows import rows_of
 from support.runs import ROOT
 
 from wrsim.analysis import run
@@ -26,6 +27,8 @@ from wrsim.results.tables import tables
 from wrsim.scenario.loading import load
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.vehicle.wheelset import Wheel, Wheelset
+
+table = rows_of(__file__)
 
 DATA = Path(__file__).parents[1] / "data"
 E = np.genfromtxt(DATA / "en15302_conicity.csv", delimiter=",", comments="#", skip_header=2)
@@ -172,6 +175,7 @@ def test_mirrored_wheels_mirror_the_radius_difference():
     assert one.roll == pytest.approx(-other.roll, abs=1e-9)
 
 
+@pytest.mark.usefixtures("sketched")
 def test_the_scenario_and_the_command_tell_the_same(tmp_path):
     result = run(load(ROOT / "scenarios" / "conicity_s1002.toml"))
     assert result.summary()["wheelsets"]["wheelset"]["equivalent_conicity"]["3_mm"] == pytest.approx(0.174, abs=2e-3)
@@ -181,7 +185,7 @@ def test_the_scenario_and_the_command_tell_the_same(tmp_path):
     answer = json.loads(told.output)
     values = result.wheelset()["equivalent_conicity"].values
     assert answer["tan_gamma_e"] == pytest.approx(values.tolist(), rel=1e-9)
-    assert picture.stat().st_size > 10_000
+    assert picture.is_file()
     assert table.read_text().splitlines()[0] == "amplitude_mm,equivalent_conicity,conicity_wavelength_m"
     loaded = Result.load(result.save(tmp_path / "result.nc"))
     assert loaded.dataset.identical(result.dataset)
@@ -189,14 +193,7 @@ def test_the_scenario_and_the_command_tell_the_same(tmp_path):
 
 @pytest.mark.parametrize(
     "arguments, message",
-    [
-        ("--roll center", 'did you mean "centre"'),
-        ("--gauge-mm 1700", "do not rest on the rails"),
-        ("--gauges-mm 1440 1430 1", "must be FROM, a TO not below it"),
-        ("--gauges-mm 1430 1440 0.001", "at most 200"),
-        ("--gauges-mm 1430 1440 1 --diameters-mm 920 918", "a map is of wheelsets with like"),
-        ("--curve-m 300 --gauges-mm 1430 1435 1", "no --diameters-mm, -right and --curve-m"),
-    ],
+    table("the_command_refuses_what_it_cannot_use"),
 )
 def test_the_command_refuses_what_it_cannot_use(arguments, message):
     told = refusal("conicity", "wheels/S1002.toml", "rails/60E1.toml", *arguments.split())
@@ -244,6 +241,7 @@ def command(*words: str) -> tuple[int, str]:
     return found.exit_code, found.output
 
 
+@pytest.mark.usefixtures("sketched")
 def test_the_command_leaves_a_table_and_a_picture_and_says_where_there_is_none(tmp_path):
     wheels = tmp_path / "wheels"
     wheels.mkdir()

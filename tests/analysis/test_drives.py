@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import quad
+from support.rows import rows_of
 from support.runs import straight
 from support.scenario_texts import CURVE, faults
 from support.vehicles import COARSE, ROOT, manchester, on_track
@@ -19,6 +20,8 @@ from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.placement import design_state
 from wrsim.vehicle.loads import Effort
 from wrsim.vehicle.speed import SpeedProfile
+
+table = rows_of(__file__)
 
 Array = NDArray[np.float64]
 COACH = ROOT / "scenarios/manchester_r300.toml"
@@ -149,14 +152,7 @@ def test_motors_alone_accelerate_the_mass_and_the_turning_wheels():
 # --- what is refused --------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("line", "said"),
-    [
-        ("speed_kmh = { distance_m_speed_kmh = [[0, 60], [20, 50], [20, 40]] }", "must lie behind the row before it"),
-        ("speed_kmh = { time_s_speed_kmh = [[0, 60], [0.1, 30]] }", "-83.3 m/s2: must be at most 10"),
-        ("speed_kmh = { time_s_speed_kmh = [[0, 60], [-1, 30]] }", "the first numbers rise"),
-        ("speed_kmh = { time_s_speed_kmh = [[0, 60], [9, 0]] }", "must be from 1 to 500 km/h"),
-        ('speed_kmh = 54\nefforts = [{ moment_kNm = 3, on = ["axle"] }]', "'axle' is no wheelset; there is wheelset"),
-        ("speed_kmh = 54\nefforts = [{ time_s_moment_kNm = [[1, 3], [1, 4]] }]", "must lie behind the row before it"),
-    ],
+    table("bad_speeds_and_efforts_are_refused_with_file_and_key"),
 )
 def test_bad_speeds_and_efforts_are_refused_with_file_and_key(tmp_path, line, said):
     found = faults(CURVE.replace("speed_kmh = 54", line), tmp_path)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from support.rows import rows_of
 from support.runs import FAST, SCENARIOS, STEERING, setup_of, straight
 
 from wrsim.analysis import run
@@ -18,6 +19,8 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.vehicle.vehicle import MountedWheelset
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+
+table = rows_of(__file__)
 
 BARE = 1813.0  # mass of the wheelset [kg]
 
@@ -33,17 +36,7 @@ def resting(**values):
 
 @pytest.mark.parametrize(
     "keys",
-    [
-        {},
-        {"contact__friction_left": 0.1, "contact__friction_right": 0.5},
-        {"contact__friction": 0.0},
-        {"contact__tangential": "none"},
-        {"contact__normal": "kik-piotrowski", "contact__approach": "constant"},
-        {"vehicle__sprung_mass_kg": 0.0},
-        {"vehicle__sprung_mass_kg": 20e3},
-        {"track__inclination": "1:20"},
-        {"track__rail": "rails/54E1.toml"},
-    ],
+    table("a_resting_wheelset_stands_in_the_middle_on_even_wheels"),
     ids=lambda keys: " ".join(f"{key.split('__')[-1]}={value}" for key, value in keys.items()) or "as shipped",
 )
 def test_a_resting_wheelset_stands_in_the_middle_on_even_wheels(keys):

@@ -116,6 +116,7 @@ def test_an_assessment_estimates_at_a_cant_deficiency_beyond_that_of_the_run():
     assert row["estimated_maximum"] == pytest.approx(1e-3 * zone.estimate)
 
 
+@pytest.mark.usefixtures("sketched")
 def test_the_command_tells_and_draws_what_values_depend_on(tmp_path):
     file = tmp_path / "settings.toml"
     over = 'estimate_over = ["cant_deficiency", "speed"]\nestimate_cant_deficiency_mm = 150\n'
@@ -123,7 +124,7 @@ def test_the_command_tells_and_draws_what_values_depend_on(tmp_path):
     result = run(3000.0, **CANTED).save(tmp_path / "result.nc")
     told = ok("assess", result, "--scenario", file)
     assert "estimated values by regression [mem]" in told.output and "at 150 mm" in told.output
-    assert (tmp_path / "assessment_estimates.png").stat().st_size > 10_000
+    assert (tmp_path / "assessment_estimates.png").is_file()
 
 
 @pytest.mark.parametrize(

@@ -5,10 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.rows import rows_of
 
 from wrsim import InputError, load, load_vehicle, run
 from wrsim.geometry.profile.out_of_round import Flat, Harmonic
 from wrsim.scenario.build import build
+
+table = rows_of(__file__)
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIO = ROOT / "scenarios/flat.toml"
@@ -44,18 +47,7 @@ def test_a_vehicle_file_gives_its_wheels_their_shape(tmp_path):
 
 @pytest.mark.parametrize(
     "table, words",
-    [
-        ({"kind": "flat", "length_mm": 300}, "differs by 25.1"),
-        ({"kind": "flat", "shape": "fresh"}, "length_mm is missing"),
-        ({"kind": "flat", "length_mm": 40, "depth_mm": 1}, "depth_mm = 1: cannot be given with length_mm"),
-        ({"kind": "flat", "length_mm": 40, "edge_mm": 30}, "edge_mm = 30: must be at most half of length_mm = 40"),
-        ({"kind": "flat", "length_mm": 40, "across_mm": 3}, "across_mm = 3: goes with width_mm"),
-        ({"kind": "harmonic", "order": 3.5, "amplitude_mm": 0.1}, "order = 3.5: must be a whole number from 1 to 200"),
-        ({"kind": "harmonic", "order": 2, "amplitude_mm": 0.1, "on": ["axle 9"]}, "'axle 9' is no wheelset"),
-        ({"kind": "harmonic", "order": 2, "amplitude_mm": 0.1, "wheel": "middle"}, 'must be "left", "right" or "both"'),
-        ({"kind": "radius", "file": "nowhere.csv"}, 'file = "nowhere.csv": not found'),
-        ({"kind": "polygon"}, 'must be "harmonic", "flat", "radius" or "sections"'),
-    ],
+    table("what_cannot_be_is_refused_with_its_key"),
 )
 def test_what_cannot_be_is_refused_with_its_key(table, words):
     with pytest.raises(InputError) as error:
@@ -65,15 +57,7 @@ def test_what_cannot_be_is_refused_with_its_key(table, words):
 
 @pytest.mark.parametrize(
     "rows, words",
-    [
-        ("angle_deg,deviation_mm\n0,0\n90,1\n80,0\n", ":4: angle_deg = 80 after 90: must rise"),
-        ("angle_deg,deviation_mm\n0,0\n120,0.2\n240,0.4\n350,0.6\n", "does not close"),
-        ("angle_deg,deviation_mm\n0,0\n200,0\n400,0\n", "span 400 degrees"),
-        ("angle_deg,deviation_mm,depth_mm\n0,0,0\n90,0,0\n", "one of the columns"),
-        ("angle_deg,across_mm,deviation_mm\n0,0,0\n0,1,0\n9,0,0\n", ":4: angle_deg = 9 has 1 places"),
-        ("angle_deg,across_mm,deviation_mm\n0,0,0\n0,1,0\n9,0,0\n9,2,0\n", ":4: across_mm: a surface has the same"),
-        ("angle_deg,deviation_mm\n0,x\n", ":2: deviation_mm = "),
-    ],
+    table("a_file_of_radii_that_is_no_wheel_is_refused_with_its_line"),
 )
 def test_a_file_of_radii_that_is_no_wheel_is_refused_with_its_line(tmp_path, rows, words):
     file = tmp_path / "radii.csv"

@@ -87,6 +87,7 @@ def scans(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_folder_is_one_table_and_picture_a_kind_and_bad_files_are_named(scans: Path, tmp_path: Path) -> None:
     words = "--reference", "rails/60E1.toml", "--flange-back-mm", 1360.0, "-o", tmp_path / "all.png", "--json"
     found = json.loads(ok("profile", scans, *map(str, words)).stdout)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.rows import rows_of
 from support.runs import FAST, SCENARIOS
 
 from wrsim.analysis import run
@@ -17,6 +18,8 @@ from wrsim.results import Result
 from wrsim.results.moments import sample_of
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load, load_text
+
+listed = rows_of(__file__)
 
 NO_MOMENTS: dict[str, Any] = {"output.patches_at_m": []}
 NEW, WORN = "rails/60E1.toml", "rails/60E1_worn.toml"
@@ -171,22 +174,7 @@ def test_a_fault_in_a_table_names_its_line(content: str | dict[float, float], me
     assert message in str(caught.value)
 
 
-FAULTS: list[tuple[dict[str, Any], str]] = [
-    ({"track.rail_sections": [section(5.0)]}, "is the only one of its rail; at least 2 are needed"),
-    ({"track.rail_sections": [section(5.0), section(4.0)]}, "must be more than 5, where its rail"),
-    ({"track.rail_sections": [section(5.0), section(400.0)]}, "must be on the track, which is 40 m long"),
-    ({"track.rail_sections": [section(5.0, features_mm=[20]), section(6.0)]}, "the first section has 1"),
-    ({"track.rail_sections": [section(5.0, features_mm=[900]), section(6.0, features_mm=[20])]}, "features must rise"),
-    ({"track.rail_sections": [section(5.0, features_mm=[0.5]), *(section(s, features_mm=[0]) for s in (6.0, 7.0))]},
-     "is there in 1 sections; it must be there in two or more that follow each other"),
-    ({"track.rail_sections": [section(s, features_mm=[f]) for s, f in ((4.0, END), (5.0, END), (5.3, 0), (7.0, 0))]},
-     "rail 'left rail': has a gap of 0.3 m from 5 to 5.3 m, where one side of feature 1 has ended"),
-    ({"track.rail_sections": [section(s, features_mm=f, down_mm=50 if 5.05 < s < 5.25 else 0) for s, f in ((4.0, [END,
-     END]), (5.0, [END, END]), (5.1, [0, END]), (5.2, [0, END]), (5.3, [0, 0]))]},
-     "rail 'left rail': has a gap of 0.1 m from 5 to 5.1 m"),
-    ({"track.rail_sections": [section(5.0, table="a.csv"), section(6.0)]}, "cannot be given with rail"),
-    ({"analysis": "equilibrium"}, 'analysis = "equilibrium" knows one profile of each rail'),
-]  # fmt: skip
+FAULTS: list[tuple[dict[str, Any], str]] = listed("faults")  # fmt: skip
 
 
 def test_a_fault_between_sections_names_the_file_of_the_scenario_first(tmp_path: Path) -> None:

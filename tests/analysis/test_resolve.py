@@ -77,6 +77,7 @@ def test_a_result_without_poses_says_so():
         resolve_contacts(bare, load_text(POSES))
 
 
+@pytest.mark.usefixtures("sketched")
 def test_the_command_writes_a_result_of_the_moments(tmp_path):
     ran(SHORT).save(tmp_path / "result.nc")
     command = ["resolve", str(tmp_path), "--contact", "half-space+fastsim", "--at"]

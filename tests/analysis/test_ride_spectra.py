@@ -145,6 +145,7 @@ def test_the_stretch_and_the_resolution_come_from_the_scenario():
         evaluate_ride(run(100.0))
 
 
+@pytest.mark.usefixtures("sketched")
 def test_the_command_leaves_tables_and_pictures_of_the_ride(tmp_path):
     ridden().save(tmp_path / "result.nc")
     ok("ride", tmp_path)

@@ -124,6 +124,7 @@ def test_a_disturbance_that_dies_at_the_first_speed_is_said():
     assert found.sizes["cycle"] == 1
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_study_reads_well_on_screen_on_disk_and_as_pictures(tmp_path):
     result = run(
         cooperrider(

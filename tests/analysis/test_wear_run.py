@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from support.rows import rows_of
 from support.runs import LEADING, SCENARIOS, arc, mirrored, setup_of, transition
 
 from wrsim.analysis.motion.run import run_in_time
@@ -15,6 +16,8 @@ from wrsim.report.page import report_page
 from wrsim.results import Result
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
+
+table = rows_of(__file__)
 
 STRETCH = 5.0, 14.0
 VALUES = {
@@ -96,13 +99,7 @@ def test_runs_without_a_law_have_no_wear() -> None:
     assert "wear_wheel_depth" not in run_in_time(short).dataset
 
 
-FAULTS: list[tuple[dict[str, Any], str]] = [
-    ({"wear.laws": ["usfd", "usfd"]}, "must hold each law once"),
-    ({"wear.laws": ["usfd"], "wear.from_m": 400.0}, "must lie on the run, from 0 to 250 m"),
-    ({"wear.laws": ["usfd"], "wear.from_m": 40.0, "wear.to_m": 30.0}, "must lie beyond from_m (40 m)"),
-    ({"wear.laws": ["archard"], "wear.archard_coefficients": [1e-4, 1e-3]}, "slow, faster and fast sliding, seizure"),
-    ({"wear.laws": ["usfd"], "analysis": "equilibrium"}, "wear"),
-]
+FAULTS: list[tuple[dict[str, Any], str]] = table("faults")
 
 
 @pytest.mark.parametrize(("values", "words"), FAULTS)

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from support.rows import rows_of
 from support.runs import STEERING, setup_of, straight
 from support.scripts import ROOT, script
 
@@ -19,6 +20,8 @@ from wrsim.analysis.motion.run import run_in_time
 from wrsim.errors import InputError
 from wrsim.report.output_folder import read
 from wrsim.scenario.loading import load
+
+table = rows_of(__file__)
 
 hostile = script("campaigns/hostile.py")
 accepted = script("campaigns/accepted.py")
@@ -64,15 +67,7 @@ def refusal(path: Path) -> str:
 
 @pytest.mark.parametrize(
     ("change", "words"),
-    [
-        ({"size": 2**40}, "size in its header is 1099511627776: input should be less than or equal to 1000000"),
-        ({"size": 7}, "do not follow each other in time"),
-        ({"step_s": float("nan")}, "step_s in its header is nan"),
-        ({"integrator": "magic"}, "integrator in its header is 'magic'; must be generalised-alpha or rk44"),
-        ({"folders": []}, "folders in its header is []: list should have at least 1 item"),
-        ({"files": {"x": 3}}, "files in its header is 3: input should be a valid string"),
-        ({"inputs": "x"}, "inputs in its header is 'x'"),
-    ],
+    table("an_odd_header_of_a_run_file_is_refused_by_name"),
 )
 def test_an_odd_header_of_a_run_file_is_refused_by_name(
     change: dict[str, object], words: str, run_files: tuple[Path, bytes], tmp_path: Path

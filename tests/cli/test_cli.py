@@ -3,13 +3,11 @@
 import errno
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
-from support.commands import call, ok, refusal
+from support.commands import call, forked, ok, refusal
 from support.scenario_texts import CURVE, edited
 from support.synthetic_result import curve_run
 
@@ -206,10 +204,11 @@ def test_plot_draws_patches_at_a_place_where_they_are_kept(run_folder: Path, tmp
 
 # --- the command itself --------------------------------------------------------------------------------
 def test_the_command_ends_quietly_when_the_reader_of_its_output_goes(scenario: Path) -> None:
-    reading, writing = os.pipe()
-    os.close(reading)
-    command = [sys.executable, "-c", "from wrsim.cli import main; main()", "check", str(scenario)]
-    done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, text=True, check=False)
-    os.close(writing)
+    def go() -> None:
+        reading, writing = os.pipe()
+        os.dup2(writing, 1)
+        os.close(reading)
+
+    done = forked("check", scenario, first=go)
     assert "Traceback" not in done.stderr
     assert "Error" not in done.stderr

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from jsonschema.validators import Draft7Validator, validator_for
 from support.commands import call, ok, refusal
+from support.rows import rows_of
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
@@ -29,6 +30,8 @@ from wrsim.study.plan import planned
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.vehicle_sections import WheelsetTable
+
+table = rows_of(__file__)
 
 ROOT = Path(__file__).parents[2]
 
@@ -56,18 +59,7 @@ def faults(schema: Draft7Validator, data: dict[str, Any]) -> list[str]:
 
 @pytest.mark.parametrize(
     ("kind", "file", "slip"),
-    [
-        ("scenario", "scenarios/curve_r300.toml", {"vehicel": {}}),
-        ("scenario", "scenarios/curve_r300.toml", {"contact": {"friction": 7.0}}),
-        ("scenario", "scenarios/curve_r300.toml", {"contact": {"normal": "herz"}}),
-        ("scenario", "scenarios/curve_r150_sharp.toml", {"vehicel": {}}),  # which has a base
-        ("study", "scenarios/studies/friction_speed.toml", {"vary": [{"kind": "gird", "key": "a", "values": [1]}]}),
-        ("vehicle", "models/vehicles/manchester_1.toml", {"name": 1}),
-        ("wheelset", "models/vehicles/wheelset_s1002.toml", {"name": 1}),
-        ("profile", "models/rails/60E1.toml", {"radius": 3.0}),
-        ("profile", "models/wheels/S1002.toml", {"kind": "cone"}),
-        ("profile", "models/wheels/S1002_worn.toml", {"kind": "cone"}),
-    ],
+    table("a_schema_finds_a_slip"),
 )
 def test_a_schema_finds_a_slip(kind: str, file: str, slip: dict[str, Any]) -> None:
     schema, data = schema_of(kind), tomllib.loads((ROOT / file).read_text())
@@ -185,20 +177,7 @@ def test_keys_of_a_table_are_printed_and_a_slip_names_the_nearest() -> None:
 
 @pytest.mark.parametrize(
     ("command", "file", "words"),
-    [
-        ("check", "models/vehicles/manchester_1.toml", "is a vehicle file (wrsim vehicle); a scenario is needed here"),
-        ("check", "models/tracks/mixed_line.toml", "is a track file (wrsim track); a scenario is needed here"),
-        ("check", "models/rails/60E1.toml", "is a profile file (wrsim profile); a scenario is needed here"),
-        ("check", "scenarios/studies/friction_speed.toml", "is a study (wrsim study); a scenario is needed here"),
-        (
-            "check",
-            "scenarios/wear/coach_service.toml",
-            "is a profile evolution (wrsim wear); a scenario is needed here",
-        ),
-        ("study", "scenarios/curve_r300.toml", "is a scenario (wrsim run); a study is needed here"),
-        ("wear", "scenarios/curve_r300.toml", "is a scenario (wrsim run); a profile evolution is needed here"),
-        ("profile", "scenarios/curve_r300.toml", "is a scenario (wrsim run); a profile file is needed here"),
-    ],
+    table("a_file_of_another_kind_is_named_as_what_it_is"),
 )
 def test_a_file_of_another_kind_is_named_as_what_it_is(command: str, file: str, words: str) -> None:
     assert refusal(command, ROOT / file).strip() == f"{ROOT / file}: {words}"

@@ -10,10 +10,14 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from support.contacts import bench, columns, finite, pair_model, settle
 from support.ellipse import COEFFICIENTS, FORCE, MEAN_RADIUS, PEAK, SHEAR_MODULUS, ellipse, roll, total
+from support.examples import examples
+from support.rows import rows_of
 
 from wrsim.contact.tables import bound_over_cells, creep_coefficients
 from wrsim.core.contact.tangential.flexibility import Flexibilities, Rolling, kalker_coefficients
 from wrsim.core.contact.tangential.march import begin, march
+
+table = rows_of(__file__)
 
 FRICTION = 0.3
 MODELS = ["fastsim", "fastsim, parabolic", "fastsim, blended", "fastrip", "polach", "linear", "shen-hedrick-elkins"]
@@ -151,7 +155,7 @@ def test_the_direction_of_next_to_no_creepage_does_not_matter(model, aspect):
 
 
 @pytest.mark.parametrize("model", BOUNDED)
-@settings(max_examples=15)
+@settings(max_examples=examples(15))
 @given(aspect=st.floats(-1.0, 1.0).map(lambda x: 10.0**x), turn=st.floats(-np.pi, np.pi), spin=st.floats(-1.5, 1.5))
 def test_forces_have_no_jumps_along_a_rise_of_creepage(model, aspect, turn, spin):
     def forces(scales):
@@ -200,31 +204,7 @@ def beside(model, method, kinds):
 PURE, SPIN, COMBINED = ("xi", "eta"), ("spin",), ("comb",)
 # Largest and mean error of a force over mu N, largest of the moment over mu N sqrt(a b), measured with 66 x 66 cells.
 # Polach and Shen-Hedrick-Elkins know little of spin; the former has no moment of its own.
-ACCURACY = [
-    ("fastsim", "fastsim_ell", PURE + SPIN, 0.015, 0.015, 0.02),
-    ("fastsim", "fastsim_ell", COMBINED, 0.05, 0.05, 0.03),
-    ("fastsim, parabolic", "fastsim_par", PURE + SPIN, 0.04, 0.04, 0.06),
-    ("fastsim, parabolic", "fastsim_par", COMBINED, 0.135, 0.135, 0.08),
-    ("fastsim", "contact", PURE + SPIN, 0.06, 0.06, 0.035),
-    ("fastsim", "contact", COMBINED, 0.10, 0.10, 0.055),
-    ("fastsim, parabolic", "contact", PURE + SPIN, 0.075, 0.075, 0.08),
-    ("fastsim, parabolic", "contact", COMBINED, 0.10, 0.10, 0.08),
-    ("fastrip", "contact", PURE, 0.02, 0.005, 0.035),
-    ("fastrip", "contact", SPIN, 0.035, 0.016, 0.03),
-    ("fastrip", "contact", COMBINED, 0.075, 0.02, 0.045),
-    ("fastrip", "fastrip", PURE, 0.002, 0.001, 0.001),  # the same formulae
-    ("fastrip", "fastrip", SPIN, 0.06, 0.045, 0.045),
-    ("fastrip", "fastrip", COMBINED, 0.08, 0.035, 0.06),
-    ("fastsim, blended", "contact", PURE, 0.06, 0.025, 0.025),
-    ("fastsim, blended", "contact", SPIN, 0.05, 0.022, 0.07),
-    ("fastsim, blended", "contact", COMBINED, 0.055, 0.025, 0.055),
-    ("polach", "contact", PURE, 0.06, 0.025, 0.16),
-    ("polach", "contact", SPIN, 0.18, 0.08, 0.62),
-    ("polach", "contact", COMBINED, 0.31, 0.13, 0.62),
-    ("polach", "fastsim_ell", PURE, 0.015, 0.01, 0.16),  # Polach's law without spin is that of an elliptic bound
-    ("shen-hedrick-elkins", "contact", PURE, 0.035, 0.015, 0.14),
-    ("shen-hedrick-elkins", "fastsim_par", PURE, 0.006, 0.003, 0.16),  # Vermeulen-Johnson's is that of a parabolic one
-]
+ACCURACY = table("accuracy")
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from support.contacts import RADIUS, bench, columns, numbers, pair_model, settle, strips_of
+from support.examples import examples
+from support.rows import rows_of
 from support.runs import FAST, LEADING, arc, setup_of
 from support.scenario_texts import CURVE, edited, faults
 
@@ -23,6 +25,8 @@ from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, Hal
 from wrsim.results import Result
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load_text
+
+table = rows_of(__file__)
 
 PAIR = "S1002/60E1 1:40"
 GREASED = Friction(0.4, gauge_corner=0.1, ramp=(radians(10.0), radians(30.0)))
@@ -61,7 +65,7 @@ def test_friction_falls_from_static_to_its_limit():
     assert FALLING.coefficient(normals(np.zeros(3)), slip) == pytest.approx([0.4, 0.2 * (1.0 + np.exp(-0.6)), 0.2])
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(lateral=st.floats(-5e-3, 8e-3), along=st.floats(-0.05, 0.05), speed=st.floats(0.0, 80.0))
 def test_strips_have_the_friction_of_their_place_and_slip(lateral, along, speed):
     model, contact = slide(BOTH, lateral, along, speed=speed)
@@ -144,17 +148,7 @@ def test_scenarios_take_a_number_or_a_table_for_both_rails_or_for_each():
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [
-        ('friction = "dry"', "must be a number from 0 to 2 (dry steel 0.3 to 0.5) or a table ([contact.friction])"),
-        ("friction = {static = 0.3, gauge_corner_from_deg = 10}", "gauge_corner_from_deg = 10: goes with gauge_corner"),
-        ("friction = {static = 0.3, falling_decay_s_per_m = 1}", "falling_decay_s_per_m = 1: goes with falling_ratio"),
-        (
-            "friction = {static = 0.3, gauge_corner = 0.1, gauge_corner_from_deg = 40}",
-            "gauge_corner_full_deg: must be above gauge_corner_from_deg (40)",
-        ),
-        ("friction = {static = 0.3, left = 0.2}", "'left' belongs in [contact] as friction_left"),
-        ("friction = 0.3\npolach_kA = 0.4", "polach_kS: must not be above polach_kA (0.4)"),
-    ],
+    table("bad_friction_is_refused"),
 )
 def test_bad_friction_is_refused(text, message, tmp_path):
     assert any(message in line for line in faults(edited(CURVE, "friction = 0.35", text), tmp_path))
@@ -281,22 +275,7 @@ def test_where_nothing_runs_friction_is_that_of_one_place() -> None:
 
 @pytest.mark.parametrize(
     ("more", "message"),
-    [
-        ("friction_sections = [{from_m = 60}]", "contact.friction_sections[0].friction is missing"),
-        ("friction_sections = [{friction = 0.1}]", "contact.friction_sections[0].from_m is missing"),
-        ("friction_sections = [{at_m = 60, friction = 0.1}]", "did you mean 'from_m'?"),
-        ("friction_sections = [{from_m = 60, friction = 3}]", "friction_sections[0].friction = 3: must be a number"),
-        ("friction_sections = [{from_m = 999, friction = 0.1}]", "must be on the track, which is 190 m long"),
-        (
-            "friction_sections = [{from_m = 60, friction = 0.1}, {from_m = 60.5, friction = 0.2}]",
-            "contact.friction_sections[1].from_m: must be 61 or more, where its rail",
-        ),
-        ("friction_at_m = 3", "contact.friction_at_m = 3: goes with friction_sections or friction_table"),
-        ('friction_table = "mu.csv"', "mu.csv:3: at_m = 4 after 5: must rise from row to row"),
-        ('friction_table = "high.csv"', "high.csv:2: left = 7: must be a number from 0 to 2"),
-        ('friction_table = "none.csv"', "none.csv"),
-        ('friction_table = "mu.csv"\nfriction_sections = [{from_m = 60, friction = 0.1}]', "cannot be given with"),
-    ],
+    table("bad_friction_along_the_track_is_refused"),
 )
 def test_bad_friction_along_the_track_is_refused(more: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "mu.csv").write_text("at_m,left,right\n5,0.3,0.3\n4,0.3,0.3\n")

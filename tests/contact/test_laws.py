@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support import examples as tried
 from support.contacts import GAUGE, HALF_SPACING, RADIUS, contact_model, finite, rail_profile, strips_of, wheel_profile
 
 from wrsim.analysis.poses.solver import HalfSpacePoseSolver, PoseSolver
@@ -40,7 +41,7 @@ every_normal = pytest.mark.parametrize("normal", NORMALS)
 
 def examples(normal: str, many: int) -> int:
     """Number of examples: few of the slow model."""
-    return EXAMPLES.get(normal, many)
+    return EXAMPLES.get(normal, tried.examples(many))
 
 
 # --- random profiles and poses ------------------------------------------------------------------------

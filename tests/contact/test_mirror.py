@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.contacts import HALF_SPACING, RADIUS, pair_model, rail_origin
+from support.examples import examples
 
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_forces import set_pose, wheel_wrench
@@ -85,7 +86,7 @@ def mirrored(body, frame):
     return np.array(other), np.array([origin * MIRROR, t * MIRROR, -n * MIRROR, b * MIRROR])
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(pose=poses, friction=st.sampled_from([0.0, 0.35]))
 @pytest.mark.parametrize("pair", ["S1002/60E1 1:40", "worn/worn 1:40"])
 def test_a_right_wheel_is_the_mirror_image_of_the_left(pair, pose, friction):
@@ -109,7 +110,7 @@ def moved(body, frame, turn, shift):
     return turned_body, turned_frame
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(
     pose=poses,
     side=st.sampled_from([1, -1]),

@@ -16,6 +16,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.contacts import bench, contact_of, pair_model, settle, strips_of
+from support.rows import rows_of
+
+table = rows_of(__file__)
 
 FRICTION = 0.3
 JUMP = 2e-3
@@ -138,35 +141,7 @@ def calm(on_tread, **values):
 
 
 TREAD, FLANGE = True, False
-LIMITS = [
-    # 0.64 mm; the deepest point is another thing than the centre of a skew patch: up to 2.4 mm beside it
-    ("place", TREAD, {"yaw": 0.0}, 1e-3),
-    ("main point", TREAD, {"yaw": 0.0}, 2.5e-3),
-    ("place", FLANGE, {}, 0.1e-3),
-    # demanded 0.01 rad; 0.003 for the mean over the patch, 0.008 at the main point
-    ("angle", TREAD, {"yaw": 0.0}, 0.003),
-    ("main angle", TREAD, {"yaw": 0.0}, 0.01),
-    # 0.0077; at 60 and 100 kN (p0 of 6 GPa) plain KP spreads too far into the root: 0.012 and 0.017 rad
-    ("angle", FLANGE, {"yaw": 0.0, "load": 24e3}, 0.01),
-    ("angle", FLANGE, {"yaw": 0.0, "load": 60e3}, 0.013),
-    ("angle", FLANGE, {"yaw": 0.0, "load": 100e3}, 0.018),
-    # On a slope of 70 degrees N = Q / cos(angle): an error of 0.01 rad makes 2.5 % of N; with friction Fy sin(angle)
-    # takes part
-    ("normal force", TREAD, {}, 0.001),
-    ("normal force", FLANGE, {"rolling": False}, 0.037),
-    ("normal force", FLANGE, {"rolling": True}, 0.02),
-    # Lateral creepage of 1.2 % saturates friction: on the tread only its direction is in question (0.9 % of mu Q); on
-    # the flange N and with it mu N is up to 2.8 times Q, and spin turns the force (3.2 %)
-    ("creep forces", TREAD, {"yaw": 0.012}, 0.01),
-    ("creep forces", FLANGE, {"yaw": 0.012}, 0.04),
-    # far from saturation FASTSIM makes 5 % of mu Q; the flange, with up to 2.8 times Q, adds the error of the angle
-    ("creep forces", TREAD, {"yaw": 0.0, "rolling": True}, 0.055),
-    ("creep forces", FLANGE, {"yaw": 0.0, "rolling": True}, 0.18),
-    # Conformity. Tread: 0.012 rad. Flange root: the patch is 10 to 75 % too wide (KP over Hertz has 1.29 in the width
-    # of long narrow patches, the rest is half an element of 0.3 mm on either side)
-    ("spread", TREAD, {}, 0.013),
-    ("spread", FLANGE, {}, 0.055),
-]  # fmt: skip
+LIMITS = table("limits")  # fmt: skip
 """What, where, of which cases, how near; figures in comments are measured."""
 
 

@@ -4,6 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.contacts import HALF_SPACING, PAIRS, RADIUS, finite, pair_model, rail_origin, strips_of
+from support.examples import examples
 
 from wrsim.contact.settings import Friction
 from wrsim.core.contact import records as k
@@ -53,7 +54,7 @@ def press(state):
     return model, model.evaluate(origin, axle, velocity, omega)
 
 
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 @given(state=states)
 def test_any_pose_gives_finite_forces_that_push_and_stay_within_friction(state):
     model, contact = press(state)
@@ -75,7 +76,7 @@ def test_any_pose_gives_finite_forces_that_push_and_stay_within_friction(state):
     assert (contact.closest < 0.0) >= (len(lobes) > 0)
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(100))
 @given(state=states)
 def test_the_same_pose_gives_the_same_numbers_whatever_came_before(state):
     # scratch arrays carry nothing over

@@ -22,6 +22,7 @@ from support.contacts import (
     wheel_profile,
 )
 from support.hertz import hertz
+from support.rows import rows_of
 from support.sweeps import jumps, normal_forces, steepest
 
 from wrsim.contact.half_space.solver import HalfSpace
@@ -39,6 +40,8 @@ from wrsim.core.jit import kernel
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.profile.wear import Removal, worn
+
+table = rows_of(__file__)
 
 TWO_SOLUTIONS = (
     pytest.mark.xfail(strict=True, reason="a cold start finds two solutions where the locus turns aside"),
@@ -118,7 +121,7 @@ def test_a_yawed_wheel_presses_as_the_half_space_does(pair, lateral, yaw, wrong)
     assert lobes["N"].sum() == pytest.approx(exact.normal_force, rel=0.01)
 
 
-@pytest.mark.parametrize("strips, wrong", [(16, 0.016), (24, 0.013), (48, 0.008)])
+@pytest.mark.parametrize("strips, wrong", [(16, 0.016), (48, 0.008)])
 @pytest.mark.parametrize("ratio", [0.022, 0.1, 0.5, 1.0, 2.0, 10.0])
 def test_hertz_ellipses_are_exact_up_to_the_strips(ratio, strips, wrong):
     # unlike Kik-Piotrowski: a, b, area, N and p0 themselves; A/B from slender across to slender along
@@ -288,13 +291,7 @@ def test_no_strip_stands_out_where_lobes_meet():
         assert ours == pytest.approx(peak, rel=0.03), lateral
 
 
-@pytest.mark.parametrize(("wheel", "lateral", "yaw", "wrong"), [
-    # three humps: what presses the second down presses the third too, the overlaps of both are one. Before, the third
-    # ended at the saddle with up to 6.7 times what the strip beside it carried, and bore 9 kN in place of 33
-    ("S1002", 7.0e-3, 12e-3, 0.04), ("S1002", 7.1e-3, 0.0, 0.04),
-    # a hump of two strips beyond a gap, which may carry what they like: the half-space has it too, three rows wide
-    ("worn", 6.6e-3, 0.0, 0.06),
-])  # fmt: skip
+@pytest.mark.parametrize(("wheel", "lateral", "yaw", "wrong"), table("no_end_stands_out"))
 def test_no_end_stands_out_and_every_region_bears_what_the_half_space_does(wheel, lateral, yaw, wrong):
     model = contact_model(wheel_profile(wheel), rail_profile("worn", 40), **STRIPS, **PLAIN)
     settle(bench(model, rolling=False), lateral, yaw, 100e3)
@@ -388,7 +385,8 @@ def rippled(seed, strips):
 
 
 @pytest.mark.parametrize(("seed", "strips", "lateral", "yaw", "solved"), [
-    (8, 12, -3.2e-3, 0.0, True), (8, 12, -2.0e-3, 0.0, True), (3, 20, 6.6e-3, 0.01, False),
+    (8, 12, -3.2e-3, 0.0, True), pytest.param(8, 12, -2.0e-3, 0.0, True, marks=pytest.mark.campaign),
+    (3, 20, 6.6e-3, 0.01, False),
 ])  # fmt: skip
 def test_what_cannot_be_solved_is_bounded_counted_and_told(seed, strips, lateral, yaw, solved):
     model = rippled(seed, strips)
@@ -569,6 +567,7 @@ def conditions(system, n, derivatives):
         jacobian(system, n, False)
 
 
+@pytest.mark.campaign  # a quarter of a minute to compile; in the suite: Newton's method is quadratic
 def test_the_derivatives_of_all_conditions_are_those_of_their_residuals():
     # two grids whose edges are held where they meet, strips shifted along the rail
     stand = bench(pair_model("S1002/60E1 1:40", **STRIPS, **PLAIN), rolling=False)

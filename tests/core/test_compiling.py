@@ -71,8 +71,16 @@ def test_types_in_words_are_kept_in_the_cache_as_those_of_a_call(monkeypatch):
 
 
 COUNTED = """
-import sys
+import gc, logging, os, sys
 from numba.core import event
+from wrsim.core.jit.compiling import COUNT, Kernel, LOGGER
+from wrsim.analysis.warming import warm
+from wrsim import load, run
+LOGGER.setLevel(logging.INFO)
+if (child := os.fork()) == 0:
+    warm()
+    os._exit(0)
+assert os.waitpid(child, 0)[1] == 0
 compiled = []
 class Compiling(event.Listener):
     def on_start(self, event):
@@ -80,10 +88,6 @@ class Compiling(event.Listener):
     def on_end(self, event):
         pass
 event.register("numba:compile", Compiling())
-from wrsim import load, run
-import gc, logging
-from wrsim.core.jit.compiling import COUNT, Kernel, LOGGER
-LOGGER.setLevel(logging.INFO)
 run(load(sys.argv[1]).with_values({"run": {"distance_m": 1}, "output": {"patches_at_m": [0.5]}}))
 called = {one.py_func for one in gc.get_objects() if isinstance(one, Kernel) and one.overloads}
 assert len(called) > 15
@@ -94,7 +98,6 @@ print(*compiled, *(function.__name__ for function in called - COUNT.due))
 def test_nothing_is_left_to_compile_after_warming_up_and_every_kernel_of_a_run_is_counted_ahead():
     paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     environment = os.environ | {"PYTHONPATH": paths}
-    subprocess.run([sys.executable, "-m", "wrsim", "warm", "--quiet"], env=environment, check=True)
     scenario = str(ROOT / "scenarios/curve_r300.toml")
     told = subprocess.run(
         [sys.executable, "-c", COUNTED, scenario], env=environment, check=True, capture_output=True, text=True

@@ -4,11 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.rows import rows_of
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.track.crossing import read_crossing
 from wrsim.geometry.track.rail_surface import RailSurface
+
+table = rows_of(__file__)
 
 FILE = Path(__file__).parents[2] / "models" / "crossings" / "60E1_1in9.toml"
 
@@ -90,14 +93,7 @@ def test_a_trailing_wheel_passes_the_same_sections_the_other_way(sections):
         assert one.features == other.features
 
 
-@pytest.mark.parametrize(("key", "value", "words"), [
-    ("wing_ends_m", 0.5, "wing_ends_m = 0.5: must reach to 0.75 m"),
-    ("nose_corner_mm", 8, "nose_corner_mm = 8: must be at most 7, half of nose_begins_mm"),
-    ("nose_full_mm", 12, "nose_full_mm = 12: must be above nose_begins_mm = 14"),
-    ("rail", '"rails/corner_r13.toml"', 'rail = "rails/corner_r13.toml": must be of the kind "rail-head"'),
-    ("rail", '"rails/60E2.toml"', 'rail = "rails/60E2.toml": '),
-    ("one_in", 1, "one_in = 1: must be a number from 4 to 40"),
-])  # fmt: skip
+@pytest.mark.parametrize(("key", "value", "words"), table("wrong_crossings_are_refused"))  # fmt: skip
 def test_wrong_crossings_are_refused(tmp_path, key, value, words):
     path = changed(tmp_path, (key, value))
     with pytest.raises(InputError) as error:

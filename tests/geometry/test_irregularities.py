@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support import scenario_texts as texts
+from support.rows import rows_of
 
 from wrsim.analysis import run
 from wrsim.errors import InputError
@@ -17,6 +18,8 @@ from wrsim.geometry.track.table import TrackTable
 from wrsim.geometry.track.track import Track
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load, load_text
+
+table = rows_of(__file__)
 
 OUT, UP = 0.043, 0.01
 CURVE: tuple[Segment, ...] = (
@@ -117,14 +120,7 @@ def test_a_grade_that_cannot_be_is_named(grades: list[Grade], message: str) -> N
 # --- what irregularities do to the rails ----------------------------------------------------------------------------
 @pytest.mark.parametrize(
     "channel, rail, left, right",
-    [
-        ("alignment", "both", (1.0, 0.0), (1.0, 0.0)),
-        ("level", "both", (0.0, 1.0), (0.0, 1.0)),
-        ("level", "right", (0.0, 0.0), (0.0, 1.0)),
-        ("alignment", "left", (1.0, 0.0), (0.0, 0.0)),
-        ("cross-level", "both", (0.0, -0.5), (0.0, 0.5)),
-        ("gauge", "both", (0.5, 0.0), (-0.5, 0.0)),
-    ],
+    table("every_channel_moves_the_rails_it_names"),
 )
 def test_every_channel_moves_the_rails_it_names(channel, rail, left, right) -> None:
     size = 8e-3
@@ -191,7 +187,7 @@ def third_octaves(values: np.ndarray, step: float, shortest: float, longest: flo
     return edges, np.array([lines[(numbers >= a) & (numbers < b)].sum() for a, b in pairwise(edges)])
 
 
-@pytest.mark.parametrize("channel", ["alignment", "level", "cross-level"])
+@pytest.mark.parametrize("channel", ["level", "cross-level", pytest.param("alignment", marks=pytest.mark.campaign)])
 def test_third_octaves_of_the_rails_hold_the_spectrum_within_1_db(long_track: Track, channel) -> None:
     step = 0.125
     s = np.arange(0.0, 10_000.0, step)
@@ -296,17 +292,7 @@ def test_a_table_is_filtered_to_the_band_asked_for(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "text, message",
-    [
-        ("distance_m,cant_mm\n0,1\n1,2\n2,3\n1.5,4\n", r"t\.csv:5: distance_m = 1\.5 after 2: must rise"),
-        ("distance_m,cant\n0,1\n", 'column "cant": unknown; did you mean .cant_mm'),
-        ("cant_mm\n0\n", "column 'distance_m' is missing"),
-        ("distance_m,cant_mm\n0,1\n1,a\n2,3\n3,4\n", r't\.csv:3: cant_mm = "a": must be a number'),
-        ("distance_m,cant_mm\n0,1\n1,900\n2,3\n3,4\n", r"t\.csv:3: cant_mm = 900: must be a number from -250"),
-        ("distance_m,cant_mm\n0,1\n1\n2,3\n3,4\n", r"t\.csv:3: has 1 cells"),
-        ("distance_m\n0\n1\n2\n3\n", "nothing but distance_m"),
-        ("distance_m,cant_mm\n0,1\n1,1\n", "2 rows; a track needs at least 4"),
-        ("", "the table is empty"),
-    ],
+    table("a_faulty_table_is_told_with_its_line"),
 )
 def test_a_faulty_table_is_told_with_its_line(tmp_path: Path, text: str, message: str) -> None:
     file = tmp_path / "t.csv"
@@ -418,17 +404,7 @@ UNEVEN, GRADE = "[[track.irregularities]]\nkind = ", "[[track.grades]]\nfrom_m =
 WAVES = f'{UNEVEN}"spectrum"\nspectrum = "FRA-4"\nseed = 1\nwavelength_m = '
 
 
-@pytest.mark.parametrize("text, message", [
-    (f"{WAVES}[3, 300]\n",
-     "s.toml:14: track.irregularities[0]: from 0 to 200 m there is no room for the longest wavelength, 300 m"),
-    (f"{WAVES}[70, 3]\n", "must be two rising wavelengths"),
-    (f'{UNEVEN}"dip"\nat_m = 199\nlength_m = 4\namplitude_mm = 5\n',
-     "s.toml:14: track.irregularities[0]: at_m = 199: goes from 197 to 201 m; must lie on the track"),
-    (f'{UNEVEN}"table"\nfile = "none.csv"\n', 's.toml:16: track.irregularities[0].file = "none.csv": not found'),
-    (GRADE + GRADE, "track.grades[1].from_m: must be above that of the grade before (9)"),
-    (f'{UNEVEN}"gauge"\nat_m = 90\nlength_m = 9\namplitude_mm = -30\n',
-     "s.toml:14: track.irregularities: the wheelset is placed off the rails: at a gauge of 1405 mm"),
-])  # fmt: skip
+@pytest.mark.parametrize("text, message", table("a_fault_in_a_track_is_told_where_it_stands"))  # fmt: skip
 def test_a_fault_in_a_track_is_told_where_it_stands(tmp_path: Path, text: str, message: str) -> None:
     assert message in told(tmp_path, text)
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.examples import examples
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
@@ -80,7 +81,7 @@ def test_an_arc_has_the_curvature_of_its_radius(radius, part, hollow):
     assert arc.length == pytest.approx(2.0 * radius * np.arcsin(half_width / radius), rel=1e-12)
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(angle=st.floats(-3.0, 3.0), du=st.floats(-1.0, 1.0), dw=st.floats(-1.0, 1.0))
 def test_rotation_and_shift_keep_length_curvature_and_distances(angle, du, dw):
     moved = S1002.rotated(angle).shifted(du, dw)

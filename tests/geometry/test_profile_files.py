@@ -4,12 +4,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.rows import rows_of
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import read_points
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
+
+table = rows_of(__file__)
 
 MODELS = Path(__file__).parents[2] / "models"
 WHEEL = load_profile(MODELS / "wheels/S1002.toml")
@@ -183,19 +186,7 @@ def test_simpack_keys_do_what_their_comments_say(write):
 
 @pytest.mark.parametrize(
     ("change", "message"),
-    [
-        (("units.len.f = 1000", "units.len.g = 1000"), r"w.prw:9: unknown key 'units.len.g' .*'units.len.f'"),
-        (("units.len.f = 1000", "rotate = 0.025"), r"rotate = 0.025 is not supported; allowed: 0"),
-        (("units.len.f = 1000", "units.len.f = 0"), r"units.len.f = 0; allowed: above 0"),
-        (("units.len.f = 1000", "units.len.f = mm"), r"w.prw:9: 'mm' is not a number"),
-        (("units.len.f = 1000", ""), r"the profile is 1.534e\+05 mm long; .* Is the unit right"),
-        (("  spline.end", ""), r"ends without spline.end"),
-        (("    point.end\n", ""), r"spline.end without spline.begin"),
-        (("  spline.begin", "  spline.begin\n  spline.begin"), r"w.prw:7: spline.begin is out of place inside spline"),
-        (("type          =  1", "type          =  2"), r"header type = 2; allowed: 0 \(rail\), 1 \(wheel\)"),
-        (("type          =  1", "type          =  0"), r"this is a rail profile; a wheel is needed"),
-        (("! ***   Rail-Wheel", "1.0 2.0 ! ***"), r"w.prw:1: '1.0 2.0' is out of place; is this a SIMPACK"),
-    ],
+    table("simpack_files_with_faults_are_refused"),
 )  # fmt: skip
 def test_simpack_files_with_faults_are_refused(write, change, message):
     text = simpack(rows(WHEEL, 1e3, -1e3), "    units.len.f = 1000")
@@ -283,23 +274,7 @@ def rail_without(first: int, last: int) -> str:
     return "".join(lines[:first] + lines[last:])
 
 
-BAD = [
-    ("", r"points.csv: 0 different points; a profile needs at least 10"),
-    ("y,z\n1 2\n", r"points.csv: 1 different points"),
-    (spoilt(7, "nan 1.0"), r"points.csv:7: nan is not a finite number"),
-    (spoilt(7, "1.0 2,o"), r"points.csv:7: 3 columns; allowed: 2"),
-    (spoilt(7, "900.0 -0.d473"), r"points.csv:7: the curve goes back on itself here"),
-    (spoilt(7, "1.0 2.o"), r"points.csv:7: '2.o' is not a number"),
-    (spoilt(7, "1.0"), r"points.csv:7: 1 columns; allowed: 2, lateral coordinate and height"),
-    (spoilt(400, "500.0 2.0"), r"points.csv:400: the curve goes back on itself here"),
-    (rail_without(400, 500), r"points.csv:401: too coarse: 9\.\d+ mm from the point of line 400; allowed: 5\."),
-    (zigzag(), r"points.csv:30\d: the curve goes back on itself here \(it turns by -?1[78]\d degrees\)"),
-    (loop(), r"points.csv:\d+: the curve crosses itself: lines \d+-\d+ and \d+-\d+ intersect"),
-    (arc_points(300.0, 100), r"points.csv: the direction of its heights is unknown; give heights"),
-    (rows(RAIL, 1e6, 1e6), r"the profile is 1.333e\+05 mm long; allowed: 5 to 1000 mm. Is the unit right\?"),
-    (arc_points(20.0, 400, 5e-3), r"points.csv: the points scatter by [45]\S+ um, .*measured = true"),
-    (roof(), r"points.csv:61: a corner of -40.0 degrees; allowed: 20. .* measured = true"),
-]
+BAD = table("bad")
 
 
 @pytest.mark.parametrize(("text", "message"), BAD, ids=range(len(BAD)))

@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.commands import call, ok
 from support.contacts import bench, contact_model, rail_profile, settle, wheel_profile
+from support.examples import examples
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import read_points
@@ -131,7 +132,7 @@ words = st.tuples(st.just("word"), st.integers(0, len(LINES)), st.text(max_size=
 values = st.tuples(st.just("value"), st.integers(0, len(LINES) - 1), st.floats(allow_nan=True))
 
 
-@settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(50), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(slips=st.lists(cuts | swaps | words | values, min_size=1, max_size=3), measure=st.booleans())
 def test_a_spoiled_scan_is_read_or_refused_with_its_file(tmp_path, slips, measure):
     text = SCAN
@@ -159,7 +160,7 @@ def test_a_spoiled_scan_is_read_or_refused_with_its_file(tmp_path, slips, measur
     assert 0.005 <= profile.length <= 1.0
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(40), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.binary(max_size=300), suffix=st.sampled_from([".csv", ".prr", ".prw", ".ban", ".whl", ".toml"]))
 def test_any_bytes_are_refused_with_their_file(tmp_path, data, suffix):
     path = tmp_path / f"garbage{suffix}"
@@ -198,7 +199,7 @@ def test_a_wave_passes_with_the_stated_amplitude(ratio):
     assert shift / 2e-6 == pytest.approx(0.0, abs=2e-3)  # nothing moves sideways
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(coefficients=st.tuples(*[st.floats(-1.0, 1.0)] * 3), cutoff=st.floats(1e-3, 0.1), seed=st.integers(0, 100))
 def test_parabolas_pass_unchanged_to_their_very_ends(coefficients, cutoff, seed):
     s = np.sort(np.random.default_rng(seed).uniform(0.0, 0.1, 400))

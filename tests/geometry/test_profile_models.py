@@ -4,10 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.rows import rows_of
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.plots.profile import profile_figure
+
+table = rows_of(__file__)
 
 MODELS = Path(__file__).parents[2] / "models"
 ALL = sorted(p for folder in ("wheels", "rails") for p in (MODELS / folder).glob("*.toml"))
@@ -44,16 +47,7 @@ ROOT = (
     "-4.320221063e3 - 1.038384026e3*u - 1.065501873e2*u**2 - 6.051367875*u**3 - 2.054332446e-1*u**4"
     " - 4.169739389e-3*u**5 - 4.687195829e-5*u**6 - 2.252755540e-7*u**7"
 )
-S1002_FORMULAS = [
-    (32.15796, 60.0, "1.364323640 - 0.066666667*u"),
-    (-26.0, 32.15796, TREAD),
-    (-35.0, -26.0, ROOT),
-    (-38.426669071, -35.0, "16.446 - (13**2 - (u + 26.210665)**2)**0.5"),
-    (-39.764473993, -38.426669071, "-93.576667419 - 2.747477419*u"),
-    (-49.662510381, -39.764473993, "8.834924130 + (20**2 - (u + 58.558326413)**2)**0.5"),
-    (-62.764705882, -49.662510381, "16 + (12**2 - (u + 55)**2)**0.5"),
-    (-70.0, -62.764705882, "9.519259302 + (20.5**2 - (u + 49.5)**2)**0.5"),
-]
+S1002_FORMULAS = table("s1002_formulas")
 
 
 @pytest.mark.parametrize(("first", "last", "formula"), S1002_FORMULAS, ids="ABCDEFGH")
@@ -81,14 +75,7 @@ def test_rail_heads_are_as_wide_as_the_standard_says(rail, half_width, depth):
 
 @pytest.mark.parametrize(
     ("rail", "slope", "distance"),
-    [
-        ("60E1", 1 / 20, 46.505),
-        ("60E1", 1 / 40, 43.036),
-        ("60E1", 0.0, 35.981),
-        ("54E1", 1 / 20, 45.404),
-        ("54E1", 1 / 40, 42.065),
-        ("54E1", 0.0, 34.995),
-    ],
+    table("top_and_gauge_point_are_as_far_apart_as_published"),
 )
 def test_top_and_gauge_point_are_as_far_apart_as_published(rail, slope, distance):
     # The published numbers take the highest of points 0.1 mm apart for the top: good to 4 um.
@@ -195,21 +182,7 @@ def test_a_measured_file_is_smoothed_and_says_so(toml, tmp_path):
 
 # --- slips -------------------------------------------------------------------------------------------
 
-SLIPS = [
-    ('kind = "cone"\nconicity = 0.05\nfrom_mm = 5\nto_mm = 1\n', r"to_mm = 1\S*: must be above from_mm = 5"),
-    ('kind = "circle"\nradius_mm = 20\nhalf_width_mm = 30\n', r"half_width_mm = 30\S*: must be a number below"),
-    ('kind = "rail-head"\nradii_mm = [300, 80]\nhalf_widths_mm = [10]\nside_slope = 0.05\ndepth_mm = 30\n',
-     r'body = "wheel": must be "rail"'),
-    ('kind = "sections"\nsections = []\n', "at least one"),
-    ('kind = "sections"\n[[sections]]\nshape = "arc"\nfrom_mm = 0\nto_mm = 20\ncentre_mm = [0, 0]\n'
-     'radius_mm = 10\nhalf = "upper"\n', r"to_mm = 20.*beside the circle; must be a number from -10 to 10"),
-    ('kind = "points"\nfile = "none.csv"\n', r"none.csv: no such profile file"),
-    ('kind = "points"\nfile = "p.csv"\nmeasured = false\ncutoff_mm = 3\n',
-     r"cutoff_mm = 3\S*: is for measured profiles"),
-    ('kind = "chain"\nstart_mm = -10\nstart_angle_deg = 5\n'
-     'pieces = [{shape = "arc", radius_mm = 5, to_angle_deg = 5}]\n',
-     r"pieces\[0\].to_angle_deg = 5: the curve has this angle already"),
-]  # fmt: skip
+SLIPS = table("slips")  # fmt: skip
 
 
 @pytest.mark.parametrize(("text", "message"), SLIPS)

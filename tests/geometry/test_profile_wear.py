@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.rows import rows_of
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.flange import flange_dimensions
@@ -11,6 +12,8 @@ from wrsim.geometry.profile.models import load_profile, write_depths
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, rail_head
 from wrsim.geometry.profile.wear import BRIDGE, Removal, area_off, bin_edges, depths_of, on_unworn, smoothed_table, worn
+
+table = rows_of(__file__)
 
 MODELS = Path(__file__).parents[2] / "models"
 S1002 = load_profile(MODELS / "wheels/S1002.toml")
@@ -109,17 +112,7 @@ DEEP = '[[removals]]\ndirection = "normal"\ndepth_mm = {}\nmiddle_mm = -38\nhalf
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [
-        ('base = "60E1.toml"\n', r"removals is missing: must hold at least one"),
-        ('base = "60E1.tml"\n' + DEEP.format(1, 5), r'base = "60E1.tml": not found in .*did you mean "60E1.toml"'),
-        ('base = "S1002.toml"\n' + DEEP.format(1, 5), r"not found in .*did you mean|a rail profile is needed"),
-        ('base = "profile.toml"\n' + DEEP.format(1, 5), r'base = "profile.toml": the profile would start from itself'),
-        ('base = "60E1.toml"\n' + DEEP.format(13.5, 18), r"corner of -683.8 mrad at u = -36 mm, .*allowed: 100 mrad"),
-        (
-            'base = "60E1.toml"\n[[removals]]\ndirection = "down"\ndepth_mm = 1\nmiddle_mm = 0\nhalf_width_mm = 9\n',
-            r'direction = "down": must be "vertical" or "normal"',
-        ),
-    ],
+    table("wear_that_makes_no_profile_is_refused"),
 )
 def test_wear_that_makes_no_profile_is_refused(tmp_path, text, message):
     path = tmp_path / "profile.toml"

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 from support.commands import call, ok, refusal
 from support.recording_car import Car, shipped_line
+from support.rows import rows_of
 from support.runs import FAST, SCENARIOS
 
 from wrsim.analysis import run
@@ -23,6 +24,8 @@ from wrsim.recording.restoring import Restored, restore
 from wrsim.recording.systems import BaseDifference, Chord, Inertial, InverseFilter, Plain, band_window, filtered
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
+
+table = rows_of(__file__)
 
 Array = NDArray[np.float64]
 
@@ -112,6 +115,7 @@ def test_a_track_measured_by_a_chord_comes_back_within_a_tenth_of_a_millimetre(b
     assert errors(by_chord, car) < 0.1e-3
 
 
+@pytest.mark.campaign  # in the suite: a line of its own, with forms
 def test_the_shipped_line_comes_back_with_its_forms(tmp_path: Path) -> None:
     track = build(load(SCENARIOS / "mixed_line.toml")).track
     car = Car(track, 0.5)
@@ -398,28 +402,7 @@ def rows(**changed: Any) -> str:
 
 @pytest.mark.parametrize(
     ("text", "more", "message"),
-    [
-        (rows(distance="0.75"), BY_BAND, "line.csv:6: column 'distance_m' = 0.75 m after 0.75 m repeats"),
-        (rows(distance="0.5"), BY_BAND, "line.csv:6: column 'distance_m' = 0.5 m after 0.75 m runs backward"),
-        (rows(distance=""), BY_BAND, "line.csv:6: column 'distance_m': is empty"),
-        (rows(level=""), BY_CHORD, "line.csv:6: column 'level_mm': is empty, a gap at 1 m"),
-        (rows(level=""), BY_CHORD, "--from-m 1.25 --to-m 99.75 is the longest"),
-        (rows(level="abc"), BY_BAND, "line.csv:6: column 'level_mm' = 'abc': must be a number"),
-        (rows(level="inf"), BY_BAND, "line.csv:6: column 'level_mm' = 'inf': must be a finite number"),
-        ("\n".join(line for i, line in enumerate(rows().split("\n")) if not 10 <= i < 20), BY_CHORD,
-         "line.csv:11: column 'distance_m' = 4.75 m after 2 m: a gap; rows are 0.25 m apart and filters need "
-         "every one; take a part without gaps: --from-m 4.75 --to-m 99.75"),
-        (rows().replace("1,0.1\n", "1,0.1,7\n", 1), BY_BAND, "line.csv:6: has 3 cells; must have 2 like the header"),
-        (rows(), "", "line.toml:4: channels[1]: has no measuring system: must be one of chord_m = [4, 6]"),
-        (rows(), f'{BY_BAND}\nunit = "ft"', 'line.toml:8: channels[1].unit = "ft": must be'),
-        (rows(), f'{BY_BAND}\nunit = "km"', "line.toml:8: channels[1].unit = \"km\": is none of level: must be mm"),
-        (rows(), f'{BY_BAND}\npositive = "left"', 'channels[1].positive = "left": must be "up" or "down"'),
-        (rows(), f"{BY_BAND}\n{BY_CHORD}", "has chord_m and band: must be one of"),
-        (rows().replace("level_mm", "lvl_mm"), BY_BAND, "line.toml: channels: column 'level_mm' is not in"),
-        (HEAD, BY_BAND, "line.csv: has no rows"),
-        ("\n".join(rows().split("\n")[:10]), BY_BAND, "line.csv:10: the table ends after 9 rows; needs at least 40"),
-        (rows(), f"{BY_BAND}\n{MAP[MAP.rindex('[['):]}{BY_BAND}", "is level like channels[1]"),
-    ],
+    table("bad_recordings_are_refused"),
 )  # fmt: skip
 def test_bad_recordings_are_refused(text: str, more: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "line.csv").write_text(text)

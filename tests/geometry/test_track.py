@@ -9,11 +9,14 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import fresnel
 from support.paths import locate
+from support.rows import rows_of
 
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
 from wrsim.geometry.track.track import Track
 from wrsim.plots.track import track_figure
+
+table = rows_of(__file__)
 
 GAUGE = 1.435
 SHAPES = ("clothoid", "bloss")
@@ -331,14 +334,7 @@ def test_a_wrong_segment_is_named_with_its_number_key_value_and_what_is_allowed(
 
 @pytest.mark.parametrize(
     "arguments, words",
-    [
-        ({"gauge": 1435.0}, r"gauge_mm = 1\.435e\+06.*300 to 3000"),
-        ({"cant_base": 1.0}, "cant_base_mm = 1000.*1435 to 1935"),
-        ({"step": 0.0}, "step_m = 0"),
-        ({"rounding": -1.0}, "rounding_m = -1"),
-        ({"left_offset": (43.0, 0.0)}, "left_offset.*43"),
-        ({"heading": NAN}, "heading.*nan"),
-    ],
+    table("a_wrong_property_of_the_track_is_named"),
 )
 def test_a_wrong_property_of_the_track_is_named(arguments: dict, words: str) -> None:
     with pytest.raises(InputError, match=words):

@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.collections import QuadMesh
 from matplotlib.text import Text
 from support import synthetic_result
+from support.rows import rows_of
 
 from wrsim import load, run
 from wrsim.errors import InputError
@@ -21,6 +22,8 @@ from wrsim.plots.stability import stability_figures
 from wrsim.plots.static import static_figure
 from wrsim.plots.theme import LOOK, STOP_COLOUR, look_of, style
 from wrsim.results import Result
+
+table = rows_of(__file__)
 
 
 @pytest.fixture(scope="module")
@@ -167,7 +170,12 @@ def drawn_texts(figure) -> list:
 
 @pytest.mark.parametrize(
     ("width", "look"),
-    [(80.0, {}), (80.0, {"font": "DejaVu Sans Mono"}), (125.0, {"style": "big"}), (180.0, {"style": "ggplot"})],
+    [
+        (125.0, {"style": "big"}),
+        pytest.param(80.0, {"font": "DejaVu Sans Mono"}, marks=pytest.mark.campaign),
+        pytest.param(80.0, {}, marks=pytest.mark.campaign),
+        pytest.param(180.0, {"style": "ggplot"}, marks=pytest.mark.campaign),
+    ],
     ids=str,
 )
 def test_no_word_is_cut_off_whatever_the_width_the_style_and_the_font(
@@ -183,7 +191,7 @@ def test_no_word_is_cut_off_whatever_the_width_the_style_and_the_font(
             figure = make()
             figure.set_dpi(220)
             with style():
-                figure.canvas.draw()
+                figure.draw_without_rendering()
             for text in drawn_texts(figure):
                 box = text.get_window_extent()
                 outside = max(-box.x0, -box.y0, box.x1 - figure.bbox.width, box.y1 - figure.bbox.height)
@@ -194,13 +202,7 @@ def test_no_word_is_cut_off_whatever_the_width_the_style_and_the_font(
 
 @pytest.mark.parametrize(
     "chosen",
-    [
-        {"formats": "gif"},
-        {"style": "dark_background"},
-        {"font": "No Such Font"},
-        {"style": "ggplott"},
-        {"style": "BAD"},
-    ],
+    table("what_pictures_cannot_be_is_refused"),
     ids=str,
 )
 def test_what_pictures_cannot_be_is_refused(chosen, tmp_path) -> None:

@@ -53,11 +53,11 @@ def few() -> Result:
 
 
 @pytest.fixture(scope="module")
-def two_pages(few: Result) -> str:
-    """The report of two analyses of single poses, with small pictures."""
+def painted() -> str:
+    """The report of single poses, with small pictures."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("wrsim.report.page.DOTS", 50)
-        return page_of(few, few)
+        return page_of(Result(static_poses((0.0, 5.0), (0.0,), ("left",))))
 
 
 class Structure(HTMLParser):
@@ -264,11 +264,14 @@ def test_two_results_are_set_against_each_other_with_wheelsets_from_the_front(
     assert 'id="differences"' in both and 'id="differences"' not in page
 
 
-def test_results_of_other_analyses_have_reports_too(two_pages: str) -> None:
-    assert 'id="pictures"' in two_pages and 'id="contacts"' in two_pages
-    assert two_pages.count("data:image/svg+xml;base64") == 2
+@pytest.mark.usefixtures("unpainted")
+def test_results_of_other_analyses_have_reports_too(few: Result) -> None:
+    both = page_of(few, few)
+    assert 'id="pictures"' in both and 'id="contacts"' in both
+    assert both.count("data:image/svg+xml;base64") == 2
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_results_of_one_wheel_and_of_two_stand_beside_each_other(curve: Result) -> None:
     one = Result(static_poses((0.0, 5.0), (0.0,), ("left",)))
     assert "change, left" in page_of(one, one) and "change, right" not in page_of(one, one)
@@ -401,9 +404,9 @@ def test_a_script_that_gets_into_a_page_does_not_run(chromium: Browser, page: st
     assert len(told) >= 5 and all("Content Security Policy" in words for words in told), told
 
 
-def test_pictures_in_a_page_keep_their_colours(chromium: Browser, two_pages: str, tmp_path: Path) -> None:
+def test_pictures_in_a_page_keep_their_colours(chromium: Browser, painted: str, tmp_path: Path) -> None:
     file = tmp_path / "report.html"
-    file.write_text(two_pages)
+    file.write_text(painted)
     chromium.open(file)
     assert chromium.colours("#pictures img") > 10 and chromium.colours("#contacts img") > 10
     assert chromium.complaints() == []

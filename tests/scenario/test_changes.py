@@ -3,12 +3,15 @@
 from pathlib import Path
 
 import pytest
+from support.rows import rows_of
 
 from wrsim import InputError, load, load_text, load_vehicle
 from wrsim.scenario.build import build
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.vehicle.elements import Spring
 from wrsim.vehicle.vehicle import Vehicle
+
+table = rows_of(__file__)
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 COACH, LINE, TRAIN = (SCENARIOS / f"{name}.toml" for name in ("manchester_r300", "mixed_line", "train_s_curve"))
@@ -73,22 +76,7 @@ def test_a_mistake_in_set_is_named_as_such(key: str) -> None:
 
 @pytest.mark.parametrize(
     ("option", "words"),
-    [
-        ("contact.normal=hertz", 'did you mean "strips" or "half-space"'),
-        ("contact.normal=kik", 'did you mean "kik-piotrowski"'),
-        ("run.dt=0.001", "did you mean 'step_us' (in microseconds)?"),
-        ("run.integrator=sodasrt2", 'did you mean "generalised-alpha"'),
-        ("contact.tangential=usetab", 'did you mean "fastrip" or "half-space"'),
-        ("contact.tangential=kalker", 'did you mean "fastsim", "linear" or "half-space"'),
-        ("contact.creep_forces=polach", "did you mean 'tangential'"),
-        ("contact.model=strips", "did you mean 'normal'"),
-        ("contact.friction=0,3", "decimals need a point: 0.3"),
-        ("vehicle.speed_kmh=60 km/h", "a number has no unit"),
-        ('vehicle.wheel="wheels\\tram.toml"', 'is one letter, not a folder: write "wheels/tram.toml"'),
-        ("track.rail=rails/UIC60.toml", 'did you mean "rails/60E1.toml"'),
-        ("vehicle.model=wheelset", 'did you mean "vehicles/wheelset_'),
-        (r"track.rail='rails\60E1.toml'", 'write "rails/60E1.toml"'),
-    ],
+    table("words_of_other_programs_lead_to_ours"),
 )
 def test_words_of_other_programs_lead_to_ours(option: str, words: str) -> None:
     with pytest.raises(InputError, match=words):

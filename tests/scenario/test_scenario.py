@@ -5,66 +5,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.rows import rows_of
 from support.scenario_texts import CURVE, STATIC, edited, faults
 
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import VARIABLE, shipped_models
 from wrsim.scenario.loading import load, load_text
 
+table = rows_of(__file__)
+
 SCENARIOS = shipped_models().parent / "scenarios"
 
 # --- one fault, one sentence ---------------------------------------------------------------------------
 
-ONE_FAULT = [
-    ("speed_kmh = 54", "speed = 54",
-     "case.toml:5: vehicle.speed = 54: unknown key; did you mean 'speed_kmh' (in km/h)?"),
-    ("speed_kmh = 54", "", 'vehicle.speed_kmh is missing: analysis = "curving" needs a speed'),
-    ("speed_kmh = 54", "speed_kmh = 0", "vehicle.speed_kmh = 0: must be a number from 1 to 500"),
-    ("speed_kmh = 54", 'speed_kmh = "54"', 'vehicle.speed_kmh = "54": must be a number'),
-    ("speed_kmh = 54", "speed_kmh = nan", "vehicle.speed_kmh = nan: must be a number"),
-    ("gauge_mm = 1435", "gauge_mm = 1435\ncant_base_mm = 1000", "track.cant_base_mm = 1000: must be from the gauge"),
-    ('inclination = "1:40"', "inclination = 40",
-     'must be "1:40", "1:20", "none" or a slope from 0 to 0.2; did you mean "1:40"?'),
-    ('rail = "rails/60E1.toml"', "", "track.rail is missing: must be a rail profile file"),
-    ('rail = "rails/60E1.toml"', 'rail_left = "rails/60E1.toml"', "track.rail_right is missing"),
-    ('rail = "rails/60E1.toml"', 'rail = "rails/60E1.toml"\nrail_left = "rails/54E1.toml"',
-     "cannot be given with rail_left"),
-    ("radius_m = 300", "radius_m = 0", "case.toml:18: track.segments[2].radius_m = 0: must be a number of size 10 to"),
-    ("radius_m = 300", "radius_mm = 300",
-     "track.segments[2].radius_mm = 300: unknown key; did you mean 'radius_m' (in m)?"),
-    ("length_m = 120", "length_m = 120\nangle_deg = 20",
-     "track.segments[2].angle_deg = 20: cannot be given with length_m"),
-    ("length_m = 120", "length_m = 120\nform = 'bloss'", "'form' belongs in [[track.segments]] with kind = transition"),
-    ('kind = "arc"', 'kind = "curve"',
-     'case.toml:17: track.segments[2].kind = "curve": must be "straight", "transition" or "arc"'),
-    ('kind = "straight"', 'kind = "transition"', "track.segments[1]: follows another transition"),
-    ("length_m = 40", 'length_m = 40\nform = "klothoid"', 'must be "clothoid" or "bloss"; did you mean "clothoid"?'),
-    ("friction = 0.35", "strips = 40\nstrip_width_mm = 0.1",
-     'contact.strip_width_mm = 0.1: goes with normal = "kik-piotrowski" only'),
-    ("friction = 0.35", 'normal = "kik-piotrowski"\nstrips = 40\nstrip_width_mm = 0.1',
-     "contact.strip_width_mm = 0.1: cannot be given with strips"),
-    ("friction = 0.35", "strips = 40.0", "contact.strips = 40.0: must be a whole number from 5 to 1000"),
-    ("friction = 0.35", "cant_mm = 60", "contact.cant_mm = 60: unknown key; 'cant_mm' belongs in [[track.segments]]"),
-    ("output_interval_ms = 5", "step_us = 6000", "run.step_us = 6000: must be at most the output interval (5 ms)"),
-    ("output_interval_ms = 5", "distance_m = 10\ntime_s = 1", "run.time_s = 1: cannot be given with distance_m"),
-    ("output_interval_ms = 5", "distance_m = 500",
-     "run.distance_m = 500: ends at 500 m: must lie on the track, which is 190 m long"),
-    ("output_interval_ms = 5", "start_distance_m = 190", "run.start_distance_m = 190: must lie on the track"),
-    ("output_interval_ms = 5", "[output]\npatches_at_m = [10, 200]", "200 m is not on the track"),
-    ("output_interval_ms = 5", "[output]\npatches_at_m = 10", "output.patches_at_m = 10: must be a list"),
-    ("output_interval_ms = 5", "[static]\ntarget = 'wheel'\nload_kN = 1",
-     'static: is not used by analysis = "curving"'),
-    ('analysis = "curving"', 'analysis = "curve"',
-     'case.toml:2: analysis = "curve": must be "static", "equilibrium", "curving"'),
-    ('analysis = "curving"', "", 'analysis is missing: must be "static", "equilibrium", "curving"'),
-    ('title = "a curve"', 'title = ""', 'title = "": must be a title in quotes'),
-    ("[vehicle]\n", "[[vehicle]]\n", "must be a table ([vehicle])"),
-    ('"vehicles/wheelset_s1002.toml"', '"wheelset_s1002.toml"', 'did you mean "vehicles/wheelset_s1002.toml"?'),
-    ('"rails/60E1.toml"', '"wheels/S1002.toml"', "a rail profile is needed here"),
-    ('"vehicles/wheelset_s1002.toml"', '"rails/60E1.toml"',
-     "is a profile file; a vehicle file with a table [wheelset]"),
-    ('kind = "transition"', 'kind = "straight"', "track: cant_mm jumps from 0 to 60"),
-]  # fmt: skip
+ONE_FAULT = table("one_fault")  # fmt: skip
 """What the file has, what is written instead, what the message is."""
 
 
@@ -80,18 +34,7 @@ def test_one_fault_in_a_file_is_one_line_that_names_file_key_value_and_what_is_a
     assert "toml" in lines[0]
 
 
-STATIC_FAULTS = [
-    ("load_kN = 60", "load_kN = [60, 0]", "static.load_kN = [60, 0]: entry [1] must be a number above 0"),
-    ("load_kN = 60", "load_kN = 60\nside = 'rihgt'", 'must be "left" or "right"; did you mean "right"?'),
-    ("lateral_mm = 0", "lateral_mm = []", "static.lateral_mm = []: the list is empty"),
-    ("lateral_mm = 0", "lateral_mm = [0, nan]", "static.lateral_mm = [0, nan]: entry [1] must be"),
-    ("lateral_mm = 0", "lateral_mm = {from = 0, to = 5}", "a range needs exactly the keys from, to and step"),
-    ("lateral_mm = 0", "lateral_mm = {from = 0, to = 5, step = 0}", "a range needs a step above 0 and from <= to"),
-    ("lateral_mm = 0", "lateral_mm = {from = 0, to = 5, step = 1e-9}", "more than 100000 values"),
-    ("lateral_mm = 0", 'cases = "poses.csv"', 'static.cases = "poses.csv": cannot be given with load_kN'),
-    ('target = "wheel"', 'target = "wheelset"\nside = "left"', 'static.side = "left": is for target = "wheel" only'),
-    ('target = "wheel"', 'target = "wheelset"\nroll_mrad = 1', "a wheelset finds its own roll"),
-]
+STATIC_FAULTS = table("static_faults")
 
 
 @pytest.mark.parametrize(("old", "new", "message"), STATIC_FAULTS)
@@ -125,16 +68,7 @@ def test_a_fault_of_the_base_file_is_told_with_the_name_of_the_base_file(tmp_pat
 # --- files that cannot be read -------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("line", "place", "hint"),
-    [
-        ("friction = 0,35", ":1:13:", "decimals need a point: 0.35"),
-        ("friction = .35", ":1:12:", "a decimal point needs digits on both sides"),
-        ("speed_kmh = 54 km/h", ":1:16:", "the unit is part of the key"),
-        ("kind = arc", ":1:8:", 'text needs quotes: "arc"'),
-        ("rolling = True", ":1:11:", "a switch is true or false"),
-        ("[vehicle", ":1:9:", ""),
-        ("a = 1\na = 2", ":2:6:", ""),
-        ('title = "never ends', ":1:", ""),
-    ],
+    table("a_slip_of_toml_syntax_is_told_with_line_column_and_help"),
 )
 def test_a_slip_of_toml_syntax_is_told_with_line_column_and_help(
     tmp_path: Path, line: str, place: str, hint: str

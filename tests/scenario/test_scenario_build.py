@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.rows import rows_of
 from support.scenario_texts import CURVE, STATIC, edited, faults
 
 from wrsim.contact.settings import USUAL
@@ -23,6 +24,8 @@ from wrsim.scenario.schema import ScenarioFile
 from wrsim.scenario.sections.static import read_cases
 from wrsim.scenario.track_build import rest_on_rail
 from wrsim.vehicle.loads import SlipControl
+
+table = rows_of(__file__)
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
@@ -132,17 +135,7 @@ def test_a_table_gives_its_rows_with_their_names(tmp_path: Path) -> None:
     assert tmp_path / "poses.csv" in setup.files
 
 
-TABLE_FAULTS = [
-    ("id,lateral,load_kN\na,0,24\n", ":1: column \"lateral\": unknown; did you mean 'lateral_mm'?"),
-    ("id,lateral_mm\na,0\n", ":1: column 'load_kN' is missing"),
-    ("id,lateral_mm,load_kN,id\na,0,24,b\n", ':1: column "id": duplicate'),
-    ("id,lateral_mm,load_kN\na,0\n", ":2: has 2 cells; must have 3 like the header"),
-    ("id,lateral_mm,load_kN\na,0,24\n\na,1,24\n", ':4: id = "a": is taken by line 2 already'),
-    ("id,lateral_mm,load_kN\n,0,24\n", ":2: id is empty"),
-    ("id,lateral_mm,load_kN\n", "has no poses below its header"),
-    ("\n", "is empty"),
-    ('id,lateral_mm,load_kN\n"a,0,24\n', ":2: no line of a CSV table"),
-]
+TABLE_FAULTS = table("table_faults")
 
 
 @pytest.mark.parametrize(("table", "message"), TABLE_FAULTS)
@@ -159,13 +152,7 @@ def test_one_fault_in_a_table_is_one_line_with_its_line_number(tmp_path: Path, t
 # --- a wheelset on its track ---------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("gauge_mm", "reason"),
-    [
-        (1000, "the left wheel misses its rail"),
-        (1410, "the left wheel rests with its flange on the rail"),
-        (1424, "the left flange overlaps the gauge face by 0.45"),
-        (1600, "the left wheel ends 33 mm inside of the top of its rail"),
-        (1900, "the left wheel misses its rail"),
-    ],
+    table("a_wheelset_off_the_rails_is_refused_with_the_reason"),
 )
 def test_a_wheelset_off_the_rails_is_refused_with_the_reason(tmp_path: Path, gauge_mm: int, reason: str) -> None:
     (line,) = faults(edited(CURVE, "gauge_mm = 1435", f"gauge_mm = {gauge_mm}"), tmp_path)

@@ -8,6 +8,7 @@ from typing import Any
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.examples import examples
 from support.scenario_texts import CURVE, STATIC
 
 from wrsim.errors import InputError
@@ -75,7 +76,7 @@ def mutated_scenarios(draw: st.DrawFn) -> dict[str, Any]:
     return tree
 
 
-@settings(max_examples=120)
+@settings(max_examples=examples(120))
 @given(mutated_scenarios())
 def test_no_mutation_of_a_scenario_gives_anything_but_a_scenario_or_an_input_error(tree: dict[str, Any]) -> None:
     try:
@@ -89,13 +90,13 @@ def test_no_mutation_of_a_scenario_gives_anything_but_a_scenario_or_an_input_err
         assert load_text(scenario.text).spec == scenario.spec
 
 
-@settings(max_examples=80)
+@settings(max_examples=examples(80))
 @given(st.dictionaries(st.text(), values, max_size=5))
 def test_what_is_written_as_toml_reads_back_the_same(tree: dict[str, Any]) -> None:
     assert canonical(parse_toml(write_toml(tree), "x")) == canonical(tree)
 
 
-@settings(max_examples=80)
+@settings(max_examples=examples(80))
 @given(mutated_scenarios())
 def test_the_line_of_a_key_is_the_line_where_it_stands(tree: dict[str, Any]) -> None:
     text = write_toml(tree)
@@ -106,7 +107,7 @@ def test_the_line_of_a_key_is_the_line_where_it_stands(tree: dict[str, Any]) -> 
             assert name in lines[number - 1]
 
 
-@settings(max_examples=80)
+@settings(max_examples=examples(80))
 @given(st.text() | st.text(alphabet="[]{}=.\"'#\n ab1,:-"))
 def test_no_text_gives_anything_but_tables_or_an_input_error(text: str) -> None:
     try:
@@ -116,7 +117,7 @@ def test_no_text_gives_anything_but_tables_or_an_input_error(text: str) -> None:
     key_lines(text)
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(100))
 @given(st.binary(max_size=60))
 def test_no_bytes_give_anything_but_text_or_an_input_error(content: bytes) -> None:
     with tempfile.TemporaryDirectory() as folder:

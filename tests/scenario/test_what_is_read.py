@@ -3,13 +3,11 @@
 import os
 import re
 import socket
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 import xarray as xr
-from support.commands import call, refusal
+from support.commands import call, forked, refusal
 from support.runs import SCENARIOS
 from support.scenario_texts import edited
 
@@ -233,9 +231,7 @@ def test_a_long_value_on_the_command_line_is_not_echoed_whole():
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
 def test_a_full_disk_behind_stdout_is_told_by_that_name():
-    with open("/dev/full", "w") as full:
-        asked = [sys.executable, "-m", "wrsim", "keys", "run"]
-        ended = subprocess.run(asked, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    ended = forked("keys", "run", first=lambda: os.dup2(os.open("/dev/full", os.O_WRONLY), 1))
     assert ended.returncode == 1
     assert ended.stderr.startswith("standard output: the disk is full")
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
+from support.rows import rows_of
 from support.vehicles import on_track, shipped
 
 from wrsim.geometry.track.segments import Arc, Straight
@@ -15,6 +16,8 @@ from wrsim.simulation.placement import design_state, poses_on_track
 from wrsim.simulation.steady_state import NotCarried, Unbalanced, lower_on_rails, relaxed_state, steady_state
 from wrsim.simulation.system import COORDINATES
 from wrsim.vehicle.bogies import wheelsets_beneath
+
+table = rows_of(__file__)
 
 SPEED = 30.0
 
@@ -29,13 +32,7 @@ def near(forces, places):
 
 @pytest.mark.parametrize(
     "places",
-    [
-        {},
-        {"y": 3e-3, "heading": 2e-3},
-        {"z": 0.4595},
-        {"z": 0.49, "roll": 5e-3},
-        {"z": 0.455, "y": -4e-3, "roll": -1e-2},
-    ],
+    table("a_symmetric_wheelset_rolls_straight_in_the_middle"),
     ids=["near", "aside", "too low", "in the air", "askew"],
 )
 def test_a_symmetric_wheelset_rolls_straight_in_the_middle(places):

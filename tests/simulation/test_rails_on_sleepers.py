@@ -39,12 +39,22 @@ def push(rails: RailsOnSleepers, step: float, forces: np.ndarray) -> np.ndarray:
     q[0::2] += ties["nn"] * n + ties["nb"] * b
     q[1::2] += ties["nb"] * n + ties["bb"] * b
     rails.end(q, q_t)
-    assert ties["last_b"] == pytest.approx(forces[:, 1], abs=1e-6)
     return np.array([kernel.read(kernel.U, i, rails.rails) for i in range(len(forces))])
 
 
-@pytest.mark.parametrize("frequency", [60.0, 400.0, 1500.0])
-@pytest.mark.parametrize("way", ["vertical", "lateral"])
+@pytest.mark.parametrize(
+    ("way", "frequency"),
+    [
+        ("vertical", 400.0),
+        ("lateral", 60.0),
+        *(
+            pytest.param(*case, marks=pytest.mark.campaign)
+            for case in (
+                ("vertical", 60.0), ("vertical", 1500.0), ("lateral", 400.0), ("lateral", 1500.0),
+            )
+        ),
+    ],
+)  # fmt: skip
 def test_a_harmonic_force_moves_the_rail_as_its_receptance_says(frequency: float, way: str) -> None:
     track, turns = replace(TRACK, elements=12), 160
     rails = standing(track, 60.0)  # above a sleeper
@@ -58,6 +68,7 @@ def test_a_harmonic_force_moves_the_rail_as_its_receptance_says(frequency: float
         moved = push(rails, step, forces)[0, 0 if way == "lateral" else 1]
         if k > (periods - 1) * turns:
             found += 2.0 / turns * moved * np.exp(-1j * phase)
+    assert rails.ties["last_b"] == pytest.approx(forces[:, 1], abs=1e-6)
     exact = track.receptance([frequency], 60.0, way, elements=12)[0]
     assert found == pytest.approx(exact, rel=0.01)
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.commands import forked
+from support.rows import rows_of
 from support.runs import SCENARIOS
 
 from wrsim.errors import InputError, SimulationError
@@ -26,6 +27,8 @@ from wrsim.study.evolution.stages import STAGES, tableau
 from wrsim.study.evolution.steps import STEP, Step, folder_of, read_step, wear_steps
 from wrsim.study.plan import PLAN, Plan
 from wrsim.study.task import run_case
+
+table = rows_of(__file__)
 
 BASE = """
 base = "{scenario}"
@@ -279,19 +282,7 @@ def test_a_service_ends_where_its_wheel_would_overlap_itself(tmp_path: Path, mon
     assert not (folder_of(tmp_path, 1) / STEP).exists()
 
 
-FAULTS = [
-    ({"text": SERVICE.replace("S1002", "S1003")}, 'did you mean "wheels/S1002.toml"?'),
-    ({"text": SERVICE.replace("base.toml", "none.toml")}, 'base = "none.toml"'),
-    (
-        {"more": "largest_depth_mm = 1\nsmoothing_mm = 0.5\n"},
-        "must be at most 0.0126 with them, or smoothing_mm at least",
-    ),
-    ({"cases": CASES.replace("share", "part")}, 'needs a column "share"'),
-    ({"cases": CASES.replace("even,0.5", "even,0.4")}, "all of them add up to 0.9; must be 1"),
-    ({"cases": CASES.replace("left,0.5", "left,-0.5")}, "must be a number above 0, up to 1"),
-    ({"cases": "id,share\na,1\n"}, "no column varies a key"),
-    ({"cases": "share,vehicle.wheel\n1,wheels/S1002.toml\n"}, "column vehicle.wheel: the steps of wear set it"),
-]
+FAULTS = table("faults")
 
 
 @pytest.mark.parametrize(("given", "words"), FAULTS)

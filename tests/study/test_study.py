@@ -135,6 +135,7 @@ def test_the_same_study_twice_runs_nothing(serial: Plan, unpainted: None) -> Non
     assert stored["speed_kmh"].values.tolist() == [40.0, 45.0, 50.0]
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_the_report_takes_one_study_and_nothing_beside_it(serial: Plan, tmp_path: Path) -> None:
     study, file = str(Path(serial.folder).parent / "study.toml"), str(tmp_path / "page.html")
     assert call("study", study, "-o", serial.folder, "--no-pictures").exit_code == 0

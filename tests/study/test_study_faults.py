@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.commands import ok, refusal
+from support.rows import rows_of
 from support.studies import AXES, study_file
 from support.synthetic_result import curve_run
 
@@ -17,35 +18,13 @@ from wrsim.study.plan import planned
 from wrsim.study.spec import OutputsSection
 from wrsim.study.task import COMPLETED, MARKER, Marker, read_marker, write_marker
 
+table = rows_of(__file__)
+
 GRID = '[[vary]]\nkind = "grid"\nkey = "{}"\nvalues = {}\n'
 OVER = '[[vary]]\nkind = "sobol"\nsamples = {}\n[[vary.over]]\nkey = "contact.friction"\n{}\n'
 
 
-@pytest.mark.parametrize(("axes", "message"), [
-    (GRID.format("vehicle.speed_kmhh", "[40]"),
-     r"study\.toml:3: .*speed_kmhh = 40: unknown key; did you mean 'speed_kmh' .in km/h., which is given already"),
-    (GRID.format("track.segments[9].radius_m", "[300]"), r"study\.toml:3: track\.segments\[9\]: there is no such"),
-    (GRID.format("track..gauge", "[1]"), r'study\.toml:3: key "track\.\.gauge": must be written like'),
-    (GRID.format("vehicle.wheel", '["wheels/S1003.toml"]'), r'study\.toml:3: .*did you mean "wheels/S1002\.toml"'),
-    (GRID.format("contact.friction", "[0.1]") * 2, r'two axes are called "friction"'),
-    (GRID.format("contact.friction", "[0.1]") + OVER.format(4, "low = 0.1\nhigh = 0.2"),
-     r"study\.toml:\d+: contact\.friction: is varied by axis 'friction' already"),
-    (OVER.format(12, "low = 0.1\nhigh = 0.2"), r"samples = 12: must be a power of 2 \(8 or 16\)"),
-    (OVER.format(8, "low = 0.1"), r"vary\[0\]\.over\[0\]\.high is missing: goes with low: must be a finite number"),
-    (OVER.format(8, "low = 0.3\nhigh = 0.2"), r"high = 0\.2: must be above low"),
-    ('[[vary]]\nkind = "csv"\nfile = "rwos.csv"\n', r'study\.toml:3: vary\.file = "rwos\.csv": not found in'),
-    ('[[vary]]\nkind = "csv"\nfile = "bad.csv"\n', r"bad\.csv:3: has 1 cells; must have 2"),
-    ('[[vary]]\nkind = "csv"\nfile = "head.csv"\n', r"head\.csv:2: is all that is there; must have a header"),
-    ('[[vary]]\nkind = "csv"\nfile = "key.csv"\n',
-     r"key\.csv:2: contact\.frction = 0\.2: unknown key; did you mean .friction., which is given"),
-    (AXES + "[outputs]\nassessment = ['Y_over_P']\n", r'outputs\.assessment.*did you mean "Y_over_Q"'),
-    (AXES + "[outputs]\nhook = 'no.py:f'\n", r"study\.toml:\d+: outputs\.hook = \"no\.py:f\": not found in"),
-    (AXES + "[outputs]\nhook = 'h.py:nmubers'\n", r"h\.py has no function 'nmubers' \(did you mean 'numbers'\?\)"),
-    (AXES + "[outputs]\nhook = 'bad.py:f'\n", r"outputs\.hook = .*bad\.py: is no Python: .*invalid syntax"),
-    (AXES + "[outputs]\nhook = 'h.py'\n", r"outputs\.hook = \"h\.py\": must be a file and a function"),
-    (AXES + '[[outputs.channels]]\nchannel = "Y"\nreduce = "max"\nbody = "car"\n', r'channel "Y" has none: it belongs'),
-    (AXES + '[[outputs.channels]]\nchannel = "Y"\nreduce = "percentile"\n', r"percentile is missing"),
-])  # fmt: skip
+@pytest.mark.parametrize(("axes", "message"), table("every_fault_of_a_study_file_is_one_clear_error"))  # fmt: skip
 def test_every_fault_of_a_study_file_is_one_clear_error(axes: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "bad.csv").write_text("contact.friction,vehicle.speed_kmh\n0.1,40\n0.2\n")
     (tmp_path / "head.csv").write_text("# keys\nvehicle.speed_kmh\n")

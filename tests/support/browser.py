@@ -23,7 +23,7 @@ class Browser:
     def __init__(self, driver: Any) -> None:
         self.driver = driver
 
-    def open(self, page: Path, width: int = 1280, height: int = 900) -> None:
+    def open(self, page: Path, width: int = 900, height: int = 600) -> None:
         """Open a page at that size and wait until it has its width; messages of pages before are forgotten."""
         # the size of the page itself: that of a window is only asked for, and an asked one may be lost
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}

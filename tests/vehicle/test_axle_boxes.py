@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.boxes import derivatives, displaced, moment_kept, on_springs, symmetric
+from support.rows import rows_of
 from support.vehicle_texts import fault
 from support.vehicles import manchester, shipped
 
@@ -17,6 +18,8 @@ from wrsim.vehicle.bogies import level_of
 from wrsim.vehicle.elements import Element, Spring
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import AxleBox, Body, Vehicle
+
+table = rows_of(__file__)
 
 MASS, REACH, RADIUS, Y, INERTIA = 4000.0, 0.5, 0.46, 1.0, 3.0
 BUSHING = (2e7, 9e6, 1e7)
@@ -152,15 +155,7 @@ POINT = '[[points]]\nname = "p"\non = "box"\nat_mm = [0, 0, 0]\n[[elements]]'
 PRIMARY = 'to = ["front", "rear"]\norigin = "to"'
 
 
-@pytest.mark.parametrize(("changes", "message"), [
-    (((BODY, BOXES.replace('"front"', '"frnt"') + BODY),), "is no wheelset of this part; there is front, rear (did"),
-    (((BODY, BOXES + BODY),), "no spring keeps axle box 'box left' from turning about the axle"),
-    (((BODY, BOXES + BODY), (PRIMARY, 'to = ["box", "rear"]\norigin = "to"')),
-     "no spring keeps axle box 'box left' from turning about the axle"),
-    (((BODY, BOXES + BODY), (PRIMARY, 'to = ["box", "rear"]\norigin = "to"'), ("[0, 900, 0]", "[0, 0, 0]")),
-     "leads to an axle box and lies in the middle: give its points a y"),
-    (((BODY, BOXES + BODY), (PRIMARY, 'to = ["box", "rear"]\norigin = "to"'), ("[[elements]]", POINT)), "is no body"),
-])  # fmt: skip
+@pytest.mark.parametrize(("changes", "message"), table("axle_boxes_that_cannot_be"))  # fmt: skip
 def test_axle_boxes_that_cannot_be(tmp_path, changes, message) -> None:
     assert message in fault(tmp_path, *changes)
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from support.commands import call, ok
+from support.rows import rows_of
 from support.vehicle_texts import GOOD, fault
 from support.vehicles import ROOT, read_vehicle
 
@@ -16,6 +17,8 @@ from wrsim.vehicle.loads import CarriedMass
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+
+table = rows_of(__file__)
 
 MODELS = shipped_models()
 FIND = Finder((MODELS,))
@@ -91,19 +94,7 @@ def test_the_shipped_s1002_wheelset_is_that_of_manchester_vehicle_1() -> None:
     assert vehicle.carried[0].height == pytest.approx(height, abs=1e-3)
 
 
-ONE_FAULT = [
-    ("mass_kg = 1000", "mass = 1000", "car.toml:5: wheelset.mass = 1000: unknown key; did you mean 'mass_kg' (in kg)?"),
-    ("roll_inertia_kg_m2 = 600", "roll_inertia_kg_m2 = 610",
-     "wheelset.roll_inertia_kg_m2 = 610: must equal yaw_inertia_kg_m2 = 600"),
-    ("spin_inertia_kg_m2 = 100", "spin_inertia_kg_m2 = 1201", "must be at most twice yaw_inertia_kg_m2 = 600"),
-    ("flange_back_mm = 1360", "", "wheelset.profile_spacing_mm is missing: must be a number from 400"),
-    ("flange_back_mm = 1360", "flange_back_mm = 1360\nprofile_spacing_mm = 1500",
-     "cannot be given with profile_spacing_mm"),
-    ("flange_back_mm = 1360", "profile_spacing_mm = 1500\nback_to_tape_circle_mm = 70", "goes with flange_back_mm"),
-    ("radius_mm = 450", "radius_left_mm = 450", "wheelset.radius_right_mm is missing: goes with radius_left_mm"),
-    ('"wheels/S1002.toml"', '"rails/60E1.toml"', "a wheel profile is needed here"),
-    ("[1, 2, 3]", "[1, 2]", "suspension.stiffness_kN_per_m = [1, 2]: must be three numbers not below 0"),
-]  # fmt: skip
+ONE_FAULT = table("one_fault")  # fmt: skip
 
 
 @pytest.mark.parametrize(("old", "new", "message"), ONE_FAULT)
@@ -263,14 +254,7 @@ def test_a_payload_is_part_of_its_body(tmp_path: Path) -> None:
     assert vehicle.weight == pytest.approx((12e3 + 2e3) * vehicle.gravity)
 
 
-@pytest.mark.parametrize(("values", "words"), [
-    ({"vehicle.sprung_mass_kg": 1000.0}, "is what a single wheelset carries"),
-    ({"vehicle.loads": [WIND | {"on": "carbdoy"}]}, "vehicle.loads[0].on = .*did you mean 'carbody'?"),
-    ({"vehicle.loads": [WIND, WIND]}, "vehicle.loads[1].name = .wind.: is the name of another load"),
-    ({"vehicle.payloads": [COAL | {"on": "front.outer"}]}, "vehicle.payloads[0].on = .*is a wheelset, which spins"),
-    ({"vehicle.payloads": [COAL | {"at_mm": [8000, 0, 6800]}]}, "turns the principal axes of body 'carbody' about y"),
-    ({"run.distance_m": 285.0}, "the first wheelset is 10.78 m ahead of the vehicle's origin"),
-])  # fmt: skip
+@pytest.mark.parametrize(("values", "words"), table("a_scenario_that_does_not_suit_its_vehicle_is_refused"))
 def test_a_scenario_that_does_not_suit_its_vehicle_is_refused(values: dict[str, object], words: str) -> None:
     with pytest.raises(InputError, match=words.replace("?", r"\?").replace("[", r"\[").replace("]", r"\]")):
         build(load(ROOT / "scenarios/manchester_r300.toml").with_values(values))

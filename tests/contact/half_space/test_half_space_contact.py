@@ -70,11 +70,11 @@ def test_a_round_wheel_on_a_plane_is_hertz():
     ("groove", "influence", "spin", "approach", "p0", "width", "length"),
     [
         (10.25, "half-space", 1.0002301, 0.02237, 530.2, 5.75, 6.23),
-        (10.10, "half-space", 1.0004411, 0.01939, 409.3, 8.75, 5.46),
         (10.25, "angle-corrected", 1.0002301, 0.02237, 520.6, 5.75, 6.23),
-        (10.10, "angle-corrected", 1.0004411, 0.01928, 397.6, 8.75, 5.27),
-        (10.05, "half-space", 1.0006, 0.01743, 348.7, None, None),
-        (10.05, "angle-corrected", 1.0006, 0.01718, 336.1, None, None),
+        pytest.param(10.10, "half-space", 1.0004411, 0.01939, 409.3, 8.75, 5.46, marks=pytest.mark.campaign),
+        pytest.param(10.10, "angle-corrected", 1.0004411, 0.01928, 397.6, 8.75, 5.27, marks=pytest.mark.campaign),
+        pytest.param(10.05, "half-space", 1.0006, 0.01743, 348.7, None, None, marks=pytest.mark.campaign),
+        pytest.param(10.05, "angle-corrected", 1.0006, 0.01718, 336.1, None, None, marks=pytest.mark.campaign),
     ],
 )
 def test_ball_in_a_deep_groove(groove, influence, spin, approach, p0, width, length):
@@ -113,7 +113,7 @@ def groove_rows():
     return [{name: float(value) for name, value in row.items()} for row in rows]
 
 
-@pytest.mark.parametrize("row", groove_rows()[::5], ids=lambda r: f"R{r['R_wheel_mm']:g}-{r['N_nom_N']:g}")
+@pytest.mark.parametrize("row", groove_rows()[::12], ids=lambda r: f"R{r['R_wheel_mm']:g}-{r['N_nom_N']:g}")
 def test_rail_corner_in_hollow_arcs(row):
     radius = 1e-3 * row["R_roll_mm"]
     hollow = circle("hollow", "wheel", 1e-3 * row["R_wheel_mm"], 0.95e-3 * row["R_wheel_mm"])
@@ -240,7 +240,7 @@ def test_contacts_grow_together_without_jumps():
     pose = b.wheels[0].model.arrays.pose.copy()
     model, start = b.wheels[0].model, pose[2]
     forces, patches = [], set()
-    for z in np.linspace(start, start - 60e-6, 121):
+    for z in np.linspace(start, start - 60e-6, 61):
         pose[2] = z
         contact = solve(model, pose, HalfSpace((3e-4, 3e-4)))
         forces.append(contact.normal_force)
