@@ -65,6 +65,11 @@ def test_files_of_the_user_are_not_written_over(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "study.csv").read_text() == "mine"
 
 
+def test_a_scheduler_without_certificates_is_refused_ahead_of_any_case(tmp_path: Path) -> None:
+    told = refusal("study", study_file(tmp_path, AXES), "-o", tmp_path / "out", "--scheduler", "nowhere:1", "--dry-run")
+    assert told.startswith("--scheduler tls://nowhere:1: needs certificates: give --tls DIR")
+
+
 HOOKS = ("def numbers(result): pass", "from math import fsum as numbers", "numbers = print", "from math import *",
          "try:\n    import none\nexcept ImportError:\n    numbers = None")  # fmt: skip
 

@@ -44,14 +44,15 @@ def run_study(
     InputError
         With all faults of the file and of its cases.
     """
-    from wrsim.study.collect import OUTPUTS, faults_of, markers_of, study_tables, write_study
     from wrsim.study.engine import check_workers, kept_folder, missing, worker_pool
-    from wrsim.study.estimate import estimated_cost
-    from wrsim.study.plan import planned
 
     directory = results_folder(file, output)
     for words in check_workers(workers, scheduler, slurm, tls):
         warn(words)
+    from wrsim.study.collect import OUTPUTS, faults_of, markers_of, study_tables, write_study
+    from wrsim.study.estimate import estimated_cost
+    from wrsim.study.plan import planned
+
     with timed("plan of the cases"):
         plan, reads = planned(Path(file), directory, list(models))
     if dry_run:

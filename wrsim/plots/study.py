@@ -13,13 +13,13 @@ from textwrap import wrap
 from typing import Any
 
 import numpy as np
+import scipy
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
-from scipy.stats import spearmanr
 
 from wrsim.inputs.section import UNITS
 from wrsim.plots.marks import note, panels
@@ -148,7 +148,7 @@ def samples_figure(dataset: xr.Dataset, outputs: Sequence[str], keys: Sequence[s
         for at in x[~done]:
             axes.axvline(at, ymax=0.05, color=STOP_COLOUR, linewidth=0.7)
         constant = good.sum() < 3 or np.ptp(x[good]) == 0.0 or np.ptp(values[good]) == 0.0
-        rank = 0.0 if constant else spearmanr(x[good], values[good]).statistic
+        rank = 0.0 if constant else scipy.stats.spearmanr(x[good], values[good]).statistic
         axes.set_title(f"rank correlation {formatted(float(rank), '.2f')}", fontsize=6.0, color=QUIET)
         if key == keys[0]:
             axes.set_ylabel(label_of(dataset, name), fontsize=6.5)

@@ -111,6 +111,18 @@ def address_of(scheduler: str) -> str:
     return f"{protocol or 'tls'}://{rest}"
 
 
+def security_at(address: str, certificates: Path | None) -> Security | None:
+    """What a scheduler at this address asks for; nothing without TLS. Raises ``InputError`` without certificates."""
+    encrypted = address.startswith("tls://")
+    security = security_of(certificates, "client") if encrypted else None
+    if encrypted and security is None:
+        raise InputError(
+            f"--scheduler {address}: needs certificates: give --tls DIR, a folder with {CA}, {CERT} and {KEY}, "
+            "or set them in the configuration of dask (distributed.comm.tls)"
+        )
+    return security
+
+
 @contextmanager
 def workers_at(address: str, certificates: Path | None) -> Iterator[Client]:
     """The workers of a scheduler that runs already; address: see `address_of`.
@@ -118,13 +130,7 @@ def workers_at(address: str, certificates: Path | None) -> Iterator[Client]:
     Raises ``InputError`` when no scheduler answers, or certificates are missing.
     """
     with _settings():
-        encrypted = address.startswith("tls://")
-        security = security_of(certificates, "client") if encrypted else None
-        if encrypted and security is None:
-            raise InputError(
-                f"--scheduler {address}: needs certificates: give --tls DIR, a folder with {CA}, {CERT} and {KEY}, "
-                "or set them in the configuration of dask (distributed.comm.tls)"
-            )
+        security = security_at(address, certificates)
         try:
             client = Client(address, timeout=WAIT, set_as_default=False, security=security)
         except (OSError, RuntimeError, TimeoutError, ValueError) as error:

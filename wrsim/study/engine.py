@@ -153,12 +153,15 @@ def _note_killed(plan: Plan, index: int) -> None:
 
 
 def check_workers(workers: int | None, scheduler: str | None, slurm: bool, tls: Path | None) -> list[str]:
-    """A warning of a scheduler that listens to everybody. Raises ``InputError`` for options that do not go together."""
+    """A warning of a scheduler that listens to everybody. Raises ``InputError`` for options that do not go together and
+    where certificates are missing."""
     if scheduler is not None and (slurm or workers is not None):
         raise InputError("--scheduler: its workers are there already: leave out --workers and --slurm")
     open_to_all = scheduler is not None and address_of(scheduler).startswith("tcp://")
     if tls is not None and (open_to_all or not (scheduler or slurm)):
         raise InputError(f"--tls {tls}: is for --slurm and --scheduler tls://...")
+    if scheduler is not None:
+        cluster.security_at(address_of(scheduler), tls)
     warning = (
         f"warning: --scheduler {scheduler} is neither encrypted nor authenticated: whoever reaches it can execute "
         "programs as you; start it with certificates and take tls:// (docs/user/security.md)"

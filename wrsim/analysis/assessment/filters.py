@@ -14,9 +14,8 @@ from __future__ import annotations
 from math import atan, pi, tan
 
 import numpy as np
+import scipy
 import xarray as xr
-from scipy.interpolate import PPoly
-from scipy.signal import butter, sosfiltfilt, welch
 
 from wrsim.analysis.assessment import limits
 from wrsim.errors import InputError
@@ -69,7 +68,8 @@ def _filtered(signal: Array, rate: float, kind: str, cut_off: float, order: int)
     factor = factor if kind == "lowpass" else 1.0 / factor
     corner = rate / pi * atan(factor * tan(pi * cut_off / rate))
     pad = min(int(3.0 * rate / cut_off), signal.shape[0] - 2)
-    return np.asarray(sosfiltfilt(butter(order, corner, kind, fs=rate, output="sos"), signal, axis=0, padlen=pad))
+    sections = scipy.signal.butter(order, corner, kind, fs=rate, output="sos")
+    return np.asarray(scipy.signal.sosfiltfilt(sections, signal, axis=0, padlen=pad))
 
 
 def windows(distance: Array, length: float, step: float) -> Array:
@@ -83,7 +83,7 @@ def windows(distance: Array, length: float, step: float) -> Array:
 def sliding_mean(distance: Array, signal: Array, middles: Array, length: float) -> Array:
     """Mean of a signal (n, ...) over windows of ``length`` [m] about ``middles``: (windows, ...)."""
     slope = np.diff(signal, axis=0) / np.diff(distance).reshape(-1, *(1,) * (signal.ndim - 1))
-    integral = PPoly(np.array([slope, signal[:-1]]), distance).antiderivative()
+    integral = scipy.interpolate.PPoly(np.array([slope, signal[:-1]]), distance).antiderivative()
     return np.asarray((integral(middles + 0.5 * length) - integral(middles - 0.5 * length)) / length)
 
 
@@ -120,7 +120,7 @@ class Hunting:
 def _highest_peak(signal: Array, rate: float) -> float:
     """Its frequency in the power spectrum, in ``BAND`` [Hz]."""
     length = min(signal.size, max(256, int(4.0 * rate)))
-    frequencies, power = welch(signal, rate, nperseg=length, detrend="linear")
+    frequencies, power = scipy.signal.welch(signal, rate, nperseg=length, detrend="linear")
     inside = (frequencies >= BAND[0]) & (frequencies <= BAND[1])
     return float(frequencies[inside][np.argmax(power[inside])]) if inside.any() else 0.5 * sum(BAND)
 
