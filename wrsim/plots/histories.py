@@ -127,7 +127,7 @@ def track_layout(axes: Axes, dataset: xr.Dataset) -> Axes:
         right = marks.right_axis(axes)
         marks.draw_line(right, x, cant, color=theme.CANT_COLOUR, linestyle=theme.GROUP_LINE[1], linewidth=1.0)
         _limits_with_zero(right, cant, least=20.0, margin=0.5)
-        right.set_ylabel("Cant\n[mm]", color=theme.CANT_COLOUR)
+        right.set_ylabel("Cant\n[mm]", color=theme.CANT_COLOUR, labelpad=1.5)
         right.tick_params(axis="y", colors=theme.CANT_COLOUR)
     return axes
 

@@ -117,13 +117,22 @@ def large_and_small(
 def legend_beneath(
     figure: Figure, entries: Sequence[Artist], columns: int, side: str = "center", **options: Any
 ) -> None:
-    """One legend beneath all panels, in so many columns, or in as many as the figure is wide enough for."""
+    """One legend beneath all panels, in so many columns, or in as many as the figure is wide enough for; words that are
+    wider than it are wrapped."""
     loc: Any = f"lower {side}" if figure.get_layout_engine() is None else f"outside lower {side}"
+    narrowing = getattr(figure, "narrowing", 1.0)
     for ncols in range(columns, 0, -1):
         legend = figure.legend(handles=list(entries), loc=loc, ncols=ncols, **options)
-        if ncols == 1 or legend.get_window_extent().width <= figure.bbox.width:
-            return
-        legend.remove()
+        for text in (words := legend.get_texts()):
+            text.set_fontsize(narrowing * float(text.get_fontsize()))
+        over = legend.get_window_extent().width - figure.bbox.width
+        if over > 0.0 and ncols > 1:
+            legend.remove()
+            continue
+        room = (max(text.get_window_extent().width for text in words) - over) / figure.dpi / MM
+        for text in words if over > 0.0 else ():
+            text.set_text(wrapped(text.get_text(), room, float(text.get_fontsize()) / narrowing))
+        return
 
 
 def minus(words: str) -> str:

@@ -157,11 +157,12 @@ def _narrowing(family: str) -> float:
     """Size of letters of a family over that of the pictures' own, so that words are no wider than they are laid out."""
     fonts = (FontProperties(family=[name]) for name in (*STYLE["font.family"], family))
     own, other = (TextPath((0.0, 0.0), SAMPLE, 100, prop=font).get_extents().width for font in fonts)
-    return min(1.0, 1.03 * float(own / max(other, 1e-9)))
+    return min(1.0, float(own / max(other, 1e-9)))
 
 
 class Picture(Figure):
-    """A figure that notebooks show by themselves, without pyplot. narrowing: of its letters, which all get once."""
+    """A figure that notebooks show by themselves, without pyplot. narrowing: of its letters, which get it once; legends
+    beneath have it from the start."""
 
     narrowing = 1.0
 
@@ -169,7 +170,8 @@ class Picture(Figure):
         if self.narrowing < 1.0:
             for axes in self.axes:  # makes the ticks
                 axes.get_xticklabels(), axes.get_yticklabels()
-            for text in self.findobj(Text):
+            done = {text for legend in self.legends for text in legend.get_texts()}
+            for text in set(self.findobj(Text)) - done:
                 text.set_fontsize(self.narrowing * float(text.get_fontsize()))
             self.narrowing = 1.0
         super().draw(renderer)
