@@ -81,3 +81,14 @@ def test_a_mistake_in_set_is_named_as_such(key: str) -> None:
 def test_words_of_other_programs_lead_to_ours(option: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         build(load(COACH).with_set([option]))
+
+
+def test_a_file_that_set_names_is_looked_up_in_the_working_directory_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.toml").write_bytes((SCENARIOS.parent / "models/vehicles/wheelset_s1002.toml").read_bytes())
+    changed = load(COACH).with_set(["vehicle.model=mine.toml"])
+    assert [w.name for w in build(changed).vehicle.wheelsets] == ["wheelset"]
+    with pytest.raises(InputError, match="not found"):
+        build(load(COACH).with_values({"vehicle.model": "mine.toml"}))
