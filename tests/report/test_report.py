@@ -22,6 +22,7 @@ from support.synthetic_run import curve as bend
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.charts import envelope, interruptions, pieces_of
 from wrsim.report.page import report_page
+from wrsim.report.tables import contacts as contacts_of
 from wrsim.report.view_data import needed
 from wrsim.results import Result
 from wrsim.results.summary import CUT_STEPS
@@ -282,6 +283,10 @@ def test_contacts_have_a_picture_and_numbers_of_every_patch_in_contact(page: str
     contacts = page[page.index('id="contacts"') : page.index('id="ride"')]
     in_contact = np.isfinite(coach.dataset["strip_p"].values).any(axis=-1).sum()
     assert len(re.findall(r"<td>(?:left|right), \w+ patch</td>", contacts)) == in_contact
+    wheel = coach.wheelset("front.outer").sel(wheel="left")
+    snapshot = int(np.argmin(np.abs(wheel["time"].values - wheel["snapshot_time"].values[0])))
+    row = next(row for row in contacts_of(coach.wheelset("front.outer"), [0]).rows if row[1].startswith("left, "))
+    assert row[2:4] == pytest.approx([1e-3 * wheel["N"].values[snapshot, 0], 1e-6 * wheel["p0"].values[snapshot, 0]])
     for label in ("1 front.outer", "4 rear.outer"):
         assert f'alt="{label} wheel on rail"' in contacts and f'alt="{label} patches from above"' in contacts
 

@@ -127,6 +127,8 @@ def test_the_drawn_track_is_the_track_of_the_run(coach: Result, page: Path) -> N
     c, d = np.cos(turn), np.sin(turn)
     drawn = (drawn - drawn[0]) @ np.array([[c, d, 0.0], [-d, c, 0.0], [0.0, 0.0, 1.0]])
     assert np.abs(drawn - (truth - truth[0])).max() < 0.02
+    # canted by 66 mrad; the cant of the run is that of its samples
+    assert line[inside, 4] == pytest.approx(setup.track.left_curve.roll(s[inside])[0], abs=1e-3)
     assert line[inside, 3] - line[inside, 3][0] == pytest.approx(
         setup.track.heading(s[inside]) - setup.track.heading(s[inside])[0], abs=1e-3
     )
