@@ -160,6 +160,27 @@ def test_an_axle_without_deformation_is_a_rigid_one() -> None:
     assert forces[1] == pytest.approx(forces[0], rel=1e-9, abs=1e-4)
 
 
+def test_contacts_give_an_elastic_axle_the_power_that_they_have_at_its_wheels() -> None:
+    """Bent, deforming and rolling: forces on coordinates times rates, and forces on wheels times their motions."""
+    wheelset = shipped("wheelset_s1002").with_wheelsets(lambda own: replace(own, axle=AXLE))
+    law = on_track(wheelset, 20.0).law
+    q, q_t = design_state(law, lateral=2e-3)
+    q[0] -= 2e-4
+    q[3] += 3e-3
+    own = law.modes_of(0)
+    q[own], q_t[own] = 2e-4 * np.cos(np.arange(8.0)), 0.05 * np.sin(1.0 + np.arange(8.0))
+    law(0.0, q, q_t, whole := np.zeros(law.size))
+    law.on_bodies(0.0, q, q_t, without := np.zeros(law.size))
+    forces = whole - without
+    forces[own] *= law.attachments.modes[0].masses
+    found = 0.0
+    for wheel in law.own(0):
+        for force, rate in ((wheel.force, wheel.body.velocity), (wheel.moment, wheel.body.omega)):
+            found += sum(float(force[axis] * rate[axis]) for axis in "xyz")
+    assert abs(found) > 1e3
+    assert forces @ q_t == pytest.approx(found, rel=1e-4, abs=1.0)
+
+
 def test_gyroscopic_forces_on_an_axle_do_no_work() -> None:
     """The part of the damping that grows with the speed is antisymmetric, with the modal masses."""
     wheelset = shipped("wheelset_s1002").with_wheelsets(lambda own: replace(own, axle=AXLE))

@@ -72,6 +72,7 @@ class Attachments:
         for j, (i, point) in enumerate(self._points):
             n = len(self.modes[i].frequencies)
             points[j].body, points[j].first, points[j].count, points[j].point = i, self.first[i], n, point
+            points[j].spins = i < len(vehicle.wheelsets)
             shapes[j, :n] = self.shapes(i, np.array([point]) + vehicle.parts[i].centre)[:, 0]
         return [rows, points, shapes, gyroscopic]
 

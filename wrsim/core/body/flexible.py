@@ -18,7 +18,7 @@ Axes of a wheelset do not spin, so its modes are bending in two planes that stan
 """
 
 from wrsim.core.body.kinematics import SPIN
-from wrsim.core.body.suspension import apply, material_point, own_components
+from wrsim.core.body.suspension import material_point, own_components
 from wrsim.core.frames import VECTOR, BodyMotion, accumulate, get_body, point_velocity, put_body, vec
 from wrsim.core.jit import Array, Records, inlined, kernel, record
 from wrsim.core.linalg import ZERO, Vec, add, cross, dot, from_components, scale, shifted, sub
@@ -27,8 +27,9 @@ MODE = record("stiffness damping mass rest", "coordinate body first count", turn
 """Of a mode: omega^2 [1/s2], 2 zeta omega [1/s], modal mass m [kg], force of the preload f [N]; numbers of eta [m]
 among the coordinates, of the body, of the body's first mode and of its modes; of a wheelset g [kg m]."""
 
-ATTACHMENT = record("", "body first count", point=VECTOR)
-"""A point of an elastic body, in its axes; number of the body, of its first mode, and how many it has."""
+ATTACHMENT = record("", "body first count spins", point=VECTOR)
+"""A point of an elastic body, in its axes; number of the body, of its first mode, and how many it has; whether it is an
+axle."""
 
 
 @inlined
@@ -96,8 +97,11 @@ def hand_over_forces(
     for j in range(attachments.shape[0]):
         wrench, i = wrenches[place + j], attachments[j].body
         body, force, moment = get_body(bodies[i]), vec(wrench.force), vec(wrench.moment)
-        apply(wrenches[i], body, vec(bodies[place + j].position), force)
-        accumulate(wrenches[i].moment, moment)
+        turning = cross(sub(vec(bodies[place + j].position), body.position), force)
+        if attachments[j].spins != 0:  # each section of an axle spins about its own middle
+            turning = shifted(turning, -dot(turning, body.left), body.left)
+        accumulate(wrenches[i].force, force)
+        accumulate(wrenches[i].moment, add(moment, turning))
         push_modes(j, body, force, moment, modes, attachments, shapes, out)
 
 
