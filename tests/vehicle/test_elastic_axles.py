@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from support.vehicle_texts import fault
-from support.vehicles import on_track, shipped
+from support.vehicles import ROOT, on_track, shipped
 
+from wrsim.api.analyses import stationary
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load
 from wrsim.simulation.force_law import force_derivative
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import lower_on_rails, steady_state
@@ -215,3 +218,24 @@ def test_keys_of_an_axle_are_checked(tmp_path: Path) -> None:
     ):
         change = ("[bodies.body]", f"[wheelset.axle]\n{text}\n\n[bodies.body]")
         assert words in fault(tmp_path, change)
+
+
+def test_campbells_diagram_splits_every_mode_of_every_kind_of_axle_once(tmp_path: Path) -> None:
+    coach, picture = elastic(), tmp_path / "campbell.png"
+    found = stationary(coach, campbell=picture).numbers["axles"]
+    assert [own["wheelset"] for own in found] == [coach.wheelsets[0].name]
+    assert picture.exists()
+    backward, forward = np.array(found[0]["backward_Hz"]), np.array(found[0]["forward_Hz"])
+    assert forward[0] == pytest.approx(backward[0], rel=1e-4)
+    assert np.all(np.diff(forward[:, :2], axis=0) > 0.0) and np.all(np.diff(backward[:, :2], axis=0) < 0.0)
+    with pytest.raises(InputError, match="this vehicle has none"):
+        stationary(shipped("manchester_1"), campbell=picture)
+
+
+def test_the_exact_solver_does_not_go_with_elastic_axles() -> None:
+    with pytest.raises(InputError, match=r"contact.normal.*cannot be \"half-space\" with elastic axles"):
+        build(
+            load(ROOT / "scenarios/manchester_r300.toml").with_values(
+                {"contact.normal": "half-space", "vehicle.wheelset.axle": {"sections_mm": [[2200, 160]]}}
+            )
+        )

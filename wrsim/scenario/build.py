@@ -142,6 +142,8 @@ def _unfit(scenario: Scenario, analysis: Analysis, vehicle: Vehicle) -> Iterator
         if spec.contact.conical is not None:
             message = "knows rigid wheelsets only; the wheels of this vehicle turn against each other"
             yield ("contact", "conical"), message
+    if spec.contact.normal == "half-space" and any(m.wheelset.axle is not None for m in vehicle.wheelsets):
+        yield ("contact", "normal"), 'cannot be "half-space" with elastic axles, [wheelset.axle]: the fast models only'
     if isinstance(spec.vehicle.speed_kmh, SpeedTable) and analysis.moves and not taken_along:
         message = 'must be "train" or "wheels": something has to take the vehicle along at the speed of the table'
         yield ("vehicle", "drive"), message

@@ -105,9 +105,12 @@ def campbell(vehicle: Vehicle) -> list[dict[str, Any]]:
     """Natural frequencies of the free elastic axles over the speed, of every kind of axle once; of none where all are
     rigid. ``backward_Hz`` and ``forward_Hz`` (speeds, modes) are those that whirl against the rolling and with it."""
     found: list[dict[str, Any]] = []
+    kinds: list[tuple[Any, ...]] = []
     for mounted in vehicle.wheelsets:
-        if mounted.modes is None or any(mounted.wheelset == w.wheelset for w in vehicle.wheelsets[: len(found)]):
+        kind = (mounted.wheelset.axle, mounted.mass, mounted.inertia)
+        if mounted.modes is None or kind in kinds:
             continue
+        kinds.append(kind)
         ways: tuple[list[list[float]], list[list[float]]] = [], []
         for speed in CAMPBELL:
             # at rest both ways are one motion in two planes

@@ -211,9 +211,9 @@ def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index:
                 wheel, j = wheel_record(buffer, own, k), parts[i].wheels + k - first
                 disc, force = get_body(wheel.body), vec(wheel.force)
                 place, moment = at_wheel(disc, wheel.side * wheel.half_spacing, force, vec(wheel.moment))
-                total = add(moment, cross(sub(place, body.position), force))
-                add_generalised_forces(body, force, total, of_body)
-                of_body[SPIN] += dot(moment, disc.left) - dot(total, body.left)  # it spins about its own axis
+                turn = add(moment, cross(sub(place, body.position), force))
+                add_generalised_forces(body, force, turn, of_body)
+                of_body[SPIN] += dot(moment, disc.left) - dot(turn, body.left)  # it spins about its own axis
                 push_modes(j, body, force, moment, modes, attachments, shapes, out)
         else:
             push, turn = add(vec(left.force), vec(right.force)), add(vec(left.moment), vec(right.moment))
