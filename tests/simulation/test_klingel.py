@@ -92,7 +92,7 @@ def test_a_conical_wheelset_driven_into_a_curve_goes_to_its_rolling_line():
     radius, speed = 1500.0, 20.0
     free = cone_ride([Straight(20.0), Arc(400.0, radius)], speed, start=1.0, stiffness=(0.0, 5e5, 0.0), settings=FEW)
     start = free.steady(("z", "roll", "spin"))
-    motion = free.run(start.q, start.q_t, 10.0)
+    motion = free.run(start.q, start.q_t, 8.0)
     outward = -free.poses(motion).lateral
     assert abs(outward[0]) < 1e-9
     line = ROLLING_LINE * ROLL_FACTOR / radius
