@@ -109,3 +109,11 @@ def test_wrong_usage_is_json_for_machines(arguments: tuple[str, ...], words: str
     assert error["kind"] == "UsageError"
     assert words in error["messages"][0]
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize("command", [["report"], ["export", "--to", "parquet"]])
+def test_libraries_hidden_from_most_commands_are_there_for_those_that_use_them(
+    command: list[str], folder: Path
+) -> None:
+    answer = wrsim(command[0], folder, *command[1:])
+    assert answer.returncode == 0, answer.stderr

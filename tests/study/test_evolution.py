@@ -18,10 +18,9 @@ from support.runs import SCENARIOS
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.wear import smoothed_table
 from wrsim.results import write_atomically
-from wrsim.results.files import as_json, digest_of
+from wrsim.results.files import EVOLUTION, as_json, digest_of, holds
 from wrsim.results.netcdf import write_netcdf
-from wrsim.study.collect import holds
-from wrsim.study.evolution.history import NUMBERS, read_history, wear_history, write_history
+from wrsim.study.evolution.history import read_history, wear_history, write_history
 from wrsim.study.evolution.reading import Evolution, read_evolution
 from wrsim.study.evolution.stages import STAGES, tableau
 from wrsim.study.evolution.steps import STEP, Step, folder_of, read_step, wear_steps
@@ -182,7 +181,7 @@ def test_the_page_of_a_service_holds_numbers_pictures_and_files(
     evolution: Evolution, steps: list[Step], tmp_path: Path
 ) -> None:
     write_history(evolution, steps, tmp_path, pictures=False)
-    assert holds(tmp_path, NUMBERS) and not holds(tmp_path.parent, NUMBERS)
+    assert holds(tmp_path, EVOLUTION) and not holds(tmp_path.parent, EVOLUTION)
     found = forked("report", tmp_path, "--json")
     assert found.returncode == 0, found.stderr
     page = (tmp_path / "report.html").read_text()

@@ -57,25 +57,27 @@ def write_report(
 
 def _page_of(given: Sequence[Given], with_view: bool, models: Sequence[Path], cover: Cover) -> str:
     """The page about results of runs, a study or a profile evolution; with_view: with viewers of the results inside."""
-    from wrsim.report.page import report_page
-    from wrsim.report.study import evolution_page, study_page
-    from wrsim.report.view_data import view_page
-    from wrsim.study import collect
-    from wrsim.study.evolution import history
+    from wrsim.results.files import EVOLUTION, STUDY, holds
 
     for path in paths_among(*given):
-        kind = "study" if collect.holds(path, collect.NUMBERS) else ""
-        kind = "profile evolution" if collect.holds(path, history.NUMBERS) else kind
+        kind = "study" if holds(path, STUDY) else "profile evolution" if holds(path, EVOLUTION) else ""
         if not kind:
             continue
         if len(given) > 1:
             raise InputError(f"{path}: is a {kind}: a report takes one {kind}, or results of runs")
         if with_view:
             raise InputError(f"--view: {path} is a {kind}; it is for results of runs, as each case of a {kind} is")
+        from wrsim.report.study import evolution_page, study_page
+        from wrsim.study import collect
+        from wrsim.study.evolution import history
+
         if kind == "study":
             return study_page(collect.read_study(path), str(path), cover)
         dataset = history.read_history(path)
         return evolution_page(dataset, str(path), history.mileage_table(dataset), cover)
+    from wrsim.report.page import report_page
+    from wrsim.report.view_data import view_page
+
     results = [as_result(each) for each in given]
     names = [str(each) if isinstance(each, str | Path) else each.title for each in given]
     pairs = zip(results, given, strict=True)

@@ -155,6 +155,8 @@ SAMPLE = "Distance along the track [m], largest pressure 0123456789"
 @cache
 def _narrowing(family: str) -> float:
     """Size of letters of a family over that of the pictures' own, so that words are no wider than they are laid out."""
+    if [family] == STYLE["font.family"]:
+        return 1.0
     fonts = (FontProperties(family=[name]) for name in (*STYLE["font.family"], family))
     own, other = (TextPath((0.0, 0.0), SAMPLE, 100, prop=font).get_extents().width for font in fonts)
     return min(1.0, float(own / max(other, 1e-9)))

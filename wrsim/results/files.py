@@ -172,6 +172,15 @@ def as_json(content: Any, indent: int = 2) -> bytes:
     return (json.dumps(content, indent=indent, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 
+STUDY, EVOLUTION = "study.nc", "wear.nc"
+"""Files of the numbers of studies and of profile evolutions."""
+
+
+def holds(path: Path, name: str) -> bool:
+    """True for the file of numbers of that name, and for a folder that holds it."""
+    return path.name == name or (path / name).is_file()
+
+
 MANIFEST = ".wrsim"
 _KEPT = 32  # characters of a digest that are stored
 

@@ -18,7 +18,7 @@ from wrsim.plots.study import study_figures
 from wrsim.results import write_atomically
 from wrsim.results.channels import Kind
 from wrsim.results.dataset import faults_of_attributes, faults_of_variable, versions
-from wrsim.results.files import as_csv, as_json
+from wrsim.results.files import STUDY, as_csv, as_json
 from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.table import Column, Table, with_unit
 from wrsim.results.tables import Row
@@ -27,8 +27,7 @@ from wrsim.study.plan import Plan, in_words
 from wrsim.study.task import COMPLETED, DERAILED, Marker, read_marker
 
 FORMAT = "wrsim study"
-NUMBERS = "study.nc"
-OUTPUTS = (NUMBERS, "study.csv", "times.csv", "study.json", "plan.json")
+OUTPUTS = (STUDY, "study.csv", "times.csv", "study.json", "plan.json")
 """Files of a study in its folder."""
 MOST_LISTED = 40
 """Cases that are listed where there are many."""
@@ -119,7 +118,7 @@ def write_study(plan: Plan, markers: Sequence[Marker], pictures: bool) -> tuple[
     folder, dataset = Path(plan.folder), collected(plan, markers)
     report = study_report(plan, markers, dataset)
     files = [
-        write_netcdf(folder / NUMBERS, dataset),
+        write_netcdf(folder / STUDY, dataset),
         write_atomically(folder / "study.csv", as_csv(rows_of_cases(plan, markers))),
         write_atomically(folder / "times.csv", as_csv(times_of_cases(plan, markers))),
         write_atomically(folder / "study.json", as_json(report)),
@@ -131,7 +130,7 @@ def write_study(plan: Plan, markers: Sequence[Marker], pictures: bool) -> tuple[
 
 def read_study(path: Path) -> xr.Dataset:
     """The dataset of a study, from its folder or its ``study.nc``. Raises InputError for anything else."""
-    return read_numbers(path, NUMBERS, FORMAT, "study", _faults)
+    return read_numbers(path, STUDY, FORMAT, "study", _faults)
 
 
 def read_numbers(
@@ -145,11 +144,6 @@ def read_numbers(
     for fault in faults(dataset):
         raise InputError(f"{file}: is marked as a {what}, but {fault}; run it again")
     return dataset
-
-
-def holds(path: Path, name: str) -> bool:
-    """True for the file of numbers of that name, and for a folder that holds it."""
-    return path.name == name or (path / name).is_file()
 
 
 def _faults(dataset: xr.Dataset) -> Iterator[str]:

@@ -20,7 +20,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-import dask
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from wrsim import __version__
@@ -121,6 +120,8 @@ def run_case(study: str, digest: str, index: int) -> str:
     case = plan.cases[index]
     folder = plan.folder_of(case)
     # in a worker, xarray would ask the scheduler for a lock on every file
+    import dask
+
     with dask.config.set(scheduler="synchronous"), _locked(folder, 2.0 * _watchdog_limit(plan)):
         marker = read_marker(folder)
         if _has_hung(plan, case, folder):

@@ -18,7 +18,7 @@ from wrsim.plots.drawing import save_all
 from wrsim.plots.wear import evolution_figures
 from wrsim.results import write_atomically
 from wrsim.results.dataset import faults_of_attributes, faults_of_variable, versions
-from wrsim.results.files import as_csv, as_json
+from wrsim.results.files import EVOLUTION, as_csv, as_json
 from wrsim.results.netcdf import write_netcdf
 from wrsim.results.table import Column, Table, as_records, as_rows
 from wrsim.scenario.sections.conicity import ConicityPlan
@@ -26,8 +26,6 @@ from wrsim.study.collect import read_numbers
 from wrsim.study.evolution.reading import Evolution
 from wrsim.study.evolution.steps import DEPTHS, WHEEL, Step, write_wheel
 
-NUMBERS = "wear.nc"
-"""File of a profile evolution's numbers."""
 FORMAT = "wrsim wear"
 COLUMNS = {
     "mileage": ("mileage_km", 1e-3, "m", "mileage"),
@@ -49,7 +47,7 @@ PROFILES = {
 }
 """Profiles [m]: dimensions, meaning."""
 TABLE, REPORT, WORN = "wear.csv", "wear.json", "worn_"
-OUTPUTS = (NUMBERS, TABLE, REPORT, WORN + WHEEL, WORN + DEPTHS)
+OUTPUTS = (EVOLUTION, TABLE, REPORT, WORN + WHEEL, WORN + DEPTHS)
 
 
 def wear_history(evolution: Evolution, steps: Sequence[Step]) -> xr.Dataset:
@@ -121,7 +119,7 @@ def write_history(
     """Write the history, the worn wheel as a model file, and pictures into the folder of a profile evolution."""
     dataset = wear_history(evolution, steps)
     files = [
-        write_netcdf(directory / NUMBERS, dataset),
+        write_netcdf(directory / EVOLUTION, dataset),
         write_atomically(directory / TABLE, as_csv(as_rows(mileage_table(dataset)))),
         write_atomically(directory / REPORT, as_json(evolution_report(dataset))),
     ]
@@ -136,7 +134,7 @@ def write_history(
 
 def read_history(path: Path) -> xr.Dataset:
     """The dataset of a profile evolution, from its folder or its ``wear.nc``. Raises InputError for anything else."""
-    return read_numbers(path, NUMBERS, FORMAT, "profile evolution", _faults)
+    return read_numbers(path, EVOLUTION, FORMAT, "profile evolution", _faults)
 
 
 def _faults(dataset: xr.Dataset) -> Iterator[str]:
