@@ -33,7 +33,7 @@ def free_modes(
 
     Parameters
     ----------
-    stiffness, mass : str, Path or matrix
+    stiffness, mass : str, Path or array_like
         Matrix Market files, or matrices, sparse or not; three unknowns a node along x, y, z, node after node [N/m, kg].
     nodes : array_like
         Places of the nodes (n, 3), in the axes of the vehicle [m].
