@@ -18,11 +18,12 @@ from wrsim.analysis.conicity.conicity import equivalent_conicity, wheelset_conic
 from wrsim.analysis.conicity.pairs import conicity_map
 from wrsim.analysis.conicity.rigid import rigid_contact
 from wrsim.errors import InputError
+from wrsim.geometry.profile.flange import FLANGE_FROM
 from wrsim.geometry.profile.models import load_profile, profiles_in
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections
 from wrsim.results import Result
-from wrsim.results.conicity import FLANGE_FROM, steering_summary
+from wrsim.results.conicity import steering_summary
 from wrsim.results.tables import tables
 from wrsim.scenario.loading import load
 from wrsim.scenario.sections.conicity import ConicityPlan

@@ -11,8 +11,9 @@ from support.vehicles import ROOT, SHORT
 
 from wrsim.analysis import run
 from wrsim.analysis.assessment.filters import low_pass
-from wrsim.analysis.motion.run import LARGE, run_in_time
+from wrsim.analysis.motion.run import run_in_time
 from wrsim.scenario.loading import load
+from wrsim.simulation.ahead import LARGE
 from wrsim.simulation.step_size import implicit_step
 
 STIFF = "vehicles/wheelset_s1002.toml"
