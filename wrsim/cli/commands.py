@@ -49,7 +49,7 @@ def main() -> None:
     # a hundred thousand lasting objects of libraries are looked through again and again otherwise: a second of a run
     gc.set_threshold(50_000, 20, 100)
     show_progress()
-    if not {*sys.argv[1:2]} & {"study", "wear", "export"}:
+    if not {*sys.argv[1:2]} & {"study", "wear", "export", "report"}:
         sys.modules.update(dict.fromkeys(FOR_OTHERS))  # type: ignore[arg-type]
     try:
         with usage_as_json("--json" in sys.argv[1:]) as standalone:
