@@ -7,13 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.interpolate import CubicHermiteSpline, PPoly
 from scipy.special import fresnel
 from support.paths import locate
 from support.rows import rows_of
 
 from wrsim.errors import InputError
-from wrsim.geometry.piecewise import Polynomials
 from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
 from wrsim.geometry.track.track import Track
 from wrsim.plots.track import track_figure
@@ -40,20 +38,6 @@ def curve(
     """Straight, transition, arc, transition, straight."""
     ramp = Transition(length, shape)  # type: ignore[arg-type]
     return (Straight(30.0), ramp, Arc(80.0, radius, cant, widening), ramp, Straight(30.0))
-
-
-@pytest.mark.parametrize("rows", [1, 2, 4, 6])
-def test_piecewise_polynomials_and_their_integral_are_scipys_to_the_bit(rows: int) -> None:
-    draws = np.random.default_rng(rows)
-    x, c = np.sort(draws.uniform(0.0, 200.0, 30)), draws.normal(size=(rows, 29))
-    s = np.append(draws.uniform(-5.0, 205.0, 500), x)
-    y, slopes = s[:30], s[30:60]
-    cubics = Polynomials.hermite(x, y, slopes), CubicHermiteSpline(x, y, slopes)
-    for own, theirs in ((Polynomials(c, x), PPoly(c, x)), cubics):
-        for n in range(4):
-            assert np.array_equal(own(s, n), theirs(s, n))
-            assert np.array_equal(own.derivative(n).c, theirs.derivative(n).c)
-        assert np.array_equal(own.antiderivative().c, theirs.antiderivative().c)
 
 
 def s_curve(radius: float = 300.0, shape: str = "clothoid") -> tuple[Segment, ...]:

@@ -39,18 +39,12 @@ for panel, commands in PANELS.items():
         app.command(command.__name__.removesuffix("_command"), rich_help_panel=panel)(command)
 
 
-FOR_OTHERS = ("dask", "pyarrow")
-"""What xarray and pandas import wherever they find it, half a second, and none of the other commands uses."""
-
-
 def main() -> None:
     """Entry point of the ``wrsim`` command."""
     any_output()
     # a hundred thousand lasting objects of libraries are looked through again and again otherwise: a second of a run
     gc.set_threshold(50_000, 20, 100)
     show_progress()
-    if not {*sys.argv[1:2]} & {"study", "wear", "export", "report"}:
-        sys.modules.update(dict.fromkeys(FOR_OTHERS))  # type: ignore[arg-type]
     try:
         with usage_as_json("--json" in sys.argv[1:]) as standalone:
             sys.exit(app(prog_name="wrsim", standalone_mode=standalone))

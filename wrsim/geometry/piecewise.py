@@ -6,60 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import factorial, perm
-from typing import TYPE_CHECKING
 
 import numpy as np
-
-if TYPE_CHECKING:
-    import scipy
+import scipy
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 Jet = tuple[Array, Array, Array]  # value, slope and second derivative
-
-
-@dataclass(frozen=True, eq=False)
-class Polynomials:
-    """A polynomial in each piece: coefficients c (k, m) of falling powers of the distance from its begin; ends of the
-    pieces x (m + 1,). The numbers of scipy's PPoly to the bit, without the half a second that its import takes."""
-
-    c: Array
-    x: Array
-
-    @classmethod
-    def hermite(cls, x: Array, y: Array, slopes: Array) -> Polynomials:
-        """The cubics through values y (m + 1,) with these slopes."""
-        length, secant = np.diff(x), np.diff(y) / np.diff(x)
-        bend = (slopes[:-1] + slopes[1:] - 2.0 * secant) / length
-        return cls(np.stack((bend / length, (secant - slopes[:-1]) / length - bend, slopes[:-1], y[:-1])), x)
-
-    def __call__(self, s: ArrayLike, derivative: int = 0) -> Array:
-        """Value or derivative at s, of its shape; beyond the ends by the first and the last piece."""
-        s = np.asarray(s)
-        i = np.clip(np.searchsorted(self.x, s, side="right") - 1, 0, self.x.size - 2)
-        return _summed(self.c[:, i], s - self.x[i], derivative)
-
-    def derivative(self, order: int = 1) -> Polynomials:
-        """The polynomials of a derivative."""
-        k = len(self.c)
-        factors = np.array([perm(n, order) for n in range(k - 1, order - 1, -1)])[:, None]
-        return Polynomials(self.c[: k - order] * factors if k > order else np.zeros_like(self.c[:1]), self.x)
-
-    def antiderivative(self) -> Polynomials:
-        """The continuous integral from x[0]."""
-        c = np.vstack((self.c / np.arange(len(self.c), 0, -1)[:, None], np.zeros(self.c.shape[1])))
-        for i, length in enumerate(np.diff(self.x)[:-1]):
-            c[-1, i + 1] = _summed(c[:, i], length)
-        return Polynomials(c, self.x)
-
-
-def _summed(c: Array, x: Array, order: int = 0) -> Array:
-    """Polynomials with coefficients of falling powers (k, ...), or their derivatives, from the lowest power on."""
-    total, power = np.zeros(np.shape(x)), np.ones(np.shape(x))
-    for n in range(order, len(c)):
-        total += c[-1 - n] * power * perm(n, order)
-        power *= x
-    return total
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,14 +22,14 @@ class Piecewise:
     At a joint the piece behind it holds. Outside, value and derivatives of the nearer end are held.
     """
 
-    pieces: Polynomials | scipy.interpolate.CubicSpline
+    pieces: scipy.interpolate.PPoly
 
     @classmethod
     def of_rows(cls, edges: Array, rows: ArrayLike) -> Piecewise:
         """c0 + c1 xi + c2 xi^2 + ... with xi = 0..1 in each piece; edges: (m + 1,) [m], rows: (m, k)."""
         coefficients = np.array(rows, dtype=np.float64).T
         powers = np.arange(len(coefficients))[:, None]
-        return cls(Polynomials((coefficients / np.diff(edges) ** powers)[::-1], edges))
+        return cls(scipy.interpolate.PPoly((coefficients / np.diff(edges) ** powers)[::-1], edges))
 
     @classmethod
     def through(cls, s: Array, values: Array) -> Piecewise:
@@ -99,7 +52,7 @@ class Piecewise:
         return not self.pieces.c.any()
 
     @cached_property
-    def _integral(self) -> Polynomials | scipy.interpolate.PPoly:
+    def _integral(self) -> scipy.interpolate.PPoly:
         return self.pieces.antiderivative()
 
     def __call__(self, s: ArrayLike, derivative: int = 0) -> Array:
@@ -148,7 +101,7 @@ class Piecewise:
         for row, n in zip(c, orders, strict=True):
             slopes = sum(bump[4 - k] * powers[k - n] * perm(k, n) for k in range(n, 5))
             np.add.at(row, at, slopes / factorial(n))
-        return Piecewise(Polynomials(c, parts)) if real.any() else self
+        return Piecewise(scipy.interpolate.PPoly(c, parts)) if real.any() else self
 
 
 def arclengths(velocity: Callable[[Array], Array], t: Array, points: int = 8) -> Array:

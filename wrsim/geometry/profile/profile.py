@@ -16,6 +16,7 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.errors import InputError
@@ -236,11 +237,8 @@ class Profile:
         def climb(L: float) -> float:
             return float(self._evaluate(L)[1][1])
 
-        if not climb(lo) > 0.0 > climb(hi):
-            return float(self.arclength[i])
-        while lo < (middle := 0.5 * (lo + hi)) < hi:
-            lo, hi = (middle, hi) if climb(middle) > 0.0 else (lo, middle)
-        return float(lo)
+        inside = climb(lo) > 0.0 > climb(hi)
+        return float(scipy.optimize.brentq(climb, lo, hi, xtol=1e-16) if inside else self.arclength[i])
 
     @cached_property
     def top(self) -> tuple[float, float]:
