@@ -244,6 +244,6 @@ def test_a_train_of_three_takes_all_cores_and_a_coach_one(monkeypatch: pytest.Mo
     for case, given in ((train, {}), (train, {"threads": 1}), (coach, {})):
         run(case, **given)
     assert asked == [cores(), 1, 1]
-    monkeypatch.setattr("wrsim.analysis.use_threads", lambda _: use_threads(10**6))
+    monkeypatch.setattr("wrsim.core.jit.compiling.use_threads", lambda _: use_threads(10**6))
     run(train)
     assert asked[-1] == 1

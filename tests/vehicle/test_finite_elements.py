@@ -14,14 +14,14 @@ from wrsim.errors import InputError
 from wrsim.vehicle.flexible import BeamModes, PointModes, read_modes
 
 LENGTH, MASS = 24.0, 30e3
-POINTS = np.array([(x, y, 0.0) for x in (-9.375, 9.375) for y in (-0.3, 0.3)])
+POINTS = np.array([(x, y, 0.0) for x in (-9.25, 9.25) for y in (-0.3, 0.3)])
 BEAM = BeamModes.of_body(MASS, (0.0, 0.0, 0.0), LENGTH, (9.0, 12.0), 2, 0.01)
 
 
 @cache
 def box() -> tuple[csr_matrix, csr_matrix, np.ndarray]:
     """Stiffness and mass of point masses on a box that has the modes of a beam, and far above them all others."""
-    places = ((np.arange(96) + 0.5) * LENGTH / 96 - 0.5 * LENGTH, (-0.35, -0.25, 0.25, 0.35), (-0.05, 0.05))
+    places = ((np.arange(48) + 0.5) * LENGTH / 48 - 0.5 * LENGTH, (-0.35, -0.25, 0.25, 0.35), (-0.05, 0.05))
     nodes = np.array(np.meshgrid(*places, indexing="ij")).reshape(3, -1).T
     mass = MASS / len(nodes)
     rigid = np.zeros((6, len(nodes), 3))
