@@ -33,7 +33,7 @@ EXPECTED = {"assess": (0, 2), "diff": (0, 4)}
 """Short runs have no section to assess; two different runs differ."""
 SHORT = {
     "curving": {"run.distance_m": 2, "output.patches_at_m": [1]},
-    "ride": {"run.distance_m": 30},
+    "ride": {"run.distance_m": 30, "ride.from_m": 10},
     "stability": {"stability.speed_kmh": 100, "stability.nonlinear": False},
     "steady": {"steady.radius_m": 2000, "steady.speed_kmh": 80},
 }
@@ -50,7 +50,9 @@ def lines(page: Path) -> list[str]:
 
 
 def shortened(words: list[str]) -> list[str]:
-    """The words of ``wrsim run FILE`` or ``compare`` with the short form of its scenario."""
+    """The words of ``run FILE`` or ``compare`` with the short form of its scenario, of ``plot`` with a place in it."""
+    if words[0] == "plot" and "--at" in words:
+        return [*words[: words.index("--at")], "--at", "1", *words[words.index("--at") + 2 :]]
     if words[0] not in ("run", "compare") or not Path(words[1]).is_file():
         return words
     scenario = load(words[1])
