@@ -139,7 +139,7 @@ def test_an_axle_bends_under_its_load_as_a_beam_does() -> None:
     ends = [abs(e.points[1][1]) for e in vehicle.elements if e.second == vehicle.wheelsets[0].name]
     outside = max(ends)
     own = law.modes_of(0)
-    turn = law.attachments.shapes(0, np.array([(0.0, half, 0.0)]))[:, 0, 3]
+    turn = law.attachments.modes[0].shapes(np.array([(0.0, half, 0.0)]))[:, 0, 3]
     leaning = float(found.q[own] @ turn)
     load = 0.5 * (law.wheels[0][0].model.arrays.total.Fb + law.wheels[0][1].model.arrays.total.Fb)
     load -= 0.5 * vehicle.wheelsets[0].mass * vehicle.gravity

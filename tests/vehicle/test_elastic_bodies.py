@@ -107,7 +107,7 @@ def test_an_accelerometer_feels_the_modes() -> None:
     motion = Integration(train.system, duration=0.02, step=1e-4, weight=vehicle.weight).run(q, rest.q_t)
     end = vehicle.points[0]
     own = law.modes_of(2)
-    value = law.attachments.shapes(2, np.array([end.at]))[:, 0, 2]
+    value = law.attachments.modes[2].shapes(np.array([end.at]))[:, 0, 2]
     height = motion.q[:, 12] - 9.5 * motion.q[:, 17] + motion.q[:, own] @ value
     k = 120
     seen = np.gradient(np.gradient(height, motion.times), motion.times)[k]

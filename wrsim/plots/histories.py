@@ -315,8 +315,6 @@ def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> F
     """Channels of wheelsets, bodies or points, a panel each, and a line for each of them, the smallest in front."""
     names = [str(n) for n in dataset[dim].values]
     labels = numbered(names).values() if dim == "wheelset" else names
-    if dim == "span":
-        labels = [f"span {name}" for name in names]
     pairs = zip(cycle(PART_COLOURS), cycle(theme.GROUP_LINE), labels)
     looks: list[dict[str, Any]] = [{"color": colour, "linestyle": line} for colour, line, _ in pairs]
 

@@ -16,10 +16,13 @@ if TYPE_CHECKING:
     from wrsim.results.summary import summarise
 
 __all__ = ["CHANNELS", "Channel", "Result", "assemble", "summarise", "versions", "write_atomically", "write_run"]
-_ROOMS = "channels", "channels", "result", "dataset", "summary", "dataset", "files", "exports"
+_HOMES = {
+    "CHANNELS": "channels", "Channel": "channels", "Result": "result", "assemble": "dataset", "summarise": "summary",
+    "versions": "dataset", "write_atomically": "files", "write_run": "exports",
+}  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
-    if name not in __all__:
+    if name not in _HOMES:
         raise AttributeError(f"module 'wrsim.results' has no attribute '{name}'")
-    return getattr(import_module(f"wrsim.results.{_ROOMS[__all__.index(name)]}"), name)
+    return getattr(import_module(f"wrsim.results.{_HOMES[name]}"), name)

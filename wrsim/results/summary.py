@@ -125,9 +125,9 @@ def summarise_contacts(dataset: xr.Dataset) -> dict[str, Any]:
         points = {str(name): dataset.sel(point=name) for name in dataset["point"].values}
         summary["points"] = {n: {key: peak(one, own) for key, own in OF_POINT.items()} for n, one in points.items()}
     if "span" in dataset.dims:
-        spans = {str(k): dataset.sel(span=k) for k in dataset["span"].values}
+        spans = {str(name): dataset.sel(span=name) for name in dataset["span"].values}
         summary["spans"] = {
-            k: {key: peak(one, own) for key, own in OF_SPAN.items() if own.channel in one} for k, one in spans.items()
+            n: {key: peak(one, own) for key, own in OF_SPAN.items() if own.channel in one} for n, one in spans.items()
         }
     if "kinetic_energy" in dataset:
         summary["energy"] = energy(dataset)

@@ -38,14 +38,9 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     tables += curve_tables(labels, own)
     if spans := summary.get("spans"):
         known = {key: own for key, own in OF_SPAN.items() if key in next(iter(spans.values()))}
-        heads = (Column("span"), *(Column(own.words, own.unit) for own in known.values()))
-        tables.append(
-            Table(
-                "bridge, largest in the middle of its spans",
-                heads,
-                [(k, *(_placed(each[key]) for key in known)) for k, each in spans.items()],
-            )
-        )
+        heads = (Column(), *(Column(own.words, own.unit) for own in known.values()))
+        rows = [(name, *(_placed(each[key]) for key in known)) for name, each in spans.items()]
+        tables.append(Table("bridge, largest in the middle of its spans", heads, rows))
     if energy := summary.get("energy"):
         parts = [(words, energy[key]) for key, words in ENERGY.items() if energy[key] or key == "left_over_kJ"]
         tables.append(Table("balance of energy over the run", (Column(), Column("work", "kJ")), parts))

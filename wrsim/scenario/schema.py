@@ -51,9 +51,10 @@ class ScenarioSpec(Section, header="a scenario"):
         if "conical" in contact and "structure" in track:
             yield Fault(("track", "structure"), "has no place beside [contact.conical], whose rails are rigid")
         structure = track.get("structure")
-        if isinstance(structure, dict) and structure.get("kind") == "sleepers":
+        kind = structure.get("kind") if isinstance(structure, dict) else None
+        if kind == "sleepers":
             yield from _of_sleepers(own, raw, contact)
-        if isinstance(structure, dict) and structure.get("kind") == "bridge" and contact.get("normal") == "half-space":
+        if kind == "bridge" and contact.get("normal") == "half-space":
             yield Fault(("contact", "normal"), 'cannot be "half-space" on a bridge: the fast models only')
         if analysis is not None:
             yield from _of_tables(analysis, raw)

@@ -9,11 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.core.body import flexible, vehicle_forces
+from wrsim.geometry.track.bridge import Bridge
 from wrsim.simulation.force_law import Array
 from wrsim.vehicle.elements import Triple
 from wrsim.vehicle.flexible import Modes
 from wrsim.vehicle.preload import Preload
 from wrsim.vehicle.vehicle import Vehicle
+
+
+def mode_records(modes: Modes | Bridge, coordinate: int) -> NDArray[Any]:
+    """Records MODE (n,) of modes whose coordinates follow each other; of a bridge they are whole."""
+    rows, omega = np.zeros(len(modes.frequencies), flexible.MODE), 2.0 * np.pi * modes.frequencies
+    rows["stiffness"], rows["damping"], rows["mass"] = omega**2, 2.0 * modes.damping * omega, modes.masses
+    rows["coordinate"] = coordinate + np.arange(len(rows))
+    return rows
 
 
 class Attachments:
@@ -58,27 +67,23 @@ class Attachments:
     def arrays(self, coordinate: int, preloads: Sequence[Preload]) -> list[NDArray[Any]]:
         """MODES, ATTACHMENTS, SHAPES and GYROSCOPIC of ``core.body.vehicle_forces``. coordinate: of the first mode."""
         vehicle, most = self.vehicle, max([len(own.frequencies) for own in self.modes.values()], default=1)
-        rows, points = np.zeros(self.count, flexible.MODE), np.zeros(len(self._points), flexible.ATTACHMENT)
+        rows = [np.zeros(0, flexible.MODE)]
+        points = np.zeros(len(self._points), flexible.ATTACHMENT)
         shapes, gyroscopic = np.zeros((len(points), most, 6)), np.zeros((self.count, most))
         for i, own in self.modes.items():
             first, n = self.first[i], len(own.frequencies)
-            omega, (coupling, turning) = 2.0 * np.pi * own.frequencies, own.gyroscopic()
-            gyroscopic[first : first + n, :n] = coupling
-            rest = self._at_rest(i, preloads)
-            for k, row in enumerate(rows[first : first + n]):
-                row.stiffness, row.damping = omega[k] ** 2, 2.0 * own.damping[k] * omega[k]
-                row.mass, row.rest, row.coordinate = own.masses[k], rest[k], coordinate + first + k
-                row.body, row.first, row.count, row.turning = i, first, n, tuple(turning[k])
+            gyroscopic[first : first + n, :n], turning = own.gyroscopic()
+            found = mode_records(own, coordinate + first)
+            found["rest"], found["body"], found["first"], found["count"] = self._at_rest(i, preloads), i, first, n
+            for axis, component in zip("xyz", turning.T, strict=True):
+                found["turning"][axis] = component
+            rows.append(found)
         for j, (i, point) in enumerate(self._points):
             n = len(self.modes[i].frequencies)
             points[j].body, points[j].first, points[j].count, points[j].point = i, self.first[i], n, point
             points[j].spins = i < len(vehicle.wheelsets)
-            shapes[j, :n] = self.shapes(i, np.array([point]) + vehicle.parts[i].centre)[:, 0]
-        return [rows, points, shapes, gyroscopic]
-
-    def shapes(self, part: int, points: Array) -> Array:
-        """Displacement and turn (n, p, 6) of points (p, 3) of a part in the vehicle's axes [m] by its modes."""
-        return self.modes[part].shapes(points)
+            shapes[j, :n] = self.modes[i].shapes(np.array([point]) + vehicle.parts[i].centre)[:, 0]
+        return [np.concatenate(rows), points, shapes, gyroscopic]
 
     def _at_rest(self, part: int, preloads: Sequence[Preload]) -> Array:
         """What the preload does to the modes of a body (n,) [N]; an axle is straight without load."""
@@ -91,6 +96,6 @@ class Attachments:
             for name, end, sign in ((element.first, element.points[0], -1.0), (element.second, element.points[1], 1.0)):
                 if self.vehicle.index(name) == part:
                     turning = preload.moment + (np.cross(arm, force) if sign < 0.0 else 0.0)
-                    shape = self.shapes(part, np.array([end]))[:, 0]
+                    shape = self.modes[part].shapes(np.array([end]))[:, 0]
                     found += sign * (shape @ np.concatenate([force, turning]))
         return found

@@ -21,7 +21,6 @@ from wrsim.core.body.kinematics import is_near
 from wrsim.core.jit.compiling import use_threads
 from wrsim.core.jit.stages import make_ready
 from wrsim.errors import SimulationError
-from wrsim.geometry.track.bridge import Bridge
 from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.force_law import Array, Block, Groups, all_on_all, groups_in_a_row
@@ -121,7 +120,7 @@ class VehicleOnTrack(Layout):
         )
         self.on_sleepers: RailsOnSleepers | None = None
         """Rails on sleepers, if they lie on any; else elastic ones are pieces that move along."""
-        elasticity = None if isinstance(track.structure, Bridge) or not contacts else track.structure
+        elasticity = self.beneath
         if isinstance(elasticity, SleeperTrack):
             places = np.repeat([start + mounted.x for mounted in vehicle.wheelsets], 2)
             memory = self.workspace.buffer, self.workspace.index[first:]

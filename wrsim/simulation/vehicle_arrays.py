@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wrsim.contact.model import ContactModel
 from wrsim.core.body import deck as deck_kernel
-from wrsim.core.body import flexible, friction, outputs, suspension, vehicle_forces
+from wrsim.core.body import friction, outputs, suspension, vehicle_forces
 from wrsim.core.body import loads as load_kernel
 from wrsim.core.body import rigid_body as body_kernel
 from wrsim.core.body import stepper as step_kernel
@@ -23,7 +23,7 @@ from wrsim.geometry.track.bridge import Bridge
 from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.geometry.track.track import RailElasticity, Track
 from wrsim.simulation.bodies import bodies_of, inertia_table
-from wrsim.simulation.flexible_arrays import Attachments
+from wrsim.simulation.flexible_arrays import Attachments, mode_records
 from wrsim.simulation.force_law import Array, ForceLaw
 from wrsim.vehicle.bogies import holders_of
 from wrsim.vehicle.elements import Tables
@@ -43,8 +43,8 @@ class Layout(ForceLaw):
 
     The last ``positions`` of them are positions: the pitch of the axle boxes, the twist of axles whose wheels turn
     against each other (``twists``, by wheelset), the elastic modes (``modes``: where they are) of parts and of the
-    bridge ``deck`` (``of_deck``), and ``rails`` displacements of the rails under the wheels. ``attachments``: where
-    elastic parts are held.
+    bridge ``deck`` (``of_deck``), and ``rails`` displacements of the rails under the wheels on what is ``beneath``
+    them. ``attachments``: where elastic parts are held.
     ``sliders``: places of the unknowns of friction. ``gears``: by wheelset the place of the twist of its geared motor's
     hollow axle, ahead of that of its rate.
     """
@@ -58,8 +58,8 @@ class Layout(ForceLaw):
         twisting = [i for i, mounted in enumerate(vehicle.wheelsets) if mounted.wheelset.torsion is not None]
         structure = track.structure if on_rails else None
         self.deck = structure if isinstance(structure, Bridge) else None
-        moving = structure is not None and self.deck is None
-        self.rails = RAIL_COORDINATES * len(vehicle.wheelsets) if moving else 0
+        self.beneath = None if isinstance(structure, Bridge) else structure
+        self.rails = 0 if self.beneath is None else RAIL_COORDINATES * len(vehicle.wheelsets)
         elastic = self.attachments.count + (0 if self.deck is None else len(self.deck.frequencies))
         self.boxes = box_records(vehicle, self.attachments)
         self.positions = len(vehicle.boxes) + len(twisting) + elastic + self.rails
@@ -191,9 +191,7 @@ def _modes(layout: Layout) -> list[Any]:
     deck = layout.deck
     if deck is None:
         return [rows, points, shapes, gyroscopic, np.zeros(0, deck_kernel.DECK), np.zeros((0, 2))]
-    own, omega = np.zeros(len(deck.frequencies), flexible.MODE), 2.0 * np.pi * deck.frequencies
-    own["stiffness"], own["damping"], own["mass"] = omega**2, 2.0 * deck.damping * omega, deck.masses
-    own["coordinate"] = layout.of_deck
+    own = mode_records(deck, layout.of_deck.start)
     at = np.array([(deck.start, deck.step, len(rows), len(own))], deck_kernel.DECK)
     gyroscopic = np.pad(gyroscopic, ((0, len(own)), (0, 0)))
     return [np.concatenate([rows, own]), points, shapes, gyroscopic, at, deck.shapes.reshape(len(deck.shapes), -1)]
@@ -243,7 +241,7 @@ def _whole(layout: Layout, drive: Drive, gravity: float, turns: int) -> NDArray[
     own.step = track.centre.step
     own.guide_ahead = vehicle.guide_ahead
     own.rails, own.turns = -1, turns
-    e = track.structure
+    e = layout.beneath
     if layout.rails:
         own.rails = layout.size - layout.rails
         own.sleepers = isinstance(e, SleeperTrack)

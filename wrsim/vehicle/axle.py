@@ -17,7 +17,7 @@ from pydantic import Field
 from scipy.linalg import eigh
 
 from wrsim.errors import InputError
-from wrsim.geometry.track.beams import bending_mass, bending_stiffness
+from wrsim.geometry.track.beams import bending_matrices
 from wrsim.inputs.section import Section
 from wrsim.inputs.values import List, number, positive
 from wrsim.vehicle.flexible import Modes
@@ -119,11 +119,7 @@ class Axle:
         bending = self.young * np.pi / 64.0 * d**4
         coefficient = 6.0 * (1.0 + self.poisson) / (7.0 + 6.0 * self.poisson)  # Cowper, J. Appl. Mech. 33 (1966) 335
         shear = coefficient * 0.5 * self.young / (1.0 + self.poisson) * np.pi / 4.0 * d**2
-        own = 2 * np.arange(len(length))[:, None] + np.arange(4)
-        stiffness, inertia = np.zeros((2, 2 * len(nodes), 2 * len(nodes)))
-        rows, columns = own[:, :, None], own[:, None, :]
-        np.add.at(stiffness, (rows, columns), bending_stiffness(length, bending, shear))
-        np.add.at(inertia, (rows, columns), bending_mass(length, bending, shear, mass, 0.5 * polar))
+        stiffness, inertia = bending_matrices(length, bending, shear, mass, 0.5 * polar)
         turning = 0.5 * (np.append(polar * length, 0.0) + np.append(0.0, polar * length))
         for disc in discs:
             i = int(np.argmin(np.abs(nodes - disc.y)))

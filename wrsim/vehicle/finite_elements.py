@@ -75,17 +75,15 @@ def free_modes(
     for name, matrix in (("stiffness", k), ("mass", m)):
         if matrix.shape != (size, size):
             raise InputError(f"{name}: has the shape {matrix.shape}; allowed: {(size, size)} for {len(places)} nodes")
-    shapes = np.eye(0) if basis is None else np.asarray(basis, dtype=float)
-    if basis is not None and (shapes.ndim != 2 or len(shapes) != size):
-        raise InputError(f"basis: has the shape {shapes.shape}; allowed: ({size}, shapes)")
-    most = (size if basis is None else shapes.shape[1]) - RIGID
-    if not 0 < count <= most:
-        raise InputError(f"count = {count}: must be from 1 to {most}")
-    if basis is None:
-        squares, vectors = _eigen(k, m, count + RIGID)
-    else:
-        squares, own = _eigen(csc_matrix(shapes.T @ (k @ shapes)), csc_matrix(shapes.T @ (m @ shapes)), count + RIGID)
-        vectors = shapes @ own
+    if basis is not None:
+        if np.ndim(basis) != 2 or len(basis) != size:
+            raise InputError(f"basis: has the shape {np.shape(basis)}; allowed: ({size}, shapes)")
+        k, m = (csc_matrix(basis.T @ (matrix @ basis)) for matrix in (k, m))
+    if not 0 < count <= k.shape[0] - RIGID:
+        raise InputError(f"count = {count}: must be from 1 to {k.shape[0] - RIGID}")
+    squares, vectors = _eigen(k, m, count + RIGID)
+    if basis is not None:
+        vectors = basis @ vectors
     if squares[RIGID - 1] > 1e-4 * squares[RIGID]:
         free = int(np.sum(squares < 1e-4 * squares[RIGID]))
         raise InputError(f"the matrices are not those of a free body: {free} of 6 motions have no stiffness")

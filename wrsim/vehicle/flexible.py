@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from wrsim.errors import InputError
-from wrsim.inputs.csv_tables import read_columns
+from wrsim.inputs.mode_tables import of_modes, read_mode_table
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import number, positive, text
 
@@ -24,17 +24,13 @@ Array = NDArray[np.float64]
 
 _Frequency = Annotated[float, positive(1500, "Hz")]
 _Damping = Annotated[float, number(0, 1, "of critical")]
-_Mass = Annotated[float, positive(1e6, "kg")]
 _Place = Annotated[float, number(-1e5, 1e5, "mm in the axes of the vehicle or part")]
 _Shift = Annotated[float, number(-1e6, 1e6, "per unit of the mode")]
 _Turn = Annotated[float, number(-1e6, 1e6, "rad per m of the mode")]
-COLUMNS = {
-    "mode": Annotated[int, number(1, 1000)], "frequency_Hz": _Frequency, "damping": _Damping,
-    "modal_mass_kg": _Mass, "x_mm": _Place, "y_mm": _Place, "z_mm": _Place,
-    "ux": _Shift, "uy": _Shift, "uz": _Shift, "rx": _Turn, "ry": _Turn, "rz": _Turn,
-}  # fmt: skip
-"""Columns of a file of modes, a row for every mode at every point; those of turns may be left out."""
-NEEDED = [name for name in COLUMNS if name not in ("rx", "ry", "rz")]
+OF_MODES = of_modes(1500.0, 1e6)
+PLACES = dict.fromkeys(("x_mm", "y_mm", "z_mm"), _Place)
+SHIFTS, TURNS = dict.fromkeys(("ux", "uy", "uz"), _Shift), dict.fromkeys(("rx", "ry", "rz"), _Turn)
+"""Columns of a file of modes; those of turns may be left out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +103,8 @@ class PointModes(Modes):
 
 
 def read_modes(path: Path, reach: float) -> PointModes:
-    """Modes in a CSV file (``COLUMNS``) or in an NPZ file of arrays ``frequency_Hz``, ``damping``, ``modal_mass_kg``
-    (n,), ``points_mm`` (p, 3), ``shapes`` (n, p, 3 or 6). Raises InputError."""
+    """Modes in a CSV file (``wrsim.inputs.mode_tables``) or in an NPZ file of arrays ``frequency_Hz``, ``damping``,
+    ``modal_mass_kg`` (n,), ``points_mm`` (p, 3), ``shapes`` (n, p, 3 or 6). Raises InputError."""
     frequencies, damping, masses, points, values = (_from_npz if path.suffix == ".npz" else _from_csv)(path)
     largest = np.abs(values[..., :3]).max(axis=(1, 2))
     if not largest.all():
@@ -121,25 +117,8 @@ Given = tuple[Array, Array, Array, Array, Array]
 
 
 def _from_csv(path: Path) -> Given:
-    table, lines = read_columns(path, COLUMNS, NEEDED)
-    modes, first, count = np.unique(table["mode"], return_index=True, return_counts=True)
-    shape = (len(modes), int(count[0]))
-    uneven = np.flatnonzero(count != count[0])
-    grid = np.argsort(table["mode"], kind="stable")
-    at = np.stack([table[name] for name in ("x_mm", "y_mm", "z_mm")], axis=-1)[grid]
-    if uneven.size or np.any(at.reshape(*shape, 3) != at[: shape[1]]):
-        line = lines[first[uneven[0]]] if uneven.size else lines[0]
-        raise InputError(f"{path}:{line}: every mode needs the same points in the same order")
-    for name in ("frequency_Hz", "damping", "modal_mass_kg"):
-        own = table[name][grid].reshape(shape)
-        if np.any(own != own[:, :1]):
-            mode = int(modes[np.argmax(np.any(own != own[:, :1], axis=1))])
-            raise InputError(f"{path}: column {name}: mode {mode} has several values; must be the same in all its rows")
-    zero = np.zeros(len(lines))
-    columns = [table.get(name, zero)[grid].reshape(shape) for name in ("ux", "uy", "uz", "rx", "ry", "rz")]
-    of_modes = (table[name][first] for name in ("frequency_Hz", "damping", "modal_mass_kg"))
-    frequencies, damping, masses = of_modes
-    return frequencies, damping, masses, at[: shape[1]] / 1e3, np.stack(columns, axis=-1)
+    found = read_mode_table(path, OF_MODES, PLACES, SHIFTS | TURNS, list(SHIFTS))
+    return found.frequencies, found.damping, found.masses, found.places / 1e3, found.shapes
 
 
 def _from_npz(path: Path) -> Given:

@@ -64,7 +64,7 @@ def point_accelerations(law: VehicleOnTrack, q: Array, q_t: Array, forces: Array
         alpha = _angular_acceleration(at, rates, changes)
         found[j] = acceleration + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
         if len(own := law.modes_of(i)):
-            found[j] += forces[own] @ law.attachments.shapes(i, np.array([point.at]))[:, 0, :3]
+            found[j] += forces[own] @ law.attachments.modes[i].shapes(np.array([point.at]))[:, 0, :3]
         found[j, 2] -= vehicle.gravity
     return found
 

@@ -92,7 +92,7 @@ def result_of(
     }  # fmt: skip
     coords: dict[str, Any] = {"time": motion.times}
     if law.deck is not None:
-        coords["span"] = np.arange(1, len(law.deck.values) + 1)
+        coords["span"] = [f"span {k + 1}" for k in range(len(law.deck.values))]
     coords |= {dimension: [each.name for each in own] for dimension, own in named.items() if own}
     if losses is not None:
         channels |= losses.channels()

@@ -23,6 +23,9 @@ from numpy.typing import NDArray
 
 from wrsim.geometry.piecewise import Array
 
+STIFF = 1e6
+"""Shear stiffness over bending stiffness of a beam without shear [1/m2]: phi = 12e-6 / l^2."""
+
 
 def bending_stiffness(length: Array, bending: Array, shear: Array | float) -> NDArray[np.float64]:
     """Stiffness (n, 4, 4) of elements of these lengths [m] and bending stiffnesses [N m2], each (n,); shear: shear
@@ -59,6 +62,18 @@ def bending_mass(
     d = (1 / 30 + p / 6 - p**2 / 6) * length**2
     turning = np.array([[a, b, -a, b], [b, c, -b, -d], [-a, -b, a, -b], [b, -d, -b, c]])
     return np.moveaxis(moving + rotary / (length * (1.0 + p) ** 2) * turning, -1, 0)
+
+
+def bending_matrices(
+    length: Array, bending: Array, shear: Array | float, mass: Array | float, rotary: Array | float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Stiffness and mass (2 n + 2, 2 n + 2) of these elements in a row, free at both ends; unknowns node by node."""
+    own = 2 * np.arange(len(length))[:, None] + np.arange(4)
+    found = np.zeros((2, 2 * len(length) + 2, 2 * len(length) + 2))
+    of_elements = bending_stiffness(length, bending, shear), bending_mass(length, bending, shear, mass, rotary)
+    for whole, each in zip(found, of_elements, strict=True):
+        np.add.at(whole, (own[:, :, None], own[:, None]), each)
+    return found[0], found[1]
 
 
 def torsion_stiffness(length: Array, torsion: float) -> NDArray[np.float64]:

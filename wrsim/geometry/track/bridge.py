@@ -14,15 +14,12 @@ from scipy.linalg import eigh
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
-from wrsim.geometry.track.beams import bending_mass, bending_stiffness
-from wrsim.inputs.csv_tables import read_columns
-from wrsim.inputs.values import number, positive
+from wrsim.geometry.track.beams import STIFF, bending_matrices
+from wrsim.inputs.mode_tables import of_modes, read_mode_table
+from wrsim.inputs.values import number
 
 ROWS = 200
 """Elements of a span; and rows of a bridge from a file."""
-
-STIFF_IN_SHEAR = 1e6
-"""Shear stiffness over bending stiffness of a beam without shear [1/m2]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,11 +67,8 @@ class Bridge:
         pieces = [np.linspace(a, b, ROWS + 1)[:-1] for a, b in pairwise(ends)]
         nodes = np.append(np.concatenate(pieces), ends[-1])
         length = np.diff(nodes)
-        even, shear = np.full(len(length), bending), STIFF_IN_SHEAR * bending
-        own = 2 * np.arange(len(length))[:, None] + np.arange(4)
-        stiffness, inertia = np.zeros((2, 2 * len(nodes), 2 * len(nodes)))
-        np.add.at(stiffness, (own[:, :, None], own[:, None]), bending_stiffness(length, even, shear))
-        np.add.at(inertia, (own[:, :, None], own[:, None]), bending_mass(length, even, shear, mass, 0.0))
+        even = np.full(len(length), bending)
+        stiffness, inertia = bending_matrices(length, even, STIFF * bending, mass, 0.0)
         free = np.setdiff1d(np.arange(2 * len(nodes)), 2 * ROWS * np.arange(len(spans) + 1))
         squares, vectors = eigh(*(m[np.ix_(free, free)] for m in (stiffness, inertia)), subset_by_index=[0, count - 1])
         moved = np.zeros((count, 2 * len(nodes)))
@@ -96,35 +90,27 @@ class Bridge:
         )  # fmt: skip
 
 
-COLUMNS = {
-    "mode": Annotated[int, number(1, 1000)],
-    "frequency_Hz": Annotated[float, positive(1000, "Hz")],
-    "damping": Annotated[float, number(0, 1, "of critical")],
-    "modal_mass_kg": Annotated[float, positive(1e9, "kg")],
-    "at_m": Annotated[float, number(0, 1e5, "m from the beginning of the bridge")],
-    "uz": Annotated[float, number(-1e6, 1e6, "upward per unit of the mode")],
-}
-"""Columns of a file of a bridge's modes, a row for every mode at every place."""
+OF_MODES = of_modes(1000.0, 1e9)
+PLACES = {"at_m": Annotated[float, number(0, 1e5, "m from the beginning of the bridge")]}
+SHAPES = {"uz": Annotated[float, number(-1e6, 1e6, "upward per unit of the mode")]}
+"""Columns of a file of a bridge's modes."""
 
 
 def read_bridge(path: Path, start: float) -> Bridge:
-    """Modes of a deck in a CSV file (``COLUMNS``). Raises InputError."""
-    table, lines = read_columns(path, COLUMNS, list(COLUMNS))
-    modes, first, count = np.unique(table["mode"], return_index=True, return_counts=True)
-    order = np.argsort(table["mode"], kind="stable")
-    if np.any(count != count[0]) or count[0] < 4:
-        line = lines[first[np.argmax((count != count[0]) | (count < 4))]]
-        raise InputError(f"{path}:{line}: every mode needs the same places, at least four of them")
-    at = table["at_m"][order].reshape(len(modes), -1)
-    if np.any(at != at[0]) or np.any(np.diff(at[0]) <= 0.0) or at[0, 0] != 0.0:
+    """Modes of a deck in a CSV file (``wrsim.inputs.mode_tables``). Raises InputError."""
+    found = read_mode_table(path, OF_MODES, PLACES, SHAPES, list(SHAPES))
+    at, uz = found.places[:, 0], found.shapes[:, :, 0]
+    if len(at) < 4:
+        raise InputError(f"{path}:{found.lines[0]}: every mode needs the same places, at least four of them")
+    if np.any(np.diff(at) <= 0.0) or at[0] != 0.0:
         raise InputError(f"{path}: column at_m: every mode needs the same places, rising from 0")
-    along = np.linspace(0.0, at[0, -1], ROWS + 1)
-    spline = CubicSpline(at[0], table["uz"][order].reshape(at.shape), axis=1)
+    along = np.linspace(0.0, at[-1], ROWS + 1)
+    spline = CubicSpline(at, uz, axis=1)
     values, slopes = spline(along), spline(along, 1)
     largest = np.abs(values).max(axis=1)
     if not largest.all():
-        raise InputError(f"{path}: column uz: mode {int(modes[np.argmin(largest)])} does not move")
-    frequencies, damping, masses = (table[name][first] for name in ("frequency_Hz", "damping", "modal_mass_kg"))
+        raise InputError(f"{path}: column uz: mode {int(np.argmin(largest)) + 1} does not move")
     shapes = np.stack([values.T, slopes.T], axis=-1) / largest[:, None]
     middle = values[:, ROWS // 2 : ROWS // 2 + 1].T / largest
-    return Bridge(start, float(along[1]), frequencies, damping, masses / largest**2, shapes, middle, None)
+    masses = found.masses / largest**2
+    return Bridge(start, float(along[1]), found.frequencies, found.damping, masses, shapes, middle, None)

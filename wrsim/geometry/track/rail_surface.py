@@ -122,14 +122,14 @@ class RailSurface:
     def rows(self, s: Array) -> tuple[Array, NDArray[np.int64]]:
         """Points and tangents, of any length, at distances (n,) [m]: rows of all pieces one behind the other
         (n, rows, 4); the first row of every piece, and their number."""
+        from wrsim.core.contact.rail import FALL  # with numba, which a look at a scenario does not need
+
         found = []
         for piece in self.pieces:
             knots = piece.spline.x
             inside = np.clip(s, knots[0], knots[-1])
             own = piece.spline(inside)
             loose = np.where(s < knots[0], piece.open_ends[0], piece.open_ends[1])
-            from wrsim.core.contact.rail import FALL
-
             own[:, :, 1] -= (FALL * np.abs(s - inside) * loose)[:, None]
             found.append(own)
         starts = np.cumsum([0, *(own.shape[1] for own in found)])

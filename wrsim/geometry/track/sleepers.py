@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
-from wrsim.geometry.track.beams import bending_mass, bending_stiffness, torsion_mass, torsion_stiffness
+from wrsim.geometry.track.beams import STIFF, bending_mass, bending_stiffness, torsion_mass, torsion_stiffness
 
 Direction = Literal["vertical", "lateral"]
 SIDES = ("left", "right")
@@ -34,9 +34,6 @@ BLOCK = 4096
 
 ENDS = 0.01
 """Part of a wave that comes back from the end of a window."""
-
-STIFF = 1e6
-"""Shear stiffness over bending stiffness of a rail without shear [1/m2]: phi = 12e-6 / l^2."""
 
 
 @dataclass(frozen=True)
