@@ -134,6 +134,7 @@ FILES = {
     "track": ("a track file", "wrsim.scenario.merging:TrackFile"),
     "profile": ("a profile file", "wrsim.geometry.profile.models:AnyProfileFile"),
     "crossing": ("a crossing file", "wrsim.geometry.track.crossing:CrossingFile"),
+    "rules": ("a rule set", "wrsim.results.rules:RulesFile"),
     "columns": ("the column map of a recording", "wrsim.recording.columns:ColumnsFile"),
 }
 """Kinds of files that users write, and the class of each, or the classes that it may be one of."""
@@ -141,7 +142,7 @@ FILES = {
 COMMANDS = {
     "scenario": "wrsim run", "study": "wrsim study", "evolution": "wrsim wear", "vehicle": "wrsim vehicle",
     "wheelset": "wrsim vehicle", "train": "wrsim vehicle", "track": "wrsim track", "profile": "wrsim profile",
-    "columns": "wrsim recording --columns",
+    "rules": "wrsim assess --rules", "columns": "wrsim recording --columns",
 }  # fmt: skip
 """The commands that take these kinds of files."""
 

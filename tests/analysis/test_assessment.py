@@ -12,20 +12,22 @@ from support.scenario_texts import CURVE
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 from support.vehicles import shipped
 
-from wrsim.analysis.assessment import assess_runs, limits
+from wrsim.analysis.assessment import assess_runs
 from wrsim.analysis.assessment.filters import band_pass, low_pass, sliding_mean, sliding_rms, windows
-from wrsim.analysis.assessment.nadal import limit_of_climbing, longest_stretch, nadal_limit
+from wrsim.analysis.assessment.nadal import Climbing, longest_stretch, nadal_limit
 from wrsim.analysis.assessment.sections import sections_of, zone_of
 from wrsim.analysis.ride import ride_section_of
 from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment, assessment_json
+from wrsim.results.rules import About, rule_set
 from wrsim.scenario.sections.assessment import AssessmentSettings
 from wrsim.scenario.sections.run import RideSection
 from wrsim.vehicle.bogies import bogie_mass, level_of
 
 table = rows_of(__file__)
 
+EN = rule_set("en14363")
 RATE = 500.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)
 NADAL = AssessmentSettings(friction=0.35, flange_angle=np.radians(70.0))
@@ -98,7 +100,7 @@ def test_the_rms_of_a_sine_over_whole_waves_is_its_amplitude_over_root_2():
 
 # --- sections -----------------------------------------------------------------------------------------------
 def test_track_is_cut_into_sections_of_its_classes():
-    found = sections_of(run(900.0, curvature=curve(-500.0)).dataset)
+    found = sections_of(run(900.0, curvature=curve(-500.0)).dataset, EN.classes)
     assert [s.zone for s in found] == [
         "straight", "transition", "small radius", "small radius", "small radius", "transition", "straight",
     ]  # fmt: skip
@@ -117,7 +119,7 @@ def test_track_is_cut_into_sections_of_its_classes():
      (300, "very small radius"), (250, "very small radius"), (150, "tight")],
 )  # fmt: skip
 def test_classes_of_curves(radius, zone):
-    assert zone_of(1.0 / radius) == zone_of(-1.0 / radius) == zone
+    assert zone_of(1.0 / radius, EN.classes) == zone_of(-1.0 / radius, EN.classes) == zone
 
 
 # --- quantities ---------------------------------------------------------------------------------------------
@@ -202,9 +204,9 @@ def test_curves_of_little_cant_deficiency_may_count_as_straight_track():
         (900.0, 0.04, "large radius"),
         (500.0, 0.2, "small radius"),
     ):
-        found = sections_of(run(900.0, curvature=curve(radius)).dataset, None, limit)
+        found = sections_of(run(900.0, curvature=curve(radius)).dataset, EN.classes, None, limit)
         assert zone in {s.zone for s in found if s.start < 400.0 < s.end}
-        assert "large radius" in {s.zone for s in sections_of(run(900.0, curvature=curve(1600.0)).dataset)}
+        assert "large radius" in {s.zone for s in sections_of(run(900.0, curvature=curve(1600.0)).dataset, EN.classes)}
 
 
 def uneven(amplitude: float, wave: float, speed: float = 30.0, length: float = 1080.0) -> Assessment:
@@ -339,7 +341,7 @@ def test_nadals_limit_in_closed_form():
 )
 def test_a_result_whose_scenario_has_no_friction_gives_no_nadal_limit(text):
     dataset = run(250.0).dataset.assign_attrs(scenario_text=text)
-    assert limit_of_climbing(dataset, AssessmentSettings(flange_angle=np.radians(70.0)), []) is None
+    assert Climbing(dataset, AssessmentSettings(flange_angle=np.radians(70.0))).nadal(None) is None
     assert ride_section_of(Result(dataset)) == RideSection()
 
 
@@ -378,17 +380,19 @@ def test_a_wheel_pushed_sideways_without_load_is_beyond_any_limit():
 
 
 # --- limits -------------------------------------------------------------------------------------------------
+def limit_of(quantity: str, **about) -> float | None:
+    found = EN.about(quantity).limit_at(About(**about))
+    return found and found.value
+
+
 def test_limits_are_those_of_the_standards():
-    assert limits.track_shift(120e3, "passenger").value == pytest.approx(50e3)
-    assert limits.track_shift(120e3, "freight").value == pytest.approx(42.5e3)
-    assert limits.vertical_force(60e3, 160.0 / 3.6).value == pytest.approx(150e3)
-    assert limits.vertical_force(112.5e3, 160.0 / 3.6).value == pytest.approx(200e3)
-    assert limits.vertical_force(112.5e3, 250.0 / 3.6).value == pytest.approx(180e3)
-    assert limits.quasi_static_guiding(600.0).value == pytest.approx(60e3)  # type: ignore[union-attr]
-    assert limits.quasi_static_guiding(350.0).value == pytest.approx(60e3)  # type: ignore[union-attr]
-    assert limits.quasi_static_guiding(250.0).value == pytest.approx(72e3)  # type: ignore[union-attr]
-    assert limits.quasi_static_guiding(150.0) is None
-    assert limits.derailment(150.0) is None
+    assert limit_of("sum_Y", axle_load=120e3) == pytest.approx(50e3)
+    assert limit_of("sum_Y", axle_load=120e3, kind="freight") == pytest.approx(42.5e3)
+    for load, speed, most in ((60e3, 160.0, 150e3), (112.5e3, 160.0, 200e3), (112.5e3, 250.0, 180e3)):
+        assert limit_of("Q", axle_load=2.0 * load, speed=speed / 3.6) == pytest.approx(most)
+    for radius, most in ((600.0, 60e3), (350.0, 60e3), (250.0, 72e3)):
+        assert limit_of("Y_qst", radius=radius) == pytest.approx(most)
+    assert limit_of("Y_qst", radius=150.0) is None and limit_of("Y_over_Q", radius=150.0) is None
 
 
 # --- files, command, errors ---------------------------------------------------------------------------------

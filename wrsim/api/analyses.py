@@ -20,8 +20,9 @@ def assess(
     scenario: Scenario | str | Path | None = None,
     output: str | Path | None = None,
     pictures: bool = True,
+    rules: str | Path | None = None,
 ) -> Outcome:
-    """Assess a run, or several runs of one vehicle as one test, by EN 14363.
+    """Assess a run, or several runs of one vehicle as one test, by a rule set.
 
     Parameters
     ----------
@@ -33,6 +34,8 @@ def assess(
         Folder for tables and pictures.
     pictures : bool
         Whether pictures are drawn there.
+    rules : str or Path, optional
+        Name or TOML file of a rule set; that of the settings unless given.
 
     Returns
     -------
@@ -56,7 +59,7 @@ def assess(
     settings = None if scenario is None else as_scenario(scenario, ()).table(AssessmentSection).settings()
     loaded = [as_result(each) for each in several]
     with naming(*paths):
-        found = assess_runs(loaded, settings, names)
+        found = assess_runs(loaded, settings, names, rules)
     folder = None if output is None else Path(output)
     files = [] if folder is None else write_assessment(found, folder, pictures)
     return Outcome(assessment_numbers(found), assessment_dict(found), files, found, folder=folder)

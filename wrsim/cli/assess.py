@@ -20,11 +20,18 @@ def assess_command(
     ],
     output: options.BesideResult = None,
     scenario: options.SectionsOf = None,
+    rules: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE",
+            help="Rule set: en14363, uic518, 49cfr213, 49cfr238 or a TOML file; en14363 unless given.",
+        ),
+    ] = None,
     pictures: options.Pictures = True,
     force: options.Force = False,
     as_json: options.Json = False,
 ) -> None:
-    """Assess a run: EN 14363 quantities section by section, limits and margins; writes tables and pictures.
+    """Assess a run by a rule set: quantities section by section, limits, margins; writes tables and pictures.
 
     Sections of several runs of one vehicle count together; they need a folder to write to (-o).
     """
@@ -34,7 +41,7 @@ def assess_command(
 
         if len(results) > 1 and output is None:
             raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
-        print_outcome(as_json, assess(results, scenario, folder_beside(results[0], output), pictures))
+        print_outcome(as_json, assess(results, scenario, folder_beside(results[0], output), pictures, rules))
 
 
 def ride_command(

@@ -4,8 +4,8 @@ pydantic checks the fields; on top of it a Section
 
 - answers an unknown key with the one that was probably meant: a slip of spelling, another unit (``radius_mm`` for
   ``radius_m``), a name from other programs (``mu`` for ``friction``), a key of another table;
-- applies ``rules`` on combinations of keys even when some values are wrong; one slip is one fault (the right key is not
-  reported missing as well).
+- applies ``raw_faults`` on combinations of keys even when some values are wrong; one slip is one fault (the right key
+  is not reported missing as well).
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class Section(BaseModel):
             cls.header = header
 
     @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+    def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """Yield faults in the combination of keys; called with the raw table, whatever its values."""
         yield from ()
 
@@ -168,7 +168,7 @@ class Section(BaseModel):
                     faults.append(fault)
                     known.add(fault["loc"])
         named = {f["loc"] for f in faults}
-        combinations = [*cls._ways(data), *cls.rules(data)]
+        combinations = [*cls._ways(data), *cls.raw_faults(data)]
         if section is not None and not faults and not combinations:
             combinations = list(section.consistency())
         for rule in combinations:

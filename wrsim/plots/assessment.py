@@ -46,13 +46,13 @@ def assessment_figures(found: Assessment) -> dict[str, Callable[[], Figure]]:
 def limits_figure(found: Assessment) -> Figure:
     """For every quantity with a limit and every class of track: all sections as points, the worst as a bar."""
     rows = [(zone.worst, zone.worst.limit) for zone in found.zones if zone.worst.limit is not None]
-    clear = max(1.0, *(min(worst.value / limit.value, MOST) for worst, limit in rows))  # of bars and of the line at 1
+    clear = max(1.0, *(min(1.0 - (worst.margin or 0.0), MOST) for worst, _ in rows))  # of bars and of the line at 1
 
     def draw(axes: Axes) -> None:
         for i, (worst, limit) in enumerate(rows):
             own, zone = worst.quantity.shown, worst.section.zone
             values = [v for v in found.of(worst.quantity.key) if v.section.zone == zone]
-            used = np.array([v.value / v.limit.value for v in values if v.limit is not None])
+            used = np.array([1.0 - v.margin for v in values if v.margin is not None])
             most = float(np.nanmax(used))
             fill, words = (BEYOND, STOP_COLOUR) if most > 1.0 else (WITHIN, QUIET)
             axes.barh(i, min(most, MOST), height=0.62, color=fill, alpha=0.35, linewidth=0.0, zorder=2.0)
@@ -72,10 +72,10 @@ def limits_figure(found: Assessment) -> Figure:
 
 
 HISTORIES = {
-    "sum_Y": ("ΣY, 20 Hz, 2 m\n[kN]", 1e-3, ("sum_Y",)),
-    "Y_over_Q": ("Y/Q, 20 Hz, 2 m", 1.0, ("Y_over_Q",)),
-    "Q": ("Q, 20 Hz\n[kN]", 1e-3, ("Q",)),
-    "Y": ("Y, 20 Hz\n[kN]", 1e-3, ("Y_qst", "Y_qst_reduced")),
+    "sum_Y": ("ΣY, {low_pass_Hz:g} Hz, {window_m:g} m\n[kN]", 1e-3, ("sum_Y",)),
+    "Y_over_Q": ("Y/Q, {low_pass_Hz:g} Hz, {window_m:g} m", 1.0, ("Y_over_Q",)),
+    "Q": ("Q, {low_pass_Hz:g} Hz\n[kN]", 1e-3, ("Q",)),
+    "Y": ("Y, {low_pass_Hz:g} Hz\n[kN]", 1e-3, ("Y_qst", "Y_qst_reduced")),
 }
 """Signals of the history: label, factor, quantities whose limits are drawn."""
 
@@ -95,7 +95,9 @@ def history_figure(found: Assessment, run: str = "") -> Figure:
             axes.plot(place, values, color=colour, linestyle=GROUP_LINE[i % len(GROUP_LINE)], linewidth=0.9)
         limited = [v for quantity in quantities for v in found.of(quantity) if v.section.run == run]
         _draw_limits(axes, limited, factor, both=name == "sum_Y")
-        axes.set(xlabel="Distance along the track [m]", ylabel=label, xlim=(place[0], place[-1]))
+        axes.set(
+            xlabel="Distance along the track [m]", ylabel=label.format(**signals.attrs), xlim=(place[0], place[-1])
+        )
         last, whole = -np.inf, sections[-1].end - sections[0].start
         for s in sections if name == "sum_Y" else ():
             if (middle := 0.5 * (s.start + s.end)) - last >= 0.02 * whole:  # where they are narrow, every few only
@@ -148,7 +150,9 @@ def _draw_limits(axes: Axes, values: Sequence[Value], factor: float, *, both: bo
 def shade_sections(axes: Axes, sections: Sequence[AssessedSection]) -> None:
     """Background by class of track, a fine line between sections."""
     for s in sections:
-        axes.axvspan(s.start, s.end, color=ZONE_SHADE[s.zone], linewidth=0.0, zorder=0.5)
+        axes.axvspan(
+            s.start, s.end, color=ZONE_SHADE.get(s.zone, ZONE_SHADE["large radius"]), linewidth=0.0, zorder=0.5
+        )
         axes.axvline(s.end, color=FAINT, linewidth=0.5, zorder=0.6)
     axes.grid(axis="x", visible=False)
 

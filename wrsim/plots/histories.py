@@ -18,12 +18,13 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from wrsim.inputs.section import given
 from wrsim.plots import marks, theme
 from wrsim.plots.gallery import PATCH_NAMES
 from wrsim.plots.moments import snapshot_letter
 from wrsim.results import CHANNELS
-from wrsim.results.assessment import DERAILMENT_LIMIT, DERAILMENT_RADIUS
 from wrsim.results.moments import is_history
+from wrsim.results.rules import About, rule_set
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 ANGLE_JUMP = 6.0
@@ -82,13 +83,16 @@ def _derailment_limit(axes: Axes, dataset: xr.Dataset, largest: float) -> None:
     """The limit of the filtered quotient where there is one: a red line, or words alone where that is far above."""
     x, _ = theme.abscissa(dataset)
     curvature = dataset["curvature"].values if "curvature" in dataset else np.zeros(x.shape)
-    limit = np.where(np.abs(curvature) * DERAILMENT_RADIUS <= 1.0 + 1e-6, DERAILMENT_LIMIT, np.nan)
+    clause = given(rule_set().about("Y_over_Q"))
+    rule = given(clause.limit)
+    most = given(clause.limit_at(About())).value
+    limit = np.where(np.abs(curvature) * (rule.from_radius_m or 0.0) <= 1.0 + 1e-6, most, np.nan)
     if not np.isfinite(limit).any():
         return
-    if largest * SEEN >= DERAILMENT_LIMIT:
+    if largest * SEEN >= most:
         axes.plot(x, limit, color=theme.STOP_COLOUR, linewidth=0.8, gid="limit")
-        axes.set_ylim(top=max(axes.get_ylim()[1], 1.08 * DERAILMENT_LIMIT))
-    words = f"limit {DERAILMENT_LIMIT:g} after 20 Hz\nand 2 m (EN 14363)"
+        axes.set_ylim(top=max(axes.get_ylim()[1], 1.08 * most))
+    words = f"limit {most:g} after {clause.low_pass_Hz:g} Hz\nand {clause.window_m:g} m ({rule.source})"
     look: Any = {"xycoords": "axes fraction", "rotation": 90, "ha": "left", "va": "center", "color": theme.STOP_COLOUR}
     marks.note(axes, words, (1.0, 0.5), (2.5, 0.0), **look)
 

@@ -14,7 +14,7 @@ from markupsafe import Markup
 from wrsim.contact.settings import DRY, USUAL, ContactSettings
 from wrsim.errors import InputError
 from wrsim.results import Result
-from wrsim.results.assessment import SECTIONS_NEEDED, TRANSITION, Assessment
+from wrsim.results.assessment import TRANSITION, Assessment
 from wrsim.results.dataset import table_of_scenario
 from wrsim.results.summary_tables import Summary, extent_words
 from wrsim.results.table import listed, quantity
@@ -157,7 +157,7 @@ def basis(dataset: xr.Dataset, found: Assessment) -> str:
         radii = sorted(abs(s.radius) for s in own)
         span = f"{radii[0]:.0f}" if radii[-1] < 1.005 * radii[0] else f"{radii[0]:.0f} to {radii[-1]:.0f}"
         where = "of straight track" if zone == "straight" else f"of R {span} m"
-        needed = SECTIONS_NEEDED.get(zone)
+        needed = found.rules.needed.get(zone)
         of = f"of the {needed}* that the standard asks" if needed else "for which the standard asks no number"
         words.append(f"{len(own)} section{'s' * (len(own) != 1)} {where} {of}")
     if any(v.limit is not None and v.limit.mark == "mem" for v in found.values):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from wrsim.results.channels import SHOWN, Shown
 from wrsim.results.files import as_csv, as_json
+from wrsim.results.rules import Limit, Quantity, RulesFile
 from wrsim.results.table import Cell, Column, Table, as_rows, finite, formatted, quantity
 
 if TYPE_CHECKING:
@@ -32,16 +33,8 @@ INFLUENCES: dict[Influence, Shown] = {
 
 TRANSITION = "transition"  # class of what lies between curves
 
-SAFETY, LOADING, RIDE, INFORMATION = "running safety", "track loading", "ride characteristics", "information"
-
-SECTIONS_NEEDED = {"straight": 25, "large radius": 25, "small radius": 50, "very small radius": 25}
-"""Least number of sections of a class of track in an acceptance test by EN 14363, from memory of the standard."""
-
-NO_VERDICT = "no verdict by EN 14363: it assesses vehicles, and this is a run of a lone wheelset"
+NO_VERDICT = "no verdict: rules assess vehicles, and this is a run of a lone wheelset"
 TO_CONFIRM = "*: from memory of the standard, to be confirmed against its text"
-
-DERAILMENT_LIMIT, DERAILMENT_RADIUS = 0.8, 250.0
-"""Limit of Y/Q by EN 14363, from memory of the standard, and the radius [m] below which it sets none."""
 
 
 @dataclass(frozen=True)
@@ -95,39 +88,6 @@ class TrackQuality:
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """What is assessed: its symbol, its meaning, its group, how it is evaluated, and from where that comes."""
-
-    key: str
-    symbol: str
-    words: str
-    group: str
-    shown: Shown
-    evaluation: str
-    source: str
-    quasi_static: bool = False
-
-
-@dataclass(frozen=True)
-class Limit:
-    """The largest value allowed, and its source; ``mark``: "pub", "mem" as in the reference data, or "file"."""
-
-    value: float
-    source: str
-    mark: str
-
-    @property
-    def words(self) -> str:
-        """Source and mark."""
-        return f"{self.source} [{self.mark}]"
-
-    @property
-    def star(self) -> str:
-        """A mark for what comes from memory of the standard."""
-        return "*" if self.mark == "mem" else ""
-
-
-@dataclass(frozen=True)
 class Value:
     """One quantity in one section, on one wheelset and, where it belongs to a wheel, on that wheel; or at a point.
     label: the wheelset's name with its number from the front."""
@@ -144,12 +104,19 @@ class Value:
     @property
     def passed(self) -> bool | None:
         """None where there is no limit."""
-        return None if self.limit is None else bool(self.value <= self.limit.value)
+        if self.limit is None:
+            return None
+        return bool(self.value >= self.limit.value if self.quantity.lowest else self.value <= self.limit.value)
 
     @property
     def margin(self) -> float | None:
-        """What is left to the limit, as a part of it; negative beyond it."""
-        return None if self.limit is None else 1.0 - self.value / self.limit.value
+        """What is left to the limit, as a part of it; negative beyond it. Of a share of a static load, whose small
+        values are bad: what is left of the way from 1 to the limit."""
+        if self.limit is None:
+            return None
+        if self.quantity.lowest:
+            return (self.value - self.limit.value) / (1.0 - self.limit.value)
+        return 1.0 - self.value / self.limit.value
 
     @property
     def where(self) -> str:
@@ -198,15 +165,15 @@ class ZoneValue:
         limit = self.worst.limit
         if limit is None:
             return None
-        return bool(self.worst.passed) and (self.estimate is None or self.estimate <= limit.value)
+        estimated = self.worst if self.estimate is None else replace(self.worst, value=self.estimate)
+        return bool(self.worst.passed and estimated.passed)
 
     @property
     def margin(self) -> float | None:
         """What is left to the limit, of the worst section or of the estimated maximum, as a part of it."""
-        worst, limit = self.worst.margin, self.worst.limit
-        if worst is None or limit is None or self.estimate is None:
-            return worst
-        return min(worst, 1.0 - self.estimate / limit.value)
+        worst = self.worst.margin
+        estimated = None if self.estimate is None else replace(self.worst, value=self.estimate).margin
+        return worst if worst is None or estimated is None else min(worst, estimated)
 
     @property
     def zone(self) -> str:
@@ -234,7 +201,8 @@ class Assessment:
     zones: every quantity over every zone, in the order of ``values``; notes: what could not be assessed, and why;
     settings: numbers it rests on, in units for readers; signals: evaluated signals of each run by its name (empty for a
     lone one) against distance (dimensions ``place``, ``wheelset``, ``wheel``); track: how uneven it is, nothing on
-    smooth track; estimate_over: influences by which values are estimated, none for the one-dimensional method; lone: of
+    smooth track; rules: by which it is assessed;
+    estimate_over: influences by which values are estimated, none for the one-dimensional method; lone: of
     a single wheelset without a vehicle, of which the standard knows no verdict.
     """
 
@@ -245,6 +213,7 @@ class Assessment:
     notes: tuple[str, ...]
     settings: Mapping[str, float | str]
     signals: Mapping[str, xr.Dataset] = field(repr=False)
+    rules: RulesFile = field(repr=False)
     track: tuple[TrackQuality, ...] = ()
     estimate_over: tuple[Influence, ...] = ()
     lone: bool = False

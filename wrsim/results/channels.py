@@ -42,6 +42,7 @@ SHOWN = {
     "nm": Shown("nm", "nm", 1e9), "um": Shown("µm", "um", 1e6), "mm": Shown("mm", "mm", 1e3), "m": Shown("m", "m", 1.0),
     "mm2": Shown("mm²", "mm2", 1e6), "1/m": Shown("1/m", "per_m", 1.0), "1/km": Shown("1/km", "per_km", 1e3),
     "m/s": Shown("m/s", "m_s", 1.0), "km/h": Shown("km/h", "kmh", 3.6), "m/s2": Shown("m/s²", "m_s2", 1.0),
+    "g": Shown("g", "g", 1.0 / 9.80665),
     "rad/s": Shown("rad/s", "rad_s", 1.0), "mrad": Shown("mrad", "mrad", 1e3), "deg": Shown("°", "deg", 180.0 / pi),
     "N": Shown("N", "N", 1.0), "kN": Shown("kN", "kN", 1e-3), "N m": Shown("N m", "Nm", 1.0),
     "kN m": Shown("kN m", "kNm", 1e-3),

@@ -39,7 +39,7 @@ class ScenarioSpec(Section, header="a scenario"):
     """Contact model, friction and material."""
 
     @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+    def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         own = raw.get("analysis")
         analysis = ANALYSES.get(own) if isinstance(own, str) else None
         found = (raw.get(key) for key in ("vehicle", "track", "contact"))

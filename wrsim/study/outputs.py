@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.assessment.limits import QUANTITIES
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
+from wrsim.results.rules import QUANTITIES
 from wrsim.study.spec import REDUCTIONS, ChannelOutput, OutputsSection
 
 USUAL = tuple(
@@ -166,7 +166,8 @@ def _take_assessment(found: Outputs, result: Result, wanted: tuple[str, ...]) ->
         if not values:
             continue  # the notes of the assessment have the reason: too short a track, no vehicle
         shown = QUANTITIES[key].shown
-        found.take(column, max(v.value for v in values) * shown.factor, shown.symbol)
+        worst = min if QUANTITIES[key].lowest else max
+        found.take(column, worst(v.value for v in values) * shown.factor, shown.symbol)
         margins = [v.margin for v in values if v.margin is not None]
         if margins:
             found.take(f"assessment_{key}_margin", min(margins), "1")

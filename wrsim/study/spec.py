@@ -10,11 +10,11 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from wrsim.analysis.assessment.limits import QUANTITIES
 from wrsim.contact.wear.laws import LawName
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, Switch, number, positive, refuse, spread, text
 from wrsim.results import CHANNELS
+from wrsim.results.rules import OF_RUNS
 from wrsim.vehicle.vehicle_sections import WheelName
 
 MOST_CASES = 1_000_000
@@ -197,7 +197,7 @@ class ChannelOutput(Section, header="[[outputs.channels]]"):
     """Name of the column; made of channel, labels, reduction and unit unless given."""
 
     @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+    def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         if raw.get("reduce") == "percentile" and "percentile" not in raw:
             yield Fault("percentile", "must be a number from 0 to 100", missing=True)
         elif raw.get("reduce") != "percentile" and "percentile" in raw:
@@ -239,7 +239,7 @@ class OutputsSection(Section, header="[outputs]"):
 
     summary: List[Annotated[str, text('a place in summary.json such as "linear_critical_speed_kmh"')]] = ()
     """Numbers of summary.json, by their places with dots between."""
-    assessment: List[Literal[*QUANTITIES]] = ()  # type: ignore[valid-type]
+    assessment: List[Literal[*OF_RUNS]] = ()  # type: ignore[valid-type]
     """Quantities of EN 14363, the worst of all sections."""
     channels: List[ChannelOutput] = ()
     """Channels of the result, each reduced to one number."""

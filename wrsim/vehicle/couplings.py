@@ -60,7 +60,7 @@ class GearTable(Section, header="[couplings.draw] or [couplings.buff]"):
     """Travel over which the friction at the end of the stroke builds up."""
 
     @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+    def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         if "stiffness_kN_per_m" in raw and "stroke_mm" not in raw and "stroke_mm_force_kN" not in raw:
             yield Fault("stroke_mm", f"goes with stiffness_kN_per_m: must be {words(fields(cls)['stroke_mm'])}", True)
 
@@ -185,7 +185,7 @@ class ScrewCouplingTable(CouplingTable, kind="screw"):
     """Side buffers."""
 
     @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+    def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         for key in ("slack_mm", "gap_mm"):
             if raw.get("pretension_kN") and raw.get(key):
                 yield Fault(key, "must be 0 next to pretension_kN: the screw holds the buffers together")

@@ -96,7 +96,7 @@ class WheelsetTable(Section, header="[wheelset]"):
     """Shaft of an elastic axle; rigid where it is not given."""
 
     @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+    def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         yield from both_or_sides(raw, "wheel", needed=words(WheelName))
         yield from both_or_sides(raw, "radius_mm", needed=words(Radius))
         if raw.get("independent_wheels") and "torsional_stiffness_kNm_per_rad" in raw:
@@ -279,7 +279,7 @@ class LoadTable(Section, header="[[loads]]"):
     """The force over the distance of its point along the track, row by row."""
 
     @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+    def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         if "axes" not in raw:
             yield Fault("axes", NEEDS_AXES, missing=True)
 

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from math import inf
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.analysis.assessment import limits
 from wrsim.analysis.assessment.estimates import zones_of
 from wrsim.analysis.assessment.filters import on_raster, sampling_rate
-from wrsim.analysis.assessment.nadal import limit_of_climbing
+from wrsim.analysis.assessment.nadal import Climbing
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, counts, sections_of
-from wrsim.analysis.assessment.signals import AssessedPoint, Axle, assessed_points, quasi_static
+from wrsim.analysis.assessment.signals import AssessedPoint, Axle, Bogie, Forces, assessed_points, quasi_static
 from wrsim.analysis.assessment.track_quality import track_quality
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.results import Result
-from wrsim.results.assessment import AssessedSection, Assessment, Limit, Value
+from wrsim.results.assessment import AssessedSection, Assessment, Value
+from wrsim.results.rules import HistorySection, Limit, RulesFile, rule_set
 from wrsim.results.summary import events
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 from wrsim.scenario.loading import load_text
@@ -29,14 +31,17 @@ NEEDED = ("distance", "Y", "Q")
 
 
 def assess_runs(
-    results: Result | Sequence[Result], settings: AssessmentSettings | None = None, names: Sequence[str] = ()
+    results: Result | Sequence[Result],
+    settings: AssessmentSettings | None = None,
+    names: Sequence[str] = (),
+    rules: str | Path | None = None,
 ) -> Assessment:
-    """Assess a run, or several runs of one vehicle as one test, by EN 14363 and what else is known of its wheels.
+    """Assess a run, or several runs of one vehicle as one test, by a rule set.
 
     results: each works that has the channels distance, Y and Q on both wheels; other channels add their quantities.
     Sections of several runs count together: in the worst value, the estimated maximum and the mean radius of a class.
     settings: by default those of [assessment] in the scenario that the results carry. names: of the runs, where there
-    are several; by default their numbers.
+    are several; by default their numbers. rules: name or file of a rule set; by default that of the settings.
     Raises InputError for a result that is no run, or that the filters cannot work on, and for runs that are not of one
     vehicle or not to be assessed alike.
     """
@@ -53,11 +58,14 @@ def assess_runs(
                     "name one for all of them (--scenario)"
                 )
         settings = found[0]
+    own = rule_set(settings.rules if rules is None else rules)
+    if own.history is None:
+        raise InputError(f"{own.title}: has no clause about runs")
     runs: list[_Run] = []
     for label, result in zip(labels, several, strict=True):
         try:
             before = sum(len(run.sections) for run in runs)
-            runs.append(_Run(result, settings, label if len(several) > 1 else "", before))
+            runs.append(_Run(result, settings, own, own.history, label if len(several) > 1 else "", before))
         except InputError as problem:
             raise (InputError(f"run {label}: {problem}") if len(several) > 1 else problem) from None
     _check_alike(runs)
@@ -69,22 +77,23 @@ def assess_runs(
     sections = tuple(s for run in runs for s in run.sections)
     values, radii = [v for run in runs for v in run.values()], _mean_radii(sections)
     for each in axles:
-        values += quasi_static([(axle, run.sections) for axle, run in zip(each, runs, strict=True)], radii)
-    order = list(limits.QUANTITIES)
+        values += quasi_static([(axle, run.sections) for axle, run in zip(each, runs, strict=True)], radii, own)
+    order = [clause.quantity for clause in own.clauses]
     values.sort(key=lambda v: order.index(v.quantity.key))
     notes = [f"run {run.name}: {words}" if run.name else words for run in runs for words in run.notes]
     if settings.axle_load is None:
         notes.append("static loads: the mean of Q over the run; [assessment] axle_load_kN sets them")
-    known: dict[str, float | str] = {"vehicle_kind": settings.kind}
+    known: dict[str, float | str] = {"rules": own.title, "vehicle_kind": settings.kind}
     known |= {f"axle_load{f'_{a.name}' if a.name else ''}_kN": a.load / 1e3 for a in runs[0].axles}
     return Assessment(
         title=_title(several),
         sections=sections,
         values=tuple(values),
-        zones=tuple(zones_of(values, settings)),
+        zones=tuple(zones_of(values, settings, own.statistics)),
         notes=tuple(notes),
         settings=known | dict(pair for run in runs for pair in run.known()),
-        signals={run.name: _signals(run.axles) for run in runs},
+        signals={run.name: _signals(run.axles, own.history) for run in runs},
+        rules=own,
         track=tuple(t for run in runs for t in run.track),
         estimate_over=settings.estimate_over,
         lone=all("body" not in run.dataset.dims and len(run.axles) == 1 for run in runs),
@@ -97,48 +106,80 @@ class _Run:
     name: empty for the only one; notes: what is missing, events; sections are numbered on from those of other runs.
     """
 
-    def __init__(self, result: Result, settings: AssessmentSettings, name: str, before: int) -> None:
+    def __init__(
+        self,
+        result: Result,
+        settings: AssessmentSettings,
+        rules: RulesFile,
+        history: HistorySection,
+        name: str,
+        before: int,
+    ) -> None:
         """before: how many sections other runs have."""
-        self.name, self.settings = name, settings
-        self.dataset = dataset = _checked(result)
+        self.name, self.settings, self.rules = name, settings, rules
+        self.dataset = dataset = _checked(result, history)
         self.notes: list[str] = []
+        deficiency = settings.straight_deficiency
+        if deficiency is None and rules.straight_deficiency_mm is not None:
+            deficiency = 1e-3 * rules.straight_deficiency_mm
+        tested = (0.0, inf) if rules.statistics is None else rules.statistics.tested
         self.sections = [
-            replace(s, number=before + s.number, run=name, counts=counts(s, settings.admissible_deficiency))
-            for s in sections_of(dataset, settings.section_length, settings.straight_deficiency)
+            replace(s, number=before + s.number, run=name, counts=counts(s, settings.admissible_deficiency, tested))
+            for s in sections_of(dataset, rules.classes, settings.section_length, deficiency)
         ]
         labels = numbered(wheelsets(dataset))
         named = labels if len(labels) > 1 else dict.fromkeys(labels, "")
         self.axles = [
-            Axle(axle if label else "", label, of_wheelset(dataset, axle), settings) for axle, label in named.items()
+            Axle(axle if label else "", label, of_wheelset(dataset, axle), settings, rules)
+            for axle, label in named.items()
         ]
-        self.nadal = limit_of_climbing(dataset, settings, self.notes)
-        if not any(axle.hunting.rms.size for axle in self.axles):
-            self.notes.append(f"instability: the run is shorter than the window of {limits.STABILITY_WINDOW:g} m")
+        self.bogies = self._bogies() if rules.judging("bogie") else []
+        self.climbing = Climbing(dataset, settings)
+        climbs = [c for c in rules.clauses if c.quantity in ("Y_over_Q_nadal", "climb_distance")]
+        if any(self.climbing.nadal(c.friction) is None for c in climbs):
+            self.notes.append(f"Nadal: the result does not hold the {self.climbing.missing()}; [assessment] sets it")
+        unstable = rules.about("instability")
+        if unstable and not any(axle.hunting and axle.hunting.rms.size for axle in self.axles):
+            self.notes.append(f"instability: the run is shorter than the window of {unstable.window_m:g} m")
         self.notes += [f"event at {place:.1f} m: {label}" for _, place, label in events(dataset)]
         self.track = track_quality(dataset, self.sections, self.notes)
-        self.points = list(assessed_points(dataset, settings))
+        self.points = list(assessed_points(dataset, settings, rules))
+
+    def _bogies(self) -> list[Bogie]:
+        """The bogies, by the bodies that hold the wheelsets; a note where the result does not have them."""
+        if "wheelset_holder" not in self.dataset:
+            self.notes.append("sides of bogies: the result does not hold which body holds a wheelset")
+            return []
+        groups: dict[str, list[Axle]] = {}
+        for axle, holder in zip(self.axles, np.atleast_1d(self.dataset["wheelset_holder"].values), strict=True):
+            groups.setdefault(str(holder), []).append(axle)
+        return [Bogie(name, own) for name, own in groups.items() if name]
 
     def values(self) -> Iterator[Value]:
         """All but the quasi-static values, which go by classes."""
         for axle in self.axles:
             for section in self.sections:
-                yield from axle.values(section, self.settings, self.nadal)
+                yield from axle.values(section, self.settings, self.rules, self.climbing)
+        for bogie in self.bogies:
+            for section in self.sections:
+                yield from bogie.values(section, self.settings, self.rules)
         for point in self.points:
             for section in self.sections:
                 yield from point.values(section, self.settings)
-        yield from stop_values(self.dataset, self.sections)
+        yield from stop_values(self.dataset, self.sections, self.rules)
 
     def known(self) -> Iterator[tuple[str, float]]:
         """Numbers of this run that the assessment rests on."""
         ahead = f"run_{self.name}_" if self.name else ""
         parts: list[Axle | AssessedPoint] = [*self.axles, *(point for point in self.points if point.is_frame)]
         for part in parts:
-            yield f"{ahead}instability_frequency{f'_{part.name}' if part.name else ''}_Hz", part.hunting.frequency
-        if self.nadal is not None:
-            yield f"{ahead}nadal_limit", self.nadal.value
+            if part.hunting is not None:
+                yield f"{ahead}instability_frequency{f'_{part.name}' if part.name else ''}_Hz", part.hunting.frequency
+        if (clause := self.rules.about("Y_over_Q_nadal")) and (nadal := self.climbing.nadal(clause.friction)):
+            yield f"{ahead}nadal_limit", nadal[0]
 
 
-def _checked(result: Result) -> xr.Dataset:
+def _checked(result: Result, history: HistorySection) -> xr.Dataset:
     """The dataset of a run that can be assessed. Raises InputError for any other."""
     dataset = result.dataset
     if "time" not in dataset.dims:
@@ -151,8 +192,8 @@ def _checked(result: Result) -> xr.Dataset:
     if np.any(np.diff(dataset["distance"].values) <= 0.0):
         raise InputError("the result cannot be assessed: the vehicle does not move forward all the time")
     passed = float(np.ptp(dataset["distance"].values))
-    if passed < limits.WINDOW:
-        raise InputError(f"the run is {passed:.2f} m long; sliding means are taken over {limits.WINDOW:g} m")
+    if passed < history.window_m:
+        raise InputError(f"the run is {passed:.2f} m long; sliding means are taken over {history.window_m:g} m")
     return dataset
 
 
@@ -194,31 +235,41 @@ def _mean_radii(sections: Sequence[AssessedSection]) -> Mapping[str, float]:
     return radii
 
 
-def _signals(axles: Sequence[Axle]) -> xr.Dataset:
-    """What was evaluated, against distance: dimensions wheelset, place [m], wheel; not-a-number where none was."""
-    first, last = min(a.middles[0] for a in axles), max(a.middles[-1] for a in axles)
-    place = np.arange(first, last + 0.5 * limits.STEP, limits.STEP)
+def _signals(axles: Sequence[Axle], shown: HistorySection) -> xr.Dataset:
+    """Forces as they are shown, against distance: dimensions wheelset, place [m], wheel; not-a-number where none is."""
+    signals: dict[str, Callable[[Forces, float | None], NDArray[np.float64]]] = {
+        "sum_Y": Forces.sum_y,
+        "Y_over_Q": Forces.quotient,
+        "Y": lambda own, low_pass: own.forces(low_pass)[0],
+        "Q": lambda own, low_pass: own.forces(low_pass)[1],
+    }
+    of_axles: dict[str, list[tuple[NDArray[np.float64], NDArray[np.float64]]]] = {}
+    for name, signal in signals.items():
+        own = [(a.distance, signal(a, shown.low_pass_Hz)) for a in axles]
+        if name in ("sum_Y", "Y_over_Q"):
+            own = [a.mean(values, shown.window_m, shown.step_m) for a, (_, values) in zip(axles, own, strict=True)]
+        of_axles[name] = own
+    first, last = (pick(middles[end] for middles, _ in of_axles["sum_Y"]) for pick, end in ((min, 0), (max, -1)))
+    place = np.arange(first, last + 0.5 * shown.step_m, shown.step_m)
 
-    def at(a: Axle, of: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def at(of: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
         columns = values.reshape(values.shape[0], -1).T
         found = [np.interp(place, of, column, left=np.nan, right=np.nan) for column in columns]
         return np.stack(found, axis=-1).reshape(place.size, *values.shape[1:])
 
     dims = ("wheelset", "place", "wheel")
+    stacked = {name: np.stack([at(*each) for each in own]) for name, own in of_axles.items()}
     return xr.Dataset(
-        {
-            "sum_Y": (dims[:2], np.stack([at(a, a.middles, a.sum_y_mean) for a in axles])),
-            "Y_over_Q": (dims, np.stack([at(a, a.middles, a.quotient_mean) for a in axles])),
-            "Y": (dims, np.stack([at(a, a.distance, a.y) for a in axles])),
-            "Q": (dims, np.stack([at(a, a.distance, a.q) for a in axles])),
-        },
+        {name: (dims[: values.ndim], values) for name, values in stacked.items()},
         coords={"place": place, "wheelset": [a.name for a in axles], "wheel": ["left", "right"]},
+        attrs={"low_pass_Hz": shown.low_pass_Hz, "window_m": shown.window_m},
     )
 
 
-def stop_values(dataset: xr.Dataset, sections: Sequence[AssessedSection]) -> Iterator[Value]:
+def stop_values(dataset: xr.Dataset, sections: Sequence[AssessedSection], rules: RulesFile) -> Iterator[Value]:
     """Largest travel of every bump stop in every section, by the distance of the vehicle's reference body."""
-    if "suspension_stop_max" not in dataset:
+    clause = rules.about("bump_stop")
+    if clause is None or "suspension_stop_max" not in dataset:
         return
     for i, name in enumerate(dataset["suspension"].values):
         own = dataset.isel(suspension=i)
@@ -241,4 +292,4 @@ def stop_values(dataset: xr.Dataset, sections: Sequence[AssessedSection]) -> Ite
             if used:
                 _, value, end = max(used)
                 limit = Limit(end, "vehicle file: end of the bump stop's table", "file")
-                yield Value(limits.QUANTITIES["bump_stop"], section, "", "", float(value), limit, str(name))
+                yield Value(clause.judged, section, "", "", float(value), limit, str(name))

@@ -25,41 +25,40 @@ from typing import get_args
 import numpy as np
 from scipy.special import ndtr, stdtrit
 
-from wrsim.results import assessment
 from wrsim.results.assessment import TRANSITION, Array, AssessedSection, Influence, Regression, Value, ZoneValue
+from wrsim.results.rules import SAFETY, StatisticsSection
 from wrsim.scenario.sections.assessment import AssessmentSettings
-
-ENOUGH_SECTIONS = 10  # sections of a zone from which an estimated maximum is given. The standard asks for more [mem]
-
-K = {assessment.SAFETY: 3.0, assessment.LOADING: 2.2, assessment.RIDE: 2.2, assessment.INFORMATION: 2.2}
-"""Estimated maximum: mean plus this times the standard deviation over the sections (EN 14363, one dimension [mem])."""
 
 SPREAD = 1e-6  # an influence that varies by less, as a part of its size, is none
 SPARE = 3  # so many sections more than coefficients are needed
 
 
-def zones_of(values: Sequence[Value], settings: AssessmentSettings) -> list[ZoneValue]:
+def zones_of(
+    values: Sequence[Value], settings: AssessmentSettings, statistics: StatisticsSection | None
+) -> list[ZoneValue]:
     """Every quantity over every zone: quantities in the order in which they come, zones in that of the track."""
     groups: dict[tuple[str, str], list[Value]] = {}
     first = {v.section.zone: v.section.number for v in sorted(values, key=lambda v: -v.section.number)}
     keys = list(dict.fromkeys(v.quantity.key for v in values))
     for value in sorted(values, key=lambda v: (keys.index(v.quantity.key), first[v.section.zone])):
         groups.setdefault((value.quantity.key, value.section.zone), []).append(value)
-    return [_zone(own, settings) for own in groups.values()]
+    return [_zone(own, settings, statistics) for own in groups.values()]
 
 
-def _zone(values: Sequence[Value], settings: AssessmentSettings) -> ZoneValue:
-    worst = min(values, key=lambda v: -v.value if v.margin is None else v.margin)
+def _zone(values: Sequence[Value], settings: AssessmentSettings, statistics: StatisticsSection | None) -> ZoneValue:
+    sign = -1.0 if values[0].quantity.lowest else 1.0
+    worst = min(values, key=lambda v: -sign * v.value if v.margin is None else v.margin)
     largest: dict[AssessedSection, float] = {}
     for v in values:
         if v.section.counts:
-            largest[v.section] = max(largest.get(v.section, -math.inf), v.value)
-    per_section = np.array(list(largest.values()))
+            largest[v.section] = max(largest.get(v.section, -math.inf), sign * v.value)
+    per_section = sign * np.array(list(largest.values()))
     mean = float(per_section.mean()) if per_section.size > 0 else math.nan
     deviation = float(per_section.std(ddof=1)) if per_section.size > 1 else 0.0
-    k = 0.0 if worst.quantity.quasi_static else K[worst.quantity.group]
     estimate, fitted = None, None
-    if per_section.size >= ENOUGH_SECTIONS and np.isfinite(per_section).all():
+    if statistics is not None and per_section.size >= statistics.sections and np.isfinite(per_section).all():
+        k = statistics.safety if worst.quantity.group == SAFETY else statistics.others
+        k = 0.0 if worst.quantity.quasi_static else sign * k
         if settings.estimate_over and worst.section.zone != TRANSITION:
             # what sections differ in: cant deficiency [m], curvature without its hand [1/m], speed [m/s]
             each = [(s.cant_deficiency, abs(1.0 / s.radius), s.speed) for s in largest]

@@ -11,15 +11,17 @@ Sliding values are integrals over distance, exact for a signal that is linear be
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import atan, pi, tan
 
 import numpy as np
 import scipy
 import xarray as xr
 
-from wrsim.analysis.assessment import limits
 from wrsim.errors import InputError
+from wrsim.inputs.section import given
 from wrsim.results.assessment import Array, AssessedSection
+from wrsim.results.rules import ClauseSection
 
 LEAST_SAMPLES = 30  # samples that a signal needs before filtering means anything
 
@@ -92,6 +94,33 @@ def sliding_rms(distance: Array, signal: Array, middles: Array, length: float) -
     return np.sqrt(np.maximum(sliding_mean(distance, signal * signal, middles, length), 0.0))
 
 
+def sliding_held(distance: Array, signal: Array, middles: Array, length: float, lowest: bool) -> Array:
+    """The value of a signal (n, ...) that is reached all over a window: its least value there, of a signal whose
+    small values count (lowest) its largest; see ``sliding_mean``."""
+    sign = -1.0 if lowest else 1.0
+    found = np.full((middles.size, *signal.shape[1:]), np.inf)
+    ends = np.stack([middles - 0.5 * length, middles + 0.5 * length])
+    first, last = np.searchsorted(distance, ends[0], "right"), np.searchsorted(distance, ends[1], "left")
+    for column in np.ndindex(signal.shape[1:]):
+        own = sign * signal[:, *column]
+        at_ends = np.interp(ends, distance, own)
+        inside = [own[a:b].min(initial=np.inf) for a, b in zip(first, last, strict=True)]
+        found[:, *column] = np.minimum(at_ends.min(axis=0), inside)
+    return sign * found
+
+
+def moving_deviation(signal: Array, samples: int) -> Array:
+    """Rms about its mean of a signal (n,) over so many samples about each; not-a-number where these are not there."""
+    found = np.full(signal.size, np.nan)
+    if signal.size >= samples:
+        first, second = (
+            np.convolve(part, np.full(samples, 1.0 / samples), "valid") for part in (signal, signal * signal)
+        )
+        start = samples // 2
+        found[start : start + first.size] = np.sqrt(np.maximum(second - first * first, 0.0))
+    return found
+
+
 BAND = (1.5, 10.0)  # in which the frequency of an instability lies [Hz]
 LOWEST = 0.4  # least lower edge of the band [Hz]
 
@@ -100,16 +129,18 @@ class Hunting:
     """A lateral signal about the frequency f0 of an instability.
 
     frequency: f0 [Hz], that of the highest peak of the power spectrum in ``BAND`` unless given; middles (k,) of the
-    windows [m], rms (k,) over them of the signal in f0 - 2 Hz to f0 + 2 Hz.
+    windows [m], rms (k,) over them of the signal in the band of the clause about f0.
     """
 
-    def __init__(self, distance: Array, signal: Array, rate: float, frequency: float | None) -> None:
+    def __init__(
+        self, distance: Array, signal: Array, rate: float, frequency: float | None, clause: ClauseSection
+    ) -> None:
         """rate: samples a second."""
+        half, window, step = given(clause.half_band_Hz), given(clause.window_m), given(clause.step_m)
         self.frequency = frequency or _highest_peak(signal, rate)
-        low = max(self.frequency - limits.STABILITY_HALF_BAND, LOWEST)
-        narrow = band_pass(signal, rate, low, self.frequency + limits.STABILITY_HALF_BAND)
-        self.middles = windows(distance, limits.STABILITY_WINDOW, limits.STABILITY_STEP)
-        self.rms = sliding_rms(distance, narrow, self.middles, limits.STABILITY_WINDOW)
+        narrow = band_pass(signal, rate, max(self.frequency - half, LOWEST), self.frequency + half)
+        self.middles = windows(distance, window, step)
+        self.rms = sliding_rms(distance, narrow, self.middles, window)
 
     def largest(self, section: AssessedSection) -> float | None:
         """Largest rms in a section; None without a window there."""
@@ -125,6 +156,11 @@ def _highest_peak(signal: Array, rate: float) -> float:
     return float(frequencies[inside][np.argmax(power[inside])]) if inside.any() else 0.5 * sum(BAND)
 
 
-def extreme(values: Array) -> float:
-    """The larger magnitude of both percentiles of a signal."""
-    return float(np.abs(np.percentile(values, [limits.LOW, limits.HIGH])).max())
+def percentiles(values: Array, which: Sequence[float]) -> Array:
+    """Percentile of values (n, ...) along the first axis, of two the larger magnitude; infinite where a value is."""
+    found = np.full(values.shape[1:], np.inf)
+    finite = np.isfinite(values).all(axis=0)
+    own = np.percentile(values[:, finite] if values.ndim > 1 else values, list(which), axis=0)
+    if finite.any():
+        found[finite] = own[0] if len(which) == 1 else np.abs(own).max(axis=0)
+    return found

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from wrsim.contact.settings import ContactSettings
-from wrsim.results.assessment import Array, Limit
+from wrsim.results.assessment import Array
 from wrsim.results.dataset import table_of_scenario
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
@@ -40,16 +40,27 @@ def longest_stretch(distance: Array, above: Array) -> float:
     return float((ends[1::2] - ends[::2]).max(initial=0.0))
 
 
-def limit_of_climbing(dataset: xr.Dataset, settings: AssessmentSettings, notes: list[str]) -> Limit | None:
-    """Nadal's limit of a run; a note where it is unknown."""
-    friction = _friction_of(dataset) if settings.friction is None else settings.friction
-    angle = _flange_angle_of(dataset) if settings.flange_angle is None else settings.flange_angle
-    if friction is None or angle is None:
-        what = "angle of the flange" if angle is None else "coefficient of friction"
-        notes.append(f"Nadal: the result does not hold the {what}; [assessment] sets it")
-        return None
-    words = f"Nadal: flange {np.degrees(angle):.1f}°, friction {friction:g}"
-    return Limit(nadal_limit(angle, friction), words, "pub")
+class Climbing:
+    """What the flanges of a run have against climbing.
+
+    friction, flange_angle [rad]: of the run or of the settings, None where neither has them.
+    """
+
+    def __init__(self, dataset: xr.Dataset, settings: AssessmentSettings) -> None:
+        self.friction = _friction_of(dataset) if settings.friction is None else settings.friction
+        self.flange_angle = _flange_angle_of(dataset) if settings.flange_angle is None else settings.flange_angle
+
+    def nadal(self, friction: float | None) -> tuple[float, str] | None:
+        """Nadal's limit with its words; None where something is unknown. friction: that of a clause, if it has one."""
+        friction = self.friction if friction is None else friction
+        if friction is None or self.flange_angle is None:
+            return None
+        words = f"flange {np.degrees(self.flange_angle):.1f}°, friction {friction:g}"
+        return nadal_limit(self.flange_angle, friction), words
+
+    def missing(self) -> str:
+        """What is unknown, for a note."""
+        return "angle of the flange" if self.flange_angle is None else "coefficient of friction"
 
 
 def _friction_of(dataset: xr.Dataset) -> float | None:

@@ -1,48 +1,27 @@
 """Sections of track: stretches of one class, cut into pieces of about equal length.
 
-Classes, by the radius of the curve (the test zones of EN 14363 [mem]; below 250 m the standard stops, CEN/TS 17843
-calls it zone 5 [pub]):
+Classes go by the radius of the curve, see rule sets.
 
-============  ==================  ================================================
-class         radius              length of a section [mem]
-============  ==================  ================================================
-straight      above 2500 m        250 m, above 220 km/h 500 m
-large radius  600 to 2500 m       100 m up to 140 km/h, 200 m up to 220, then 500 m
-small radius  400 to 600 m        100 m
-very small    250 to 400 m        70 m
-tight         below 250 m         70 m
-transition    changing            as long as it is
-============  ==================  ================================================
+UIC 518 counts curves with little cant deficiency (up to 40 mm [mem]) as straight track: where chosen, those of the
+second class are.
 
-UIC 518 counts curves with little cant deficiency (up to 40 mm [mem]) as straight track: where chosen, those of large
-radius are.
-
-A full curve shorter than that is one section, marked as short. What changes its curvature is a transition, also
+A full curve shorter than a section is one section, marked as short. What changes its curvature is a transition, also
 between two curves.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from itertools import groupby, pairwise
 
 import numpy as np
 import xarray as xr
 
 from wrsim.results.assessment import TRANSITION, Array, AssessedSection
+from wrsim.results.rules import ClassSection
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 STRAIGHT = "straight"
-LARGE = "large radius"
-CLASSES: dict[str, tuple[float, Mapping[float, float]]] = {
-    STRAIGHT: (2500.0, {220.0: 250.0, np.inf: 500.0}),
-    LARGE: (600.0, {140.0: 100.0, 220.0: 200.0, np.inf: 500.0}),
-    "small radius": (400.0, {np.inf: 100.0}),
-    "very small radius": (250.0, {np.inf: 70.0}),
-    "tight": (0.0, {np.inf: 70.0}),
-}
-"""The radius [m] down to which each class reaches (the limit belongs to the class of smaller radii for straight track
-and of larger radii else), and the length of its sections [m] up to speeds [km/h]."""
 
 CHANGING = 1e-6  # change of curvature [1/m2] from which track counts as a transition: 1/R = 1/3000 m over 330 m
 LEAST = 5.0  # stretches shorter than this [m] are joined to the one before
@@ -51,46 +30,53 @@ CLOSE = 1e-3  # places nearer than this [m] are one
 CANT_BASE = 1.5  # distance over which cant, cant deficiency and twist are counted, whatever the gauge [m]
 
 
-TESTED = (0.75, 1.10)  # cant deficiency of full curves that count in a test, over the admissible one (UIC 518 [mem])
+def counts(section: AssessedSection, admissible: float | None, tested: tuple[float, float]) -> bool:
+    """Whether a section counts in the statistics of its class.
 
-
-def counts(section: AssessedSection, admissible: float | None) -> bool:
-    """Whether a section counts in the statistics of its class; admissible: cant deficiency [m]."""
+    admissible: cant deficiency [m]; tested: that of full curves in a test, from and to, over the admissible one.
+    """
     if admissible is None or section.zone in (STRAIGHT, TRANSITION):
         return True
-    least, most = (factor * admissible for factor in TESTED)
+    least, most = (factor * admissible for factor in tested)
     return least - CLOSE <= section.cant_deficiency <= most + CLOSE
 
 
-def zone_of(curvature: float) -> str:
-    """Class of a curve or of straight track."""
+def zone_of(curvature: float, classes: Sequence[ClassSection]) -> str:
+    """Class of a curve or of straight track; the limit belongs to the curves for straight track."""
     radius = 1.0 / max(abs(curvature), 1e-12)
-    if radius > CLASSES[STRAIGHT][0]:
-        return STRAIGHT
-    return next(n for n, (least, _) in CLASSES.items() if n != STRAIGHT and radius >= least - 1e-6 * least)
+    if radius > classes[0].from_radius_m:
+        return classes[0].name
+    reach = (each.from_radius_m - 1e-6 * each.from_radius_m for each in classes[1:])
+    return next((c.name for c, least in zip(classes[1:], reach, strict=True) if radius >= least), classes[0].name)
 
 
-def section_length(zone: str, speed: float) -> float:
+def section_length(zone: str, speed: float, classes: Sequence[ClassSection]) -> float:
     """Length of sections of a class [m] at a speed [m/s]; infinite for transitions."""
-    lengths = {np.inf: np.inf} if zone == TRANSITION else CLASSES[zone][1]
-    return next(length for most, length in lengths.items() if 3.6 * speed - 1e-6 <= most)
+    if zone == TRANSITION:
+        return np.inf
+    lengths = next(each.lengths for each in classes if each.name == zone)
+    return next((length for most, length in lengths if 3.6 * speed - 1e-6 <= most), lengths[-1][1])
 
 
 def sections_of(
-    dataset: xr.Dataset, length: float | None = None, straight_deficiency: float | None = None
+    dataset: xr.Dataset,
+    classes: Sequence[ClassSection],
+    length: float | None = None,
+    straight_deficiency: float | None = None,
 ) -> tuple[AssessedSection, ...]:
-    """Sections of the track that a run has passed; length [m]: of sections of every class, instead of the above;
-    straight_deficiency [m]: cant deficiency up to which curves of large radius are straight track, none if not given.
+    """Sections of the track that a run has passed; length [m]: of sections of every class, instead of theirs;
+    straight_deficiency [m]: cant deficiency up to which curves of the second class are straight track, none if not
+    given.
     """
     distance, curvature, cant, speed = _track_passed(dataset)
     # positive to the outside of the curve, as a cant: lateral acceleration over gravity times the base
     missing = CANT_BASE * speed**2 * curvature / STANDARD_GRAVITY - cant
     found: list[AssessedSection] = []
-    for zone, first, last in _stretches(distance, curvature, missing, straight_deficiency):
+    for zone, first, last in _stretches(distance, curvature, missing, classes, straight_deficiency):
         inside = slice(first, last + 1)
         start, end = float(distance[first]), float(distance[last])
         mean_speed = float(speed[inside].mean())
-        wanted = length if length is not None and zone != TRANSITION else section_length(zone, mean_speed)
+        wanted = length if length is not None and zone != TRANSITION else section_length(zone, mean_speed, classes)
         pieces = max(1, int((end - start) / wanted + NEARLY))
         edges = np.linspace(start, end, pieces + 1)
         for a, b in pairwise(edges):
@@ -127,17 +113,21 @@ def _track_passed(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array]:
 
 
 def _stretches(
-    distance: Array, curvature: Array, missing: Array, straight_deficiency: float | None
+    distance: Array,
+    curvature: Array,
+    missing: Array,
+    classes: Sequence[ClassSection],
+    straight_deficiency: float | None,
 ) -> list[tuple[str, int, int]]:
     """Class, first and last sample of every stretch of one class."""
     slope = np.abs(np.diff(curvature)) / np.maximum(np.diff(distance), 1e-9)
     names = [
-        TRANSITION if s > CHANGING else zone_of(0.5 * (a + b))
+        TRANSITION if s > CHANGING else zone_of(0.5 * (a + b), classes)
         for s, a, b in zip(slope, curvature[:-1], curvature[1:], strict=True)
     ]
-    if straight_deficiency is not None:
+    if straight_deficiency is not None and len(classes) > 1:
         little = np.abs(missing) <= straight_deficiency
-        names = [STRAIGHT if n == LARGE and small else n for n, small in zip(names, little[1:], strict=True)]
+        names = [STRAIGHT if n == classes[1].name and small else n for n, small in zip(names, little[1:], strict=True)]
     joined: list[tuple[str, int, int]] = []
     for name, group in groupby(range(len(names)), key=names.__getitem__):
         first = joined[-1][2] if joined else 0

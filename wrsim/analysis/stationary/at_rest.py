@@ -15,12 +15,17 @@ from wrsim.analysis.stationary import loops
 from wrsim.analysis.stationary.loops import RotationTest, TwistTest
 from wrsim.analysis.stationary.statics import StaticState, canted, static_state
 from wrsim.errors import InputError, SimulationError
+from wrsim.inputs.section import given
+from wrsim.results.rules import About, rule_set
 from wrsim.results.table import Column, Table, formatted, quantity
 from wrsim.simulation.modes import natural_modes
 from wrsim.vehicle.axle import whirl
 from wrsim.vehicle.vehicle import Vehicle
 
 Numbers = Mapping[str, Any]
+
+LOOPS, CANTED = "en14363-stationary", "49cfr213"
+"""Rule sets by which tests that go there and back, and rest on canted track, are judged."""
 
 
 def numbers_at_rest(
@@ -52,12 +57,21 @@ def numbers_at_rest(
     if twist is not None:
         turned = twist / 1e3 / CANT_BASE
         tests["twisted"] = {"twist_permille": twist}, lambda: _unloading(trimmed, level, static_state(trimmed, turned))
-    for name, (given, test) in tests.items():
+    for name, (known, test) in tests.items():
         try:
-            found[name] = given | test()
+            found[name] = known | test()
         except SimulationError as error:  # it does not come to rest
-            found[name] = given | {"problem": str(error)}
+            found[name] = known | {"problem": str(error)}
     return found
+
+
+def judged(rules: str, quantity: str, value: float) -> dict[str, Any]:
+    """A value [SI units] of a vehicle at rest beside its limit in a rule set, both in the unit for readers."""
+    clause = given(rule_set(rules).about(quantity))
+    limit, shown = given(clause.limit_at(About())), clause.judged.shown
+    passed = value >= limit.value if clause.judged.lowest else value <= limit.value
+    found = {"clause": clause.id, "symbol": clause.judged.symbol, "unit": shown.unit, "value": value * shown.factor}
+    return found | {"limit": limit.value * shown.factor, "passed": bool(passed), "limit_source": limit.words}
 
 
 def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
@@ -83,7 +97,10 @@ def _leaning(vehicle: Vehicle, level: StaticState, angle: float) -> dict[str, An
         "flexibility_coefficient": {name: roll / angle for name, roll in rolls.items()},
         "roll_deg": {name: degrees(roll) for name, roll in rolls.items()},
     }
-    return _unloading(vehicle, level, rest) | sway
+    floor = angle + rolls[vehicle.parts[vehicle.reference].name]  # against the horizontal
+    share = float((rest.wheel_loads / level.wheel_loads).min())
+    verdicts = [judged(CANTED, "lean_Q_share", share), judged(CANTED, "lean_roll", abs(floor))]
+    return _unloading(vehicle, level, rest) | sway | {"verdicts": verdicts}
 
 
 def _unloading(vehicle: Vehicle, level: StaticState, rest: StaticState) -> dict[str, Any]:
@@ -149,7 +166,7 @@ def stationary_tests(
             "unloading": _by_wheel(vehicle, twisted.unloading),
             "of_friction": _by_wheel(vehicle, twisted.friction),
             "largest_unloading": float(twisted.unloading.max()),
-            "limit": loops.UNLOADING_LIMIT,
+            **judged(LOOPS, "twist_unloading", float(twisted.unloading.max())),
         }
     if turned:
         found["rotation_test"] = [
@@ -161,7 +178,7 @@ def stationary_tests(
                 "axle_load_kN": test.axle_load / 1e3,
                 "wheelbase_mm": 1e3 * test.bogie.wheelbase,
                 "X": test.factor,
-                "limit": loops.X_LIMIT,
+                **judged(LOOPS, "X_factor", test.factor),
             }
             for test in turned
         ]
@@ -240,10 +257,11 @@ def _leaning_tables(found: Numbers) -> list[Table]:
         return [_unloading_table(found, title)]
     rows = [(name, s, found["roll_deg"][name]) for name, s in found["flexibility_coefficient"].items()]
     heads = (Column("body"), Column("flexibility coefficient", "", ".3f"), Column("roll", "°", ".2f"))
-    note = "49 CFR 213.57(d): no unloading above 0.4, a passenger car's floor rolls by 8.6 degrees at most [pub]"
     return [
         _unloading_table(found, title),
-        Table("bodies against the track, outward", heads if rows else (), rows, (note,)),
+        Table(
+            "bodies against the track, outward", heads if rows else (), rows, tuple(map(_verdict, found["verdicts"]))
+        ),
     ]
 
 
@@ -258,7 +276,7 @@ def _twist_table(found: Numbers) -> Table:
         "unloading": ("ΔQ/Q₀ left", "right", ""),
         "of_friction": ("of friction left", "right", ""),
     }
-    return _wheels_table(found, title, columns, (_verdict(most, found["limit"]),))
+    return _wheels_table(found, title, columns, (_verdict(found),))
 
 
 def _rotation_table(found: Sequence[Numbers]) -> Table:
@@ -269,9 +287,10 @@ def _rotation_table(found: Sequence[Numbers]) -> Table:
     largest = max(test["X"] for test in found)
     rows = [tuple(test[key] for key in heads) for test in found]
     title = f"rotation test: X factor up to {formatted(largest, '.3f')}"
-    return Table(title, tuple(heads.values()), rows, (_verdict(largest, found[0]["limit"]),))
+    return Table(title, tuple(heads.values()), rows, (_verdict(max(found, key=lambda test: test["X"])),))
 
 
-def _verdict(value: float, limit: float) -> str:
-    words = "within the limit:" if value <= limit else "BEYOND THE LIMIT:"
-    return f"{words} EN 14363 allows {formatted(limit, 'g')} [mem]"
+def _verdict(found: Numbers) -> str:
+    words = "within the limit:" if found["passed"] else "BEYOND THE LIMIT:"
+    value, limit = (quantity(found[key], found["unit"], ".3g") for key in ("value", "limit"))
+    return f"{words} {found['symbol']} = {value}, limit {limit} ({found['limit_source']})"

@@ -2,7 +2,7 @@
 
 The rails, or a turntable under one bogie, go slowly to one side, to the other and back: the loop shows friction. The
 turntable turns as far as a curve of small radius does, while the other wheelsets rest on their rails. Twists, lengths,
-radius, rates and limits are from memory of the standard [mem].
+radius and rates are from memory of the standard [mem].
 """
 
 from __future__ import annotations
@@ -20,10 +20,8 @@ from wrsim.vehicle.bogies import Bogie, bogies_of
 from wrsim.vehicle.elements import Strut
 from wrsim.vehicle.vehicle import Vehicle
 
-UNLOADING_LIMIT = 0.6  # largest Delta Q / Q0 [mem]
 RADIUS = 150.0  # of the curve whose rotation is tried [m] [mem]
 RATES = (radians(0.2), radians(1.0))  # of the turntable: slow, and as in a transition at speed [rad/s] [mem]
-X_LIMIT = 0.1  # largest X factor [mem]
 TWIST_STEPS, ROTATION_STEPS = 25, 40  # from the middle to the end
 
 

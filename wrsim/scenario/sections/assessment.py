@@ -9,9 +9,8 @@ from typing import Annotated, Literal, get_args
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number
 from wrsim.results.assessment import Influence
+from wrsim.results.rules import NAMES, USUAL, Kind
 from wrsim.scenario.sections.table import AnalysisTable
-
-Kind = Literal["passenger", "locomotive", "freight"]
 
 
 @dataclass(frozen=True)
@@ -19,6 +18,7 @@ class AssessmentSettings:
     """What an assessment rests on: keys of `AssessmentSection` in SI units; None is taken from the result where it can
     be. estimate_at: places of the influences, the largest of the sections unless given."""
 
+    rules: str = USUAL
     kind: Kind = "passenger"
     axle_load: float | None = None
     friction: float | None = None
@@ -35,13 +35,15 @@ class AssessmentSection(AnalysisTable, header="[assessment]"):
     """What an assessment rests on, where that is not to come from the result."""
 
     aliases = {
-        "vehicle_kind": "kind type", "friction": "mu", "flange_angle_deg": "flange_deg",
+        "rules": "standard rule_set", "vehicle_kind": "kind type", "friction": "mu", "flange_angle_deg": "flange_deg",
         "instability_frequency_Hz": "f0_Hz", "section_length_m": "section_m", "straight_deficiency_mm": "straight_mm",
         "admissible_deficiency_mm": "admissible_mm I_adm_mm", "estimate_over": "regression influences",
         "estimate_cant_deficiency_mm": "cant_deficiency_mm", "estimate_radius_m": "estimate_R",
         "estimate_speed_kmh": "estimate_v_kmh",
     }  # fmt: skip
 
+    rules: Literal[*NAMES] = USUAL  # type: ignore[valid-type]
+    """Rule set by which runs are assessed."""
     vehicle_kind: Kind = "passenger"
     """Kind of vehicle, which decides on limits."""
     axle_load_kN: Annotated[float, number(1, 500, "kN, 2 Q0 of one wheelset")] | None = None

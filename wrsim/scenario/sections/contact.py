@@ -262,7 +262,7 @@ class ContactSection(Section, header="[contact]"):
     """Conical wheels with a prescribed creep law in place of profiles; for stability only."""
 
     @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+    def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         if raw.get("tangential") == "half-space" and raw.get("normal", DEFAULTS.normal) != "half-space":
             message = '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
             yield Fault("tangential", message)

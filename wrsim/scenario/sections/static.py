@@ -76,7 +76,7 @@ class StaticSection(PlanTable, header="[static]"):
     """Whether the wheels roll and creep, or rest without friction."""
 
     @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+    def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         grid = [key for key in FACTORS if key in raw]
         if "cases" in raw and grid:
             yield Fault("cases", f"cannot be given with {', '.join(grid)}: the poses come from one place")

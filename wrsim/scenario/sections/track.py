@@ -224,7 +224,7 @@ class TrackSection(Section, header="[track]"):
     """Distance between two rows of the tables that irregular or changing rails are read from."""
 
     @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+    def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         yield from both_or_sides(raw, "rail", needed=words(RailName))
         yield from grades_in_order(raw.get("grades"))
         row = raw.get("segments")

@@ -158,6 +158,6 @@ class VehicleSection(Section, header="[vehicle]"):
     """Protection of all axles against sliding and spinning."""
 
     @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+    def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         yield from both_or_sides(raw, "wheel")
         yield from both_or_sides(raw, "radius_mm")
