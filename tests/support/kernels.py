@@ -1,7 +1,7 @@
 """Work for every kernel of wrsim.core: small cases whose numbers are the same compiled and not.
 
 Run as a program without the compiler (NUMBA_DISABLE_JIT=1) it writes to a file what the cases gave and which kernels
-worked.
+worked; with it and no file it compiles ahead (`.ci/test`).
 """
 
 import copy
@@ -35,7 +35,7 @@ from wrsim.core.body.rigid_body import kinetic_energies
 from wrsim.core.contact.rail import unfold
 from wrsim.core.contact.strips.changes import leave
 from wrsim.core.contact.strips.records import OF_A_STRIP, System, X
-from wrsim.core.contact.wheel_rail import bodies
+from wrsim.core.contact.wheel_rail import STAGES, bodies, compile_stages
 from wrsim.geometry.profile.out_of_round import Flat
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.bridge import Bridge
@@ -103,12 +103,12 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
     found["three flexibilities, one lobe"] = lowered(plain, *PLACES[1])
     found["outline"] = list(wheel_outline(WheelOnRail(plain, 1, 0.75, (0.0, 0.0))).ravel())
     for lateral, yaw in PLACES if full else PLACES[1:2]:
-        model = pair_model(PAIR, normal="strips", **SMALL | {"strips": 8})
+        model = pair_model(PAIR, normal="strips", **SMALL)
         model.arrays.follow(True)
         for depth in (1e-4, 1.1e-4, 4e-5) if full else (1e-4, 1.001e-4):
             found[f"strips {lateral:g} {depth:g}"] = lowered(model, lateral, yaw, depth)
     # a lobe leaves the contact, another one widens
-    model = pair_model("S1002/60E1 1:20", normal="strips", **SMALL | {"strips": 8})
+    model = pair_model("S1002/60E1 1:20", normal="strips", **SMALL)
     model.arrays.follow(True)
     for lateral, depth in ((6e-3, 3e-5), (6.15e-3, 2e-5)):
         found[f"lobes change {lateral:g}"] = lowered(model, lateral, 0.002, depth)
@@ -377,12 +377,16 @@ def note_first_calls() -> set[tuple[str, str]]:
     return worked
 
 
-def main(file: str, full: bool) -> None:
-    """Do the cases without the compiler, and note which functions of the kernels' files work."""
+def main(file: str = "", form: str = "few") -> None:
+    """Do the cases without the compiler, and note which functions of the kernels' files work; without a file: compile
+    for the tests to come."""
+    if not file:
+        cases()
+        return compile_stages(*STAGES)
     kernels()  # all are imported
     worked = note_first_calls()
-    Path(file).write_bytes(pickle.dumps((cases(full), worked)))
+    Path(file).write_bytes(pickle.dumps((cases(form == "full"), worked)))
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], "full" in sys.argv)
+    main(*sys.argv[1:])
