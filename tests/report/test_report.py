@@ -312,14 +312,34 @@ def test_the_command_writes_beside_the_result_and_over_nothing_of_the_users(tmp_
 
 
 # --- in a browser -------------------------------------------------------------------------------------------
-def test_the_charts_answer_with_the_envelope_of_the_dataset(
-    chromium: Browser, page: str, coach: Result, tmp_path: Path
-) -> None:
-    file = tmp_path / "report.html"
+@pytest.fixture(scope="module")
+def opened(chromium: Browser, page: str, tmp_path_factory: pytest.TempPathFactory) -> Browser:
+    """The report of the run."""
+    file = tmp_path_factory.mktemp("report") / "report.html"
     file.write_text(page)
     chromium.open(file)
+    return chromium
+
+
+def test_paper_has_pictures_of_the_height_of_their_pages_and_the_screen_keeps_its_own(opened: Browser) -> None:
+    """Pages begin where the layout says; between two of them lie at most the 259 mm between the margins of A4."""
+    inline = "return [...document.querySelectorAll('figure img')].filter((img) => img.style.height).length"
+    assert opened.run(inline) == 0
+    opened.run("dispatchEvent(new Event('beforeprint'))")
+    heights = opened.run(
+        "return [...document.querySelectorAll('figure img')].map((img) => parseFloat(img.style.height) * 25.4 / 96)"
+    )
+    assert len(heights) > 6 and all(0.0 < height <= 259.0 for height in heights if height is not None)
+    tops = opened.run("return document.querySelectorAll('.page-top').length")
+    assert tops >= sum(filter(None, heights)) / 259.0 - 1.0
+    opened.run("dispatchEvent(new Event('afterprint'))")
+    assert opened.run(inline) == 0 and opened.run("return document.querySelectorAll('.page-top').length") == 0
+    assert opened.complaints() == []
+
+
+def test_the_charts_answer_with_the_envelope_of_the_dataset(opened: Browser, coach: Result) -> None:
     for s in (5.0, 31.7, 52.0, 64.0):
-        found = chromium.run(f"return wrsim.seek({s})")
+        found = opened.run(f"return wrsim.seek({s})")
         assert found["from"] <= s <= found["to"] + 1e-9
         for name in wheelsets(coach.dataset):
             own = coach.wheelset(name)
@@ -332,63 +352,36 @@ def test_the_charts_answer_with_the_envelope_of_the_dataset(
                 for line, of in zip(lines, values.T, strict=True):
                     assert line["low"] == pytest.approx(of.min(), rel=1e-4, abs=1e-6)
                     assert line["high"] == pytest.approx(of.max(), rel=1e-4, abs=1e-6)
-    assert chromium.run("return document.querySelectorAll('.uplot canvas').length") >= 6
+    assert opened.run("return document.querySelectorAll('.uplot canvas').length") >= 6
     # one cursor over all charts: the legend of each tells the values there
-    told = chromium.run("return [...document.querySelectorAll('.panels > div')].map((panel) => panel.textContent)")
+    told = opened.run("return [...document.querySelectorAll('.panels > div')].map((panel) => panel.textContent)")
     places = [float(words.split("place")[1].lstrip(":").split(" m")[0]) for words in told]
     assert len(places) > 6 and all(found["from"] <= s <= found["to"] for s in places)
     assert any("1 front.outer" in words and "right" in words for words in told)
-    assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
-    chromium.run("document.querySelector('.uplot').scrollIntoView()")
-    assert chromium.colours(".uplot") > 4
-    assert chromium.run("return document.querySelector('.drawn').offsetHeight") == 0
+    assert opened.run("return document.documentElement.scrollWidth <= innerWidth")
+    opened.run("document.querySelector('.uplot').scrollIntoView()")
+    assert opened.colours(".uplot") > 4
+    assert opened.run("return document.querySelector('.drawn').offsetHeight") == 0
     # without scripts, and printed, histories are pictures
-    chromium.run("document.documentElement.classList.remove('live')")
-    assert chromium.run("return document.querySelector('.chart').offsetHeight") == 0
-    assert chromium.run("return document.querySelectorAll('.drawn img').length") > 6
-    assert chromium.complaints() == []
+    opened.run("document.documentElement.classList.remove('live')")
+    assert opened.run("return document.querySelector('.chart').offsetHeight") == 0
+    assert opened.run("return document.querySelectorAll('.drawn img').length") > 6
+    assert opened.complaints() == []
 
 
 @pytest.mark.usefixtures("unpainted")
-def test_cards_of_wheelsets_fit_a_phone(chromium: Browser, curve: Result, tmp_path: Path) -> None:
+def test_texts_of_users_run_nothing_and_cards_of_wheelsets_fit_a_phone(
+    chromium: Browser, curve: Result, tmp_path: Path
+) -> None:
+    evil = replace(curve, dataset=curve.dataset.assign_attrs(title=EVIL, scenario_text=EVIL))
     file = tmp_path / "report.html"
-    file.write_text(report_page([curve], ["run"]))
+    file.write_text(page_of(evil, sources=(EVIL,)))
     chromium.open(file, width=390)
+    assert chromium.run("return window.evil === undefined && wrsim.data.charts.length > 0")
     widths = chromium.run(
         "return [...document.querySelectorAll('.card table')].map((t) => [t.offsetWidth, t.parentElement.clientWidth])"
     )
     assert widths and all(table <= card for table, card in widths)
-    assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
-
-
-def test_paper_has_pictures_of_the_height_of_their_pages_and_the_screen_keeps_its_own(
-    chromium: Browser, page: str, tmp_path: Path
-) -> None:
-    """Pages begin where the layout says; between two of them lie at most the 259 mm between the margins of A4."""
-    file = tmp_path / "report.html"
-    file.write_text(page)
-    chromium.open(file)
-    inline = "return [...document.querySelectorAll('figure img')].filter((img) => img.style.height).length"
-    assert chromium.run(inline) == 0
-    chromium.run("dispatchEvent(new Event('beforeprint'))")
-    heights = chromium.run(
-        "return [...document.querySelectorAll('figure img')].map((img) => parseFloat(img.style.height) * 25.4 / 96)"
-    )
-    assert len(heights) > 6 and all(0.0 < height <= 259.0 for height in heights if height is not None)
-    tops = chromium.run("return document.querySelectorAll('.page-top').length")
-    assert tops >= sum(filter(None, heights)) / 259.0 - 1.0
-    chromium.run("dispatchEvent(new Event('afterprint'))")
-    assert chromium.run(inline) == 0 and chromium.run("return document.querySelectorAll('.page-top').length") == 0
-    assert chromium.complaints() == []
-
-
-@pytest.mark.usefixtures("unpainted")
-def test_texts_of_users_run_nothing(chromium: Browser, curve: Result, tmp_path: Path) -> None:
-    evil = replace(curve, dataset=curve.dataset.assign_attrs(title=EVIL, scenario_text=EVIL))
-    file = tmp_path / "report.html"
-    file.write_text(page_of(evil, evil, sources=(EVIL, EVIL)))
-    chromium.open(file, width=500)
-    assert chromium.run("return window.evil === undefined && wrsim.data.charts.length > 0")
     assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
     assert chromium.complaints() == []
 
