@@ -32,7 +32,7 @@ def sketched(monkeypatch: pytest.MonkeyPatch) -> None:
 FIRST = (
     "core/test_kernels.py",
     # without kernels, while these are compiled
-    "cli/test_users_files.py", "cli/test_cli.py", "tests/plots/", "tests/results/", "cli/test_diff.py",
+    "cli/test_users_files.py", "cli/test_cli.py", "tests/plots/", "tests/results/", "cli/test_words.py",
     "study/test_study.py", "study/test_evolution.py", "tests/report/", "analysis/test_train.py",
     "analysis/test_shipped_scenarios.py", "campaigns/test_gz18.py", "analysis/test_run_step.py",
     "contact/test_strip_model.py", "analysis/test_resume.py",

@@ -1,21 +1,29 @@
 """The shipped freight wagon, empty and laden: loads by hand, friction at rest and in a curve, events."""
 
+import signal
+from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from support.runs import SCENARIOS
+from support.runs import FAST, SCENARIOS, arc, straight
 
 from wrsim.analysis import run
 from wrsim.analysis.motion.messages import event_words
 from wrsim.analysis.motion.monitor import Monitor
+from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.analysis.stationary.statics import static_state
+from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
+from wrsim.plots.histories import vehicle_figures
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load
+from wrsim.scenario.loading import Scenario, load
+from wrsim.simulation import integrate
 from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.modes import linearise
 from wrsim.simulation.placement import design_state
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.preload import preloads
@@ -114,3 +122,149 @@ def test_a_wagon_that_lifts_off_its_springs_says_that_nothing_presses_its_guides
         for side in ("left", "right")
     }
     assert "nothing presses friction" in event_words(monitor.events()[0], vehicle)
+
+
+# Loads at rest, in runs, in steady motion and in stability: balances of forces and moments, a gust, resuming.
+COACH = "vehicles/manchester_1.toml"
+BODIES = {"carbody": 32000.0, "front.frame": 2615.0, "rear.frame": 2615.0}
+AXLE, HEIGHT, GRAVITY = 1813.0, 2.2, 9.80665
+
+
+def wind(**force: Any) -> list[dict[str, Any]]:
+    """Wind on the coach."""
+    return [{"name": "wind", "on": "carbody", "at_mm": [0, 0, 1e3 * HEIGHT], "axes": "track"} | force]
+
+
+def at_rest(force: float) -> Any:
+    """The coach at rest, pushed to the left [kN]."""
+    values = FAST | {"vehicle.model": COACH, "vehicle.loads": wind(force_kN=[0, force, 0])}
+    return run(load(SCENARIOS / "equilibrium_s1002.toml").with_values(values)).dataset.isel(time=0)
+
+
+def test_forces_and_moments_on_a_coach_at_rest_in_the_wind_are_in_balance() -> None:
+    """About the middle of the track at the height of the rails; nothing needs friction."""
+    force = -40.0
+    rest = at_rest(force)
+    patches = rest.N.fillna(0.0) * np.cos(rest.contact_angle.fillna(0.0))
+    assert rest.Q.sum().item() == pytest.approx((sum(BODIES.values()) + 4 * AXLE) * GRAVITY, rel=1e-6)
+    y = rest.Y.transpose("wheelset", "wheel").values
+    assert (y[:, 0] - y[:, 1]).sum() == pytest.approx(1e3 * force, rel=1e-5)
+    # where a wheel stands on two patches, each carries its part
+    share = patches / patches.sum(dim="patch")
+    up = float((rest.Q * share * rest.y_contact.fillna(0.0)).sum())
+    inward = {"left": -1.0, "right": 1.0}
+    side = sum(inward[w] * float((rest.Y * share * rest.z_contact.fillna(0.0)).sel(wheel=w).sum()) for w in inward)
+    sway = sum(mass * rest.body_lateral.sel(body=name).item() for name, mass in BODIES.items())
+    sway += AXLE * rest.lateral_shift.sum().item()
+    overturning = 1e3 * force * (HEIGHT + rest.body_vertical.sel(body="carbody").item()) + GRAVITY * sway
+    assert up - side == pytest.approx(overturning, rel=1e-2)
+    assert rest.external_fy.item() == 1e3 * force
+
+
+def test_a_coach_that_the_wind_would_overturn_does_not_rest() -> None:
+    with pytest.raises(SimulationError, match="the vehicle would overturn: its weight, centrifugal force and loads"):
+        at_rest(200.0)
+
+
+ROWS = [[22, 0, 0, 0], [24, 0, 30, 0], [32, 0, 30, 0], [35, 0, 0, 0]]
+
+
+START = FAST | {"run.start_distance_m": 20.0, "output.patches_at_m": []}
+
+
+def gusty() -> Scenario:
+    """The coach through a gust on straight track."""
+    keys = {"vehicle.speed_kmh": 120.0, "vehicle.loads": wind(distance_m_force_kN=ROWS)}
+    keys |= {"track.segments": [straight(90.0)], "run.distance_m": 20.0, "run.output_interval_ms": 4.0}
+    return load(SCENARIOS / "manchester_r300.toml").with_values(START | keys)
+
+
+@pytest.fixture(scope="module")
+def gust(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, Path]]:
+    """The run, and the file of one that was stopped on the way by Ctrl-C."""
+    file = tmp_path_factory.mktemp("gust") / "run.part"
+    asked = []
+
+    def progress(fraction: float, left: float) -> None:
+        if fraction > 0.3 and not asked:
+            asked.append(fraction)
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(integrate, "PROGRESS_INTERVAL", 0.0)  # a fast machine is through before the first report else
+        stopped = run(gusty(), progress, record=file)
+    assert (stopped.status, stopped.dataset.attrs["stop_cause"]) == ("stopped", "interrupt")
+    yield run(gusty()).dataset, file
+
+
+def test_a_gust_acts_where_its_table_says(gust: tuple[Any, Path]) -> None:
+    d = gust[0]
+    assert d.attrs["status"] == "completed"
+    expected = 1e3 * np.interp(d.distance.values, *np.transpose(ROWS)[[0, 2]])
+    # the point lies over the reference body, whose tilt and pitch move it by some 10 um along the track
+    assert d.external_fy.values[:, 0] == pytest.approx(expected, abs=1.0)
+    assert float(d.external_fy.max()) == pytest.approx(30e3, rel=1e-12)
+
+
+def test_the_momentum_that_a_gust_gives_is_its_impulse_less_that_of_the_rails(gust: tuple[Any, Path]) -> None:
+    d = gust[0]
+    times = d.time.values
+    momentum = sum(m * np.gradient(d.body_lateral.sel(body=name).values, times) for name, m in BODIES.items())
+    momentum = momentum + AXLE * np.gradient(d.lateral_shift.sum(dim="wheelset").values, times)
+    y = d.Y.transpose("time", "wheelset", "wheel").values
+    force = d.external_fy.values[:, 0] - (y[:, :, 0] - y[:, :, 1]).sum(axis=1)
+    steps = np.diff(times)
+    impulse = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * steps)])
+    assert np.abs(momentum).max() > 3e3
+    assert momentum[2:-2] == pytest.approx(impulse[2:-2], abs=0.01 * np.abs(momentum).max())
+
+
+def test_a_run_through_a_gust_goes_on_with_the_same_numbers(gust: tuple[Any, Path]) -> None:
+    d, file = gust
+    again = run(gusty(), record=file, resume=True).dataset
+    assert again.identical(d)
+    assert vehicle_figures(again)["vehicle_external_loads"]().axes
+
+
+def test_a_run_starts_from_the_motion_that_belongs_to_the_load() -> None:
+    speed, segment = 70.0, arc(80.0, 600.0, 60.0)
+    keys = {"vehicle.speed_kmh": speed, "vehicle.loads": wind(force_kN=[0, -20, 0]), "run.distance_m": 2.0}
+    scenario = load(SCENARIOS / "manchester_r300.toml")
+    d = run(scenario.with_values(START | keys | {"track.segments": [segment]})).dataset
+    y = d.Y.transpose("time", "wheelset", "wheel").values
+    net = (y[:, :, 0] - y[:, :, 1]).sum(axis=1)
+    curvature, tilt = d.curvature.values[0, 0], np.arcsin(d.cant.values[0, 0] / 1.5)
+    mass = sum(BODIES.values()) + 4 * AXLE
+    outward = mass * ((speed / 3.6) ** 2 * curvature * np.cos(tilt) - GRAVITY * np.sin(tilt))
+    assert net == pytest.approx(-20e3 - outward, rel=0.01)
+    assert d.body_lateral.values == pytest.approx(d.body_lateral.values[:1].repeat(len(net), axis=0), abs=2e-4)
+    assert d.Q.values == pytest.approx(d.Q.values[:1].repeat(len(net), axis=0), rel=0.02)
+
+
+def test_stability_is_that_of_the_motion_under_the_load() -> None:
+    values = {"stability.nonlinear": False, "vehicle.loads": wind(force_kN=[0, 40, 0])} | FAST
+    pushed = RollingVehicle(build(load(SCENARIOS / "stability_manchester.toml").with_values(values)), 40.0)
+    body = 6 * pushed.law.vehicle.index("carbody") + 2
+    q, _ = pushed.state(40.0)
+    assert q[body] > 0.07  # on its bump stops
+    swaying = np.abs(np.linalg.eigvals(linearise(pushed.law, pushed.law.bodies, *pushed.state(40.0)).state_matrix).imag)
+    free = RollingVehicle(build(load(SCENARIOS / "stability_manchester.toml").with_values(FAST)), 40.0)
+    assert abs(free.state(40.0)[0][body]) < 1e-6
+    unloaded = np.abs(np.linalg.eigvals(linearise(free.law, free.law.bodies, *free.state(40.0)).state_matrix).imag)
+    # the stops hold the body harder than the springs alone: its slowest lateral swing is faster
+    slowest = [values[values > 1.0].min() for values in (swaying, unloaded)]
+    assert slowest[0] > 1.05 * slowest[1]
+
+
+def test_a_steady_table_counts_the_wind() -> None:
+    """Inward wind in a curve takes load from the outer wheels; both balance the moment of the wind."""
+    point = {"steady.radius_m": 1000.0, "steady.cant_mm": 100.0, "steady.speed_kmh": 90.0} | FAST
+    scenario = load(SCENARIOS / "steady_manchester.toml")
+    calm, windy = (
+        run(scenario.with_values(point | {"vehicle.loads": loads})).dataset for loads in ([], wind(force_kN=[0, 10, 0]))
+    )
+    gain = (windy.Q - calm.Q).sum(dim="wheelset").isel(pose=0)
+    sway = 0.75 * (gain.sel(wheel="left") - gain.sel(wheel="right")).item()
+    assert 10e3 * HEIGHT < sway < 1.45 * 10e3 * HEIGHT  # and what the weight has swayed
+    y = (windy.Y - calm.Y).sum(dim="wheelset").isel(pose=0)
+    assert (y.sel(wheel="left") - y.sel(wheel="right")).item() == pytest.approx(10e3, rel=0.01)

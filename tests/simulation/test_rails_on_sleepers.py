@@ -1,13 +1,18 @@
 """Rails on sleepers in time: receptances, waves, energy, and the same run after an interruption."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.linalg import eigh, toeplitz
 from support.vehicles import on_track, shipped
 
 from wrsim.core.body import sleepers as kernel
-from wrsim.geometry.track.sleepers import Layer, RailBeam, SleeperTrack
+from wrsim.errors import InputError
+from wrsim.geometry.track.beams import bending_mass, bending_stiffness, torsion_mass, torsion_stiffness
+from wrsim.geometry.track.sleepers import Joint, Layer, RailBeam, SleeperTrack, SupportRow
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.rails import RailsOnSleepers
@@ -162,3 +167,137 @@ def test_wheels_on_sleepers_rise_and_sink_with_the_sleepers() -> None:
     assert sunk == pytest.approx(np.mean(sunk), rel=0.1)
     parts = np.abs(np.fft.rfft(sunk - sunk.mean()))
     assert np.argmax(parts) == round(0.12 / (0.6 / 20.0))
+
+
+# Rails on sleepers: the beams and their receptances beside closed forms.
+REFERENCE = Path(__file__).resolve().parents[2].parent / "shared/reference/track_dynamics/rail_mobility.csv"
+RAIL = RailBeam()
+SOFT = SleeperTrack(
+    RAIL, Layer((50e6, 300e6), loss_factor=0.25), Layer((50e6, 50e6), loss_factor=1.0), sleeper_mass=324.0
+)
+"""The track of the reference data, with the shear coefficient that it names."""
+
+
+def mobilities() -> np.ndarray:
+    """Point mobilities [m/s/N] over the frequency [Hz] (Rolland 26.8; ../shared/reference/track_dynamics)."""
+    return np.genfromtxt(REFERENCE, delimiter=",", names=True)
+
+
+def timoshenko(frequencies: np.ndarray, track: SleeperTrack, supports: int = 241) -> np.ndarray:
+    """Receptance (n,) of an infinite Timoshenko beam on discrete supports above the middle one, by the beam's Green's
+    function (M. A. Heckl, Acta Acustica 81 (1995) 559)."""
+    rail, found = track.rail, []
+    loss = 1.0 + 1j * rail.loss_factor
+    b, s, m, j = rail.bending("vertical") * loss, rail.shear("vertical") * loss, rail.mass, rail.rotary("vertical")
+    for w in 2.0 * np.pi * frequencies:
+        roots = np.roots([b * s, -(b * m + j * s) * w**2, -(s - j * w**2) * m * w**2])
+        k = np.sqrt(roots)
+        k = np.where(k.imag > 0.0, -k, k)  # waves away from the force decay
+        away = track.spacing * np.arange(supports)
+        green = sum(
+            (b * roots[i] + s - j * w**2)
+            / (b * s * (roots[i] - roots[1 - i]))
+            * np.exp(-1j * k[i] * away)
+            / (2j * k[i])
+            for i in range(2)
+        )
+        whole = toeplitz(green, green)
+        pad = track.pad.stiffness[1] * (1.0 + 1j * track.pad.loss_factor)
+        below = track.ballast.stiffness[1] * (1.0 + 1j * track.ballast.loss_factor) - 0.5 * track.sleeper_mass * w**2
+        under = pad * below / (pad + below)
+        middle = supports // 2
+        found.append(np.linalg.solve(np.eye(supports) + under * whole, whole[middle])[middle])
+    return np.array(found)
+
+
+@pytest.mark.parametrize("length", [0.6, 1.2])
+def test_a_pinned_beam_swings_at_the_frequency_of_timoshenko_with_fourth_order(length: float) -> None:
+    b, s, m, j = RAIL.bending("vertical"), RAIL.shear("vertical"), RAIL.mass, RAIL.rotary("vertical")
+    k = np.pi / length
+    first, second = m * (b * k**2 + s) + j * s * k**2, b * s * k**4
+    exact = (first - np.sqrt(first**2 - 4.0 * j * m * second)) / (2.0 * j * m)
+
+    def error(n: int) -> float:
+        of = np.full(n, length / n), np.full(n, b), s
+        stiffness, mass = np.zeros((2, 2 * n + 2, 2 * n + 2))
+        for i, (own_k, own_m) in enumerate(zip(bending_stiffness(*of), bending_mass(*of, m, j), strict=True)):
+            stiffness[2 * i : 2 * i + 4, 2 * i : 2 * i + 4] += own_k
+            mass[2 * i : 2 * i + 4, 2 * i : 2 * i + 4] += own_m
+        free = np.delete(np.arange(2 * n + 2), [0, 2 * n])
+        found = eigh(stiffness[np.ix_(free, free)], mass[np.ix_(free, free)], eigvals_only=True)[0]
+        return float(np.sqrt(found / exact) - 1.0)
+
+    assert abs(error(4)) < 2e-4
+    assert abs(error(8)) < abs(error(4)) / 10.0
+
+
+def test_a_bar_in_torsion_swings_at_its_frequency() -> None:
+    n, torsion, polar = 8, RAIL.shear_modulus * RAIL.torsion, RAIL.polar
+    stiffness, mass = np.zeros((2, n + 1, n + 1))
+    length = np.full(n, 0.15)
+    for i, (k, m) in enumerate(zip(torsion_stiffness(length, torsion), torsion_mass(length, polar), strict=True)):
+        stiffness[i : i + 2, i : i + 2] += k
+        mass[i : i + 2, i : i + 2] += m
+    found = np.sqrt(eigh(stiffness[1:-1, 1:-1], mass[1:-1, 1:-1], eigvals_only=True)[0])
+    assert found == pytest.approx(np.pi / 1.2 * np.sqrt(torsion / polar), rel=2e-4)
+
+
+def test_statics_on_close_supports_are_those_of_a_beam_on_a_foundation() -> None:
+    spacing, stiffness = 0.05, 60e6  # of the foundation [N/m2]
+    own = Layer((stiffness * spacing,) * 2)
+    track = SleeperTrack(replace(RAIL, loss_factor=0.0), own, own, None, spacing=spacing, sleeper_width=0.01)
+    b, s = RAIL.bending("vertical"), RAIL.shear("vertical")
+    exact = quad(lambda k: (b * k**2 + s) / (b * s * k**4 + stiffness * (b * k**2 + s)), 0.0, np.inf)[0] / np.pi
+    assert track.receptance([0.0], 3.0, bays=400, elements=1)[0].real == pytest.approx(exact, rel=1e-3)
+
+
+def test_receptances_on_sleepers_are_those_of_the_closed_form() -> None:
+    frequencies = np.array(
+        [20.0, 60.0, 130.0, 250.0, 400.0, 550.0, 700.0, 850.0, 950.0, 1040.0, 1090.0, 1200.0, 1500.0]
+    )
+    found = SOFT.receptance(frequencies, 72.0)
+    assert np.abs(found / timoshenko(frequencies, SOFT) - 1.0).max() < 0.01
+
+
+def test_mobilities_of_the_reference() -> None:
+    """Its discrete case belongs to a shear stiffness 2.06 % above that of its shear coefficient of 0.393. The closed
+    form above and Rolland's numbers agree then within 0.6 % up to 3 kHz, else not at their pinned-pinned dip."""
+    data = mobilities()[::24]
+    data = data[data["frequency_hz"] <= 1500.0]
+    frequencies = data["frequency_hz"]
+    track = replace(SOFT, rail=replace(RAIL, shear_vertical=1.0206 * 0.393))
+    found = 2.0 * np.pi * frequencies * np.abs(track.receptance(frequencies, 72.0))
+    assert found == pytest.approx(data["tsdiscr2lsupp_m_per_s_per_N"], rel=0.01)
+    spacing = 0.05
+    pads = Layer((300e6 * spacing,) * 2, (30e3 * spacing,) * 2)
+    rail = replace(RAIL, shear_vertical=None, shear_lateral=None)
+    track = SleeperTrack(rail, pads, pads, None, spacing=spacing, sleeper_width=0.01)
+    found = 2.0 * np.pi * frequencies * np.abs(track.receptance(frequencies, 45.0, bays=1800, elements=1))
+    assert found == pytest.approx(data["ebbcont1lsupp_m_per_s_per_N"], rel=0.01)
+
+
+def test_sleepers_stay_where_they_are_whatever_window_looks_at_them() -> None:
+    track = replace(SOFT, scatter=0.05, seed=3)
+    far = track.places(-20, 5000)
+    assert np.array_equal(track.places(4081, 40), far[4101:4141])
+    assert 0.0 < np.abs(far - 0.6 * np.arange(-20, 4980)).max() <= 0.05
+
+
+def test_supports_follow_their_table_and_a_joint_softens_its_element() -> None:
+    rows = (SupportRow(0.0, 1.0, 1.0), SupportRow(6.0, 3.0, 0.5, "left"))
+    bays = replace(SOFT, supports=rows, unsupported=((3.1, "right"),)).bays(0, 11, 0)
+    assert bays.pad == pytest.approx(1.0 + np.arange(11) / 5.0)
+    right = replace(SOFT, unsupported=((3.1, "right"),)).bays(0, 11, 1)
+    assert np.array_equal(np.flatnonzero(right.ballast == 0.0), [5])
+    joined = replace(SOFT, joints=(Joint(3.28, 0.05, 0.06),)).bays(0, 11, 0)
+    more = np.sum(joined.length / joined.bending) * RAIL.bending("vertical") - 6.6
+    assert more == pytest.approx(0.06 * (1.0 / 0.05 - 1.0))
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [({"scatter": 0.2}, "sleepers overlap: spacing 600 mm"), ({"margin": 8.0}, "shorter than the wave")],
+)
+def test_tracks_that_cannot_be_are_refused(change: dict, word: str) -> None:
+    with pytest.raises(InputError, match=word):
+        replace(SOFT, **change)

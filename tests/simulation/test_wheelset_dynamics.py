@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
+from support.runs import CONICITY, CROWN, HALF_CONTACTS, HALF_TOPS, RADIUS, cone_ride
 
+from wrsim.contact.settings import ContactSettings
 from wrsim.core.body.kinematics import kinematics
+from wrsim.geometry.track.segments import Arc, Straight
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.system import BodySystem
@@ -107,3 +110,98 @@ def test_growth_rates_of_the_three_dimensional_example(speed, growth, frequency)
     # the reference has three digits; 2 % is what the project asks
     assert found[0] == pytest.approx(growth, rel=0.007)
     assert found[1] == pytest.approx(frequency, rel=1e-3)
+
+
+# A free conical wheelset on crowned rails, full contact model: Klingel's wave, and the line it rolls in a curve.
+#
+# Cones of conicity lambda on crowns of radius Rr whose tops are 2 L apart touch at +-l, l = L - Rr lambda. A wheelset
+# shifted by y and rolled by phi touches where the crowns have the slopes lambda +- phi: both contacts move by -Rr phi
+# on the rails. On the axle they then are at l -+ (y + (r0 + Rr) phi), so the radii differ by
+#
+#     r_left - r_right = 2 lambda (y + (r0 + Rr) phi),    phi = lambda y / (l - r0 lambda),
+#
+# the roll from the equal heights of wheels and rails. That makes the conicity of the wheelset in y
+#
+#     lambda (l + Rr lambda) / (l - r0 lambda),
+#
+# as Wickens has it. Without slip the wheels roll across as y' + r0 phi' = psi and turn as
+# psi' = -(r_left - r_right) / (2 l r0), hence
+#
+#     wavelength = 2 pi sqrt(r0 l / lambda) sqrt(l / (l + Rr lambda))
+#
+# (on knife edges, Rr = 0, the roll has no influence at all), and in a curve of radius R
+#
+#     y = r0 l / (lambda R) (l - r0 lambda) / (l + Rr lambda)  outward.
+KLINGEL = 2.0 * np.pi * np.sqrt(RADIUS * HALF_CONTACTS / CONICITY)
+"""The textbook's wavelength, without roll [m]."""
+
+ROLLING_LINE = RADIUS * HALF_CONTACTS / CONICITY
+"""y R of the textbook, without roll [m2]."""
+
+ROLL_FACTOR = (HALF_CONTACTS - RADIUS * CONICITY) / (HALF_CONTACTS + CROWN * CONICITY)
+"""What roll and crown make of the line."""
+
+FEW = ContactSettings("kik-piotrowski", strips=12, cells=6)
+"""For long runs: cones on crowns touch where they touch, however many strips there are."""
+
+
+@pytest.fixture(scope="module")
+def wave():
+    """A wheelset released 2 mm beside the centre, two waves long; slow, so that its inertia shortens nothing."""
+    speed = 7.0
+    free = cone_ride([Straight(200.0)], speed, settings=FEW)
+    start = free.steady(("z", "roll", "spin"), lateral=2e-3)
+    motion = free.run(start.q, start.q_t, 35.0 / speed)
+    return motion.q[:, 1], motion.q[:, 2], motion.q[:, 4]
+
+
+def test_klingels_wave_has_the_length_of_cones_on_crowns(wave):
+    x, y, _ = wave
+    crossings = np.flatnonzero(np.diff(np.sign(y)))
+    zeros = [x[i] - y[i] * (x[i + 1] - x[i]) / (y[i + 1] - y[i]) for i in crossings]
+    assert len(zeros) >= 4
+    wavelength = 2.0 * (zeros[-1] - zeros[0]) / (len(zeros) - 1)
+    # 1 % is asked; found is 0.11 %. The textbook's wave, without roll, is 1 % longer
+    assert wavelength == pytest.approx(KLINGEL * np.sqrt(HALF_CONTACTS / HALF_TOPS), rel=2e-3)
+
+
+def test_klingels_wave_rolls_the_wheelset_with_its_shift(wave):
+    _, y, roll = wave
+    slope = np.polyfit(y, roll, 1)[0]
+    assert slope == pytest.approx(CONICITY / (HALF_CONTACTS - RADIUS * CONICITY), rel=5e-3)
+
+
+def test_klingels_wave_neither_dies_nor_grows_at_low_speed(wave):
+    _, y, _ = wave
+    assert y.min() == pytest.approx(-2e-3, rel=0.05)
+    assert y[len(y) // 2 :].max() == pytest.approx(2e-3, rel=0.05)
+
+
+@pytest.mark.parametrize("radius", [1500.0, -1500.0, 3000.0])
+def test_a_free_conical_wheelset_in_a_curve_sits_on_its_rolling_line(radius):
+    # the cant carries the centrifugal force: nothing pushes the wheelset off its line
+    speed = 20.0
+    cant = 1.565 * np.sin(np.arctan(speed**2 / (9.80665 * abs(radius))))
+    free = cone_ride([Arc(400.0, radius, cant=cant)], speed, start=50.0)
+    found = free.steady(("z", "y", "heading", "roll", "spin"))
+    motion = free.run(found.q, found.q_t, 1e-3)
+    outward = -np.sign(radius) * free.poses(motion).lateral[0]
+    assert outward == pytest.approx(ROLLING_LINE * ROLL_FACTOR / abs(radius), rel=5e-3)
+    # in terms of where the wheels run, which is what rolls: no factor but that of the true spacing
+    roll = -np.sign(radius) * free.poses(motion).roll[0]
+    assert outward + (RADIUS + CROWN) * roll == pytest.approx(ROLLING_LINE / abs(radius), rel=5e-3)
+
+
+def test_a_conical_wheelset_driven_into_a_curve_goes_to_its_rolling_line():
+    # lateral springs to the frame end Klingel's wave; without a yaw moment they leave the rolling line where it is
+    radius, speed = 1500.0, 20.0
+    free = cone_ride([Straight(20.0), Arc(400.0, radius)], speed, start=1.0, stiffness=(0.0, 5e5, 0.0), settings=FEW)
+    start = free.steady(("z", "roll", "spin"))
+    motion = free.run(start.q, start.q_t, 8.0)
+    outward = -free.poses(motion).lateral
+    assert abs(outward[0]) < 1e-9
+    line = ROLLING_LINE * ROLL_FACTOR / radius
+    assert outward.max() > 1.2 * line  # it swings
+    last = outward[-162:]  # one wave of 0.81 s
+    assert np.ptp(last) < 0.2 * line
+    assert last.mean() == pytest.approx(line, rel=0.01)

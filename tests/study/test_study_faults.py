@@ -2,17 +2,31 @@
 
 import json
 import os
+import socket
+import ssl
+import stat
+import struct
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
-from support.commands import ok, refusal
+from distributed import Client, SpecCluster
+from distributed.protocol import dumps
+from distributed.protocol.pickle import dumps as pickled
+from distributed.protocol.utils import pack_frames
+from distributed.security import Security
+from support.commands import call, ok, refusal
 from support.rows import rows_of
 from support.studies import AXES, study_file
 from support.synthetic_result import curve_run
 
 from wrsim.errors import InputError
 from wrsim.results import Result
+from wrsim.study.cluster import CA, LOOPBACK, QuietScheduler, local_workers, security_of
 from wrsim.study.outputs import case_outputs, reduced
 from wrsim.study.plan import planned
 from wrsim.study.spec import OutputsSection
@@ -121,3 +135,144 @@ def test_of_several_wheels_the_worst_counts() -> None:
     values = np.array([[1.0, -5.0], [2.0, 3.0]])
     assert [reduced(values, how) for how in ("peak", "max", "min")] == [-5.0, 3.0, -5.0]
     assert reduced(values, "percentile", 50.0) == 1.5
+
+
+# A study answers nobody but its own processes: whoever can talk to a scheduler lets it execute what they like.
+def listening() -> set[tuple[str, int]]:
+    """Host and port of every socket on which this process and those that it started wait for others."""
+    found = set()
+    for process in (own := psutil.Process(), *own.children(recursive=True)):
+        found |= {tuple(one.laddr) for one in process.net_connections("inet") if one.status == psutil.CONN_LISTEN}
+    return found
+
+
+@pytest.fixture(scope="module")
+def own() -> set[tuple[str, int]]:
+    """What this process listens on by itself."""
+    return listening()
+
+
+@pytest.fixture(scope="module")
+def study(own: set[tuple[str, int]]) -> Iterator[Client]:
+    """One worker, as a study has it."""
+    with local_workers(1) as client:
+        yield client
+
+
+def addresses(study: Client) -> list[str]:
+    """The scheduler, the worker and its nanny."""
+    (worker,) = study.scheduler_info()["workers"].values()
+    return [study.scheduler.address, worker["nanny"], *study.scheduler_info()["workers"]]
+
+
+def port_of(address: str) -> int:
+    """The port of an address of dask."""
+    return int(address.rpartition(":")[2])
+
+
+def test_everything_that_listens_listens_on_loopback_and_serves_no_pages(
+    study: Client, own: set[tuple[str, int]]
+) -> None:
+    assert listening() - own == {(LOOPBACK, port_of(address)) for address in addresses(study)}
+    assert all(address.startswith(f"tls://{LOOPBACK}:") for address in addresses(study))
+
+
+class Touch:
+    """An object that makes a file when it is unpickled."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Path.touch, (self.path,)
+
+
+def sent(port: int, path: Path, tls: bool = False) -> bytes:
+    """The answer to the frames that let a scheduler of dask execute something; empty when it hangs up."""
+    hello = {"compression": None, "python": sys.version_info[:3], "pickle-protocol": 4}
+    order = {"op": "run_function", "function": pickled(Touch(path)), "args": pickled(()), "kwargs": pickled({})}
+    framed = [pack_frames(dumps(message)) for message in (hello, order | {"reply": True})]
+    stream = socket.create_connection((LOOPBACK, port), timeout=60.0)
+    try:
+        if tls:
+            context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+            context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+            stream = context.wrap_socket(stream)
+        stream.sendall(b"".join(struct.pack("Q", len(body)) + body for body in framed))
+        answer = b""
+        while piece := stream.recv(4096):
+            answer += piece
+            if path.exists():
+                break
+        return answer
+    except (ConnectionError, ssl.SSLError):
+        return b""
+    finally:
+        stream.close()
+
+
+def test_pickles_of_an_outsider_are_not_read(study: Client, tmp_path: Path) -> None:
+    spec = {"cls": QuietScheduler, "options": {"host": LOOPBACK, "dashboard": False}}
+    with SpecCluster(scheduler=spec) as everybodys:  # these frames do what they are meant to
+        sent(port_of(everybodys.scheduler_address), tmp_path / "control")
+    assert (tmp_path / "control").exists()
+    for address in addresses(study):
+        for tls in (False, True):
+            assert sent(port_of(address), tmp_path / "owned", tls) == b""
+    assert not (tmp_path / "owned").exists()
+
+
+@pytest.mark.parametrize("how", ["without TLS", "without a certificate of the study"])
+def test_a_client_of_an_outsider_is_refused(how: str, study: Client) -> None:
+    strange = None if how == "without TLS" else Security.temporary()
+    protocol = "tcp" if strange is None else "tls"
+    with pytest.raises(OSError):
+        Client(f"{protocol}://{LOOPBACK}:{port_of(addresses(study)[0])}", security=strange, timeout=1)
+
+
+def test_modules_are_looked_up_in_no_folder_that_others_can_write(study: Client) -> None:
+    def open_folders(places: list[str]) -> list[str]:
+        """Those in which others than the owner can put a file, or another folder in their place."""
+        parts = {part for place in places if os.path.isdir(place) for part in (Path(place), *Path(place).parents)}
+        modes = {part: part.stat().st_mode for part in parts}
+        return [str(p) for p, mode in modes.items() if mode & stat.S_IWOTH and not mode & stat.S_ISVTX]
+
+    def scratch() -> list[str]:
+        return [place for place in sys.path if "dask-scratch-space" in place]
+
+    found = [*scratch(), *(place for places in study.run(scratch).values() for place in places)]
+    assert len(found) >= 3 and not open_folders(found)
+    private = {parent for place in found for parent in Path(place).parents if parent.name.startswith("wrsim-")}
+    assert private and all(parent.stat().st_mode & 0o077 == 0 for parent in private)
+    assert all(any(parent in Path(place).parents for parent in private) for place in found)
+
+
+@contextmanager
+def refused(*options: str, folder: Path) -> Iterator[str]:
+    """What is said of options with which no study runs."""
+    (folder / "study.toml").touch()
+    answer = call("study", folder / "study.toml", *options)
+    assert answer.exit_code == 2
+    yield answer.output
+
+
+def test_a_scheduler_without_tls_is_warned_of(tmp_path: Path) -> None:
+    with refused("--scheduler", "tcp://10.0.0.1:8786", folder=tmp_path) as told:
+        assert "warning: --scheduler tcp://10.0.0.1:8786 is neither encrypted nor authenticated" in told
+    with refused("--scheduler", "10.0.0.1:8786", folder=tmp_path) as told:
+        assert "warning" not in told  # TLS it is
+    with refused("--scheduler", "ucx://10.0.0.1:8786", folder=tmp_path) as told:
+        assert "must begin with tls:// or tcp://" in told
+
+
+def test_certificates_are_for_connections_that_show_them(tmp_path: Path) -> None:
+    for options in ((), ("--scheduler", "tcp://10.0.0.1:8786")):
+        with refused("--tls", "certificates", *options, folder=tmp_path) as told:
+            assert "--tls certificates: is for --slurm and --scheduler tls://..." in told
+
+
+def test_files_that_are_no_certificates_are_named(tmp_path: Path) -> None:
+    for _ in range(2):  # missing, then unusable
+        with pytest.raises(InputError, match=r"ca\.pem, cert\.pem and key\.pem must be PEM files that go together"):
+            security_of(tmp_path, "client")
+        (tmp_path / CA).write_text("no certificate\n")

@@ -1,6 +1,7 @@
 """Loads and payloads of a vehicle: hand calculations of tilt and wheel loads, balances of momentum."""
 
 from dataclasses import replace
+from math import asin, cos, sin
 
 import numpy as np
 import pytest
@@ -9,15 +10,16 @@ from support.vehicles import ROOT, manchester, on_track, shipped
 
 from wrsim.analysis.motion.derailment import Resultant, check_upright, resultant
 from wrsim.analysis.motion.messages import NoSteadyMotion
-from wrsim.analysis.stationary.statics import static_state
+from wrsim.analysis.stationary.statics import canted, static_state
 from wrsim.errors import SimulationError
-from wrsim.geometry.track.segments import Arc
+from wrsim.geometry.track.segments import Arc, Segment
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.placement import design_state
+from wrsim.simulation.placement import design_state, poses_on_track
+from wrsim.simulation.steady_state import lower_on_rails, steady_state
 from wrsim.vehicle.loads import Load, Payload
 from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
 
 SHIPPED = sorted((ROOT / "models/vehicles").glob("*.toml"))
 HEIGHT = 2.2  # of the wind [m]
@@ -264,3 +266,175 @@ def test_what_a_law_remembers_of_its_loads_can_be_put_back() -> None:
     assert np.array_equal(law.get_state(), kept)
     law(0.3, q, q_t, again)
     assert np.array_equal(out, again)
+
+
+# What an acceptance measures on a vehicle that stands still: sway on canted rails, wheel unloading on twisted ones.
+ANGLE = asin(0.15 / 1.5)
+TWIST = 5e-3 / 1.5
+
+
+def roll_moment(vehicle: Vehicle, loads: np.ndarray) -> float:
+    """Moment of the wheels' loads about the middle of the track [N m]."""
+    half = np.array([0.5 * m.wheelset.profile_spacing for m in vehicle.wheelsets])
+    return float(np.sum(half * (loads[:, 0] - loads[:, 1])))
+
+
+def test_wheel_loads_on_canted_rails_balance_the_weight_where_it_has_moved_to():
+    vehicle = manchester()
+    found = static_state(canted(vehicle, ANGLE))
+    assert found.wheel_loads.sum() == pytest.approx(vehicle.weight * cos(ANGLE), rel=1e-9)
+    moment = sum(m.mass * vehicle.gravity * sin(ANGLE) * m.wheelset.mean_radius for m in vehicle.wheelsets)
+    for body, (y, z, _) in zip(vehicle.bodies, found.moved, strict=True):
+        weight = body.mass * vehicle.gravity
+        moment += weight * (sin(ANGLE) * (body.centre[2] + z) + cos(ANGLE) * y)
+    assert roll_moment(vehicle, found.wheel_loads) == pytest.approx(moment, rel=1e-5)
+    other = static_state(canted(vehicle, -ANGLE))
+    assert found.wheel_loads == pytest.approx(other.wheel_loads[:, ::-1], rel=1e-9)
+    # rails canted to the left turn the bodies outward, to the left: roll is positive to the right
+    assert (found.moved[:, 2] < 0.0).all() and found.moved[0, 2] < found.moved[1, 2]
+
+
+def test_what_is_carried_leans_as_a_rigid_body_does():
+    vehicle = shipped("wheelset_s1002")
+    found = static_state(canted(vehicle, ANGLE))
+    (mounted,), (carried,) = vehicle.wheelsets, vehicle.carried
+    radius = mounted.wheelset.mean_radius
+    heights = vehicle.gravity * (mounted.mass * radius + carried.mass * (radius + carried.height))
+    assert roll_moment(vehicle, found.wheel_loads) == pytest.approx(sin(ANGLE) * heights, rel=1e-6)
+
+
+def test_a_twisted_track_unloads_wheels_by_the_stiffness_between_its_axles():
+    # k = 3646 kN/m at 0.62 m to either side of each axle, which rolls against a level frame (Cooperrider 1972)
+    vehicle = shipped("cooperrider_bogie")
+    found, static = static_state(vehicle, TWIST), static_state(vehicle)
+    tilt = TWIST * 1.074
+    force = 2.0 * 3646e3 * 0.62**2 * tilt / 1.462
+    change = found.wheel_loads - static.wheel_loads
+    assert change == pytest.approx(np.array([[force, -force], [-force, force]]), rel=1e-3)
+
+
+def test_a_twist_turns_no_vehicle_and_works_alike_both_ways():
+    vehicle = manchester()
+    one, other, half = (static_state(vehicle, twist).wheel_loads for twist in (TWIST, -TWIST, 0.5 * TWIST))
+    static = vehicle.weight / 8.0
+    assert one.sum() == pytest.approx(vehicle.weight, rel=1e-9)
+    assert abs(roll_moment(vehicle, one)) < 1e-5 * vehicle.weight
+    assert one == pytest.approx(other[:, ::-1], rel=1e-9)
+    assert one - static == pytest.approx(2.0 * (half - static), abs=1e-2 * np.ptp(one))
+    # the ends of the vehicle are turned most: within a bogie and between the bogies
+    assert one[0, 0] > one[1, 0] > static > one[2, 0] > one[3, 0]
+
+
+def test_more_cant_than_the_weight_can_hold_overturns():
+    with pytest.raises(SimulationError, match="overturns"):
+        static_state(canted(manchester(), 0.5))
+
+
+# A vehicle at rest and in steady motion: weight, symmetry, load transfer.
+def wheel_loads(law: VehicleOnTrack) -> np.ndarray:
+    """Vertical force of every wheel on its rail (wheelsets, 2) at the state asked for last [N]."""
+    return np.array([[wheel.model.arrays.total.Fb for wheel in pair] for pair in law.wheels])
+
+
+def test_mass_and_centre_are_the_sum_of_the_bodies() -> None:
+    vehicle = manchester()
+    assert vehicle.mass == 4 * 1813 + 2 * 2615 + 32000
+    height = (4 * 1813 * 0.46 + 2 * 2615 * 0.6 + 32000 * 1.8) / vehicle.mass
+    assert np.allclose(vehicle.centre, (0.0, 0.0, height), atol=1e-12)
+
+
+@pytest.mark.parametrize("speed", [0.0, 30.0])
+def test_wheel_loads_sum_to_the_weight_and_are_alike_on_both_sides(speed: float) -> None:
+    law = on_track(manchester(), speed).law
+    found = steady_state(law)
+    law(0.0, found.q, found.q_t, np.zeros(law.size))
+    loads = wheel_loads(law)
+    assert loads.sum() == pytest.approx(law.vehicle.weight, rel=1e-8)
+    assert np.allclose(loads[:, 0], loads[:, 1], rtol=1e-9)
+    # at rest the springs hold the design position; the wheels sink into the rails alike
+    assert speed > 0.0 or np.allclose(loads, law.vehicle.weight / 8.0, rtol=1e-9)
+
+
+def test_design_position_is_the_position_of_rest() -> None:
+    law = on_track(manchester()).law
+    found = steady_state(law)
+    heights = found.q[: 6 * 7 : 6]
+    design = np.array([part.centre[2] for part in law.vehicle.parts])
+    sunk = design - heights
+    assert np.allclose(sunk, sunk[0], atol=1e-9)  # all alike, by the approach of wheel and rail
+    assert 1e-4 < sunk[0] < 4e-4  # KP at 54.5 kN
+
+
+def curved(radius: float, cant: float) -> list[Segment]:
+    return [Arc(400.0, radius, cant=cant)]
+
+
+def mirror(q: np.ndarray, bodies: int) -> np.ndarray:
+    """Coordinates (or rates, or forces) seen in a mirror that exchanges left and right."""
+    out = q.copy()
+    own = out[: 6 * bodies].reshape(-1, 6)
+    own[:, [2, 3, 4]] *= -1.0
+    return out
+
+
+def test_a_symmetric_vehicle_in_the_mirrored_curve_has_the_mirrored_forces() -> None:
+    left, right = (on_track(manchester(), 25.0, curved(radius, 0.06)).law for radius in (800.0, -800.0))
+    q, q_t = design_state(left)
+    q, q_t = lower_on_rails(left, q, q_t)
+    n = 6 * len(left.bodies)
+    rng = np.random.default_rng(5)
+    q[:n] += 1e-4 * rng.standard_normal(n)
+    # the mirrored vehicle has its left elements on the right: exchange what differs from side to side
+    a, b = np.zeros(left.size), np.zeros(left.size)
+    left(0.0, q, q_t, a)
+    right.look_near(50.0)
+    right(0.0, mirror(q, len(left.bodies)), mirror(q_t, len(left.bodies)), b)
+    assert np.abs(mirror(a, len(left.bodies))[:n] - b[:n]).max() < 1e-9 * np.abs(a).max()
+
+
+def test_load_transfer_in_a_canted_curve_is_that_of_the_closed_form() -> None:
+    """Moments about the track: sum b_i Q_i = sum m (a_q z + g_n y_o) + sum I omega kappa V, a_q the cant deficiency.
+
+    b_i is the arm of a wheel's contact, y_o is how far the masses have swayed outward against the wheels; a curve so
+    wide that nothing touches a flange.
+    """
+    radius, cant, speed = 2500.0, 0.08, 55.0
+    law = on_track(manchester(), speed, curved(radius, cant), start=200.0).law
+    q, q_t = design_state(law)
+    q, q_t = lower_on_rails(law, q, q_t)
+    found = steady_state(law, (q, q_t))
+    law(0.0, found.q, found.q_t, np.zeros(law.size))
+    angle = float(np.arcsin(cant / law.track.cant_base))
+    centrifugal = speed**2 / radius
+    deficiency = centrifugal * np.cos(angle) - STANDARD_GRAVITY * np.sin(angle)
+    normal = STANDARD_GRAVITY * np.cos(angle) + centrifugal * np.sin(angle)
+    parts = law.vehicle.parts
+    moment = 0.0
+    bend = np.mean([m.x**2 for m in law.vehicle.wheelsets])
+    for i, part in enumerate(parts):
+        own = slice(6 * i, 6 * i + 6)
+        pose = poses_on_track(law.track.centre, found.q[None, own], found.q_t[None, own], 200.0 + part.centre[0])
+        outward = -(pose.lateral[0] + (part.centre[0] ** 2 - bend) / (2.0 * radius))  # the curve is to the left
+        moment += part.mass * (deficiency * pose.height[0] + normal * outward)
+        if i < len(law.vehicle.wheelsets):
+            moment += 112.0 * pose.spin_rate[0] * speed / radius
+    transfer = 0.0
+    for pair in law.wheels:
+        for wheel in pair:
+            a = wheel.model.arrays
+            rows = a.patches[: a.total.lobes]
+            contact = wheel.rail_origin[0] + np.average(rows["o"], weights=rows["N"])
+            transfer -= wheel.side * a.total.Fb * contact
+    assert transfer > 10e3
+    assert transfer == pytest.approx(moment, rel=0.01)
+
+
+def test_smaller_wheels_lower_the_whole_vehicle() -> None:
+    def turned(wheelset: Wheelset) -> Wheelset:
+        return replace(wheelset, left=replace(wheelset.left, radius=0.45), right=replace(wheelset.right, radius=0.45))
+
+    law = on_track(manchester().with_wheelsets(turned)).law
+    found = steady_state(law)
+    law(0.0, found.q, found.q_t, np.zeros(law.size))
+    assert wheel_loads(law).sum() == pytest.approx(law.vehicle.weight, rel=1e-8)
+    assert found.q[6 * 4] == pytest.approx(1.8 - 0.01, abs=5e-4)
