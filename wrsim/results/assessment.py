@@ -328,7 +328,8 @@ def assessment_numbers(found: Assessment) -> list[Table]:
     verdict = "every quantity is within its limit" if found.passed else "A LIMIT IS EXCEEDED"
     verdict = NO_VERDICT if found.lone else verdict
     notes = [*(f"{letter}  {source}" for source, letter in letters.items()), *(f"note: {n}" for n in found.notes)]
-    return [*tables, Table("", notes=(*notes, verdict, TO_CONFIRM))]
+    confirm = (TO_CONFIRM,) if any(z.worst.limit is not None and z.worst.limit.star for z in found.zones) else ()
+    return [*tables, Table("", notes=(*notes, verdict, *confirm))]
 
 
 def _sections_table(found: Assessment) -> Table:

@@ -427,14 +427,14 @@ class RulesFile(Section, header="a rule set"):
         for i, each in enumerate(self.classes[1:], 1):
             if not each.from_radius_m < (before := self.classes[i - 1].from_radius_m):
                 yield Fault(("classes", i, "from_radius_m"), f"must be below that of the class before ({before:g})")
-        if self.classes and self.classes[-1].from_radius_m > 0.0:
-            yield Fault(("classes", len(self.classes) - 1, "from_radius_m"), "must be 0 in the last class")
+        if self.classes and (last := self.classes[-1].from_radius_m) > 0.0:
+            yield Fault(("classes", len(self.classes) - 1, "from_radius_m"), f"{last:g}: must be 0 in the last class")
         names = (*(each.name for each in self.classes), "transition")
         for key in ("id", "quantity"):
             own = [getattr(each, key) for each in self.clauses]
             for i, value in enumerate(own):
                 if value in own[:i]:
-                    yield Fault(("clauses", i, key), f"has a duplicate: clauses[{own.index(value)}]")
+                    yield Fault(("clauses", i, key), f'"{value}": is that of clauses[{own.index(value)}] already')
         for i, clause in enumerate(self.clauses):
             for word in clause.classes:
                 if word not in names:

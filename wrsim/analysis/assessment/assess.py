@@ -147,11 +147,11 @@ class _Run:
 
     def _bogies(self) -> list[Bogie]:
         """The bogies, by the bodies that hold the wheelsets; a note where the result does not have them."""
-        if "wheelset_holder" not in self.dataset:
-            self.notes.append("sides of bogies: the result does not hold which body holds a wheelset")
+        if "wheelset_bogie" not in self.dataset:
+            self.notes.append("sides of bogies: the result does not hold which bogie holds a wheelset")
             return []
         groups: dict[str, list[Axle]] = {}
-        for axle, holder in zip(self.axles, np.atleast_1d(self.dataset["wheelset_holder"].values), strict=True):
+        for axle, holder in zip(self.axles, np.atleast_1d(self.dataset["wheelset_bogie"].values), strict=True):
             groups.setdefault(str(holder), []).append(axle)
         return [Bogie(name, own) for name, own in groups.items() if name]
 

@@ -98,14 +98,14 @@ def sliding_held(distance: Array, signal: Array, middles: Array, length: float, 
     """The value of a signal (n, ...) that is reached all over a window: its least value there, of a signal whose
     small values count (lowest) its largest; see ``sliding_mean``."""
     sign = -1.0 if lowest else 1.0
-    found = np.full((middles.size, *signal.shape[1:]), np.inf)
     ends = np.stack([middles - 0.5 * length, middles + 0.5 * length])
-    first, last = np.searchsorted(distance, ends[0], "right"), np.searchsorted(distance, ends[1], "left")
+    pairs = np.stack([np.searchsorted(distance, ends[0], "right"), np.searchsorted(distance, ends[1], "left")], axis=1)
+    found = np.empty((middles.size, *signal.shape[1:]))
     for column in np.ndindex(signal.shape[1:]):
         own = sign * signal[:, *column]
-        at_ends = np.interp(ends, distance, own)
-        inside = [own[a:b].min(initial=np.inf) for a, b in zip(first, last, strict=True)]
-        found[:, *column] = np.minimum(at_ends.min(axis=0), inside)
+        inside = np.minimum.reduceat(np.append(own, np.inf), pairs.ravel())[::2]
+        at_ends = np.interp(ends, distance, own).min(axis=0)
+        found[:, *column] = np.where(pairs[:, 0] < pairs[:, 1], np.minimum(at_ends, inside), at_ends)
     return sign * found
 
 

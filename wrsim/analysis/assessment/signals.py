@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
@@ -137,7 +138,7 @@ class Axle(Forces):
         here = about(section, settings, self.load)
         for clause in rules.judging("axle"):
             nadal = climbing.nadal(clause.friction)
-            found = self._found(clause, section, inside, None if nadal is None else nadal[0])
+            found = self._found(clause, section, inside, None if nadal is None else nadal[0], climbing)
             if found is None:
                 continue
             limit = clause.limit_at(replace(here, nadal=nadal))
@@ -147,7 +148,12 @@ class Axle(Forces):
                 yield self.value(clause, section, np.asarray(found)[side], limit, wheel)
 
     def _found(
-        self, clause: ClauseSection, section: AssessedSection, inside: NDArray[np.bool_], nadal: float | None
+        self,
+        clause: ClauseSection,
+        section: AssessedSection,
+        inside: NDArray[np.bool_],
+        nadal: float | None,
+        climbing: Climbing,
     ) -> Array | float | None:
         """What a clause judges in a section, of the wheelset or of both wheels (2,); None where there is nothing.
 
@@ -156,9 +162,19 @@ class Axle(Forces):
         key, low_pass = clause.quantity, clause.low_pass_Hz
         if key in SIGNALS and (key != "Y_over_Q_nadal" or nadal is not None):
             return self.statistic(clause, section, lambda: SIGNALS[key](self, low_pass))
-        if key == "climb_distance" and nadal is not None:
+        if key in ("climb_distance", "climb_share") and nadal is not None:
             above = self.quotient(low_pass)[inside] - nadal
-            return np.array([longest_stretch(self.distance[inside], above[:, side]) for _, side in SIDES])
+            way = self.distance[inside]
+            if key == "climb_distance":
+                return np.array([longest_stretch(way, above[:, side]) for _, side in SIDES])
+            parts = []
+            for side, sign in enumerate((1.0, -1.0)):  # the left flange attacks where the wheelset yaws to the left
+                needed = None if self.attack is None else climbing.distance(sign * self.attack[inside])
+                if needed is None:
+                    return None
+                share = scipy.integrate.cumulative_trapezoid(1.0 / needed, way, initial=0.0)
+                parts.append(longest_stretch(share, above[:, side]))
+            return np.array(parts)
         if key == "instability" and self.hunting is not None:
             return self.hunting.largest(section)
         if key == "unloading":

@@ -24,6 +24,7 @@ from wrsim.contact.wear.laws import fatigue_channels
 from wrsim.contact.wear.losses import ZONES, Losses, ways
 from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble
+from wrsim.results.channels import BOGIE_FRAME
 from wrsim.results.dataset import typed, with_derived
 from wrsim.results.netcdf import Channels
 from wrsim.scenario.build import Setup
@@ -32,7 +33,7 @@ from wrsim.simulation.integrate import Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import TrackPoses, poses_as_far
 from wrsim.simulation.system import Array
-from wrsim.vehicle.bogies import bogie_mass, level_of
+from wrsim.vehicle.bogies import bogie_mass, holders_of, level_of
 
 RAIL_CHANNELS = ("rail_displacement_y", "rail_displacement_z")
 
@@ -97,6 +98,9 @@ def result_of(
     if losses is not None:
         channels |= losses.channels()
         coords |= {"wear_law": losses.settings.laws, "wear_zone": ZONES}
+    holders = [body if body and level_of(vehicle, body) == BOGIE_FRAME else "" for body in holders_of(vehicle)]
+    if any(holders):
+        channels["wheelset_bogie"] = np.array(holders)
     if vehicle.points:
         channels["point_level"] = np.array([level_of(vehicle, point.body) for point in vehicle.points])
         channels["point_bogie_mass"] = [bogie_mass(vehicle, point.body) for point in vehicle.points]

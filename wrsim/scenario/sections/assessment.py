@@ -23,6 +23,7 @@ class AssessmentSettings:
     axle_load: float | None = None
     friction: float | None = None
     flange_angle: float | None = None
+    flange_length: float | None = None
     instability_frequency: float | None = None
     section_length: float | None = None
     straight_deficiency: float | None = None
@@ -52,6 +53,8 @@ class AssessmentSection(AnalysisTable, header="[assessment]"):
     """Coefficient for Nadal's limit; from the scenario unless given."""
     flange_angle_deg: Annotated[float, number(45, 89, "degrees, S1002 70")] | None = None
     """Largest angle of the flange, for Nadal's limit; from the wheel profile unless given."""
+    flange_length_mm: Annotated[float, number(8, 30, "mm; TCRP 71: 10 to 25")] | None = None
+    """Length of the flange's steepest part, for the distance to climb of TCRP Report 71; not judged unless given."""
     instability_frequency_Hz: Annotated[float, number(0.5, 30, "Hz")] | None = None
     """Frequency about which instability is looked for; found in the result unless given."""
     section_length_m: Annotated[float, number(5, 10_000, "m")] | None = None
