@@ -58,13 +58,14 @@ def limits_figure(found: Assessment) -> Figure:
             axes.barh(i, min(most, MOST), height=0.62, color=fill, alpha=0.35, linewidth=0.0, zorder=2.0)
             axes.plot(np.clip(used, 0.0, MOST), np.full(used.size, i), ".", color=fill, markersize=3.0, zorder=3.0)
             label = (
-                f"{formatted(worst.value * own.factor, '.3g')} of {quantity(limit.value * own.factor, own.unit, '.3g')}"
+                f"{formatted(worst.value * own.factor, '.3g')} {'of at least' if worst.quantity.lowest else 'of'} "
+                f"{quantity(limit.value * own.factor, own.unit, '.3g')}"
             )
             label += f", {worst.where}"
             note(axes, label, (clear, i), (4.0, 0.0), va="center", fontsize=6.3, color=words)
         axes.set_yticks(range(len(rows)), [f"{worst.quantity.symbol}   {worst.section.zone}" for worst, _ in rows])
         axes.axvline(1.0, color=INK, linewidth=0.9, zorder=2.5)
-        axes.set(xlim=(0.0, 1.75 * clear), ylim=(len(rows) - 0.4, -0.6), xlabel="Value over limit")
+        axes.set(xlim=(0.0, 1.75 * clear), ylim=(len(rows) - 0.4, -0.6), xlabel="Used part of the limit")
         axes.grid(axis="y", visible=False)
 
     words = "Part of the limit that is used: bar: worst; points: every section, wheelset and wheel"

@@ -83,7 +83,8 @@ def _tightest(row: ZoneValue) -> str:
     number, kind = value.value, ""
     if margin < (value.margin or 0.0) and row.estimate is not None:
         number, kind = row.estimate, ", estimated maximum"
-    found = f"{own.symbol} = {quantity(number * own.shown.factor, own.shown.unit)}{kind} of {at_most}"
+    of = "of at least" if own.lowest else "of"
+    found = f"{own.symbol} = {quantity(number * own.shown.factor, own.shown.unit)}{kind} {of} {at_most}"
     place = f"{own.words}; {value.section.label}, {value.where}"
     return f"worst margin {quantity(100.0 * margin, '%', '.0f')}: {found} ({place})"
 

@@ -187,7 +187,7 @@ class ZoneValue:
         return {
             "worst": formatted(worst.value * factor),
             "estimate": "" if self.estimate is None else formatted(self.estimate * factor),
-            "limit": "" if limit is None else formatted(limit.value * factor),
+            "limit": "" if limit is None else "≥ " * worst.quantity.lowest + formatted(limit.value * factor),
             "margin": "" if worst.margin is None else quantity(100.0 * worst.margin, "%", ".0f"),
             "verdict": "" if self.passed is None else "ok" if self.passed else "EXCEEDED",
             "worst in": worst.where,
