@@ -156,6 +156,7 @@ of the C library is the sum of the bits.
 ## Marks of sources
 | mark | meaning |
 |---|---|
+| [read] | read in the text of the law or standard itself |
 | [pub] | from a published source that was read |
 | [mem] | from memory of a standard or of the literature: check it against the text |
 | [derived] | follows from other numbers as the comment says |

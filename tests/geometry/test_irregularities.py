@@ -117,6 +117,73 @@ def test_a_grade_that_cannot_be_is_named(grades: list[Grade], message: str) -> N
         pitch_law(grades, 180.0)
 
 
+# --- minimally compliant analytical track ---------------------------------------------------------------------------
+MCAT = """
+[[track.irregularities]]
+kind = "mcat"
+from_m = 30
+"""
+
+
+def mcat(keys: str) -> Track:
+    """A straight track of 200 m with deviations."""
+    ahead, _, behind = texts.CURVE.partition("[[track.segments]]")
+    behind = behind[behind.index("\n[", behind.rindex("[[track.segments]]")) :]
+    straight = '[[track.segments]]\nkind = "straight"\nlength_m = 200\n'
+    return build(load_text(ahead + straight + behind + MCAT + keys, ".")).track
+
+
+@pytest.mark.parametrize("chord", [31, 62, 124])
+@pytest.mark.parametrize(
+    "deviation, offset",
+    [
+        ("alinement", lambda left, right: (left[:, 0] + right[:, 0]) / 2),
+        ("gauge", lambda left, right: left[:, 0] - right[:, 0]),
+        ("crosslevel", lambda left, right: right[:, 1] - left[:, 1]),
+        ("surface", lambda left, right: -(left[:, 1] + right[:, 1]) / 2),
+    ],
+)
+def test_the_mid_chord_offset_of_a_deviation_on_its_own_chord_is_its_amplitude(chord, deviation, offset) -> None:
+    track = mcat(f'deviation = "{deviation}"\nchord_ft = {chord}\nwaves = 3\namplitude_mm = 12\n')
+    length = chord * 0.3048
+    middles = 30.0 + length * (np.arange(3) + 0.5)
+
+    def at(s: np.ndarray) -> np.ndarray:
+        return offset(*(np.column_stack(track.irregularity(side, s)) for side in ("left", "right")))
+
+    ordinates = at(middles) - 0.5 * (at(middles - 0.5 * length) + at(middles + 0.5 * length))
+    assert ordinates == pytest.approx([0.012] * 3, abs=1e-9)
+    assert at(np.array([29.9, 30.1 + 3 * length])) == pytest.approx([0.0, 0.0], abs=1e-4)
+
+
+def test_a_combined_deviation_moves_one_rail_out_and_down() -> None:
+    track = mcat(
+        'deviation = "combined"\nchord_ft = 62\ntrack_class = 7\ncourse = "curved"\nsurface_mm = 9\n'
+        'rail = "left"\nscale = 0.5\n'
+    )
+    middle = np.array([30.0 + 31 * 0.3048])
+    assert np.ravel(track.irregularity("left", middle)) == pytest.approx([0.5 * 12.7e-3, -4.5e-3], abs=1e-9)
+    assert np.ravel(track.irregularity("right", middle)) == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "keys, message",
+    [
+        ('deviation = "alinement"\nchord_ft = 62\n', "amplitude_mm is missing: must be .*or give track_class"),
+        ('deviation = "surface"\nchord_ft = 31\ntrack_class = 8\n', "track_class = 8: .* has none; give amplitude_mm"),
+        ('deviation = "surface"\nchord_ft = 62\ntrack_class = 8\n', "has it of classes 1, 2, 3, 4, 5; give"),
+        ('deviation = "alinement"\nchord_ft = 60\namplitude_mm = 9\n', "chord_ft = 60"),
+        ('deviation = "combined"\nchord_ft = 62\namplitude_mm = 9\n', "surface_mm is missing"),
+        ('deviation = "gage"\nchord_ft = 62\namplitude_mm = 9\n', 'deviation = "gage": .*did you mean "gauge"'),
+        ('deviation = "gauge"\nchord_ft = 124\namplitude_mm = 9\nwaves = 9\n', "goes from 30 to 370.* 200 m long"),
+    ],
+)
+def test_a_deviation_that_cannot_be_is_told_in_one_line(keys: str, message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        mcat(keys)
+    assert len(str(caught.value).splitlines()) == 1
+
+
 # --- what irregularities do to the rails ----------------------------------------------------------------------------
 @pytest.mark.parametrize(
     "channel, rail, left, right",

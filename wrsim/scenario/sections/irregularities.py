@@ -14,8 +14,9 @@ from wrsim.geometry.track.irregularities import CHANNELS, Bump, Channel, Disturb
 from wrsim.geometry.track.spectra import SPECTRA, Realisation
 from wrsim.geometry.track.table import TrackTable
 from wrsim.geometry.track.track import ROUNDING
-from wrsim.inputs.section import Choice, Fault, Section
-from wrsim.inputs.values import List, Two, number, positive, text
+from wrsim.inputs.section import Choice, Fault, Section, given
+from wrsim.inputs.values import List, Two, fields, number, positive, text, words
+from wrsim.results.channels import table
 
 Place = Annotated[float, number(0, 1e6, "m along the centre line")]
 Band = Annotated[
@@ -166,7 +167,84 @@ class GaugeSection(_Defect, kind="gauge"):
     channel = "gauge"
 
 
-IrregularitySection = SpectrumSection | TableSection | DipSection | AlignmentSection | TwistSection | GaugeSection
+FOOT, INCH = 0.3048, 0.0254
+MCAT: dict[str, tuple[tuple[Channel, float], ...]] = {
+    "alinement": (("alignment", 1.0),), "gauge": (("gauge", 1.0),), "crosslevel": (("cross-level", 1.0),),
+    "surface": (("level", -1.0),), "combined": (("alignment", 1.0), ("level", -1.0)),
+}  # fmt: skip
+"""Deviations of minimally compliant analytical track: channels and their signs."""
+OF_CLASS = {
+    (row["deviation"], row["course"], int(row["chord_ft"])): row
+    for row in table("wrsim.scenario", "data/track_classes.csv")
+}
+"""Largest deviations [in] of the classes of track of 49 CFR 213, by deviation, course and chord."""
+
+
+class McatSection(IrregularityTable, kind="mcat"):
+    """Deviations of minimally compliant analytical track (49 CFR 213, Appendix D): waves as long as a chord, so that
+    the mid-chord offset of that chord is the amplitude."""
+
+    aliases = {"deviation": "channel type", "chord_ft": "wavelength_ft", "waves": "count repeats", "from_m": "at_m"}
+    one_of = ("amplitude_mm track_class",)
+
+    deviation: Literal[*MCAT]  # type: ignore[valid-type]
+    """What deviates: rails to the left, wider, the right one higher, both lower; combined: to the left and lower."""
+    chord_ft: Literal[31, 62, 124]
+    """Length of the chord and of a wave in feet."""
+    from_m: Place
+    """Where the first wave begins."""
+    waves: Annotated[int, number(1, 100)] = 1
+    """How many waves follow each other: one is a single deviation."""
+    rail: Rail = "both"
+    """Which rail deviates."""
+    amplitude_mm: Annotated[float, number(-200, 200, "mm")] | None = None
+    """Mid-chord offset of a wave; of a combined one that of alinement."""
+    surface_mm: Annotated[float, number(-200, 200, "mm")] | None = None
+    """Mid-chord offset of the surface in a combined deviation."""
+    track_class: Annotated[int, number(1, 9)] | None = None
+    """Class of track whose largest deviation is laid, where wrsim knows it; else give amplitude_mm."""
+    course: Literal["tangent", "curved"] = "tangent"
+    """For which course of the track the class of track sets it."""
+    scale: Annotated[float, number(-10, 10, "negative: to the other side")] = 1.0
+    """Factor on the amplitude."""
+
+    def consistency(self) -> Iterator[Fault]:
+        if self.track_class is not None and self._of_class() is None:
+            known = [str(c) for c in range(1, 10) if self._row().get(str(c))]
+            have = f"has it of classes {', '.join(known)}" if known else "has none"
+            what = f"{self.deviation}, {self.course}, chord {self.chord_ft} ft: the table of wrsim {have}"
+            yield Fault("track_class", f"{what}; give amplitude_mm")
+        if self.deviation == "combined" and self.surface_mm is None:
+            yield Fault("surface_mm", f"must be {words(fields(type(self))['surface_mm'])}", missing=True)
+        elif self.deviation != "combined" and self.surface_mm is not None:
+            yield Fault("surface_mm", 'goes with deviation = "combined"')
+
+    def _row(self) -> dict[str, str]:
+        deviation = "alinement" if self.deviation == "combined" else self.deviation
+        return OF_CLASS.get((deviation, self.course, self.chord_ft), {})
+
+    def _of_class(self) -> float | None:
+        """Amplitude of the class of track [mm]; None where it is unknown."""
+        inches = self._row().get(str(self.track_class))
+        return float(inches) * INCH * 1e3 if inches else None
+
+    def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
+        wave = self.chord_ft * FOOT
+        end = self.from_m + self.waves * wave
+        if end >= length:
+            place = f"from_m = {self.from_m:g}: goes from {self.from_m:g} to {end:g} m"
+            raise InputError(f"{place}; must lie on the track, which is {length:.6g} m long")
+        sizes = (given(self.amplitude_mm, self._of_class()), self.surface_mm or 0.0)
+        return tuple(
+            Disturbance.of(Bump(self.from_m + i * wave, wave, self.scale * sign * size / 1e3), channel, self.rail)
+            for (channel, sign), size in zip(MCAT[self.deviation], sizes, strict=False)
+            for i in range(self.waves)
+        )
+
+
+IrregularitySection = (
+    SpectrumSection | TableSection | DipSection | AlignmentSection | TwistSection | GaugeSection | McatSection
+)
 
 
 def grades_in_order(raw: Any) -> Iterator[Fault]:
