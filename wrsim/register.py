@@ -110,6 +110,14 @@ ANALYSES = {
             conical=True,
         ),
         Analysis(
+            name="climb",
+            tables={"climb": "wrsim.scenario.sections.climb:ClimbSection"},
+            run="wrsim.analysis.climb:run_climb",
+            **_shown_by("climb"),
+            own_track=True,
+            loaded=False,
+        ),
+        Analysis(
             name="steady",
             tables={"steady": "wrsim.scenario.sections.steady:SteadySection"},
             run="wrsim.analysis.steady:run_steady",

@@ -11,15 +11,18 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
+from scipy.optimize import brentq
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile import sections as shapes
 from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, suffix_fault
+from wrsim.geometry.profile.flange import flange_dimensions
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.inputs.section import Choice, Fault
 from wrsim.inputs.values import Day, List, Source, Switch, Two, number, positive, text
 
 MM = 1e-3
+REACH = 0.13  # length of the tread of a wheel of kind "flanged", more than a wheel's width [m]
 
 Length = Annotated[float, number(1e-3, 1e4)]
 Coordinate = Annotated[float, number(-1000.0, 1000.0)]
@@ -209,6 +212,58 @@ class ChainFile(ProfileFile, kind="chain"):
         return profile.shifted(dw=-float(profile.at(profile.arclength_of(0.0))[1]))
 
 
+class FlangedFile(ProfileFile, kind="flanged"):
+    """A wheel of given flange angle and length: round tip, straight flank, round root, conical tread."""
+
+    flange_angle_deg: Annotated[float, number(45.0, 85.0)]
+    """Angle of the flank against the axle."""
+    flange_length_mm: Annotated[float, number(1.0, 60.0)]
+    """Way along the flange from the begin of the flank to where the tip is as flat as 26.6 degrees (arctan 0.5)."""
+    thickness_mm: Annotated[float, number(10.0, 60.0)] = 32.5
+    """Thickness of the flange Sd: from the back, 70 mm inside of the tape circle, to the face 10 mm below it."""
+    tip_radius_mm: Annotated[float, number(1.0, 50.0)] = 9.5
+    """Radius of the tip."""
+    root_radius_mm: Annotated[float, number(1.0, 100.0)] = 14.0
+    """Radius of the root, between flank and tread."""
+    conicity: Annotated[float, number(0.0, 0.2, "1:20 is 0.05")] = 0.05
+    """Slope of the tread."""
+
+    def consistency(self) -> Iterator[Fault]:
+        if self.body != "wheel":
+            yield Fault("body", 'must be "wheel" for this kind')
+        if self.flank <= 0.0:
+            least = self.flange_length_mm - self.flank / MM
+            yield Fault("flange_length_mm", f"must be above {least:.4g}, the length of the tip's arc")
+
+    @property
+    def flank(self) -> float:
+        """Length of the straight part [m]."""
+        return MM * (self.flange_length_mm - self.tip_radius_mm * (np.radians(self.flange_angle_deg) - np.arctan(0.5)))
+
+    def build(self, path: Path) -> Profile:
+        angle, flat = np.radians(self.flange_angle_deg), float(np.arctan(self.conicity))
+        chain = shapes.Chain(0.0, 0.0)
+        chain.arc(self.tip_radius_mm * MM, -angle, angle)
+        chain.line(chain.u + self.flank * np.cos(angle), chain.w + self.flank * np.sin(angle))
+        chain.arc(self.root_radius_mm * MM, angle, flat)
+        root = chain.u
+        chain.line(root + REACH, chain.w + REACH * self.conicity)
+        whole = shapes.profile_from_sections(self.name, self.body, chain.sections, self.source)
+
+        def on_tape_circle(u: float) -> Profile:
+            """The whole with its point at u in the origin."""
+            return whole.shifted(-u, -float(whole.at(whole.arclength_of(u))[1]))
+
+        def too_thick(u: float) -> float:
+            return flange_dimensions(on_tape_circle(u)).thickness - self.thickness_mm * MM
+
+        try:
+            place = float(brentq(too_thick, root, root + REACH))
+        except ValueError:
+            raise InputError(f"thickness_mm = {self.thickness_mm:g}: root and tread do not fit beside it") from None
+        return on_tape_circle(place)
+
+
 class RailHeadFile(ProfileFile, kind="rail-head"):
     """Tangent arcs from the crown outward and straight sides."""
 
@@ -268,7 +323,7 @@ class CircleFile(ProfileFile, kind="circle"):
         return shapes.circle(self.name, self.body, self.radius_mm * MM, self.half_width_mm * MM, self.source)
 
 
-ShapeFile = SectionsFile | ChainFile | RailHeadFile | ConeFile | CircleFile
+ShapeFile = SectionsFile | ChainFile | FlangedFile | RailHeadFile | ConeFile | CircleFile
 
 
 class PointsFile(ProfileFile, kind="points"):

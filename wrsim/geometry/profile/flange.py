@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import radians
+from math import degrees, radians
 
 import numpy as np
 
 from wrsim.errors import InputError
+from wrsim.geometry.piecewise import Array
 from wrsim.geometry.profile.profile import Profile
 
 LEVEL = 10e-3  # depth below the tread at the tape circle at which thickness is measured [m]
 TIP = 2e-3  # height above the tip of the flange of the other point of qR [m]
 BACK = 70e-3  # distance of the flange back from the tape circle [m], EN 13715
+AS_STEEP = radians(0.1)  # angles of drawings are whole tenths of a degree: a flank is as steep as its steepest place
 FLANGE_FROM = radians(40.0)  # contact angle from which a wheel counts as on its flange unless given otherwise [rad]
 
 
@@ -55,3 +57,44 @@ def tread_hollow(wheel: Profile) -> float:
     flange, at most [m]; zero where the profile rises from the tip of the flange to the field side, as new ones do."""
     w = wheel.w[int(np.argmin(wheel.w)) :]
     return float((np.maximum.accumulate(w) - w).max())
+
+
+@dataclass(frozen=True)
+class Flank:
+    """The steepest part of a flange's face and what follows towards its tip.
+
+    angle: largest angle of the face against the axle [rad]; arcs, angles (n,): arclengths on the profile from where it
+    is reached first, coming from the tread, to the tip [m, falling], and the angles there [rad].
+    """
+
+    angle: float
+    arcs: Array
+    angles: Array
+
+    @property
+    def end(self) -> float:
+        """Arclength on the profile at which the steepest part ends, towards the tip [m]."""
+        return self.place(self.angle - 2.0 * AS_STEEP)
+
+    def place(self, angle: float) -> float:
+        """Arclength on the profile at which the angle has fallen to this one to the tip [m]. Raises InputError."""
+        if not (below := self.angles <= angle).any():
+            raise InputError(f"the profile ends before its flange is as flat as {degrees(angle):.1f} degrees")
+        beyond = int(np.argmax(below))
+        return float(np.interp(angle, self.angles[[beyond, beyond - 1]], self.arcs[[beyond, beyond - 1]]))
+
+    def length(self, angle: float) -> float:
+        """Way on the profile from the begin of the steepest part to where the angle has fallen to this one [m]."""
+        return float(self.arcs[0]) - self.place(angle)
+
+
+def flank_of(wheel: Profile) -> Flank:
+    """The flank of a wheel. Raises InputError for a profile without a flange, from its face to its tip."""
+    tip = int(np.argmin(wheel.w))
+    arcs = np.linspace(float(wheel.arclength_of(0.0)), float(wheel.arclength[tip]), 4001)
+    angles = wheel.slope_angle(arcs)
+    steepest = float(angles.max())
+    if wheel.u[tip] >= 0.0 or steepest < FLANGE_FROM:
+        raise InputError(f"profile '{wheel.name}' has no flange that a wheel could climb")
+    first = int(np.argmax(angles >= steepest - AS_STEEP))
+    return Flank(steepest, arcs[first:], angles[first:])

@@ -1,0 +1,47 @@
+"""Distances to climb over the angle of attack."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from itertools import cycle
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from wrsim.plots.marks import panels
+from wrsim.plots.theme import QUIET, SERIES_COLOURS, shown
+from wrsim.results import CHANNELS
+
+
+def climb_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+    """Maker of the picture, by file name without ending."""
+    return {"climb": partial(climb_figure, dataset)}
+
+
+def climb_figure(dataset: xr.Dataset) -> Figure:
+    """A line per Y/Q; open marks: the rail has held the wheel so far; dashed: TCRP Report 71."""
+    attack, way, formula = (shown(dataset, name) for name in ("attack", "climb_distance", "climb_distance_tcrp"))
+    quotient, climbed = dataset["climb_quotient"].values, dataset["climbed"].values == 1
+
+    def draw(axes: Axes) -> None:
+        for value, colour in zip(np.unique(quotient), cycle(SERIES_COLOURS)):
+            own = np.flatnonzero(quotient == value)
+            own = own[np.argsort(attack[own])]
+            done, held = own[climbed[own]], own[~climbed[own]]
+            words = f"Y/Q = {value:.3g}"
+            if done.size:
+                axes.plot(attack[done], way[done], "o-", color=colour, markersize=3, label=words)
+            if held.size:
+                label = None if done.size else f"{words}: held"
+                axes.plot(attack[held], way[held], "^", color=colour, fillstyle="none", markersize=4, label=label)
+        order = np.argsort(attack)
+        if np.isfinite(formula).any():
+            axes.plot(attack[order], formula[order], color=QUIET, linestyle="--", label="TCRP Report 71")
+        axes.set(xlabel=CHANNELS["attack"].label, ylabel=CHANNELS["climb_distance"].label, yscale="log")
+        axes.legend()
+
+    limit = dataset["nadal_limit"].values[0]
+    return panels(str(dataset.attrs["title"]), [draw], 110.0, note=f"Nadal's limit: Y/Q = {limit:.3f}")

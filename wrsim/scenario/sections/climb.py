@@ -1,0 +1,71 @@
+"""[climb]: angles of attack and lateral forces under which a wheelset may climb its flange."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import Annotated, Any
+
+from wrsim.inputs.section import Fault
+from wrsim.inputs.values import Series, number
+from wrsim.scenario.sections.table import Given, PlanTable
+
+USUAL_SPEED = 18.0  # km/h
+MOST_POINTS = 10_000
+
+
+@dataclass(frozen=True)
+class ClimbPoint:
+    """An angle of attack [rad], positive towards the flange, and a lateral force over the vertical one of its wheel."""
+
+    name: str
+    attack: float
+    quotient: float
+
+
+@dataclass(frozen=True)
+class ClimbPlan:
+    """points: in their order; speed [m/s]; longest: way after which a wheel counts as held [m]."""
+
+    points: tuple[ClimbPoint, ...]
+    speed: float
+    longest: float
+
+    def facts(self) -> dict[str, Any]:
+        return {"points": len(self.points), "speed_kmh": 3.6 * self.speed}
+
+
+class ClimbSection(PlanTable, header="[climb]"):
+    """Angles of attack and lateral forces under which the left wheel of a wheelset may climb its flange."""
+
+    aliases = {
+        "angle_of_attack_mrad": "attack_mrad yaw_mrad aoa_mrad AOA", "Y_over_Q": "L_over_V l_v y_q",
+        "longest_m": "distance_m length_m",
+    }  # fmt: skip
+
+    angle_of_attack_mrad: Series[Annotated[float, number(-50, 50, "mrad, positive: towards the flange")]]
+    """Angles of attack at which the wheelset is held; each with every Y/Q."""
+    Y_over_Q: Series[Annotated[float, number(0.05, 10)]] = (1.99,)
+    """Lateral force on the wheel over its vertical force, reached at once and kept."""
+    longest_m: Annotated[float, number(0.5, 2000)] = 200.0
+    """Way after which a wheel that has not climbed counts as held by the rail."""
+
+    def consistency(self) -> Iterator[Fault]:
+        count = len(self.angle_of_attack_mrad) * len(self.Y_over_Q)
+        if count > MOST_POINTS:
+            yield Fault((), f"describes {count} points; must be at most {MOST_POINTS}")
+
+    def plan(self, given: Given) -> ClimbPlan:
+        if given.vehicle.bodies or len(given.vehicle.wheelsets) > 1:
+            raise given.fault(("vehicle", "model"), 'is a vehicle; analysis = "climb" knows a single wheelset')
+        if given.vehicle.loads:
+            raise given.fault(("vehicle", "loads"), "are for other analyses: [climb] gives the forces on the wheelset")
+        if given.vehicle.wheelsets[0].wheelset.torsion is not None:
+            raise given.fault(("vehicle", "model"), 'has wheels that turn against each other; analysis = "climb" not')
+        found: dict[str, ClimbPoint] = {}
+        for attack, quotient in product(self.angle_of_attack_mrad, self.Y_over_Q):
+            name = f"{attack:.10g}mrad_{quotient:.10g}"
+            found[name] = ClimbPoint(name, attack / 1e3, quotient)
+        speed = given.one_speed or USUAL_SPEED / 3.6
+        return ClimbPlan(tuple(found.values()), speed, self.longest_m)
