@@ -118,6 +118,14 @@ ANALYSES = {
             loaded=False,
         ),
         Analysis(
+            name="overturning",
+            tables={"overturning": "wrsim.scenario.sections.overturning:OverturningSection"},
+            run="wrsim.analysis.overturning:run_overturning",
+            **_shown_by("overturning"),
+            own_track=True,
+            loaded=False,
+        ),
+        Analysis(
             name="steady",
             tables={"steady": "wrsim.scenario.sections.steady:SteadySection"},
             run="wrsim.analysis.steady:run_steady",

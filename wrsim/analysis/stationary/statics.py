@@ -46,21 +46,24 @@ class StaticState:
 
 
 def canted(vehicle: Vehicle, angle: float) -> Vehicle:
-    """The vehicle on rails that are canted by this angle [rad], the right one higher, in the axes of the track.
+    """The vehicle on rails that are canted by this angle [rad], the right one higher, in the axes of the track: the
+    same as a curve to the right with so much cant deficiency, but for the weight, which is m g cos(angle)."""
+    return accelerated(vehicle, vehicle.gravity * sin(angle), vehicle.gravity * (cos(angle) - 1.0))
 
-    Loads at all masses, carried ones and payloads turn their weight to the left: the same as a curve to the right with
-    so much cant deficiency, but for the weight, which is m g cos(angle).
-    """
-    weights = [(part.name, vehicle.gravity * part.mass, part.centre) for part in vehicle.parts]
-    weights += [(p.body, -p.force[2], p.at) for p in vehicle.payloads]
+
+def accelerated(vehicle: Vehicle, left: float, down: float) -> Vehicle:
+    """The vehicle with loads at all masses, carried ones and payloads: their mass times an acceleration to the left and
+    one down, beside that of gravity [m/s2]."""
+    masses = [(part.name, part.mass, part.centre) for part in vehicle.parts]
+    masses += [(p.body, -p.force[2] / vehicle.gravity, p.at) for p in vehicle.payloads]
     for c in vehicle.carried:
         x, y, z = vehicle.place(c.body)
-        weights.append((c.body, vehicle.gravity * c.mass, (x, y, z + c.height)))
-    turned = (
-        Load.constant(f"leaning {i}", body, (0.0, weight * sin(angle), weight * (1.0 - cos(angle))), at)
-        for i, (body, weight, at) in enumerate(weights)
+        masses.append((c.body, c.mass, (x, y, z + c.height)))
+    forces = (
+        Load.constant(f"inertia {i}", body, (0.0, mass * left, -mass * down), at)
+        for i, (body, mass, at) in enumerate(masses)
     )
-    return replace(vehicle, loads=(*vehicle.loads, *turned))
+    return replace(vehicle, loads=(*vehicle.loads, *forces))
 
 
 def static_state(vehicle: Vehicle, twist: float = 0.0) -> StaticState:
@@ -97,6 +100,10 @@ class SupportedVehicle(SteadyMotion):
         own = self._own
         self._design = own[w:, [Y, Z, ROLL]].copy()
         own[:w, Z] = self._radius - 0.5 * vehicle.weight / w / SUPPORT
+
+    def go_on_from(self, other: SupportedVehicle) -> None:
+        """Look for the next rest from that of the same vehicle under other loads."""
+        self._x[:], self.slips = other._x, other.slips.copy()
 
     @property
     def _own(self) -> Array:

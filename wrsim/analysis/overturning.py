@@ -1,0 +1,186 @@
+"""The speed at which a vehicle overturns in a curve, in the wind: quasi-static, and in runs into the curve.
+
+Quasi-static: the vehicle at rest on hard supports that push and do not pull, under the weight and the centrifugal force
+of all of its masses (``analysis.stationary.statics``), with springs, bump stops and sway, and under the wind. The speed
+rises until there is no rest any more; each rest is looked for from the one before.
+In runs the speed is halved into between one at which the vehicle comes through and one at which it does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import atan2, cos, hypot, sin
+from typing import Any
+
+import numpy as np
+
+from wrsim.analysis.motion.run import run_in_time
+from wrsim.analysis.motion.start import MARGIN
+from wrsim.analysis.progress import Progress, Report
+from wrsim.analysis.stationary.statics import StaticState, SupportedVehicle, accelerated
+from wrsim.errors import SimulationError
+from wrsim.geometry.track.segments import Arc, Straight, Transition
+from wrsim.results import Result, assemble
+from wrsim.scenario.build import Setup
+from wrsim.scenario.sections.overturning import OverturningPlan, Wind
+from wrsim.scenario.sections.run import RunPlan
+from wrsim.simulation.system import Array
+from wrsim.vehicle.loads import Load
+from wrsim.vehicle.vehicle import Vehicle
+
+STEPS = 40  # speeds from the lowest to the highest at which a rest is looked for, at least
+RUN_ON = 2.0  # time in the full curve after which the vehicle has come through [s]: the period of a car body's sway
+ENDED = 0.05  # part of the last speed within which an overturning vehicle's inner wheels lose the rest of their load
+SPAN = 1.5  # fastest run over the quasi-static limit
+
+
+@dataclass(frozen=True)
+class Rest:
+    """At a speed and in a wind [m/s].
+
+    unloading: of the wheels, (wheelsets, 2); roll: of the bodies (bodies,) [rad]; left_over: share of its load at rest
+    that the lighter side carries; message: why no rest follows, where that is not because the vehicle overturns.
+    """
+
+    speed: float
+    wind: float
+    unloading: Array
+    roll: Array
+    left_over: float
+    message: str = ""
+
+
+def run_overturning(setup: Setup[OverturningPlan], progress: Progress | None = None) -> Result:
+    """Unloading of the wheels over the speed, for every wind; Ctrl-C keeps the winds done.
+
+    Raises SimulationError when the vehicle overturns at the lowest speed already.
+    """
+    plan, report = setup.plan, Report(progress)
+    winds = plan.wind.speeds if plan.wind is not None else (0.0,)
+    rests: list[list[Rest]] = []
+    outcome: dict[str, Any] = {}
+    try:
+        for wind in winds:
+            rests.append(rising_speeds(setup, wind))
+            report(len(rests) / len(winds) * (0.2 if plan.run else 1.0))
+        if plan.run:
+            outcome = runs_into_curve(setup, rests[0][-1].speed, report)
+    except KeyboardInterrupt:
+        if not rests:
+            raise
+    found = [rest for own in rests for rest in own]
+    ends = [own[-1] for own in rests if own[-1].speed < plan.highest and not own[-1].message]
+    coords: dict[str, Any] = {
+        "pose": [f"{3.6 * rest.speed:.6g}kmh_{rest.wind:.6g}m_s" for rest in found],
+        "wheelset": [m.name for m in setup.vehicle.wheelsets],
+        "body": [body.name for body in setup.vehicle.bodies],
+    }
+    channels: dict[str, Any] = {
+        "pose_speed": [rest.speed for rest in found],
+        "pose_radius": np.full(len(found), plan.radius),
+        "pose_cant": np.full(len(found), plan.cant),
+        "wind_speed": [rest.wind for rest in found],
+        "pose_message": np.array([rest.message for rest in found]),
+        "overturns": np.array([int(any(rest is end for end in ends)) for rest in found]),
+        "wheel_unloading": np.array([rest.unloading for rest in found]),
+        "quasi_static_roll": np.array([rest.roll for rest in found]),
+    }
+    n, unfinished = len(rests), plan.run and not outcome
+    reason = f"interrupted by the user after {n} of {len(winds)} winds" if n < len(winds) or unfinished else ""
+    return Result(assemble(coords, channels, setup.attributes(reason) | outcome))
+
+
+def rising_speeds(setup: Setup[OverturningPlan], wind: float) -> list[Rest]:
+    """Rests at rising speeds, the last within the tolerance of where there is none any more, or the highest speed."""
+    plan, vehicle = setup.plan, replace(setup.vehicle, loads=())
+    level = SupportedVehicle(vehicle)
+    before = level.rest(np.zeros(len(vehicle.wheelsets))).wheel_loads
+    step = (plan.highest - plan.lowest) / STEPS
+    speed, last, found = plan.lowest, level, list[Rest]()
+    while True:
+        here = SupportedVehicle(at_speed(setup, vehicle, speed, wind))
+        here.go_on_from(last)
+        try:
+            state: StaticState = here.rest(np.zeros(len(vehicle.wheelsets)))
+        except SimulationError:
+            if not found:
+                why = f"with a wind of {wind:g} m/s " if wind else ""
+                raise SimulationError(f"the vehicle overturns {why}at {3.6 * speed:.4g} km/h already") from None
+            step *= 0.5
+            if step < plan.tolerance:
+                return [*found[:-1], _last(found)]
+            speed = found[-1].speed + step
+            continue
+        left_over = float((state.wheel_loads.sum(axis=0) / before.sum(axis=0)).min())
+        found.append(Rest(speed, wind, 1.0 - state.wheel_loads / before, state.moved[:, 2], left_over))
+        last = here
+        if speed >= plan.highest:
+            return found
+        speed = min(speed + step, plan.highest)
+
+
+def _last(found: Sequence[Rest]) -> Rest:
+    """The last rest; with a message where the lighter side, as it loses load with the speed, would still carry some
+    beyond ``ENDED``: then the search has failed, and not the vehicle."""
+    *_, before, last = (found[0], *found)
+    rate = (before.left_over - last.left_over) / max(last.speed - before.speed, 1e-9)
+    if last.left_over <= ENDED * rate * last.speed:
+        return last
+    words = f"no rest is found above, though the lighter side still carries {last.left_over:.2f} of its load"
+    return replace(last, message=words)
+
+
+def at_speed(setup: Setup[OverturningPlan], vehicle: Vehicle, speed: float, wind: float) -> Vehicle:
+    """The vehicle under all that acts on it in the curve, in the axes of the track; the wind blows outward."""
+    plan, tilt = setup.plan, np.arcsin(setup.plan.cant / setup.track.cant_base)
+    outward = float(-np.sign(plan.radius))  # positive to the left
+    inertia, g = speed**2 / abs(plan.radius), vehicle.gravity
+    left = outward * (inertia * cos(tilt) - g * sin(tilt))
+    down = g * cos(tilt) + inertia * sin(tilt) - g
+    pressed = accelerated(vehicle, left, down)
+    if plan.wind is None or wind == 0.0:
+        return pressed
+    force, body = outward * side_force(plan.wind, wind, speed), max(vehicle.bodies, key=lambda each: each.mass)
+    at = (body.centre[0], 0.0, plan.wind.height)
+    blown = Load.constant("wind", body.name, (0.0, force * cos(tilt), force * sin(tilt)), at)
+    return replace(pressed, loads=(*pressed.loads, blown))
+
+
+def side_force(wind: Wind, speed: float, running: float) -> float:
+    """Force on the side [N] of a wind square to a running vehicle: its coefficient falls with the angle as the sine."""
+    angle = atan2(speed, running)
+    return 0.5 * wind.density * wind.area * wind.coefficient * sin(angle) * hypot(speed, running) ** 2
+
+
+def runs_into_curve(setup: Setup[OverturningPlan], limit: float, report: Report) -> dict[str, Any]:
+    """The highest speed at which the vehicle comes through and the lowest at which it does not, as attributes."""
+    plan = setup.plan
+    low, high = plan.lowest, min(SPAN * limit, plan.highest)
+    ends: dict[float, str] = {}
+    count = int(np.ceil(np.log2(max((high - low) / plan.tolerance, 2.0)))) + 1
+    ends[high] = stopped_at(setup, high)
+    report(0.2 + 0.8 / count)
+    while ends[high] and high - low > plan.tolerance:
+        speed = 0.5 * (low + high)
+        ends[speed] = stopped_at(setup, speed)
+        low, high = (low, speed) if ends[speed] else (speed, high)
+        report(0.2 + 0.8 * min(len(ends) / count, 1.0))
+    if not ends[high]:
+        return {"run_stands_m_s": high, "run_falls_m_s": np.nan, "run_end": ""}
+    return {"run_stands_m_s": low, "run_falls_m_s": high, "run_end": ends[high]}
+
+
+def stopped_at(setup: Setup[OverturningPlan], speed: float) -> str:
+    """Why a run into the curve at a speed [m/s] has ended before its end; empty where the vehicle comes through."""
+    plan = setup.plan
+    places = [part.centre[0] for part in setup.vehicle.parts]
+    start, ahead, on = MARGIN - min(places), MARGIN + max(places), RUN_ON * speed
+    straight, arc = Straight(start + ahead), Arc(on + ahead, plan.radius, plan.cant)
+    track = setup.track.relaid([straight, Transition(plan.transition), arc])
+    run: Any = RunPlan(start, straight.length + plan.transition + on, speed)
+    held: Any = replace(setup, track=track, plan=run)
+    try:
+        return str(run_in_time(held).dataset.attrs.get("stop_reason", ""))
+    except SimulationError as error:
+        return str(error)

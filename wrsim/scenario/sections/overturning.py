@@ -1,0 +1,107 @@
+"""[overturning]: a curve, and the wind, in which the speed is looked for at which a vehicle overturns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import Series, Switch, number
+from wrsim.scenario.sections.steady import SHARPEST, Radius, Speed
+from wrsim.scenario.sections.table import Given, PlanTable
+from wrsim.scenario.sections.track import Cant
+
+
+@dataclass(frozen=True)
+class Wind:
+    """speeds of the wind [m/s]; area of the vehicle's side [m2], height of the pressure's centre above the rails [m],
+    coefficient of the side force, density of the air [kg/m3]."""
+
+    speeds: tuple[float, ...]
+    area: float
+    height: float
+    coefficient: float
+    density: float
+
+
+@dataclass(frozen=True)
+class OverturningPlan:
+    """radius [m], positive to the left; cant [m]; speeds [m/s]: the lowest, the highest, the closeness of the limits;
+    wind: None for none; run: whether the vehicle also runs into the curve, over a transition [m]."""
+
+    radius: float
+    cant: float
+    lowest: float
+    highest: float
+    tolerance: float
+    wind: Wind | None
+    run: bool
+    transition: float
+
+    def facts(self) -> dict[str, Any]:
+        return {"radius_m": self.radius, "cant_mm": 1e3 * self.cant, "runs": "yes" if self.run else "no"}
+
+
+class WindSection(Section, header="[overturning.wind]"):
+    """Wind across the track, from the inside of the curve."""
+
+    aliases = {"speed_m_s": "wind_m_s speeds_m_s", "side_area_m2": "area_m2", "coefficient": "c_y cy side_coefficient"}
+
+    speed_m_s: Series[Annotated[float, number(0, 80)]]
+    """Speeds of the wind, each on its own."""
+    side_area_m2: Annotated[float, number(0.1, 1000)]
+    """Area of the vehicle's side."""
+    height_m: Annotated[float, number(0.1, 6, "m above the rails")]
+    """Height of the centre of the wind's pressure."""
+    coefficient: Annotated[float, number(0, 5)] = 1.2
+    """Side force over area and dynamic pressure of the wind and the headwind together."""
+    density_kg_m3: Annotated[float, number(0.5, 2)] = 1.225
+    """Density of the air."""
+
+
+class OverturningSection(PlanTable, header="[overturning]"):
+    """A curve, and the wind, in which the speed is looked for at which a vehicle overturns."""
+
+    aliases = {
+        "radius_m": "R", "cant_mm": "superelevation_mm", "run": "dynamic", "highest_kmh": "max_speed_kmh",
+        "lowest_kmh": "min_speed_kmh",
+    }  # fmt: skip
+
+    radius_m: Radius
+    """Radius of the curve."""
+    cant_mm: Cant = 0.0
+    """Cant of the curve."""
+    lowest_kmh: Speed = 20.0
+    """Speed at which the search begins."""
+    highest_kmh: Speed = 400.0
+    """Speed at which it ends where the vehicle still stands."""
+    tolerance_kmh: Annotated[float, number(0.05, 20, "km/h")] = 0.5
+    """How closely the limits are found."""
+    run: Switch = False
+    """Whether the vehicle also runs from straight track into the curve, at speeds that enclose its limit."""
+    transition_m: Annotated[float, number(1, 1000, "m")] = 100.0
+    """Length of the clothoid ahead of the curve in these runs."""
+    wind: WindSection | None = None
+    """Wind across the track."""
+
+    def consistency(self) -> Iterator[Fault]:
+        if abs(self.radius_m) < SHARPEST:
+            message = f"must be {SHARPEST:g} m or more, or negative and as far from 0"
+            yield Fault("radius_m", message)
+        if self.highest_kmh <= self.lowest_kmh:
+            yield Fault("highest_kmh", f"must be above lowest_kmh ({self.lowest_kmh:g})")
+        if self.run and self.wind is not None:
+            yield Fault(
+                "run", "cannot be true with wind: the runs have none; a load over time is one ([[vehicle.loads]])"
+            )
+
+    def plan(self, given: Given) -> OverturningPlan:
+        if not given.vehicle.bodies:
+            raise given.fault(("vehicle", "model"), 'is a single wheelset; analysis = "overturning" knows vehicles')
+        wind = None
+        if self.wind is not None:
+            own = self.wind
+            wind = Wind(own.speed_m_s, own.side_area_m2, own.height_m, own.coefficient, own.density_kg_m3)
+        speeds = (self.lowest_kmh / 3.6, self.highest_kmh / 3.6, self.tolerance_kmh / 3.6)
+        return OverturningPlan(self.radius_m, self.cant_mm / 1e3, *speeds, wind, self.run, self.transition_m)
