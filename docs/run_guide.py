@@ -36,6 +36,7 @@ SHORT = {
     "ride": {"run.distance_m": 30, "ride.from_m": 10},
     "stability": {"stability.speed_kmh": 100, "stability.nonlinear": False},
     "steady": {"steady.radius_m": 2000, "steady.speed_kmh": 80},
+    "climb": {"climb.angle_of_attack_mrad": 10, "climb.Y_over_Q": 1.99},
 }
 """What a scenario runs with on pages that are no tutorials, by its analysis."""
 

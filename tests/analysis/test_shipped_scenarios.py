@@ -73,10 +73,16 @@ def test_every_scenario_runs_in_short(file):
         values |= {"stability.speed_kmh": 100, "stability.nonlinear": False}
     if scenario.analysis == "steady":
         values |= {"steady.radius_m": 2000, "steady.speed_kmh": 80, "contact.normal": "kik-piotrowski"}
+    if scenario.analysis == "climb":
+        values |= {"climb.angle_of_attack_mrad": 10, "climb.longest_m": 2}
     result = run(scenario.with_values(values))
     assert result.status == result.summary()["status"] == "completed"
     if scenario.analysis == "stability":
         assert result.dataset["growth_max"].item() < 0.0
+        return
+    if scenario.analysis in ("climb", "overturning"):
+        numbers = {"climb": "climb_distance", "overturning": "wheel_unloading"}[scenario.analysis]
+        assert np.isfinite(result.dataset[numbers].values).all()
         return
     if scenario.analysis == "conicity":  # no forces
         assert np.isfinite(result.dataset["equivalent_conicity"].values).all()

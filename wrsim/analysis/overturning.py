@@ -18,7 +18,7 @@ import numpy as np
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.analysis.motion.start import MARGIN
 from wrsim.analysis.progress import Progress, Report
-from wrsim.analysis.stationary.statics import StaticState, SupportedVehicle, accelerated
+from wrsim.analysis.stationary.statics import SupportedVehicle, accelerated, rest_from_design, static_state
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc, Straight, Transition
 from wrsim.results import Result, assemble
@@ -94,15 +94,20 @@ def run_overturning(setup: Setup[OverturningPlan], progress: Progress | None = N
 def rising_speeds(setup: Setup[OverturningPlan], wind: float) -> list[Rest]:
     """Rests at rising speeds, the last within the tolerance of where there is none any more, or the highest speed."""
     plan, vehicle = setup.plan, replace(setup.vehicle, loads=())
-    level = SupportedVehicle(vehicle)
-    before = level.rest(np.zeros(len(vehicle.wheelsets))).wheel_loads
+    level = np.zeros(len(vehicle.wheelsets))
+    before = static_state(vehicle).wheel_loads
     step = (plan.highest - plan.lowest) / STEPS
-    speed, last, found = plan.lowest, level, list[Rest]()
+    speed, found = plan.lowest, list[Rest]()
+    last: SupportedVehicle | None = None
     while True:
-        here = SupportedVehicle(at_speed(setup, vehicle, speed, wind))
-        here.go_on_from(last)
+        loaded = at_speed(setup, vehicle, speed, wind)
         try:
-            state: StaticState = here.rest(np.zeros(len(vehicle.wheelsets)))
+            if last is None:
+                state, here = rest_from_design(loaded, level)
+            else:
+                here = SupportedVehicle(loaded)
+                here.go_on_from(last)
+                state = here.rest(level)
         except SimulationError:
             if not found:
                 why = f"with a wind of {wind:g} m/s " if wind else ""
@@ -141,9 +146,9 @@ def at_speed(setup: Setup[OverturningPlan], vehicle: Vehicle, speed: float, wind
     pressed = accelerated(vehicle, left, down)
     if plan.wind is None or wind == 0.0:
         return pressed
-    force, body = outward * side_force(plan.wind, wind, speed), max(vehicle.bodies, key=lambda each: each.mass)
+    force, body = side_force(plan.wind, wind, speed), max(vehicle.bodies, key=lambda each: each.mass)
     at = (body.centre[0], 0.0, plan.wind.height)
-    blown = Load.constant("wind", body.name, (0.0, force * cos(tilt), force * sin(tilt)), at)
+    blown = Load.constant("wind", body.name, (0.0, outward * force * cos(tilt), -force * sin(tilt)), at)
     return replace(pressed, loads=(*pressed.loads, blown))
 
 

@@ -43,5 +43,5 @@ def climb_figure(dataset: xr.Dataset) -> Figure:
         axes.set(xlabel=CHANNELS["attack"].label, ylabel=CHANNELS["climb_distance"].label, yscale="log")
         axes.legend()
 
-    limit = dataset["nadal_limit"].values[0]
-    return panels(str(dataset.attrs["title"]), [draw], 110.0, note=f"Nadal's limit: Y/Q = {limit:.3f}")
+    title = f"{dataset.attrs['title']}; Nadal's limit: Y/Q = {dataset['nadal_limit'].values[0]:.3f}"
+    return panels(title, [draw], 110.0)

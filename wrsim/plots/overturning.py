@@ -19,27 +19,33 @@ from wrsim.results.overturning import UNLOADING, summarise_overturning
 
 
 def overturning_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
-    """Makers of the pictures, by file name without ending."""
-    return {"overturning": partial(overturning_figure, dataset)}
+    """Makers of the pictures, by file name without ending; that over the wind where there are several winds."""
+    several = np.unique(dataset["wind_speed"].values).size > 1
+    makers: dict[str, Callable[[], Figure]] = {"overturning": partial(over_speed, dataset)}
+    return makers | ({"overturning_wind": partial(over_wind, dataset)} if several else {})
 
 
-def overturning_figure(dataset: xr.Dataset) -> Figure:
-    """The most unloaded wheel over the speed, a line a wind; limits of the speed over the wind where there are some."""
+def over_speed(dataset: xr.Dataset) -> Figure:
+    """Unloading of the most unloaded wheel over the speed, a line a wind."""
     speed, wind = 3.6 * dataset["pose_speed"].values, dataset["wind_speed"].values
     largest = dataset["wheel_unloading"].max(["wheel", "wheelset"]).values
-    limits = summarise_overturning(dataset)["limits"]
 
-    def over_speed(axes: Axes) -> None:
+    def draw(axes: Axes) -> None:
         for value, colour in zip(np.unique(wind), cycle(SERIES_COLOURS)):
-            own = wind == value
-            axes.plot(speed[own], largest[own], color=colour, label=f"wind {value:g} m/s" if len(limits) > 1 else None)
+            axes.plot(speed[wind == value], largest[wind == value], color=colour, label=f"wind {value:g} m/s")
         axes.axhline(UNLOADING, color=QUIET, linewidth=0.7, linestyle="--")
         axes.set(xlabel=CHANNELS["pose_speed"].label, ylabel=CHANNELS["wheel_unloading"].label)
-        if len(limits) > 1:
-            axes.legend()
+        axes.legend()
 
-    def over_wind(axes: Axes) -> None:
-        words = {"unloaded_kmh": f"unloading {UNLOADING:g}", "lifts_kmh": "a wheel lifts", "overturns_kmh": "overturns"}
+    return panels(str(dataset.attrs["title"]), [draw], 110.0)
+
+
+def over_wind(dataset: xr.Dataset) -> Figure:
+    """Limits of the speed over the wind."""
+    limits = summarise_overturning(dataset)["limits"]
+    words = {"unloaded_kmh": f"unloading {UNLOADING:g}", "lifts_kmh": "a wheel lifts", "overturns_kmh": "overturns"}
+
+    def draw(axes: Axes) -> None:
         for (key, label), colour in zip(words.items(), cycle(SERIES_COLOURS)):
             points: list[Any] = [(own["wind_m_s"], own[key]) for own in limits if own[key] is not None]
             if points:
@@ -47,5 +53,4 @@ def overturning_figure(dataset: xr.Dataset) -> Figure:
         axes.set(xlabel=CHANNELS["wind_speed"].label, ylabel=CHANNELS["pose_speed"].label)
         axes.legend()
 
-    draws = [over_speed, over_wind] if len(limits) > 1 else [over_speed]
-    return panels(str(dataset.attrs["title"]), draws, 110.0 if len(draws) == 1 else 150.0, columns=len(draws))
+    return panels(str(dataset.attrs["title"]), [draw], 110.0)

@@ -32,6 +32,8 @@ ASKED = {
     "conicity": "equivalent conicity of the wheelset on its rails (EN 15302)",
     "stability": "stability of the running vehicle and its critical speed",
     "steady": "steady curving: balance of all forces in full curves",
+    "climb": "the way that a wheel rolls until it has climbed its flange",
+    "overturning": "the speed at which the vehicle overturns in a curve",
 }
 """What an analysis finds."""
 NORMAL = {"strips": "strip model", "kik-piotrowski": "model of Kik and Piotrowski", "half-space": "exact solver"}

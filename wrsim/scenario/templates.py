@@ -48,6 +48,17 @@ STARTS: dict[str, dict[str, Any]] = {
         "track": RAILS,
         "steady": {"radius_m": [300, 600], "cant_mm": 60},
     },
+    "climb": {
+        "vehicle": {"model": WHEELSET},
+        "track": RAILS,
+        "contact": {"friction": 0.5},
+        "climb": {"angle_of_attack_mrad": [5, 10, 20]},
+    },
+    "overturning": {
+        "vehicle": {"model": COACH},
+        "track": RAILS,
+        "overturning": {"radius_m": 300, "cant_mm": 100},
+    },
 }
 """Keys that are given, by analysis and table."""
 LINE = 120

@@ -13,6 +13,7 @@ from wrsim.results.assessment import Array
 from wrsim.results.dataset import table_of_scenario
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
+
 def nadal_limit(flange_angle: float, friction: float) -> float:
     """Y/Q above which a wheel in full slip sideways climbs its flange: (tan g - mu)/(1 + mu tan g) (Nadal 1896).
 

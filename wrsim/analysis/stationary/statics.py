@@ -9,6 +9,7 @@ the wheels ``analysis = "equilibrium"`` gives more.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from math import cos, sin
 
 import numpy as np
@@ -23,10 +24,13 @@ from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import TOLERANCE, SteadyMotion
 from wrsim.simulation.system import COORDINATES, Array
 from wrsim.vehicle.bogies import Bogie
+from wrsim.vehicle.elements import Triple
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle
 
 SUPPORT = 1e10  # stiffness of a support [N/m]
+PARTS = 0.25, 0.5, 0.75, 1.0
+"""Of the loads, one after the other, where the rest under all of them is not found at once."""
 LENGTH, PLACE = 200.0, 100.0  # level track, and where on it the vehicle is [m]
 
 X, Y, Z, HEADING, ROLL, SPIN = (COORDINATES.index(name) for name in ("x", "y", "z", "heading", "roll", "spin"))
@@ -72,8 +76,33 @@ def static_state(vehicle: Vehicle, twist: float = 0.0) -> StaticState:
     twist: by how much the rails turn about the track along it [rad/m]; they are level under the middle of the
     wheelsets and their left side rises ahead. Raises SimulationError when the vehicle finds no rest: it overturns.
     """
+    ahead = np.array([mounted.x for mounted in vehicle.wheelsets])
+    return rest_from_design(vehicle, twist * (ahead - ahead.mean()))[0]
+
+
+def rest_from_design(vehicle: Vehicle, tilt: Array) -> tuple[StaticState, SupportedVehicle]:
+    """A rest looked for from the design position, and what the next one can be looked for from.
+
+    tilt (wheelsets,) [rad]: see `SupportedVehicle.rest`. Raises SimulationError as `static_state`.
+    """
     supported = SupportedVehicle(vehicle)
-    return supported.rest(twist * (supported.ahead - supported.ahead.mean()))
+    try:
+        return supported.rest(tilt), supported
+    except SimulationError:
+        if not vehicle.loads:
+            raise
+    before: SupportedVehicle | None = None
+    for part in PARTS:
+        supported = SupportedVehicle(vehicle.loaded_as(partial(_part_of, part)))
+        if before is not None:
+            supported.go_on_from(before)
+        found, before = supported.rest(tilt), supported
+    return found, supported
+
+
+def _part_of(part: float, load: Load) -> Triple:
+    x, y, z = load.largest
+    return part * x, part * y, part * z
 
 
 class SupportedVehicle(SteadyMotion):
