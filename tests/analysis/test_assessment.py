@@ -11,7 +11,6 @@ from support.commands import ok, refusal
 from support.rows import rows_of
 from support.scenario_texts import CURVE, faults
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
-from support.vehicles import shipped
 
 from wrsim.analysis.assessment import assess_runs
 from wrsim.analysis.assessment.estimates import regression
@@ -25,7 +24,6 @@ from wrsim.results.assessment import Assessment, assessment_json
 from wrsim.results.rules import About, rule_set
 from wrsim.scenario.sections.assessment import AssessmentSettings
 from wrsim.scenario.sections.run import RideSection
-from wrsim.vehicle.bogies import bogie_mass, level_of
 
 table = rows_of(__file__)
 
@@ -318,15 +316,6 @@ def test_accelerations_of_a_car_body_and_of_a_bogie_frame():
     band = (1.0 + (sqrt(2.0) - 1.0) * (5.0 / 7.0) ** 8) * (1.0 + (sqrt(2.0) - 1.0) * (3.0 / 5.0) ** 8)  # 3 to 7 Hz at 5
     assert of("frame_instability") == pytest.approx([6.0 / sqrt(2.0) / band] * 3, rel=5e-3)
     assert found.settings["instability_frequency_frame_Hz"] == pytest.approx(5.0, abs=0.2)
-
-
-def test_bodies_of_the_manchester_vehicle_are_told_apart():
-    vehicle = shipped("manchester_1")
-    assert level_of(vehicle, "carbody") == "car body"
-    assert level_of(vehicle, "front.frame") == level_of(vehicle, "rear.frame") == "bogie frame"
-    assert level_of(vehicle, vehicle.wheelsets[0].name) == "wheelset"
-    assert bogie_mass(vehicle, "front.frame") == pytest.approx(2615.0 + 2 * 1813.0)
-    assert np.isnan(bogie_mass(vehicle, "carbody"))
 
 
 # --- derailment ---------------------------------------------------------------------------------------------

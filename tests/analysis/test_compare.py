@@ -10,7 +10,6 @@ from support.commands import call, ok
 from support.rows import rows_of
 from support.runs import FAST, SCENARIOS
 from support.scenario_texts import CURVE, STATIC
-from support.synthetic_result import curve_run
 
 from wrsim.analysis import run
 from wrsim.analysis.compare import compare_models, of_wheels
@@ -46,16 +45,6 @@ def test_differences_are_those_of_the_results():
     of_reference = c.values.sel(model="half-space")
     assert (np.nanmax(abs(of_reference["p0_difference"])), np.nanmax(abs(of_reference["Y_difference"]))) == (0.0, 0.0)
     assert np.nanmax(abs(told["N_difference"])) < 0.02
-
-
-def test_what_has_no_solution_has_no_difference():
-    values = static_comparison().values
-    assert np.isnan(values["p0"].values[:, 2]).all()
-    assert np.isnan(values["p0_difference"].values[:, 2]).all()
-
-
-def test_every_model_says_what_an_evaluation_took():
-    assert all(0.0 < model.evaluation_time < np.inf for model in static_comparison().models)
 
 
 def test_runs_are_compared_at_the_reference_s_samples():
@@ -154,12 +143,3 @@ def test_a_force_between_samples_is_that_of_finer_samples() -> None:
     assert f"{beyond.max() / 1e3:.3g} kN beyond both: a smaller run.output_interval_ms" in event["event"]
     assert beyond.max() > 1e3
     assert "events" not in fine.summary(), "a sample at every step misses nothing"
-
-
-def test_of_several_patches_forces_and_areas_are_added_and_the_deepest_counts() -> None:
-    dataset = curve_run(samples=60)
-    found, several = of_wheels(dataset), np.isfinite(dataset["N"].values[:, 0]).sum(axis=-1) > 1
-    assert several.any()
-    for name, together in (("N", np.nansum), ("area", np.nansum), ("approach", np.nanmax), ("p0", np.nanmax)):
-        expected = together(dataset[name].values[:, 0][several], axis=-1)
-        assert found[name].values[several] == pytest.approx(expected), name

@@ -5,7 +5,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import quad
 from support.rows import rows_of
 from support.runs import straight
@@ -23,7 +22,6 @@ from wrsim.vehicle.speed import SpeedProfile
 
 table = rows_of(__file__)
 
-Array = NDArray[np.float64]
 COACH = ROOT / "scenarios/manchester_r300.toml"
 
 
@@ -51,12 +49,6 @@ def test_the_frame_runs_as_far_as_its_speed_says(profile):
         pieces = np.array(list(profile.pieces), PIECE)
         assert motion_at(t, pieces)[:2] == pytest.approx((way, float(profile.speed(t))), rel=1e-9)
     assert profile.until(9.0) == (4.0, 16.0)
-
-
-def test_over_distance_the_square_of_the_speed_is_linear():
-    profile = SpeedProfile.over_distance([(0.0, 10.0), (50.0, 20.0)], 25.0)
-    assert profile.pieces[0][2] ** 2 == pytest.approx(250.0)
-    assert float(profile.speed(profile.time(12.5))) ** 2 == pytest.approx(325.0)
 
 
 # --- adhesion ---------------------------------------------------------------------------------------------
@@ -116,10 +108,6 @@ def test_channels_of_the_drive_belong_together():
     first = "front.outer"
     assert data["drive_power"].sel(wheelset=first).values == pytest.approx(power.sel(wheelset=first).values, rel=5e-3)
     assert float(data["drive_work"].sel(wheelset=first)[-1]) < -50e3
-
-
-def test_without_a_moment_there_are_no_channels_of_drives():
-    assert "drive_moment" not in run(on_straight(run__time_s=0.05)).dataset
 
 
 # --- runs -------------------------------------------------------------------------------------------------

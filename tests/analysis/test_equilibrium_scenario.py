@@ -1,12 +1,9 @@
 """The shipped rest scenario: a wheelset on straight, level track carries its weight evenly and stands in the middle."""
 
-from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from support.rows import rows_of
 from support.runs import FAST, SCENARIOS, STEERING, setup_of, straight
 
@@ -17,7 +14,6 @@ from wrsim.analysis.motion.start import start_state
 from wrsim.errors import SimulationError
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
-from wrsim.vehicle.vehicle import MountedWheelset
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 table = rows_of(__file__)
@@ -53,15 +49,6 @@ def test_a_resting_wheelset_stands_in_the_middle_on_even_wheels(keys):
     assert rest.Y.values == pytest.approx(rest.Q.values * np.tan(angle), rel=1e-4)  # two lobes: mean of their means
 
 
-def test_the_axle_load_is_that_of_the_file():
-    setup, rest = resting()
-    assert rest.Q.values.sum() == pytest.approx((1813.0 + 9307.5) * STANDARD_GRAVITY, rel=1e-6)
-    assert setup.vehicle.weight == pytest.approx(rest.Q.values.sum(), rel=1e-6)
-    # S1002 on 60E1 1:40, centred: contact 3 mm outside of the tape circle (CONTACT says the same to 1 mm)
-    assert rest.u_wheel.values[:, 0] == pytest.approx([3.2e-3, 3.2e-3], abs=1e-3)
-    assert rest.p0.values[:, 0] == pytest.approx([755.8e6, 755.8e6], rel=0.02)  # the half-space solver's
-
-
 @pytest.mark.parametrize(("radius", "cant", "widening"), [(300.0, 150.0, 0.0), (-150.0, 60.0, 10.0)])
 def test_a_wheelset_that_rests_in_a_canted_curve_leans_to_the_inner_rail(radius, cant, widening):
     segment = {"kind": "arc", "radius_m": radius, "length_m": 50.0, "cant_mm": cant, "gauge_widening_mm": widening}
@@ -87,50 +74,11 @@ def wheelset(left_mm: float, right_mm: float, **values: Any) -> Setup:
     return setup_of([straight(5.0)], 15.0, STEERING, values=keys | {k.replace("__", "."): v for k, v in values.items()})
 
 
-@cache
-def run_with(left_mm: float, right_mm: float) -> xr.Dataset:
-    return run_in_time(wheelset(left_mm, right_mm)).wheelset()
-
-
-def test_three_millimetres_are_rolled_off_on_the_flange_root_of_the_smaller_wheel():
-    run = run_with(463.0, 460.0)
-    shift = run["lateral_shift"].values
-    assert -7e-3 < shift[0] < -5.5e-3
-    assert shift == pytest.approx(shift[0], abs=1e-6), "it is steady"
-    first = run.isel(time=0)
-    assert np.degrees(first["contact_angle_max"].sel(wheel="right").max()) > 15.0
-    assert np.degrees(first["contact_angle_max"].sel(wheel="left").max()) < 2.0
-    # wheels that rolled 3 mm apart would slip by 3.25 mm a metre from each other: 160 kN of creep forces at once
-    assert np.abs(first["X"].values).max() < 0.02 * first["Q"].values.max()
-    # spin that the contact angle of the root brings; two patches on one wheel, which turn each other
-    assert first["n_patches"].sel(wheel="right") == 2
-    fx = first["Fx"].sel(wheel="right").values[:2]
-    assert fx[0] * fx[1] < 0.0
-
-
 def test_cones_shift_by_half_the_difference_over_their_conicity():
     setup = wheelset(461.0, 460.0, vehicle__wheel="wheels/cone_1in20.toml")
     q, _ = start_state(setup, force_law(setup))
     # 0.5 mm over 1/20: 10 mm; the lateral spring takes a little of it back by yaw
     assert q[2] == pytest.approx(-0.5e-3 / 0.05, rel=0.02)
-
-
-def test_a_coach_with_one_unequal_wheelset_has_a_steady_motion_too():
-    keys = FAST | {"track.segments": [straight(60.0)], "output.patches_at_m": []}
-    setup = build(load(SCENARIOS / "manchester_r300.toml").with_values(keys))
-    first, *others = setup.vehicle.wheelsets
-    whole = replace(setup, vehicle=replace(setup.vehicle, wheelsets=(_unequal(first, 3e-3), *others)))
-    shift = start_state(whole, force_law(whole))[0][2:24:6]
-    assert -7e-3 < shift[0] < -5e-3
-    assert -6e-3 < shift[1] < -3e-3, "its bogie turns the second one along"
-    assert np.abs(shift[2:]).max() < 1e-4
-
-
-def _unequal(mounted: MountedWheelset, apart: float) -> MountedWheelset:
-    """The wheelset with a left wheel that is larger by so much in radius [m]."""
-    own = mounted.wheelset
-    left, right = (replace(w, radius=w.radius + 0.5 * d) for w, d in ((own.left, apart), (own.right, -apart)))
-    return replace(mounted, wheelset=replace(own, left=left, right=right))
 
 
 def test_where_there_is_no_such_place_the_message_says_what_is_asked_of_the_wheelset():

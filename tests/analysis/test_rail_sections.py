@@ -28,10 +28,7 @@ from wrsim.simulation.step_size import eigenvalues
 
 listed = rows_of(__file__)
 
-NO_MOMENTS: dict[str, Any] = {"output.patches_at_m": []}
 NEW, WORN = "rails/60E1.toml", "rails/60E1_worn.toml"
-END = 1e3 * load_profile(shipped_models() / NEW).length
-"""Of the new rail's profile [mm]."""
 
 
 def section(at: float, rail: str = NEW, **more: Any) -> dict[str, Any]:
@@ -91,15 +88,6 @@ def test_contacts_are_solved_again_on_the_rail_of_their_place(lowered: Result, k
     for name in ("N", "p0", "Q", "contact_angle", "u_rail"):
         assert after[name].values == pytest.approx(before[name].values[rows], rel=1e-4, nan_ok=True)
     assert after["rail_profile_z"].values == pytest.approx(before["rail_profile_z"].values, nan_ok=True)
-
-
-def test_the_exact_solver_finds_the_same_on_rails_that_change(lowered: Result) -> None:
-    scenario = load_text(str(lowered.dataset.attrs["scenario_text"]), SCENARIOS)
-    exact, strips = (
-        resolve_contacts(lowered, scenario, f"{normal}+none", moments=[1]).wheelset()
-        for normal in ("half-space", "strips")
-    )
-    assert exact["p0"].max("patch").values == pytest.approx(strips["p0"].max("patch").values, rel=0.03)
 
 
 def test_a_wheel_that_drops_into_a_gap_says_where() -> None:
@@ -182,15 +170,6 @@ def test_a_fault_in_a_table_names_its_line(content: str | dict[float, float], me
 
 
 FAULTS: list[tuple[dict[str, Any], str]] = listed("faults")  # fmt: skip
-
-
-def test_a_fault_between_sections_names_the_file_of_the_scenario_first(tmp_path: Path) -> None:
-    values = {"track.rail_sections": [section(5.0, features_mm=[900]), section(6.0, features_mm=[20])]}
-    file = tmp_path / "own.toml"
-    file.write_text(load(SCENARIOS / "rail_states.toml").with_values(values).text)
-    place = rf"^{re.escape(str(file))}:\d+: track.rail_sections: rail 'left rail', section at 5 m: features must rise"
-    with pytest.raises(InputError, match=place):
-        build(load(file))
 
 
 @pytest.mark.parametrize(("values", "message"), FAULTS, ids=[message[:30] for _, message in FAULTS])

@@ -1,6 +1,5 @@
 """A run that dies leaves what it has computed, and goes on with the same numbers to the bit."""
 
-import json
 import os
 import signal
 from collections.abc import Iterator
@@ -292,30 +291,6 @@ def test_ctrl_c_while_the_result_is_put_together_loses_nothing(whole, tmp_path, 
     monkeypatch.setattr(BodySystem, "solve", None)  # everything is there
     ok("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
     assert Result.load(out).dataset.identical(Result.load(whole).dataset)
-
-
-def test_an_interrupted_run_goes_on_and_one_that_is_whole_does_not(whole, tmp_path):
-    out = tmp_path / "out"
-
-    def ask(fraction: float, left: float) -> None:
-        if fraction > 0.3:
-            os.kill(os.getpid(), signal.SIGINT)
-
-    scenario = load(whole / "short.toml")
-    from wrsim.simulation import integrate as integrator
-
-    patch = pytest.MonkeyPatch()
-    patch.setattr(integrator, "PROGRESS_INTERVAL", 0.0)
-    stopped = run(scenario, ask, record=out / "result.nc.part")
-    patch.undo()
-    assert stopped.dataset.attrs["stop_cause"] == "interrupt"
-    before = (out / "result.nc.part").stat().st_size
-    assert json.dumps(recorded(out / "result.nc.part").summary()) == json.dumps(stopped.summary())
-    ok("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
-    assert before > 1000
-    assert Result.load(out).dataset.identical(Result.load(whole).dataset)
-    once_more = ok("run", whole / "short.toml", "-o", out, "--no-pictures", "--resume")
-    assert "holds the whole result of this scenario already" in once_more.stderr
 
 
 def test_another_scenario_or_a_changed_model_does_not_go_on(whole, tmp_path, monkeypatch):

@@ -103,21 +103,6 @@ def test_a_derailment_is_noticed_no_matter_how_seldom_samples_are_kept():
     assert seldom.dataset.sizes["time"] == 2  # start and end
 
 
-@pytest.mark.usefixtures("unpainted")
-def test_a_derailed_run_can_be_saved_loaded_and_drawn_from_the_command_line(tmp_path):
-    file = tmp_path / "climb.toml"
-    base = SCENARIOS / "curve_r300.toml"
-    keys = FAST | CLIMB | {"output.patches_at_m": [5.0], "run.start_distance_m": 0.0}
-    file.write_text(load(base).with_values(keys).text)
-    done = call("run", file, "-o", tmp_path / "out", "-q", "--no-pictures")
-    assert done.exit_code == 3
-    assert f"{file}: stopped: {REASONS['climb']}" in done.stderr
-    assert {"result.nc", "summary.json", "history.csv"} <= {path.name for path in (tmp_path / "out").iterdir()}
-    assert Result.load(tmp_path / "out").stop_reason == derailed("climb").stop_reason
-    ok("plot", tmp_path / "out")
-    assert {"overview.png", "patches.png", "sections.png"} <= {path.name for path in (tmp_path / "out").iterdir()}
-
-
 @cache
 def fast_ride(speed: float):
     """A wheelset on straight track, its watch, and its state at rest on the rails."""
@@ -198,18 +183,6 @@ def test_not_a_number_in_the_law_stops_the_run_and_is_named(monkeypatch, tmp_pat
     assert result.dataset["time"].values[-1] == pytest.approx(0.3 - step, abs=1e-9)
     assert np.isfinite(result.wheelset()["Q"].values).all()
     assert Result.load(result.save(tmp_path / "x.nc")).stop_reason == result.stop_reason
-
-
-def test_a_lost_solution_stops_the_run_in_good_order(monkeypatch, tmp_path):
-    def fail(out):
-        raise SimulationError("the solution is lost at t = 0.3 s")
-
-    law_that(monkeypatch, fail)
-    result = run_in_time(short())
-    assert (result.status, result.dataset.attrs["stop_cause"]) == ("stopped", "forces")
-    assert result.stop_reason == "the solution is lost at t = 0.3 s"
-    assert 0.29 < result.dataset["time"].values[-1] < 0.3  # the state at which the law fails is left out
-    assert Result.load(result.save(tmp_path / "x.nc")).status == "stopped"
 
 
 def test_the_complaint_about_a_long_step_names_file_and_line(tmp_path):

@@ -5,14 +5,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from numba.core import sigutils
-from scipy.interpolate import CubicSpline
 from support.runs import FAST, LEADING, STEERING, arc, setup_of, straight, transition
-from support.vehicles import ROOT, SHORT
 
-from wrsim.analysis import run
-from wrsim.analysis.assessment.filters import low_pass
 from wrsim.analysis.motion.run import run_in_time
-from wrsim.scenario.loading import load
 from wrsim.simulation.ahead import LARGE
 from wrsim.simulation.step_size import implicit_step
 
@@ -96,36 +91,6 @@ def test_samples_are_never_farther_apart_than_asked_for():
 )
 def test_the_implicit_step_divides_the_time_between_two_samples(speed, interval_ms, step_ms):
     assert implicit_step(speed, 1e-3 * interval_ms) == pytest.approx(1e-3 * step_ms)
-
-
-@pytest.mark.campaign  # in the suite: the orders of both integrators, and half the step of short runs
-def test_after_the_low_pass_a_coach_over_a_dip_is_within_half_a_percent_and_converges():
-    # one rail dips by 3 mm over 2 m. The low-pass of 20 Hz is that of the assessment; what it takes away, wheels that
-    # bounce on their contacts at some 200 Hz, is out of phase with a step of 2 ms
-    dip = {"kind": "dip", "at_m": 17.0, "length_m": 2.0, "amplitude_mm": 3.0, "rail": "left"}
-    keys = {"track.segments": [straight(60.0)], "track.irregularities": [dip], "run.distance_m": 8.0}
-    scenario = load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT | keys | {"run.start_distance_m": 4.0})
-
-    def filtered(step_us, integrator="generalised-alpha"):
-        values = {"run.integrator": integrator, "run.output_interval_ms": max(1e-3 * step_us, 0.5)}
-        data = run(scenario.with_values(values | {"run.step_us": step_us})).dataset
-        times = data["time"].values
-        rate = 1.0 / (times[1] - times[0])
-        return times, {name: low_pass(data[name].values.reshape(len(times), -1), rate, 20.0) for name in ("Y", "Q")}
-
-    times, truth = filtered(500, "rk44")
-    errors = {}
-    for step_us in (2000, 1000):
-        at, values = filtered(step_us)
-        inside = (at > 0.1) & (at < times[-1] - 0.1)
-        errors[step_us] = {
-            name: np.abs(values[name] - CubicSpline(times, truth[name])(at))[inside].max() / np.abs(truth[name]).max()
-            for name in values
-        }
-    assert implicit_step(60.0 / 3.6, 10e-3) == pytest.approx(2e-3)
-    assert max(errors[2000].values()) < 5e-3
-    for name in ("Y", "Q"):  # a quarter, and what Newton's method leaves over
-        assert errors[1000][name] < 0.5 * errors[2000][name], errors
 
 
 def test_a_run_ends_where_its_track_ends():

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from support.runs import ROOT, SCENARIOS
+from support.runs import SCENARIOS
 
 from wrsim.analysis import run
 from wrsim.errors import InputError
@@ -26,7 +26,6 @@ RUN = {
     "train_s_curve", "tram_car_r25",
 }  # fmt: skip
 """What the suite runs here: one of each kind; most of the others are run by tests of what is in them."""
-MODELS = ROOT / "models"
 
 
 @cache

@@ -66,13 +66,12 @@ def test_the_same_mode_is_followed_from_speed_to_speed():
     [(29.9, -0.927, 11.268), (44.8, -0.555, 16.874), (54.7, 0.177, 20.433), (64.7, 1.302, 23.743)],
 )
 def test_eigenvalues_of_the_three_dimensional_example_are_its_growth_rates(speed, growth, frequency):
-    """Of the same wheelset test_wheelset_dynamics measures these rates in time, to 0.7 %."""
     vehicle, law = example_wheelset(), KnifeEdge()
     forces = KnifeEdgeForces(vehicle, speed, law=law)
     rest = forces.rolling({"z": law.radius - law.approach(50e3)}, ("z",))
     values = np.linalg.eigvals(linearise(forces, forces.bodies, rest.q, rest.q_t).state_matrix)
     hunting = values[np.argmin(np.abs(values - 1j * frequency))]
-    # three digits of the reference; together with the test in time the two ways agree within 2 %
+    # three digits of the reference
     assert hunting.real == pytest.approx(growth, rel=0.01)
     assert hunting.imag == pytest.approx(frequency, rel=1e-3)
 

@@ -7,8 +7,6 @@ import xarray as xr
 from support.scripts import ROOT, script
 
 from wrsim import load, run
-from wrsim.geometry.profile.models import load_profile
-from wrsim.scenario.track_build import flange_face, rest_on_rail
 
 SHIFTS = (0.0, 8.0, 9.0, 10.0)
 WHEEL = ROOT / "models" / "wheels" / "lrv_standin.toml"
@@ -67,19 +65,6 @@ def _words(table: str) -> list[str]:
 def _numbers(table: str) -> np.ndarray:
     cells = [cell for line in table.splitlines()[2:] for cell in line.split("|")[2:-1]]
     return np.array([float(cell.replace("\N{MINUS SIGN}", "-").replace("%", "")) for cell in cells])
-
-
-def test_the_wheel_has_the_size_of_a_trams_and_runs_on_metre_gauge() -> None:
-    wheel = load_profile(WHEEL)
-    rail = load_profile(ROOT / "models/rails/54E1.toml").inclined(1 / 20)
-    rows = wheel.table(1e-4)[0]
-    face, back = flange_face(rows), rows[:, 0].min()
-    assert -rows[:, 1].min() == pytest.approx(27e-3, abs=1e-3)
-    assert face - back == pytest.approx(25e-3, abs=1e-3)
-    place = rest_on_rail(wheel, rail, spacing=1.055, gauge=1.0)
-    assert not place.on_flange
-    assert place.clearance == pytest.approx(7.5e-3, abs=0.1e-3)
-    assert place.u_wheel == pytest.approx(5.3e-3, abs=0.3e-3)
 
 
 # --- laws ------------------------------------------------------------------------------------------------

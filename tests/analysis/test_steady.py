@@ -1,6 +1,6 @@
 """Steady curving against time integration, closed forms and symmetry."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -9,21 +9,14 @@ import xarray as xr
 from support.runs import FAST, LEADING, SCENARIOS, STEERING, arc, setup_of
 
 from wrsim.analysis import run
-from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.run import run_in_time
-from wrsim.analysis.steady import cant_deficiency, steady_in_curve
+from wrsim.analysis.steady import cant_deficiency
 from wrsim.errors import InputError
-from wrsim.geometry.track.segments import Arc
 from wrsim.results import Result
 from wrsim.results.tables import tables
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario, load
-from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.steady import SteadyPoint
-from wrsim.simulation.integrate import Integration
-from wrsim.simulation.placement import poses_on_track
-from wrsim.simulation.steady_state import TOLERANCE
-from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 
@@ -37,61 +30,6 @@ def manchester(**values) -> Scenario:
 def curves() -> Result:
     """Two hands, and a curve that no coach runs through at that speed."""
     return run(manchester(combine="rows", radius_m=[600, -600, 150], cant_mm=[100, 100, 0], speed_kmh=[60, 60, 150]))
-
-
-def wheel_state(law, q, q_t):
-    """Y, Q (wheelsets, 2), shift and angle of attack (wheelsets,) at a state."""
-    law(0.0, q, q_t, np.zeros(law.size))
-    total = np.array([[wheel.model.arrays.force[1:] for wheel in pair] for pair in law.wheels])
-    poses = [
-        poses_on_track(law.track.centre, q[None, 6 * w : 6 * w + 6], q_t[None, 6 * w : 6 * w + 6], law.start + m.x)
-        for w, m in enumerate(law.vehicle.wheelsets)
-    ]
-    return -total[..., 0], total[..., 1], *(np.array([getattr(p, n)[0] for p in poses]) for n in ("lateral", "yaw"))
-
-
-@pytest.mark.parametrize(
-    ("model", "duration"),
-    [(STEERING, 2.0), pytest.param("vehicles/manchester_1.toml", 6.0, marks=pytest.mark.campaign)],
-)
-def test_steady_motion_is_where_a_long_time_integration_ends(model, duration):
-    setup = build(manchester(radius_m=450, speed_kmh=70).with_values({"vehicle.model": model}))
-    found = steady_in_curve(setup, setup.plan.points[0])
-    assert found.left < TOLERANCE
-    expected = wheel_state(found.law, found.q, found.q_t)
-    # on a longer arc, disturbed, and left to itself for several swings of the car body
-    start = found.law.start
-    track = setup.track.relaid([Arc(260.0, 450.0, 0.1)])
-    law = force_law(replace(setup, track=track, plan=RunPlan(start, start, found.law.speed)))
-    q = found.q.copy()
-    q[2 : 6 * len(law.bodies) : 6] += 1e-3
-    motion = Integration(BodySystem(law.bodies, law), duration=duration, step=1e-3, sample_interval=0.5).run(
-        q, found.q_t
-    )
-    assert motion.status == "completed"
-    law.start += law.speed * motion.end
-    law.look_near(law.start)
-    at_end = wheel_state(law, motion.q[-1], motion.q_t[-1])
-    for name, before, after in zip(("Y", "Q", "shift", "attack"), expected, at_end, strict=True):
-        # the issue's 1 %, of the vehicle's largest: some wheels have next to none
-        assert np.abs(after - before).max() < 0.01 * np.abs(before).max(), name
-
-
-def test_wheels_carry_the_weight_and_the_cant_deficiency():
-    solved = curves().dataset.isel(pose=0)
-    setup = build(manchester())
-    vehicle, base = setup.vehicle, setup.track.cant_base
-    speed, cant = 60.0 / 3.6, np.arcsin(0.1 / base)
-    away = speed**2 / 600.0
-    across, down = (
-        away * np.cos(cant) - STANDARD_GRAVITY * np.sin(cant),
-        STANDARD_GRAVITY * np.cos(cant) + away * np.sin(cant),
-    )
-    # bodies of a long vehicle lie along the chord, which takes some per mille of the share along the track
-    assert solved["Q"].values.sum() == pytest.approx(vehicle.mass * down, rel=1e-3)
-    right_less_left = solved["Y"].values[:, 1].sum() - solved["Y"].values[:, 0].sum()
-    assert right_less_left == pytest.approx(vehicle.mass * across, abs=1e-3 * vehicle.mass * down)
-    assert solved["cant_deficiency"].item() == pytest.approx(base * away / STANDARD_GRAVITY - 0.1)
 
 
 def test_a_curve_to_the_right_is_the_mirror_image_of_one_to_the_left():

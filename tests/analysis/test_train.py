@@ -16,13 +16,11 @@ from wrsim.analysis import run
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.stability.rolling import RollingVehicle
-from wrsim.analysis.steady import run_steady
 from wrsim.core.jit.compiling import cores, use_threads
 from wrsim.geometry.track.segments import Arc, Straight
 from wrsim.plots.histories import vehicle_figures
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
-from wrsim.simulation import recorder as recorders
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.steady_state import TOLERANCE, SteadyMotion, steady_state
 
@@ -118,63 +116,10 @@ def test_the_ends_of_vehicles_swing_through_an_s_curve_as_chords_do(tmp_path: Pa
     assert np.abs(d["coupling_force"].values).max() < 500.0
 
 
-@pytest.mark.campaign  # in the suite: wagons without rails (test_couplings)
-def test_couplings_carry_what_accelerates_the_vehicles_behind(tmp_path: Path) -> None:
-    """The first coach alone is driven, 0.5 m/s2: masses and turning wheels behind each coupling, within 1 %."""
-    text = ("[[couplings]]", '[[vehicles]]\nname = "more"\nmodel = "vehicles/manchester_1.toml"\ncount = 2\n'
-            "length_mm = 26400\ndriven = false\n[[couplings]]")  # fmt: skip
-    rate = 0.5
-    speeds = {"time_s_speed_kmh": [[0.3, 36.0], [3.0, 36.0 + 3.6 * 2.7 * rate]]}
-    keys = {
-        "track.segments": [straight(200.0)],
-        "run.distance_m": 30.0,
-        "vehicle.speed_kmh": speeds,
-        "run.step_us": 5000,
-    }
-    asked = scenario(tmp_path, ("count = 3", "count = 1"), text, **keys)
-    d = run(asked).dataset
-    late = d["time"].values > 2.5
-    one = manchester().moved_mass
-    found = d["coupling_force"].values[late].mean(axis=0)
-    np.testing.assert_allclose(found, [2.0 * one * rate, one * rate], rtol=0.01)
-    assert d["drive_force"].values[late].mean() == pytest.approx(3.0 * one * rate, rel=0.01)
-
-
-@pytest.mark.campaign  # in the suite: runs and modes of such a train
-def test_a_train_that_nothing_couples_is_in_steady_motion_as_each_vehicle_is(tmp_path: Path) -> None:
-    """In a curve of 1500 m: pose and forces of every wheel those of the coach on its own, 1e-6 of the largest."""
-    (tmp_path / "train.toml").write_text(TRAIN.replace("count = 3", "count = 2"), encoding="utf-8")
-    base = load(SCENARIOS / "steady_manchester.toml")
-    found = []
-    for model in ("vehicles/manchester_1.toml", str(tmp_path / "train.toml")):
-        keys = {"vehicle.model": model, "steady.radius_m": [1500.0], "steady.speed_kmh": [80.0]}
-        setup = build(base.with_values(keys | FAST))
-        own = [element for element in setup.vehicle.elements if "-coach" not in element.name]
-        found.append(run_steady(replace(setup, vehicle=replace(setup.vehicle, elements=tuple(own), couplings=()))))
-    one, both = (result.dataset for result in found)
-    for name in ("lateral_shift", "yaw", "Y", "Q"):
-        alone, coupled = (d[name].values[0] for d in (one, both))
-        np.testing.assert_allclose(coupled, np.concatenate([alone, alone]), atol=1e-6 * np.abs(alone).max(), rtol=0.0)
-
-
 def two_coaches_at(place: float, start: float, tmp_path: Path, keys: dict[str, Any]) -> xr.Dataset:
     """The moment at which two coaches that start there come to a place [m]."""
     own = keys | {"run.start_distance_m": start, "run.distance_m": place - start}
     return run(scenario(tmp_path, ("count = 3", "count = 2"), **own)).dataset.isel(time=-1)
-
-
-@pytest.mark.campaign  # in the suite: where a transition is beneath it
-def test_a_train_starts_in_a_curve_as_one_that_has_come_there(tmp_path: Path) -> None:
-    """Two coaches with tight couplings in a left curve of 300 m, after 10 m of a run that begins there and of one from
-    straight track: the couplings' forces, Y and Q within 2 % of the largest."""
-    curves = [straight(45.0), transition(40.0), arc(160.0, 300.0, 60.0)]
-    keys = {"track.segments": curves, "vehicle.speed_kmh": 40.0, "run.output_interval_ms": 20.0}
-    came, began = (two_coaches_at(190.0, start, tmp_path, keys) for start in (31.0, 180.0))
-    coupled = {"suspension": [name for name in came["suspension"].values if "-coach" in name]}
-    assert float(np.abs(came["suspension_fx"].sel(coupled)).max()) > 50e3
-    for name, which in (("suspension_fx", coupled), ("Y", {}), ("Q", {})):
-        here, there = (d[name].sel(which).values for d in (began, came))
-        np.testing.assert_allclose(here, there, atol=0.02 * np.abs(there).max(), rtol=0.0, err_msg=name)
 
 
 def test_a_train_starts_where_a_transition_is_beneath_it(tmp_path: Path) -> None:
@@ -224,16 +169,6 @@ def test_forces_of_a_coupling_are_those_of_its_elements_and_of_both_sides(tmp_pa
     np.testing.assert_allclose(turned[tight], force[tight], atol=0.02 * np.abs(left).max())
     assert vehicle_figures(d)["vehicle_couplings"]().axes
     assert {"coach1.front.frame", "coach2.rear.frame"} <= set(d["body"].values)
-
-
-def test_a_train_goes_on_to_the_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recorders, "FLUSH_INTERVAL", 0.0)
-    keys = {"track.segments": [straight(14.0), arc(60.0, 190.0)], "run.start_distance_m": 1.0, "run.distance_m": 2.0}
-    asked = scenario(tmp_path, ("count = 3", "count = 2"), **keys)
-    path = tmp_path / "x.part"
-    whole = run(asked, record=path)
-    path.write_bytes(path.read_bytes()[: int(0.6 * path.stat().st_size)])
-    assert run(asked, record=path, resume=True).dataset.identical(whole.dataset)
 
 
 def test_a_train_of_three_takes_all_cores_and_a_coach_one(monkeypatch: pytest.MonkeyPatch) -> None:

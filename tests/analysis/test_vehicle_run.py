@@ -5,16 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.runs import FAST, LEADING, SCENARIOS, STEERING, arc, ride, setup_of, straight
+from support.runs import FAST, SCENARIOS, STEERING, arc, setup_of, straight
 from support.vehicles import ROOT, SHORT, into_the_curve, manchester
 
 from wrsim.analysis import recorded, run
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.analysis.motion.start import straight_before
 from wrsim.analysis.ride import evaluate_ride
-from wrsim.analysis.steady import steady_in_curve
 from wrsim.errors import InputError
-from wrsim.plots import standard_pictures
 from wrsim.results import CHANNELS
 from wrsim.results.tables import tables
 from wrsim.scenario.build import build
@@ -41,14 +39,6 @@ def test_every_wheelset_of_the_result_can_be_taken_out() -> None:
         result.wheelset("front.oter")
     with pytest.raises(InputError, match=r"choose a wheelset: 1 front\.outer, 2 "):
         result.wheelset()
-
-
-def test_the_wheelsets_follow_each_other_at_the_distance_of_the_vehicle() -> None:
-    dataset = into_the_curve().dataset
-    apart = dataset["wheelset_distance"].values - dataset["distance"].values[:, None]
-    places = np.array([m.x for m in manchester().wheelsets])
-    assert np.allclose(apart, places, atol=0.05)
-    assert np.allclose(dataset["speed"].values, 60.0 / 3.6, rtol=2e-3)  # held by the pull
 
 
 def test_a_coach_at_rest_on_canted_track_leans_and_its_loads_sum_to_the_weight() -> None:
@@ -127,61 +117,6 @@ def test_irregularities_are_kept_under_every_wheelset_at_its_own_place() -> None
 
 # A single wheelset is a vehicle: every analysis, elastic rails, drives, bump stops and points serve it too.
 FILE = (Path(__file__).parents[1] / "data/axle.toml").read_text()
-
-
-def study(analysis: str, **values: object) -> dict[str, object]:
-    """Keys of a study of the steering wheelset."""
-    keys = {f"{analysis}.{key}": value for key, value in values.items()}
-    return FAST | {"vehicle.model": STEERING} | keys
-
-
-def test_the_steady_motion_of_a_wheelset_is_where_its_run_starts() -> None:
-    keys = study("steady", radius_m=300, cant_mm=60, speed_kmh=54, combine="rows") | {"contact.friction": 0.35}
-    setup = build(load(SCENARIOS / "steady_manchester.toml").with_values(keys))
-    found = steady_in_curve(setup, setup.plan.points[0])
-    started = run_in_time(
-        setup_of([arc(40.0, 300.0, 60.0)], 15.0, STEERING, start=10.0, values=FAST | {"run.distance_m": 0.1})
-    )
-    first = started.wheelset().isel(time=0)
-    found.law(0.0, found.q, found.q_t, np.zeros(found.law.size))
-    totals = [wheel.model.arrays.total for wheel in found.law.wheels[0]]
-    assert [-total["Fo"] for total in totals] == pytest.approx(first["Y"].values, rel=1e-5)
-    assert [total["Fb"] for total in totals] == pytest.approx(first["Q"].values, rel=1e-6)
-
-
-def test_a_steady_table_of_a_wheelset_has_its_messages_and_pictures(tmp_path: Path) -> None:
-    keys = study("steady", radius_m=[600, -600, 40], cant_mm=60, speed_kmh=80, combine="grid")
-    result = run(load(SCENARIOS / "steady_manchester.toml").with_values(keys))
-    dataset = result.wheelset()
-    assert [bool(m) for m in dataset["pose_message"].values] == [False, False, True]
-    assert "overturn" in str(dataset["pose_message"].values[2])
-    assert dataset["lateral_shift"].values[0] == pytest.approx(-dataset["lateral_shift"].values[1], rel=1e-6)
-    assert standard_pictures(result.dataset, tmp_path)
-
-
-def test_a_wheelset_hunts_from_its_critical_speed_on() -> None:
-    keys = study("stability", speed_kmh=[60, 100, 140], nonlinear=False) | {"contact.friction": 0.35}
-    scenario = load(SCENARIOS / "stability_manchester.toml")
-    attributes = run(scenario.with_values(keys)).dataset.attrs
-    critical = attributes["critical_speed_m_s"]
-    assert 20.0 < critical < 35.0
-    assert "lateral" in attributes["critical_mode"] or "yaw" in attributes["critical_mode"]
-    # a run says the same: a small swing dies below this speed and grows above it
-    for factor in (0.8, 1.3):
-        going = ride(setup_of([straight(400.0)], factor * critical, STEERING, start=20.0, values=FAST))
-        start = going.steady(("z", "x", "y", "heading", "roll", "spin"))
-        q = start.q.copy()
-        q[2] += 2e-4
-        swing = going.run(q, start.q_t, 1.5).q[:, 2]
-        early, late = np.ptp(swing[100:200]), np.ptp(swing[-100:])
-        assert (late > early) == (factor > 1.0), factor
-
-
-@pytest.mark.parametrize("drive", ["train", "wheels"])
-def test_a_drive_holds_the_speed_of_a_wheelset_too(drive: str) -> None:
-    keys = FAST | {"vehicle.drive": drive, "run.distance_m": 5.0}
-    dataset = run_in_time(setup_of([arc(40.0, 300.0, 60.0)], 15.0, LEADING, start=10.0, values=keys)).wheelset()
-    assert dataset["speed"].values == pytest.approx(15.0, rel=1e-3)
 
 
 def over_a_dip(folder: Path, **values: object) -> Scenario:

@@ -94,11 +94,6 @@ def test_results_tell_wear_and_draw_it(left: xr.Dataset, tmp_path: Path) -> None
     figures["wear"](), figures["fatigue"]()
 
 
-def test_runs_without_a_law_have_no_wear() -> None:
-    short = setup_of([arc(15.0, 300.0)], 10.0, values={"run.time_s": 0.02})
-    assert "wear_wheel_depth" not in run_in_time(short).dataset
-
-
 FAULTS: list[tuple[dict[str, Any], str]] = table("faults")
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from support.commands import call, forked, ok, refusal
+from support.commands import call, forked, refusal
 from support.scenario_texts import CURVE, edited
 from support.synthetic_result import curve_run
 
@@ -84,17 +84,6 @@ def test_models_of_the_user_are_found(scenario: Path, tmp_path: Path) -> None:
 
 
 # --- run -----------------------------------------------------------------------------------------------
-@pytest.mark.usefixtures("unpainted")
-def test_a_run_leaves_dataset_tables_summary_pictures_and_its_scenario(
-    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    analysis_that(monkeypatch, completed)
-    result = ok("run", scenario, "-o", tmp_path / "out")
-    assert result.stderr == "", "no bar where there is no terminal"
-    names = {p.name for p in (tmp_path / "out").iterdir()}
-    assert {"result.nc", "summary.json", "history.csv", "patches.csv", "scenario.toml", "overview.png"} <= names
-    assert (tmp_path / "out/scenario.toml").read_text() == CURVE
-    assert str(tmp_path / "out") in result.stdout
 
 
 def test_a_quiet_run_prints_nothing(scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -187,19 +176,6 @@ def test_a_place_that_may_not_be_written_is_told_before_anything_is_computed(
 
 
 # --- plot and profile ----------------------------------------------------------------------------------
-@pytest.fixture(scope="module")
-def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("run")
-    completed().save(folder / "result.nc")
-    return folder
-
-
-def test_plot_draws_patches_at_a_place_where_they_are_kept(run_folder: Path, tmp_path: Path) -> None:
-    distances = completed().dataset["snapshot_distance"].values
-    ok("plot", run_folder, "-o", tmp_path, "--at", f"{distances[0] + 0.2:.2f}")
-    assert [p.name.split("_")[0] for p in sorted(tmp_path.glob("*.png"))] == ["patches", "sections"]
-    assert f"there are {distances[0]:.1f}, " in refusal("plot", run_folder, "--at", "1e6")
-    assert call("plot", run_folder, "--at", "there").exit_code == 2
 
 
 # --- the command itself --------------------------------------------------------------------------------

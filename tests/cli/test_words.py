@@ -31,16 +31,6 @@ def run() -> Result:
     return Result(curve_run(samples=60))
 
 
-def test_a_wheel_that_pulls_inward_shows_how_far(run: Result) -> None:
-    """Y of a wheel that is negative all along: its largest value says next to nothing, its least one says all."""
-    dataset = run.dataset.copy(deep=True)
-    dataset["Y"].values[:, 0, 1] = -6400.0 + 100.0 * np.sin(dataset["time"].values)
-    dataset["Y"].values[7, 0, 1] = 50.0
-    wheel = Result(dataset).summary()["wheelsets"]["wheelset"]["wheels"]["right"]
-    assert wheel["Y_max_kN"]["value"] == pytest.approx(0.05)
-    assert wheel["Y_min_kN"]["value"] == wheel["Y_abs_max_kN"]["value"] == pytest.approx(-6.5, abs=0.01)
-
-
 def test_the_track_shifting_force_is_the_left_wheel_less_the_right_one(run: Result) -> None:
     y = run.dataset["Y"].values
     assert run.dataset["sum_Y"].values == pytest.approx(y[:, :, 0] - y[:, :, 1])
@@ -249,17 +239,6 @@ def test_what_only_one_result_has_is_named_once_beside_the_differences(
     assert any(line.startswith("wheelset right") and "Q_max_kN" in line for line in lines)
 
 
-def test_a_run_that_stopped_is_not_like_one_that_came_to_its_end(runs: tuple[str, str, str]) -> None:
-    answer = call("diff", runs[0], runs[2], "--tolerance", "1e9")
-    assert answer.exit_code == 4 and "B: stopped" in answer.output
-
-
-def test_a_table_and_an_overlay_are_left_on_demand(runs: tuple[str, str, str], tmp_path: Path) -> None:
-    answer = call("diff", runs[0], runs[1], "-o", tmp_path / "d")
-    assert answer.exit_code == 4
-    assert {p.name for p in (tmp_path / "d").iterdir()} == {"diff.csv", "diff.png", ".wrsim"}
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -280,16 +259,3 @@ def test_a_key_is_set_on_the_command_line() -> None:
     answer = ok("check", EQUILIBRIUM, "--json", *values)
     found = json.loads(answer.output)
     assert (found["gauge_mm"], found["normal"], found["title"]) == (pytest.approx(1440.0), "strips", "mine")
-
-
-@pytest.mark.parametrize(
-    ("value", "message"),
-    [
-        ("track.gauge_mm", "--set track.gauge_mm: must be key=value, such as vehicle.speed_kmh=60"),
-        ("track.gauge_mm=wide", '--set track.gauge_mm=wide: track.gauge_mm = "wide": must be a number from'),
-        ("contact.nromal=strips", '--set contact.nromal=strips: contact.nromal = "strips": unknown key; '),
-        ("track.segments[7].length_m=3", "track.segments"),
-    ],
-)
-def test_a_wrong_key_on_the_command_line_is_one_sentence(value: str, message: str) -> None:
-    assert message in refusal("check", EQUILIBRIUM, "--set", value)

@@ -178,20 +178,6 @@ def test_sections_recorded_to_different_depths_are_the_same_rail(tmp_path: Path)
         assert np.abs(rows[:, 1] - rail.at(at)[1]).max() < 5e-6
 
 
-@pytest.mark.parametrize(("lateral", "yaw"), [(0.0, 0.0), (6e-3, 0.0), (6e-3, 0.01)])
-def test_far_from_where_it_changes_a_rail_is_the_plain_one(lateral: float, yaw: float) -> None:
-    wheel, rail = wheel_profile("S1002"), rail_profile("60E1", 40)
-    surface = lifted(rail, EVEN, np.where(EVEN > 0.9, 1e-3, 0.0))
-    own = on(surface, "strips", wheel, strips=20)
-    axle = (-sin(yaw), cos(yaw), 0.0)
-    plain, origin = on_60e1("strips", lateral, axle)
-    one, other = plain.evaluate(origin, axle), own.evaluate(origin, axle, place=-0.5)
-    assert len(one.patches) == len(other.patches)
-    for name, most in (("N", 1e-3), ("p0", 3e-3), ("approach", 1e-3)):
-        assert other.patches[name] == pytest.approx(one.patches[name], rel=most)
-    assert other.patches["x"] == pytest.approx(one.patches["x"], abs=1e-6)
-
-
 @pytest.mark.parametrize("normal", NORMAL)
 def test_the_normal_force_has_a_potential(normal: str) -> None:
     # what pushes back along the track is the gradient of the same energy that carries the wheel
@@ -265,19 +251,6 @@ def test_no_piece_of_a_rail_between_new_and_worn_is_pressed_twice(wearing: Conta
         patches = [patch for patch in contact.patches if patch["N"] > 0.0]
         pressed = sorted(tuple(patch["arc_rail"] + [patch["start"], patch["end"]]) for patch in patches)
         assert patches and all(one[1] < other[0] + 1e-9 for one, other in pairwise(pressed))
-
-
-def test_curvatures_of_a_rail_of_sections_are_those_of_the_plain_one(wearing: ContactModel) -> None:
-    """Many points counted as beyond the rail's end by round-off, where it goes on straight."""
-    plain = contact_model(wheel_profile("S1002"), rail_profile("60E1", 40), normal="strips", **PLAIN)
-    for lateral in np.linspace(-3e-3, 3e-3, 13):
-        origin = touching(plain, lateral, (0.0, 1.0, 0.0)) - [0.0, 0.0, 5e-5]
-        several = [len(model.evaluate(origin, place=10.0).patches) for model in (wearing, plain)]
-        assert several[0] == several[1] > 0
-        own, its = (model.arrays.found["curvature"][: several[0]] for model in (wearing, plain))
-        assert own == pytest.approx(
-            its, abs=1.0
-        )  # of the rail 3 to 77; its rows are farther apart than the plain one's
 
 
 @pytest.mark.parametrize("anchor", [0, 60])

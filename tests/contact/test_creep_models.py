@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from support.contacts import bench, columns, finite, pair_model, settle
+from support.contacts import columns, finite
 from support.ellipse import COEFFICIENTS, FORCE, MEAN_RADIUS, PEAK, SHEAR_MODULUS, ellipse, roll, total
 from support.examples import examples
 from support.rows import rows_of
@@ -108,30 +108,6 @@ def test_scaling_laws(model, aspect, xi, eta, phi, scale, load):
                         peak=load * PEAK, **few))  # fmt: skip
     expected = plain * load * np.array([scale**2, scale**2, scale**3])
     np.testing.assert_allclose(scaled, expected, rtol=1e-6, atol=1e-7 * load * scale**2 * np.abs(plain).max())
-
-
-@EVERY
-def test_forces_follow_the_pose_without_jumps(model):
-    # at fixed height by 2 um a step through the shifts where tread and flange root share a patch more and more
-    name, _, option = model.partition(", ")
-    choices = {"flexibility": option if option == "blended" else "three"}
-    if option == "parabolic":
-        choices["traction_bound"] = option
-    stand = bench(pair_model("S1002/60E1 1:40", tangential=name, **choices))
-    settle(stand, 5.0e-3, 2e-3, 60e3)
-    pair = stand.wheels[0].model
-    pose = pair.arrays.pose.copy()
-    pose[6:] = 20.0, 0.0, 0.0, 0.0, 1.001 * 20.0 / 0.46, 0.0
-
-    def forces(shifts):
-        found = []
-        for shift in shifts:
-            contact = pair.evaluate((pose[0], pose[1] + shift, pose[2]), pose[3:6], pose[6:9], pose[9:])
-            assert len(contact.patches) > 1
-            found.append(contact.force)
-        return np.array(found)
-
-    assert_no_jump(forces, np.linspace(-1e-4, 3e-4, 201), 1e-3 * 60e3)
 
 
 def assert_no_jump(forces, at, small):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from support.contacts import HALF_SPACING, PLAIN, RADIUS, contact_model, settle, wheel_profile
-from support.crossings import CROSSING, crossing, in_equal_shares, lifted, on
+from support.crossings import CROSSING, crossing, lifted, on
 
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
@@ -102,49 +102,6 @@ def test_the_load_passes_from_wing_to_nose_as_in_contact(over_the_crossing: Cont
             if patch["o"] > 0.0 or patch["N"] > 3e3:
                 off = 0.03 if patch["o"] < 0.0 else 0.07 if patch["N"] > 3e3 else 0.09
                 assert patch["p0"] == pytest.approx(1e6 * float(row["pmax_MPa"]), rel=off)
-
-
-@pytest.mark.campaign
-@pytest.mark.parametrize(("normal", "share"), [("strips", 0.05), ("half-space", 0.015)])
-def test_the_wing_is_pressed_as_in_contact_where_sections_are_joined_as_there(normal: str, share: float) -> None:
-    """CONTACT's numbers: shared reference, crossing_56e1/transfer_s239.csv. What stands between sections 20 mm apart
-    differs by some um from one way of joining them to the other, and p0 by per cent."""
-    surface = in_equal_shares(0.17, 0.4)
-    choices = {"friction": 0.3, "tangential": "fastrip" if normal == "strips" else "half-space"}
-    model = on(surface, normal, wheel_profile("S1002"), **choices)
-    for lateral, z, wing, nose in (
-        (0.81, -0.2255, (1.007e4, 2125.0), None),
-        (0.97, -0.2473, (5297.0, 1746.0), (4808.0, 1924.0)),
-        (1.15, -0.294, None, (10130.0, 2433.0)),
-    ):
-        contact, sunk = at_rest(model, 1e-3 * lateral, 1e4, 0.239)
-        assert 1e3 * sunk == pytest.approx(z, abs=0.0005)
-        for side, expected in ((1.0, wing), (-1.0, nose)):
-            patches = [p for p in contact.patches if p["o"] * side > 0.0]
-            assert len(patches) == (expected is not None)
-            if expected is not None:
-                # 2 % of the load
-                assert patches[0]["N"] == pytest.approx(expected[0], abs=200.0)
-                assert patches[0]["p0"] == pytest.approx(1e6 * expected[1], rel=share)
-
-
-@pytest.mark.parametrize("lateral", [0.81e-3, 1.15e-3])
-def test_strips_on_wing_and_nose_are_near_the_exact_solver(over_the_crossing, lateral: float) -> None:
-    """At the same height, without creep forces; the exact solver has the surface itself, not what is felt of it."""
-    frictionless, exact = (
-        replace(
-            contact_model(over_the_crossing.wheel, over_the_crossing.rail, normal=normal, **PLAIN),
-            rolled=over_the_crossing.rolled,
-        )
-        for normal in ("strips", "half-space")
-    )
-    contact, sunk = at_rest(frictionless, lateral, 1e4, 0.239)
-    own = exact.evaluate((0.0, lateral, RADIUS - sunk), place=0.239)
-    assert len(own.patches) == len(contact.patches) == 1
-    one, other = contact.patches[0], own.patches[0]
-    assert abs(one["o"] - other["o"]) < 1e-4 and abs(one["x"] - other["x"]) < 1e-4
-    assert one["N"] == pytest.approx(other["N"], rel=0.015)
-    assert one["p0"] == pytest.approx(other["p0"], rel=0.03)
 
 
 def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact(over_the_crossing: ContactModel) -> None:

@@ -242,13 +242,6 @@ def test_behind_a_change_the_wheelset_runs_as_where_friction_is_always_so(wetted
         assert ours[name].values[-1] == pytest.approx(last, rel=5e-3)
 
 
-def test_a_run_that_starts_behind_a_change_starts_as_where_friction_is_always_so() -> None:
-    wet = in_curve({"friction": 0.2}, way=0.1, start=20.0)
-    ours = in_curve({"friction_sections": [WET | {"friction": 0.2, "side": "both"}]}, way=0.1, start=20.0)
-    for name in ("Y", "Q", "lateral_shift", "T_gamma"):
-        np.testing.assert_array_equal(ours.dataset[name].values, wet.dataset[name].values)
-
-
 def friction_along(text: str, more: str, folder: Path | None = None) -> Any:
     return build(load_text(edited(text, "friction = 0.35", more), folder or ".")).contact.friction
 

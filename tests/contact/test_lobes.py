@@ -146,14 +146,6 @@ def test_one_lobe_is_equation_29():
     np.testing.assert_allclose(strips["p"], p0 * strips["a"] / lobe["half_length"], rtol=1e-12)
 
 
-def test_no_more_patches_than_wanted():
-    for most in (1, 2, 3):
-        stand = bench(pair_model("S1002/60E1 1:40", max_patches=most, **PLAIN), rolling=False)
-        settle(stand, 5.2e-3, 0.0, 60e3)
-        lobes = contact_of(stand).patches
-        assert len(lobes) == min(most, 2)
-
-
 def test_every_lobe_that_is_looked_at_carries_its_share():
     """A furrowed wheel touches at six places and more; shallower ones carry less and take little from the others."""
     random = np.random.default_rng(8)

@@ -152,13 +152,6 @@ def test_away_from_jumps_contacts_are_those_of_contact(name, where, of, limit):
     assert error(worst) < limit, f"{worst.name} at {1e3 * worst.lateral:g} mm: {error(worst):.5g}"
 
 
-def test_lateral_force_without_friction_on_the_tread():
-    # Y = Q tan(angle): the error of the mean angle, 0.0002 Q measured
-    for case in calm(True, rolling=False):
-        assert abs(case.ours.force[1] - case.reference.force[1]) < 0.0005 * case.load
-        assert case.ours.force[0] == 0.0
-
-
 def test_creep_forces_along_the_track_err_to_neither_side():
     # creepages between wheel and rail, half the approach nearer to the axle, would make -0.026 of mu Q in the median
     # of the strips' forces, whose median is -0.0024 with creepages on the wheel's undeformed surface

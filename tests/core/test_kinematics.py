@@ -154,13 +154,6 @@ def test_the_undisturbed_follower_in_a_curve_meets_no_suspension_force(curve, di
     assert np.abs(moment).max() < 1e-5
 
 
-def test_the_suspension_pulls_a_displaced_wheelset_back(curve):
-    q, q_t = state_on_track(curve.centre, 120.0, speed=20.0, height=0.461, spin_rate=43.0, lateral=2e-3, yaw=3e-3)
-    force, moment = pushed(guided(), curve, 120.0, 20.0, q, q_t)
-    assert force == pytest.approx([0.0, -2 * 3e6 * 2e-3, -2 * 1e6 * 1e-3], rel=2e-3, abs=100.0)
-    assert moment[2] == pytest.approx(-2 * 5e6 * 1.0**2 * 3e-3, rel=1e-3)
-
-
 @given(turn=st.tuples(*[st.floats(-0.05, 0.05)] * 3), velocity=vectors, rates=vectors)
 def test_dampers_on_straight_track_only_take_power(turn, velocity, rates):
     track = Track.build([Straight(50.0)])

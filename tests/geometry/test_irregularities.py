@@ -451,24 +451,7 @@ def test_a_track_file_lies_over_the_line_of_a_base_and_of_what_it_is_set_in(tmp_
         load(child).with_set(["track.file=bent.toml"])
 
 
-def test_the_shipped_line_is_five_kilometres_and_as_uneven_as_it_says() -> None:
-    text = SCENARIO.split("[track]")[0] + '[track]\nfile = "tracks/mixed_line.toml"\n'
-    track = build(load_text(text)).track
-    assert track.length == pytest.approx(5000.0)
-    assert {f.kind for f in track.features()} == {"straight", "transition", "arc"}
-    before, behind = track.centre_line.curvature_law.joints()
-    assert np.abs(behind - before).max() < 1e-15  # every curve has transitions
-    s = np.arange(50.0, 4950.0, 0.25)
-    left, right = (track.irregularity(side, s) for side in ("left", "right"))
-    # ERRI low: standard deviation of level and alignment between 3 and 100 m from the integral of the density
-    w = np.linspace(2.0 * math.pi / 100.0, 2.0 * math.pi / 3.0, 20001)
-    for way, channel in enumerate(("alignment", "level")):
-        expected = math.sqrt(np.trapezoid(SPECTRA["ERRI-low"][channel](w), w))
-        assert np.std(0.5 * (left[way] + right[way])) == pytest.approx(expected, rel=0.1)  # and four defects
-
-
 UNEVEN, GRADE = "[[track.irregularities]]\nkind = ", "[[track.grades]]\nfrom_m = 9\ngrade_permille = 3\n"
-WAVES = f'{UNEVEN}"spectrum"\nspectrum = "FRA-4"\nseed = 1\nwavelength_m = '
 
 
 @pytest.mark.parametrize("text, message", table("a_fault_in_a_track_is_told_where_it_stands"))  # fmt: skip

@@ -37,14 +37,6 @@ def test_the_parameter_is_true_arclength(profile):
     np.testing.assert_allclose(speed, 1.0, rtol=0, atol=1e-8)
 
 
-@designed
-def test_tangent_and_outward_normal_are_orthonormal(profile):
-    (tu, tw), (nu, nw) = profile.tangent(places(profile)), profile.normal(places(profile))
-    np.testing.assert_allclose(np.hypot(tu, tw), 1.0, atol=1e-15)
-    np.testing.assert_allclose(np.hypot(nu, nw), 1.0, atol=1e-15)
-    np.testing.assert_allclose(tu * nu + tw * nw, 0.0, atol=1e-15)
-
-
 def test_normals_point_out_of_the_material():
     assert RAIL.normal(RAIL.arclength_of(0.0))[1] == pytest.approx(1.0)
     assert S1002.normal(S1002.arclength_of(0.0))[1] < -0.99
@@ -110,11 +102,6 @@ def test_clipping_keeps_the_curve():
     L = places(piece, 3001)
     np.testing.assert_allclose(piece.at(L), S1002.at(L + first), atol=1e-15)
     np.testing.assert_allclose(piece.curvature(L), S1002.curvature(L + first), atol=1e-4)
-
-
-@given(u=st.floats(-0.036, 0.036))
-def test_arclength_of_is_the_inverse_of_u(u):
-    assert RAIL.at(RAIL.arclength_of(u))[0] == pytest.approx(u, abs=1e-15)
 
 
 def test_arclength_of_finds_the_running_surface_where_u_occurs_twice():

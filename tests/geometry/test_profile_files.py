@@ -11,7 +11,6 @@ from wrsim.geometry.profile.files import read_points
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
-from wrsim.plots.profile import profile_figure
 
 table = rows_of(__file__)
 
@@ -119,12 +118,6 @@ def test_columns_may_be_separated_as_spreadsheets_do(write):
     comma_decimals = rows(RAIL, between=";").replace(".", ",")
     for text in (rows(RAIL, between="\t"), rows(RAIL, between=", "), comma_decimals):
         assert distance(read_points(write("% a comment\n\n" + text), "rail").profile(), RAIL) < 1e-9
-
-
-def test_duplicated_points_are_one_point(write):
-    lines = rows(RAIL).splitlines(keepends=True)
-    doubled = "".join(line * (2 if i % 100 == 0 else 1) for i, line in enumerate(lines))
-    assert distance(read_points(write(doubled), "rail").profile(), RAIL) < 1e-9
 
 
 def test_points_closer_than_their_digits_allow_do_not_spoil_the_curvature(write):
@@ -236,43 +229,6 @@ def test_miniprof_files_with_faults_are_refused(write, keys, message):
 
 
 # --- bad points ---------------------------------------------------------------------------------------
-def spoilt(line: int, text: str) -> str:
-    """Rows of the rail with line `line` (from 1) replaced."""
-    lines = rows(RAIL).splitlines(keepends=True)
-    lines[line - 1] = text + "\n"
-    return "".join(lines)
-
-
-def arc_points(radius: float, count: int, noise: float = 0.0) -> str:
-    """Points on a rail crown, mm."""
-    u = np.linspace(-30.0, 30.0, count)
-    w = -(u**2) / (2.0 * radius) + noise * np.random.default_rng(3).normal(size=count)
-    return "".join(f"{a:.9f} {b:.9f}\n" for a, b in zip(u, w, strict=True))
-
-
-def loop() -> str:
-    """A curve that crosses itself: a descending loop."""
-    t = np.linspace(-2.4, 2.4, 400)
-    u, w = 8.0 * t - 20.0 * np.sin(1.5 * t), -20.0 * np.cos(t)
-    return "".join(f"{a:.6f} {b:.6f}\n" for a, b in zip(u, w, strict=True))
-
-
-def zigzag() -> str:
-    """Points 301 to 303 stepping back along the curve."""
-    lines = rows(RAIL).splitlines(keepends=True)
-    return "".join([*lines[:303], *lines[300:302], *lines[303:]])
-
-
-def roof() -> str:
-    """Two planes that meet in a corner of 40 degrees."""
-    u = np.linspace(-30.0, 30.0, 121)
-    return "".join(f"{a:.9f} {-abs(a) * np.tan(np.radians(20.0)):.9f}\n" for a in u)
-
-
-def rail_without(first: int, last: int) -> str:
-    """The rail with a hole."""
-    lines = rows(RAIL).splitlines(keepends=True)
-    return "".join(lines[:first] + lines[last:])
 
 
 BAD = table("bad")
@@ -347,15 +303,6 @@ def test_every_shipped_profile_loads_and_names_its_source(path):
 
 # --- S1002 -------------------------------------------------------------------------------------------
 
-# The table of EN 13715 / UIC 510-2 once more, as plain formulas: u from .. to, depth below the tape circle, mm.
-TREAD = (
-    "-3.358537058e-2*u + 1.565681624e-3*u**2 - 2.810427944e-5*u**3 + 5.844240864e-8*u**4 - 1.562379023e-8*u**5"
-    " + 5.309217349e-15*u**6 - 5.957839843e-12*u**7 + 2.646656573e-13*u**8"
-)
-ROOT = (
-    "-4.320221063e3 - 1.038384026e3*u - 1.065501873e2*u**2 - 6.051367875*u**3 - 2.054332446e-1*u**4"
-    " - 4.169739389e-3*u**5 - 4.687195829e-5*u**6 - 2.252755540e-7*u**7"
-)
 S1002_FORMULAS = table("s1002_formulas")
 
 
@@ -481,14 +428,6 @@ def test_points_beside_a_file_are_read_as_it_says(toml, tmp_path):
     assert -0.03 <= u[0] < -0.0299 and 0.0299 < u[-1] <= 0.03
 
 
-def test_a_measured_file_is_smoothed_and_says_so(toml, tmp_path):
-    wheel = load_profile(MODELS / "wheels/S1002.toml")
-    np.savetxt(tmp_path / "w.csv", 1e3 * np.column_stack((wheel.u, wheel.w)), "%.12f")
-    profile = load_profile(toml('kind = "points"\nfile = "w.csv"\nmeasured = true\ncutoff_mm = 3.0\n'))
-    assert profile.source == "made up; smoothed, cut-off 3 mm"
-    assert profile.length == pytest.approx(0.15338, abs=1e-5)
-
-
 # --- slips -------------------------------------------------------------------------------------------
 
 SLIPS = table("slips")  # fmt: skip
@@ -514,18 +453,3 @@ def test_a_profile_that_is_too_short_for_any_contact_is_refused(toml, half_width
     path = toml(f'kind = "circle"\nradius_mm = 10\nhalf_width_mm = {half_width}\n')
     with pytest.raises(InputError, match="mm long; needs at least 5 mm"):
         load_profile(path)
-
-
-# The picture of a profile says what it shows, in units, at equal scales.
-@pytest.mark.parametrize("name", ["wheels/S1002.toml", "rails/60E1.toml"])
-def test_the_figure_shows_the_whole_profile_at_equal_scales(name):
-    profile = load_profile(MODELS / name)
-    figure = profile_figure(profile)
-    shape = figure.axes[0]
-    low, high = shape.get_xlim()
-    assert low < 1e3 * profile.u.min() and high > 1e3 * profile.u.max()
-    # One millimetre is as long upward as it is across.
-    box = shape.get_position()
-    across, up = figure.get_size_inches()
-    per_mm = box.width * across / (high - low), box.height * up / np.diff(shape.get_ylim())[0]
-    assert per_mm[0] == pytest.approx(per_mm[1], rel=1e-9)

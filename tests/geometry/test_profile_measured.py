@@ -30,12 +30,6 @@ def measured(profile: Profile, step: float, seed: int) -> np.ndarray:
     return 1e3 * (rows[:, :2] + NOISE * np.random.default_rng(seed).normal(size=(len(rows), 2)))
 
 
-def written(points: np.ndarray, path: Path, head: str = "") -> Path:
-    """A file of points."""
-    path.write_text(head + "".join(f"{u:.4f} {w:.4f}\n" for u, w in points), encoding="utf-8")
-    return path
-
-
 @pytest.fixture(scope="module")
 def files():
     """The shipped scans: the worn wheel as a MiniProf file, the worn rail in two columns, points 0.11 mm apart."""
@@ -237,16 +231,6 @@ def test_smoothing_keeps_the_shape():
         # 4 um on the tread: what is left of 5 um of noise. 10 um at the flange, whose arcs of 13 and 20 mm are
         # separated by a straight of 4 mm only: jumps of curvature are spread over the cut-off of 5 mm.
         assert np.abs(across).max() < most
-
-
-def test_uneven_spacing_does_not_bias_the_shape():
-    # Twice as many points on one half: weights are spacings, so the dense half pulls no harder.
-    rows, _ = circle("arc", "rail", 0.08, 0.03).table(5e-5)
-    keep = np.ones(len(rows), dtype=bool)
-    keep[: len(rows) // 2 : 2] = False
-    profile = smoothed(points(rows[keep, 0], rows[keep, 1]), "arc", "rail")
-    u, w = profile.at(np.linspace(0.0, profile.length, 1001))
-    np.testing.assert_allclose(np.hypot(u, w + 0.08), 0.08, rtol=0, atol=2e-9)
 
 
 def test_points_too_far_apart_for_the_cutoff_are_refused():

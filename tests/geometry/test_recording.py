@@ -115,19 +115,6 @@ def test_a_track_measured_by_a_chord_comes_back_within_a_tenth_of_a_millimetre(b
     assert errors(by_chord, car) < 0.1e-3
 
 
-@pytest.mark.campaign  # in the suite: a line of its own, with forms
-def test_the_shipped_line_comes_back_with_its_forms(tmp_path: Path) -> None:
-    track = build(load(SCENARIOS / "mixed_line.toml")).track
-    car = Car(track, 0.5)
-    found = restored(tmp_path, car, geometry(car) | versines(car, 4.0, 6.0), "chord_m = [4, 6]")
-    forms = [[s.form for s in row if isinstance(s, Transition)] for row in (found.segments, track.segments)]
-    assert forms[0] == forms[1]
-    inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
-    for ours, side in zip(found.lateral, ("left", "right"), strict=True):
-        off = in_band(ours - track.irregularity(side, car.distance)[0], car.step)[inner]
-        assert np.abs(off).max() < 0.1e-3
-
-
 def test_on_rough_track_design_and_what_is_left_together_come_back(tmp_path: Path) -> None:
     # nobody can tell the form of a transition there; what the fit takes for the design it does not leave over
     car = Car(line("FRA-5"))

@@ -18,7 +18,6 @@ from wrsim.geometry.track.crossing import read_crossing
 from wrsim.geometry.track.rail_surface import RailSurface
 from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
 from wrsim.geometry.track.track import Track
-from wrsim.plots.track import track_figure
 
 table = rows_of(__file__)
 
@@ -346,15 +345,6 @@ def test_a_wrong_property_of_the_track_is_named(arguments: dict, words: str) -> 
 
 
 # ---- the picture ----
-def test_the_figure_shows_the_plan_and_three_panels() -> None:
-    """Every curve of the picture holds the numbers of the track."""
-    track = Track.build(s_curve())
-    plan, *panels = track_figure(track).axes
-    lines = {axes.get_ylabel().split("\n")[0]: axes.get_lines()[0] for axes in panels}
-    for name, law in (("Curvature", track.curvature), ("Cant [mm]", track.cant), ("Gauge", track.gauge)):
-        s, y = lines[name].get_data()
-        assert np.abs(y - 1e3 * law(s)).max() < 1e-9
-    assert plan.get_aspect() == 1.0
 
 
 # A fixed crossing from a few numbers: its sections are wing and nose, and its nose grows to the plain rail.

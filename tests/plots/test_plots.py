@@ -12,7 +12,7 @@ from wrsim.plots import new_figure, patch_gallery, standard_figures, standard_pi
 from wrsim.plots.cross_section import cross_section_zoom
 from wrsim.plots.histories import channels_figure, contact_angle, history, track_layout
 from wrsim.plots.marks import broken
-from wrsim.plots.moments import PatchAt, choose_moments
+from wrsim.plots.moments import PatchAt
 from wrsim.plots.patches import contact_patch, pressure_scale
 from wrsim.plots.static import against_pose
 from wrsim.plots.theme import WHEEL_COLOUR
@@ -84,14 +84,6 @@ def test_a_line_is_interrupted_where_the_contact_jumps():
     np.testing.assert_array_equal(x, [0.0, 1.0, 1.5, 2.0, 3.0])
 
 
-def test_a_sample_without_neighbours_is_a_visible_dot(axes):
-    dataset = curve_run().isel(time=slice(0, 3)).copy(deep=True)
-    dataset["yaw"][:] = [np.nan, 0.002, np.nan]
-    history(axes, dataset, "yaw")
-    dots = [line for line in axes.get_lines() if line.get_marker() == "o"]
-    assert [d.get_ydata().tolist() for d in dots] == [[2.0]]
-
-
 def test_curvature_and_cant_are_beneath_and_keep_their_hand(axes):
     dataset = curve_run(radius=-300.0)
     track_layout(axes, dataset)
@@ -99,14 +91,6 @@ def test_curvature_and_cant_are_beneath_and_keep_their_hand(axes):
     cant = next(a for a in axes.figure.axes if a is not axes)
     np.testing.assert_allclose(cant.get_lines()[0].get_ydata(), dataset["cant"] * 1e3)
     assert axes.get_ylim()[0] < -3.3
-
-
-def test_a_stopped_run_is_marked_where_it_ended():
-    dataset = curve_run(stopped=True)
-    figure = channels_figure(dataset, ("Q",))
-    marks = [line for a in figure.axes for line in a.get_lines() if line.get_gid() == "stop"]
-    assert len(marks) == 2  # panel and track
-    assert all(line.get_xdata()[0] == dataset.attrs["stop_distance_m"] for line in marks)
 
 
 # patches -----------------------------------------------------------------------------------------------------------
@@ -128,14 +112,6 @@ def test_a_patch_is_drawn_with_its_semi_ellipses_of_pressure(axes):
     assert axes.get_aspect() == 1.0
     width = np.ptp(points[..., 0])
     assert width == pytest.approx(1e3 * float(strips["strip_ds"].sum()), rel=1e-6)
-
-
-def test_empty_strips_split_a_patch_into_its_parts(axes):
-    dataset = one_pose().copy(deep=True)
-    dataset["strip_a"][0, 0, 0, 10:14] = 0.0
-    dataset["strip_p"][0, 0, 0, 10:14] = 0.0
-    contact_patch(axes, dataset, PatchAt(0, "left", 0), pressure_scale(dataset))
-    assert len([c for c in axes.collections if isinstance(c, QuadMesh)]) == 2
 
 
 def test_all_patches_of_a_gallery_have_one_scale_of_colour_and_length():
@@ -162,13 +138,6 @@ def test_a_gallery_shows_every_patch_in_contact_and_none_else():
     assert "second patch" in texts(figure)
 
 
-def test_moments_are_spread_over_those_with_strips():
-    dataset = static_poses()
-    assert choose_moments(dataset, 100) == list(range(41))  # the last pose has no solution
-    few = choose_moments(dataset, 5)
-    assert (few[0], few[-1], len(few)) == (0, 40, 5)
-
-
 # cross-sections ----------------------------------------------------------------------------------------------------
 def test_the_section_shows_both_outlines_and_the_patch_on_them(axes):
     dataset = one_pose()
@@ -189,16 +158,6 @@ def test_the_section_shows_both_outlines_and_the_patch_on_them(axes):
     y0, y1 = axes.get_ylim()
     assert x0 < centre[:, 0].min() < centre[:, 0].max() < x1
     assert y0 < centre[:, 1].min() < centre[:, 1].max() < y1
-
-
-def test_pressure_lines_stand_on_the_normals_of_the_strips(axes):
-    dataset = one_pose()
-    cross_section_zoom(axes, dataset, PatchAt(0, "left", 0), pressure_scale(dataset))
-    (lines,) = [c for c in axes.collections if c.get_gid() == "normals"]
-    angle = dataset["strip_angle"].values[0, 0, 0]
-    slopes = np.array([np.arctan2(*(s[1] - s[0])[::-1]) for s in lines.get_segments()]) - np.pi / 2
-    for slope in slopes:
-        assert np.abs(slope - angle).min() < 1e-9
 
 
 # static curves -----------------------------------------------------------------------------------------------------

@@ -1,13 +1,12 @@
 """Pictures that can be published: nothing overlaps, nothing is hidden, cut short or left unexplained."""
 
 import io
-from itertools import combinations, pairwise
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.collections import QuadMesh
 from matplotlib.text import Text
 from support import synthetic_result
 from support.rows import rows_of
@@ -16,8 +15,7 @@ from wrsim import load, run
 from wrsim.errors import InputError
 from wrsim.plots import patch_gallery, section_gallery, standard_figures
 from wrsim.plots.drawing import save_all
-from wrsim.plots.histories import channels_figure, wheelsets_figure
-from wrsim.plots.marks import broken
+from wrsim.plots.histories import channels_figure
 from wrsim.plots.stability import stability_figures
 from wrsim.plots.static import static_figure
 from wrsim.plots.theme import LOOK, STOP_COLOUR, look_of, style
@@ -36,41 +34,8 @@ def conicity() -> Result:
     return run(load(Path(__file__).parents[2] / "scenarios/conicity_s1002.toml"))
 
 
-@pytest.fixture(scope="module")
-def four() -> xr.Dataset:
-    """Four wheelsets; the last ones turn the derailment quotient down."""
-    whole = synthetic_result.curve_run(samples=60)
-    names = ["front.outer", "front.inner", "rear.inner", "rear.outer"]
-    each = [whole.assign_coords(wheelset=[name]) for name in names]
-    both = xr.concat(each, "wheelset", data_vars="minimal", coords="minimal", compat="override", join="override")
-    both["Y_over_Q"] = both["Y_over_Q"] * xr.DataArray([1.0, 0.5, 0.2, 0.1], dims="wheelset")
-    return both.transpose("time", ..., missing_dims="ignore")
-
-
-def labels(figure) -> list[str]:
-    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
-
-
 def rows_of(figure) -> list:
     return [axes for axes in figure.axes if axes.get_title("left")]
-
-
-def test_words_beside_the_panels_of_a_vehicle_do_not_overlap(four) -> None:
-    figure = wheelsets_figure(four, "Y_over_Q")
-    figure.canvas.draw()
-    boxes = [axes.yaxis.label.get_window_extent() for axes in figure.axes]
-    spans = sorted((box.y0, box.y1) for box in boxes if box.x1 < 0.1 * figure.bbox.width)
-    assert len(spans) == 3  # of two wheelsets, above the curvature
-    assert all(low[1] <= high[0] for low, high in pairwise(spans))
-    assert figure.get_suptitle().endswith("derailment quotient")
-
-
-def test_what_is_infinite_is_not_drawn(four) -> None:
-    """A file that somebody made may hold anything."""
-    odd = four.copy(deep=True)
-    odd["Y_over_Q"][3] = np.inf
-    scales = [wheelsets_figure(dataset, "Y_over_Q").axes[-1].get_ylim() for dataset in (four, odd)]
-    assert np.isfinite(scales).all()
 
 
 @pytest.mark.parametrize("radius", [300.0, 150.0])
@@ -86,21 +51,6 @@ def test_the_derailment_quotient_has_its_limit_where_there_is_one(one, radius) -
     assert np.isfinite(values).all() == (radius >= 250.0)
     assert np.isfinite(values[one["distance"].values < 100.0]).all()
     assert limit.axes.get_ylim()[1] > 0.8
-
-
-def test_a_panel_is_cut_out_around_its_patch(one) -> None:
-    """Large yaw carries patches far ahead; no panel is mostly empty for that, and one scale holds for all."""
-    far = one.copy(deep=True)
-    far["strip_x"].values[1] += 0.2
-    figures = [patch_gallery(dataset) for dataset in (one, far)]
-    heights = [figure.get_figheight() for figure in figures]
-    assert heights[1] == pytest.approx(heights[0], rel=1e-6)
-    for figure in figures:
-        for axes in figure.axes:
-            meshes = [mesh for mesh in axes.collections if isinstance(mesh, QuadMesh)]
-            if meshes and axes.get_xlabel().startswith("$s$"):
-                (low, high), (line, *_) = axes.get_ylim(), axes.lines
-                assert low < np.min(line.get_ydata()) < np.max(line.get_ydata()) < high
 
 
 def stability(ending: list[str]) -> xr.Dataset:
@@ -234,10 +184,3 @@ def test_poses_that_no_railway_has_are_left_out_of_the_axes() -> None:
     (force,) = [axes for axes in figure.axes if "Normal force" in axes.get_ylabel()]
     assert force.get_ylim()[1] < 200.0
     assert any("1 of 4 poses" in text.get_text() and "kN" in text.get_text() for text in figure.texts)
-
-
-def test_a_line_is_interrupted_where_a_small_step_is_sudden() -> None:
-    x = np.arange(40.0)
-    angle = 1.0 + 0.02 * x + np.where(x > 20.0, 2.0, 0.0)
-    assert np.isnan(broken(x, angle, 6.0)[1]).sum() == 1
-    assert np.isfinite(broken(x, 3.0 * np.sin(x), 6.0)[1]).all()  # fast, but everywhere

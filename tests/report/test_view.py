@@ -23,7 +23,7 @@ from wrsim.contact.status import WORDS
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.errors import InputError
 from wrsim.report.page import report_page
-from wrsim.report.view_data import PATH_STEP, packed, packed_steps, setup_of, view_data, view_page
+from wrsim.report.view_data import PATH_STEP, setup_of, view_data, view_page
 from wrsim.results import CHANNELS, Result
 from wrsim.results.moments import sample_of
 from wrsim.results.wheelsets import wheelsets
@@ -103,15 +103,6 @@ def test_what_contacts_solved_again_have_to_say_stands_among_the_notes(
     assert f"the left wheel of wheelset front.outer: {WORDS[STATUS_NOT_CONVERGED]} (at " in note
     assert re.fullmatch(r"Contacts that are drawn: .* places\)", note)
     assert "rear" not in note
-
-
-def test_packing_keeps_numbers() -> None:
-    rng = np.random.default_rng(3)
-    values = rng.normal(size=(40, 7))
-    assert np.array_equal(unpacked(packed(values, "f8")), values)
-    steps = unpacked(own := packed_steps(20.0 * values, 0.005)).astype(np.int64)
-    whole = (np.cumsum(steps, axis=0) + 32768) % 65536 - 32768
-    assert np.abs(whole * own["unit"] - 20.0 * values).max() <= 0.0025 + 1e-9
 
 
 def test_the_drawn_track_is_the_track_of_the_run(coach: Result, page: Path) -> None:
@@ -213,14 +204,6 @@ def test_exaggeration_moves_bodies_away_from_the_track(viewer: Browser) -> None:
         shifts.append(viewer.run(place))
     assert shifts[1] == pytest.approx(10.0 * shifts[0]) and shifts[2] == pytest.approx(50.0 * shifts[0])
     assert abs(shifts[0]) > 1e-4
-
-
-def test_it_plays(viewer: Browser) -> None:
-    viewer.run("return wrsim.ready.then(() => wrsim.seek(10))")
-    viewer.run("document.getElementById('rate').value = '10'; document.getElementById('play').click()")
-    viewer.wait("wrsim.viewer.run.distance.data[Math.floor(wrsim.viewer.at)] > 15")
-    viewer.run("wrsim.viewer.play(false)")
-    assert viewer.complaints() == []
 
 
 def test_keys_and_the_history_go_along_the_run(viewer: Browser) -> None:

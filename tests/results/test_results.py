@@ -1,7 +1,6 @@
 """Register, dataset, file, tables and summary of a result."""
 
 import csv
-import errno
 import io
 import json
 import os
@@ -24,7 +23,6 @@ from wrsim.results.summary import PEAKS
 from wrsim.results.table import Column, Placed, Table, as_html, as_records, as_rows, as_text, formatted, quantity
 from wrsim.results.tables import tables
 
-ROOT = Path(__file__).parents[2]
 ATTRIBUTES = {"title": "t", "analysis": "curving", "status": "completed", "scenario_text": "x = 1\n"}
 EVERY = ["curve", "stopped", "static", "one wheel"]
 
@@ -53,10 +51,6 @@ def written(tmp_path_factory) -> dict[str, Path]:
 
 
 # the register ------------------------------------------------------------------------------------------------------
-def test_column_names_are_unique_and_plain_ascii():
-    columns = [c.column for c in CHANNELS.values()]
-    assert len(set(columns)) == len(columns)
-    assert all(re.fullmatch(r"[A-Za-z0-9_]+", column) for column in columns)
 
 
 def test_units_for_readers_agree_with_si_units():
@@ -229,21 +223,6 @@ def test_files_that_are_not_ours_are_refused(tmp_path):
         Result.load(Result(newer).save(tmp_path / "newer.nc"))
 
 
-@pytest.mark.parametrize("code", [errno.ENOSPC, errno.EFBIG])
-def test_a_full_disk_or_a_limit_of_file_size_is_told_and_leaves_the_old_file_whole(code, tmp_path, monkeypatch):
-    path = tmp_path / "result.nc"
-    path.write_bytes(b"old")
-
-    def full(_):
-        raise OSError(code, os.strerror(code))
-
-    monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(WrsimError, match=r"cannot write .*result\.nc: the disk is full \(.* needed\)"):
-        Result(dataset_of("one wheel")).save(path)
-    assert path.read_bytes() == b"old"
-    assert [p.name for p in tmp_path.iterdir()] == ["result.nc"]
-
-
 def test_a_place_that_is_no_directory_is_told(tmp_path):
     (tmp_path / "taken").write_text("")
     with pytest.raises(WrsimError, match="a part of this path is a file"):
@@ -280,17 +259,6 @@ def test_numbers_in_the_patch_table_are_those_of_the_dataset(kind, written):
     in_contact = int(np.isfinite(dataset["N"]).sum())
     without = int(np.isnan(dataset["N"].isel(patch=0)).sum()) if sample == "pose" else 0
     assert len(rows) == in_contact + without
-
-
-def test_the_static_table_names_the_pose_and_says_why_it_failed(written):
-    rows = read_table(written["static"] / "patches.csv")
-    assert list(rows[0])[:3] == ["pose", "wheel", "patch"]
-    assert {"p0_MPa", "contact_angle_variation_deg", "load_kN", "lateral_shift_mm", "yaw_mrad"} <= set(rows[0])
-    failed = [row for row in rows if row["pose"] == "y+10_yaw12"]
-    assert [(row["wheel"], row["N_kN"], row["pose_message"]) for row in failed] == [
-        ("left", "", "the flange is over the rail"),
-        ("right", "", "the flange is over the rail"),
-    ]
 
 
 def test_the_history_table_has_a_column_for_every_wheel(written):

@@ -51,10 +51,6 @@ def test_vehicles_of_a_train_are_changed_by_their_names() -> None:
     assert not any(member.driven for member in changed.members)
 
 
-def test_entries_of_a_track_are_numbers() -> None:
-    assert load(COACH).with_set(["track.segments.2.radius_m=250"]).spec.track.segments[2].radius_m == 250
-
-
 REFUSED = {
     "vehicle.bogie.primry.at_mm.1": r"there is no 'primry' in parts.bogie \(did you mean 'primary'\?\)",
     "vehicle.bogie.primary.stiffnes_kN_per_m": "unknown key; did you mean 'stiffness_kN_per_m', which is given already",

@@ -9,7 +9,6 @@ from support.vehicles import on_track, shipped
 from wrsim.geometry.track.segments import Arc, Straight
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.force_law import all_on_all
-from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import damped_newton
 from wrsim.simulation.placement import design_state, poses_on_track
@@ -47,27 +46,6 @@ def test_a_symmetric_wheelset_rolls_straight_in_the_middle(places):
     left, right = forces.edge_memory[1:]
     assert left == pytest.approx(right, rel=1e-6)
     assert left * np.cos(np.arctan(0.05)) == pytest.approx(50e3, rel=2e-6)
-
-
-def test_a_lateral_force_is_held_by_the_springs():
-    # 1 kN on two springs of 0.2 MN/m; the cones turn the wheelset, the yaw springs hold against it
-    forces = KnifeEdgeForces(example_wheelset(push=1e3), SPEED)
-    found = steady_state(forces)
-    out = np.zeros(6)
-    forces(0.0, found.q, found.q_t, out)
-    assert np.abs(out[[0, 2]]).max() < 1e-9 * 100e3
-    assert 0.0 < found.q[2] < 1e3 / 4e5
-
-
-def test_an_equilibrium_stays_at_rest_in_time():
-    vehicle = example_wheelset(axle_load=84e3, carried_mass=2000.0, carried_height=1.0)
-    forces = KnifeEdgeForces(vehicle, SPEED)
-    found = steady_state(forces)
-    motion = Integration(forces.system, duration=1.0, step=5e-4, integrator="rk44", sample_interval=0.01).run(
-        found.q, found.q_t
-    )
-    assert np.ptp(motion.q[:, 0]) < 1e-12
-    assert np.abs(motion.q[:, 2:5]).max() < 1e-12
 
 
 def test_a_rolling_wheelset_without_springs_keeps_the_place_that_nothing_determines():

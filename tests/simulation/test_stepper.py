@@ -11,7 +11,6 @@ from wrsim.core.body import stepper as kernel
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.system import BodySystem
 
-PUSH = {"name": "push", "on": "carbody", "at_mm": [0.0, 0.0, 1500.0], "axes": "track", "force_kN": [0.0, 0.0, 0.0]}
 COACH = load(ROOT / "scenarios/manchester_r300.toml").with_values(
     FAST
     | {

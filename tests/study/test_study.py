@@ -32,7 +32,7 @@ from wrsim.results.files import Keeper, digest_of, keeping
 from wrsim.study import task
 from wrsim.study.cluster import CA, CERT, KEY, ONE_THREAD, local_workers, slurm_cluster, slurm_security, workers_at
 from wrsim.study.collect import collected, markers_of, rows_of_cases
-from wrsim.study.engine import _note_killed, execute, kinds, missing
+from wrsim.study.engine import _note_killed, execute, missing
 from wrsim.study.plan import PLAN, Plan, planned
 from wrsim.study.task import Marker, compile_for, run_case
 
@@ -157,31 +157,6 @@ def test_outputs_of_a_case_are_those_of_its_result(serial: Plan) -> None:
     assert kept.dataset.attrs["title"] == "Friction and speed: friction 0.3, speed_kmh 45"
 
 
-@pytest.mark.campaign
-def test_a_study_that_is_killed_goes_on_where_it_was(serial: Plan, workers: Client, tmp_path: Path) -> None:
-    """The process of the study and all of its workers die; a case that was under way goes on from its part file."""
-    out = tmp_path / "out"
-    one = AXES.replace("[0.1, 0.3]", "[0.3]").replace("to = 50", "to = 45")
-    file = study_file(tmp_path, one, seconds=6.0)
-    plan, _ = planned(file, out)
-    command = [sys.executable, "-P", "-m", "wrsim", "study", str(file), "-o", str(out), "--workers", "1", "-q"]
-    process = subprocess.Popen(command, start_new_session=True)
-    parts = [plan.folder_of(case) / task.PART for case in plan.cases]
-    wait_until(lambda: any(p.exists() and p.stat().st_size > 40_000 for p in parts), process)  # some checkpoints
-    os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
-    left = missing(plan)
-    assert left
-    assert (out / PLAN).read_bytes() == plan.dumped()  # every process makes the same plan
-    execute(workers, plan, left)
-    found = markers(plan)
-    assert any(m.resumed for m in found)
-    assert {m.status for m in found} == {"completed"}
-    uncut = plan_of(file, tmp_path / "uncut")
-    execute(workers, uncut, missing(uncut))
-    assert [m.numbers for m in found] == [m.numbers for m in markers(uncut)]  # to the bit
-
-
 def test_more_values_run_only_what_is_new(serial: Plan, tmp_path: Path) -> None:
     more = AXES.replace("[0.1, 0.3]", "[0.1, 0.3, 0.2]")
     plan, _ = planned(study_file(tmp_path, more), Path(serial.folder))
@@ -268,24 +243,6 @@ def test_a_case_that_takes_too_long_is_ended_and_goes_on_with_more_time(
     assert done.status == "completed" and done.resumed
 
 
-@pytest.mark.campaign
-def test_a_hook_that_hangs_costs_its_worker_and_not_the_study(serial: Plan, workers: Client, tmp_path: Path) -> None:
-    (tmp_path / "hang.py").write_text("import time\n\ndef numbers(result):\n    time.sleep(1e6)\n")
-    one = AXES.replace("[0.1, 0.3]", "[0.3]").replace("to = 50", "to = 40")
-    limit = max(2.0, 10.0 * max(m.simulation for m in markers(serial)))  # the run itself is done by then
-
-    def have_no_patience_beyond_it() -> None:
-        task.GRACE = 0.0
-
-    workers.run(have_no_patience_beyond_it)
-    more = f'[outputs]\nhook = "hang.py:numbers"\n[cases]\ntime_limit_s = {limit}\n'
-    plan = plan_of(study_file(tmp_path, one, more, seconds=0.1), tmp_path / "out")
-    execute(workers, plan, missing(plan))
-    (marker,) = markers(plan)
-    assert marker.status == "out of time" and "last_hung.txt shows where" in marker.message
-    assert "hang.py" in (plan.folder_of(plan.cases[0]) / "last_hung.txt").read_text()
-
-
 def test_a_case_that_kills_its_workers_is_an_entry_and_spares_the_others(workers: Client, tmp_path: Path) -> None:
     die = "import os\n\ndef numbers(result):\n    if 'friction 0.1' in result.title:\n        os._exit(7)\n"
     (tmp_path / "die.py").write_text(die + "    return {}\n")
@@ -336,13 +293,6 @@ def test_an_output_that_cannot_be_had_stops_the_study_at_its_first_case(workers:
     plan = plan_of(study_file(tmp_path, more=more), tmp_path / "out")
     with pytest.raises(InputError, match=r"\"Q_maxx_kN\" is not in the summary; there is .*did you mean 'Q_max_kN'"):
         execute(workers, plan, missing(plan))
-
-
-def test_one_case_stands_for_every_set_of_kernels(tmp_path: Path) -> None:
-    axes = AXES + '[[vary]]\nkind = "grid"\nkey = "contact.tangential"\nvalues = ["fastsim", "polach"]\n'
-    plan, _ = planned(study_file(tmp_path, axes), tmp_path / "out")
-    first = kinds(plan, range(len(plan.cases)))
-    assert [plan.cases[i].values["contact.tangential"] for i in first] == ["fastsim", "polach"]
 
 
 def test_samples_are_the_same_for_the_same_seed_and_fill_their_ranges(tmp_path: Path) -> None:

@@ -34,9 +34,6 @@ from wrsim.study.task import COMPLETED, MARKER, Marker, read_marker, write_marke
 
 table = rows_of(__file__)
 
-GRID = '[[vary]]\nkind = "grid"\nkey = "{}"\nvalues = {}\n'
-OVER = '[[vary]]\nkind = "sobol"\nsamples = {}\n[[vary.over]]\nkey = "contact.friction"\n{}\n'
-
 
 @pytest.mark.parametrize(("axes", "message"), table("every_fault_of_a_study_file_is_one_clear_error"))  # fmt: skip
 def test_every_fault_of_a_study_file_is_one_clear_error(axes: str, message: str, tmp_path: Path) -> None:
@@ -56,19 +53,6 @@ def test_a_study_of_too_many_cases_is_refused_before_they_are_made(
     monkeypatch.setattr("wrsim.study.plan.MOST_CASES", 5)
     with pytest.raises(InputError, match=r"study\.toml:4: vary: describes 6 cases; must be at most 5"):
         planned(study_file(tmp_path), tmp_path / "out")
-
-
-def test_an_axis_that_is_refused_is_not_missing_as_well(tmp_path: Path) -> None:
-    with pytest.raises(InputError) as problem:
-        planned(study_file(tmp_path, '[[vary]]\nkey = "a"\n'), tmp_path / "out")
-    assert len(str(problem.value).splitlines()) == 1
-
-
-def test_a_base_that_is_not_there_names_the_nearest_file(tmp_path: Path) -> None:
-    file = study_file(tmp_path)
-    file.write_text(file.read_text().replace('"base.toml"', '"bsae.toml"'))
-    with pytest.raises(InputError, match=r'toml:2: base = "bsae\.toml": not found in .*did you mean "base\.toml"'):
-        planned(file, tmp_path / "out")
 
 
 def test_files_of_the_user_are_not_written_over(tmp_path: Path) -> None:

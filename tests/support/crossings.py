@@ -58,16 +58,6 @@ def crossing(start: float, end: float) -> RailSurface:
 
 
 @cache
-def in_equal_shares(start: float, end: float) -> RailSurface:
-    """The same joined as in CONTACT's case at s = 239 mm, whose file of sections marks no features: by equal shares of
-    the whole length, here by features that stand at the same share everywhere, one of them in the gap."""
-    parted = (
-        RailSection(own.distance, own.profile, tuple(share * own.profile.length for share in SHARES))
-        for own in crossing(start, end).sections
-    )
-    return RailSurface("56E1 crossing in equal shares", tuple(parted))
-
-
 def write_crossing(path: Path, start: float, end: float) -> None:
     """The same as a table of sections for [[track.rail_sections]]; the gauge face is that of the reference, whose
     origin lies 750 mm from the middle of its track."""

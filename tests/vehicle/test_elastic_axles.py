@@ -17,7 +17,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.force_law import force_derivative
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.steady_state import lower_on_rails, steady_state
+from wrsim.simulation.steady_state import steady_state
 from wrsim.vehicle.axle import Axle, Disc, whirl
 from wrsim.vehicle.flexible import free_roots
 from wrsim.vehicle.vehicle import Vehicle
@@ -200,14 +200,6 @@ def test_gyroscopic_forces_on_an_axle_do_no_work() -> None:
     own = np.delete(np.delete(grown, [0, 1, 2, 5], 0), [0, 1, 2, 5], 1)
     assert np.max(np.abs(own)) > 1e3
     assert np.max(np.abs(own + own.T)) < 1e-6 * np.max(np.abs(own))
-
-
-def test_a_coach_runs_on_elastic_axles() -> None:
-    """A curve is taken with forces that differ little from those of rigid axles."""
-    law = on_track(elastic(), 20.0, [Arc(400.0, 3000.0, 0.02)]).law
-    found = steady_state(law, lower_on_rails(law, *design_state(law)))
-    assert found.residual < 1e-9
-    assert np.max(np.abs(found.q[law.modes.start : law.modes.stop])) < 1e-3
 
 
 def test_keys_of_an_axle_are_checked(tmp_path: Path) -> None:

@@ -60,25 +60,6 @@ def test_a_block_on_a_slope_stays_below_the_angle_of_friction_and_slides_above_i
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_a_block_that_is_pushed_and_sticks_again_loses_its_energy_to_the_slip(integrator: Integrator) -> None:
-    """Kinetic energy = force times slip + what the stick spring keeps, whose swing is a part of it."""
-    force, k, speed = 8e3, 2e6, 0.5
-    law = on_springs(box(FIXED, slides(force, k)))
-    q, q_t = design_state(law)
-    q_t[6 + 1] = speed
-    found = motion(law, q, q_t, 1.0, 5e-4, integrator)
-    x, v, slip = found.q[:, 6 + 1] - q[6 + 1], found.q_t[:, 6 + 1], found.q_t[:, 12]
-    kept = 0.5 * MASS * v**2 + 0.5 * k * (x - slip) ** 2
-    pull = np.clip(k * (x - slip), -force, force)
-    lost = np.concatenate([[0.0], np.cumsum(0.5 * (pull[1:] + pull[:-1]) * np.diff(slip))])
-    energy = 0.5 * MASS * speed**2
-    assert np.abs(kept + lost - energy).max() < 2e-3 * energy
-    assert np.abs(k * (x - slip)).max() < 1.01 * force  # and what is felt of it is never beyond the bound
-    stop = energy / force  # of a rigid slider
-    assert slip[-1] == pytest.approx(stop, abs=force / k)
-
-
-@pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_the_swing_of_a_block_decays_by_the_same_length_every_period(integrator: Integrator) -> None:
     """4 F/k a period with rigid friction. With a stick stiffness s the elastic part 2 F/s of a stroke does not slip: a
     stroke loses A_n - A_n+1 = 2 F/k (1 - 2 F/(s (A_n + A_n+1)))."""

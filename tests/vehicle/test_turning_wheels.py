@@ -123,27 +123,6 @@ def test_the_frame_gives_what_creep_takes_with_independent_wheels():
     assert given[:6] @ q_t[:6] == pytest.approx(dissipated, rel=5e-3)
 
 
-def test_mirrored_wheels_give_mirrored_forces():
-    vehicle = with_axle(manchester(), INDEPENDENT)
-    law = on_track(vehicle, 15.0).law
-    q, q_t = design_state(law)
-    n = 6 * len(law.bodies)
-    q[: 6 * 4] += np.tile([-1e-4, 0.0, 2e-3, 1e-3, 1e-4, 0.0], 4)
-    q_t[list(law.twists.values())] = [0.3, -0.1, 0.2, -0.4]
-    mirror = np.tile([1.0, 1.0, -1.0, -1.0, -1.0, 1.0], len(law.bodies))
-    out, other = np.zeros(law.size), np.zeros(law.size)
-    law(0.0, q, q_t, out)
-    turned, turned_t = q.copy(), q_t.copy()
-    turned[:n] *= mirror
-    turned_t[:n] *= mirror
-    twists = list(law.twists.values())
-    turned_t[twists] *= -1.0
-    law.look_near(law.start)
-    law(0.0, turned, turned_t, other)
-    assert other[twists] == pytest.approx(-out[twists], rel=1e-8)
-    assert other[: 6 * 4] == pytest.approx((mirror * out[:n])[: 6 * 4], rel=1e-8, abs=1e-6)
-
-
 def test_a_moment_on_one_wheel_turns_that_wheel_alone():
     vehicle = with_axle(manchester(), INDEPENDENT)
     name = vehicle.wheelsets[0].name

@@ -58,14 +58,6 @@ def springs(vehicle: Vehicle) -> list[Spring]:
     return [e for e in vehicle.elements if isinstance(e, Spring) and e.first == GUIDE]
 
 
-def test_the_guide_frame_holds_its_wheelset_at_the_height_of_other_wheels(tmp_path: Path) -> None:
-    (tmp_path / "vehicle.toml").write_text(VEHICLE)
-    vehicle = load_vehicle(tmp_path / "vehicle.toml", FIND)
-    turned = vehicle.with_wheelsets(lambda w: w.with_wheel("left", None, 0.44).with_wheel("right", None, 0.44))
-    assert turned.wheelsets[0].height == 0.44
-    assert [spring.at[2] for spring in springs(turned)] == [0.44, 0.44]
-
-
 def test_each_wheel_may_have_its_own_profile_and_radius(tmp_path: Path) -> None:
     text = VEHICLE.replace("radius_mm = 450", "radius_left_mm = 450\nradius_right_mm = 449")
     text = text.replace('wheel = "wheels/S1002.toml"', 'wheel_left = "wheels/S1002.toml"\nwheel_right = "mine.toml"')
@@ -228,7 +220,6 @@ def test_a_bad_file_is_refused_with_a_clear_message(name: str, tmp_path: Path) -
 
 
 WIND = {"name": "wind", "on": "carbody", "at_mm": [0, 0, 2200], "axes": "track", "force_kN": [0, 40, 0]}
-COAL = {"name": "coal", "on": "carbody", "at_mm": [0, 0, 900], "mass_kg": 20e3}
 
 
 @pytest.mark.parametrize(("scenario", "values", "words"), [

@@ -19,7 +19,7 @@ from wrsim.simulation.placement import design_state, poses_on_track
 from wrsim.simulation.steady_state import lower_on_rails, steady_state
 from wrsim.vehicle.loads import Load, Payload
 from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 SHIPPED = sorted((ROOT / "models/vehicles").glob("*.toml"))
 HEIGHT = 2.2  # of the wind [m]
@@ -161,13 +161,6 @@ def test_a_vehicle_in_a_storm_lifts_wheels_and_overturns() -> None:
     assert (near >= 0.0).all() and near[:, 1].max() < 2e3
     with pytest.raises(SimulationError, match="does not come to rest under its loads: it overturns"):
         static_state(in_wind(130e3))
-
-
-def test_a_table_counts_with_its_largest_force() -> None:
-    rows = ((0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 30e3, 0.0), (2.0, 0.0, -5e3, 1e3))
-    gust = Load("gust", "carbody", (0.0, 0.0, HEIGHT), rows)
-    found = static_state(replace(manchester(), loads=(gust,)))
-    assert found.wheel_loads == pytest.approx(static_state(in_wind(30e3)).wheel_loads, rel=1e-9)
 
 
 def test_what_acts_on_a_vehicle_points_to_where_its_moment_vanishes() -> None:
@@ -336,13 +329,6 @@ def wheel_loads(law: VehicleOnTrack) -> np.ndarray:
     return np.array([[wheel.model.arrays.total.Fb for wheel in pair] for pair in law.wheels])
 
 
-def test_mass_and_centre_are_the_sum_of_the_bodies() -> None:
-    vehicle = manchester()
-    assert vehicle.mass == 4 * 1813 + 2 * 2615 + 32000
-    height = (4 * 1813 * 0.46 + 2 * 2615 * 0.6 + 32000 * 1.8) / vehicle.mass
-    assert np.allclose(vehicle.centre, (0.0, 0.0, height), atol=1e-12)
-
-
 @pytest.mark.parametrize("speed", [0.0, 30.0])
 def test_wheel_loads_sum_to_the_weight_and_are_alike_on_both_sides(speed: float) -> None:
     law = on_track(manchester(), speed).law
@@ -427,14 +413,3 @@ def test_load_transfer_in_a_canted_curve_is_that_of_the_closed_form() -> None:
             transfer -= wheel.side * a.total.Fb * contact
     assert transfer > 10e3
     assert transfer == pytest.approx(moment, rel=0.01)
-
-
-def test_smaller_wheels_lower_the_whole_vehicle() -> None:
-    def turned(wheelset: Wheelset) -> Wheelset:
-        return replace(wheelset, left=replace(wheelset.left, radius=0.45), right=replace(wheelset.right, radius=0.45))
-
-    law = on_track(manchester().with_wheelsets(turned)).law
-    found = steady_state(law)
-    law(0.0, found.q, found.q_t, np.zeros(law.size))
-    assert wheel_loads(law).sum() == pytest.approx(law.vehicle.weight, rel=1e-8)
-    assert found.q[6 * 4] == pytest.approx(1.8 - 0.01, abs=5e-4)

@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from support.contacts import STEEL
-from support.hertz import COMPLIANCE, Ellipse, EllipseGrid
+from support.hertz import Ellipse, EllipseGrid
 
-from wrsim.contact.half_space.influence import Operator
 from wrsim.contact.half_space.normal import Pressure, solve_normal
 from wrsim.contact.half_space.patch import stretches
 from wrsim.contact.half_space.solver import Pressed
@@ -66,38 +64,6 @@ def test_the_solution_does_not_depend_on_the_start():
     warm = solve_normal(operator, pen, 1e-8, np.full(pen.shape, 1e8))
     assert warm.p == pytest.approx(cold.p, abs=1e-5 * cold.p.max())
     assert solve_normal(operator, pen, 1e-6, cold.p).steps == 0
-
-
-def test_force_grows_with_the_approach_as_hertz_says():
-    grid = EllipseGrid(ELLIPSES["circle"], 24)
-    operator = grid.operator()
-    shares = np.linspace(0.1, 1.0, 10)
-    pen = grid.penetration()
-    forces = [solve_normal(operator, pen - (1.0 - share) * pen.max(), 1e-6).p.sum() for share in shares]
-    assert (np.diff(forces) > 0.0).all()
-    assert np.array(forces)[4:] / forces[-1] == pytest.approx(shares[4:] ** 1.5, rel=0.01)
-
-
-def test_a_neighbour_presses_down():
-    # two equal balls in a row: each carries less than alone, and the less the nearer
-    ball = Ellipse(2e-3, 2e-3)
-    d = ball.a / 8.0
-    curvature = ball.curvatures[0]
-    x = (np.arange(120) - 59.5) * d
-    s = (np.arange(20) - 9.5)[:, None] * d
-    operator = Operator(20, 120, d, d, COMPLIANCE)
-
-    def force(centres):
-        gap = np.min([curvature * ((x - c) ** 2 + s**2) for c in centres], axis=0)
-        return solve_normal(operator, ball.approach - gap, 1e-6).p.sum() * d * d / len(centres)
-
-    alone = force([0.0])
-    near, far = force([-2.2e-3, 2.2e-3]), force([-4e-3, 4e-3])
-    assert near < far < alone
-    # far apart the other is a point load: delta grows by N / (pi E* r), N is 3/2 delta to first order
-    lift = alone / (np.pi * COMPLIANCE.modulus * 8e-3) / ball.approach
-    assert far / alone == pytest.approx(1.0 - 1.5 * lift, abs=0.03)
-    assert STEEL.poisson_ratio == 0.28
 
 
 @pytest.mark.parametrize(

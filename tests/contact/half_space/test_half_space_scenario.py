@@ -58,28 +58,6 @@ def test_elements_sum_up_to_their_strips():
     assert (np.hypot(d["element_qx"], d["element_qs"]).values <= bound)[np.isfinite(bound)].all()
 
 
-def test_fastsim_on_exact_pressures_is_near_exact_creep():
-    # FASTSIM's known 5 to 10 %; pressures and patches are the exact ones but for the share of friction in the load
-    exact, fast = solved(EXACT), solved(ON_EXACT)
-    for name in ("N", "p0", "area", "contact_angle_max"):
-        assert patches(fast, name) == pytest.approx(patches(exact, name), rel=0.01)
-    bound = 0.3 * patches(exact, "N")
-    for name in ("Fx", "Fy"):
-        assert np.abs(patches(fast, name) - patches(exact, name)).max() <= 0.1 * bound.max()
-    assert (np.hypot(patches(fast, "Fx"), patches(fast, "Fy")) <= bound * 1.01).all()
-
-
-def test_angles_and_places_agree_with_the_strip_model():
-    # two models of one contact: the main points lie together, the patches reach about as far
-    exact, strips = solved(EXACT), solved('normal = "strips"')
-    main = np.isfinite(exact["N"].values[:, 0, 0])
-    for name, within in (("u_rail", 2e-4), ("u_wheel", 2e-4), ("contact_angle", 0.02), ("x_contact", 3e-4)):
-        assert np.abs(exact[name].values - strips[name].values)[main, 0, 0].max() < within
-    for name in ("xi", "eta", "phi"):
-        assert patches(exact, name)[0] == pytest.approx(patches(strips, name)[0], rel=0.02, abs=1e-5)
-    assert exact["width"].values[:, 0, 0] == pytest.approx(strips["width"].values[:, 0, 0], rel=0.2)
-
-
 # two flanges at -87 mrad have a reason only; with friction they come to it in 20 s
 @pytest.mark.parametrize(("friction", "shifts", "yaws", "loads", "least"), [
     (0.3, "-72, 8", "0", "30", 1),
