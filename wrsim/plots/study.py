@@ -5,7 +5,7 @@ Only completed cases count; what derailed, or has no result, is marked where it 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import cycle
 from math import ceil
@@ -19,12 +19,14 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from wrsim.inputs.section import UNITS
 from wrsim.plots.marks import note, panels
 from wrsim.plots.theme import DOTS, GROUP_MARK, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, pressure_map
 from wrsim.results.channels import SHOWN
+from wrsim.results.sensitivity import METHODS, by_output, sensitivity_in
 from wrsim.results.table import formatted, with_unit
 
 MOST_OUTPUTS, MOST_LINES, MOST_KEYS = 12, 8, 4
@@ -51,6 +53,8 @@ def study_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     others = [str(n) for n, c in dataset.coords.items() if n not in dataset.dims and c.dtype.kind == "f"]
     if sampled := [name for name in others if np.unique(dataset[name].values).size > 1]:
         makers["samples"] = partial(samples_figure, dataset, outputs, sampled[:MOST_KEYS])
+    if (found := sensitivity_in(dataset)) and found["indices"]:
+        makers["sensitivity"] = partial(sensitivity_figure, dataset, found)
     if int((dataset["status"] == COMPLETED).sum()) >= ENOUGH:
         makers["percentiles"] = partial(percentiles_figure, dataset, outputs)
     return makers
@@ -158,6 +162,32 @@ def samples_figure(dataset: xr.Dataset, outputs: Sequence[str], keys: Sequence[s
     draws = [partial(draw, name=name, key=key) for name in shown for key in keys]
     title, note, height = str(dataset.attrs["title"]), _note(dataset, outputs, shown), 16.0 + 32.0 * len(shown)
     return panels(title, draws, height, columns=len(keys), share=False, note=note)
+
+
+def sensitivity_figure(dataset: xr.Dataset, found: Mapping[str, Any]) -> Figure:
+    """Indices of every output as bars with their intervals, the key that decides most on top."""
+    words = METHODS[found["method"]]
+    outputs = by_output(found)
+    shown = list(outputs)[:MOST_OUTPUTS]
+
+    def draw(axes: Axes, name: str) -> None:
+        keys = outputs[name]
+        for j, kind in enumerate(words):
+            rows = [own[kind] for _, own in keys]
+            value, low, high = (np.array([row[end] for row in rows], dtype=float) for end in ("value", "low", "high"))
+            at = np.arange(len(rows)) + (j - 0.5 * (len(words) - 1)) * 0.36
+            axes.barh(at, value, height=0.34, color=SERIES_COLOURS[j], alpha=0.55, linewidth=0.0)
+            axes.hlines(at, low, high, color=INK, linewidth=0.8)
+        axes.set_yticks(range(len(keys)), [key.rpartition(".")[2] for key, _ in keys], fontsize=6.0)
+        axes.set(ylim=(len(keys) - 0.4, -0.6), title=label_of(dataset, name), xlabel=found["method"])
+        axes.axvline(0.0, color=QUIET, linewidth=0.6)
+        axes.grid(axis="y", visible=False)
+
+    legend = [Patch(color=SERIES_COLOURS[j], alpha=0.55, label=kind) for j, kind in enumerate(words.values())]
+    most = max(len(outputs[name]) for name in shown)
+    draws, height = [partial(draw, name=name) for name in shown], 30.0 + (14.0 + 7.0 * most) * ceil(len(shown) / 2)
+    columns = min(2, len(shown))
+    return panels(str(dataset.attrs["title"]), draws, height, columns=columns, share=False, legend=legend)
 
 
 def percentiles_figure(dataset: xr.Dataset, outputs: Sequence[str]) -> Figure:

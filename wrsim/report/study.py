@@ -15,6 +15,7 @@ from wrsim.plots.wear import evolution_figures
 from wrsim.report.document import NO_COVER, Cover
 from wrsim.report.page import as_picture, last_part, page_template
 from wrsim.report.tables import BAD, OPEN, Verdict
+from wrsim.results.sensitivity import sensitivity_in, sensitivity_tables
 from wrsim.results.table import Column, Table, formatted, quantity
 
 MOST_ROWS, FEW_ROWS = 500, 40  # cases in a table of the page; up to so many, the table is open
@@ -44,6 +45,7 @@ def study_page(dataset: xr.Dataset, source: str, cover: Cover = NO_COVER) -> str
         "versions": _versions(dataset),
         "outputs": _outputs(dataset, outputs, labels),
         "pictures": [as_picture(name, make()) for name, make in study_figures(dataset).items()],
+        "sensitivity": sensitivity_tables(sensitivity_in(dataset)),
         "without": _table(("case", "status", "message"), lost),
         "without_more": _more(len(without)),
         "cases": _cases(dataset, outputs[:MOST_OUTPUTS]),

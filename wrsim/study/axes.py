@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wrsim.errors import InputError
 from wrsim.inputs.csv_tables import csv_cells, table_lines
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import given
 from wrsim.inputs.toml_files import parse_value
-from wrsim.study.spec import Axis, CsvAxis, GridAxis, LatinHypercubeAxis, SobolAxis, axis_name
+from wrsim.study.spec import Axis, CsvAxis, GridAxis, LatinHypercubeAxis, SampledKey, SobolAxis, axis_name
 
 ID = "id"
 """Column of a table that names its rows."""
@@ -57,22 +58,26 @@ def axis_points(axis: Axis, finder: Finder, where: str) -> AxisPoints:
 
 def _sampled(axis: SobolAxis | LatinHypercubeAxis) -> list[list[float]]:
     """Samples of every key: the same for the same seed."""
-    from scipy.stats import norm, qmc
+    from scipy.stats import qmc
 
     generator = np.random.default_rng(axis.seed)
     sampler = (qmc.Sobol if isinstance(axis, SobolAxis) else qmc.LatinHypercube)(len(axis.over), rng=generator)
     unit = sampler.random(axis.samples)
-    columns = []
-    for part, one in zip(unit.T, axis.over, strict=True):
-        if one.mean is not None:
-            values = norm.ppf(np.clip(part, 1e-9, 1.0 - 1e-9), one.mean, one.deviation)
-        elif one.spacing == "log":
-            low, high = np.log(given(one.low)), np.log(given(one.high))
-            values = np.exp(low + part * (high - low))
-        else:
-            values = given(one.low) + part * (given(one.high) - given(one.low))
-        columns.append([round(v) if one.whole else v for v in values.tolist()])
-    return columns
+    return [sampled_values(part, one) for part, one in zip(unit.T, axis.over, strict=True)]
+
+
+def sampled_values(part: NDArray[np.float64], one: SampledKey) -> list[float]:
+    """Values of a key from parts (n,) of its range or of its distribution, from 0 to 1."""
+    from scipy.stats import norm
+
+    if one.mean is not None:
+        values = norm.ppf(np.clip(part, 1e-9, 1.0 - 1e-9), one.mean, one.deviation)
+    elif one.spacing == "log":
+        low, high = np.log(given(one.low)), np.log(given(one.high))
+        values = np.exp(low + part * (high - low))
+    else:
+        values = given(one.low) + part * (given(one.high) - given(one.low))
+    return [round(v) if one.whole else v for v in values.tolist()]
 
 
 def _rows(path: Path, name: str) -> AxisPoints:

@@ -20,14 +20,16 @@ from wrsim.results.channels import Kind
 from wrsim.results.dataset import faults_of_attributes, faults_of_variable, versions
 from wrsim.results.files import STUDY, as_csv, as_json
 from wrsim.results.netcdf import read_netcdf, write_netcdf
+from wrsim.results.sensitivity import sensitivity_tables
 from wrsim.results.table import Column, Table, with_unit
 from wrsim.results.tables import Row
 from wrsim.study.axes import AxisPoints
 from wrsim.study.plan import Plan, in_words
+from wrsim.study.sensitivity import sensitivities
 from wrsim.study.task import COMPLETED, DERAILED, Marker, read_marker
 
 FORMAT = "wrsim study"
-OUTPUTS = (STUDY, "study.csv", "times.csv", "study.json", "plan.json")
+OUTPUTS = (STUDY, "study.csv", "sensitivity.csv", "times.csv", "study.json", "plan.json")
 """Files of a study in its folder."""
 MOST_LISTED = 40
 """Cases that are listed where there are many."""
@@ -117,12 +119,20 @@ def write_study(plan: Plan, markers: Sequence[Marker], pictures: bool) -> tuple[
     """Write ``study.nc``, ``study.csv``, ``times.csv``, ``study.json`` and pictures; gives the content of the JSON."""
     folder, dataset = Path(plan.folder), collected(plan, markers)
     report = study_report(plan, markers, dataset)
+    if plan.sensitivity is not None:
+        done = np.array([marker.status == COMPLETED for marker in markers])
+        numbers = {str(n): np.where(done, v.values, np.nan) for n, v in dataset.items() if v.dtype.kind == "f"}
+        report["sensitivity"] = sensitivities(plan.sensitivity, numbers)
+        dataset.attrs["sensitivity"] = as_json(report["sensitivity"]).decode()
     files = [
         write_netcdf(folder / STUDY, dataset),
         write_atomically(folder / "study.csv", as_csv(rows_of_cases(plan, markers))),
         write_atomically(folder / "times.csv", as_csv(times_of_cases(plan, markers))),
         write_atomically(folder / "study.json", as_json(report)),
     ]
+    if rows := report.get("sensitivity", {}).get("indices"):
+        cells = [["" if cell is None else str(cell) for cell in row.values()] for row in rows]
+        files.append(write_atomically(folder / "sensitivity.csv", as_csv([[*rows[0]], *cells])))
     if pictures:
         files += save_all(study_figures(dataset), folder)
     return report, files
@@ -197,7 +207,7 @@ def study_tables(report: dict[str, Any]) -> list[Table]:
     found = [Table(report["title"], notes=(counts,))]
     if rows or open_cases:
         found.append(Table("", heads if rows else (), rows, open_cases))
-    return found
+    return [*found, *sensitivity_tables(report.get("sensitivity", {}))]
 
 
 def faults_of(report: dict[str, Any], markers: Sequence[Marker], briefly: bool) -> list[str]:

@@ -32,7 +32,8 @@ from wrsim.scenario.loading import Scenario, load, load_text
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.study.axes import AxisPoints, axis_points
 from wrsim.study.outputs import check_hook, outputs_digest
-from wrsim.study.spec import MOST_CASES, CasesSection, OutputsSection, StudyFile, short_name
+from wrsim.study.sensitivity import axis_of
+from wrsim.study.spec import MOST_CASES, CasesSection, OutputsSection, SensitivitySection, StudyFile, short_name
 
 CASES, PLAN = "cases", "plan.json"
 MOST_FAULTS = 20
@@ -56,7 +57,7 @@ class Plan:
 
     folder: of the study; source: the study file; text, folders: the base scenario and where its models are looked up;
     files: sets of files, by path with digest, that cases read; axes: name, columns and values of each; outputs, hook:
-    what is stored; digest: of the outputs.
+    what is stored; digest: of the outputs; sensitivity: whose design the cases are.
     """
 
     folder: str
@@ -73,6 +74,7 @@ class Plan:
     outputs_digest: str
     time_limit: float
     keep: str
+    sensitivity: SensitivitySection | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -166,6 +168,9 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
         own = StudyInput(file, "study file", StudyFile, models)
         spec: StudyFile = own.spec
         axes = tuple(axis_points(axis, own.finder, own.locate(("vary", i))) for i, axis in enumerate(spec.vary))
+        if spec.sensitivity is not None:
+            with own.naming("sensitivity"):
+                axes = (axis_of(spec.sensitivity, own.locate(("sensitivity",))),)
         owners: dict[str, str] = {}
         for axis, key in ((own, key) for own in axes for group in own.keys for key in group):
             if key in owners:
@@ -181,7 +186,7 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
             with own.naming("outputs", "hook", value=spec.outputs.hook):
                 hook = str(own.finder.find(name).resolve())
                 check_hook(Path(hook), function)
-        plan = own.plan(folder, axes, spec.outputs, spec.cases, hook)
+        plan = replace(own.plan(folder, axes, spec.outputs, spec.cases, hook), sensitivity=spec.sensitivity)
     plan, models_read = with_cases(plan, own.base)
     return plan, tuple(dict.fromkeys((*seen, *models_read)))
 

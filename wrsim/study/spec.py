@@ -136,9 +136,7 @@ class SobolAxis(_Sampled, header='[[vary]] with kind = "sobol"'):
 
     def consistency(self) -> Iterator[Fault]:
         if self.samples & (self.samples - 1):
-            below = 1 << (self.samples.bit_length() - 1)
-            message = f"must be a power of 2 ({below} or {2 * below}): only so many Sobol points are even"
-            yield Fault("samples", f'{message}; kind = "latin-hypercube" takes any number')
+            yield Fault("samples", f'{_power_of_2(self.samples)}; kind = "latin-hypercube" takes any number')
 
 
 class LatinHypercubeAxis(_Sampled, header='[[vary]] with kind = "latin-hypercube"'):
@@ -146,6 +144,36 @@ class LatinHypercubeAxis(_Sampled, header='[[vary]] with kind = "latin-hypercube
 
     kind: Literal["latin-hypercube"]
     """A Latin hypercube."""
+
+
+def _power_of_2(samples: int) -> str:
+    below = 1 << (samples.bit_length() - 1)
+    return f"must be a power of 2 ({below} or {2 * below}): only so many Sobol points are even"
+
+
+class SensitivitySection(_Sampled, header="[sensitivity]"):
+    """A design of cases that finds which keys decide on the outputs; in place of [[vary]]."""
+
+    aliases = _Sampled.aliases | {"outputs": "output", "method": "kind design"}
+
+    method: Literal["sobol", "morris", "regression"]
+    """Sobol's indices, effects of Morris (needs SALib), or a linear fit on a Latin hypercube."""
+    outputs: List[str] = ()
+    """Names of the outputs; all numbers of the cases unless given."""
+
+    def consistency(self) -> Iterator[Fault]:
+        cases = self.samples * {"sobol": len(self.over) + 2, "morris": len(self.over) + 1}.get(self.method, 1)
+        if self.method == "sobol" and self.samples & (self.samples - 1):
+            yield Fault("samples", f'{_power_of_2(self.samples)}; method = "regression" takes any number')
+        elif self.method == "regression" and self.samples < len(self.over) + 3:
+            yield Fault("samples", f"must be {len(self.over) + 3} or more: the keys and 3")
+        elif cases > MOST_CASES:
+            yield Fault("samples", f"describes {cases} cases; must be at most {MOST_CASES}")
+        elif self.samples < 2:
+            yield Fault("samples", "must be 2 or more")
+        for i, one in enumerate(self.over if self.method == "morris" else ()):
+            if one.low is None:
+                yield Fault(("over", i, "low"), 'method = "morris" needs bounds: low and high', missing=True)
 
 
 Axis = GridAxis | CsvAxis | SobolAxis | LatinHypercubeAxis
@@ -267,13 +295,16 @@ class StudyFile(Section, header="a study"):
     """A study: the scenario it starts from, what is varied, what is stored."""
 
     aliases = {"base": "scenario", "vary": "axes axis parameters", "outputs": "output"}
+    one_of = ("vary sensitivity",)
 
     title: Annotated[str, text("a title")] | None = None
     """Title of the study; that of its scenario unless given."""
     base: Annotated[str, text('a scenario file such as "../curve_r300.toml"')]
     """Scenario that all cases start from."""
-    vary: Annotated[List[Annotated[Axis, Field(discriminator="kind")]], Field(min_length=1)]
+    vary: Annotated[List[Annotated[Axis, Field(discriminator="kind")]], Field(min_length=1)] = ()
     """What is varied, axis by axis."""
+    sensitivity: SensitivitySection | None = None
+    """A design that finds which keys decide on the outputs, in place of axes."""
     outputs: OutputsSection = OutputsSection()
     """Numbers that are stored of every case."""
     cases: CasesSection = CasesSection()

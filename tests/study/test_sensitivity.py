@@ -1,0 +1,117 @@
+"""Which keys decide on an output: indices of functions whose indices are known, and of a study."""
+
+import sys
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.studies import study_file
+
+from wrsim.errors import InputError
+from wrsim.results.sensitivity import by_output, sensitivity_tables
+from wrsim.study.plan import planned
+from wrsim.study.sensitivity import axis_of, design, sensitivities, sensitivity
+from wrsim.study.spec import SampledKey, SensitivitySection
+
+X = [{"key": f"x{i}", "low": -pi, "high": pi} for i in (1, 2, 3)]
+
+
+def section(method: str, samples: int, over: list[dict] = X, **more) -> SensitivitySection:
+    keys = [SampledKey.model_validate(one) for one in over]
+    return SensitivitySection(method=method, samples=samples, seed=1, over=keys, **more)
+
+
+def ishigami(spec: SensitivitySection) -> np.ndarray:
+    """sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1 of the cases of a design."""
+    x1, x2, x3 = np.array(axis_of(spec, "").values).T
+    return np.sin(x1) + 7.0 * np.sin(x2) ** 2 + 0.1 * x3**4 * np.sin(x1)
+
+
+def test_sobols_indices_of_ishigamis_function_are_those_of_its_closed_form():
+    spec = section("sobol", 4096)
+    values = ishigami(spec)
+    assert values.size == 4096 * 5
+    found = sensitivity(spec, "y", values)
+    # V1 = (1 + 0.1 pi^4/5)^2/2, V2 = 49/8, V13 = 0.1^2 pi^8 (1/18 - 1/50), V = their sum
+    v1, v2, v13 = (1.0 + 0.02 * pi**4) ** 2 / 2.0, 49.0 / 8.0, 0.01 * pi**8 * (1.0 / 18.0 - 1.0 / 50.0)
+    whole = v1 + v2 + v13
+    assert found.indices["first"][:, 0] == pytest.approx(np.array([v1, v2, 0.0]) / whole, abs=0.02)
+    assert found.indices["total"][:, 0] == pytest.approx(np.array([v1 + v13, v2, v13]) / whole, abs=0.02)
+    for each in found.indices.values():
+        value, low, high = each.T
+        assert np.all((low <= value) & (value <= high)) and np.all(high - low < 0.15)
+    again = sensitivity(spec, "y", values).indices["total"]
+    assert np.array_equal(again, found.indices["total"])
+
+
+def test_the_effects_of_morris_are_the_slopes_over_the_ranges():
+    pytest.importorskip("SALib")
+    spec = section("morris", 20, [{"key": "a", "low": 0, "high": 10}, {"key": "b", "low": 1, "high": 2}])
+    a, b = np.array(axis_of(spec, "").values).T
+    assert a.size == 20 * 3
+    found = sensitivity(spec, "y", 3.0 * a - 5.0 * b).indices
+    assert found["mu_star"][:, 0] == pytest.approx([30.0, 5.0]) and found["sigma"][:, 0] == pytest.approx([0.0, 0.0])
+
+
+def test_a_regression_gives_standardised_coefficients_and_what_they_explain():
+    spec = section("regression", 200, X[:2])
+    x1, x2 = design(spec).T
+    scatter = np.random.default_rng(5).normal(0.0, 1.0, 200)
+    found = sensitivity(spec, "y", 4.0 * x1 - 3.0 * x2 + scatter)
+    part = 12.0**-0.5  # deviation of a number spread evenly from 0 to 1
+    whole = np.sqrt(25.0 * part**2 + 1.0)
+    low, high = found.indices["coefficient"][:, 1], found.indices["coefficient"][:, 2]
+    expected = np.array([4.0, -3.0]) * part / whole
+    assert np.all((low < expected) & (expected < high))
+    assert high - low == pytest.approx(2.0 * 1.96 * np.array([1.0, 1.0]) / whole / np.sqrt(200.0), rel=0.15)
+    assert float(found.note.split()[4]) == pytest.approx(100.0 * 25.0 * part**2 / whole**2, abs=6.0)
+
+
+def test_an_output_that_does_not_vary_or_has_gaps_gets_a_reason():
+    spec = section("sobol", 8)
+    values = ishigami(spec)
+    assert "does not vary: 3 in every case" in sensitivity(spec, "y", np.full(values.size, 3.0)).note
+    values[7] = np.nan
+    found = sensitivities(section("sobol", 8, outputs=["y", "yy"]), {"y": values})
+    assert found["notes"] == {"y": "1 of 40 cases have no value", "yy": "is no output (did you mean 'y'?); there are y"}
+    assert not by_output(found) and len(sensitivity_tables(found)) == 1
+    fit = section("regression", 40)
+    gaps = ishigami(fit)
+    gaps[3] = np.nan
+    assert sensitivity(fit, "y", gaps).indices["coefficient"].shape == (3, 3)
+
+
+OVER = '[[sensitivity.over]]\nkey = "contact.friction"\n'
+RANGE = OVER + "low = 0.1\nhigh = 0.4\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", r"vary is missing: must be .*or give sensitivity"),
+        ('[sensitivity]\nmethod = "sobol"\nsamples = 12\n' + RANGE, r"samples = 12: must be a power of 2 \(8 or 16\)"),
+        ('[sensitivity]\nmethod = "sobl"\nsamples = 8\n' + RANGE, r'method = "sobl": must be .*did you mean "sobol"'),
+        ('[sensitivity]\nmethod = "sobol"\nsamples = 8\n' + OVER, r"over\[0\].low is missing: must be"),
+        ('[sensitivity]\nmethod = "morris"\nsamples = 8\n' + OVER + "mean = 0.3\ndeviation = 0.1\n", "needs bounds"),
+        ('[sensitivity]\nmethod = "regression"\nsamples = 3\n' + RANGE, r"samples = 3: must be 4 or more"),
+        (
+            '[sensitivity]\nmethod = "sobol"\nsamples = 8\n' + RANGE + '[[vary]]\nkind = "csv"\nfile = "a.csv"\n',
+            "sensitivity: cannot be given with vary",
+        ),
+    ],
+)
+def test_a_design_that_cannot_be_is_one_clear_error(text: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=message) as problem:
+        planned(study_file(tmp_path, text), tmp_path / "out")
+    assert len(str(problem.value).splitlines()) == 1
+
+
+def test_without_salib_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setitem(sys.modules, "SALib.sample", None)
+    monkeypatch.setitem(sys.modules, "SALib.analyze", None)
+    text = '[sensitivity]\nmethod = "morris"\nsamples = 8\n' + RANGE
+    with pytest.raises(
+        InputError, match=r'study.toml:\d+: sensitivity: method = "morris" needs SALib: .*\[type-test\]'
+    ):
+        planned(study_file(tmp_path, text), tmp_path / "out")

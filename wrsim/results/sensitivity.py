@@ -1,0 +1,53 @@
+"""Which keys decide on the outputs of a study: rows of indices, as the study stores them, and their tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import xarray as xr
+
+from wrsim.results.files import from_json
+from wrsim.results.table import Column, Table
+
+METHODS = {
+    "sobol": {"total": "total index", "first": "first index"},
+    "morris": {"mu_star": "μ*", "sigma": "σ"},
+    "regression": {"coefficient": "standardised coefficient"},
+}
+"""What every method finds, the index by which keys are put in order first, and its words."""
+
+
+def sensitivity_in(dataset: xr.Dataset) -> dict[str, Any]:
+    """``method``, ``indices`` (rows of output, key, index, value, low, high) and ``notes`` (by output) of the dataset
+    of a study; empty where it has none."""
+    return from_json(str(dataset.attrs.get("sensitivity", ""))) or {}
+
+
+def by_output(found: Mapping[str, Any]) -> dict[str, list[tuple[str, dict[str, Mapping[str, Any]]]]]:
+    """Keys of every output, the one that decides most first, with their rows by index."""
+    first = next(iter(METHODS[found["method"]]))
+    outputs: dict[str, dict[str, dict[str, Mapping[str, Any]]]] = {}
+    for row in found["indices"]:
+        outputs.setdefault(row["output"], {}).setdefault(row["key"], {})[row["index"]] = row
+    return {
+        output: sorted(keys.items(), key=lambda pair: -abs(pair[1][first]["value"] or 0.0))
+        for output, keys in outputs.items()
+    }
+
+
+def sensitivity_tables(found: Mapping[str, Any]) -> list[Table]:
+    """A table an output; found: see `sensitivity_in`."""
+    if not found:
+        return []
+    words = METHODS[found["method"]]
+    heads = [Column("key")]
+    for kind in words.values():
+        heads += [Column(kind, "", ".3f"), Column("from", "", ".3f"), Column("to", "", ".3f")]
+    made = []
+    for output, keys in by_output(found).items():
+        rows = [[key, *(own[kind][end] for kind in words for end in ("value", "low", "high"))] for key, own in keys]
+        note = found["notes"].get(output)
+        made.append(Table(f"{found['method']}: {output}", tuple(heads), rows, (note,) if note else ()))
+    without = [f"{output}: {note}" for output, note in found["notes"].items() if output not in by_output(found)]
+    return [*made, *([Table("", notes=tuple(without))] if without else [])]
