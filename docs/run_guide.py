@@ -27,7 +27,7 @@ from wrsim.cli import app
 ROOT = Path(__file__).parents[1]
 FIRST = ["first_hour", "own_vehicle", "own_track", "own_profile", "acceptance", "own_study"]
 """Tutorials, in their order."""
-LEFT_OUT = re.compile(r"\b[A-Z]{3,}\b|--slurm|scenarios/wear/|wrsim warm")
+LEFT_OUT = re.compile(r"\b[A-Z]{3,}\b|--slurm|scenarios/wear/|studies/coach_|wrsim warm")
 """A name to be filled in, a cluster, minutes of work."""
 EXPECTED = {"assess": (0, 2), "diff": (0, 4)}
 """Short runs have no section to assess; two different runs differ."""
