@@ -1,5 +1,6 @@
 """Which keys decide on an output: indices of functions whose indices are known, and of a study."""
 
+import json
 import sys
 from math import pi
 from pathlib import Path
@@ -9,10 +10,13 @@ import pytest
 from support.studies import study_file
 
 from wrsim.errors import InputError
-from wrsim.results.sensitivity import by_output, sensitivity_tables
+from wrsim.report.study import study_page
+from wrsim.results.sensitivity import by_output, sensitivity_in, sensitivity_tables
+from wrsim.study.collect import read_study, write_study
 from wrsim.study.plan import planned
 from wrsim.study.sensitivity import axis_of, design, sensitivities, sensitivity
 from wrsim.study.spec import SampledKey, SensitivitySection
+from wrsim.study.task import COMPLETED, Marker
 
 X = [{"key": f"x{i}", "low": -pi, "high": pi} for i in (1, 2, 3)]
 
@@ -115,3 +119,28 @@ def test_without_salib_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, tmp_p
         InputError, match=r'study.toml:\d+: sensitivity: method = "morris" needs SALib: .*\[type-test\]'
     ):
         planned(study_file(tmp_path, text), tmp_path / "out")
+
+
+@pytest.mark.usefixtures("sketched")
+def test_a_study_stores_its_indices_and_shows_them(tmp_path: Path) -> None:
+    speed = '[[sensitivity.over]]\nkey = "vehicle.speed_kmh"\nlow = 40\nhigh = 60\n'
+    text = '[sensitivity]\nmethod = "regression"\nsamples = 16\noutputs = ["y"]\n' + RANGE + speed
+    plan, _ = planned(study_file(tmp_path, text), tmp_path / "out")
+    made = []
+    for i, case in enumerate(plan.cases):
+        y = 10.0 * case.values["contact.friction"] - 0.01 * case.values["vehicle.speed_kmh"]
+        numbers = {"y": y, "other": float(i)}
+        made.append(Marker(case.name, case.label, COMPLETED, "", numbers=numbers, units={"y": "kN", "other": ""}))
+    report, files = write_study(plan, made, pictures=True)
+    assert {"sensitivity.csv", "sensitivity.png"} <= {file.name for file in files}
+    stored = json.loads((tmp_path / "out" / "study.json").read_text())["sensitivity"]
+    # ranges 3 and 0.2 kN, no scatter: parts of their root of the sum of squares
+    ((output, keys),) = by_output(stored).items()
+    whole = np.hypot(3.0, 0.2)
+    assert output == "y" and [key for key, _ in keys] == ["contact.friction", "vehicle.speed_kmh"]
+    values = [own["coefficient"]["value"] for _, own in keys]
+    assert values == pytest.approx([3.0 / whole, -0.2 / whole], abs=0.02)
+    assert sensitivity_in(read_study(tmp_path / "out")) == stored
+    assert report["sensitivity"] == stored
+    page = study_page(read_study(tmp_path / "out"), "out/study.nc")
+    assert 'id="sensitivity"' in page and "a linear fit explains 100 % of the variance" in page

@@ -178,8 +178,9 @@ def sensitivity_figure(dataset: xr.Dataset, found: Mapping[str, Any]) -> Figure:
             at = np.arange(len(rows)) + (j - 0.5 * (len(words) - 1)) * 0.36
             axes.barh(at, value, height=0.34, color=SERIES_COLOURS[j], alpha=0.55, linewidth=0.0)
             axes.hlines(at, low, high, color=INK, linewidth=0.8)
-        axes.set_yticks(range(len(keys)), [key.rpartition(".")[2] for key, _ in keys], fontsize=6.0)
-        axes.set(ylim=(len(keys) - 0.4, -0.6), title=label_of(dataset, name), xlabel=found["method"])
+        labels = ["\n".join(wrap(key.partition(".")[2], LETTERS + 10)) for key, _ in keys]  # without the table
+        axes.set_yticks(range(len(keys)), labels, fontsize=6.0)
+        axes.set(ylim=(len(keys) - 0.4, -0.6), title=label_of(dataset, name), xlabel=f"Sensitivity ({found['method']})")
         axes.axvline(0.0, color=QUIET, linewidth=0.6)
         axes.grid(axis="y", visible=False)
 
@@ -220,10 +221,12 @@ def label_of(dataset: xr.Dataset, name: str) -> str:
 
 def axis_label(dataset: xr.Dataset, name: str) -> str:
     """Name of an axis, or of what is sampled: the last part of its key, with its unit."""
-    last = name.rpartition(".")[2]
+    stem, _, last = name.rpartition(".")
+    number = f" {last}" if last.isdecimal() else ""  # one of several
+    last = stem.rpartition(".")[2] if number else last
     unit = next((u for u in sorted(UNITS, key=len, reverse=True) if last.endswith(f"_{u}")), "")
     words = last.removesuffix(f"_{unit}") if unit else last
-    return with_unit(words.replace("_", " "), UNITS[unit] if unit else "")
+    return with_unit(words.replace("_", " ") + number, UNITS[unit] if unit else "")
 
 
 def _completed(dataset: xr.Dataset, name: str) -> xr.DataArray:

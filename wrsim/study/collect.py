@@ -80,7 +80,8 @@ def _coordinates(axis: AxisPoints) -> dict[str, Any]:
         return {axis.name: (axis.name, _labels([row[0] for row in axis.values]), {"key": ", ".join(axis.keys[0])})}
     found: dict[str, Any] = {axis.name: (axis.name, np.array(axis.labels or range(len(axis.values))), {})}
     for column, keys, values in zip(axis.columns, axis.keys, zip(*axis.values, strict=True), strict=True):
-        found[column] = (axis.name, _labels(values), {"key": ", ".join(keys)})
+        name = column.replace(" ", "_")  # as coordinates of netCDF are called
+        found[name] = (axis.name, _labels(values), {"key": ", ".join(keys)})
     return found
 
 
