@@ -3,8 +3,9 @@
     python docs/run_guide.py [--short] [PAGE ...]
 
 Lines that call ``wrsim``, ``cp`` or ``mkdir`` count, but those with a word in capitals, which stands for a name, and
-those of LEFT_OUT. Tutorials run as they are, unless --short is given (that of a study always); scenarios of other pages
-run in a short form. A line that ends with another exit code than 0, or than those of EXPECTED, is an error.
+those of LEFT_OUT. Tutorials run as they are, unless --short is given; scenarios of other pages run in a short form,
+without pictures. With --short two processes share the pages, and studies have the ends of their ranges alone. A line
+that ends with another exit code than 0, or than those of EXPECTED, is an error.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 
 from typer.testing import CliRunner
@@ -27,6 +30,8 @@ from wrsim.cli import app
 ROOT = Path(__file__).parents[1]
 FIRST = ["first_hour", "own_vehicle", "own_track", "own_profile", "acceptance", "own_study"]
 """Tutorials, in their order."""
+ALONE = "own_profile"
+"""One of them that needs nothing of the others, nor they of it."""
 LEFT_OUT = re.compile(r"\b[A-Z]{3,}\b|--slurm|scenarios/wear/|studies/coach_|wrsim warm")
 """A name to be filled in, a cluster, minutes of work."""
 EXPECTED = {"assess": (0, 2), "diff": (0, 4)}
@@ -35,10 +40,13 @@ SHORT = {
     "curving": {"run.distance_m": 2, "output.patches_at_m": [1]},
     "ride": {"run.distance_m": 30, "ride.from_m": 10},
     "stability": {"stability.speed_kmh": 100, "stability.nonlinear": False},
+    "static": {"static.lateral_mm": [0, 4]},
     "steady": {"steady.radius_m": 2000, "steady.speed_kmh": 80},
     "climb": {"climb.angle_of_attack_mrad": 10, "climb.Y_over_Q": 1.99},
 }
 """What a scenario runs with on pages that are no tutorials, by its analysis."""
+FINE = {"run.distance_m": 0.2, "output.patches_at_m": []}
+"""The same of scenarios with a short step of their own."""
 
 
 def lines(page: Path) -> list[str]:
@@ -50,14 +58,28 @@ def lines(page: Path) -> list[str]:
     return [line for line in plain if line.split(" ")[0] in ("wrsim", "cp", "mkdir") and not LEFT_OUT.search(line)]
 
 
-def shortened(words: list[str]) -> list[str]:
-    """The words of ``run FILE`` or ``compare`` with the short form of its scenario, of ``plot`` with a place in it."""
+def ends(text: str) -> str:
+    """The text of a study with the ends of its ranges alone."""
+    text = re.sub(r"^values = \[([^,\]]+),.*,([^,\]]+)\]", r"values = [\1,\2]", text, flags=re.M)
+    rise = re.compile(r"from = (\S+), to = (\S+), step = [^ }]+")
+    return rise.sub(lambda m: f"{m[0].rpartition('step')[0]}step = {float(m[2]) - float(m[1]):g}", text)
+
+
+def shortened(words: list[str], pictures: bool) -> list[str]:
+    """The words of ``run FILE`` or ``compare`` with the short form of its scenario, of ``study`` with that of the
+    study, of ``plot`` with a place in it. pictures: whether runs draw."""
+    if words[0] == "study":
+        short = Path(words[1]).with_stem(f"{Path(words[1]).stem}_short")
+        short.write_text(ends(Path(words[1]).read_text(encoding="utf-8")), encoding="utf-8")
+        return ["study", str(short), *words[2:]]
     if words[0] == "plot" and "--at" in words:
         return [*words[: words.index("--at")], "--at", "1", *words[words.index("--at") + 2 :]]
     if words[0] not in ("run", "compare") or not Path(words[1]).is_file():
         return words
     scenario = load(words[1])
     values = dict(SHORT.get(scenario.analysis, {}))
+    values |= FINE if scenario.analysis == "curving" and re.search(r"^step_us\b", scenario.text, re.M) else {}
+    words = [*words, *(() if pictures else ("--no-pictures",))]
     if re.search(r"^time_s\b", scenario.text, re.M) and values.pop("run.distance_m", None):
         values["run.time_s"] = 0.2  # one of both is allowed
     if words[0] == "compare":  # has no --set
@@ -70,16 +92,44 @@ def shortened(words: list[str]) -> list[str]:
 def main(chosen: list[str]) -> int:
     """Execute the pages; returns the number of faults."""
     pages = sorted((ROOT / "docs" / "user").glob("*.md"), key=lambda p: (p.stem not in FIRST, *_place(p)))
-    whole = FIRST if "--short" not in chosen else ["own_study"]  # its report needs all cases
-    chosen = [name for name in chosen if name != "--short"]
-    faults = 0
+    names = [name for name in chosen if name != "--short"]
+    pages = [page for page in pages if not names or page.stem in names]
+    if "--short" not in chosen:
+        return faults_of(pages, short=False)
+    first = [page for page in pages if page.stem in set(FIRST) - {ALONE} or uses_others(page)]
+    shares = (first, [page for page in pages if page not in first])
+    with ProcessPoolExecutor(2) as pool:
+        faults = sum(pool.map(partial(faults_of, short=True), shares))
+    print(f"guide: {faults} lines with faults")
+    return faults
+
+
+def uses_others(page: Path) -> bool:
+    """Whether a page reads results that it does not make."""
+    made = set[str]()
+    for line in lines(page):
+        words = line.split()
+        if words[:2] == ["wrsim", "run"] and "-o" not in words:
+            made.add(f"results/{Path(words[2]).stem}")
+        made |= {words[k + 1] for k, word in enumerate(words[:-1]) if word == "-o"}
+        if not made.issuperset(re.findall(r"results/\w+", line)):
+            return True
+    return False
+
+
+def faults_of(pages: list[Path], short: bool) -> int:
+    """Execute pages in a folder of their own; returns the number of faults."""
+    faults, done = 0, set[str]()
     with tempfile.TemporaryDirectory() as folder:
         for name in ("scenarios", "models"):
             shutil.copytree(ROOT / name, Path(folder) / name)
-        for page in (page for page in pages if not chosen or page.stem in chosen):
+        for page in pages:
             for line in lines(page):
+                if short and line in done:  # on an earlier page
+                    continue
+                done.add(line)
                 begin = time.perf_counter()
-                code, output = executed(line, Path(folder), page.stem in whole)
+                code, output = executed(line, Path(folder), page.stem in FIRST, short)
                 words = shlex.split(line)
                 good = code in EXPECTED.get(words[1], (0,)) if words[0] == "wrsim" else code == 0
                 faults += not good
@@ -94,16 +144,17 @@ def _place(page: Path) -> tuple[int, str]:
     return (FIRST.index(page.stem) if page.stem in FIRST else 0, page.stem)
 
 
-def executed(line: str, folder: Path, whole: bool) -> tuple[int, str]:
-    """Exit code and output of a line in a folder; whole: not in the short form."""
+def executed(line: str, folder: Path, tutorial: bool, short: bool) -> tuple[int, str]:
+    """Exit code and output of a line in a folder; tutorials run as they are, but for short ones."""
     words = shlex.split(line)
-    if words[:2] == ["wrsim", "study"] and not whole and "--dry-run" not in words:
+    if words[:2] == ["wrsim", "study"] and not tutorial and "--dry-run" not in words:
         words.append("--dry-run")
     if words[0] != "wrsim":
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
         return done.returncode, done.stderr
     with contextlib.chdir(folder):
-        answer = CliRunner().invoke(app, words[1:] if whole else shortened(words[1:]), env={"COLUMNS": "120"})
+        given = words[1:] if tutorial and not short else shortened(words[1:], tutorial)
+        answer = CliRunner().invoke(app, given, env={"COLUMNS": "120"})
     return answer.exit_code, answer.output
 
 

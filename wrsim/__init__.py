@@ -38,6 +38,7 @@ _HOMES = {
     "write_view": "wrsim.api.pages",
     "write_pictures": "wrsim.api.pages",
     "draw_track": "wrsim.api.pages",
+    "look": "wrsim.api.pages",
     "write_unit": "wrsim.api.data",
     "new_file": "wrsim.api.data",
     "keys": "wrsim.api.data",

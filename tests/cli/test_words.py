@@ -20,6 +20,7 @@ import wrsim.analysis
 from wrsim.cli import app
 from wrsim.core.jit.compiling import Kernel
 from wrsim.results import Result
+from wrsim.results.differences import differences
 from wrsim.results.table import Column, Table, on_terminal
 
 runner = CliRunner()
@@ -226,6 +227,22 @@ def test_wheelsets_and_curves_are_matched_by_order_and_what_was_asked_differentl
     assert "wheelsets are matched from the front: wheelset and lead" in found["inputs"]
     call("diff", runs[0], tmp_path, "-o", tmp_path / "d")
     assert (tmp_path / "d/diff.png").exists()
+
+
+def test_a_number_that_cannot_be_told_from_zero_has_no_change_in_percent() -> None:
+    """A part of a balance is measured against the largest of all."""
+    run = curve_run()
+    time = run["time"]
+    height = 1e6 + 1e-3 * time / float(time[-1])  # round-off of a large energy
+    energies = {"kinetic_energy": 5e5 + 0.0 * time, "potential_energy": height}
+    run = run.assign(energies | {f"{of}_power": 1e3 + 0.0 * time for of in ("pull", "creep", "damper")})
+    other = run.copy(deep=True)
+    other["potential_energy"] = 1e6 - 2.0 * (height - 1e6)
+    found = {d.quantity: d for d in differences(Result(run), Result(other), (), 0.01) if d.place == "energy"}
+    assert found["gained_in_height_kJ"].change is None and found["gained_in_height_kJ"].relative < 1e-4
+    other["creep_power"] *= 1.1
+    found = {d.quantity: d for d in differences(Result(run), Result(other), (), 0.01) if d.place == "energy"}
+    assert found["lost_in_creep_kJ"].change == pytest.approx(10.0)
 
 
 def test_what_only_one_result_has_is_named_once_beside_the_differences(

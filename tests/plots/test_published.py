@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.text import Text
+from PIL import Image
 from support import synthetic_result
+from support.commands import ok, refusal
 from support.rows import rows_of
+from typer.main import get_command
 
 from wrsim import load, run
+from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.plots import patch_gallery, section_gallery, standard_figures
 from wrsim.plots.drawing import save_all
@@ -105,6 +109,28 @@ def test_pictures_have_the_width_the_font_and_the_kinds_that_are_chosen(one, tmp
     assert figure.get_size_inches()[0] == pytest.approx(85.0 / 25.4)
     assert figure.axes[0].yaxis.label.get_fontfamily() == ["DejaVu Serif", "DejaVu Sans"]
     assert len(figure.axes) > 5 and figure.axes[0].get_position().width > 0.5  # one column: too narrow for two
+
+
+DRAWING = {"run", "study", "wear", "compare", "resolve", "plot", "diff", "assess", "ride", "conicity", "recording"}
+NAMED = {"profile", "track", "vehicle"}
+"""Commands whose pictures are named as a whole: the ending is their kind."""
+
+
+def test_every_command_that_draws_has_the_options_of_pictures() -> None:
+    options = {name: {p.name for p in each.params} for name, each in get_command(app).commands.items()}
+    assert {name for name, own in options.items() if {"width_mm", "font", "style"} <= own} == DRAWING | NAMED
+    assert {name for name, own in options.items() if "formats" in own} == DRAWING
+
+
+def test_the_command_draws_in_the_width_that_is_chosen(tmp_path: Path) -> None:
+    ok("profile", "wheels/S1002.toml", "-o", tmp_path / "p.png", "--width-mm", "80")
+    with Image.open(tmp_path / "p.png") as picture:
+        assert picture.width == pytest.approx(80.0 / 25.4 * 220, abs=1.0)
+    assert "--width-mm 20: must be from 60 to 500" in refusal(
+        "profile", "wheels/S1002.toml", "-o", tmp_path / "p.png", "--width-mm", "20"
+    )
+    told = refusal("profile", "wheels/S1002.toml", "-o", tmp_path / "p.png", "--gauge-mm", "1430")
+    assert "--gauge-mm without --on" in told
 
 
 def drawn_texts(figure, patch: pytest.MonkeyPatch) -> list[Text]:

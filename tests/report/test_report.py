@@ -343,6 +343,10 @@ def test_the_charts_answer_with_the_envelope_of_the_dataset(opened: Browser, coa
     assert len(places) > 6 and all(found["from"] <= s <= found["to"] for s in places)
     assert any("1 front.outer" in words and "right" in words for words in told)
     assert opened.run("return document.documentElement.scrollWidth <= innerWidth")
+    # ticks of an axis are all different, and none is a zero with a sign
+    ticks = opened.run("return wrsim.ticks([-0.0025, -1e-18, 0.0025, 0.005], 0.0025)")
+    assert ticks == ["\u22120.0025", "0.0000", "0.0025", "0.0050"]
+    assert opened.run("return wrsim.ticks([0, 20, 40], 20)") == ["0", "20", "40"]
     opened.run("document.querySelector('.uplot').scrollIntoView()")
     assert opened.colours(".uplot") > 4
     assert opened.run("return document.querySelector('.drawn').offsetHeight") == 0

@@ -55,6 +55,7 @@ REFUSED = {
     "vehicle.bogie.primry.at_mm.1": r"there is no 'primry' in parts.bogie \(did you mean 'primary'\?\)",
     "vehicle.bogie.primary.stiffnes_kN_per_m": "unknown key; did you mean 'stiffness_kN_per_m', which is given already",
     "vehicle.bogie.primary.stiffness_kN_per_m.3": r"there is no such entry; there are 3, \[0\] to \[2\]",
+    "vehicle.wheelset.axle.modes": r"a new table is given as a whole, such as wheelset.axle=\{modes = ...\}",
     "vehicle.carbody.mass_kg.x": "'bodies.carbody.mass_kg' = 32000 is no table",
     "vehicle.sped_kmh": "did you mean 'speed_kmh'",
     "trak.gauge_mm": "did you mean 'track'",

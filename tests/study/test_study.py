@@ -5,8 +5,10 @@ import os
 import random
 import shutil
 import signal
+import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -30,7 +32,17 @@ from wrsim.errors import InputError
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import Keeper, digest_of, keeping
 from wrsim.study import task
-from wrsim.study.cluster import CA, CERT, KEY, ONE_THREAD, local_workers, slurm_cluster, slurm_security, workers_at
+from wrsim.study.cluster import (
+    CA,
+    CERT,
+    KEY,
+    LOOPBACK,
+    ONE_THREAD,
+    local_workers,
+    slurm_cluster,
+    slurm_security,
+    workers_at,
+)
 from wrsim.study.collect import collected, markers_of, rows_of_cases
 from wrsim.study.engine import _note_killed, execute, missing
 from wrsim.study.plan import PLAN, Plan, planned
@@ -140,7 +152,10 @@ def test_the_report_takes_one_study_and_nothing_beside_it(serial: Plan, tmp_path
     study, file = str(Path(serial.folder).parent / "study.toml"), str(tmp_path / "page.html")
     assert call("study", study, "-o", serial.folder, "--no-pictures").exit_code == 0
     assert call("report", serial.folder, "-o", file).exit_code == 0
-    assert "6 cases: 6 completed." in Path(file).read_text()
+    page = Path(file).read_text()
+    assert "6 cases: 6 completed." in page
+    summary = page[page.index('id="h-summary"') : page.index('id="identity"')]
+    assert all(words in summary for words in ("contact.friction (", "vehicle.speed_kmh (40, 45, 50)", "lies between"))
     for more in ([serial.folder], ["--view"]):
         assert "study" in refusal("report", serial.folder, *more, "-o", file)
     (tmp_path / "study.nc").write_bytes(b"no dataset")
@@ -352,6 +367,25 @@ def test_nobody_at_the_address_of_the_scheduler_is_one_sentence(monkeypatch: pyt
         workers_at("tcp://127.0.0.1:9", None),
     ):
         pass
+
+
+def test_something_else_at_the_address_of_the_scheduler_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wrsim.study.cluster.WAIT", 5)
+    with socket.create_server((LOOPBACK, 0)) as server:
+        port = server.getsockname()[1]
+
+        def answer() -> None:
+            with server.accept()[0] as client:
+                client.sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n")
+
+        threading.Thread(target=answer, daemon=True).start()
+        begin = time.monotonic()
+        with (
+            pytest.raises(InputError, match=f"--scheduler tcp://127.0.0.1:{port}: no dask scheduler answers there"),
+            workers_at(f"tcp://{LOOPBACK}:{port}", None),
+        ):
+            pass
+        assert time.monotonic() - begin < 20.0  # dask's own client takes 40 s to end
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ DRAWING = b'<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>'
 
 @contextmanager
 def _drawing(figures: Mapping[str, object], paint: object = None) -> Iterator[object]:
-    kinds = getattr(paint, "__name__", "") == "_in_all_kinds"
+    kinds = getattr(paint, "__name__", "") == "in_all_kinds"
     yield lambda: dict.fromkeys(figures, {"png": PIXEL} if kinds else PIXEL)
 
 

@@ -11,9 +11,11 @@ from support.vehicles import ROOT, manchester, on_track, shipped
 from wrsim.analysis.motion.derailment import Resultant, check_upright, resultant
 from wrsim.analysis.motion.messages import NoSteadyMotion
 from wrsim.analysis.stationary.statics import canted, static_state
+from wrsim.api.analyses import stationary
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc, Segment
 from wrsim.geometry.track.track import Track
+from wrsim.inputs.lookup import shipped_models
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state, poses_on_track
 from wrsim.simulation.steady_state import lower_on_rails, steady_state
@@ -316,6 +318,13 @@ def test_a_twist_turns_no_vehicle_and_works_alike_both_ways():
     assert one - static == pytest.approx(2.0 * (half - static), abs=1e-2 * np.ptp(one))
     # the ends of the vehicle are turned most: within a bogie and between the bogies
     assert one[0, 0] > one[1, 0] > static > one[2, 0] > one[3, 0]
+
+
+def test_a_vehicle_that_finds_no_rest_is_refused_with_what_is_implausible(tmp_path):
+    text = (shipped_models() / "vehicles/manchester_1.toml").read_text()
+    (tmp_path / "v.toml").write_text(text.replace('to = ["outer", "inner"]', 'to = ["outer"]'))
+    with pytest.raises(SimulationError, match=r"(?s)overturns.*\nnothing holds wheelset 'front.inner'"):
+        stationary(str(tmp_path / "v.toml"))
 
 
 def test_more_cant_than_the_weight_can_hold_overturns():

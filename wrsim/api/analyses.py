@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wrsim.api.outcome import Outcome, as_list, as_result, as_scenario, paths_among
-from wrsim.errors import DIFFERENT, InputError
+from wrsim.errors import DIFFERENT, InputError, SimulationError
 
 if TYPE_CHECKING:
     from wrsim.api.outcome import Given
@@ -155,9 +155,9 @@ def conicity(
 
 def profiles(
     files: str | Sequence[str], output: str | Path | None = None, *, kind: str | None = None,
-    cutoff: Sequence[float] = (), reference: str | None = None, on: str | None = None, gauge_mm: float = 1435.0,
-    flange_back_mm: float | None = None, inclination: str = "1:40", radius_mm: float = 460.0, load_kN: float = 60.0,
-    models: Sequence[str | Path] = (),
+    cutoff: Sequence[float] = (), reference: str | None = None, on: str | None = None,
+    gauge_mm: float | None = None, flange_back_mm: float | None = None, inclination: str | None = None,
+    radius_mm: float | None = None, load_kN: float | None = None, models: Sequence[str | Path] = (),
 ) -> Outcome:  # fmt: skip
     """Profiles as workshops measure them: Sh, Sd, qR and hollow of wheels, W1, W2, W3 of rails, one row each.
 
@@ -170,7 +170,9 @@ def profiles(
     reference : str, optional
         The unworn profile: head wear of rails is measured against it.
     on : str, optional
-        A rail (of wheels) or a wheel (of rails) for conicity and pressure. All others as of ``wrsim profile``.
+        A rail (of wheels) or a wheel (of rails) for conicity and pressure.
+    gauge_mm, inclination, radius_mm, load_kN : float or str, optional
+        Of that; 1435 mm, "1:40", 460 mm, 60 kN a wheel unless given. All others as of ``wrsim profile``.
 
     Returns
     -------
@@ -190,10 +192,14 @@ def profiles(
     from wrsim.results.smoothing import body_of, profile_and_reports, smoothing_table
     from wrsim.results.table import as_records
 
+    of_pairs = {"--gauge-mm": gauge_mm, "--inclination": inclination, "--radius-mm": radius_mm, "--load-kn": load_kN}
+    if on is None and (without := [option for option, value in of_pairs.items() if value is not None]):
+        raise InputError(f"{', '.join(without)} without --on: only conicity and p0 on that FILE need it")
     names, body = [files] if isinstance(files, str) else list(files), body_of(kind)
     unworn, other = (None if name is None else load_profile(model_file(name, models)) for name in (reference, on))
-    pairing = Pairing((flange_back_mm or 1360.0) / 1e3, inclination, "none", list(map(Path, models)))
-    partner = None if other is None else Partner(other, pairing, gauge_mm / 1e3, radius_mm / 1e3, 1e3 * load_kN)
+    pairing = Pairing((flange_back_mm or 1360.0) / 1e3, inclination or "1:40", "none", list(map(Path, models)))
+    gauge, radius, load = (gauge_mm or 1435.0) / 1e3, (radius_mm or 460.0) / 1e3, 1e3 * (load_kN or 60.0)
+    partner = None if other is None else Partner(other, pairing, gauge, radius, load)
     if alone := len(names) == 1 and not Path(names[0]).is_dir():
         loaded, reports = profile_and_reports(names[0], kind, cutoff, models)
         found, faults = {Path(names[0]).stem: loaded}, tuple[str, ...]()
@@ -250,8 +256,9 @@ def stationary(
 
     Raises
     ------
-    InputError
-        For a vehicle file that cannot be used, and for options that do not go together.
+    InputError, SimulationError
+        For a vehicle file that cannot be used, and for options that do not go together; for a vehicle that does not
+        come to rest, with what of it is implausible.
     """
     from wrsim.analysis.stationary import at_rest
     from wrsim.scenario.plausibility import vehicle_warnings
@@ -264,7 +271,11 @@ def stationary(
     loaded = vehicle_model(vehicle, list(models)) if isinstance(vehicle, str) else vehicle
     if loaded.members and (cant_deficiency or twist or twist_test or rotation_test):
         raise InputError(f"{vehicle}: is a train; tests at rest are for one vehicle: give the file of one of them")
-    found = at_rest.numbers_at_rest(loaded, cant_deficiency, twist) | {"warnings": vehicle_warnings(loaded)}
+    doubts = vehicle_warnings(loaded)
+    try:
+        found = at_rest.numbers_at_rest(loaded, cant_deficiency, twist) | {"warnings": doubts}
+    except SimulationError as error:  # what is implausible is most likely why
+        raise SimulationError("\n".join((str(error), *doubts))) from None
     tested, twisted, turned = at_rest.stationary_tests(loaded, twist_test, twists, rotation_test, rotation_radius_m)
     found |= tested
     if campbell is not None and not found["axles"]:

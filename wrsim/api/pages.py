@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -117,9 +118,8 @@ def write_view(result: Given, file: str | Path | None = None, models: Sequence[s
 
 
 def write_pictures(
-    result: Given, output: str | Path | None = None, at: Sequence[str] = (), wheelset: str | None = None,
-    formats: str = "png", width_mm: float | None = None, font: str = "", style: str = "",
-) -> Outcome:  # fmt: skip
+    result: Given, output: str | Path | None = None, at: Sequence[str] = (), wheelset: str | None = None
+) -> Outcome:
     """Draw the pictures of a result, or the contact patches at chosen places only.
 
     Parameters
@@ -129,7 +129,7 @@ def write_pictures(
     output : str or Path, optional
         Folder; beside the result unless given.
     at, wheelset
-        Distances [m] or poses, and one of several wheelsets. All others as of ``wrsim plot``.
+        Distances [m] or poses, and one of several wheelsets. `wrsim.look` chooses kinds of files, width and style.
 
     Returns
     -------
@@ -139,21 +139,46 @@ def write_pictures(
     Raises
     ------
     InputError
-        For places, wheelsets, formats and styles that there are not.
+        For places and wheelsets that there are not.
     """
-    from wrsim.plots.theme import LOOK, look_of
     from wrsim.report.outputs import draw_pictures
     from wrsim.results.wheelsets import wheelset_folder, wheelsets, worst_wheelset
 
-    look, loaded, directory = look_of(formats, width_mm, font, style), as_result(result), folder_beside(result, output)
+    loaded, directory = as_result(result), folder_beside(result, output)
     dataset = loaded.dataset
     if wheelset is not None or at:
         dataset = loaded.wheelset(wheelset or worst_wheelset(dataset))
         if output is None:
             directory /= wheelset_folder(wheelsets(loaded.dataset), str(dataset["wheelset"].item()))
-    token = LOOK.set(look)
+    return Outcome([], {}, draw_pictures(dataset, at, directory))
+
+
+@contextmanager
+def look(formats: str = "png", width_mm: float | None = None, font: str = "", style: str = "") -> Iterator[None]:
+    """How all pictures that are drawn in the block look.
+
+    Parameters
+    ----------
+    formats : str
+        Kinds of files, ``"png"``, ``"svg"``, ``"pdf"``, with commas between; pictures whose file is named by its whole
+        name are of the kind of its ending.
+    width_mm : float, optional
+        Width [mm] from 60 to 500; 170 unless given.
+    font, style : str
+        A family of letters; a style file of matplotlib, or one of its styles.
+
+    Raises
+    ------
+    InputError
+        For what there is not.
+    """
+    from wrsim.plots.theme import LOOK, NARROW, WIDE, look_of
+
+    if width_mm is not None and not NARROW <= width_mm <= WIDE:
+        raise InputError(f"--width-mm {width_mm:g}: must be from {NARROW:g} to {WIDE:g}")
+    token = LOOK.set(look_of(formats, width_mm, font, style))
     try:
-        return Outcome([], {}, draw_pictures(dataset, at, directory))
+        yield
     finally:
         LOOK.reset(token)
 

@@ -13,6 +13,7 @@ from wrsim.cli.errors import writing_files
 from wrsim.errors import InputError
 
 
+@options.drawing
 def assess_command(
     results: Annotated[
         list[Path],
@@ -44,6 +45,7 @@ def assess_command(
         print_outcome(as_json, assess(results, scenario, folder_beside(results[0], output), pictures, rules))
 
 
+@options.drawing
 def ride_command(
     result: options.ResultFile,
     output: options.BesideResult = None,
@@ -60,6 +62,7 @@ def ride_command(
         print_outcome(as_json, ride(result, scenario, folder_beside(result, output), pictures))
 
 
+@options.drawing
 def conicity_command(
     wheel: Annotated[
         str, typer.Argument(metavar="WHEEL", help="Wheel profile, such as wheels/S1002.toml, or a folder of them.")
@@ -105,6 +108,7 @@ def conicity_command(
         print_outcome(as_json, found)
 
 
+@options.drawing_to
 def vehicle(
     file: Annotated[str, typer.Argument(metavar="FILE", help="Vehicle file, such as vehicles/manchester_1.toml.")],
     output: Annotated[Path | None, options.into(metavar="PNG|SVG|PDF", help="Draw it there, from three sides.")] = None,

@@ -12,6 +12,7 @@ from wrsim.cli.console import print_error, print_lines, print_outcome
 from wrsim.cli.errors import writing_files
 
 
+@options.drawing_to
 def profile(
     files: Annotated[
         list[str],
@@ -31,16 +32,24 @@ def profile(
     on: Annotated[
         str | None, typer.Option(metavar="FILE", help="Rail of wheels, wheel of rails: conicity and p0 on it.")
     ] = None,
-    gauge_mm: options.Gauge = 1435.0,
+    gauge_mm: Annotated[
+        float | None, typer.Option(min=400.0, max=2000.0, help="--on: 14 mm below the rail tops; default: 1435.")
+    ] = None,
     flange_back_mm: Annotated[
         float | None,
         typer.Option(
             min=300.0, max=1900.0, help="Measured back to back: active faces of wheelsets; --on: 1360 if none."
         ),
     ] = None,
-    inclination: options.Inclination = "1:40",
-    radius_mm: options.Radius = 460.0,
-    load_kn: Annotated[float, typer.Option(min=1.0, max=500.0, help="Of a wheel, for p0.")] = 60.0,
+    inclination: Annotated[
+        str | None, typer.Option(help='--on: of the rails, 1:20 ... or "none"; default: 1:40.')
+    ] = None,
+    radius_mm: Annotated[
+        float | None, typer.Option(min=100.0, max=1500.0, help="--on: of the wheels at the tape circle; default: 460.")
+    ] = None,
+    load_kn: Annotated[
+        float | None, typer.Option(min=1.0, max=500.0, help="--on: of a wheel, for p0; default: 60.")
+    ] = None,
     models: options.Models = None,
     force: options.Force = False,
     as_json: options.Json = False,
@@ -59,6 +68,7 @@ def profile(
         print_outcome(as_json, found)
 
 
+@options.drawing_to
 def track(
     file: options.ScenarioFile,
     output: Annotated[
@@ -77,6 +87,7 @@ def track(
         print_outcome(as_json, draw_track(file, picture, models or ()))
 
 
+@options.drawing
 def recording(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Table of a recording (CSV).")],
     output: Annotated[Path | None, options.into(metavar="DIR", help="Default: <name of FILE> here.")] = None,

@@ -23,17 +23,12 @@ def show_command(result: options.ResultFile, as_json: options.Json = False) -> N
             print_lines(*found.lines)
 
 
+@options.drawing
 def plot(
     result: options.ResultFile,
     output: options.BesideResult = None,
     at: options.At = None,
     wheelset: options.OneWheelset = None,
-    formats: Annotated[str, typer.Option("--format", metavar="KINDS", help="png, svg, pdf; several: png,pdf.")] = "png",
-    width_mm: Annotated[
-        float | None, typer.Option(min=60.0, max=500.0, help="Width of the pictures; default 170.")
-    ] = None,
-    font: Annotated[str, typer.Option(metavar="NAME", help="Family of the letters, such as 'DejaVu Serif'.")] = "",
-    style: Annotated[str, typer.Option(metavar="FILE", help="A style file of matplotlib, or one of its styles.")] = "",
     force: options.Force = False,
     as_json: options.Json = False,
 ) -> None:
@@ -41,7 +36,7 @@ def plot(
     with writing_files(as_json, force, of=result):
         from wrsim.api.pages import write_pictures
 
-        print_outcome(as_json, write_pictures(result, output, at or (), wheelset, formats, width_mm, font, style))
+        print_outcome(as_json, write_pictures(result, output, at or (), wheelset))
 
 
 def report(
@@ -93,6 +88,7 @@ def view(
         print_outcome(as_json, write_view(result, output, models or ()))
 
 
+@options.drawing
 def diff_command(
     first: options.ResultFile,
     second: options.ResultFile,

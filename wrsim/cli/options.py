@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from functools import partial
+import inspect
+from collections.abc import Callable
+from contextlib import ExitStack
+from functools import partial, wraps
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from wrsim.cli.console import show_times
+from wrsim.cli.errors import reporting_errors
 from wrsim.errors import InputError
 
 Models = Annotated[
@@ -73,6 +77,45 @@ BesideResult = Annotated[Path | None, into(metavar="DIR", help="Default: beside 
 
 PICTURES = (".png", ".svg", ".pdf")
 """Endings of the names of pictures."""
+
+
+Formats = Annotated[
+    str | None, typer.Option("--format", metavar="png,svg,pdf", help="Kinds of pictures, one or more; default png.")
+]
+LOOK = {
+    "width_mm": Annotated[
+        float | None, typer.Option("--width-mm", metavar="MM", help="Width of pictures, 60 to 500; default 170.")
+    ],
+    "font": Annotated[str | None, typer.Option(metavar="NAME", help="Family of the letters, such as 'DejaVu Serif'.")],
+    "style": Annotated[str | None, typer.Option(metavar="FILE", help="Style file, or a style of matplotlib.")],
+}
+"""How pictures look."""
+
+
+def drawing(command: Callable[..., None], kinds: bool = True) -> Callable[..., None]:
+    """The command with the options of the pictures that it draws; kinds: also that of their kinds, unless a picture is
+    named as a whole, with its ending."""
+    added: dict[str, Any] = ({"formats": Formats} if kinds else {}) | LOOK
+
+    @wraps(command)
+    def looked(**given: Any) -> None:
+        chosen = {name: value for name in added if (value := given.pop(name)) is not None}
+        with reporting_errors(given["as_json"]), ExitStack() as stack:
+            if chosen:
+                from wrsim.api.pages import look
+
+                stack.enter_context(look(**chosen))
+            command(**given)
+
+    signature = inspect.signature(command, eval_str=True)
+    here = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY, default=None)
+    own = [here(name, annotation=of) for name, of in added.items()]
+    looked.__signature__ = signature.replace(parameters=[*signature.parameters.values(), *own])  # type: ignore[attr-defined]
+    looked.__annotations__ = command.__annotations__ | added
+    return looked
+
+
+drawing_to = partial(drawing, kinds=False)
 
 
 def check_ending(option: str, path: Path | None, *endings: str) -> None:

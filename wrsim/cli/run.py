@@ -15,6 +15,7 @@ from wrsim.cli import console, options
 from wrsim.cli.errors import reporting_errors, writing_files
 
 
+@options.drawing
 def run_command(
     file: options.ScenarioFile,
     output: options.Output = None,
@@ -79,6 +80,7 @@ def _warn(mute: bool) -> Callable[[str], None]:
     return (lambda words: None) if mute else console.print_error
 
 
+@options.drawing
 def study(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Study file (TOML).")],
     output: options.Output = None,
@@ -124,6 +126,7 @@ def _progress(mute: bool) -> dict[str, Any]:
     return {"bar": _bar(mute), "notify": notify, "warn": console.print_error}
 
 
+@options.drawing
 def wear(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File of a profile evolution (TOML).")],
     output: options.Output = None,
@@ -150,6 +153,7 @@ def wear(
             console.print_outcome(as_json, found)
 
 
+@options.drawing
 def compare_command(
     file: options.ScenarioFile,
     contact: Annotated[
@@ -184,6 +188,7 @@ def compare_command(
             raise typer.Exit(found.code)
 
 
+@options.drawing
 def resolve_command(
     result: options.ResultFile,
     contact: Annotated[

@@ -68,7 +68,7 @@ def found(data: dict[str, Any], path: KeyPath, *, by_name: bool) -> KeyPath:
         elif part in tree or last:
             steps = (part,)
         elif by_name:
-            steps = _named(tree, part, full)
+            steps = _named(tree, part, full, path[k + 1 :])
         else:
             if any(isinstance(inner, int) for inner in path[k:]):
                 raise InputError(
@@ -96,8 +96,8 @@ def _entry(data: list[Any], part: str | int, done: KeyPath) -> int:
     return int(part)
 
 
-def _named(tree: dict[str, Any], name: str, done: KeyPath) -> KeyPath:
-    """The way from a table to the one table of a name that lies in it, however deep."""
+def _named(tree: dict[str, Any], name: str, done: KeyPath, rest: KeyPath) -> KeyPath:
+    """The way from a table to the one table of a name that lies in it, however deep; rest: of the key, behind it."""
     known = list(_tables(tree, ()))
     ways = [way for own, way in known if own == name]
     if len(ways) == 1:
@@ -108,7 +108,9 @@ def _named(tree: dict[str, Any], name: str, done: KeyPath) -> KeyPath:
         raise InputError(f"there are {len(ways)} of the name '{name}'{inside}: {full}; write more of it")
     names = list(dict.fromkeys(own for own, _ in known))
     listed = shortened(", ".join(names or tree), 300)
-    raise InputError(f"there is no '{name}'{inside}{suggest(name, [*names, *tree])}; there is {listed or 'no table'}")
+    near, known_words = suggest(name, [*names, *tree]), f"there is {listed or 'no table'}"
+    whole = f"; a new table is given as a whole, such as {dotted((*done, name))}={{{dotted(rest)} = ...}}"
+    raise InputError(f"there is no '{name}'{inside}{near}; {known_words}{whole if done and not near else ''}")
 
 
 def _tables(tree: dict[str, Any], at: KeyPath) -> Iterator[tuple[str, KeyPath]]:

@@ -63,15 +63,21 @@ def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
 def save_all(figures: Makers, directory: str | Path) -> list[Path]:
     """Write pictures by their names, when all are drawn, as PNG or in the kinds of files of `theme.LOOK`; returns their
     paths. Raises ``WrsimError``."""
-    with drawing(figures, _in_all_kinds) as finish:
-        return [
-            write_atomically(Path(directory) / f"{name}.{kind}", content)
-            for name, drawn in finish().items()
-            for kind, content in drawn.items()
-        ]
+    with drawing(figures, in_all_kinds) as finish:
+        return written(finish, directory)
 
 
-def _in_all_kinds(figure: Figure) -> dict[str, bytes]:
+def written(finish: Finish, directory: str | Path) -> list[Path]:
+    """Write what `drawing` with `in_all_kinds` gives."""
+    return [
+        write_atomically(Path(directory) / f"{name}.{kind}", content)
+        for name, drawn in finish().items()
+        for kind, content in drawn.items()
+    ]
+
+
+def in_all_kinds(figure: Figure) -> dict[str, bytes]:
+    """The figure in every kind of files of `theme.LOOK`."""
     return {kind: rendered(figure, kind) for kind in LOOK.get().kinds}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import ceil
 from textwrap import shorten
 from typing import Any
 
@@ -42,7 +43,7 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     rows = 3 if smoothing else 2
     figure = theme.new_figure(theme.full_width(), TOP + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
     theme.headline(figure, f"{profile.name} ({profile.kind})")
-    source = shorten(profile.source, 130, placeholder=" ...")
+    source = shorten(profile.source, int(130 * theme.full_width() / 170.0), placeholder=" ...")
     theme.write_words(figure, 0.012 * theme.full_width(), 6.5, source, fontsize=6.5, color=theme.QUIET)
     panels = [theme.mm_axes(figure, LEFT, TOP, width, height)]
     for row in range(rows):
@@ -79,7 +80,8 @@ def profiles_figure(profiles: Sequence[Profile], table: Table, unworn: Profile |
     height = min(width * up / across, TALLEST)
     rows, measures = len(profiles), table.columns[1:]
     sheet = min(ROW * rows, SHEET)
-    beneath = sheet + 12.0 if measures else 0.0
+    side = min(len(measures), 2) if theme.full_width() < theme.TWO_COLUMNS else len(measures)
+    beneath = (sheet + 12.0) * ceil(len(measures) / max(side, 1))
     figure = theme.new_figure(theme.full_width(), TOP + height + BOTTOM + beneath, constrained=False)
     many = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.95, rows))
     colours = many if rows > len(theme.SERIES_COLOURS) else theme.SERIES_COLOURS[:rows]
@@ -93,15 +95,18 @@ def profiles_figure(profiles: Sequence[Profile], table: Table, unworn: Profile |
     shape.set(aspect="equal", xlim=(corner[0], corner[0] + across), ylim=(corner[1], corner[1] + up))
     shape.set(xlabel="Outward u [mm]", ylabel="Height w [mm]")
     places = np.arange(rows)
-    each = (theme.full_width() - NAMES - 4.0) / max(len(measures), 1)
+    each = (theme.full_width() - NAMES - 4.0) / max(side, 1)
     for i, column in enumerate(measures):
-        axes = theme.mm_axes(figure, NAMES + i * each, TOP + height + 14.0, each - 7.0, sheet)
+        below = TOP + height + 14.0 + (sheet + 12.0) * (i // side)
+        axes = theme.mm_axes(figure, NAMES + i % side * each, below, each - 7.0, sheet)
         values = np.array([np.nan if row[i + 1] is None else row[i + 1] for row in table.rows], dtype=float)
         axes.scatter(values, places, c=colours, s=10.0, zorder=3.0, clip_on=False)
         axes.set(ylim=(rows - 0.5, -0.5), title=column.heading)
-        axes.set_yticks(places, [shorten(str(row[0]), 26, placeholder="...") for row in table.rows] if i == 0 else [])
+        axes.set_yticks(
+            places, [shorten(str(row[0]), 26, placeholder="...") for row in table.rows] if i % side == 0 else []
+        )
         axes.tick_params(labelsize=min(6.5, 1.6 * sheet / rows))
-        axes.xaxis.set_major_locator(MaxNLocator(3))
+        axes.xaxis.set_major_locator(MaxNLocator(3 if side == len(measures) else 2))
         low, high = np.nanmin(values, initial=np.inf), np.nanmax(values, initial=-np.inf)
         if column.unit == "mm" and 0.0 <= high - low < FINEST:
             axes.set_xlim(low - FINEST, high + FINEST)
@@ -119,7 +124,8 @@ def draw_smoothing(smoothing: Sequence[SmoothingReport], curvature: Axes, change
         p, label = report.profile, f"cut-off {1e3 * report.cutoff:g} mm"
         curvature.plot(1e3 * p.u, p.curvature_after, color=colour, linewidth=1.0, label=label)
         change.plot(1e3 * report.points.u, 1e6 * report.change, ".", color=colour, markersize=1.6, zorder=2.0)
-    curvature.legend(loc="upper center", ncols=5, fontsize=6.5, frameon=True, framealpha=0.9, edgecolor="none")
+    across = 2 if theme.full_width() < theme.TWO_COLUMNS else 5
+    curvature.legend(loc="upper center", ncols=across, fontsize=6.5, frameon=True, framealpha=0.9, edgecolor="none")
     remark(curvature, "positive: turns upward; as smoothed, and of a spline through the bare points")
     change.axhline(0.0, color=theme.INK, linewidth=0.5)
     remark(change, "distance of the points from the smoothed curve")

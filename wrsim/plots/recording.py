@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from wrsim.plots.marks import panels
-from wrsim.plots.theme import CANT_COLOUR, INK, WHEEL_COLOUR
+from wrsim.plots.theme import CANT_COLOUR, INK, TWO_COLUMNS, WHEEL_COLOUR, full_width
 from wrsim.recording.restoring import Restored
 from wrsim.results.channels import WHEELS
 
@@ -58,5 +58,6 @@ def _draw(axes: Axes, restored: Restored, lines: Sequence[tuple[str, Array, str]
     axes.ticklabel_format(axis="y", useOffset=False)
     axes.yaxis.set_major_locator(MaxNLocator(4))
     low, high = axes.get_ylim()
-    axes.set_ylim(low, high + 0.25 * (high - low))  # room for the legend
-    axes.legend(loc="upper right", ncols=len(lines), fontsize=6.0)
+    rows = len(lines) if full_width() < TWO_COLUMNS else 1
+    axes.set_ylim(low, high + 0.25 * rows * (high - low))  # room for the legend
+    axes.legend(loc="upper right", ncols=len(lines) // rows, fontsize=6.0)

@@ -84,14 +84,20 @@ def is_lone(dataset: xr.Dataset) -> bool:
 
 def paragraph(result: Result, summary: Summary, found: Assessment | None) -> str:
     """Vehicle, track, speed, contact and what was asked, in sentences."""
-    return " ".join(filter(None, (_motion(result, summary, found), _contact(result.dataset), _asked(result))))
+    with_contact = "wheel" in result.dataset.dims or "resolved_with" in result.dataset.attrs
+    contact = contact_words(result.dataset) if with_contact else ""
+    return " ".join(filter(None, (_motion(result, summary, found), contact, _asked(result))))
+
+
+def vehicle_name(dataset: xr.Dataset) -> str:
+    """The name of the file of the vehicle, "of the scenario" where it has none."""
+    model = (table_of_scenario(dataset, "vehicle") or {}).get("model")
+    return Path(str(model)).stem if model else "of the scenario"
 
 
 def _motion(result: Result, summary: Summary, found: Assessment | None) -> str:
     dataset = result.dataset
-    of_vehicle = table_of_scenario(dataset, "vehicle") or {}
-    count, model = len(wheelsets(dataset)), of_vehicle.get("model")
-    name = Path(str(model)).stem if model else "of the scenario"
+    count, name = len(wheelsets(dataset)), vehicle_name(dataset)
     subject = f"Wheelset {name}" if is_lone(dataset) else f"Vehicle {name} ({count} wheelset{'s' * (count != 1)})"
     if "time" not in dataset.dims:
         return f"{subject}: {extent_words(dataset)}."
@@ -127,16 +133,17 @@ def _curves(summary: Summary, found: Assessment | None) -> str:
     return f" with {'a full curve' if len(words) == 1 else 'full curves'} of {listed(words, 3)}" if words else ""
 
 
-def _contact(dataset: xr.Dataset) -> str:
+def contact_words(dataset: xr.Dataset, of: str = "") -> str:
+    """Contact model, creep forces and friction of a scenario, in a sentence; of: which one it is."""
     if "resolved_with" in dataset.attrs:
         return f"Contacts are solved again with {dataset.attrs['resolved_with']}."
     own = table_of_scenario(dataset, "contact")
-    if own is None or "wheel" not in dataset.dims:
+    if own is None:
         return ""
     normal = own.get("normal", ContactSettings().normal)
     creep = own.get("tangential", USUAL[normal].tangential if normal in USUAL else "")
-    words = f"Wheel-rail contact: {NORMAL.get(normal, normal)}"
-    if creep in TANGENTIAL and dataset.attrs["analysis"] != "conicity":
+    words = f"Wheel-rail contact{of}: {NORMAL.get(normal, normal)}"
+    if creep in TANGENTIAL and dataset.attrs.get("analysis") != "conicity":
         friction = own.get("friction", DRY)
         how = f"coefficient of friction {friction:g}" if isinstance(friction, int | float) else "friction by its law"
         words += f"; creep forces by {TANGENTIAL[creep]}, {how}"

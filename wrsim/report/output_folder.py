@@ -62,16 +62,17 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
         write_atomically(record, result.dataset.attrs["scenario_text"].encode())
     drawn: AbstractContextManager[Finish] = nullcontext(dict)
     if pictures:
-        from wrsim.plots import drawing, standard_figures
+        from wrsim.plots import standard_figures
+        from wrsim.plots.drawing import drawing, in_all_kinds, written
 
-        drawn = drawing(standard_figures(result.dataset))
+        drawn = drawing(standard_figures(result.dataset), in_all_kinds)
     with drawn as finish:
         with timed("dataset, summary and tables written"):
             files = [record, *write_run(result, directory)]
         if further := ANALYSES[result.analysis].further:
             files += resolved(further)(result, directory, pictures)
         with timed("pictures that are left"):
-            files += [write_atomically(directory / f"{name}.png", content) for name, content in finish().items()]
+            files += written(finish, directory) if pictures else []
     if not can_go_on(result):
         (directory / PART).unlink(missing_ok=True)
         names = [path.relative_to(directory).as_posix() for path in files]

@@ -20,6 +20,7 @@ from wrsim.plots.cross_section import has_outlines
 from wrsim.plots.drawing import Makers, save_all
 from wrsim.plots.profile import profile_figure, profiles_figure
 from wrsim.plots.ride import ride_figures
+from wrsim.plots.theme import LOOK
 from wrsim.plots.track import track_figure
 from wrsim.plots.vehicle import campbell_figure, loops_figure, vehicle_figure
 from wrsim.results.assessment import Assessment, assessment_csv, assessment_json
@@ -125,7 +126,7 @@ def write_recording(
         recorded.SCENARIO: recorded.scenario_file(restored, vehicle, speed or recorded.usual_speed(restored)).encode(),
     }
     if (keeper := KEEPER.get()) is not None:
-        for name in (*contents, "recording.png"):
+        for name in (*contents, *(f"recording.{kind}" for kind in LOOK.get().kinds)):
             keeper.check(directory / name)
     files = _written(directory, contents, {})
     build(load(directory / recorded.SCENARIO, tuple(models)))  # refuses what of the track or the vehicle cannot be

@@ -11,13 +11,14 @@ import xarray as xr
 
 from wrsim import __version__
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, numbers_in, of_cases, study_figures
-from wrsim.plots.wear import evolution_figures
-from wrsim.report.document import NO_COVER, Cover
+from wrsim.plots.wear import LAW_WORDS, evolution_figures
+from wrsim.report.document import ASKED, NO_COVER, Cover, contact_words, vehicle_name
 from wrsim.report.page import as_picture, last_part, page_template
 from wrsim.report.tables import BAD, OPEN, Verdict
 from wrsim.results.sensitivity import sensitivity_in, sensitivity_tables
-from wrsim.results.table import Column, Table, formatted, quantity
+from wrsim.results.table import Column, Table, formatted, listed, quantity
 
+MOST_TOLD = 3  # outputs and keys that the summary names
 MOST_ROWS, FEW_ROWS = 500, 40  # cases in a table of the page; up to so many, the table is open
 
 
@@ -29,10 +30,7 @@ def study_page(dataset: xr.Dataset, source: str, cover: Cover = NO_COVER) -> str
     verdict = f"{status.size} cases: {', '.join(f'{n} {name}' for name, n in counts.items())}."
     folder = last_part(source.removesuffix("/study.nc"))
     rows = [("title", dataset.attrs["title"]), ("study", folder), ("analysis", dataset.attrs.get("analysis", ""))]
-    for name in varied(dataset):
-        values = [_text(value) for value in np.unique(dataset[name].values)]
-        span = f"{len(values)} values, {values[0]} to {values[-1]}" if len(values) > 8 else ", ".join(values)
-        rows.append((f"varied: {dataset[name].attrs['key']}", span))
+    rows += [(f"varied: {dataset[name].attrs['key']}", _span(dataset, name, 8)) for name in varied(dataset)]
     without, labels, words = np.flatnonzero(status != COMPLETED), _labels(dataset), of_cases(dataset, "message")
     lost = [(labels[i], str(status[i]), str(words[i])) for i in without[:MOST_ROWS]]
     cases_more = [f"Case abcd… lies in {folder}/cases/ab/abcd…; study.csv has full names"]
@@ -41,6 +39,7 @@ def study_page(dataset: xr.Dataset, source: str, cover: Cover = NO_COVER) -> str
         "cover": cover.of(dataset.attrs["title"]),
         "version": __version__,
         "verdict": Verdict(OPEN if set(counts) <= {COMPLETED, DERAILED} else BAD, verdict),
+        "paragraph": _study_paragraph(dataset, outputs, labels),
         "identity": [*rows, ("cases", str(status.size))],
         "versions": _versions(dataset),
         "outputs": _outputs(dataset, outputs, labels),
@@ -56,6 +55,53 @@ def study_page(dataset: xr.Dataset, source: str, cover: Cover = NO_COVER) -> str
         "scenario_text": dataset.attrs.get("scenario_text", ""),
     }
     return page_template("study.html").render(page)
+
+
+def _span(dataset: xr.Dataset, name: str, most: int) -> str:
+    """The values of what is varied; of more than so many their number and the ends."""
+    values = [_text(value) for value in np.unique(dataset[name].values)]
+    return f"{len(values)} values, {values[0]} to {values[-1]}" if len(values) > most else ", ".join(values)
+
+
+def _study_paragraph(dataset: xr.Dataset, outputs: Sequence[str], labels: Sequence[str]) -> str:
+    """Vehicle, what is asked and varied, contact, and between what the first outputs lie, in sentences."""
+    keys = {name: str(dataset[name].attrs["key"]) for name in varied(dataset)}
+    one = "vehicle.model" not in keys.values()
+    subject = f"of vehicle {vehicle_name(dataset)}" if one else "of several vehicles"
+    analysis = str(dataset.attrs.get("analysis", ""))
+    words = [f"{dataset['status'].size} cases {subject}: {ASKED.get(analysis, analysis)}."]
+    told = [f"{key} ({_span(dataset, name, MOST_TOLD)})" for name, key in keys.items()]
+    words.append(f"Varied: {listed(told, MOST_TOLD)}." if told else "")
+    changed = any(key.startswith("contact.") for key in keys.values())
+    words.append(contact_words(dataset, " of the base scenario" if changed else ""))
+    table = _outputs(dataset, outputs[:MOST_TOLD], labels)
+    for name, low, at_low, median, high, at_high in table.rows if table else ():
+        ends = f"{low} ({at_low}) and {high} ({at_high})"
+        words.append(
+            f"{name} is {low} in all cases." if low == high else f"{name} lies between {ends}; median {median}."
+        )
+    return " ".join(filter(None, words))
+
+
+def _evolution_paragraph(dataset: xr.Dataset) -> str:
+    """Wheel, law, mileage, and how the profile changes, in sentences."""
+    about, steps = dataset.attrs, dataset.sizes["point"] - 1
+    law = LAW_WORDS.get(str(about.get("law")), str(about.get("law", "")))
+    mileage = quantity(1e-3 * float(dataset["mileage"].values[-1]), "km", ".6g")
+    words = [
+        f"Wheels {about.get('wheel', '')} of vehicle {vehicle_name(dataset)} wear by the law {law} over {mileage}."
+    ]
+    cases = str(about.get("cases_text", "")).strip().count("\n")
+    words.append(f"Each of the {steps} steps runs {cases} cases by their shares, then the profile is made anew.")
+    words.append(contact_words(dataset))
+    own = {"flange_thickness": "mm", "flange_height": "mm", "flange_steepness": "mm", "conicity": ""}
+    for name, unit in own.items():
+        first, last = (float(v) * (1e3 if unit else 1.0) for v in dataset[name].values[[0, -1]])
+        form = ".2f" if unit else ".3f"
+        ends = f"from {formatted(first, form)} to {quantity(last, unit, form)}"
+        of = str(dataset[name].attrs["long_name"])
+        words.append(f"{of[0].upper()}{of[1:]}: {ends}.")
+    return " ".join(filter(None, words))
 
 
 def _versions(dataset: xr.Dataset) -> list[tuple[str, str]]:
@@ -131,6 +177,7 @@ def evolution_page(dataset: xr.Dataset, source: str, numbers: Table, cover: Cove
         "cover": cover.of(about["title"]),
         "version": __version__,
         "verdict": f"{mileage} in {steps} steps; {deepest} worn off at the deepest place.",
+        "paragraph": _evolution_paragraph(dataset),
         "identity": identity,
         "versions": _versions(dataset),
         "numbers": numbers,

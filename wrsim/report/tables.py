@@ -30,7 +30,7 @@ from wrsim.results.summary_tables import (
     numbers_of,
     wheelset_tables,
 )  # fmt: skip
-from wrsim.results.table import Cell, Column, Table, formatted, quantity
+from wrsim.results.table import TOLD_APART, Cell, Column, Table, formatted, quantity
 from wrsim.results.wheelsets import numbered, wheelsets
 
 T = TypeVar("T")
@@ -41,7 +41,6 @@ OF_PATCHES = ("N", "p0", "contact_angle", "contact_angle_variation", "area")
 GOOD, BAD, OPEN = "good", "bad", "open"
 """States of a verdict: within all limits; beyond one, or stopped; none."""
 
-APART_FROM = 0.01  # part of a quantity's largest value from which results differ, as of wrsim diff
 MOST_CURVES = 10  # full curves of a result that are listed; summary.json has all of them
 APART = 1.05  # limits that differ by less are one line in a chart
 
@@ -183,14 +182,14 @@ def apart(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
         letters = names[0][0], name[0]
         asked = inputs_apart(results[0], other, letters)
         try:
-            off, alone = one_sided(beyond(differences(results[0], other), APART_FROM), letters)
+            off, alone = one_sided(beyond(differences(results[0], other, (), TOLD_APART), TOLD_APART), letters)
             asked += alone
         except InputError as problem:  # analyses of two kinds
             off, asked = [], [*asked, str(problem)]
         if not off and not asked:
-            asked = [f"no difference of more than {100.0 * APART_FROM:g} %"]
+            asked = [f"no difference of more than {100.0 * TOLD_APART:g} %"]
         if len(off) > LISTED:
-            asked.append(f"the largest {LISTED} of {len(off)} differences of more than {100.0 * APART_FROM:g} %")
+            asked.append(f"the largest {LISTED} of {len(off)} differences of more than {100.0 * TOLD_APART:g} %")
         found.append(difference_table(off[:LISTED], letters, f"{letters[1]} against {letters[0]}", asked))
     return found
 

@@ -11,7 +11,7 @@ from wrsim.errors import InputError, suggest
 from wrsim.inputs.changes import leaves
 from wrsim.results.channels import PATCHES
 from wrsim.results.result import Result
-from wrsim.results.table import Column, Table, finite, listed, quantity
+from wrsim.results.table import Column, Table, finite, listed, percent, quantity
 from wrsim.results.wheelsets import matched, wheelsets
 
 LEFT_OUT = ("title", "analysis", "status", "stop", "versions", "integration", "extent", "events")
@@ -25,7 +25,8 @@ SMALLEST = 1e-6  # values below this, in their unit for readers, count as zero
 class Deviation(NamedTuple):
     """One number of two results; None where one of them does not have it. place: wheelset, wheel, curve; quantity: with
     its unit at the end; absolute: second minus first, infinite where one is missing; relative: its magnitude over the
-    largest magnitude of the quantity anywhere in both results."""
+    largest magnitude of the quantity anywhere in both results, of an energy over the largest of its balance; change: in
+    percent of the first (`percent`)."""
 
     place: str
     quantity: str
@@ -33,11 +34,7 @@ class Deviation(NamedTuple):
     second: float | None
     absolute: float
     relative: float
-
-    @property
-    def change(self) -> float | None:
-        """Second minus first in percent of the first; None where one is missing or the first is zero."""
-        return finite(100.0 * self.absolute / abs(self.first)) if self.first else None
+    change: float | None
 
 
 def differences(first: Result, second: Result, only: Sequence[str] = (), tolerance: float = 0.0) -> list[Deviation]:
@@ -61,15 +58,22 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
             raise InputError(f"--only {own}: neither result has it{suggest(own, names)}; there is {', '.join(names)}")
         chosen |= found_names
     keys = [key for key in keys if key[1] in chosen]
-    scales = dict.fromkeys(chosen, SMALLEST)
+    scales: dict[str, float] = {}
     for key in keys:
-        scales[key[1]] = max(scales[key[1]], *(abs(values.get(key) or 0.0) for values in (one, other)))
+        numbers = (abs(values.get(key) or 0.0) for values in (one, other))
+        scales[_scale(key)] = max(scales.get(_scale(key), SMALLEST), *numbers)
     found = []
     for key in keys:
         a, b = one.get(key), other.get(key)
         off = (0.0 if a is b else math.inf) if a is None or b is None else b - a
-        found.append(Deviation(*key, a, b, off, abs(off) / scales[key[1]]))
+        scale = scales[_scale(key)]
+        found.append(Deviation(*key, a, b, off, abs(off) / scale, percent(a, b, tolerance * scale)))
     return sorted(found, key=lambda d: -d.relative)
+
+
+def _scale(key: tuple[str, str]) -> str:
+    """What a number is measured against: its quantity, or the balance it is a part of."""
+    return key[0] if key[0] == "energy" else key[1]
 
 
 def inputs_apart(one: Result, other: Result, letters: Sequence[str] = "AB") -> list[str]:
@@ -131,12 +135,12 @@ def compared_tables(
     found: Sequence[Deviation], ends: Sequence[str], tolerance: float, names: Sequence[str], apart: Sequence[str] = ()
 ) -> list[Table]:
     """What is beyond the tolerance, or the largest differences where nothing is; the verdict."""
-    wrong, percent = beyond(found, tolerance), quantity(100.0 * tolerance, "%", "g")
+    wrong, most = beyond(found, tolerance), quantity(100.0 * tolerance, "%", "g")
     both, alone = one_sided(wrong or [d for d in found if d.relative > 0.0])
     more = [f"... and {len(both) - LISTED} more; --json lists all"] if wrong and len(both) > LISTED else []
-    verdict = f"alike: {len(found)} numbers, none differs by more than {percent}"
+    verdict = f"alike: {len(found)} numbers, none differs by more than {most}"
     if wrong:
-        verdict = f"{len(wrong)} of {len(found)} numbers differ by more than {percent}"
+        verdict = f"{len(wrong)} of {len(found)} numbers differ by more than {most}"
     elif ends:
         verdict = "the numbers are alike, the ends are not"
     head = Table("", notes=tuple(f"{letter}: {name}" for letter, name in zip("AB", names, strict=True)) + tuple(apart))

@@ -12,7 +12,18 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, PATCHES, WHEELS
 from wrsim.results.moments import has_patches, with_patches
 from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_SPAN, OF_WHEELSET, PATCH_CHANNELS, PEAKS, wheel_peaks
-from wrsim.results.table import Cell, Column, Placed, Table, formatted, listed, quantity, with_unit
+from wrsim.results.table import (
+    TOLD_APART,
+    Cell,
+    Column,
+    Placed,
+    Table,
+    formatted,
+    listed,
+    percent,
+    quantity,
+    with_unit,
+)
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 MOST_LINES = 10  # events and remarks that are listed
@@ -115,10 +126,9 @@ def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: 
 
 
 def _changes(cells: Sequence[Placed]) -> list[float | None]:
-    """Of the second half of some numbers over the first [%]; None without one of them, or over zero."""
-    half = len(cells) // 2
-    pairs = zip((cell.value for cell in cells[:half]), (cell.value for cell in cells[half:]), strict=True)
-    return [100.0 * (b - a) / abs(a) if a and b is not None else None for a, b in pairs]
+    """Of the second half of some numbers over the first [%]."""
+    half, zero = len(cells) // 2, TOLD_APART * max((abs(cell.value or 0.0) for cell in cells), default=0.0)
+    return [percent(a.value, b.value, zero) for a, b in zip(cells[:half], cells[half:], strict=True)]
 
 
 def vehicle_table(title: str, labels: Sequence[str], own: Sequence[Summary]) -> Table:

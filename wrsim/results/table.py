@@ -73,6 +73,17 @@ def finite(value: float | None, factor: float = 1.0) -> float | None:
     return float(value) * factor if value is not None and isfinite(value) else None
 
 
+TOLD_APART = 0.01  # part of a quantity's largest value from which results differ, unless the user names another
+
+
+def percent(first: float | None, second: float | None, zero: float = 0.0) -> float | None:
+    """Change from the first number to the second one in percent of the first; None without one of them, and of a number
+    that is no larger than what counts as no difference, zero: it cannot be told from 0."""
+    if first is None or second is None or not abs(first) > zero:
+        return None
+    return finite(100.0 * (second - first) / abs(first))
+
+
 def with_unit(words: str, unit: str) -> str:
     """Words with the unit in brackets; of a plain number the words alone."""
     return f"{words} [{unit}]" if unit not in ("", "1") else words

@@ -6,6 +6,7 @@ TLS, and each shows a certificate (docs/user/security.md).
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import signal
@@ -17,6 +18,7 @@ from typing import Any
 
 import dask
 from distributed import Client, Nanny, Scheduler, SpecCluster, Worker
+from distributed.comm import connect
 from distributed.security import Security
 from distributed.system import MEMORY_LIMIT
 
@@ -132,15 +134,24 @@ def workers_at(address: str, certificates: Path | None) -> Iterator[Client]:
     with _settings():
         security = security_at(address, certificates)
         try:
+            asyncio.run(_greeted(address, security))
             client = Client(address, timeout=WAIT, set_as_default=False, security=security)
-        except (OSError, RuntimeError, TimeoutError, ValueError) as error:
-            why = str(error).split("\n")[0] or type(error).__name__
+        except (OSError, RuntimeError, TimeoutError, ValueError, MemoryError) as error:
+            words = "what answers is no scheduler" if isinstance(error, MemoryError) else str(error)
+            why = words.split("\n")[0] or type(error).__name__
             raise InputError(
                 f"--scheduler {address}: no dask scheduler answers there ({why}); must be an address such as "
                 "tls://10.0.0.1:8786, as 'dask scheduler' prints it"
             ) from None
         with closing(client):
             yield client
+
+
+async def _greeted(address: str, security: Security | None) -> None:
+    """Connect once: a client that something else than a scheduler answers does not end for a minute, and what that
+    sends is taken as a length in bytes, which may be too large for any memory."""
+    arguments = security.get_connection_args("client") if security else {}
+    (await connect(address, timeout=WAIT, **arguments)).abort()
 
 
 @contextmanager

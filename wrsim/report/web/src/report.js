@@ -14,6 +14,13 @@ let part = "";
 let quiet = false;
 
 const number = (v) => (v == null ? "–" : Number(v.toPrecision(4)).toString().replace("-", "\u2212"));
+/** Words of the ticks of an axis, with the decimals that their distance needs: 0.0075 beside 0.008, and never \u22120. */
+function ticks(u, splits, axis, space, step) {
+  const power = Math.floor(Math.log10(step) + 1e-9), halves = Math.abs(step / 10 ** power - 2.5) < 1e-6;
+  const places = Math.min(Math.max(halves - power, 0), 12);
+  return splits.map((v) => (v == null ? "" : (Math.round(v / step) * step || 0).toFixed(places).replace("-", "\u2212")));
+}
+
 const fits = (line) => !part || !line.part || line.part === part;
 
 const fitting = (chart) => chart.lines.filter(fits);
@@ -138,7 +145,7 @@ function panel(chart, lines, element, height, short) {
     padding: [8, 12, 0, 0],
     cursor: { sync: { key: "wrsim" }, y: false, drag: { x: true, y: false } },
     scales: { x: { time: false }, y: { range: range(chart) } },
-    axes: [{ size: 28, font: "12px sans-serif" }, { size: 56, font: "12px sans-serif" }],
+    axes: [{ size: 28, font: "12px sans-serif", values: ticks }, { size: 56, font: "12px sans-serif", values: ticks }],
     series: [{ label: "place", value: (u, v) => (v == null ? "\u2013" : `${v.toFixed(2)} ${data.unit}`) }, ...series],
     bands,
     plugins: [limitsPlugin(chart.limits)],
@@ -265,4 +272,4 @@ function worst() {
 }
 
 begin();
-window.wrsim = { seek, data };
+window.wrsim = { seek, data, ticks: (values, step) => ticks(null, values, 1, 0, step) };
