@@ -32,7 +32,7 @@ FIRST = ["first_hour", "own_vehicle", "own_track", "own_profile", "acceptance", 
 """Tutorials, in their order."""
 ALONE = "own_profile"
 """One of them that needs nothing of the others, nor they of it."""
-LEFT_OUT = re.compile(r"\b[A-Z]{3,}\b|--slurm|scenarios/wear/|studies/coach_|wrsim warm")
+LEFT_OUT = re.compile(r"\b[A-Z]{3,}\b|--slurm|scenarios/(?:wear|type_test)/|studies/coach_|wrsim warm")
 """A name to be filled in, a cluster, minutes of work."""
 EXPECTED = {"assess": (0, 2), "diff": (0, 4)}
 """Short runs have no section to assess; two different runs differ."""

@@ -45,6 +45,7 @@ _HOMES = {
     "warm": "wrsim.analysis.warming",
     "read_recording": "wrsim.api.data",
     "run_study": "wrsim.api.studies",
+    "run_type_test": "wrsim.api.studies",
     "run_wear": "wrsim.api.studies",
     "Outcome": "wrsim.api.outcome",
     "Result": "wrsim.results",

@@ -26,6 +26,7 @@ from wrsim.api.runs import resolve as resolve
 from wrsim.api.runs import run_scenario as run_scenario
 from wrsim.api.runs import show as show
 from wrsim.api.studies import run_study as run_study
+from wrsim.api.studies import run_type_test as run_type_test
 from wrsim.api.studies import run_wear as run_wear
 from wrsim.contact.model import ContactModel as ContactModel
 from wrsim.contact.models import contact_model as contact_model

@@ -143,6 +143,7 @@ TABLES = {name: kind for analysis in ANALYSES.values() for name, kind in analysi
 FILES = {
     "scenario": ("a scenario", "wrsim.scenario.schema:ScenarioFile"),
     "study": ("a study", "wrsim.study.spec:StudyFile"),
+    "programme": ("a type test", "wrsim.study.programme:ProgrammeFile"),
     "evolution": ("a profile evolution", "wrsim.study.spec:EvolutionFile"),
     "vehicle": ("a vehicle file", "wrsim.vehicle.vehicle_files:VehicleFile"),
     "wheelset": ("a vehicle file of one wheelset", "wrsim.vehicle.vehicle_files:WheelsetFile"),
@@ -156,7 +157,8 @@ FILES = {
 """Kinds of files that users write, and the class of each, or the classes that it may be one of."""
 
 COMMANDS = {
-    "scenario": "wrsim run", "study": "wrsim study", "evolution": "wrsim wear", "vehicle": "wrsim vehicle",
+    "scenario": "wrsim run", "study": "wrsim study", "programme": "wrsim type-test",
+    "evolution": "wrsim wear", "vehicle": "wrsim vehicle",
     "wheelset": "wrsim vehicle", "train": "wrsim vehicle", "track": "wrsim track", "profile": "wrsim profile",
     "rules": "wrsim assess --rules", "columns": "wrsim recording --columns",
 }  # fmt: skip

@@ -78,6 +78,73 @@ def run_study(
     return Outcome(study_tables(report), numbers, files, faults, code, directory)
 
 
+def run_type_test(
+    file: str | Path, output: str | Path | None = None, *, workers: int | None = None, scheduler: str | None = None,
+    slurm: bool = False, tls: Path | None = None, retry: bool = False, dry_run: bool = False,
+    models: Sequence[str | Path] = (), force: bool = False, bar: Bar = no_bar,
+    notify: Callable[[str], None] = lambda line: None, warn: Callable[[str], None] = log.warning,
+) -> Outcome:  # fmt: skip
+    """A vehicle in several states through all runs and stationary tests of a programme, judged clause by clause.
+
+    Parameters
+    ----------
+    file : str or Path
+        File of a type test.
+    output : str or Path, optional
+        Folder; results/<name of the file> unless given. All others as of `run_study`.
+
+    Returns
+    -------
+    Outcome
+        ``["passed"]``; ``found`` lists the verdicts; ``code`` 3 where a run is missing, 4 where a limit is exceeded.
+
+    Raises
+    ------
+    InputError
+        With all faults of the file and of its runs.
+    """
+    from wrsim.report.study import type_test_page
+    from wrsim.study import type_test as tests
+    from wrsim.study.collect import markers_of
+    from wrsim.study.engine import check_workers, kept_folder, missing, worker_pool
+    from wrsim.study.estimate import estimated_cost
+    from wrsim.study.programme import read_programme
+    from wrsim.study.task import COMPLETED, DERAILED
+
+    directory = results_folder(file, output)
+    for words in check_workers(workers, scheduler, slurm, tls):
+        warn(words)
+    with timed("plan of the runs"):
+        programme = read_programme(Path(file), directory, list(models))
+    plan = programme.plan
+    if dry_run:
+        numbers, table = estimated_cost(plan, workers)
+        return Outcome([table], numbers, found=plan)
+    with kept_folder(directory, programme.reads, force, tests.OUTPUTS):
+        todo = missing(plan, retry)
+        notify(f"{len(plan.cases)} runs, {len(plan.cases) - len(todo)} of them done")
+        try:
+            if todo:
+                with timed(f"{len(todo)} runs"), worker_pool(workers, scheduler, slurm, tls, len(todo), bar) as work:
+                    work(plan, todo)
+        except KeyboardInterrupt:
+            raise _interrupted(directory) from None
+        markers = markers_of(plan)
+        with timed("verdicts"):
+            found, notes = tests.verdicts(programme, markers)
+            numbers, words = tests.verdict_numbers(plan.title, found, notes), tests.verdict_words(found)
+            states = {state.name: [v for v in found if v.state == state.name] for state in programme.spec.states}
+            pages = [tests.whole_table(name, own) for name, own in states.items()]
+            texts = {"Programme": plan.source, "Base scenario": plan.text}
+            page = type_test_page(plan.title, pages, notes, words, numbers["passed"], texts)
+            files = tests.write_verdicts(directory, numbers, tests.whole_table(plan.title, found), page)
+            tables = tests.worst_tables(plan.title, found, notes)
+    code = 0 if numbers["passed"] else 4
+    if any(m.status not in (COMPLETED, DERAILED) for m in markers):
+        code = STOPPED
+    return Outcome(tables, numbers | {"exit_code": code, "ran": len(todo)}, files, found, code, directory)
+
+
 def run_wear(
     file: str | Path, output: str | Path | None = None, *, workers: int | None = None, scheduler: str | None = None,
     slurm: bool = False, tls: Path | None = None, models: Sequence[str | Path] = (), pictures: bool = True,

@@ -17,7 +17,7 @@ from wrsim.cli.console import print_lines, show_progress
 from wrsim.cli.data import export_command, fmu, profile, recording, track
 from wrsim.cli.errors import INTERRUPTED, any_output, usage_as_json
 from wrsim.cli.inspect import diff_command, plot, report, show_command, view
-from wrsim.cli.run import compare_command, resolve_command, run_command, study, wear
+from wrsim.cli.run import compare_command, resolve_command, run_command, study, type_test, wear
 from wrsim.cli.start import check_command, keys_command, new, warm_command
 
 app = typer.Typer(
@@ -29,14 +29,15 @@ app = typer.Typer(
 
 PANELS = {
     "Start": (new, check_command, keys_command, warm_command),
-    "Run": (run_command, study, wear, compare_command, resolve_command),
+    "Run": (run_command, study, type_test, wear, compare_command, resolve_command),
     "Inspect": (show_command, plot, report, view, diff_command),
     "Assess": (assess_command, ride_command, conicity_command, vehicle),
     "Data": (profile, track, recording, export_command, fmu),
 }
 for panel, commands in PANELS.items():
     for command in commands:
-        app.command(command.__name__.removesuffix("_command"), rich_help_panel=panel)(command)
+        name = command.__name__.removesuffix("_command").replace("_", "-")
+        app.command(name, rich_help_panel=panel)(command)
 
 
 def main() -> None:

@@ -7,7 +7,7 @@ The message goes to stderr, with ``--json`` one JSON object to stdout.
 1    the result could not be written: full disk, no permission
 2    bad input: a file, a key, a value, an argument
 3    the run stopped early, cases of a study have no result; what was computed is on disk
-4    two results differ by more than allowed (``wrsim diff``)
+4    two results differ by more than allowed (``wrsim diff``); a limit is exceeded (``wrsim type-test``)
 70   a mistake in wrsim itself; WRSIM_DEBUG=1 shows where
 130  interrupted with Ctrl-C; what was computed is on disk
 ==== ==================================================================

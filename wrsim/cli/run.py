@@ -120,6 +120,40 @@ def study(
             raise typer.Exit(found.code)
 
 
+def type_test(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="File of a type test (TOML).")],
+    output: options.Output = None,
+    workers: options.Workers = None,
+    scheduler: options.Scheduler = None,
+    slurm: options.Slurm = False,
+    tls: options.Tls = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="List the runs and the time they will take; run nothing.")
+    ] = False,
+    retry: Annotated[bool, typer.Option("--retry", help="Run again what failed, stopped or ran out of time.")] = False,
+    models: options.Models = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+) -> None:
+    """Type test: states of a vehicle through runs and stationary tests, judged clause by clause.
+
+    Start it again and only what is missing runs. The exit code is 4 where a limit is exceeded.
+    """
+    with reporting_errors(as_json):
+        from wrsim.api.studies import run_type_test
+
+        found = run_type_test(
+            file, output, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, retry=retry, dry_run=dry_run,
+            models=models or (), force=force, **_progress(quiet or as_json),
+        )  # fmt: skip
+        if as_json or not quiet:
+            console.print_outcome(as_json, found)
+        if found.code:
+            raise typer.Exit(found.code)
+
+
 def _progress(mute: bool) -> dict[str, Any]:
     """A bar and lines on the progress of a study, unless mute; warnings."""
     notify = (lambda line: None) if mute else console.print_lines

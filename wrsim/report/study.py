@@ -155,6 +155,22 @@ def _text(value: object) -> str:
     return formatted(float(value), ".6g") if isinstance(value, float | np.floating) else str(value)
 
 
+def type_test_page(
+    title: str, tables: Sequence[Table], notes: Sequence[str], words: str, passed: bool,
+    texts: dict[str, str], cover: Cover = NO_COVER,
+) -> str:  # fmt: skip
+    """The report of a type test as HTML. tables: of verdicts, one a state; words: the verdict; texts: files by name."""
+    page = {
+        "cover": cover.of(title),
+        "version": __version__,
+        "verdict": Verdict(OPEN if passed else BAD, words),
+        "tables": tables,
+        "notes": notes,
+        "texts": texts,
+    }
+    return page_template("type_test.html").render(page)
+
+
 OF_EVOLUTION = {
     "evolution_text": "File of the evolution",
     "service_text": "File of the evolution",  # of older results

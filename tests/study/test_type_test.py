@@ -1,0 +1,148 @@
+"""Type tests: the runs of a programme, and verdicts on forces that are known."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import synthetic_run
+from support.runs import SCENARIOS
+from support.synthetic_run import Q0
+
+from wrsim.api.studies import run_type_test
+from wrsim.errors import InputError
+from wrsim.study.programme import Programme, read_programme
+from wrsim.study.task import COMPLETED, DERAILED, RESULT, Marker, write_marker
+
+TEXT = """
+title = "a test"
+base = "{base}"
+{more}
+[[states]]
+name = "new"
+set = {{ "contact.friction" = 0.4 }}
+[[states]]
+name = "wet"
+set = {{ "contact.friction" = 0.2 }}
+[[runs]]
+name = "straight"
+speed_kmh = 160
+sections = 2
+[[runs]]
+name = "R 300"
+radius_m = 300
+cant_mm = 100
+cant_deficiency_mm = 80
+sections = 3
+[irregularities]
+spectrum = "ERRI-low"
+seed = 7
+"""
+
+
+def programme_file(folder: Path, more: str = "", old: str = "", new: str = "") -> Path:
+    file = folder / "test.toml"
+    file.write_text(TEXT.format(base=SCENARIOS / "type_test" / "coach_base.toml", more=more).replace(old, new, 1))
+    return file
+
+
+@pytest.fixture(scope="module")
+def programme(tmp_path_factory) -> Programme:
+    folder = tmp_path_factory.mktemp("programme")
+    return read_programme(programme_file(folder), folder / "out")
+
+
+def test_every_state_makes_every_run_to_both_hands(programme):
+    assert programme.names == ("straight", "R 300 left", "R 300 right")
+    assert len(programme.plan.cases) == 2 * 3
+    frictions = [programme.plan.scenario(case).spec.contact.friction for case in programme.plan.cases]
+    assert frictions == [0.4] * 3 + [0.2] * 3
+
+
+def test_cant_deficiency_gives_the_speed_and_the_rules_the_length_of_sections(programme):
+    straight, left, right = (programme.plan.scenario(case).spec for case in programme.plan.cases[:3])
+    speed = left.vehicle.speed_kmh / 3.6
+    assert 1500.0 * speed**2 / (9.80665 * 300.0) == pytest.approx(100.0 + 80.0)
+    arcs = [next(s for s in own.track.segments if s.kind == "arc") for own in (left, right)]
+    assert [arc.radius_m for arc in arcs] == [300.0, -300.0]
+    assert arcs[0].length_m == 3 * 70.0  # EN 14363, very small radii
+    assert straight.track.segments[0].length_m == 2 * 250.0 + 2 * 60.0
+    seeds = [own.track.irregularities[0].seed for own in (straight, left, right)]
+    assert seeds == [7, 8, 9]
+
+
+def filled(folder: Path, statuses=(COMPLETED,) * 6, **forces) -> Path:
+    """The file of a programme whose runs are all done, with invented forces in those of the first state."""
+    file = programme_file(folder)
+    plan = read_programme(file, folder / "out").plan
+    for i, (case, status) in enumerate(zip(plan.cases, statuses, strict=True)):
+        own = plan.folder_of(case)
+        own.mkdir(parents=True)
+        curvature = (
+            np.zeros_like if case.place[1] == 0 else synthetic_run.curve(300.0 if case.place[1] == 1 else -300.0)
+        )
+        synthetic_run.run(curvature=curvature, **forces if i < 3 else {}).save(own / RESULT)
+        ended = Marker(
+            case.name, case.label, status, "" if status == COMPLETED else "it fell", outputs=plan.outputs_digest
+        )
+        write_marker(own, replace(ended, time_limit=plan.time_limit))
+    return file
+
+
+def verdicts(found) -> dict[tuple[str, str], list[bool | None]]:
+    rows: dict[tuple[str, str], list[bool | None]] = {}
+    for own in found.found:
+        rows.setdefault((own.state, own.clause), []).append(own.ok)
+    return rows
+
+
+def test_sound_runs_are_within_every_limit_and_a_second_run_gives_the_same_bytes(tmp_path):
+    file = filled(tmp_path)
+    first = run_type_test(file, tmp_path / "out")
+    assert first["passed"] is True and first.code == 0
+    assert all(ok is not False for own in verdicts(first).values() for ok in own)
+    contents = {path.name: path.read_bytes() for path in first.files}
+    assert set(contents) == {"type_test.json", "type_test.csv", "type_test.html"}
+    second = run_type_test(file, tmp_path / "out")
+    assert second["ran"] == 0
+    assert {path.name: path.read_bytes() for path in second.files} == contents
+
+
+def test_a_force_beyond_its_limit_turns_its_clause_red_in_its_state_alone(tmp_path):
+    # 40 kN to one side: beyond k1 (10 + 2Q0/3) = 43.3 kN together with 10 kN to the other
+    red = run_type_test(filled(tmp_path, y=lambda s: (40e3 + 0.0 * s, -10e3 + 0.0 * s)), tmp_path / "out")
+    assert red.code == 4 and red["passed"] is False
+    rows = verdicts(red)
+    assert set(rows["new", "track shift"]) == {False}
+    assert set(rows["wet", "track shift"]) == {True}
+    assert set(rows["new", "vertical force"]) == {True}
+    record = json.loads((tmp_path / "out" / "type_test.json").read_text())
+    assert {v["clause"] for v in record["verdicts"] if v["ok"] is False} >= {"track shift"}
+    mean = next(v for v in record["verdicts"] if v["clause"] == "vertical force")
+    low, high = map(float, mean["interval"].split(" to "))
+    assert low == high == pytest.approx(1e-3 * Q0, rel=1e-3)  # without scatter
+
+
+def test_a_run_that_derails_is_red(tmp_path):
+    found = run_type_test(filled(tmp_path, (DERAILED, *[COMPLETED] * 5)), tmp_path / "out")
+    assert verdicts(found)["new", "every run comes to its end"] == [False]
+    assert verdicts(found)["wet", "every run comes to its end"] == [True]
+    assert any("new, straight: it fell" in note for note in found["notes"])
+
+
+@pytest.mark.parametrize(
+    ("more", "old", "new", "words"),
+    [
+        ('rules = "en14364"', "", "", "did you mean"),
+        ("", 'name = "wet"', 'name = "new"', "two of them"),
+        ("", 'set = { "contact.friction" = 0.2 }', "", "contact.friction: must be set in every state"),
+        ("", "speed_kmh = 160\n", "", "speed_kmh"),
+        ("", "cant_deficiency_mm = 80", "cant_deficiency_mm = -120", "no such speed"),
+        ("", "ERRI-low", "ERRI-lo", "ERRI-low"),
+        ('rules = "en14363-stationary"', "", "", "no clause about runs"),
+    ],
+)
+def test_a_programme_that_cannot_be_run_is_refused(tmp_path, more, old, new, words):
+    with pytest.raises(InputError, match=words):
+        run_type_test(programme_file(tmp_path, more, old, new), tmp_path / "out", dry_run=True)

@@ -1,0 +1,197 @@
+"""The file of a type test: vehicle states, runs on track that is made for them, stationary tests, a rule set."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from wrsim.analysis.assessment.sections import CANT_BASE, STRAIGHT, section_length, zone_of
+from wrsim.errors import InputError
+from wrsim.inputs.checking import fault_line
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.toml_files import noting_reads
+from wrsim.inputs.values import List, Switch, number, text
+from wrsim.results.rules import USUAL, RulesFile, rule_set
+from wrsim.scenario.sections.steady import SHARPEST
+from wrsim.scenario.sections.track import Cant
+from wrsim.study.axes import AxisPoints
+from wrsim.study.plan import Plan, StudyInput, with_cases
+from wrsim.study.spec import CasesSection, Key, OutputsSection
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+
+AHEAD = 60.0  # straight track before and behind a curve: a vehicle with its ends, and even track to start on [m]
+STATE, RUN = "state", "run"
+Word = Annotated[str, text("a name")]
+
+
+class StateSection(Section, header="[[states]]"):
+    """A state of the vehicle: empty, laden, with worn wheels, with deflated springs, on wet rails."""
+
+    aliases = {"set": "values keys changes"}
+
+    name: Word
+    """Name of the state."""
+    set: dict[Key, Any] = {}
+    """Keys of the scenario and their values in this state; all states set the same keys."""
+
+
+class ProgrammeRun(Section, header="[[runs]]"):
+    """Runs in one test zone: full curves of a radius, or straight track, at a speed."""
+
+    aliases = {"radius_m": "R", "cant_mm": "superelevation_mm"}
+    one_of = ("speed_kmh cant_deficiency_mm",)
+    goes_with = {"cant_deficiency_mm": "radius_m", "cant_mm": "radius_m"}
+
+    name: Word
+    """Name of the run."""
+    radius_m: Annotated[float, number(SHARPEST, 1e6, "m")] | None = None
+    """Radius of the curve; straight track unless given."""
+    hands: Literal["left", "right", "both"] = "both"
+    """Curves to one side, or one run to either."""
+    cant_mm: Cant = 0.0
+    """Cant of the curve."""
+    speed_kmh: Annotated[float, number(1, 500)] | None = None
+    """Speed of the run."""
+    cant_deficiency_mm: Annotated[float, number(-200, 400, "mm")] | None = None
+    """Cant deficiency of the run, which gives its speed."""
+    sections: Annotated[int, number(1, 1000)]
+    """Number of sections, each as long as the rule set asks for."""
+    transition_m: Annotated[float, number(1, 1000, "m")] = 100.0
+    """Length of the transitions, clothoids."""
+    uneven: Switch = True
+    """Whether the track is uneven, where [irregularities] are given."""
+
+    def consistency(self) -> Iterator[Fault]:
+        if self.cant_deficiency_mm is not None and self.cant_deficiency_mm + self.cant_mm <= 0.0:
+            yield Fault("cant_deficiency_mm", f"must be above {-self.cant_mm:g}: there is no such speed")
+
+    @property
+    def speed(self) -> float:
+        """Speed [m/s]."""
+        if self.speed_kmh is not None:
+            return self.speed_kmh / 3.6
+        missing = ((self.cant_deficiency_mm or 0.0) + self.cant_mm) / 1e3
+        return float((missing / CANT_BASE * STANDARD_GRAVITY * (self.radius_m or 0.0)) ** 0.5)
+
+    def track(self, sign: float, rules: RulesFile) -> list[dict[str, Any]]:
+        """Segments of the track: a curve to the left (sign 1) or to the right, or straight track."""
+        if self.radius_m is None:
+            zone = rules.classes[0].name if rules.classes else STRAIGHT
+            return [_straight(AHEAD + self.sections * section_length(zone, self.speed, rules.classes) + AHEAD)]
+        zone = zone_of(1.0 / self.radius_m, rules.classes)
+        length = self.sections * section_length(zone, self.speed, rules.classes)
+        arc = {"kind": "arc", "radius_m": sign * self.radius_m, "length_m": length, "cant_mm": self.cant_mm}
+        transition = {"kind": "transition", "length_m": self.transition_m}
+        return [_straight(AHEAD), transition, arc, dict(transition), _straight(AHEAD)]
+
+
+def _straight(length: float) -> dict[str, Any]:
+    return {"kind": "straight", "length_m": length}
+
+
+class ProgrammeIrregularities(Section, header="[irregularities]"):
+    """Uneven track of all runs: another realisation of one spectrum for every run."""
+
+    spectrum: Annotated[str, text('a spectrum such as "ERRI-low"')]
+    """Its name, as in [[track.irregularities]]."""
+    seed: Annotated[int, number(0, 2**31 - 1)] = 1
+    """Of the first run; the others follow."""
+    scale: Annotated[float, number(0.01, 100)] = 1.0
+    """Factor on all amplitudes."""
+
+
+class ProgrammeFile(Section, header="a type test"):
+    """A type test: the scenario it starts from, states of the vehicle, runs, stationary tests, rules."""
+
+    aliases = {"base": "scenario", "rules": "standard", "runs": "zones"}
+
+    title: Annotated[str, text("a title")] | None = None
+    """Title of the test; that of its scenario unless given."""
+    base: Annotated[str, text('a scenario file such as "coach.toml"')]
+    """Scenario of a run with vehicle, rails and contact; its segments and irregularities are replaced."""
+    rules: Annotated[str, text("a rule set or a file of your own")] = USUAL
+    """Rule set of the runs."""
+    stationary: List[Literal["twist", "rotation"]] = ()
+    """Stationary tests of every state, by EN 14363."""
+    states: Annotated[List[StateSection], Field(min_length=1)]
+    """States of the vehicle."""
+    runs: Annotated[List[ProgrammeRun], Field(min_length=1)]
+    """Runs of every state."""
+    irregularities: ProgrammeIrregularities | None = None
+    """Uneven track; even unless given."""
+    cases: CasesSection = CasesSection()
+    """Limits of a run."""
+
+    def consistency(self) -> Iterator[Fault]:
+        for key in ("states", "runs"):
+            for name, count in Counter(each.name for each in getattr(self, key)).items():
+                if count > 1:
+                    yield Fault(key, f'two of them are called "{name}"')
+        first = self.states[0]
+        for i, state in enumerate(self.states[1:], 1):
+            if odd := sorted(set(state.set) ^ set(first.set)):
+                message = f"{odd[0]}: must be set in every state: one of '{first.name}' and '{state.name}' lacks it"
+                yield Fault(("states", i, "set"), message)
+        if self.cases.keep != "results":
+            yield Fault(("cases", "keep"), 'must be "results": they are assessed together')
+
+
+@dataclass(frozen=True)
+class Programme:
+    """A type test: its file, its plan, the rules of its runs; reads: files that were read; names: of the runs."""
+
+    spec: ProgrammeFile
+    plan: Plan
+    rules: RulesFile
+    reads: tuple[Path, ...]
+    names: tuple[str, ...]
+
+
+def read_programme(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> Programme:
+    """The type test of a file, every case checked. Raises InputError with all faults, one line each."""
+    with noting_reads() as seen:
+        own = StudyInput(file, "type test", ProgrammeFile, models)
+        spec: ProgrammeFile = own.spec
+        with own.naming("rules", value=spec.rules):
+            rules = rule_set(spec.rules if not spec.rules.endswith(".toml") else own.finder.find(spec.rules))
+            if rules.history is None:
+                raise InputError(f"{rules.title}: has no clause about runs")
+        if own.base.analysis != "curving":
+            raise InputError(fault_line(("base",), 'must be a scenario of analysis = "curving"', own.locate, spec.base))
+        keys = tuple(spec.states[0].set)
+        states = AxisPoints(
+            STATE, tuple((key,) for key in keys), tuple(tuple(s.set[key] for key in keys) for s in spec.states),
+            tuple(own.locate(("states", i)) for i in range(len(spec.states))), tuple(s.name for s in spec.states), True,
+        )  # fmt: skip
+        runs = _runs(spec, rules, own)
+        plan = own.plan(folder, (states, runs), OutputsSection(), spec.cases)
+    plan, read = with_cases(plan, own.base)
+    return Programme(spec, plan, rules, tuple(dict.fromkeys((*seen, *read))), runs.labels)
+
+
+def _runs(spec: ProgrammeFile, rules: RulesFile, own: StudyInput) -> AxisPoints:
+    """Every run, to either hand, with its speed, track and irregularities."""
+    values: list[tuple[Any, ...]] = []
+    places: list[str] = []
+    labels: list[str] = []
+    for i, each in enumerate(spec.runs):
+        both = each.radius_m is not None and each.hands == "both"
+        hands = ("left", "right") if both else (each.hands if each.radius_m is not None else "",)
+        for hand in hands:
+            uneven: list[dict[str, Any]] = []
+            if spec.irregularities is not None and each.uneven:
+                rough = spec.irregularities
+                uneven = [
+                    {"kind": "spectrum", "spectrum": rough.spectrum, "seed": rough.seed + len(values)}
+                    | {"scale": rough.scale, "from_m": 0.5 * AHEAD}
+                ]
+            values.append((3.6 * each.speed, each.track(-1.0 if hand == "right" else 1.0, rules), uneven))
+            places.append(own.locate(("runs", i)))
+            labels.append(f"{each.name} {hand}".strip() if both else each.name)
+    keys = (("vehicle.speed_kmh",), ("track.segments",), ("track.irregularities",))
+    return AxisPoints(RUN, keys, tuple(values), tuple(places), tuple(labels), listed=True)

@@ -1,0 +1,197 @@
+"""The verdict of a type test: every clause in every state, from the runs that have come to an end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.special import stdtrit
+
+from wrsim.analysis.assessment.assess import assess_runs
+from wrsim.analysis.stationary.at_rest import stationary_tests
+from wrsim.errors import InputError
+from wrsim.results import Result, write_atomically
+from wrsim.results.assessment import TO_CONFIRM, Assessment, ZoneValue
+from wrsim.results.files import as_csv, as_json
+from wrsim.results.table import Cell, Column, Table, as_rows, formatted, quantity
+from wrsim.scenario.vehicle_build import vehicle_of
+from wrsim.study.collect import MISSING
+from wrsim.study.plan import Case
+from wrsim.study.programme import Programme
+from wrsim.study.task import COMPLETED, DERAILED, RESULT, Marker
+
+OUTPUTS = ("type_test.json", "type_test.csv", "type_test.html", "plan.json")
+"""Files of a type test in its folder."""
+CONFIDENCE = 0.95  # of the interval of a mean
+ROTATION_RADIUS = 150.0  # of the curve of the rotation test [m]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One clause in one state.
+
+    clause: its name in the rule set; zone: class of track, with the number of sections of those that the standard asks
+    for; worst: value; interval: of the mean over sections, at 95 %, empty for fewer than two; estimate: estimated
+    maximum; margin: what is left to the limit, share: the same as a number; source: of the limit, with "*" where it is
+    from memory; where: section, wheelset; ok: None without a limit.
+    """
+
+    state: str
+    clause: str
+    symbol: str
+    unit: str
+    zone: str
+    worst: str
+    interval: str
+    estimate: str
+    limit: str
+    margin: str
+    source: str
+    where: str
+    ok: bool | None
+    share: float = 0.0
+
+    @property
+    def word(self) -> str:
+        return "" if self.ok is None else "ok" if self.ok else "EXCEEDED"
+
+
+HEADS = (
+    "state", "clause", "quantity", "unit", "class (sections)", "worst", "mean, 95 %", "estimate", "limit",
+    "margin", "verdict", "source", "worst in",
+)  # fmt: skip
+
+
+def verdicts(programme: Programme, markers: Sequence[Marker]) -> tuple[list[Verdict], list[str]]:
+    """The verdict of every clause in every state, and remarks. Raises InputError for runs that cannot be assessed."""
+    found: list[Verdict] = []
+    notes: list[str] = []
+    plan = programme.plan
+    for i, state in enumerate(programme.spec.states):
+        own = [(c, m) for c, m in zip(plan.cases, markers, strict=True) if c.place[0] == i]
+        names = [programme.names[c.place[1]] for c, _ in own]
+        ended = [(c, m, name) for (c, m), name in zip(own, names, strict=True) if m.status in (COMPLETED, DERAILED)]
+        lost = [f"{state.name}, {name}: {m.message or m.status}" for (_, m), name in zip(own, names, strict=True)
+                if m.status != COMPLETED]  # fmt: skip
+        notes += lost
+        stopped = [m for _, m in own if m.status not in (COMPLETED, MISSING)]
+        completed = f"{len(own) - len(stopped)} of {len(own)}"
+        found.append(
+            Verdict(state.name, "every run comes to its end", "runs", "", "", completed, "", "", str(len(own)), "",
+                    "", lost[0] if lost else "", not stopped, -1.0 if stopped else 1.0)
+        )  # fmt: skip
+        if programme.spec.stationary:
+            found += _at_rest(programme, state.name, own[0][0])
+        whole = [(c, name) for c, m, name in ended if m.status == COMPLETED]
+        if not whole:
+            continue
+        results = [_result_of(programme, case) for case, _ in whole]
+        try:
+            judged = assess_runs(results, None, [name for _, name in whole], programme.spec.rules)
+        except InputError as error:
+            raise InputError(f"state {state.name}: {error}") from None
+        found += [_of_zone(state.name, judged, zone) for zone in judged.zones if zone.worst.limit is not None]
+        notes += [f"{state.name}: {words}" for words in judged.notes]
+    return found, list(dict.fromkeys(notes))
+
+
+def _result_of(programme: Programme, case: Case) -> Result:
+    return Result.load(programme.plan.folder_of(case) / RESULT)
+
+
+def _of_zone(state: str, judged: Assessment, zone: ZoneValue) -> Verdict:
+    own, cells, limit = zone.worst.quantity, zone.cells(), zone.worst.limit
+    clause = judged.rules.about(own.key)
+    needed = judged.rules.needed.get(zone.worst.section.zone)
+    sections = f"{zone.counted}" + (f" of {needed}" if needed else "")
+    return Verdict(
+        state, own.key if clause is None else clause.id, own.symbol, own.shown.unit,
+        f"{zone.worst.section.zone} ({sections})", cells["worst"], interval(zone), cells["estimate"], cells["limit"],
+        cells["margin"], "" if limit is None else limit.source + limit.star, cells["worst in"], zone.passed,
+        zone.margin or 0.0,
+    )  # fmt: skip
+
+
+def interval(zone: ZoneValue) -> str:
+    """Student's interval of the mean over the sections of a class, in words; empty for fewer than two sections."""
+    n = zone.counted
+    if n < 2 or not np.isfinite(zone.mean):
+        return ""
+    half = float(stdtrit(n - 1, 0.5 + 0.5 * CONFIDENCE)) * zone.deviation / n**0.5
+    factor = zone.worst.quantity.shown.factor
+    return f"{formatted(factor * (zone.mean - half))} to {formatted(factor * (zone.mean + half))}"
+
+
+def _at_rest(programme: Programme, state: str, case: Case) -> list[Verdict]:
+    """Stationary tests of the vehicle of a case."""
+    wanted = programme.spec.stationary
+    vehicle = replace(vehicle_of(programme.plan.scenario(case)), loads=())
+    numbers, _, _ = stationary_tests(vehicle, "twist" in wanted, None, "rotation" in wanted, ROTATION_RADIUS)
+    tests = [(numbers["twist_test"], "twist test")] if "twist_test" in numbers else []
+    if turned := numbers.get("rotation_test"):
+        worst = max(turned, key=lambda test: float(test["value"]))
+        tests.append((worst, f"bogie {worst['bogie']}, {formatted(worst['rate_deg_per_s'], 'g')} °/s"))
+    return [
+        Verdict(state, own["clause"], own["symbol"], own["unit"], "at rest", formatted(own["value"]), "", "",
+                formatted(own["limit"]), quantity(100.0 * (1.0 - own["value"] / own["limit"]), "%", ".0f"),
+                own["limit_source"], where, own["passed"], 1.0 - own["value"] / own["limit"])
+        for own, where in tests
+    ]  # fmt: skip
+
+
+def whole_table(title: str, found: Sequence[Verdict]) -> Table:
+    """Every clause with a limit, in every class of track."""
+    rows: list[list[Cell]] = [
+        [v.state, v.clause, v.symbol, v.unit, v.zone, v.worst, v.interval, v.estimate, v.limit, v.margin, v.word,
+         v.source, v.where]
+        for v in found
+    ]  # fmt: skip
+    star = (TO_CONFIRM,) if any(v.source.endswith("*") for v in found) else ()
+    words = "sections: those of the test, of those that the rules ask for; mean: over the sections"
+    return Table(title, tuple(map(Column, HEADS)), rows, (words, *star))
+
+
+def worst_tables(title: str, found: Sequence[Verdict], notes: Sequence[str]) -> list[Table]:
+    """For the terminal: of every clause and state the class of track with the least margin; the verdict."""
+    least: dict[tuple[str, str], Verdict] = {}
+    for v in found:
+        key = v.state, v.clause
+        if key not in least or v.share < least[key].share:
+            least[key] = v
+    rows = [(v.state, v.clause, v.unit, v.zone, v.worst, v.estimate, v.limit, v.margin, v.word) for v in least.values()]
+    words = ("state", "clause", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "verdict")
+    return [
+        Table(title, tuple(map(Column, words)), rows),
+        Table("", notes=(*(f"note: {note}" for note in notes), verdict_words(found))),
+    ]
+
+
+def verdict_words(found: Sequence[Verdict]) -> str:
+    """The verdict in one sentence."""
+    red = [v for v in found if v.ok is False]
+    if not red:
+        return f"{sum(v.ok is True for v in found)} values, each within its limit"
+    names = list(dict.fromkeys(f"{v.clause} ({v.state})" for v in red))
+    return f"LIMITS EXCEEDED: {len(red)} of {sum(v.ok is not None for v in found)} values: {'; '.join(names)}"
+
+
+def verdict_numbers(title: str, found: Sequence[Verdict], notes: Sequence[str]) -> dict[str, Any]:
+    """Content of ``type_test.json``."""
+    return {
+        "title": title,
+        "passed": all(v.ok is not False for v in found),
+        "verdicts": [vars(v) for v in found],
+        "notes": list(notes),
+    }
+
+
+def write_verdicts(folder: Path, numbers: dict[str, Any], table: Table, page: str) -> list[Path]:
+    """Write ``type_test.json``, ``type_test.csv`` and ``type_test.html``."""
+    files = [folder / name for name in OUTPUTS[:3]]
+    contents = as_json(numbers, indent=1), as_csv(as_rows(table)), page.encode()
+    for path, content in zip(files, contents, strict=True):
+        write_atomically(path, content)
+    return files
