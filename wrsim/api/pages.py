@@ -167,6 +167,11 @@ def look(formats: str = "png", width_mm: float | None = None, font: str = "", st
     font, style : str
         A family of letters; a style file of matplotlib, or one of its styles.
 
+    Returns
+    -------
+    context manager
+        Pictures outside of its block look as before.
+
     Raises
     ------
     InputError
