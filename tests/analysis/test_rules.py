@@ -5,6 +5,7 @@ from math import pi, radians, sqrt, tan
 import numpy as np
 import pytest
 from support.commands import ok, refusal
+from support.scenario_texts import CURVE
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 
 from wrsim.analysis.assessment import assess_runs
@@ -13,7 +14,10 @@ from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment
 from wrsim.results.rules import FOLDER, NAMES, QUANTITIES, About, rule_set
+from wrsim.scenario.loading import load_text
 from wrsim.scenario.sections.assessment import AssessmentSettings
+from wrsim.study.outputs import case_outputs
+from wrsim.study.spec import OutputsSection
 
 FLANGE = AssessmentSettings(axle_load=2.0 * Q0, friction=0.3, flange_angle=radians(70.0))
 FEET_5 = 1.524
@@ -215,3 +219,18 @@ def test_an_unknown_set_is_told_with_the_nearest(tmp_path):
     assert 'did you mean "49cfr238"' in refusal("assess", tmp_path, "--rules", "49cfr328")
     assert "no such rule set" in refusal("assess", tmp_path, "--rules", tmp_path / "none.toml")
     assert "has no clause about runs" in refusal("assess", tmp_path, "--rules", "en14363-stationary")
+
+
+def test_the_scenario_names_its_rule_set_and_studies_go_by_it():
+    named = CURVE + '\n[assessment]\nrules = "49cfr238"\n'
+    force = run(300.0, y=lambda s: (0.2 * Q0 + 0.0 * s, 0.0 * s), attributes={"scenario_text": named})
+    assert assess_runs(force).rules.name == "49 CFR 238"
+    assert assess_runs(force, rules="uic518").rules.name == "UIC 518"
+    found = case_outputs(force, OutputsSection(assessment=("sum_Y_share", "Q_share", "sum_Y")), None)
+    assert found.numbers["assessment_sum_Y_share"] == pytest.approx(0.1)
+    assert found.numbers["assessment_Q_share_margin"] == pytest.approx(1.0)
+    assert [fault.partition(" has ")[0] for fault in found.faults] == [
+        'outputs.assessment: "sum_Y": 49 CFR 238 Appendix C, suspension system safety'
+    ]
+    with pytest.raises(InputError, match=r'assessment.rules = "49cfr283": must be .*did you mean "49cfr238"'):
+        load_text(named.replace("238", "283"))

@@ -1,4 +1,4 @@
-"""``wrsim assess``, ``ride``, ``conicity``, ``vehicle``: a run by EN 14363, comfort, profiles, vehicles at rest."""
+"""``wrsim assess``, ``ride``, ``conicity``, ``vehicle``: a run by a rule set, comfort, profiles, vehicles at rest."""
 
 from __future__ import annotations
 

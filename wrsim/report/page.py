@@ -88,6 +88,7 @@ def report_page(
             "texts": [str(r.dataset.attrs.get("scenario_text", "")) for r in results],
             "commands": [f"wrsim run scenario.toml -o {shlex.quote(source or 'run')}" for source in sources],
             "assessment": rows,
+            "rules": " / ".join(dict.fromkeys(own.rules.title for own in found if own)),
             "limits_from": sources_of_limits,
             "estimated": any(cell and cell["estimate"] for row in rows for cell in row["cells"]),
             "to_confirm": any(cell and cell["star"] for row in rows for cell in row["cells"]) and TO_CONFIRM,

@@ -163,6 +163,9 @@ def _take_assessment(found: Outputs, result: Result, wanted: tuple[str, ...]) ->
         return
     for key, column in columns.items():
         values = assessment.of(key)
+        if assessment.rules.about(key) is None:
+            known = ", ".join(clause.quantity for clause in assessment.rules.clauses)
+            found.faults.append(f'outputs.assessment: "{key}": {assessment.rules.title} has {known}')
         if not values:
             continue  # the notes of the assessment have the reason: too short a track, no vehicle
         shown = QUANTITIES[key].shown

@@ -268,7 +268,7 @@ class OutputsSection(Section, header="[outputs]"):
     summary: List[Annotated[str, text('a place in summary.json such as "linear_critical_speed_kmh"')]] = ()
     """Numbers of summary.json, by their places with dots between."""
     assessment: List[Literal[*OF_RUNS]] = ()  # type: ignore[valid-type]
-    """Quantities of EN 14363, the worst of all sections."""
+    """Quantities of the rule set of the scenario, the worst of all sections."""
     channels: List[ChannelOutput] = ()
     """Channels of the result, each reduced to one number."""
     hook: Hook | None = None

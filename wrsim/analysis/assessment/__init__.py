@@ -1,4 +1,4 @@
-"""Assessment of runs as a railway does it: EN 14363 and UIC 518, derailment, wear, section by section of track.
+"""Assessment of runs by a rule set, section by section of track: forces, derailment, wear, ride.
 
 ``assess_runs(result) -> Assessment`` is a pure function of a result.
 """

@@ -58,7 +58,7 @@ class AssessmentSection(AnalysisTable, header="[assessment]"):
     instability_frequency_Hz: Annotated[float, number(0.5, 30, "Hz")] | None = None
     """Frequency about which instability is looked for; found in the result unless given."""
     section_length_m: Annotated[float, number(5, 10_000, "m")] | None = None
-    """Length of a track section of every class; that of EN 14363 unless given."""
+    """Length of a track section of every class; that of the rule set unless given."""
     straight_deficiency_mm: Annotated[float, number(0, 200, "mm; UIC 518: 40")] | None = None
     """Cant deficiency up to which curves from R 600 m count as straight track; none do unless given."""
     admissible_deficiency_mm: Annotated[float, number(10, 400, "mm of cant deficiency")] | None = None
