@@ -168,15 +168,7 @@ def test_a_combined_deviation_moves_one_rail_out_and_down() -> None:
 
 @pytest.mark.parametrize(
     "keys, message",
-    [
-        ('deviation = "alinement"\nchord_ft = 62\n', "amplitude_mm is missing: must be .*or give track_class"),
-        ('deviation = "surface"\nchord_ft = 31\ntrack_class = 8\n', "track_class = 8: .* has none; give amplitude_mm"),
-        ('deviation = "surface"\nchord_ft = 62\ntrack_class = 8\n', "has it of classes 1, 2, 3, 4, 5; give"),
-        ('deviation = "alinement"\nchord_ft = 60\namplitude_mm = 9\n', "chord_ft = 60"),
-        ('deviation = "combined"\nchord_ft = 62\namplitude_mm = 9\n', "surface_mm is missing"),
-        ('deviation = "gage"\nchord_ft = 62\namplitude_mm = 9\n', 'deviation = "gage": .*did you mean "gauge"'),
-        ('deviation = "gauge"\nchord_ft = 124\namplitude_mm = 9\nwaves = 9\n', "goes from 30 to 370.* 200 m long"),
-    ],
+    table("a_deviation_that_cannot_be_is_told_in_one_line"),
 )
 def test_a_deviation_that_cannot_be_is_told_in_one_line(keys: str, message: str) -> None:
     with pytest.raises(InputError, match=message) as caught:
@@ -454,7 +446,7 @@ def test_a_track_file_lies_over_the_line_of_a_base_and_of_what_it_is_set_in(tmp_
 UNEVEN, GRADE = "[[track.irregularities]]\nkind = ", "[[track.grades]]\nfrom_m = 9\ngrade_permille = 3\n"
 
 
-@pytest.mark.parametrize("text, message", table("a_fault_in_a_track_is_told_where_it_stands"))  # fmt: skip
+@pytest.mark.parametrize("text, message", table("a_fault_in_a_track_is_told_where_it_stands"))
 def test_a_fault_in_a_track_is_told_where_it_stands(tmp_path: Path, text: str, message: str) -> None:
     assert message in told(tmp_path, text)
 

@@ -181,7 +181,7 @@ def test_simpack_keys_do_what_their_comments_say(write):
 @pytest.mark.parametrize(
     ("change", "message"),
     table("simpack_files_with_faults_are_refused"),
-)  # fmt: skip
+)
 def test_simpack_files_with_faults_are_refused(write, change, message):
     text = simpack(rows(WHEEL, 1e3, -1e3), "    units.len.f = 1000")
     assert change[0] in text
@@ -216,12 +216,7 @@ def test_a_miniprof_rail_of_the_old_kind_is_read(write):
 
 @pytest.mark.parametrize(
     ("keys", "message"),
-    [
-        ("XYPoints=12", r"w.whl:4: XYPoints=12, but the file has 1588 points"),
-        ("ColumnDef=Y,A", r"w.whl:4: ColumnDef = Y,A; must name X and Y"),
-        ("ColumnDef=X,Y,A", r"w.whl:6: 2 columns; ColumnDef needs 3: X,Y,A"),
-        ("XOffset=left", r"w.whl:4: 'left' is not a number"),
-    ],
+    table("miniprof_files_with_faults_are_refused"),
 )
 def test_miniprof_files_with_faults_are_refused(write, keys, message):
     with pytest.raises(InputError, match=message):

@@ -390,7 +390,7 @@ def rows(**changed: Any) -> str:
 @pytest.mark.parametrize(
     ("text", "more", "message"),
     table("bad_recordings_are_refused"),
-)  # fmt: skip
+)
 def test_bad_recordings_are_refused(text: str, more: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "line.csv").write_text(text)
     (tmp_path / "line.toml").write_text(MAP + more + "\n")
@@ -401,12 +401,7 @@ def test_bad_recordings_are_refused(text: str, more: str, message: str, tmp_path
 
 @pytest.mark.parametrize(
     ("header", "message"),
-    [
-        ("distance_m,level_mm", "line.csv:1: column 'level_mm': measured by a chord or inertially?"),
-        ("distance_m,gauge [ft]", "line.csv:1: column 'gauge [ft]': unit 'ft' is unknown for gauge: must be mm, m, cm"),
-        ("foo,gauge_mm", "line.csv:1: no column looks like a distance"),
-        ("distance_m,foo", "line.csv:1"),
-    ],
+    table("names_that_do_not_tell_are_refused"),
 )
 def test_names_that_do_not_tell_are_refused(header: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "line.csv").write_text(rows().replace(HEAD.strip(), header))

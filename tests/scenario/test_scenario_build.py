@@ -180,11 +180,7 @@ def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing() -> No
 # --- what is shipped -----------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("changes", "words"),
-    [
-        ({"vehicle.radius_mm": 460.0}, []),
-        ({"vehicle.radius_mm": 800.0}, ["radius_mm of the left", "radius_mm of the right"]),
-        ({"vehicle.sprung_mass_kg": 50_000.0}, ["mean static wheel load"]),
-    ],
+    table("slips_that_are_allowed_are_warned_of"),
 )
 def test_slips_that_are_allowed_are_warned_of(changes, words):
     found = warnings(build(load(SCENARIOS / "curve_r300.toml").with_values(changes)))
