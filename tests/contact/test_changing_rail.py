@@ -72,6 +72,18 @@ def test_a_rising_rail_is_touched_ahead_and_pushes_back(ramp, normal: str) -> No
     assert abs(own.moment[1]) < 1e-4 * patch["N"] * RADIUS
 
 
+@pytest.mark.parametrize(("normal", "share"), [("strips", 2e-3), ("kik-piotrowski", 2e-3), ("half-space", 5e-3)])
+@pytest.mark.parametrize("bend", [2.0, -2.0])
+def test_on_a_hump_a_wheel_is_pressed_as_a_smaller_one_and_in_a_hollow_as_a_larger_one(normal, share, bend) -> None:
+    """Curvatures of wheel and rail along the track add up, and half of the square of their place is the gap."""
+    places, depth = 0.3 * EVEN, 5e-5
+    own = on(lifted(CROWN, places, -(places**2) / (2.0 * bend)), normal, WHEEL).evaluate((0.0, 0.0, RADIUS - depth))
+    like = 1.0 / (1.0 / RADIUS + 1.0 / bend)
+    plain = contact_model(WHEEL, CROWN, radius=like, normal=normal, **PLAIN).evaluate((0.0, 0.0, like - depth))
+    assert own.patches["N"] == pytest.approx(plain.patches["N"], rel=share)
+    assert own.patches["p0"] == pytest.approx(plain.patches["p0"], rel=share)
+
+
 @pytest.mark.parametrize(("normal", "share"), [("strips", 1e-2), ("half-space", 5e-4)])
 @pytest.mark.parametrize("angle", [0.05, 0.15])
 def test_a_rail_whose_section_moves_sideways_is_a_yawed_cylinder(normal: str, share: float, angle: float) -> None:

@@ -2,6 +2,7 @@
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -395,48 +396,22 @@ def test_an_evaluation_allocates_nothing():
         assert allocations(wheel_rail, arrays.buffer, arrays.index) == 0
 
 
-@pytest.mark.parametrize(
-    ("pair", "yaw", "load", "span"),
-    [
-        # Kik-Piotrowski's main point runs over 10 mm within micrometres, its force jumps by 7 to 15 % of the load.
-        ("S1002/60E1 1:20", -0.012, 60e3, (6e-3, 7e-3)),
-        pytest.param("S1002/60E1 1:40", -0.012, 24e3, (6e-3, 7e-3), marks=pytest.mark.campaign),
-        # a lobe leaves its neighbour (0.09 and 0.05 where lobes shared a grid by their saddle alone)
-        pytest.param("S1002/60E1 1:40", 0.02, 100e3, (5.5e-3, 6.25e-3), marks=pytest.mark.campaign),
-        pytest.param("worn/worn 1:40", -0.012, 60e3, (7e-3, 7.5e-3), marks=pytest.mark.campaign),
-        # a hump comes into contact beyond a gap beside a deeper lobe (0.0095, 0.013, 0.0156 where both shared a grid)
-        ("worn/60E1 1:40", 0.0, 60e3, (5e-3, 5.5e-3)),
-        pytest.param("worn/60E1 1:40", 0.0, 100e3, (5e-3, 5.75e-3), marks=pytest.mark.campaign),
-        pytest.param("worn/worn 1:40", 0.0, 100e3, (6.75e-3, 7.5e-3), marks=pytest.mark.campaign),
-        # what is a tail does not hang on which grids the ground beside it is parted into (0.31, and 0.024 by the end of
-        # a tail that is not touched); places of the locus are told to some micrometres where the profiles bend (0.017)
-        pytest.param("S1002/60E1 1:40", 0.016, 100e3, (6.5e-3, 7e-3), marks=pytest.mark.campaign),
-        pytest.param("S1002/60E1 1:20", -0.012, 100e3, (6.5e-3, 7e-3), marks=pytest.mark.campaign),
-        pytest.param("S1002/60E1 1:20", 0.02, 60e3, (6.25e-3, 6.75e-3), marks=TWO_SOLUTIONS),
-        # 0.0077: a solution over one grid among those over two
-        pytest.param("S1002/60E1 1:20", 0.02, 100e3, (6.25e-3, 6.75e-3), marks=TWO_SOLUTIONS),
-    ],
-)
+def jumping(name: str) -> list[Any]:
+    """Rows of the suite, of the campaign, and those with two solutions."""
+    campaign = (pytest.param(*row, marks=pytest.mark.campaign) for row in table(f"{name}_campaign"))
+    return [
+        *table(name),
+        *campaign,
+        *(pytest.param(*row, marks=TWO_SOLUTIONS) for row in table(f"{name}_two_solutions")),
+    ]
+
+
+@pytest.mark.parametrize(("pair", "yaw", "load", "span"), jumping("between_equal_radii"))
 def test_forces_between_equal_radii_do_not_jump(pair, yaw, load, span):
-    assert jumps(pair, yaw, load, span, most=6, **STRIPS, **PLAIN)[:, 1].max() < 0.005
+    assert jumps(pair, yaw, load, tuple(span), most=6, **STRIPS, **PLAIN)[:, 1].max() < 0.005
 
 
-@pytest.mark.parametrize(
-    ("pair", "yaw", "lateral", "load"),
-    [
-        # the locus leaves the line of the hump, turns back, and leaves it for good 5 mm farther: the tail began there
-        # at once (0.032)
-        ("S1002/60E1 1:40", -0.012, 6.75e-3, 80e3),
-        # a tail between two humps came or went with three rows; what both have in common comes and goes with it (0.017
-        # and 0.021)
-        pytest.param("S1002/60E1 1:20", -0.012, 6.5e-3, 46.5e3, marks=pytest.mark.campaign),
-        pytest.param("S1002/54E1 1:20", 0.016, 6.5e-3, 92e3, marks=pytest.mark.campaign),
-        # two humps come to share a grid, whose factors were held far more evenly than those of two grids (0.025)
-        pytest.param("S1002/60E1 1:20", -0.012, 6.5e-3, 125e3, marks=pytest.mark.campaign),
-        # the far end of a tail, which is not touched, told how long the strips at its joint are (0.020)
-        pytest.param("S1002/54E1 1:20", 0.02, 6.5e-3, 33.3e3, marks=TWO_SOLUTIONS),
-    ],
-)
+@pytest.mark.parametrize(("pair", "yaw", "lateral", "load"), jumping("as_a_wheel_comes_down"))
 def test_forces_do_not_jump_as_a_wheel_comes_down(pair, yaw, lateral, load):
     stand = bench(pair_model(pair, **STRIPS, **PLAIN), rolling=False)
     height = settle(stand, lateral, yaw, load)[0].height

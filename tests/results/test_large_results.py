@@ -1,7 +1,5 @@
 """The numbers of a long run stand on disk: the same numbers, the same files, and memory that does not go with them."""
 
-import importlib
-import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -9,16 +7,12 @@ import pytest
 from support.runs import FAST, LEADING, setup_of, straight
 
 from wrsim.analysis.contacts import force_law
-from wrsim.analysis.motion import result as motion_result
 from wrsim.analysis.motion.monitor import Monitor
-from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.run import recorded_run
 from wrsim.results import Result, netcdf, write_run
-from wrsim.results.files import csv_parts, write_atomically
-from wrsim.results.tables import each_table
 from wrsim.scenario.build import Setup
 from wrsim.simulation import recorder
-from wrsim.simulation.integrate import Integration, Motion, recorded_motion
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.recorder import Recorder
 from wrsim.simulation.system import BodySystem
@@ -68,33 +62,3 @@ def test_a_result_on_disk_is_the_one_in_memory(
     twice = Result.load(on_disk.save(tmp_path / "again.nc"))
     assert twice.dataset.identical(read.dataset)
     assert not [p for p in tmp_path.rglob("*") if p.name.startswith(".")]
-
-
-@pytest.mark.campaign
-def test_memory_does_not_go_with_the_length_of_a_run(
-    setup: Setup, record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """While the result is put together, saved, read, and its tables are written."""
-    at_most(monkeypatch, 1000)
-    one = recorded_motion(record)
-
-    def largest(parts: int) -> tuple[int, int]:
-        """Memory [bytes], and size of the result."""
-        law = force_law(setup)
-        rows = [np.tile(a, (parts, 1)) for a in (one.q, one.q_t)]
-        motion = Motion(1e-3 * np.arange(len(rows[0])), *rows, one.step, "completed")
-        tracemalloc.start()
-        result = result_of(setup, law, motion, [], tmp_path)
-        write_atomically(tmp_path / "patches.csv", csv_parts(dict(each_table(result.dataset))["patches"]))
-        size = Result.load(result.save(tmp_path / "result.nc")).dataset.nbytes
-        found = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        return found, size
-
-    monkeypatch.setattr(motion_result, "BLOCK", 100)
-    monkeypatch.setattr("wrsim.results.files._ROWS", 100)
-    monkeypatch.setattr(importlib.import_module("wrsim.results.tables"), "BLOCK", 100)
-    largest(1)  # what is made once
-    # nine blocks and more: with fewer, what a block takes is not all there yet
-    (less, small), (more, large) = largest(9), largest(18)
-    assert more - less < 0.15 * (large - small)
