@@ -17,7 +17,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.system import BodySystem
-from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Joint
+from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Axes, Joint
 from wrsim.vehicle.elements import TRACK, BilinearSpring, Element, Normal, Slider, Strut, Triple
 from wrsim.vehicle.loads import Load
 
@@ -238,11 +238,23 @@ Z, X = 6, 7
 """Places of the box in the state."""
 
 
-def element(kind: str, **keys: Any) -> Any:
+def element(kind: str, axes: Axes = VEHICLE_AXES, **keys: Any) -> Any:
     """An element of the box as a file has it."""
     common = {"kind": kind, "name": kind, "body": "track", "to": ["box"], "at_mm": [0, 0, 1e3 * HEIGHT]}
     table = KINDS[kind].model_validate(common | {"direction": "x"} | keys)
-    return table.element(Joint(kind, kind, TRACK, "box"), VEHICLE_AXES)
+    return table.element(Joint(kind, kind, TRACK, "box"), axes)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_spring_with_an_uneven_table_pushes_back_by_it_also_in_a_part_that_is_turned_round(turned: bool) -> None:
+    keys = {"direction": "x", "travel_mm_force_kN": [[-50, -4], [0, 0], [20, 2], [50, 20]]}
+    axes = replace(VEHICLE_AXES, signs=(-1.0, -1.0, 1.0)) if turned else VEHICLE_AXES
+    law = on_springs(box(FIXED, element("tabulated-spring", axes, **keys)))
+    for travel, force in ((-0.05, -4e3), (0.01, 1e3), (0.035, 11e3)):
+        q, q_t = design_state(law)
+        q[X] += -travel if turned else travel
+        law(0.0, q, q_t, out := np.zeros(law.size))
+        assert out[X] == pytest.approx(force if turned else -force, rel=1e-9)
 
 
 def driven(law: VehicleOnTrack, travel: Any, times: Any) -> Any:
