@@ -152,8 +152,13 @@ def test_the_force_of_a_flat_has_a_hump_at_low_speed_and_grows_again() -> None:
     assert fast > 1.4 * valley
 
 
+FINER = {"margin_m": 20.0}, {"elements": 8}
+
+
 @pytest.mark.parametrize("speed", [100.0, pytest.param(35.0, marks=pytest.mark.campaign)])
-@pytest.mark.parametrize("change", [{"step_us": 25}, {"margin_m": 20.0}, {"elements": 8}], ids=str)
+@pytest.mark.parametrize(
+    "change", [{"step_us": 25}, *(pytest.param(c, marks=pytest.mark.campaign) for c in FINER)], ids=str
+)
 def test_the_force_of_a_flat_depends_neither_on_step_nor_window_nor_elements(speed: float, change: dict) -> None:
     assert peak(speed, **change) == pytest.approx(peak(speed), rel=0.02)
 

@@ -122,6 +122,7 @@ def two_coaches_at(place: float, start: float, tmp_path: Path, keys: dict[str, A
     return run(scenario(tmp_path, ("count = 3", "count = 2"), **own)).dataset.isel(time=-1)
 
 
+@pytest.mark.campaign  # in the suite: a coach that does
 def test_a_train_starts_where_a_transition_is_beneath_it(tmp_path: Path) -> None:
     """It has come along the track: Y and Q are those of a run that passes there, within 1 % of the largest Q."""
     curves = [straight(60.0), transition(30.0), arc(60.0, 300.0, 60.0)]

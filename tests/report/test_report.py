@@ -390,6 +390,7 @@ def test_a_script_that_gets_into_a_page_does_not_run(chromium: Browser, page: st
     assert len(told) >= 5 and all("Content Security Policy" in words for words in told), told
 
 
+@pytest.mark.campaign  # in the suite: one page with pictures, opened
 def test_pictures_in_a_page_keep_their_colours(chromium: Browser, painted: str, tmp_path: Path) -> None:
     file = tmp_path / "report.html"
     file.write_text(painted)

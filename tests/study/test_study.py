@@ -258,6 +258,7 @@ def test_a_case_that_takes_too_long_is_ended_and_goes_on_with_more_time(
     assert done.status == "completed" and done.resumed
 
 
+@pytest.mark.campaign  # in the suite: a killed worker, and what is noted of such a case
 def test_a_case_that_kills_its_workers_is_an_entry_and_spares_the_others(workers: Client, tmp_path: Path) -> None:
     die = "import os\n\ndef numbers(result):\n    if 'friction 0.1' in result.title:\n        os._exit(7)\n"
     (tmp_path / "die.py").write_text(die + "    return {}\n")
