@@ -130,6 +130,7 @@ def test_lobes_that_grow_together_become_one_patch_without_a_step():
         couplings.append(expected)
     assert couplings[0] == 0.0
     assert couplings[-1] > 0.9
+    assert lobes["n_strips"].tolist() == [model.settings.strip_count / 2] * 2  # shared by their widths
     power = np.diff(np.log(forces)) / np.diff(np.log(depths))
     assert (power > 1.0).all()
     assert np.abs(np.diff(power)).max() < 0.05  # the coupling sets in with a bend, not with a step
