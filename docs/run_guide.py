@@ -86,7 +86,7 @@ def shortened(words: list[str], pictures: bool) -> list[str]:
         short = Path(words[1]).with_stem(f"{Path(words[1]).stem}_short")
         short.write_text(scenario.with_values(values).text, encoding="utf-8")
         return ["compare", str(short), *words[2:]]
-    return [*words, *(word for key, value in values.items() for word in ("--set", f"{key}={value}".lower()))]
+    return [*words, *(word for key, value in values.items() for word in ("--set", f"{key}={str(value).lower()}"))]
 
 
 def main(chosen: list[str]) -> int:

@@ -224,6 +224,10 @@ def test_keys_and_the_history_go_along_the_run(viewer: Browser) -> None:
     assert not viewer.run("return wrsim.viewer.playing")
     middle = viewer.run("const h = wrsim.viewer.history; return h.sampleAt(h.X(h.x[120]))")
     assert abs(middle - 120) <= 1
+    # round-off of the start is no place behind it
+    told = viewer.run("""const at = wrsim.viewer.run.distance.data, was = at[0]; at[0] = -1e-9; wrsim.viewer.go(0);
+        at[0] = was; return document.getElementById('place-shown').textContent""")
+    assert told.startswith("0.00 m, ")
     assert viewer.colours("#history") > 10 and viewer.complaints() == []
 
 

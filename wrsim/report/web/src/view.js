@@ -6,6 +6,7 @@ import { Stage, Track } from "./scene.js";
 import { unpackAll } from "./unpack.js";
 
 const $ = (id) => document.getElementById(id);
+const fixed = (v, digits) => v.toFixed(digits).replace(/^-(?=[0.]*$)/, "");
 const words = (v, digits = 4) => (Number.isFinite(v) ? Number(v.toPrecision(digits)).toString().replace("-", "\u2212") : "\u2013");
 const STEADY = 1e-9;
 
@@ -257,7 +258,7 @@ class Viewer {
     if (!this.count) return this.recording?.frame(this.data.title);
     const i = Math.round(this.at);
     $("place").value = i;
-    const told = this.run ? `${this.run.distance.data[i].toFixed(2)} m, ${this.run.time.data[i].toFixed(3)} s` : this.sections.poses[i];
+    const told = this.run ? `${fixed(this.run.distance.data[i], 2)} m, ${this.run.time.data[i].toFixed(3)} s` : this.sections.poses[i];
     $("place-shown").textContent = told;
     if (this.history) this.showHistory(i);
     $("place").setAttribute("aria-valuetext", told);
