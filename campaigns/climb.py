@@ -1,0 +1,70 @@
+"""Distances to climb beside TCRP Report 71: four angles of the flange, three lengths, five angles of attack.
+
+    python campaigns/climb.py [--model kik-piotrowski] [--tip 9.5] [--corner 13]
+
+Y/Q 1.99, friction 0.5, 18 km/h, 54.5 kN a wheel. Every row: ratio of the distance to that of the formula. --tip: radius
+of the flange's tip [mm]; --corner: that of the rail's gauge corner [mm], a head of arcs of 300, 80 mm and this; 60E1
+unless given.
+"""
+
+import argparse
+import tempfile
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from wrsim.analysis import run
+from wrsim.scenario.loading import load
+
+ANGLES, LENGTHS, ATTACKS = (68.0, 70.0, 72.0, 75.0), (0.5, 0.6, 0.7), [0.0, 5.0, 10.0, 15.0, 20.0]
+INCH = 25.4  # [mm]
+SCENARIO = Path(__file__).parents[1] / "scenarios" / "climb.toml"
+WHEEL = """name = "flange"
+body = "wheel"
+kind = "flanged"
+date = 2026-11-27
+source = "definition"
+flange_angle_deg = {}
+flange_length_mm = {}
+tip_radius_mm = {}
+"""
+RAIL = """name = "head"
+body = "rail"
+kind = "rail-head"
+date = 2026-11-27
+source = "definition"
+radii_mm = [300, 80, {}]
+half_widths_mm = [10, 26]
+side_slope = 0.05
+depth_mm = 40
+"""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--model", default="kik-piotrowski")
+    parser.add_argument("--tip", type=float, default=9.5)
+    parser.add_argument("--corner", type=float)
+    given = parser.parse_args()
+    ratios = []
+    print(f"angle  length  ratio at {ATTACKS} mrad")
+    with tempfile.TemporaryDirectory() as folder:
+        values = {"climb.angle_of_attack_mrad": ATTACKS, "climb.Y_over_Q": [1.99], "climb.longest_m": 40.0}
+        values |= {"contact.normal": given.model, "vehicle.wheel": str(Path(folder, "wheel.toml"))}
+        if given.corner is not None:
+            Path(folder, "rail.toml").write_text(RAIL.format(given.corner))
+            values["track.rail"] = str(Path(folder, "rail.toml"))
+        for angle, length in product(ANGLES, LENGTHS):
+            Path(folder, "wheel.toml").write_text(WHEEL.format(angle, length * INCH, given.tip))
+            found = run(load(SCENARIO).with_values(values)).dataset
+            ratios.append((found["climb_distance"] / found["climb_distance_tcrp"]).values)
+            print(f"{angle:g}  {length:g}  {' '.join(f'{ratio:.2f}' for ratio in ratios[-1])}", flush=True)
+    within = np.abs(np.array(ratios) - 1.0) <= 0.15
+    print(
+        f"within 15 %: {within.sum()} of {within.size}; by angle of attack {within.sum(axis=0).tolist()} of {len(ratios)}"
+    )
+
+
+if __name__ == "__main__":
+    main()
