@@ -61,9 +61,8 @@ def main() -> None:
             ratios.append((found["climb_distance"] / found["climb_distance_tcrp"]).values)
             print(f"{angle:g}  {length:g}  {' '.join(f'{ratio:.2f}' for ratio in ratios[-1])}", flush=True)
     within = np.abs(np.array(ratios) - 1.0) <= 0.15
-    print(
-        f"within 15 %: {within.sum()} of {within.size}; by angle of attack {within.sum(axis=0).tolist()} of {len(ratios)}"
-    )
+    each = within.sum(axis=0).tolist()
+    print(f"within 15 %: {within.sum()} of {within.size}; by angle of attack {each} of {len(ratios)} each")
 
 
 if __name__ == "__main__":
