@@ -17,10 +17,10 @@ from wrsim.api.studies import run_type_test
 
 ROOT = Path(__file__).parents[1]
 PRIMARY, SECONDARY = "vehicle.bogie.primary.stiffness_kN_per_m", "vehicle.bogie.secondary.stiffness_kN_per_m"
-LATERAL = "vehicle.bogie.'secondary lateral damper'.damping_kNs_per_m"
-VERTICAL = "vehicle.bogie.'secondary vertical damper'.damping_kNs_per_m"
-BAR = "vehicle.bogie.'anti-roll bar'.stiffness_kNm_per_rad"
-STOP = "vehicle.bogie.'lateral stop'.travel_mm_force_kN"
+LATERAL = "vehicle.bogie.secondary lateral damper.damping_kNs_per_m"
+VERTICAL = "vehicle.bogie.secondary vertical damper.damping_kNs_per_m"
+BAR = "vehicle.bogie.anti-roll bar.stiffness_kNm_per_rad"
+STOP = "vehicle.bogie.lateral stop.travel_mm_force_kN"
 AS_DRAWN: dict[str, Any] = {
     PRIMARY: [31391, 3884, 1220], SECONDARY: [160, 160, 430], LATERAL: 32, VERTICAL: 20, BAR: 940,
     STOP: [[25, 0], [30, 0.6], [35, 1.76], [40, 3.73], [45, 6.87], [50, 11.58], [55, 17.17], [60, 29.2], [65, 230]],
