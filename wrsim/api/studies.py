@@ -134,9 +134,11 @@ def run_type_test(
             found, notes = tests.verdicts(programme, markers)
             numbers, words = tests.verdict_numbers(plan.title, found, notes), tests.verdict_words(found)
             states = {state.name: [v for v in found if v.state == state.name] for state in programme.spec.states}
-            pages = [tests.whole_table(name, own) for name, own in states.items()]
+            pages = {name: tests.state_table(own) for name, own in states.items()}
             texts = {"Programme": plan.source, "Base scenario": plan.text}
-            page = type_test_page(plan.title, pages, notes, words, numbers["passed"], texts)
+            page = type_test_page(
+                plan.title, tests.summary_words(programme), pages, notes, words, numbers["passed"], texts
+            )
             files = tests.write_verdicts(directory, numbers, tests.whole_table(plan.title, found), page)
             tables = tests.worst_tables(plan.title, found, notes)
     code = 0 if numbers["passed"] else 4

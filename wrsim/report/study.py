@@ -156,14 +156,15 @@ def _text(value: object) -> str:
 
 
 def type_test_page(
-    title: str, tables: Sequence[Table], notes: Sequence[str], words: str, passed: bool,
+    title: str, summary: str, tables: dict[str, Table], notes: Sequence[str], words: str, passed: bool,
     texts: dict[str, str], cover: Cover = NO_COVER,
 ) -> str:  # fmt: skip
-    """The report of a type test as HTML. tables: of verdicts, one a state; words: the verdict; texts: files by name."""
+    """The report of a type test as HTML. tables: of verdicts, by state; words: the verdict; texts: files by name."""
     page = {
         "cover": cover.of(title),
         "version": __version__,
         "verdict": Verdict(OPEN if passed else BAD, words),
+        "summary": summary,
         "tables": tables,
         "notes": notes,
         "texts": texts,

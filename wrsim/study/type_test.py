@@ -154,6 +154,17 @@ def whole_table(title: str, found: Sequence[Verdict]) -> Table:
     return Table(title, tuple(map(Column, HEADS)), rows, (words, *star))
 
 
+def state_table(found: Sequence[Verdict]) -> Table:
+    """The same of one state for a page: every clause is named once."""
+    whole, last = whole_table("", found), ""
+    rows: list[list[Cell]] = []
+    for v, row in zip(found, whole.rows, strict=True):
+        head: list[Cell] = ["", "", ""] if v.clause == last else [v.clause, v.symbol, v.unit]
+        rows.append([*head, *row[4:]])
+        last = v.clause
+    return Table("", whole.columns[1:], rows, whole.notes)
+
+
 def worst_tables(title: str, found: Sequence[Verdict], notes: Sequence[str]) -> list[Table]:
     """For the terminal: of every clause and state the class of track with the least margin; the verdict."""
     least: dict[tuple[str, str], Verdict] = {}
@@ -167,6 +178,16 @@ def worst_tables(title: str, found: Sequence[Verdict], notes: Sequence[str]) -> 
         Table(title, tuple(map(Column, words)), rows),
         Table("", notes=(*(f"note: {note}" for note in notes), verdict_words(found))),
     ]
+
+
+def summary_words(programme: Programme) -> str:
+    """What is tested, in a few sentences."""
+    spec, base = programme.spec, programme.plan.base()
+    states, runs = ", ".join(s.name for s in spec.states), ", ".join(programme.names)
+    uneven = "smooth track" if spec.irregularities is None else f"uneven track, {spec.irregularities.spectrum}"
+    rest = f" At rest: {', '.join(spec.stationary)}." if spec.stationary else ""
+    vehicle = Path(base.spec.vehicle.model).stem
+    return f"Vehicle {vehicle}; states: {states}. Runs on {uneven}: {runs}.{rest} Rules: {programme.rules.title}."
 
 
 def verdict_words(found: Sequence[Verdict]) -> str:
