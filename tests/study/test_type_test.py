@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support import synthetic_run
-from support.runs import SCENARIOS
+from support.runs import ROOT, SCENARIOS
 from support.synthetic_run import Q0
 
 from wrsim.api.studies import run_type_test
@@ -146,3 +146,15 @@ def test_a_run_that_derails_is_red(tmp_path):
 def test_a_programme_that_cannot_be_run_is_refused(tmp_path, more, old, new, words):
     with pytest.raises(InputError, match=words):
         run_type_test(programme_file(tmp_path, more, old, new), tmp_path / "out", dry_run=True)
+
+
+def test_a_rule_set_beside_the_programme_judges_its_runs(tmp_path, monkeypatch):
+    shipped = (ROOT / "wrsim" / "results" / "data" / "rules" / "en14363.toml").read_text()
+    (tmp_path / "mine.toml").write_text(shipped.replace('id = "track shift"', 'id = "shift by my rules"'))
+    file = filled(tmp_path)
+    file.write_text(file.read_text().replace("[[states]]", 'rules = "mine.toml"\n[[states]]', 1))
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    found = run_type_test(file, tmp_path / "out")
+    assert found["ran"] == 0
+    assert verdicts(found)["new", "shift by my rules"]

@@ -53,7 +53,11 @@ LOOKS = 4  # steps within the ramp, at least
 
 @dataclass(frozen=True)
 class Climb:
-    """climbed: whether the wheel did; way [m] of the climb, or as far as the run went; message: what else ended it."""
+    """One climb, or none.
+
+    climbed: whether the wheel did; way: of the climb, or as far as the run went; shift, lift: of the wheelset's centre
+    to the left and up [m]; message: what else ended it.
+    """
 
     climbed: bool
     way: float

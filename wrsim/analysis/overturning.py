@@ -86,8 +86,9 @@ def run_overturning(setup: Setup[OverturningPlan], progress: Progress | None = N
         "wheel_unloading": np.array([rest.unloading for rest in found]),
         "quasi_static_roll": np.array([rest.roll for rest in found]),
     }
-    n, unfinished = len(rests), plan.run and not outcome
-    reason = f"interrupted by the user after {n} of {len(winds)} winds" if n < len(winds) or unfinished else ""
+    reason = f"interrupted by the user after {len(rests)} of {len(winds)} winds" if len(rests) < len(winds) else ""
+    if plan.run and not outcome:
+        reason = reason or "interrupted by the user during the runs"
     return Result(assemble(coords, channels, setup.attributes(reason) | outcome))
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wrsim.api.outcome import Outcome, no_bar, results_folder
 from wrsim.errors import STOPPED
@@ -14,6 +15,7 @@ from wrsim.timing import timed
 
 if TYPE_CHECKING:
     from wrsim.api.outcome import Bar
+    from wrsim.study.plan import Plan
 
 log = logging.getLogger("wrsim.api")
 
@@ -44,7 +46,7 @@ def run_study(
     InputError
         With all faults of the file and of its cases.
     """
-    from wrsim.study.engine import check_workers, kept_folder, missing, worker_pool
+    from wrsim.study.engine import check_workers, kept_folder, worker_pool
 
     directory = results_folder(file, output)
     for words in check_workers(workers, scheduler, slurm, tls):
@@ -58,14 +60,10 @@ def run_study(
     if dry_run:
         numbers, table = estimated_cost(plan, workers)
         return Outcome([table], numbers, found=plan)
+    pool = partial(worker_pool, workers, scheduler, slurm, tls, progress=bar)
     with kept_folder(directory, reads, force, OUTPUTS):
-        todo = missing(plan, retry)
-        known = len(plan.cases) - len(todo)
-        notify(f"{len(plan.cases)} cases" + (f", {known} of them known already" if known else ""))
         try:
-            if todo:
-                with timed(f"{len(todo)} cases"), worker_pool(workers, scheduler, slurm, tls, len(todo), bar) as work:
-                    work(plan, todo)
+            ran = _run_missing(plan, retry, "cases", pool, notify)
         except KeyboardInterrupt:
             write_study(plan, markers_of(plan), pictures=False)
             raise _interrupted(directory) from None
@@ -74,8 +72,23 @@ def run_study(
             report, files = write_study(plan, markers, pictures)
     code = STOPPED if report["unfinished"] else 0
     faults = partial(faults_of, report, markers)
-    numbers = report | {"exit_code": code, "ran": len(todo)}
+    numbers = report | {"exit_code": code, "ran": ran}
     return Outcome(study_tables(report), numbers, files, faults, code, directory)
+
+
+def _run_missing(
+    plan: Plan, retry: bool, what: str, pool: Callable[..., AbstractContextManager[Any]], notify: Callable[[str], None]
+) -> int:
+    """Run the cases of a plan that have not come to an end; gives their number. what: their word; pool: of workers."""
+    from wrsim.study.engine import missing
+
+    todo = missing(plan, retry)
+    known = len(plan.cases) - len(todo)
+    notify(f"{len(plan.cases)} {what}" + (f", {known} of them known already" if known else ""))
+    if todo:
+        with timed(f"{len(todo)} {what}"), pool(most=len(todo)) as work:
+            work(plan, todo)
+    return len(todo)
 
 
 def run_type_test(
@@ -106,7 +119,7 @@ def run_type_test(
     from wrsim.report.study import type_test_page
     from wrsim.study import type_test as tests
     from wrsim.study.collect import markers_of
-    from wrsim.study.engine import check_workers, kept_folder, missing, worker_pool
+    from wrsim.study.engine import check_workers, kept_folder, worker_pool
     from wrsim.study.estimate import estimated_cost
     from wrsim.study.programme import read_programme
     from wrsim.study.task import COMPLETED, DERAILED
@@ -120,13 +133,10 @@ def run_type_test(
     if dry_run:
         numbers, table = estimated_cost(plan, workers)
         return Outcome([table], numbers, found=plan)
+    pool = partial(worker_pool, workers, scheduler, slurm, tls, progress=bar)
     with kept_folder(directory, programme.reads, force, tests.OUTPUTS):
-        todo = missing(plan, retry)
-        notify(f"{len(plan.cases)} runs, {len(plan.cases) - len(todo)} of them done")
         try:
-            if todo:
-                with timed(f"{len(todo)} runs"), worker_pool(workers, scheduler, slurm, tls, len(todo), bar) as work:
-                    work(plan, todo)
+            ran = _run_missing(plan, retry, "runs", pool, notify)
         except KeyboardInterrupt:
             raise _interrupted(directory) from None
         markers = markers_of(plan)
@@ -144,7 +154,7 @@ def run_type_test(
     code = 0 if numbers["passed"] else 4
     if any(m.status not in (COMPLETED, DERAILED) for m in markers):
         code = STOPPED
-    return Outcome(tables, numbers | {"exit_code": code, "ran": len(todo)}, files, found, code, directory)
+    return Outcome(tables, numbers | {"exit_code": code, "ran": ran}, files, found, code, directory)
 
 
 def run_wear(

@@ -50,6 +50,8 @@ Tls = Annotated[
         "--tls", metavar="DIR", help="Certificates for --scheduler or --slurm: a folder with ca.pem, cert.pem, key.pem."
     ),
 ]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="List the cases and the time they will take; run nothing.")]
+Retry = Annotated[bool, typer.Option("--retry", help="Run again what failed, stopped or ran out of time.")]
 Slurm = Annotated[bool, typer.Option("--slurm", help="Run the workers as SLURM jobs (extra wrsim\\[cluster]).")]
 SectionsOf = Annotated[
     Path | None, typer.Option("--scenario", metavar="FILE", help="Take the settings from this scenario instead.")

@@ -88,10 +88,8 @@ def study(
     scheduler: options.Scheduler = None,
     slurm: options.Slurm = False,
     tls: options.Tls = None,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="List the cases and the time they will take; run nothing.")
-    ] = False,
-    retry: Annotated[bool, typer.Option("--retry", help="Run again what failed, stopped or ran out of time.")] = False,
+    dry_run: options.DryRun = False,
+    retry: options.Retry = False,
     models: options.Models = None,
     pictures: options.Pictures = True,
     force: options.Force = False,
@@ -127,10 +125,8 @@ def type_test(
     scheduler: options.Scheduler = None,
     slurm: options.Slurm = False,
     tls: options.Tls = None,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="List the runs and the time they will take; run nothing.")
-    ] = False,
-    retry: Annotated[bool, typer.Option("--retry", help="Run again what failed, stopped or ran out of time.")] = False,
+    dry_run: options.DryRun = False,
+    retry: options.Retry = False,
     models: options.Models = None,
     force: options.Force = False,
     as_json: options.Json = False,

@@ -16,12 +16,13 @@ from wrsim.errors import InputError
 from wrsim.results import Result, write_atomically
 from wrsim.results.assessment import TO_CONFIRM, Assessment, ZoneValue
 from wrsim.results.files import as_csv, as_json
+from wrsim.results.rules import Limit
 from wrsim.results.table import Cell, Column, Table, as_rows, formatted, quantity
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.study.collect import MISSING
 from wrsim.study.plan import Case
 from wrsim.study.programme import Programme
-from wrsim.study.task import COMPLETED, DERAILED, RESULT, Marker
+from wrsim.study.task import COMPLETED, RESULT, Marker
 
 OUTPUTS = ("type_test.json", "type_test.csv", "type_test.html", "plan.json")
 """Files of a type test in its folder."""
@@ -36,7 +37,7 @@ class Verdict:
     clause: its name in the rule set; zone: class of track, with the number of sections of those that the standard asks
     for; worst: value; interval: of the mean over sections, at 95 %, empty for fewer than two; estimate: estimated
     maximum; margin: what is left to the limit, share: the same as a number; source: of the limit, with "*" where it is
-    from memory; where: section, wheelset; ok: None without a limit.
+    from memory; where: section, wheelset; ok: whether it is within.
     """
 
     state: str
@@ -51,12 +52,12 @@ class Verdict:
     margin: str
     source: str
     where: str
-    ok: bool | None
-    share: float = 0.0
+    ok: bool
+    share: float
 
     @property
     def word(self) -> str:
-        return "" if self.ok is None else "ok" if self.ok else "EXCEEDED"
+        return "ok" if self.ok else "EXCEEDED"
 
 
 HEADS = (
@@ -71,47 +72,41 @@ def verdicts(programme: Programme, markers: Sequence[Marker]) -> tuple[list[Verd
     notes: list[str] = []
     plan = programme.plan
     for i, state in enumerate(programme.spec.states):
-        own = [(c, m) for c, m in zip(plan.cases, markers, strict=True) if c.place[0] == i]
-        names = [programme.names[c.place[1]] for c, _ in own]
-        ended = [(c, m, name) for (c, m), name in zip(own, names, strict=True) if m.status in (COMPLETED, DERAILED)]
-        lost = [f"{state.name}, {name}: {m.message or m.status}" for (_, m), name in zip(own, names, strict=True)
-                if m.status != COMPLETED]  # fmt: skip
+        runs = [
+            (programme.names[case.place[1]], case, marker)
+            for case, marker in zip(plan.cases, markers, strict=True)
+            if case.place[0] == i
+        ]
+        lost = [f"{state.name}, {name}: {m.message or m.status}" for name, _, m in runs if m.status != COMPLETED]
         notes += lost
-        stopped = [m for _, m in own if m.status not in (COMPLETED, MISSING)]
-        completed = f"{len(own) - len(stopped)} of {len(own)}"
+        stopped = sum(m.status not in (COMPLETED, MISSING) for _, _, m in runs)
         found.append(
-            Verdict(state.name, "every run comes to its end", "runs", "", "", completed, "", "", str(len(own)), "",
-                    "", lost[0] if lost else "", not stopped, -1.0 if stopped else 1.0)
+            Verdict(state.name, "every run comes to its end", "runs", "", "", f"{len(runs) - stopped} of {len(runs)}",
+                    "", "", str(len(runs)), "", "", lost[0] if lost else "", not stopped, -1.0 if stopped else 1.0)
         )  # fmt: skip
         if programme.spec.stationary:
-            found += _at_rest(programme, state.name, own[0][0])
-        whole = [(c, name) for c, m, name in ended if m.status == COMPLETED]
+            found += _at_rest(programme, state.name, runs[0][1])
+        whole = {name: Result.load(plan.folder_of(case) / RESULT) for name, case, m in runs if m.status == COMPLETED}
         if not whole:
             continue
-        results = [_result_of(programme, case) for case, _ in whole]
         try:
-            judged = assess_runs(results, None, [name for _, name in whole], programme.spec.rules)
+            judged = assess_runs([*whole.values()], None, [*whole], programme.rules)
         except InputError as error:
             raise InputError(f"state {state.name}: {error}") from None
-        found += [_of_zone(state.name, judged, zone) for zone in judged.zones if zone.worst.limit is not None]
+        found += [_of_zone(state.name, judged, zone, limit) for zone in judged.zones if (limit := zone.worst.limit)]
         notes += [f"{state.name}: {words}" for words in judged.notes]
     return found, list(dict.fromkeys(notes))
 
 
-def _result_of(programme: Programme, case: Case) -> Result:
-    return Result.load(programme.plan.folder_of(case) / RESULT)
-
-
-def _of_zone(state: str, judged: Assessment, zone: ZoneValue) -> Verdict:
-    own, cells, limit = zone.worst.quantity, zone.cells(), zone.worst.limit
+def _of_zone(state: str, judged: Assessment, zone: ZoneValue, limit: Limit) -> Verdict:
+    own, cells = zone.worst.quantity, zone.cells()
     clause = judged.rules.about(own.key)
     needed = judged.rules.needed.get(zone.worst.section.zone)
     sections = f"{zone.counted}" + (f" of {needed}" if needed else "")
     return Verdict(
         state, own.key if clause is None else clause.id, own.symbol, own.shown.unit,
         f"{zone.worst.section.zone} ({sections})", cells["worst"], interval(zone), cells["estimate"], cells["limit"],
-        cells["margin"], "" if limit is None else limit.source + limit.star, cells["worst in"], zone.passed,
-        zone.margin or 0.0,
+        cells["margin"], limit.source + limit.star, cells["worst in"], bool(zone.passed), zone.margin or 0.0,
     )  # fmt: skip
 
 
@@ -192,18 +187,18 @@ def summary_words(programme: Programme) -> str:
 
 def verdict_words(found: Sequence[Verdict]) -> str:
     """The verdict in one sentence."""
-    red = [v for v in found if v.ok is False]
+    red = [v for v in found if not v.ok]
     if not red:
-        return f"{sum(v.ok is True for v in found)} values, each within its limit"
+        return f"{len(found)} values, each within its limit"
     names = list(dict.fromkeys(f"{v.clause} ({v.state})" for v in red))
-    return f"LIMITS EXCEEDED: {len(red)} of {sum(v.ok is not None for v in found)} values: {'; '.join(names)}"
+    return f"LIMITS EXCEEDED: {len(red)} of {len(found)} values: {'; '.join(names)}"
 
 
 def verdict_numbers(title: str, found: Sequence[Verdict], notes: Sequence[str]) -> dict[str, Any]:
     """Content of ``type_test.json``."""
     return {
         "title": title,
-        "passed": all(v.ok is not False for v in found),
+        "passed": all(v.ok for v in found),
         "verdicts": [vars(v) for v in found],
         "notes": list(notes),
     }

@@ -34,14 +34,14 @@ def assess_runs(
     results: Result | Sequence[Result],
     settings: AssessmentSettings | None = None,
     names: Sequence[str] = (),
-    rules: str | Path | None = None,
+    rules: str | Path | RulesFile | None = None,
 ) -> Assessment:
     """Assess a run, or several runs of one vehicle as one test, by a rule set.
 
     results: each works that has the channels distance, Y and Q on both wheels; other channels add their quantities.
     Sections of several runs count together: in the worst value, the estimated maximum and the mean radius of a class.
     settings: by default those of [assessment] in the scenario that the results carry. names: of the runs, where there
-    are several; by default their numbers. rules: name or file of a rule set; by default that of the settings.
+    are several; by default their numbers. rules: a rule set, its name or its file; by default that of the settings.
     Raises InputError for a result that is no run, or that the filters cannot work on, and for runs that are not of one
     vehicle or not to be assessed alike.
     """
@@ -58,7 +58,7 @@ def assess_runs(
                     "name one for all of them (--scenario)"
                 )
         settings = found[0]
-    own = rule_set(settings.rules if rules is None else rules)
+    own = rules if isinstance(rules, RulesFile) else rule_set(settings.rules if rules is None else rules)
     if own.history is None:
         raise InputError(f"{own.title}: has no clause about runs")
     runs: list[_Run] = []
