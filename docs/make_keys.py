@@ -86,6 +86,7 @@ show the unit in brackets. "Also called" has terms of the field and the names in
 | dimension | labels | meaning |
 |---|---|---|
 | sample | `time` [s] in runs, `pose` (names) in static analyses | a dataset has one of the two |
+| fast_time | [s] | samples of `fast_channels`: `fast_Q` is `Q` there, `fast_distance` the place |
 | moment | `snapshot` (0, 1, ...) in runs, `pose` in static analyses | where strips are stored |
 | wheelset | names, as "front.outer"; "wheelset" where it runs alone | the front one first |
 | wheel | "left", "right" | one of them alone where only one wheel is computed |

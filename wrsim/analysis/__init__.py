@@ -138,7 +138,7 @@ def cost_of(setup: Setup[Any]) -> dict[str, Any]:
         return {}
     plan = setup.plan
     evaluations = evaluations_for(
-        plan.integrator, plan.duration, plan.speeds[0], plan.output_interval, plan.step, setup.vehicle
+        plan.integrator, plan.duration, plan.speeds[0], plan.recorded_interval, plan.step, setup.vehicle
     )
     each = EVALUATION_TIME[setup.contact.normal] * len(setup.vehicle.wheelsets)
     return {"evaluations": round(evaluations), "expected_time_s": float(f"{each * evaluations:.2g}")}

@@ -21,7 +21,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results import CHANNELS, Result
 from wrsim.results.moments import has_patches, is_history
 from wrsim.results.summary import has_wear
-from wrsim.results.wheelsets import of_wheelset, wheelset_folder, wheelsets, worst_wheelset
+from wrsim.results.wheelsets import fast_of, of_wheelset, wheelset_folder, wheelsets, worst_wheelset
 
 HISTORIES = {
     "forces": ("Q", "Y", "sum_Y", "guide_force_y"),
@@ -80,6 +80,9 @@ def picture(result: Result, names: Sequence[str], wheelset: str | None) -> Figur
         names = (next(iter(figures)),)
     if len(names) == 1 and names[0] in figures:
         return figures[names[0]]()
+    if names and all(name.startswith("fast_") for name in names) and "fast_time" in chosen.dims:
+        result, names = Result(fast_of(chosen)), [name.removeprefix("fast_") for name in names]
+        chosen = result.dataset
     dims = {str(n): tuple(d for d in v.dims if d != "wheelset") for n, v in chosen.variables.items()}
     numbers = (name for name in dims if name not in chosen.dims and CHANNELS[name].kind == "number")
     channels = [name for name in numbers if dims[name] in DRAWN]

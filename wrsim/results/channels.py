@@ -6,6 +6,8 @@ the unit for readers (mm, kN, degrees, MPa). Two dimensions depend on the analys
 - ``sample``: ``time`` in runs, ``pose`` in static analyses;
 - ``moment``: ``snapshot`` in runs (chosen instants), ``pose`` in static analyses (every pose).
 
+Chosen channels of a run are stored more often as well, as ``fast_Q`` over ``fast_time``.
+
 What belongs to a wheelset or its wheels has the dimension ``wheelset``, of size 1 for a single wheelset;
 ``wrsim.results.wheelsets`` takes one wheelset out.
 """
@@ -14,7 +16,8 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from importlib.resources import files
 from math import pi
 from typing import Any, Literal
@@ -97,6 +100,10 @@ class Channel:
         """Of the variable of a dataset."""
         return {"units": self.unit, "long_name": self.long_name}
 
+    def fast(self) -> Channel:
+        """The channel over ``fast_time``."""
+        return replace(self, name=f"fast_{self.name}", dims=("fast_time", *self.dims[1:]), together="")
+
     def dims_in(self, sample: str) -> tuple[str, ...]:
         """Dimensions in a dataset whose sample dimension is ``"time"`` or ``"pose"``."""
         moment = "snapshot" if sample == "time" else "pose"
@@ -119,7 +126,15 @@ WHEELSET, BOGIE_FRAME, CAR_BODY = "wheelset", "bogie frame", "car body"
 """Values of the channel ``point_level``."""
 
 CHANNELS: dict[str, Channel] = {row["name"]: _channel(row) for row in table("wrsim.results", "data/channels.csv")}
-"""Every channel by its name, in the order in which tables print them."""
+"""Every channel by its name, in the order in which tables print them; fast ones (``fast_name``) last."""
+
+_FAST = (
+    "X", "Y", "Q", "sum_Y", "rail_displacement_?", "axle_box_acceleration", "lateral_shift", "vertical_shift", "yaw",
+    "roll", "spin_rate", "body_*", "point_a?", "suspension_[fd]?", "coupling_*", "deck_[ad]*",
+)  # fmt: skip
+FAST = tuple(name for name in CHANNELS if any(fnmatchcase(name, pattern) for pattern in _FAST))
+"""Channels of a run that may be stored more often than the others."""
+CHANNELS |= {f"fast_{name}": CHANNELS[name].fast() for name in ("time", "distance", *FAST)}
 
 PATCHES = ("main", "second", "third", "fourth", "fifth", "sixth")
 """Names of the patches of a wheel, the largest normal force first."""

@@ -27,7 +27,7 @@ OF_VEHICLE = ("body", "point", "suspension", "coupling", "external_load")
 OF_WEAR = ("wear_law", "wear_zone")
 NAMED = ("wheelset", *OF_VEHICLE, *OF_WEAR)
 """Dimensions labelled by names: those of a vehicle and of its wear."""
-LABELLED = ("time", "pose", "wheel", "snapshot", *NAMED)
+LABELLED = ("time", "fast_time", "pose", "wheel", "snapshot", *NAMED)
 """Dimensions with labels, of which no file has none."""
 SINGLE = "wheelset"  # name of a wheelset that runs alone
 STATUSES = ("completed", "stopped")

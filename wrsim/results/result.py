@@ -87,6 +87,13 @@ class Result:
 
         return of_wheelset(self.dataset, name)
 
+    def fast(self, wheelset: str | None = None) -> xr.Dataset:
+        """The channels of ``run.fast_channels`` in place of the others, over their own ``time`` and by the same names:
+        ``result.fast()["Q"]``. wheelset: this one alone. Raises ``InputError`` where there are none."""
+        from wrsim.results.wheelsets import fast_of
+
+        return fast_of(self.dataset if wheelset is None else self.wheelset(wheelset))
+
     def patch(
         self,
         at: str | float,
@@ -130,8 +137,9 @@ class Result:
 
         names: one of ``pictures``; or channels (``"Y"``, ``"lateral_shift"``), drawn above each other over the
         distance, of poses over the lateral shift. Default: the first picture. wheelset: needed for channels where there
-        are several. The figure is made without pyplot: ``savefig`` writes it, notebooks show it. Raises ``InputError``
-        for a name that is neither a picture nor a channel of this result, and for an unknown wheelset.
+        are several. ``"fast_Q"`` is a fast channel. The figure is made without pyplot: ``savefig`` writes it, notebooks
+        show it. Raises ``InputError`` for a name that is neither a picture nor a channel of this result, and for an
+        unknown wheelset.
         """
         figure: Figure = resolved("wrsim.plots.pictures:picture")(self, names, wheelset)
         return figure

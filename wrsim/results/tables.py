@@ -39,20 +39,24 @@ def csv_of_contacts(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     names = wheelsets(dataset)
     if "time" in dataset.dims and (len(names) > 1 or set(OF_VEHICLE) & set(dataset.dims)):
         yield "vehicle", _in_blocks(lambda part: wide(part, "time", OF_VEHICLE), dataset)
+        if "fast_time" in dataset.dims:
+            yield "vehicle_fast", _in_blocks(lambda part: wide(part, "fast_time", OF_VEHICLE), dataset, "fast_time")
     for name in names:
         folder, one = wheelset_folder(names, name), of_wheelset(dataset, name)
         if "time" in one.dims:
             yield f"{folder}history", _in_blocks(lambda part: wide(part, "time", ("wheel",)), one)
+        if "fast_time" in one.dims:
+            yield f"{folder}fast", _in_blocks(lambda part: wide(part, "fast_time", ("wheel",)), one, "fast_time")
         if any("patch" in variable.dims and "strip" not in variable.dims for variable in one.values()):
             yield f"{folder}patches", _in_blocks(_patch_table, one)
         if "strip" in one.dims:
             yield f"{folder}strips", _strip_table(one)
 
 
-def _in_blocks(table: Callable[[xr.Dataset], list[Row]], dataset: xr.Dataset) -> Iterator[Row]:
+def _in_blocks(table: Callable[[xr.Dataset], list[Row]], dataset: xr.Dataset, along: str = "time") -> Iterator[Row]:
     """The rows of a table, those of a run some instants at a time."""
-    for begin in range(0, max(dataset.sizes.get("time", 0), 1), BLOCK):
-        rows = table(dataset.isel(time=slice(begin, begin + BLOCK), missing_dims="ignore"))
+    for begin in range(0, max(dataset.sizes.get(along, 0), 1), BLOCK):
+        rows = table(dataset.isel({along: slice(begin, begin + BLOCK)}, missing_dims="ignore"))
         yield from rows[1:] if begin else rows
 
 

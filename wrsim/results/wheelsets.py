@@ -1,4 +1,4 @@
-"""One wheelset out of the dataset of a result."""
+"""One wheelset, or the fast channels, out of the dataset of a result."""
 
 from __future__ import annotations
 
@@ -51,11 +51,21 @@ def of_wheelset(dataset: xr.Dataset, name: str | None = None) -> xr.Dataset:
     if "wheelset_distance" not in one:
         return one
     own = one["wheelset_distance"].values
-    if "snapshot_distance" in one and len(names) > 1:
-        at = np.interp(one["snapshot_time"].values, one["time"].values, own)
-        one["snapshot_distance"] = ("snapshot", at, dict(one["snapshot_distance"].attrs))
+    for of in ("snapshot", "fast") if len(names) > 1 else ():
+        if (place := one.get(f"{of}_distance")) is not None:
+            at = np.interp(one[f"{of}_time"].values, one["time"].values, own)
+            one[f"{of}_distance"] = (place.dims, at, dict(place.attrs))
     distance = xr.Variable(("time",), own, dict(dataset["distance"].attrs))
     return one.drop_vars("wheelset_distance").assign_coords(distance=distance)
+
+
+def fast_of(dataset: xr.Dataset) -> xr.Dataset:
+    """The fast channels of a dataset in place of those over ``time``, by the names of these. Raises InputError where
+    there are none."""
+    if "fast_time" not in dataset.dims:
+        raise InputError("the result has no fast channels: run its scenario with run.fast_channels")
+    own = dataset.drop_dims("time", errors="ignore")
+    return own.rename({name: str(name).removeprefix("fast_") for name in own.variables})
 
 
 def matched(dataset: xr.Dataset, first: xr.Dataset) -> xr.Dataset:

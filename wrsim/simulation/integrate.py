@@ -145,12 +145,12 @@ class Integration:
     """Integrates a system over ``duration`` seconds from the time ``start``: ``run``.
 
     step [s]; sample_interval [s]: rounded to whole steps, default every step; the start and the end are always among
-    the samples. weight [N]: of all bodies and their loads, the scale of the tolerance; by default that of the bodies.
-    segment: steps between two checkpoints. monitor(t, q, q_t): called every ``monitor_interval`` [s], by default at
-    each sample, ends the run by returning the reason. progress(fraction, seconds_left): called some
-    ten times a second, and with (1, 0) at the end of a completed run. recorder: takes the samples, by default in
-    memory; from a checkpoint that it holds the run continues, whatever its start; a whole run that it holds is returned
-    as it is.
+    the samples. record_interval [s]: the same of states in between that are recorded as well, default none. weight [N]:
+    of all bodies and their loads, the scale of the tolerance; by default that of the bodies. segment: steps between two
+    checkpoints. monitor(t, q, q_t): called every ``monitor_interval`` [s], by default at each sample, ends the run by
+    returning the reason. progress(fraction, seconds_left): called some ten times a second, and with (1, 0) at the end
+    of a completed run. recorder: takes the samples, by default in memory; from a checkpoint that it holds the run
+    continues, whatever its start; a whole run that it holds is returned as it is.
 
     The run ends early, with the samples so far, when a number is not finite, when the monitor returns a reason, when
     the force law raises ``SimulationError``, and at Ctrl-C (the first ends the step, the second ends at once). Any
@@ -163,6 +163,7 @@ class Integration:
     step: float
     integrator: Integrator = DEFAULT_INTEGRATOR
     sample_interval: float | None = None
+    record_interval: float | None = None
     start: float = 0.0
     weight: float | None = None
     segment: int = SEGMENT
@@ -177,6 +178,8 @@ class Integration:
             raise ValueError(f"step and duration must be positive, got {step!r} and {self.duration!r}")
         self._steps = max(1, int(np.ceil(self.duration / step - 1e-9)))
         self._every = 1 if self.sample_interval is None else max(1, round(self.sample_interval / step))
+        recorded = self.record_interval
+        self._record_every = self._every if recorded is None else max(1, round(recorded / step))
         interval = self.monitor_interval
         self._monitor_every = self._every if interval is None else max(1, round(interval / step))
         weight = STANDARD_GRAVITY * sum(body.mass for body in system.bodies) if self.weight is None else self.weight
@@ -240,7 +243,7 @@ class Integration:
             self.progress(1.0, 0.0)
         if whole:  # else Ctrl-C has interrupted a step: the law has the state of another time
             self._recorder.flush(self._checkpoint(), goes_on=False)
-        if self._last % self._every and self._last != self._steps:
+        if self._last % self._record_every and self._last != self._steps:
             self._recorder.sample(self._time(self._last), self._q, self._q_t)
         self._recorder.end(self._ending)
 
@@ -269,7 +272,7 @@ class Integration:
         sampled = k % self._every == 0 or k == self._steps
         if self._watch is not None:
             self._watch(self._time(k), sampled)
-        if sampled:
+        if sampled or k % self._record_every == 0:
             self._recorder.sample(self._time(k), q, q_t)
         if self.monitor is not None and (k % self._monitor_every == 0 or k == self._steps):
             reason = self.monitor(self._time(k), q, q_t)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from wrsim.core.body import vehicle_forces
@@ -15,6 +17,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.system import COORDINATES, Array
 from wrsim.vehicle.elements import GUIDE, TRACK
+from wrsim.vehicle.vehicle import MeasuringPoint, Vehicle
 
 
 def body_channels(law: VehicleOnTrack, q: Array, q_t: Array, near: Array) -> dict[str, Array]:
@@ -42,16 +45,27 @@ def body_channels(law: VehicleOnTrack, q: Array, q_t: Array, near: Array) -> dic
     return found
 
 
-def point_accelerations(law: VehicleOnTrack, q: Array, q_t: Array, forces: Array) -> Array:
-    """Accelerations (points, 3) of the vehicle's points along their bodies' axes [m/s2] under the generalised forces.
+def wheel_seats(vehicle: Vehicle) -> list[MeasuringPoint]:
+    """Where the wheels sit on their axles, left and right of each in turn."""
+    found = []
+    for mounted in vehicle.wheelsets:
+        (x, y, z), half = mounted.centre, 0.5 * mounted.wheelset.profile_spacing
+        found += [MeasuringPoint("", mounted.name, (x, y + side * half, z)) for side in (1.0, -1.0)]
+    return found
+
+
+def point_accelerations(
+    law: VehicleOnTrack, q: Array, q_t: Array, forces: Array, points: Sequence[MeasuringPoint]
+) -> Array:
+    """Accelerations (points, 3) of points of the vehicle along their bodies' axes [m/s2] under the generalised forces.
 
     They contain gravity as an accelerometer fixed to the body does, less its share at rest on level track: zero there;
     on canted track the lateral one shows the plane's component of gravity against the centrifugal acceleration.
     """
     vehicle = law.vehicle
     q_tt = accelerations(law.bodies, q, q_t, forces)
-    found = np.zeros((len(vehicle.points), 3))
-    for j, point in enumerate(vehicle.points):
+    found = np.zeros((len(points), 3))
+    for j, point in enumerate(points):
         i = vehicle.index(point.body)
         arm = np.array(point.at) - np.array(vehicle.parts[i].centre)
         at, rates, changes = (state[6 * i : 6 * i + 6].copy() for state in (q, q_t, q_tt.ravel()))

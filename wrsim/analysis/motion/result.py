@@ -34,6 +34,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import TrackPoses, poses_as_far
 from wrsim.simulation.system import Array
 from wrsim.vehicle.bogies import bogie_mass, holders_of, level_of
+from wrsim.vehicle.vehicle import MeasuringPoint
 
 RAIL_CHANNELS = ("rail_displacement_y", "rail_displacement_z")
 
@@ -49,21 +50,14 @@ def result_of(
     At the end of a stopped run the last states may have no place on the track any more; they are left out then.
     Raises SimulationError when not even the first one has.
     """
-    vehicle = law.vehicle
+    vehicle, plan, recorded = law.vehicle, setup.plan, motion
+    if plan.fast_channels:
+        motion = _each(motion, plan.output_interval, True)
     motion, poses = _placed(motion, law)
-    n, body = len(motion.times), 6 * vehicle.reference
-    places = law.places(np.column_stack([p.distance for p in poses]))
-    stored = Channels(n, folder)
-    bodies = np.array([law.start + part.centre[0] for part in vehicle.bodies])
-    wear = setup.plan.wear
+    body = 6 * vehicle.reference
+    places, wear = _places(law, poses), plan.wear
     losses = None if wear is None else Losses(wear, law.wheels, [ways(p.distance, wear.stretch) for p in poses])
-    law.follow(True)
-    for begin in range(0, n, BLOCK):
-        block = slice(begin, min(begin + BLOCK, n))
-        found = with_derived(_block(setup, law, motion, poses, places, bodies, block, losses))
-        stored.put(block, {name: typed(name, values) for name, values in found.items()})
-    law.follow(False)
-    channels: dict[str, Any] = dict(stored.filled())
+    channels = _channels(setup, law, motion, poses, folder, losses)
     channels["distance"] = reference = np.asarray(channels["distance"])
     if law.driven:
         from scipy.integrate import cumulative_trapezoid  # some 40 ms to import, for drives alone
@@ -92,6 +86,10 @@ def result_of(
         "coupling": vehicle.couplings, "external_load": vehicle.loads,
     }  # fmt: skip
     coords: dict[str, Any] = {"time": motion.times}
+    if plan.fast_channels:
+        fast, of_wheelsets = _placed(_each(recorded, plan.recorded_interval), law)
+        coords["fast_time"] = fast.times
+        channels |= _channels(setup, law, fast, of_wheelsets, folder, None, channels)
     if law.deck is not None:
         coords["span"] = [f"span {k + 1}" for k in range(len(law.deck.values))]
     coords |= {dimension: [each.name for each in own] for dimension, own in named.items() if own}
@@ -116,19 +114,61 @@ def result_of(
     return Result(assemble(coords, channels, _attributes(setup, motion, reference), copy=False))
 
 
+def _each(motion: Motion, interval: float, last: bool = False) -> Motion:
+    """The states of a motion at whole multiples of an interval [s]; with the last one, wherever it is."""
+    there = np.rint(motion.times / motion.step) % round(interval / motion.step) == 0.0
+    there[-1] |= last
+    rows: Any = np.flatnonzero(there)
+    if len(rows) == rows[-1] + 1:
+        rows = slice(len(rows))  # no copy: many are on disk
+    return replace(motion, times=motion.times[rows], q=motion.q[rows], q_t=motion.q_t[rows])
+
+
+def _places(law: VehicleOnTrack, poses: list[TrackPoses]) -> Array:
+    return law.places(np.column_stack([p.distance for p in poses]))
+
+
+def _channels(
+    setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, poses: list[TrackPoses], folder: Path | None,
+    losses: Losses | None, sampled: dict[str, Any] | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Channels of a motion; sampled: of its samples, for the fast channels of all of its states in place of these. In a
+    sample a fast channel has its value to the bit, in which the warm start of the contacts may differ."""
+    fast = () if sampled is None else ("distance", *setup.plan.fast_channels)
+    every = round(setup.plan.output_interval / setup.plan.recorded_interval)
+    n, places, stored = len(motion.times), _places(law, poses), Channels(len(motion.times), folder)
+    bodies = np.array([law.start + part.centre[0] for part in law.vehicle.bodies])
+    seats = states.wheel_seats(law.vehicle) if "axle_box_acceleration" in fast else []
+    law.follow(True)
+    for begin in range(0, n, BLOCK):
+        block = slice(begin, min(begin + BLOCK, n))
+        found: dict[str, Any] = with_derived(_block(setup, law, motion, poses, places, bodies, block, losses, seats))
+        if sampled is not None:
+            first = -begin % every
+            for name in sampled.keys() & fast:
+                same, j = found[name][first::every], (begin + first) // every
+                same[:] = sampled[name][j : j + len(same)]
+            found = {f"fast_{name}": found[name] for name in fast}
+        stored.put(block, {name: typed(name, values) for name, values in found.items()})
+    law.follow(False)
+    return dict(stored.filled())
+
+
 def _block(
     setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, poses: list[TrackPoses], places: Array, bodies: Array,
-    block: slice, losses: Losses | None,
+    block: slice, losses: Losses | None, seats: Sequence[MeasuringPoint],
 ) -> dict[str, Array]:  # fmt: skip
     """Channels of some samples of a motion, the sample first. A long run fills memory: raw contacts do not stay.
 
-    bodies: see `body_channels`; losses: gathers the wear, if it is computed.
+    bodies: see `body_channels`; losses: gathers the wear, if it is computed; seats: of the wheels, where their
+    accelerations are computed.
     """
     vehicle, track = law.vehicle, setup.track
     times, q, q_t = motion.times[block], motion.q[block], motion.q_t[block]
     n, count, out = len(times), len(vehicle.wheelsets), np.zeros(law.size)
     raw = [RawContacts.empty(n, 2, setup.contact.patch_count) for _ in range(count)]
-    accelerations = np.zeros((n, len(vehicle.points), 3))
+    points = (*vehicle.points, *seats)
+    accelerations = np.zeros((n, len(points), 3))
     records = np.zeros((n, *law.records.shape))
     reference, drive = np.zeros(n), np.zeros(n)
     external = np.zeros((n, len(vehicle.loads), 3))
@@ -149,8 +189,8 @@ def _block(
         deck[i] = out[law.of_deck]
         if vehicle.bodies:
             powers[:, i] = states.lost_at(law, q_t[i])
-        if vehicle.points:
-            accelerations[i] = states.point_accelerations(law, q[i], q_t[i], out)
+        if points:
+            accelerations[i] = states.point_accelerations(law, q[i], q_t[i], out, points)
     moved = np.zeros((n, count, 2, 2))  # rails under the wheels: left and right, lateral and up
     if law.rails:
         moved = q[:, law.size - law.rails :].reshape(moved.shape)
@@ -185,8 +225,10 @@ def _block(
     if vehicle.bodies:
         found |= states.body_channels(law, q, q_t, bodies) | states.energy_channels(law, q, q_t)
         found |= dict(zip(("creep_power", "damper_power", "pull_power"), powers, strict=True))
+    if seats:
+        found["axle_box_acceleration"] = accelerations[:, len(vehicle.points) :, 2].reshape(n, count, 2)
     if vehicle.points:
-        found |= {f"point_a{axis}": accelerations[:, :, k] for k, axis in enumerate("xyz")}
+        found |= {f"point_a{axis}": accelerations[:, : len(vehicle.points), k] for k, axis in enumerate("xyz")}
     if vehicle.elements:
         found |= {f"suspension_f{axis}": records[:, :, k] for k, axis in enumerate("xyz")}
         found |= {f"suspension_d{axis}": records[:, :, 3 + k] for k, axis in enumerate("xyz")}

@@ -103,7 +103,8 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
         duration = step * max(1, int(plan.duration / step + 1e-6))
         integration = Integration(
             system, duration=duration, step=step, integrator=plan.integrator, weight=law.vehicle.weight,
-            sample_interval=plan.output_interval, monitor=monitor, monitor_interval=monitor.interval,
+            sample_interval=plan.output_interval, record_interval=plan.fast_interval, monitor=monitor,
+            monitor_interval=monitor.interval,
             segment=SEGMENT if setup.contact.fast() == setup.contact else SEGMENT_EXACT, progress=progress,
             recorder=recorder,
         )  # fmt: skip
@@ -179,13 +180,14 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
     """Step [s] that the plan asks for, or a good one for its integrator; it divides the time between two samples."""
     plan = setup.plan
     if plan.integrator == "rk44":
-        return _stable_step(setup, law, q, q_t)
+        step, each = _stable_step(setup, law, q, q_t), plan.fast_interval
+        return step if each is None else each / ceil(each / step - 1e-9)
     if plan.step:
         return plan.step
     fastest = plan.speeds[1]
     rails = setup.track.structure
     spacing = rails.spacing if isinstance(rails, SleeperTrack) else None
-    step = steps.implicit_step(fastest, plan.output_interval, spacing, vibrates=len(law.modes) > 0)
+    step = steps.implicit_step(fastest, plan.recorded_interval, spacing, vibrates=len(law.modes) > 0)
     places = [[own.distance for own in surface.sections] for surface in setup.surfaces if surface is not None]
     gaps = np.concatenate([np.zeros(0), *map(np.diff, places)]).tolist()
     # sections that follow each other closely show how fast the rail changes
@@ -216,8 +218,8 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
         law = force_law(level)
         limit = min(limit, steps.stable_step(BodySystem(law.bodies, law), *start_state(level, law)))
     largest = steps.LARGEST_STEP_UNEVEN if setup.track.is_uneven else steps.LARGEST_STEP
-    step = steps.round_step(min(steps.SAFETY * limit, plan.output_interval), largest)
-    usual = min(steps.step_for_speed(slowest.speed), plan.output_interval)
+    step = steps.round_step(min(steps.SAFETY * limit, plan.recorded_interval), largest)
+    usual = min(steps.step_for_speed(slowest.speed), plan.recorded_interval)
     if step < usual / SHRUNK:
         log.warning(
             "rk44 is stable here with steps of %.3g us only, %.0f times shorter than usual at %.4g km/h: %.3g steps. A "

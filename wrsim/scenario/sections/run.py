@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from wrsim.contact.wear.laws import LawName, WearSettings
 from wrsim.errors import InputError
+from wrsim.geometry.track.bridge import Bridge
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number, positive
+from wrsim.results.channels import CHANNELS, FAST
 from wrsim.scenario.sections.table import AnalysisTable, Given, PlanTable
 from wrsim.simulation import DEFAULT_INTEGRATOR, Integrator
 from wrsim.vehicle.speed import SpeedProfile
 
+FastChannel = Literal[*FAST]  # type: ignore[valid-type]
 Place = Annotated[float, number(-1e6, 1e6, "m along the centre line")]
 
 
@@ -94,9 +97,9 @@ class RunPlan:
     """A run along the track: from ``start`` to ``end`` [m] of the centre line, at the start with ``speed`` [m/s].
 
     At rest the speed is 0. profile: how it goes on from the start, constant unless given. step: of the integration [s],
-    None: chosen for the integrator; output_interval: between two samples [s]; patches_at: distances [m], rising, at
-    which the strips of the patches are stored; left_out: those on the track that the run does not pass; wear: laws of
-    wear, if any.
+    None: chosen for the integrator; output_interval: between two samples [s]; fast_interval: the same of
+    the fast channels, which are stored so often besides, if any; patches_at: distances [m], rising, at which the strips
+    of the patches are stored; left_out: those on the track that the run does not pass; wear: laws of wear, if any.
     """
 
     start: float
@@ -105,10 +108,17 @@ class RunPlan:
     integrator: Integrator = DEFAULT_INTEGRATOR
     step: float | None = None
     output_interval: float = 5e-3
+    fast_interval: float | None = None
+    fast_channels: tuple[str, ...] = ()
     patches_at: tuple[float, ...] = ()
     left_out: tuple[float, ...] = ()
     profile: SpeedProfile | None = None
     wear: WearSettings | None = None
+
+    @property
+    def recorded_interval(self) -> float:
+        """Time between two states that are recorded [s]."""
+        return self.fast_interval or self.output_interval
 
     @property
     def duration(self) -> float:
@@ -143,7 +153,7 @@ class RunSection(PlanTable, header="[run]"):
     aliases = {
         "time_s": "duration_s t_end_s end_time_s", "distance_m": "length_m",
         "integrator": "method solver integration", "step_us": "dt_us h_us dt dt_s step_s step_ms time_step",
-        "output_interval_ms": "output_step_ms sampling_ms",
+        "output_interval_ms": "output_step_ms sampling_ms", "channels_at_hz": "channels_at_Hz fast_Hz sampling_rate_Hz",
     }  # fmt: skip
 
     start_distance_m: Annotated[float, number(0, 1e6, "m along the centre line")] = 0.0
@@ -158,10 +168,25 @@ class RunSection(PlanTable, header="[run]"):
     """Step of the integration; a good one is chosen unless given."""
     output_interval_ms: Annotated[float, number(0.01, 10_000, "ms between two samples")] = 5.0
     """Time between two samples of the result."""
+    fast_channels: List[FastChannel] = ()
+    """Channels that are stored more often besides, as `fast_Q` over `fast_time`."""
+    channels_at_hz: Annotated[float, number(1, 100_000, "samples a second")] = 2000.0
+    """How often these are stored; a step that is chosen divides the time between two of their samples."""
 
     def consistency(self) -> Iterator[Fault]:
         if self.step_us is not None and self.step_us > self.output_interval_ms * 1000.0 * (1.0 + 1e-9):
             yield Fault("step_us", f"must be at most the output interval ({self.output_interval_ms:g} ms)")
+        if not self.fast_channels:
+            return
+        if len(set(self.fast_channels)) < len(self.fast_channels):
+            yield Fault("fast_channels", "must hold each channel once")
+        each = 1e3 / self.channels_at_hz
+        if not _is_whole(self.output_interval_ms / each):
+            yield Fault("channels_at_hz", f"must be a multiple of {1e3 / self.output_interval_ms:g}, one sample each "
+                        f"output_interval_ms ({self.output_interval_ms:g})")  # fmt: skip
+        elif self.step_us is not None and not _is_whole(1e3 * each / self.step_us):
+            most = f"must be {1e6 / self.step_us:g}, a sample each step_us ({self.step_us}), or a whole part of it"
+            yield Fault("channels_at_hz", most)
 
     def plan(self, given: Given) -> RunPlan:
         ahead = max(mounted.x for mounted in given.vehicle.wheelsets)
@@ -201,10 +226,30 @@ class RunSection(PlanTable, header="[run]"):
             integrator=self.integrator,
             step=None if self.step_us is None else self.step_us * 1e-6,
             output_interval=self.output_interval_ms * 1e-3,
+            fast_interval=1.0 / self.channels_at_hz if self.fast_channels else None,
+            fast_channels=self._fast_channels(given),
             patches_at=tuple(place for place in places if start <= place <= end),
             left_out=tuple(place for place in places if not start <= place <= end),
             wear=given.table(WearSection).settings(start, end, given.fault),
         )
+
+    def _fast_channels(self, given: Given) -> tuple[str, ...]:
+        vehicle, structure = given.vehicle, given.track.structure
+        there = {
+            "point": vehicle.points, "body": vehicle.bodies, "suspension": vehicle.elements,
+            "coupling": vehicle.couplings, "span": isinstance(structure, Bridge),
+        }  # fmt: skip
+        on_rails = structure is not None and not isinstance(structure, Bridge)
+        for i, name in enumerate(self.fast_channels):
+            channel = CHANNELS[name]
+            if not all(there.get(dim, True) for dim in channel.dims) or (name.startswith("rail_") and not on_rails):
+                what = "elastic rails" if name.startswith("rail_") else f"{channel.dims[-1]}s"
+                raise given.fault(("run", "fast_channels"), f"entry [{i}] {name} cannot be: this run has no {what}")
+        return self.fast_channels
+
+
+def _is_whole(number: float) -> bool:
+    return number > 0.5 and abs(number - round(number)) <= 1e-6 * number
 
 
 class OutputSection(AnalysisTable, header="[output]"):

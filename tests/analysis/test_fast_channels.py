@@ -1,0 +1,109 @@
+"""Channels of a run that are stored more often than the others."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from support.rows import rows_of
+from support.runs import SCENARIOS
+
+from wrsim import InputError, load, run
+from wrsim.results.exports import export_result
+from wrsim.scenario.build import build
+
+table = rows_of(__file__)
+
+QUICK = {"contact.normal": "kik-piotrowski", "run.step_us": 100}
+FAST = {"run.fast_channels": ["Q", "rail_displacement_z", "axle_box_acceleration", "vertical_shift", "roll"]}
+
+
+def sleepers(**more):
+    keys = QUICK | {"vehicle.out_of_round[0].at_deg": 37.0, "run.start_distance_m": 6.2, "run.distance_m": 0.6}
+    keys |= {"run.output_interval_ms": 2.0, "run.channels_at_hz": 5000.0}
+    return load(SCENARIOS / "flat_on_sleepers.toml").with_values(keys | more)
+
+
+@cache
+def struck():
+    return run(sleepers(**FAST))
+
+
+def test_the_other_channels_stay_to_the_bit_and_common_instants_have_the_same_numbers():
+    plain, fast = run(sleepers()).dataset, struck().dataset
+    assert "fast_time" not in plain.dims
+    for name in plain.data_vars:
+        assert plain[name].identical(fast[name]), name
+    assert fast.sizes["fast_time"] == pytest.approx(10 * fast.sizes["time"], abs=10)
+    assert_allclose(np.diff(fast["fast_time"]), 2e-4, rtol=1e-9)
+    common = np.searchsorted(fast["time"], fast["fast_time"][::10])
+    for name in ("Q", "rail_displacement_z", "vertical_shift", "distance"):
+        assert_array_equal(fast[f"fast_{name}"][::10], fast[name].values[common])
+    between = np.interp(fast["fast_time"], fast["time"], fast["Q"][:, 0, 0])
+    assert np.abs(fast["fast_Q"][:, 0, 0] - between).max() > 5e3
+
+
+def test_an_interrupted_run_goes_on_with_the_same_fast_channels_to_the_bit(tmp_path, monkeypatch):
+    monkeypatch.setattr("wrsim.simulation.recorder.FLUSH_INTERVAL", 0.0)
+    path = tmp_path / "x.part"
+    whole = run(sleepers(**FAST), record=path)
+    assert whole.dataset.identical(struck().dataset)
+    path.write_bytes(path.read_bytes()[: int(0.6 * path.stat().st_size)])
+    assert run(sleepers(**FAST), record=path, resume=True).dataset.identical(whole.dataset)
+
+
+def test_the_axle_box_accelerates_as_the_axle_moves():
+    """Second differences of the height and of the roll of a rigid axle, at a wave that the samples resolve."""
+    wave = {"kind": "harmonic", "wheel": "left", "order": 6, "amplitude_mm": 0.05}
+    keys = {"vehicle.out_of_round": [wave], "run.output_interval_ms": 1.0, "run.channels_at_hz": 10_000.0}
+    scenario = load(SCENARIOS / "flat.toml").with_values(QUICK | FAST | keys)
+    data = run(scenario).fast("wheelset")
+    height, roll = (data[name].values for name in ("vertical_shift", "roll"))
+    half = 0.5 * build(scenario).wheelset.profile_spacing
+    there = np.stack([height + half * np.sin(roll), height - half * np.sin(roll)], axis=1)
+    found = data["axle_box_acceleration"].values[1:-1]
+    expected = np.diff(there, n=2, axis=0) / 1e-4**2
+    late = slice(len(found) // 2, None)
+    assert np.abs(found[late]).max() > 5.0
+    assert_allclose(found[late], expected[late], atol=0.02 * np.abs(found[late]).max())
+
+
+@pytest.mark.parametrize("integrator, step", [("rk44", 2.5e-4), ("generalised-alpha", 2.5e-4)])
+def test_a_step_that_is_chosen_divides_the_time_between_two_samples(integrator, step):
+    keys = {"run.integrator": integrator, "run.channels_at_hz": 4000.0, "run.time_s": 0.01, "run.output_interval_ms": 1}
+    keys |= {"output.patches_at_m": []}
+    keys |= {"run.fast_channels": ["Q"], "track.segments": [{"kind": "straight", "length_m": 20}]}
+    data = run(load(SCENARIOS / "curve_r300.toml").with_values(keys | {"contact.normal": "kik-piotrowski"})).dataset
+    assert data.attrs["step_s"] <= step
+    assert_allclose(np.diff(data["fast_time"]), 2.5e-4, rtol=1e-9)
+    assert data.sizes["fast_time"] == 41
+
+
+def test_the_table_has_a_row_a_sample(tmp_path):
+    export_result(struck(), "tables", tmp_path)
+    rows = (tmp_path / "fast.csv").read_text().splitlines()
+    assert rows[0].split(",")[:2] == ["fast_time_s", "fast_distance_m"]
+    assert "fast_Q_left_kN" in rows[0] and "fast_axle_box_acceleration_right_m_s2" in rows[0]
+    assert len(rows) == 1 + struck().dataset.sizes["fast_time"]
+
+
+def test_fast_channels_are_drawn_like_the_others():
+    figure = struck().plot("fast_Q")
+    (line, *_) = figure.axes[0].lines
+    assert len(line.get_xdata()) == struck().dataset.sizes["fast_time"]
+
+
+@pytest.mark.parametrize("keys, words", table("what_cannot_be_stored_is_refused_with_its_key"))
+def test_what_cannot_be_stored_is_refused_with_its_key(keys, words):
+    with pytest.raises(InputError) as error:
+        build(sleepers(**FAST | keys))
+    assert words in str(error.value) and "\n" not in str(error.value)
+
+
+def test_channels_of_parts_that_are_not_there_are_refused():
+    rigid = load(SCENARIOS / "curve_r300.toml").with_values({"run.fast_channels": ["Q", "rail_displacement_z"]})
+    with pytest.raises(InputError, match=r"fast_channels = .*: entry \[1\] rail_displacement_z .* no elastic rails"):
+        build(rigid)
+    with pytest.raises(InputError, match=r"no fast channels: .* run.fast_channels"):
+        run(load(Path(SCENARIOS / "curve_r300.toml")).with_values({"run.time_s": 0.01})).fast()
