@@ -1,11 +1,15 @@
 """Do the tests notice a fault in the code? Mutants of it, one operator changed in each, and who survives them.
 
     python campaigns/mutants.py PACKAGE [--number 100] [--seed 1] [--folder build/mutants] -- TEST ...
+    python campaigns/mutants.py PACKAGE --yardstick REFERENCE [--number 50] ...
 
 PACKAGE is a folder of modules or one module, as wrsim/contact; the tests run until one fails. Works with cosmic-ray
 (extra ``campaign``) in a copy of the sources, so run it from their root. Each mutant is a fork of one process that has
 imported all but our own modules. Kernels compile anew for every mutant of wrsim/core: for these set NUMBA_DISABLE_JIT=1
 and take tests that are quick without the compiler. Prints survivors as differences.
+
+--yardstick: signs, operators and factors (numbers with a point) change, and the short form of campaigns/benchmark runs
+until its first red comparison. The caches of compiled kernels in wrsim/core/jit are left out, not its splines.
 """
 
 import argparse
@@ -17,8 +21,11 @@ import re
 import resource
 import shutil
 import sys
+from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 from cosmic_ray.ast import ast_nodes, get_ast
@@ -31,25 +38,49 @@ LIKELY = re.compile(
 )
 """Operators that stand for slips of a hand; those of unions in annotations would change nothing."""
 OPERATORS = {name: get_operator(name)() for name in operator_names() if LIKELY.search(name)}
+SIGNS = re.compile("(Mul_Div|Div_Mul|Add_Sub|Sub_Add|Delete_USub)$")
+"""Those that stand for a wrong sign or a factor in the wrong place."""
 OWN = re.compile("wrsim|support|conftest|_?pytest|_?hypothesis|xdist")
 """What each fork imports for itself: ours, and what pytest must rewrite."""
 
 
-def mutants_of(file: Path) -> list[tuple[Path, str, int]]:
-    """Each operator at each of its places in a file."""
+def mutants_of(file: Path, factors: bool = False) -> list[tuple[Path, str, int]]:
+    """Each operator at each of its places in a file, or wrong signs and factors alone."""
     nodes = list(ast_nodes(get_ast(file.read_text())))
-    places = {name: sum(len(list(what.mutation_positions(n))) for n in nodes) for name, what in OPERATORS.items()}
-    return [(file, name, occurrence) for name, count in places.items() for occurrence in range(count)]
+    found = []
+    for name, what in OPERATORS.items():
+        owners = [node for node in nodes for _ in what.mutation_positions(node)]
+        found += [(file, name, i) for i, node in enumerate(owners) if not factors or is_factor(name, node)]
+    return found
 
 
-def run_tests(tests: list[str], cpu_seconds: int, modules: Path | None = None) -> tuple[bool, float]:
+def is_factor(name: str, node: Any) -> bool:
+    """Whether an operator at a node makes a wrong sign or a wrong factor; numbers are factors within products."""
+    return bool(SIGNS.search(name)) or (name.endswith("NumberReplacer") and node.parent.type == "term")
+
+
+def no_kernels(file: Path) -> bool:
+    """Whether a file holds the machinery of compiled kernels."""
+    return file.parent.name == "jit" and file.name != "spline.py"
+
+
+Check = Callable[[], int]
+"""Gives 0 where all is well."""
+
+
+def run_tests(check: Check, cpu_seconds: int, modules: Path | None = None) -> tuple[bool, float]:
     """Whether they pass in a fork that may take so long, and how long it took; notes imported modules in a file."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     if (child := os.fork()) == 0:
         resource.setrlimit(resource.RLIMIT_CPU, (cpu_seconds, cpu_seconds))
         os.dup2(os.open("output", os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 1)
         sys.dont_write_bytecode = modules is None
-        code = pytest.main(["-x", "-q", "-p", "no:cacheprovider", *tests])
+        try:
+            code = check()
+        except Exception as problem:
+            print(f"{type(problem).__name__}: {problem}")
+            code = 1
+        sys.stdout.flush()
         if modules is not None:
             others = [n for n, m in sys.modules.items() if "site-packages" in (getattr(m, "__file__", "") or "")]
             modules.write_text("\n".join(n for n in others if not OWN.match(n)))
@@ -59,6 +90,13 @@ def run_tests(tests: list[str], cpu_seconds: int, modules: Path | None = None) -
     return status == 0, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
+def measured(reference: Path) -> int:
+    """What the short yardstick ends with."""
+    from campaigns.benchmark.__main__ import main
+
+    return main([str(reference), "--short", "--first-red", "--jobs", "1"])
+
+
 def main() -> None:
     """Make, try and count them."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -66,8 +104,14 @@ def main() -> None:
     parser.add_argument("--number", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--folder", type=Path, default=Path("build/mutants"))
-    parser.add_argument("tests", nargs="+")
+    parser.add_argument("--yardstick", type=Path, metavar="REFERENCE")
+    parser.add_argument("tests", nargs="*")
     options = parser.parse_args()
+    if bool(options.tests) == bool(options.yardstick):
+        parser.error("give tests, or --yardstick REFERENCE")
+    check = partial(pytest.main, ["-x", "-q", "-p", "no:cacheprovider", *options.tests])
+    if options.yardstick:
+        check = partial(measured, options.yardstick.resolve())
     place = options.folder.resolve()
     shutil.rmtree(place, ignore_errors=True)
     for name in ("wrsim", "tests", "models", "scenarios", "campaigns", "docs"):
@@ -76,15 +120,16 @@ def main() -> None:
     os.chdir(place)
     sys.path.insert(0, str(place))
     os.environ["PYTHONPATH"] = os.pathsep.join([str(place), os.environ.get("PYTHONPATH", "")])
-    first, _ = run_tests(options.tests, 3600, place / "modules")
+    first, _ = run_tests(check, 3600, place / "modules")
     for name in (place / "modules").read_text().split() if first else ():
         with suppress(ImportError):
             importlib.import_module(name)
-    again, usual = run_tests(options.tests, 3600)
+    again, usual = run_tests(check, 3600)
     if not (first and again):
         sys.exit(f"the tests must pass where nothing is changed: see {place / 'output'}")
     files = [options.package] if options.package.is_file() else sorted(options.package.rglob("*.py"))
-    every = [mutant for file in files for mutant in mutants_of(file)]
+    chosen = [file for file in files if not (options.yardstick and no_kernels(file))]
+    every = [mutant for file in chosen for mutant in mutants_of(file, bool(options.yardstick))]
     kept = random.Random(options.seed).sample(every, min(options.number, len(every)))
     survivors = done = 0
     try:
@@ -92,7 +137,7 @@ def main() -> None:
             code, times = file.read_text(), file.stat()
             mutant = mutate_code(code, OPERATORS[name], occurrence)
             file.write_text(mutant)  # its time is new: Python takes no compiled file of the old one
-            survived, _ = run_tests(options.tests, 10 + int(10 * usual))
+            survived, _ = run_tests(check, 10 + int(10 * usual))
             file.write_text(code)
             os.utime(file, (times.st_atime, times.st_mtime))
             done += 1
@@ -100,6 +145,9 @@ def main() -> None:
                 survivors += 1
                 lines = difflib.unified_diff(code.split("\n"), mutant.split("\n"), str(file), name, lineterm="")
                 print("\n".join(lines), flush=True)
+            elif options.yardstick:
+                told = [line for line in Path("output").read_text().splitlines() if line[:4] != "gree"]
+                print(f"{file} {name} {occurrence}: {told[0] if told else 'stopped'}", flush=True)
     except KeyboardInterrupt:
         print("interrupted; so far:")
     print(f"{done} mutants of {len(every)}, {done - survivors} killed")

@@ -180,8 +180,8 @@ def strip_regions(strips: Array, place: float) -> tuple[Region, ...]:
     return tuple(sorted(found, key=lambda r: -r.normal_force))
 
 
-def answer_of_strips(model: ContactModel, contact: Contact, place: float) -> Answer | None:
-    """The answer of a strip model; None without contact."""
+def answer_of_strips(model: ContactModel, contact: Contact, place: float, repeats: int = 10) -> Answer | None:
+    """The answer of a strip model, timed so many times; None without contact."""
     lobes = contact.patches[contact.patches["N"] > 0.0]
     if not len(lobes):
         return None
@@ -196,7 +196,7 @@ def answer_of_strips(model: ContactModel, contact: Contact, place: float) -> Ans
         contact.force,
         contact.moment,
         strip_regions(np.concatenate(contact.strips), place),
-        _seconds(model.arrays.call, 10),
+        _seconds(model.arrays.call, repeats),
     )
 
 
@@ -246,10 +246,13 @@ class Place:
     rolling: bool
 
 
-def solve(chosen: Chosen, place: Place, pose: Pose, spin: float = 0.0, element: float = 0.0) -> Answer | None:
+def solve(
+    chosen: Chosen, place: Place, pose: Pose, spin: float = 0.0, element: float = 0.0, repeats: int = 10
+) -> Answer | None:
     """Contact of a model at a prescribed vertical load; None where it finds none, with a line that says so.
 
-    spin: rate about the axle at 2 m/s [rad/s], 0: no slip at the tape circle; element: of the reference [m].
+    spin: rate about the axle at 2 m/s [rad/s], 0: no slip at the tape circle; element: of the reference [m]; repeats:
+    of strips for their time.
     """
     settings = chosen.settings if place.rolling else replace(chosen.settings, tangential="none")
     model = _model(place.wheel, place.rail, place.radius, settings)
@@ -258,7 +261,7 @@ def solve(chosen: Chosen, place: Place, pose: Pose, spin: float = 0.0, element: 
     if chosen.solver is None:
         bench = PoseSolver([wheel], place.rolling, radius)
         solved = bench.solve(pose)
-        answer = answer_of_strips(model, Contact.copy_from(model.arrays, 0), place.origin[0])
+        answer = answer_of_strips(model, Contact.copy_from(model.arrays, 0), place.origin[0], repeats)
     else:
         solver = replace(chosen.solver, element=(element, element)) if chosen.table_elements else chosen.solver
         exact = HalfSpacePoseSolver([wheel], place.rolling, radius, solver)

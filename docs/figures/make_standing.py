@@ -2,6 +2,7 @@
 
 They come from docs/data/validation.toml and docs/data/standing; the latter is written by:
 python campaigns/scoreboard.py REFERENCE --standing docs/data/standing
+python -m campaigns.benchmark REFERENCE --report
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ HERE = Path(__file__).parent
 DATA = HERE.parent / "data" / "standing"
 REPORT = tomllib.loads((HERE.parent / "data" / "validation.toml").read_text(encoding="utf-8"))
 PAGES = HERE.parent / "validation"
+COMPARISONS = HERE.parents[1] / "campaigns" / "benchmark" / "comparisons"
 README = HERE.parents[1] / "README.md"
 MARKS = "<!-- made by docs/figures/make_standing.py -->\n", "<!-- end -->"
 """The figures of README.md stand between them."""
@@ -336,6 +338,23 @@ def time_table() -> str:
     return table(["one evaluation", "what", "median [us]", "95 % [us]"], body)
 
 
+def yardstick() -> str:
+    """Errors of every quantity of every comparison, and what is allowed."""
+    files = {path.stem: tomllib.loads(path.read_text(encoding="utf-8")) for path in COMPARISONS.glob("*.toml")}
+    body, last = [], ""
+    for row in read("yardstick"):
+        file = files[row["comparison"]]
+        first = [file["title"], REPORT["references"][file["beside"]]["name"], row["cases"]]
+        errors = [float(row[name]) for name in ("median", "most", "worst")]
+        limits = [row[f"{name}_limit"] for name in ("median", "most", "worst")]
+        green = all(not limit or error <= float(limit) for error, limit in zip(errors, limits, strict=True))
+        cells = " / ".join(f"{error:.2g}" for error in errors), " / ".join(limit or "-" for limit in limits)
+        start = first if row["comparison"] != last else ["", "", row["cases"] if row["cases"] != first[2] else ""]
+        body.append([*start, row["quantity"].replace("_", " "), *cells, "green" if green else "red"])
+        last = row["comparison"]
+    return table(["comparison", "beside", "cases", "quantity", "median / 95 % / worst", "allowed", ""], body)
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     "standing_cumulative": cumulative,
     "standing_pairs": by_pair,
@@ -400,6 +419,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "others": other_tables,
     "creep": creep_table,
     "times": time_table,
+    "yardstick": yardstick,
 }
 
 

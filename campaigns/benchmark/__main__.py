@@ -1,0 +1,150 @@
+"""The yardstick: every comparison with figures of others, in one command.
+
+    python -m campaigns.benchmark REFERENCE [--code wrsim] [--only NAME ...] [--short] [--first-red] [--jobs 2]
+        [-o FILE] [--report]
+
+Run from the root of the repository. REFERENCE: folder of tables that are not part of it. --code: wrsim, hertz-fastsim,
+or MODULE:CLASS of another code (``adapter.py``). A comparison is red where an error is beyond its tolerance; any red
+one ends the command with 1. -o: errors as a table; --report: into
+docs/data/standing/yardstick.csv, and the validation report anew. Ctrl-C keeps what is done.
+"""
+
+import argparse
+import csv
+import os
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from importlib import import_module
+from pathlib import Path
+
+from campaigns.benchmark.adapter import Code
+from campaigns.benchmark.comparison import HERE, ROOT, ComparisonFile, Verdict, read_comparison, run_comparison
+from wrsim.errors import InputError
+
+CODES = {
+    "wrsim": "campaigns.benchmark.wrsim_adapter:Wrsim",
+    "hertz-fastsim": "campaigns.benchmark.hertz_fastsim:HertzFastsim",
+}
+ERRORS = "median", "most", "worst"
+STANDING = ROOT / "docs/data/standing/yardstick.csv"
+HEAD = ["comparison", "quantity", "cases", *ERRORS, *(f"{error}_limit" for error in ERRORS), "case"]
+
+
+def comparisons(only: Sequence[str] = ()) -> dict[str, ComparisonFile]:
+    """All comparisons, or those that are named; cheap ones first."""
+    files = {path.stem: path for path in sorted((HERE / "comparisons").glob("*.toml"))}
+    if unknown := [name for name in only if name not in files]:
+        raise InputError(f"--only {unknown[0]}: must be one of {', '.join(files)}")
+    found = {name: read_comparison(path) for name, path in files.items() if not only or name in only}
+    return dict(sorted(found.items(), key=lambda item: item[1].cost))
+
+
+def code_of(name: str, reference: Path) -> Code:
+    """A code by its name or by module and class."""
+    module, _, kind = CODES.get(name, name).partition(":")
+    try:
+        return getattr(import_module(module), kind)(reference)
+    except (ImportError, AttributeError, ValueError) as problem:
+        raise InputError(f"--code {name}: must be {', '.join(CODES)} or MODULE:CLASS: {problem}") from None
+
+
+def verdicts(asked: argparse.Namespace, found: dict[str, ComparisonFile]) -> Iterator[Verdict]:
+    """Of all comparisons as they come in; in one process in their order."""
+    if asked.jobs == 1:
+        code = code_of(asked.code, asked.reference)
+        for name, comparison in found.items():
+            yield run_comparison(name, comparison, code, asked.short)
+        return
+    pool = ProcessPoolExecutor(asked.jobs)
+    try:
+        dear_first = reversed(found)
+        tasks = [pool.submit(in_process, asked.code, asked.reference, name, asked.short) for name in dear_first]
+        for task in as_completed(tasks):
+            yield task.result()
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def in_process(code: str, reference: Path, name: str, short: bool) -> Verdict:
+    """One comparison in a process of its own."""
+    return run_comparison(name, comparisons([name])[name], code_of(code, reference), short)
+
+
+def words(verdict: Verdict, comparison: ComparisonFile) -> str:
+    """Lines about a verdict: one, and one for each quantity beyond its tolerance."""
+    count = max((o.cases for o in verdict.outcomes), default=0)
+    lines = [
+        f"{verdict.word:11s} {verdict.comparison:22s} {count:5d} cases {verdict.seconds:7.1f} s  {comparison.title}"
+    ]
+    for o in verdict.outcomes:
+        if not o.green:
+            errors = zip(("median", "95 %", "worst"), o.errors, o.limits, strict=True)
+            beyond = (f"{w} {e:.3g} > {limit:g}" for w, e, limit in errors if limit is not None and not e <= limit)
+            lines.append(f"            {o.quantity}: {', '.join(beyond) or 'no figure'} (case {o.case})")
+    return "\n".join(lines)
+
+
+def write(path: Path, done: Sequence[Verdict]) -> None:
+    """Errors and tolerances, a row a quantity."""
+    with path.open("w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(HEAD)
+        for verdict in sorted(done, key=lambda v: v.comparison):
+            for o in verdict.outcomes:
+                limits = ["" if limit is None else f"{limit:g}" for limit in o.limits]
+                out.writerow([o.comparison, o.quantity, o.cases, *(f"{e:.3g}" for e in o.errors), *limits, o.case])
+
+
+def run(asked: argparse.Namespace) -> int:
+    """Run them, print a line each; 0 if all that are offered are green."""
+    found = comparisons(asked.only)
+    if asked.short:
+        found = {name: comparison for name, comparison in found.items() if comparison.short}
+    done: list[Verdict] = []
+    began = time.perf_counter()
+    try:
+        for verdict in verdicts(asked, found):
+            done.append(verdict)
+            print(words(verdict, found[verdict.comparison]), flush=True)
+            if asked.first_red and verdict.word == "red":
+                break
+    except KeyboardInterrupt:
+        print("interrupted; so far:")
+    counts = {word: sum(v.word == word for v in done) for word in ("green", "red", "not offered")}
+    told = ", ".join(f"{count} {word}" for word, count in counts.items())
+    print(f"{told}, {len(found) - len(done)} not run; {time.perf_counter() - began:.0f} s")
+    whole = len(done) == len(found) and not asked.only and not asked.short and asked.code == "wrsim"
+    if asked.output:
+        write(asked.output, done)
+    if asked.report and not whole:
+        print("no report: it is made of a full run of wrsim")
+    elif asked.report:
+        write(STANDING, done)
+        sys.path.insert(0, str(ROOT / "docs/figures"))
+        import_module("make_standing").main()
+    return int(counts["red"] > 0 or not counts["green"])
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """See above."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("reference", type=Path)
+    parser.add_argument("--code", default="wrsim")
+    parser.add_argument("--only", nargs="+", default=())
+    parser.add_argument("--short", action="store_true", help="few cases of cheap comparisons")
+    parser.add_argument("--first-red", action="store_true", help="end with the first red comparison")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE")
+    parser.add_argument("--report", action="store_true")
+    asked = parser.parse_args(arguments)
+    try:
+        return run(asked)
+    except InputError as problem:
+        print(problem, file=sys.stderr)
+        return problem.exit_code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,142 @@
+"""What the yardstick asks a code for: one function a kind of comparison.
+
+Another code enters as a subclass of `Code` that has some of the functions; what it does not have is "not offered".
+Names of arguments and answers have their unit at the end; an answer may hold more than is compared. Angles of attack,
+shifts and forces follow the sources: in the tables of CONTACT a right wheel, x forward, y to the right, z down, forces
+on the rail. None in the place of an answer: the code finds no solution, which is as wrong as a figure can be.
+"""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Value = float | Sequence[float]
+Answer = Mapping[str, Value] | None
+
+
+class Code:
+    """A code; ``reference``: the folder of tables that the command is given."""
+
+    name = "code"
+
+    def __init__(self, reference: Path) -> None:
+        self.reference = reference
+
+    def points(self, kind: str, name: str) -> NDArray[np.float64]:
+        """Points (n, 2) [mm] of a profile that comparisons name: across, up. kind: "wheels" or "rails"."""
+        from wrsim import load_profile
+
+        profile = load_profile(f"{kind}/{name}.toml")
+        return 1e3 * np.column_stack(profile.at(np.linspace(0.0, profile.length, 2001)))
+
+    # --- contact --------------------------------------------------------------------------------------------------
+    def hertz(
+        self, *, along_per_m: float, across_per_m: float, load_N: float, G_GPa: float, nu: float, model: str
+    ) -> Answer:
+        """Elliptic contact of relative curvatures: ``p0_MPa``, ``approach_mm``, ``area_mm2``. model: "" (the code's
+        best) or "kik-piotrowski"."""
+        raise NotImplementedError
+
+    def pose(
+        self, *, wheel: str, rail: str, inclination: str, y_mm: float, roll_rad: float, yaw_rad: float,
+        pitch_rad_per_s: float, load_N: float, friction: float,
+    ) -> Answer:  # fmt: skip
+        """A right wheel of 460 mm radius carries a load on a rail: flange backs 1360 mm apart, gauge 1435 mm, 2 m/s,
+        steel of G 82 GPa and nu 0.28. Of the patch with the largest force ``p0_MPa``,
+        ``area_mm2``, ``approach_mm``, ``N_N``, contact angles at its edges ``angle_smin_rad``, ``angle_smax_rad``
+        (the latter nearer to the field side); of all patches ``X_N``, ``Y_N``."""
+        raise NotImplementedError
+
+    def arcs(
+        self, *, wheel_radius_mm: float, rail_radius_mm: float, rolling_radius_mm: float, y_mm: float, load_N: float,
+        G_GPa: float, pitch_rad_per_s: float,
+    ) -> Answer:  # fmt: skip
+        """A wheel of one arc (above 0: hollow) on a rail of one arc (above 0: round), nu 0.28, rolling at 2 m/s with
+        friction 0.3, or without friction at 0 pitch: ``p0_MPa``, ``approach_mm``, ``width_mm``, ``length_mm``,
+        ``angle_range_deg``, ``direction_deg`` of the force."""
+        raise NotImplementedError
+
+    def rail_corner(self, *, gap: str) -> Answer:
+        """The conformal rail corner of CONTACT's guide; gap: "quadratic" or "true". ``N_kN``, ``X_kN``, ``S_kN``,
+        ``M_Nm``, ``p0_MPa``."""
+        raise NotImplementedError
+
+    def rounded_flat(self, *, pitch_rad: float, load_N: float) -> Answer:
+        """A wheel with the rounded flat of CONTACT's test bank: ``z_mm``, ``x_mm``, ``approach_mm``, ``p0_MPa``."""
+        raise NotImplementedError
+
+    def crossing(self, *, s_mm: float, y_mm: float, load_N: float, near_mm: float) -> Answer:
+        """S1002 on the crossing 56E1-R245-1:9.25: ``z_mm``; of the patch nearest to y = near_mm ``N_N``, ``p0_MPa``,
+        ``x_mm``, ``y_mm``."""
+        raise NotImplementedError
+
+    # --- creep forces ---------------------------------------------------------------------------------------------
+    def kalker(self, *, a_over_b: float, nu: float) -> Answer:
+        """Kalker's creep coefficients ``C11``, ``C22``, ``C23``."""
+        raise NotImplementedError
+
+    def creep_forces(
+        self, *, a_mm: float, b_mm: float, N_N: float, xi: float, eta: float, phi_per_mm: float, friction: float,
+        G_GPa: float, nu: float, model: str,
+    ) -> Answer:  # fmt: skip
+        """On an ellipse, over mu N and mu N sqrt(ab): ``fx``, ``fy``, ``mz``. model: "" (the code's best), "fastsim",
+        "fastsim, parabolic", "fastrip", "polach", "shen-hedrick-elkins", "linear"."""
+        raise NotImplementedError
+
+    def traction(
+        self, *, creepage: float, N_N: float, A_per_m: float, a_over_b: float, speed_m_per_s: float, law: str
+    ) -> Answer:
+        """``X_N`` on a locomotive's wheel; law: "coulomb" (0.33), or "polach": friction that falls from 0.36 to
+        0.1368, by half every 0.99 m/s, slopes reduced with k_0 0.54, alpha_inf 0.02, beta 0.62."""
+        raise NotImplementedError
+
+    # --- geometry -------------------------------------------------------------------------------------------------
+    def profile(self, *, kind: str, name: str, across_mm: Sequence[float]) -> Answer:
+        """``up_mm`` of a standard profile over places across."""
+        raise NotImplementedError
+
+    def conicity(self, *, amplitude_mm: Sequence[float], right_radius_mm: float) -> Answer:
+        """``tan_gamma_e`` of wheel A on rail A of EN 15302, gauge 1435.16 mm, left radius 460 mm."""
+        raise NotImplementedError
+
+    # --- vehicles -------------------------------------------------------------------------------------------------
+    def wheelset_mode(self, *, speed_m_per_s: float) -> Answer:
+        """Hunting of the wheelset on knife-edge rails: ``growth_per_s``, ``frequency_rad_per_s``."""
+        raise NotImplementedError
+
+    def critical_speed(self, *, vehicle: str) -> Answer:
+        """Linear one of "cooperrider": ``speed_m_per_s``, ``frequency_Hz``."""
+        raise NotImplementedError
+
+    def wheel_load(self, *, vehicle: str) -> Answer:
+        """``Q_kN`` of every wheel of "gz18" or "irw" at rest."""
+        raise NotImplementedError
+
+    def steady_curve(self, *, line: str) -> Answer:
+        """The leading wheelset of the metro car GZ18 in R 300 ("r300") or R 600 m: ``lateral_mm`` outward, ``yaw_mrad``
+        nose outward; outer and inner wheel ``N_kN``, ``Tx_kN``, ``Ty_kN`` outward, as ``outer_N_kN`` ..."""
+        raise NotImplementedError
+
+    def climb(self, *, flange_angle_deg: float, flange_length_mm: float, attack_mrad: float) -> Answer:
+        """``distance_m`` until a wheel has climbed at Y/Q 1.99, friction 0.5."""
+        raise NotImplementedError
+
+    def overturning(self, *, speed_km_per_h: float) -> Answer:
+        """Whether a coach of usual figures ``falls`` (1) in a curve of 945 m with 163 mm of cant, or not (0)."""
+        raise NotImplementedError
+
+    # --- track ----------------------------------------------------------------------------------------------------
+    def rail_mobility(self, *, track: str, frequency_Hz: Sequence[float]) -> Answer:
+        """Point mobilities ``v_m_per_s_per_N`` of a rail; track: "foundation" or "sleepers", above one."""
+        raise NotImplementedError
+
+    def bridge(self, *, speed_km_per_h: float) -> Answer:
+        """Manchester coach over a span of 20 m: largest ``deflection_mm``, ``moment_kNm``, ``acceleration_m_per_s2``
+        in its middle."""
+        raise NotImplementedError
+
+    def ride_weighting(self, *, weighting: str, frequency_Hz: float) -> Answer:
+        """``factor`` of a frequency weighting of ISO 2631 or ISO 8041."""
+        raise NotImplementedError
