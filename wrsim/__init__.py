@@ -29,6 +29,7 @@ _HOMES = {
     "check": "wrsim.api.runs",
     "assess": "wrsim.api.analyses",
     "ride": "wrsim.api.analyses",
+    "spectra": "wrsim.api.analyses",
     "conicity": "wrsim.api.analyses",
     "profiles": "wrsim.api.analyses",
     "stationary": "wrsim.api.analyses",

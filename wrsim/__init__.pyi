@@ -8,6 +8,7 @@ from wrsim.api.analyses import conicity as conicity
 from wrsim.api.analyses import diff as diff
 from wrsim.api.analyses import profiles as profiles
 from wrsim.api.analyses import ride as ride
+from wrsim.api.analyses import spectra as spectra
 from wrsim.api.analyses import stationary as stationary
 from wrsim.api.data import export as export
 from wrsim.api.data import keys as keys

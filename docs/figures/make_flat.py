@@ -1,4 +1,4 @@
-"""Makes flat.png: the vertical force of a wheel with a flat at three speeds. Run: python docs/figures/make_flat.py"""
+"""Makes flat.png, a flat at three speeds, and flat_spectra.png, on sleepers. Run: python docs/figures/make_flat.py"""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from wrsim import load, run
+from wrsim import load, run, spectra
 from wrsim.plots import new_figure, save, style
+from wrsim.plots.spectra import spectra_figure
 
 HERE = Path(__file__).parent
 FROM, TO = 0.4, 0.7  # along the track [m]
@@ -27,8 +28,17 @@ def draw() -> Figure:
     return figure
 
 
+def spectra_on_sleepers() -> Figure:
+    """Seven strikes of the flat on sleepers."""
+    keys = {"run.distance_m": 14.0, "run.step_us": 100, "run.output_interval_ms": 5.0}
+    fast = {"run.fast_channels": ["axle_box_acceleration"]}
+    result = run(load(HERE.parents[1] / "scenarios/flat_on_sleepers.toml").with_values(keys | fast))
+    return spectra_figure(spectra(result, "axle_box_acceleration").found)
+
+
 def main() -> None:
     """Draw."""
+    print(save(spectra_on_sleepers(), HERE / "flat_spectra.png"))
     with style():
         print(save(draw(), HERE / "flat.png"))
 

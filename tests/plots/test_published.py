@@ -111,7 +111,8 @@ def test_pictures_have_the_width_the_font_and_the_kinds_that_are_chosen(one, tmp
     assert len(figure.axes) > 5 and figure.axes[0].get_position().width > 0.5  # one column: too narrow for two
 
 
-DRAWING = {"run", "study", "wear", "compare", "resolve", "plot", "diff", "assess", "ride", "conicity", "recording"}
+DRAWING = {"run", "study", "wear", "compare", "resolve", "plot", "diff", "assess", "ride", "spectra"}
+DRAWING |= {"conicity", "recording"}
 NAMED = {"profile", "track", "vehicle"}
 """Commands whose pictures are named as a whole: the ending is their kind."""
 

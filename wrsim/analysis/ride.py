@@ -33,7 +33,7 @@ from wrsim.inputs.checking import check_section
 from wrsim.results import Result
 from wrsim.results.dataset import table_of_scenario
 from wrsim.results.ride import AXES, Ride
-from wrsim.scenario.sections.run import RideSection
+from wrsim.scenario.sections.run import RideSection, StretchTable
 
 Array = NDArray[np.float64]
 Name = Literal["Wb", "Wc", "Wd", "We", "Wj", "Wk"]
@@ -201,15 +201,7 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
     dataset, section = result.dataset, section or ride_section_of(result)
     if "point_ay" not in dataset:
         raise InputError("the result has no points: accelerations are stored at the [[points]] of a vehicle file")
-    dataset = on_raster(dataset)
-    distance = dataset["distance"].values
-    first = distance[0] if section.from_m is None else section.from_m
-    last = distance[-1] if section.to_m is None else section.to_m
-    inside = (distance >= first - 1e-6) & (distance <= last + 1e-6)
-    if not inside.any():
-        there = f"it goes from {distance[0]:.6g} to {distance[-1]:.6g} m"
-        raise InputError(f"[ride] from_m = {first:g}, to_m = {last:g}: the run has no samples there; {there}")
-    part = dataset.isel(time=np.flatnonzero(inside))
+    part = stretch_of(dataset, section)
     rate = sampling_rate(part["time"].values)
     acceleration = np.stack([part[f"point_a{a}"].transpose("time", "point").values for a in AXES], axis=-1)
     found = spectrum(acceleration, rate, section.resolution_Hz)
@@ -238,6 +230,19 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
     )
     times, places = part["time"].values, part["distance"].values
     return Ride(result.title, float(places[0]), float(places[-1]), float(times[-1] - times[0]), found.segments, data)
+
+
+def stretch_of(dataset: xr.Dataset, section: StretchTable) -> xr.Dataset:
+    """The samples of a run on a stretch. Raises InputError where there are none."""
+    dataset = on_raster(dataset)
+    distance = dataset["distance"].values
+    first = distance[0] if section.from_m is None else section.from_m
+    last = distance[-1] if section.to_m is None else section.to_m
+    inside = (distance >= first - 1e-6) & (distance <= last + 1e-6)
+    if not inside.any():
+        there = f"it goes from {distance[0]:.6g} to {distance[-1]:.6g} m"
+        raise InputError(f"from_m = {first:g}, to_m = {last:g}: the run has no samples there; {there}")
+    return dataset.isel(time=np.flatnonzero(inside))
 
 
 def ride_section_of(result: Result) -> RideSection:

@@ -107,6 +107,56 @@ def ride(
     return Outcome([found.table()], found.as_dict(), files, found, folder=folder)
 
 
+def spectra(
+    result: Given, channel: str, *, derivative: int = 0, from_m: float | None = None, to_m: float | None = None,
+    resolution_Hz: float = 2.0, piece_m: float = 2.0, output: str | Path | None = None, pictures: bool = True,
+) -> Outcome:  # fmt: skip
+    """Power spectral density, third-octaves and spectrogram of a channel of a run, of the fast one where it is stored.
+
+    Parameters
+    ----------
+    result : Result, str or Path
+        A run.
+    channel : str
+        Such as ``"Q"``, ``"axle_box_acceleration"``, ``"rail_displacement_z"``.
+    derivative : int
+        1 or 2: spectra of its first or second derivative, such as the acceleration of a displacement.
+    from_m, to_m : float, optional
+        The stretch that counts, by the distance of the vehicle's origin; the whole run unless given.
+    resolution_Hz : float
+        Distance between two lines of the density; more in runs that are too short for three segments.
+    piece_m : float
+        Length of track of one spectrum of the spectrogram.
+    output : str or Path, optional
+        Folder for tables and a picture.
+    pictures : bool
+        Whether the picture is drawn there.
+
+    Returns
+    -------
+    Outcome
+        ``found`` is an xarray.Dataset in SI units: ``density`` (frequency, ...), one-sided; ``band_rms`` (band, ...)
+        with ``band_low`` and ``band_high``; ``spectrogram`` (place, line, ...), densities over the distance; ``rms``.
+
+    Raises
+    ------
+    InputError
+        For a channel that the result does not have over time, or one too short.
+    """
+    from wrsim.analysis.spectra import evaluate_spectra
+    from wrsim.report.output_folder import naming
+    from wrsim.report.outputs import write_spectra
+    from wrsim.results.spectra import spectra_table
+    from wrsim.results.table import as_records
+
+    with naming(*paths_among(result)):
+        found = evaluate_spectra(as_result(result), channel, derivative, (from_m, to_m), resolution_Hz, piece_m)
+    folder, table = None if output is None else Path(output), spectra_table(found)
+    files = [] if folder is None else write_spectra(found, folder, pictures)
+    numbers = {"title": found.attrs["title"], "channel": channel, "spectra": as_records(table)}
+    return Outcome([table], numbers, files, found, folder=folder)
+
+
 def conicity(
     wheel: str, rail: str, *, gauge_mm: float = 1435.0, gauges_mm: tuple[float, float, float] | None = None,
     flange_back_mm: float = 1360.0, inclination: str = "1:40", radius_mm: float = 460.0,

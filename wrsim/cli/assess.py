@@ -1,4 +1,4 @@
-"""``wrsim assess``, ``ride``, ``conicity``, ``vehicle``: a run by a rule set, comfort, profiles, vehicles at rest."""
+"""``wrsim assess``, ``ride``, ``spectra``, ``conicity``, ``vehicle``: runs by rule sets, comfort, profiles, rest."""
 
 from __future__ import annotations
 
@@ -60,6 +60,36 @@ def ride_command(
         from wrsim.api.outcome import folder_beside
 
         print_outcome(as_json, ride(result, scenario, folder_beside(result, output), pictures))
+
+
+@options.drawing
+def spectra_command(
+    result: options.ResultFile,
+    channel: Annotated[str, typer.Argument(metavar="CHANNEL", help="Such as Q or axle_box_acceleration.")],
+    derivative: Annotated[int, typer.Option(min=0, max=2, help="Of the channel: 2 of a displacement.")] = 0,
+    from_m: Annotated[float | None, typer.Option(metavar="M", help="Where the stretch that counts begins.")] = None,
+    to_m: Annotated[float | None, typer.Option(metavar="M", help="Where it ends.")] = None,
+    resolution_Hz: Annotated[
+        float, typer.Option("--resolution-hz", metavar="HZ", min=1e-3, help="Between two lines of the density.")
+    ] = 2.0,
+    piece_m: Annotated[
+        float, typer.Option(metavar="M", min=1e-3, help="Track of one spectrum of the spectrogram.")
+    ] = 2.0,
+    output: options.BesideResult = None,
+    pictures: options.Pictures = True,
+    force: options.Force = False,
+    as_json: options.Json = False,
+) -> None:
+    """Spectra of a channel of a run: power spectral density, third-octaves, spectrogram over the distance."""
+    with writing_files(as_json, force, of=result):
+        from wrsim.api.analyses import spectra
+        from wrsim.api.outcome import folder_beside
+
+        found = spectra(
+            result, channel, derivative=derivative, from_m=from_m, to_m=to_m, resolution_Hz=resolution_Hz,
+            piece_m=piece_m, output=folder_beside(result, output), pictures=pictures,
+        )  # fmt: skip
+        print_outcome(as_json, found)
 
 
 @options.drawing

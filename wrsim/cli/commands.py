@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from wrsim import __version__
-from wrsim.cli.assess import assess_command, conicity_command, ride_command, vehicle
+from wrsim.cli.assess import assess_command, conicity_command, ride_command, spectra_command, vehicle
 from wrsim.cli.console import print_lines, show_progress
 from wrsim.cli.data import export_command, fmu, profile, recording, track
 from wrsim.cli.errors import INTERRUPTED, any_output, usage_as_json
@@ -31,7 +31,7 @@ PANELS = {
     "Start": (new, check_command, keys_command, warm_command),
     "Run": (run_command, study, type_test, wear, compare_command, resolve_command),
     "Inspect": (show_command, plot, report, view, diff_command),
-    "Assess": (assess_command, ride_command, conicity_command, vehicle),
+    "Assess": (assess_command, ride_command, spectra_command, conicity_command, vehicle),
     "Data": (profile, track, recording, export_command, fmu),
 }
 for panel, commands in PANELS.items():

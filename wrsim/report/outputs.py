@@ -20,6 +20,7 @@ from wrsim.plots.cross_section import has_outlines
 from wrsim.plots.drawing import Makers, save_all
 from wrsim.plots.profile import profile_figure, profiles_figure
 from wrsim.plots.ride import ride_figures
+from wrsim.plots.spectra import spectra_figure
 from wrsim.plots.theme import LOOK
 from wrsim.plots.track import track_figure
 from wrsim.plots.vehicle import campbell_figure, loops_figure, vehicle_figure
@@ -30,6 +31,7 @@ from wrsim.results.differences import Deviation, difference_table
 from wrsim.results.files import KEEPER, as_csv, as_json, write_atomically
 from wrsim.results.moments import has_patches, moments_at
 from wrsim.results.ride import Ride
+from wrsim.results.spectra import spectra_files
 from wrsim.results.table import Table, as_rows, quantity
 from wrsim.results.tables import tables
 from wrsim.results.wheelsets import matched, of_wheelset, wheelsets, worst_wheelset
@@ -62,6 +64,13 @@ def write_assessment(found: Assessment, directory: Path, pictures: bool) -> list
 def write_ride(found: Ride, directory: Path, pictures: bool) -> list[Path]:
     """``ride.json``, third-octaves, spectra and pictures."""
     return _written(directory, found.files(), ride_figures(found) if pictures else {})
+
+
+def write_spectra(data: xr.Dataset, directory: Path, pictures: bool) -> list[Path]:
+    """Third-octaves and spectra of a channel, and their picture."""
+    contents = spectra_files(data)
+    name = next(reversed(contents)).removesuffix(".csv")
+    return _written(directory, contents, {name: partial(spectra_figure, data)} if pictures else {})
 
 
 def write_comparison(

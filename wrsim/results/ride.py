@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -81,14 +81,19 @@ class Ride:
 
     def files(self) -> dict[str, bytes]:
         """Contents of files by names: numbers; third-octaves [m/s2], spectra [(m/s2)2/Hz], a column a point, axis."""
-        bands = self._over({"band_Hz": "band", "low_Hz": "band_low", "high_Hz": "band_high"}, "band_rms", "m_s2")
-        spectra = self._over({"frequency_Hz": "frequency"}, "density", "m2_s4_per_Hz")
-        tables = {"third_octaves.csv": as_csv(as_rows(bands)), "spectra.csv": as_csv(as_rows(spectra))}
-        return {"ride.json": as_json(self.as_dict(), indent=1)} | tables
+        names = [f"{point} a{axis}" for point in self.points for axis in AXES]
+        return {"ride.json": as_json(self.as_dict(), indent=1), **csv_files(self.data, names, "m_s2", "m2_s4_per_Hz")}
 
-    def _over(self, heads: Mapping[str, str], name: str, unit: str) -> Table:
-        """A row a frequency, a column a point and axis. heads: columns before, and their variables."""
-        first = [self.data[variable].values for variable in heads.values()]
-        rows = np.column_stack((*first, self.data[name].values.reshape(first[0].size, -1))).tolist()
-        keys = (*heads, *(f"{point} a{axis}_{unit}" for point in self.points for axis in AXES))
-        return Table("", tuple(Column(key=key) for key in keys), rows)
+
+def csv_files(data: xr.Dataset, names: Iterable[str], unit: str, of_density: str, behind: str = "") -> dict[str, bytes]:
+    """Third-octaves and spectra: a row a frequency, a column for each of the names. behind: the names of the files."""
+    files = {}
+    for file, variable, own, heads in (
+        ("third_octaves", "band_rms", unit, {"band_Hz": "band", "low_Hz": "band_low", "high_Hz": "band_high"}),
+        ("spectra", "density", of_density, {"frequency_Hz": "frequency"}),
+    ):
+        first: list[Any] = [data[name].values for name in heads.values()]
+        rows = np.column_stack((*first, data[variable].values.reshape(first[0].size, -1))).tolist()
+        columns = tuple(Column(key=key) for key in (*heads, *(f"{name}_{own}" for name in names)))
+        files[f"{file}{behind}.csv"] = as_csv(as_rows(Table("", columns, rows)))
+    return files

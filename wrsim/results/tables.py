@@ -39,7 +39,7 @@ def csv_of_contacts(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     names = wheelsets(dataset)
     if "time" in dataset.dims and (len(names) > 1 or set(OF_VEHICLE) & set(dataset.dims)):
         yield "vehicle", _in_blocks(lambda part: wide(part, "time", OF_VEHICLE), dataset)
-        if "fast_time" in dataset.dims:
+        if any(present(dataset, ("fast_time", dim)) for dim in OF_VEHICLE):
             yield "vehicle_fast", _in_blocks(lambda part: wide(part, "fast_time", OF_VEHICLE), dataset, "fast_time")
     for name in names:
         folder, one = wheelset_folder(names, name), of_wheelset(dataset, name)

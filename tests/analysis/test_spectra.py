@@ -1,0 +1,101 @@
+"""Spectra of channels of runs: closed forms of sines, and a polygon on rails on sleepers."""
+
+import csv
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from support.commands import ok
+from support.runs import SCENARIOS
+from support.synthetic_run import Q0, run
+
+import wrsim
+from wrsim import InputError, load, spectra
+
+SPEED, LENGTH, AMPLITUDE = 20.0, 200.0, 3e3
+FREQUENCY = 162.3  # between two lines of the spectra
+
+
+def wave(s):
+    return AMPLITUDE * np.sin(2.0 * pi * FREQUENCY * s / SPEED)
+
+
+def synthetic():
+    """Q of the left wheel a sine; on the right one of 60 Hz on the first half of the track, of 240 Hz on the second."""
+    right = lambda s: Q0 + AMPLITUDE * np.sin(2.0 * pi * np.where(s < 0.5 * LENGTH, 60.0, 240.0) * s / SPEED)  # noqa: E731
+    shift = lambda s: 1e-3 * np.sin(2.0 * pi * FREQUENCY * s / SPEED)  # noqa: E731
+    return run(LENGTH, SPEED, 5e-4, q=lambda s: (Q0 + wave(s), right(s)), lateral_shift=shift)
+
+
+def test_the_density_of_a_sine_holds_its_mean_square_and_its_third_octave_its_rms():
+    outcome = spectra(synthetic(), "Q")
+    left = outcome.found.isel(wheelset=0).sel(wheel="left")
+    rms = AMPLITUDE / sqrt(2.0)
+    assert float(left["density"].sum()) * 2.0 == pytest.approx(rms**2, rel=0.01)
+    assert float(left["rms"]) == pytest.approx(rms, rel=0.01)
+    assert float(left["density"].idxmax()) == pytest.approx(FREQUENCY, abs=1.0)
+    assert float(left["band_rms"].sel(band=160.0)) == pytest.approx(rms, rel=0.01)
+    assert float(left["band_rms"].drop_sel(band=160.0).max()) < 0.01 * rms
+    (row, _) = outcome["spectra"]
+    assert row["rms_kN"] == pytest.approx(1e-3 * rms, rel=0.01) and row["band_Hz"] == 160.0 and row["of"] == "left"
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_derivatives_of_a_sine_have_powers_of_its_angular_frequency(order):
+    outcome = spectra(synthetic(), "lateral_shift", derivative=order)
+    expected = (2.0 * pi * FREQUENCY) ** order * 1e-3 / sqrt(2.0)
+    assert float(outcome.found["rms"].item()) == pytest.approx(expected, rel=0.01)
+    assert outcome.found.attrs["unit"] == ("m/s", "m/s2")[order - 1]
+
+
+def test_the_spectrogram_has_each_frequency_where_it_is():
+    right = spectra(synthetic(), "Q", piece_m=4.0).found["spectrogram"].isel(wheelset=0).sel(wheel="right")
+    strongest = right.idxmax("line")
+    first, second = right["place"] < 0.5 * LENGTH - 4.0, right["place"] > 0.5 * LENGTH + 4.0
+    # a piece lasts 0.2 s: lines every 5 Hz
+    assert np.abs(strongest[first] - 60.0).max() <= 5.0 and np.abs(strongest[second] - 240.0).max() <= 5.0
+    assert float(np.diff(right["place"]).mean()) == pytest.approx(2.0)
+    only = spectra(synthetic(), "Q", from_m=0.6 * LENGTH).found
+    assert only.attrs["from_m"] == pytest.approx(0.6 * LENGTH)
+    assert float(only["density"].isel(wheelset=0).sel(wheel="right").idxmax()) == pytest.approx(240.0, abs=2.0)
+
+
+def test_a_polygon_on_sleepers_is_a_line_in_the_force_and_at_the_axle_box():
+    """f = n v / (2 pi R)."""
+    order, speed, radius = 18, 80.0, 0.46
+    keys = {"vehicle.out_of_round": [{"kind": "harmonic", "wheel": "left", "order": order, "amplitude_mm": 0.02}]}
+    keys |= {"vehicle.speed_kmh": speed, "run.step_us": 250, "run.output_interval_ms": 5.0, "run.distance_m": 9.0}
+    keys |= {"contact.normal": "kik-piotrowski", "run.fast_channels": ["Q", "axle_box_acceleration"]}
+    result = wrsim.run(load(SCENARIOS / "flat_on_sleepers.toml").with_values(keys))
+    expected = order * speed / 3.6 / (2.0 * pi * radius)
+    for channel in ("Q", "axle_box_acceleration"):
+        found = spectra(result, channel).found.sel(wheelset="wheelset", wheel="left")
+        assert found.attrs["rate_Hz"] == pytest.approx(2000.0)
+        assert float(found["density"].idxmax()) == pytest.approx(expected, abs=float(found["frequency"][1]))
+        line = float(found["band"][int(found["band_rms"].argmax("band"))])
+        assert found["band_low"].sel(band=line) <= expected <= found["band_high"].sel(band=line)
+
+
+@pytest.mark.usefixtures("sketched")
+def test_the_command_leaves_tables_and_a_picture(tmp_path):
+    synthetic().save(tmp_path / "result.nc")
+    assert "Vertical force" in ok("spectra", tmp_path, "Q").output
+    rows = list(csv.DictReader((tmp_path / "third_octaves_Q.csv").read_text().splitlines()))
+    (row,) = [r for r in rows if float(r["band_Hz"]) == 160.0]
+    assert float(row["left_N"]) == pytest.approx(AMPLITUDE / sqrt(2.0), rel=0.01)
+    assert {"spectra_Q.csv", "spectra_Q.png"} <= {p.name for p in tmp_path.iterdir()}
+
+
+@pytest.mark.parametrize(
+    "channel, options, words",
+    [
+        ("q", {}, r"no channel over time is called 'q' \(did you mean 'Q'\?\); there are "),
+        ("Q", {"derivative": 3}, "derivative = 3, .*: derivative must be 0, 1 or 2"),
+        ("Q", {"resolution_Hz": 0.0}, "resolution_Hz = 0, .*the others above 0"),
+        ("Q", {"from_m": 500.0}, "from_m = 500, to_m = .* no samples there"),
+        ("Q", {"from_m": 50.0, "to_m": 40.0}, r"to_m = 40.*must lie beyond from_m \(50 m\)"),
+    ],
+)
+def test_what_has_no_spectrum_is_one_clear_error(channel, options, words):
+    with pytest.raises(InputError, match=words):
+        spectra(synthetic(), channel, **options)

@@ -1,0 +1,61 @@
+"""Spectra of a channel: names of its parts, table and files. Made by ``wrsim.analysis.spectra``."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import xarray as xr
+
+from wrsim.results.channels import CHANNELS, SHOWN, Shown
+from wrsim.results.ride import csv_files
+from wrsim.results.table import Column, Table, quantity
+
+ORDERS = ("", "rate of change of the ", "second derivative of the ")
+
+
+def in_words(data: xr.Dataset) -> tuple[str, Shown]:
+    """What the spectra are of, and its unit for readers."""
+    channel, order = CHANNELS[data.attrs["channel"]], int(data.attrs["derivative"])
+    words, unit = f"{ORDERS[order]}{channel.long_name}", str(data.attrs["unit"])
+    other = SHOWN.get(unit) or Shown(unit, unit.replace("/", "_").replace(" ", ""), 1.0)
+    return words[:1].upper() + words[1:], other if order else channel.shown
+
+
+def parts_of(data: xr.Dataset) -> dict[str, dict[str, int]]:
+    """The wheels, points, ... that have spectra: their places in the dataset by their names."""
+    sizes = {str(dim): size for dim, size in data["rms"].sizes.items()}
+    places = [dict(zip(sizes, at, strict=True)) for at in product(*map(range, sizes.values()))]
+    several = [dim for dim, size in sizes.items() if size > 1]
+    return {
+        " ".join(str(data[dim].values[at[dim]]) for dim in several) or str(data.attrs["channel"]): at for at in places
+    }
+
+
+def spectra_table(data: xr.Dataset, run: str = "") -> Table:
+    """A row for each wheel, point, ...: rms, the strongest line and third-octave. run: its name, where there are
+    several."""
+    words, shown = in_words(data)
+    rows: list[tuple[object, ...]] = []
+    for name, at in parts_of(data).items():
+        one = data.isel(at)
+        line, band = (int(np.argmax(one[of].values)) for of in ("density", "band_rms"))
+        of_band = (float(one["band"][band]), shown.factor * float(one["band_rms"][band]))
+        rows.append((name, shown.factor * float(one["rms"]), float(one["frequency"][line]), *of_band))
+    columns = (
+        Column("of", key="of"), Column("rms", shown.unit, key=f"rms_{shown.suffix}"),
+        Column("strongest line", "Hz", key="line_Hz"), Column("strongest third octave", "Hz", key="band_Hz"),
+        Column("its rms", shown.unit, key=f"band_rms_{shown.suffix}"),
+    )  # fmt: skip
+    a = data.attrs
+    stretch = f"{quantity(a['from_m'], 'm', '.1f')} to {quantity(a['to_m'], 'm', '.1f')}"
+    lines = f"{a['segments']} segments, lines every {quantity(float(data['frequency'][1]), 'Hz', '.3g')}"
+    note = f"{stretch}; {quantity(a['rate_Hz'], 'samples a second')}; {lines}"
+    return Table(f"{run}: {words}" if run else words, columns, rows, (note,))
+
+
+def spectra_files(data: xr.Dataset) -> dict[str, bytes]:
+    """Contents of files by names, in SI units."""
+    unit = str(data.attrs["unit"])
+    name = f"_{data.attrs['channel']}" + ("", "_rate", "_second")[int(data.attrs["derivative"])]
+    return csv_files(data, parts_of(data), unit.replace("/", "_"), f"({unit})2_per_Hz", name)
