@@ -44,9 +44,6 @@ def stopped() -> Result:
     return Result(curve_run(samples=40, stopped=True))
 
 
-# --- check ---------------------------------------------------------------------------------------------
-
-
 def test_bad_input_is_one_message_on_stderr_and_exit_code_2(scenario: Path) -> None:
     scenario.write_text(edited(CURVE, "radius_m = 300", "radius_m = 0"))
     for command in (("check",), ("run", "-o", scenario.parent / "out")):
@@ -81,26 +78,6 @@ def test_models_of_the_user_are_found(scenario: Path, tmp_path: Path) -> None:
     scenario.write_text(edited(CURVE, "rails/60E1.toml", "rail.toml"))
     assert call("check", scenario).exit_code == 2
     assert call("check", scenario, "--models", tmp_path / "mine").exit_code == 0
-
-
-# --- run -----------------------------------------------------------------------------------------------
-
-
-def test_a_quiet_run_prints_nothing(scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    analysis_that(monkeypatch, completed)
-    result = call("run", scenario, "-o", tmp_path / "out", "--quiet", "--no-pictures")
-    assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
-    assert not list((tmp_path / "out").glob("*.png"))
-
-
-def test_a_run_for_machines_prints_one_json_object(
-    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    analysis_that(monkeypatch, completed)
-    told = json.loads(call("run", scenario, "-o", tmp_path / "out", "--json", "--no-pictures").stdout)
-    assert told["status"] == "completed"
-    assert told["summary"]["wheelsets"]["wheelset"]["wheels"].keys() == {"left", "right"}
-    assert all(Path(f).is_file() for f in told["files"])
 
 
 def test_results_go_to_a_folder_named_after_the_scenario_unless_told(
@@ -175,10 +152,6 @@ def test_a_place_that_may_not_be_written_is_told_before_anything_is_computed(
     assert not calls
 
 
-# --- plot and profile ----------------------------------------------------------------------------------
-
-
-# --- the command itself --------------------------------------------------------------------------------
 def test_the_command_ends_quietly_when_the_reader_of_its_output_goes(scenario: Path) -> None:
     def go() -> None:
         reading, writing = os.pipe()

@@ -105,17 +105,17 @@ def test_the_table_has_a_column_for_every_row_of_samples(folder: Path, samples: 
     """Each number of the text, ten digits, is that of the result; and there is no other column."""
     units = frame(Result.load(folder).dataset).attrs["units"]
     table = pd.read_csv(folder / "result.csv", keep_default_na=False, na_values=[""])
-    left = list(table.columns)
+    left = set(table.columns)
     for words, variable in samples.items():
         name = "_".join(words)
-        (column,) = (c for c in left if c == name or c.removeprefix(f"{name}_") in SUFFIXES)
+        (column,) = left & {name, *(f"{name}_{suffix}" for suffix in SUFFIXES)}
         left.remove(column)
         if variable.dtype.kind in "UO":
             assert ["" if w != w else str(w) for w in table[column]] == [str(w) for w in variable.values], column
             continue
         values = in_si(table[column], units.get(column, "1"), variable)
         np.testing.assert_allclose(values, variable.values, rtol=1e-9, atol=0.0, err_msg=column)
-    assert left == []
+    assert not left
 
 
 def test_parquet_holds_the_same_table_to_the_bit(folder: Path, samples: dict[tuple[str, ...], Any]) -> None:

@@ -40,15 +40,18 @@ def refusal(*arguments: str | Path) -> str:
     return answer.output
 
 
-def forked(*arguments: str | Path, first: Callable[[], object] = bool) -> subprocess.CompletedProcess[str]:
-    """Run ``wrsim`` with these arguments in a process of its own; first: what that does before."""
+def forked(
+    *arguments: str | Path, first: Callable[[], object] = bool, encoding: str = "utf-8"
+) -> subprocess.CompletedProcess[str]:
+    """Run ``wrsim`` with these arguments in a process of its own; first: what that does before; encoding: of what it
+    prints."""
     words = [str(a) for a in arguments]
     with TemporaryFile() as out, TemporaryFile() as err:
         child = os.fork()
         if child == 0:
             for number, stream in ((1, out), (2, err)):
                 os.dup2(stream.fileno(), number)
-            _be_the_command(words, first)
+            _be_the_command(words, first, encoding)
         code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         told = []
         for stream in (out, err):
@@ -72,11 +75,11 @@ def on_a_terminal(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.CompletedProcess(words, code, told.decode(), "")
 
 
-def _be_the_command(words: list[str], first: Callable[[], object] = bool) -> None:
+def _be_the_command(words: list[str], first: Callable[[], object] = bool, encoding: str = "utf-8") -> None:
     code = 70
     try:
         first()
-        sys.stdout, sys.stderr = (open(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))  # noqa: SIM115
+        sys.stdout, sys.stderr = (open(number, "w", encoding=encoding, closefd=False) for number in (1, 2))  # noqa: SIM115
         sys.argv = ["wrsim", *words]
         main()
         code = 0
