@@ -326,9 +326,7 @@ def test_nadals_limit_in_closed_form():
 
 
 @pytest.mark.parametrize(
-    "text",
-    table("a_result_whose_scenario_has_no_friction_gives_no_nadal_limit"),
-    ids=lambda text: text[:40],
+    "text", table("a_result_whose_scenario_has_no_friction_gives_no_nadal_limit"), ids=lambda text: text[:40]
 )
 def test_a_result_whose_scenario_has_no_friction_gives_no_nadal_limit(text):
     dataset = run(250.0).dataset.assign_attrs(scenario_text=text)

@@ -73,10 +73,7 @@ def test_names_choose_models():
     assert chosen("file", "strips = 77").strips == 77
 
 
-@pytest.mark.parametrize(
-    ("names", "words"),
-    table("wrong_names_are_one_clear_error"),
-)
+@pytest.mark.parametrize(("names", "words"), table("wrong_names_are_one_clear_error"))
 def test_wrong_names_are_one_clear_error(tmp_path, names, words):
     with pytest.raises(InputError, match=r"model|--contact") as error:
         compare_models(load_text(STATIC), split_names(names))

@@ -182,10 +182,7 @@ def test_the_scenario_and_the_command_tell_the_same(tmp_path):
     assert loaded.dataset.identical(result.dataset)
 
 
-@pytest.mark.parametrize(
-    "arguments, message",
-    table("the_command_refuses_what_it_cannot_use"),
-)
+@pytest.mark.parametrize("arguments, message", table("the_command_refuses_what_it_cannot_use"))
 def test_the_command_refuses_what_it_cannot_use(arguments, message):
     told = refusal("conicity", "wheels/S1002.toml", "rails/60E1.toml", *arguments.split())
     assert message in " ".join(told.split())

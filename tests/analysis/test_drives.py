@@ -138,10 +138,7 @@ def test_motors_alone_accelerate_the_mass_and_the_turning_wheels():
 
 
 # --- what is refused --------------------------------------------------------------------------------------
-@pytest.mark.parametrize(
-    ("line", "said"),
-    table("bad_speeds_and_efforts_are_refused_with_file_and_key"),
-)
+@pytest.mark.parametrize(("line", "said"), table("bad_speeds_and_efforts_are_refused_with_file_and_key"))
 def test_bad_speeds_and_efforts_are_refused_with_file_and_key(tmp_path, line, said):
     found = faults(CURVE.replace("speed_kmh = 54", line), tmp_path)
     assert len(found) == 1

@@ -45,20 +45,14 @@ def test_a_vehicle_file_gives_its_wheels_their_shape(tmp_path):
     assert wheelset.with_wheel("right", None, 0.45).right.out_of_round == (flat, wave)
 
 
-@pytest.mark.parametrize(
-    "table, words",
-    table("what_cannot_be_is_refused_with_its_key"),
-)
+@pytest.mark.parametrize("table, words", table("what_cannot_be_is_refused_with_its_key"))
 def test_what_cannot_be_is_refused_with_its_key(table, words):
     with pytest.raises(InputError) as error:
         build(with_table(**table))
     assert words in str(error.value) and "vehicle.out_of_round[0]" in str(error.value)
 
 
-@pytest.mark.parametrize(
-    "rows, words",
-    table("a_file_of_radii_that_is_no_wheel_is_refused_with_its_line"),
-)
+@pytest.mark.parametrize("rows, words", table("a_file_of_radii_that_is_no_wheel_is_refused_with_its_line"))
 def test_a_file_of_radii_that_is_no_wheel_is_refused_with_its_line(tmp_path, rows, words):
     file = tmp_path / "radii.csv"
     file.write_text(rows)

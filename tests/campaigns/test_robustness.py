@@ -67,10 +67,7 @@ def refusal(path: Path) -> str:
     return message
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    table("an_odd_header_of_a_run_file_is_refused_by_name"),
-)
+@pytest.mark.parametrize(("change", "words"), table("an_odd_header_of_a_run_file_is_refused_by_name"))
 def test_an_odd_header_of_a_run_file_is_refused_by_name(
     change: dict[str, object], words: str, run_files: tuple[Path, bytes], tmp_path: Path
 ) -> None:

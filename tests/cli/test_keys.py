@@ -57,10 +57,7 @@ def faults(schema: Draft7Validator, data: dict[str, Any]) -> list[str]:
     return [error.message for error in schema.iter_errors(json.loads(json.dumps(data, default=str)))]
 
 
-@pytest.mark.parametrize(
-    ("kind", "file", "slip"),
-    table("a_schema_finds_a_slip"),
-)
+@pytest.mark.parametrize(("kind", "file", "slip"), table("a_schema_finds_a_slip"))
 def test_a_schema_finds_a_slip(kind: str, file: str, slip: dict[str, Any]) -> None:
     schema, data = schema_of(kind), tomllib.loads((ROOT / file).read_text())
     assert faults(schema, data) == []
@@ -175,10 +172,7 @@ def test_keys_of_a_table_are_printed_and_a_slip_names_the_nearest() -> None:
     assert {e["key"] for e in found["[run]"]} >= {"step_us", "output_interval_ms"}
 
 
-@pytest.mark.parametrize(
-    ("command", "file", "words"),
-    table("a_file_of_another_kind_is_named_as_what_it_is"),
-)
+@pytest.mark.parametrize(("command", "file", "words"), table("a_file_of_another_kind_is_named_as_what_it_is"))
 def test_a_file_of_another_kind_is_named_as_what_it_is(command: str, file: str, words: str) -> None:
     assert refusal(command, ROOT / file).strip() == f"{ROOT / file}: {words}"
 

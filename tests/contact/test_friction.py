@@ -146,10 +146,7 @@ def test_scenarios_take_a_number_or_a_table_for_both_rails_or_for_each():
     assert ContactSettings().friction == (0.35, 0.35)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    table("bad_friction_is_refused"),
-)
+@pytest.mark.parametrize(("text", "message"), table("bad_friction_is_refused"))
 def test_bad_friction_is_refused(text, message, tmp_path):
     assert any(message in line for line in faults(edited(CURVE, "friction = 0.35", text), tmp_path))
 
@@ -266,10 +263,7 @@ def test_where_nothing_runs_friction_is_that_of_one_place() -> None:
         assert left == right
 
 
-@pytest.mark.parametrize(
-    ("more", "message"),
-    table("bad_friction_along_the_track_is_refused"),
-)
+@pytest.mark.parametrize(("more", "message"), table("bad_friction_along_the_track_is_refused"))
 def test_bad_friction_along_the_track_is_refused(more: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "mu.csv").write_text("at_m,left,right\n5,0.3,0.3\n4,0.3,0.3\n")
     (tmp_path / "high.csv").write_text("at_m,left,right\n5,7,0.3\n")

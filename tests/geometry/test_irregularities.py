@@ -166,10 +166,7 @@ def test_a_combined_deviation_moves_one_rail_out_and_down() -> None:
     assert np.ravel(track.irregularity("right", middle)) == pytest.approx([0.0, 0.0], abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    "keys, message",
-    table("a_deviation_that_cannot_be_is_told_in_one_line"),
-)
+@pytest.mark.parametrize("keys, message", table("a_deviation_that_cannot_be_is_told_in_one_line"))
 def test_a_deviation_that_cannot_be_is_told_in_one_line(keys: str, message: str) -> None:
     with pytest.raises(InputError, match=message) as caught:
         mcat(keys)
@@ -177,10 +174,7 @@ def test_a_deviation_that_cannot_be_is_told_in_one_line(keys: str, message: str)
 
 
 # --- what irregularities do to the rails ----------------------------------------------------------------------------
-@pytest.mark.parametrize(
-    "channel, rail, left, right",
-    table("every_channel_moves_the_rails_it_names"),
-)
+@pytest.mark.parametrize("channel, rail, left, right", table("every_channel_moves_the_rails_it_names"))
 def test_every_channel_moves_the_rails_it_names(channel, rail, left, right) -> None:
     size = 8e-3
     bump = Disturbance.of(Bump(80.0, 20.0, size), channel, rail)
@@ -349,10 +343,7 @@ def test_a_table_is_filtered_to_the_band_asked_for(tmp_path: Path) -> None:
     assert np.abs(1e3 * level.shape.jet(s)[0] - 2.0 * middle)[inner].max() < 0.1
 
 
-@pytest.mark.parametrize(
-    "text, message",
-    table("a_faulty_table_is_told_with_its_line"),
-)
+@pytest.mark.parametrize("text, message", table("a_faulty_table_is_told_with_its_line"))
 def test_a_faulty_table_is_told_with_its_line(tmp_path: Path, text: str, message: str) -> None:
     file = tmp_path / "t.csv"
     file.write_text(text)

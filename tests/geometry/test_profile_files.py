@@ -178,10 +178,7 @@ def test_simpack_keys_do_what_their_comments_say(write):
     np.testing.assert_allclose(w, true, atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    table("simpack_files_with_faults_are_refused"),
-)
+@pytest.mark.parametrize(("change", "message"), table("simpack_files_with_faults_are_refused"))
 def test_simpack_files_with_faults_are_refused(write, change, message):
     text = simpack(rows(WHEEL, 1e3, -1e3), "    units.len.f = 1000")
     assert change[0] in text
@@ -214,10 +211,7 @@ def test_a_miniprof_rail_of_the_old_kind_is_read(write):
     assert distance(profile, RAIL) < 1e-9
 
 
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    table("miniprof_files_with_faults_are_refused"),
-)
+@pytest.mark.parametrize(("keys", "message"), table("miniprof_files_with_faults_are_refused"))
 def test_miniprof_files_with_faults_are_refused(write, keys, message):
     with pytest.raises(InputError, match=message):
         read_points(write(miniprof(rows(WHEEL), keys), "w.whl")).profile()
@@ -324,10 +318,7 @@ def test_rail_heads_are_as_wide_as_the_standard_says(rail, half_width, depth):
     assert profile.top == pytest.approx((0.0, 0.0), abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("rail", "slope", "distance"),
-    table("top_and_gauge_point_are_as_far_apart_as_published"),
-)
+@pytest.mark.parametrize(("rail", "slope", "distance"), table("top_and_gauge_point_are_as_far_apart_as_published"))
 def test_top_and_gauge_point_are_as_far_apart_as_published(rail, slope, distance):
     # The published numbers take the highest of points 0.1 mm apart for the top: good to 4 um.
     profile = load_profile(MODELS / f"rails/{rail}.toml").inclined(slope)

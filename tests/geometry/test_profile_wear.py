@@ -110,10 +110,7 @@ HEAD = 'name = "w"\nbody = "rail"\ndate = 2026-01-31\nsource = "test"\nkind = "w
 DEEP = '[[removals]]\ndirection = "normal"\ndepth_mm = {}\nmiddle_mm = -38\nhalf_width_mm = {}\n'
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    table("wear_that_makes_no_profile_is_refused"),
-)
+@pytest.mark.parametrize(("text", "message"), table("wear_that_makes_no_profile_is_refused"))
 def test_wear_that_makes_no_profile_is_refused(tmp_path, text, message):
     path = tmp_path / "profile.toml"
     path.write_text(HEAD + text, encoding="utf-8")

@@ -387,10 +387,7 @@ def rows(**changed: Any) -> str:
     return HEAD + "".join(",".join(c) + "\n" for c in cells)
 
 
-@pytest.mark.parametrize(
-    ("text", "more", "message"),
-    table("bad_recordings_are_refused"),
-)
+@pytest.mark.parametrize(("text", "more", "message"), table("bad_recordings_are_refused"))
 def test_bad_recordings_are_refused(text: str, more: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "line.csv").write_text(text)
     (tmp_path / "line.toml").write_text(MAP + more + "\n")
@@ -399,10 +396,7 @@ def test_bad_recordings_are_refused(text: str, more: str, message: str, tmp_path
     assert message in str(error.value), str(error.value)
 
 
-@pytest.mark.parametrize(
-    ("header", "message"),
-    table("names_that_do_not_tell_are_refused"),
-)
+@pytest.mark.parametrize(("header", "message"), table("names_that_do_not_tell_are_refused"))
 def test_names_that_do_not_tell_are_refused(header: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "line.csv").write_text(rows().replace(HEAD.strip(), header))
     with pytest.raises(InputError) as error:

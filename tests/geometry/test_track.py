@@ -335,10 +335,7 @@ def test_a_wrong_segment_is_named_with_its_number_key_value_and_what_is_allowed(
         assert word in str(error.value)
 
 
-@pytest.mark.parametrize(
-    "arguments, words",
-    table("a_wrong_property_of_the_track_is_named"),
-)
+@pytest.mark.parametrize("arguments, words", table("a_wrong_property_of_the_track_is_named"))
 def test_a_wrong_property_of_the_track_is_named(arguments: dict, words: str) -> None:
     with pytest.raises(InputError, match=words):
         Track.build([Straight(10.0)], **arguments)

@@ -179,11 +179,7 @@ def test_no_word_is_cut_off_or_over_another_one_whatever_the_width_the_style_and
         LOOK.reset(token)
 
 
-@pytest.mark.parametrize(
-    "chosen",
-    table("what_pictures_cannot_be_is_refused"),
-    ids=str,
-)
+@pytest.mark.parametrize("chosen", table("what_pictures_cannot_be_is_refused"), ids=str)
 def test_what_pictures_cannot_be_is_refused(chosen, tmp_path) -> None:
     (tmp_path / "bad").write_text("lines.linewidht: 3")
     with pytest.raises(

@@ -71,10 +71,7 @@ def test_a_mistake_in_set_is_named_as_such(key: str) -> None:
         vehicle_of(load(COACH).with_set([f"{key}=-1"]))
 
 
-@pytest.mark.parametrize(
-    ("option", "words"),
-    table("words_of_other_programs_lead_to_ours"),
-)
+@pytest.mark.parametrize(("option", "words"), table("words_of_other_programs_lead_to_ours"))
 def test_words_of_other_programs_lead_to_ours(option: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         build(load(COACH).with_set([option]))

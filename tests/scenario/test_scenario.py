@@ -75,10 +75,7 @@ def test_a_fault_of_the_base_file_is_told_with_the_name_of_the_base_file(tmp_pat
 
 
 # --- files that cannot be read -------------------------------------------------------------------------
-@pytest.mark.parametrize(
-    ("line", "place", "hint"),
-    table("a_slip_of_toml_syntax_is_told_with_line_column_and_help"),
-)
+@pytest.mark.parametrize(("line", "place", "hint"), table("a_slip_of_toml_syntax_is_told_with_line_column_and_help"))
 def test_a_slip_of_toml_syntax_is_told_with_line_column_and_help(
     tmp_path: Path, line: str, place: str, hint: str
 ) -> None:

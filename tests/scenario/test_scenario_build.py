@@ -150,10 +150,7 @@ def test_one_fault_in_a_table_is_one_line_with_its_line_number(tmp_path: Path, t
 
 
 # --- a wheelset on its track ---------------------------------------------------------------------------
-@pytest.mark.parametrize(
-    ("gauge_mm", "reason"),
-    table("a_wheelset_off_the_rails_is_refused_with_the_reason"),
-)
+@pytest.mark.parametrize(("gauge_mm", "reason"), table("a_wheelset_off_the_rails_is_refused_with_the_reason"))
 def test_a_wheelset_off_the_rails_is_refused_with_the_reason(tmp_path: Path, gauge_mm: int, reason: str) -> None:
     (line,) = faults(edited(CURVE, "gauge_mm = 1435", f"gauge_mm = {gauge_mm}"), tmp_path)
     assert line.startswith('case.toml:8: track.rail = "')
@@ -178,10 +175,7 @@ def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing() -> No
 
 
 # --- what is shipped -----------------------------------------------------------------------------------
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    table("slips_that_are_allowed_are_warned_of"),
-)
+@pytest.mark.parametrize(("changes", "words"), table("slips_that_are_allowed_are_warned_of"))
 def test_slips_that_are_allowed_are_warned_of(changes, words):
     found = warnings(build(load(SCENARIOS / "curve_r300.toml").with_values(changes)))
     assert len(found) == len(words)
