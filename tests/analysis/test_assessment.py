@@ -644,13 +644,7 @@ def test_the_command_tells_and_draws_what_values_depend_on(tmp_path):
     assert (tmp_path / "assessment_estimates.png").is_file()
 
 
-@pytest.mark.parametrize(
-    ("lines", "said"),
-    [
-        ('estimate_over = ["speed", "speed"]', "has a duplicate"),
-        ("estimate_speed_kmh = 100", 'goes with "speed" in estimate_over'),
-    ],
-)
+@pytest.mark.parametrize(("lines", "said"), table("bad_influences_are_refused_with_file_and_key"))
 def test_bad_influences_are_refused_with_file_and_key(tmp_path, lines, said):
     (fault,) = faults(f"{CURVE}\n[assessment]\n{lines}\n", tmp_path)
     assert fault.startswith("case.toml:") and said in fault

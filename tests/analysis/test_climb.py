@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.rows import rows_of
 from support.runs import SCENARIOS
 
 from wrsim.analysis import run
@@ -15,6 +16,9 @@ from wrsim.geometry.profile.models import load_profile
 from wrsim.plots.climb import climb_figure
 from wrsim.results.climb import climb_tables, summarise_climb
 from wrsim.scenario.loading import load
+
+table = rows_of(__file__)
+
 
 LIMIT = nadal_limit(np.radians(70.0), 0.5)
 
@@ -110,15 +114,7 @@ def scenario():
     return load(SCENARIOS / "climb.toml")
 
 
-@pytest.mark.parametrize(
-    ("keys", "words"),
-    [
-        ({"vehicle.model": "vehicles/manchester_1.toml"}, "single wheelset"),
-        ({"contact.tangential": "none"}, "no friction"),
-        ({"vehicle.wheel": "wheels/cone_1in20.toml"}, "no flange"),
-        ({"climb.angle_of_attack_mrad": [80.0]}, "mrad"),
-    ],
-)
+@pytest.mark.parametrize(("keys", "words"), table("what_cannot_climb_is_refused"))
 def test_what_cannot_climb_is_refused(keys, words):
     with pytest.raises(InputError, match=words):
         run(scenario().with_values(keys))

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 from scipy.linalg import eigh
 from support.energy import balance
+from support.rows import rows_of
 from support.runs import straight
 from support.vehicles import COARSE, ROOT, on_track, read_vehicle, shipped
 
@@ -25,6 +26,9 @@ from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import steady_state
 from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.loads import Effort, Load
+
+table = rows_of(__file__)
+
 
 FILE = ROOT / "models/vehicles/manchester_motor.toml"
 STIFFNESS, TURNING = 1.5e6, 12.0 + 4.5**2 * 1.2
@@ -222,15 +226,7 @@ def test_a_run_tells_what_the_hollow_axles_carry():
 
 
 # --- bad files --------------------------------------------------------------------------------------------
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        (('on = "bogie.inner"', 'on = "bogie.outer"'), "is driven by another one of [[drives]] already"),
-        (('on = "bogie.inner"', 'on = "leading motor"'), "is no wheelset"),
-        (('motor = "leading motor"', 'motor = "bogie.outer"'), "a motor and its gear are part of other bodies"),
-        (("radius_mm = 460", "radius_mm = 460\nindependent_wheels = true"), "a gear drives a rigid one"),
-    ],
-)
+@pytest.mark.parametrize(("line", "said"), table("bad_drives_are_refused_with_file_and_key"))
 def test_bad_drives_are_refused_with_file_and_key(tmp_path, line, said):
     text = FILE.read_text()
     assert line[0] in text

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.commands import ok, refusal
+from support.rows import rows_of
 
 import wrsim
 from wrsim.analysis.profiles import measured_tables
@@ -15,6 +16,9 @@ from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import cone
 from wrsim.geometry.profile.wear import Removal, worn
+
+table = rows_of(__file__)
+
 
 RAIL, WHEEL = load_profile("rails/60E1.toml"), load_profile("wheels/S1002.toml")
 CROWN, CORNER, AXIS = 0.3, 0.013, np.array([-0.023016030, -0.014949147])  # arcs of 60E1, EN 13674-1
@@ -115,15 +119,7 @@ def test_conicity_and_pressure_of_a_table_are_those_of_the_pair() -> None:
     assert 500.0 < s1002["p0_MPa"] < 1500.0 and 500.0 < conical["p0_MPa"] < 1500.0
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("rails/60E1.toml", "--reference", "wheels/S1002.toml"), "S1002 is a wheel, and none of the profiles is"),
-        (("rails/60E1.toml", "--on", "rails/60E1.toml"), "60E1 is a rail like the profiles"),
-        (("rails/60E1.toml", "rails/54E1.toml", "--cutoff", "5"), "--cutoff compares cut-offs of one file"),
-        (("wheels/S1002.toml", "--flange-back-mm", "1360"), "needs two wheels, or names of files such as axle1_left"),
-    ],
-)
+@pytest.mark.parametrize(("words", "message"), table("options_that_have_no_use_are_answered"))
 def test_options_that_have_no_use_are_answered(words: tuple[str, ...], message: str, tmp_path: Path) -> None:
     assert message in refusal("profile", *words, "-o", str(tmp_path / "p.png"))
     assert not list(tmp_path.iterdir())

@@ -5,7 +5,8 @@ from math import pi, radians, sqrt, tan
 import numpy as np
 import pytest
 from support.commands import ok, refusal
-from support.scenario_texts import CURVE
+from support.rows import rows_of
+from support.scenario_texts import CURVE, DATA
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 
 from wrsim.analysis.assessment import assess_runs
@@ -18,6 +19,9 @@ from wrsim.scenario.loading import load_text
 from wrsim.scenario.sections.assessment import AssessmentSettings
 from wrsim.study.outputs import case_outputs
 from wrsim.study.spec import OutputsSection
+
+table = rows_of(__file__)
+
 
 FLANGE = AssessmentSettings(axle_load=2.0 * Q0, friction=0.3, flange_angle=radians(70.0))
 FEET_5 = 1.524
@@ -151,22 +155,7 @@ def test_every_set_that_is_shipped_has_a_source_for_every_limit():
             assert clause.limit is None or (clause.limit.source and clause.limit.mark in ("read", "pub", "mem"))
 
 
-OWN = """title = "ours"
-name = "ours"
-history = {low_pass_Hz = 20, window_m = 2, step_m = 0.5}
-classes = [
-    {name = "straight", from_radius_m = 1000, lengths = [[300, 200]]},
-    {name = "bends", from_radius_m = 0, lengths = [[300, 50]]},
-]
-
-[[clauses]]
-id = "outer wheel"
-quantity = "Q"
-low_pass_Hz = 30
-percentile = 95
-classes = ["bends"]
-limit = {law = "constant", value = 45, unit = "kN", source = "works", mark = "read"}
-"""
+OWN = (DATA / "rules.toml").read_text()
 
 
 @pytest.mark.usefixtures("unpainted")
@@ -182,22 +171,7 @@ def test_a_set_of_the_users_own_judges(tmp_path):
     ok("assess", tmp_path, "--rules", "49CFR238", "--force")
 
 
-MISTAKES = [
-    ('quantity = "Q"', 'quantity = "QQ"', r'own.toml:11: clauses\[0\].quantity = "QQ": must be .* did you mean "Q'),
-    ("low_pass_Hz = 30", "low_pas_Hz = 30", r"own.toml:12: .*low_pas_Hz.*did you mean 'low_pass_Hz'"),
-    ("percentile = 95", "percentile = 105", r"own.toml:13: .*percentile = 105: .*from 0 to 100"),
-    ("percentile = 95", "percentile = 95\nband_Hz = [1, 2]", r'band_Hz = \[1, 2\]: quantity "Q" takes .*low_pass_Hz'),
-    ("percentile = 95\n", "", r'percentile is missing: quantity "Q" needs it'),
-    ('unit = "kN"', 'unit = "mm"', r'limit.unit = "mm": quantity "Q" has the unit "kN"'),
-    ('law = "constant"', 'law = "konstant"', r'limit.law = "konstant": must be .*did you mean "constant"'),
-    ('["bends"]', '["bend"]', r'classes: "bend": must be .*did you mean "bends"'),
-    ('mark = "read"', 'mark = "red"', r'limit.mark = "red": must be "read", "pub" or "mem"; did you mean "read"'),
-    ("from_radius_m = 0,", "from_radius_m = 5,", r"classes\[1\].from_radius_m: 5: must be 0 in the last class"),
-    ("history", "#", "history is missing: must be given: some clauses are about runs"),
-]
-
-
-@pytest.mark.parametrize(("right", "wrong", "message"), MISTAKES)
+@pytest.mark.parametrize(("right", "wrong", "message"), table("a_mistake_in_a_set_is_one_line"))
 def test_a_mistake_in_a_set_is_one_line(tmp_path, right, wrong, message):
     own = tmp_path / "own.toml"
     own.write_text(OWN.replace(right, wrong))

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
+from support.rows import rows_of
 from support.runs import SCENARIOS
 
 from wrsim.analysis import run
@@ -26,6 +27,8 @@ from wrsim.simulation.step_size import SAFETY, stable_step
 from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.preload import preloads
+
+table = rows_of(__file__)
 
 
 def cooperrider(**values) -> Scenario:
@@ -162,14 +165,7 @@ def test_an_interrupted_study_keeps_the_speeds_it_has():
     assert result.summary()["linear_critical_speed_kmh"] is None
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"vehicle.drive": "free"}, "something has to hold the speed"),
-        ({"track.segments": [{"kind": "straight", "length_m": 100}]}, "lays its own track"),
-        ({"stability.rest_mm": 0.5}, "small_kick_mm.*must be above rest_mm"),
-    ],
-)
+@pytest.mark.parametrize(("values", "message"), table("bad_input_is_answered_with_one_clear_line"))
 def test_bad_input_is_answered_with_one_clear_line(values, message):
     with pytest.raises(InputError, match=message):
         build(load(SCENARIOS / "stability_cooperrider.toml").with_values(values))

@@ -7,6 +7,7 @@ from math import asin, radians
 import numpy as np
 import pytest
 from support.commands import call
+from support.rows import rows_of
 from support.vehicles import manchester, on_track, shipped
 
 from wrsim.analysis.stationary import loops
@@ -15,6 +16,9 @@ from wrsim.errors import InputError
 from wrsim.vehicle.bogies import bogies_of
 from wrsim.vehicle.elements import Slider, Strut
 from wrsim.vehicle.vehicle import Vehicle
+
+table = rows_of(__file__)
+
 
 SLOW, FAST = loops.RATES
 
@@ -171,14 +175,7 @@ def test_the_command_makes_both_tests_and_draws_their_loops(tmp_path):
     assert [row[-1] for row in table.rows] == [t["X"] for t in found["rotation_test"]]
 
 
-@pytest.mark.parametrize(
-    ("asked", "said"),
-    [
-        (["--twists", "3", "5"], "--twists belongs to --twist-test"),
-        (["--twist-test", "--twists", "3", "50"], "--twists 50: must be from 0 to 20 per mille"),
-        (["--loops", "loops.png"], "--loops draws those of --twist-test and --rotation-test"),
-    ],
-)
+@pytest.mark.parametrize(("asked", "said"), table("options_without_their_test_are_refused"))
 def test_options_without_their_test_are_refused(asked, said):
     told = call("vehicle", "vehicles/manchester_1.toml", *asked)
     assert told.exit_code != 0 and said in " ".join(told.output.split())

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
+from support.rows import rows_of
 from support.runs import FAST, LEADING, SCENARIOS, STEERING, arc, setup_of
 
 from wrsim.analysis import run
@@ -18,6 +19,8 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.sections.steady import SteadyPoint
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+
+table = rows_of(__file__)
 
 
 def manchester(**values) -> Scenario:
@@ -70,14 +73,7 @@ def test_an_interrupted_study_keeps_the_curves_it_has():
     assert result.dataset.sizes["pose"] == 1
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"steady.combine": "rows", "steady.cant_mm": [0, 50]}, "must be equally many"),
-        ({"contact.normal": "half-space"}, "is for poses, rest and runs"),
-        ({"track.grades": [{"start_m": 0}]}, "lays its own track"),
-    ],
-)
+@pytest.mark.parametrize(("values", "message"), table("bad_input_is_answered_with_one_clear_line"))
 def test_bad_input_is_answered_with_one_clear_line(values, message):
     with pytest.raises(InputError, match=message):
         build(load(SCENARIOS / "steady_manchester.toml").with_values(values))

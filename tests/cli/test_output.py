@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from support.commands import forked, on_a_terminal
+from support.rows import rows_of
 from support.runs import SCENARIOS
 from support.scenario_texts import CURVE, edited
 from support.synthetic_result import static_poses
@@ -15,6 +16,9 @@ from support.synthetic_result import static_poses
 from wrsim.cli import console
 from wrsim.cli.console import plain
 from wrsim.results import Result
+
+table = rows_of(__file__)
+
 
 COMMAND = [sys.executable, "-c", "from wrsim.cli import main; main()"]
 
@@ -87,14 +91,7 @@ def test_closed_outputs_do_not_spoil_the_work(folder: Path) -> None:
     assert subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("run", "x.toml", "--speed", "3", "--json"), "No such option"),
-        (("show", "--json"), "Missing argument"),
-        (("fly", "--json"), "No such command"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "words"), table("wrong_usage_is_json_for_machines"))
 def test_wrong_usage_is_json_for_machines(arguments: tuple[str, ...], words: str) -> None:
     done = forked(*arguments)
     error = json.loads(done.stdout)["error"]

@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 from support.contacts import RADIUS, rail_profile, round_wheel, wheel_at, wheel_profile
+from support.rows import rows_of
 from support.scripts import script
 
 from wrsim.contact.models import contact_model
@@ -19,6 +20,9 @@ from wrsim.core.contact.wheel_rail import bodies
 from wrsim.errors import InputError
 from wrsim.geometry.profile.out_of_round import Flat, Harmonic, RadiusTable, shape_tables
 from wrsim.geometry.profile.sections import circle, cone
+
+table = rows_of(__file__)
+
 
 R = 0.46
 TURN = 2.0 * np.pi
@@ -183,15 +187,7 @@ def test_waves_shorter_than_the_limit_are_taken_out_of_a_table():
     assert_allclose(found, -1e-4 * 0.5 ** ((3 * 0.05 / (TURN * R)) ** 2) * np.cos(3 * angle), atol=1e-10)
 
 
-@pytest.mark.parametrize(
-    "angles, deviations, words",
-    [
-        ([0, 90, 80, 270], [0, 0, 0, 0], "must rise"),
-        ([0, 90, 180, 270], [0, 1e-4, 2e-4, 3e-4], "does not close"),
-        ([0, 120, 240, 360], [0, 1e-5, 2e-5, 1e-5], "does not close"),
-        ([0, 180, 370], [0, 0, 0], "span"),
-    ],
-)
+@pytest.mark.parametrize("angles, deviations, words", table("a_table_that_is_no_wheel_is_refused"))
 def test_a_table_that_is_no_wheel_is_refused(angles, deviations, words):
     with pytest.raises(InputError, match=words):
         RadiusTable(np.radians(np.array(angles, float)), NO_PLACES, np.array(deviations, float)[:, None])
@@ -229,15 +225,7 @@ def on_crown(normal, full):
     return contact_model(wheel, rail, CAMPAIGN.RADIUS, settings, out_of_round=[part])
 
 
-@pytest.mark.parametrize(
-    "normal, full, cases",
-    [
-        ("strips", True, (1, 2, 3, 4, 5, 6, 7, 13)),
-        ("strips", False, (1, 2, 4, 6, 8)),
-        ("kik-piotrowski", True, (1, 2, 4, 6)),
-        ("half-space", True, (1, 3, 13)),
-    ],
-)
+@pytest.mark.parametrize("normal, full, cases", table("a_rounded_flat_beside_contact"))
 def test_a_rounded_flat_beside_contact(normal, full, cases):
     """Height, place, and but for Kik-Piotrowski's model and places lost across the approach."""
     own, rows = on_crown(normal, full), rows_of_contact()

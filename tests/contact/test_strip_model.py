@@ -104,12 +104,7 @@ def test_the_row_of_the_middle_is_that_of_the_table(t):
     np.testing.assert_allclose(terms[0], terms[1], rtol=1e-12, atol=1e-15)
 
 
-@pytest.mark.parametrize(("pair", "lateral", "yaw", "wrong"), [
-    # between equal radii, where the middles lie apart by 9 mm: the peak stands on one of 20 strips
-    ("S1002/60E1 1:20", 6.476e-3, 8e-3, 0.06),
-    # flange, slanted
-    ("S1002/60E1 1:20", 8e-3, 23e-3, 0.025), ("worn/60E1 1:40", 9e-3, -47e-3, 0.025),
-])  # fmt: skip
+@pytest.mark.parametrize(("pair", "lateral", "yaw", "wrong"), table("a_yawed_wheel_presses_as_the_half_space_does"))
 def test_a_yawed_wheel_presses_as_the_half_space_does(pair, lateral, yaw, wrong):
     model = pair_model(pair, **STRIPS, **PLAIN)
     settle(bench(model, rolling=False), lateral, yaw, 60e3)

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.rows import rows_of
+from support.scenario_texts import DATA
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import read_points
@@ -136,23 +137,7 @@ def test_turning_undoes_an_inclination(write):
 # --- SIMPACK ------------------------------------------------------------------------------------------
 def simpack(points: str, keys: str = "", kind: int = 1) -> str:
     """A SIMPACK profile with the comments and the alignment that such files have."""
-    return f"""! ***   Rail-Wheel Profile   ***
-  header.begin
-    version       =  1                       ! Version flag
-    type          =  {kind}                       ! 0=rail profile, 1=wheel profile
-  header.end
-  spline.begin
-    approx.smooth  = +0.000000000000000e+00   ! Approximation smoothing value
-    comment        = 'it''s a wheel!'         ! Comment
-{keys}
-!   units.len      = 'mm'                     ! 7: Unit name for lengths
-    point.begin
-    !
-    ! y value   z value   weight
-{points}
-    point.end
-  spline.end
-"""
+    return (DATA / "simpack.txt.in").read_text().format(points=points, keys=keys, kind=kind)
 
 
 def test_simpack_keys_do_what_their_comments_say(write):
@@ -160,16 +145,7 @@ def test_simpack_keys_do_what_their_comments_say(write):
     y, z = -(WHEEL.u / 0.0254) - 2.0, -(WHEEL.w / 0.0254) + 1.0
     keep = slice(None, None, -1)
     points = "\n".join(f"{a:.15E} {b:.15E} 1.0" for a, b in zip(y[keep], z[keep], strict=True))
-    keys = """
-    shift.y        = +2.0                     ! 2: y shift of data ......... (in lengths unit)
-    shift.z        = -1.0                     ! 2: z shift of data ......... (in lengths unit)
-    bound.y.min    = -1.000000000000000e+01   ! 4: y boundary min .......... (in lengths unit)
-    bound.y.max    = +2.75000000000000e+00    ! 4: y boundary max .......... (in lengths unit)
-    bound.z.min    = +1.000000000000000e+00   ! 4: z boundary min .......... (in lengths unit)
-    bound.z.max    = +0.000000000000000e+00   ! 4: z boundary max .......... (in lengths unit)
-    mirror.y       =  1                       ! 5: y mirror mode (0=no mirroring; 1=mirrored)
-    inversion      =  1                       ! 6: Inversion of data order (0=no inversion; 1=inversion)
-    units.len.f    = 39.37007874015748        ! 7: Unit factor for lengths (l[User] / l[m])"""
+    keys = "\n".join(table("simpack_keys"))
     profile = read_points(write(simpack(points, keys), "w.prw")).profile()
     # 2.75 inches = 69.85 mm: the bound takes the last 0.15 mm of the flange's back
     assert profile.u[0] == pytest.approx(-0.06985, abs=1e-4)

@@ -300,39 +300,13 @@ def test_names_tell_what_columns_are(tmp_path: Path) -> None:
     assert read.step == pytest.approx(0.25) and read.of("gauge")[0][1][3] == pytest.approx(1.4353)
 
 
-LANGUAGES = {
-    "english": (
-        ",", "utf-8",
-        ["Chainage [km]", "Track gauge [mm]", "Cross level (mm)", "Curvature [1/km]", "Alignment left D1 [mm]",
-         "Alignment right D1 [mm]", "Longitudinal level L D1 (mm)", "Longitudinal level R D1 (mm)", "Twist 3 m [mm/m]",
-         "Speed [km/h]", "Cant deficiency [mm]"],
-    ),
-    "as spoken": (
-        ",", "utf-8",
-        ["Mileage_km", "Gage (mm)", "Superelevation mm", "Curv 1/km", "LH alinement D1 (mm)", "RH alinement D1 (mm)",
-         "Left top D1 (mm)", "Unevenness right D1 (mm)", "Twist 3 m [mm/m]", "Speed [km/h]", "Cant deficiency [mm]"],
-    ),
-    "german": (
-        ";", "latin-1",
-        ["Streckenkilometer / km", "Spurweite / mm", "Überhöhung / mm", "Krümmung / 1/km", "Richtung links D1 / mm",
-         "Richtung rechts D1 / mm", "Längshöhe li D1 / mm", "Längshöhe re D1 / mm", "Verwindung 3m / mm/m",
-         "Geschwindigkeit / km/h", "Überhöhungsfehlbetrag / mm"],
-    ),
-    "french": (
-        ";", "utf-8-sig",
-        ["PK (km)", "Écartement (mm)", "Dévers (mm)", "Courbure (km-1)", "Dressage file gauche D1 (mm)",
-         "Dressage file droite D1 (mm)", "Nivellement longitudinal G D1 (mm)", "Nivellement longitudinal D D1 (mm)",
-         "Gauche 3 m (mm/m)", "Vitesse (km/h)", "Insuffisance de dévers (mm)"],
-    ),
-}  # fmt: skip
-QUANTITIES = [
-    "distance", "gauge", "cant", "curvature", "alignment_left", "alignment_right", "level_left", "level_right", "twist",
-]  # fmt: skip
+QUANTITIES = table("quantities")
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
-def test_a_recording_is_read_in_its_language_and_what_is_left_out_is_a_warning(language: str, tmp_path: Path) -> None:
-    sign, encoding, names = LANGUAGES[language]
+@pytest.mark.parametrize(("language", "sign", "encoding", "names"), table("languages"))
+def test_a_recording_is_read_in_its_language_and_what_is_left_out_is_a_warning(
+    language: str, sign: str, encoding: str, names: list[str], tmp_path: Path
+) -> None:
     number = [f"{i / 4000:.5f}" for i in range(900)]
     rows = [[s, "1435.5", "20", "0.5", "1", "2", "3", "4", "0.2", "80", "30"] for s in number]
     text = "\n".join(sign.join(row) for row in rows)
@@ -349,23 +323,11 @@ def test_a_recording_is_read_in_its_language_and_what_is_left_out_is_a_warning(l
     assert names[-1] not in answer.stdout
 
 
-@pytest.mark.parametrize(
-    ("name", "quantity"),
-    [
-        ("kilometrage", "distance"), ("Bahn-km", "distance"), ("s [m]", "distance"),
-        ("gauge deviation [mm]", "gauge_deviation"), ("Spurweitenabweichung [mm]", "gauge_deviation"),
-        ("surécartement (mm)", "gauge_deviation"), ("gegenseitige Höhenlage [mm]", "cant"),
-        ("Querhöhe in mm", "cant"), ("nivellement transversal (mm)", "cant"), ("superelevation_mm", "cant"),
-        ("Pfeilhöhe links [mm]", "alignment_left"), ("flèche droite [mm]", "alignment_right"),
-        ("gauchissement 9 m (mm)", "twist"), ("Höhenlage rechts [mm]", "level_right"),
-        ("profile_left mm", "level_left"), ("Messrichtung", None), ("lateral acceleration [m/s2]", None),
-        ("Längsneigung [‰]", None), ("Rayon [m]", None), ("écart type nivellement (mm)", None), ("Temperatur", None),
-    ],
-)  # fmt: skip
-def test_names_of_the_trade_are_known(name: str, quantity: str | None) -> None:
+@pytest.mark.parametrize(("name", "quantity"), table("names_of_the_trade_are_known"))
+def test_names_of_the_trade_are_known(name: str, quantity: str) -> None:
     found = guessed([name], "line.csv:1", (4.0, 6.0), None)
-    assert [own["quantity"] for own in found] == ([] if quantity is None else [quantity])
-    assert ChannelSection.model_validate(found[0]).quantity == quantity if found else quantity is None
+    assert [own["quantity"] for own in found] == [quantity] * bool(quantity)
+    assert not found or ChannelSection.model_validate(found[0]).quantity == quantity
 
 
 MAP = """[[channels]]

@@ -14,6 +14,7 @@ import pytest
 from support.commands import ok, refusal
 from support.rows import rows_of
 from support.runs import SCENARIOS
+from support.scenario_texts import DATA
 
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import write_atomically
@@ -28,38 +29,9 @@ from wrsim.study.task import run_case
 
 table = rows_of(__file__)
 
-BASE = """
-base = "{scenario}"
-[contact]
-normal = "kik-piotrowski"
-strips = 12
-cells = 10
-friction = 0.2
-[[track.segments]]
-kind = "arc"
-radius_m = 500
-length_m = 12
-[vehicle]
-model = "vehicles/wheelset_s1002_leading.toml"
-[run]
-start_distance_m = 2
-distance_m = 0.4
-output_interval_ms = 10
-[output]
-patches_at_m = []
-"""
-CASES = """id,share,track.segments[0].radius_m,vehicle.speed_kmh
-left,0.5,500,60
-even,0.5,20000,80
-"""
-SERVICE = """
-title = "Short service"
-base = "base.toml"
-cases = "cases.csv"
-wheel = "wheels/S1002.toml"
-mileage_km = 40
-largest_step_km = 20
-"""
+BASE, CASES, SERVICE = (
+    (DATA / name).read_text() for name in ("service_base.toml.in", "service_cases.csv", "service.toml")
+)
 
 
 def service_in(folder: Path, more: str = "", cases: str = CASES, text: str = SERVICE) -> Evolution:

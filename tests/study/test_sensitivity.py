@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.rows import rows_of
 from support.studies import study_file
 
 from wrsim.errors import InputError
@@ -17,6 +18,9 @@ from wrsim.study.plan import planned
 from wrsim.study.sensitivity import axis_of, design, sensitivities, sensitivity
 from wrsim.study.spec import SampledKey, SensitivitySection
 from wrsim.study.task import COMPLETED, Marker
+
+table = rows_of(__file__)
+
 
 X = [{"key": f"x{i}", "low": -pi, "high": pi} for i in (1, 2, 3)]
 
@@ -90,21 +94,7 @@ OVER = '[[sensitivity.over]]\nkey = "contact.friction"\n'
 RANGE = OVER + "low = 0.1\nhigh = 0.4\n"
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", r"vary is missing: must be .*or give sensitivity"),
-        ('[sensitivity]\nmethod = "sobol"\nsamples = 12\n' + RANGE, r"samples = 12: must be a power of 2 \(8 or 16\)"),
-        ('[sensitivity]\nmethod = "sobl"\nsamples = 8\n' + RANGE, r'method = "sobl": must be .*did you mean "sobol"'),
-        ('[sensitivity]\nmethod = "sobol"\nsamples = 8\n' + OVER, r"over\[0\].low is missing: must be"),
-        ('[sensitivity]\nmethod = "morris"\nsamples = 8\n' + OVER + "mean = 0.3\ndeviation = 0.1\n", "needs bounds"),
-        ('[sensitivity]\nmethod = "regression"\nsamples = 3\n' + RANGE, r"samples = 3: must be 4 or more"),
-        (
-            '[sensitivity]\nmethod = "sobol"\nsamples = 8\n' + RANGE + '[[vary]]\nkind = "csv"\nfile = "a.csv"\n',
-            "sensitivity: cannot be given with vary",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("text", "message"), table("a_design_that_cannot_be_is_one_clear_error"))
 def test_a_design_that_cannot_be_is_one_clear_error(text: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=message) as problem:
         planned(study_file(tmp_path, text), tmp_path / "out")

@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support import synthetic_run
+from support.rows import rows_of
 from support.runs import ROOT, SCENARIOS
+from support.scenario_texts import DATA
 from support.synthetic_run import Q0
 
 from wrsim.api.studies import run_type_test
@@ -15,30 +17,10 @@ from wrsim.errors import InputError
 from wrsim.study.programme import Programme, read_programme
 from wrsim.study.task import COMPLETED, DERAILED, RESULT, Marker, write_marker
 
-TEXT = """
-title = "a test"
-base = "{base}"
-{more}
-[[states]]
-name = "new"
-set = {{ "contact.friction" = 0.4 }}
-[[states]]
-name = "wet"
-set = {{ "contact.friction" = 0.2 }}
-[[runs]]
-name = "straight"
-speed_kmh = 160
-sections = 2
-[[runs]]
-name = "R 300"
-radius_m = 300
-cant_mm = 100
-cant_deficiency_mm = 80
-sections = 3
-[irregularities]
-spectrum = "ERRI-low"
-seed = 7
-"""
+table = rows_of(__file__)
+
+
+TEXT = (DATA / "type_test.toml.in").read_text()
 
 
 def programme_file(folder: Path, more: str = "", old: str = "", new: str = "") -> Path:
@@ -131,18 +113,7 @@ def test_a_run_that_derails_is_red(tmp_path):
     assert any("new, straight: it fell" in note for note in found["notes"])
 
 
-@pytest.mark.parametrize(
-    ("more", "old", "new", "words"),
-    [
-        ('rules = "en14364"', "", "", "did you mean"),
-        ("", 'name = "wet"', 'name = "new"', "two of them"),
-        ("", 'set = { "contact.friction" = 0.2 }', "", "contact.friction: must be set in every state"),
-        ("", "speed_kmh = 160\n", "", "speed_kmh"),
-        ("", "cant_deficiency_mm = 80", "cant_deficiency_mm = -120", "no such speed"),
-        ("", "ERRI-low", "ERRI-lo", "ERRI-low"),
-        ('rules = "en14363-stationary"', "", "", "no clause about runs"),
-    ],
-)
+@pytest.mark.parametrize(("more", "old", "new", "words"), table("a_programme_that_cannot_be_run_is_refused"))
 def test_a_programme_that_cannot_be_run_is_refused(tmp_path, more, old, new, words):
     with pytest.raises(InputError, match=words):
         run_type_test(programme_file(tmp_path, more, old, new), tmp_path / "out", dry_run=True)

@@ -9,11 +9,15 @@ import pytest
 from support.ellipse import FORCE, total
 from support.ellipse import roll as strips
 from support.hertz import COMPLIANCE, Ellipse, EllipseGrid
+from support.rows import rows_of
 
 from wrsim.contact.half_space.influence import Operator
 from wrsim.contact.half_space.normal import solve_normal
 from wrsim.contact.half_space.rolling import solve_rolling
 from wrsim.contact.tables import creep_coefficients
+
+table = rows_of(__file__)
+
 
 MU = 0.3
 G = 82e9
@@ -222,13 +226,7 @@ CORNER = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("gap", "published"),
-    [
-        ("quadratic", (100.0e3, 9.144e3, 25.92e3, 38.60, 912.8e6, 15.6, 13.2)),
-        ("true", (91.84e3, 8.959e3, 24.17e3, 26.76, 1012e6, 16.4, 10.8)),
-    ],
-)
+@pytest.mark.parametrize(("gap", "published"), table("published_rail_corner"))
 def test_published_rail_corner(gap, published):
     # R 10 against -10.2, A .00076859 /mm, approach .09089 mm, xi -.004, eta -.0098995, phi -.0015372 /mm, 0.4 mm
     d, rows, columns = 4e-4, 39, 51
