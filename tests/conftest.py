@@ -34,7 +34,7 @@ FIRST = (
     # without kernels, while these are compiled
     "cli/test_users_files.py", "cli/test_cli.py", "tests/plots/", "tests/results/", "cli/test_words.py",
     "study/test_study.py", "study/test_evolution.py", "tests/report/", "analysis/test_train.py",
-    "analysis/test_shipped_scenarios.py", "campaigns/test_gz18.py", "analysis/test_run_step.py",
+    "analysis/test_shipped_scenarios.py", "campaigns/test_gz18.py", "analysis/test_vehicle_run.py",
     "contact/test_strip_model.py", "analysis/test_resume.py",
 )  # fmt: skip
 """What comes first: the test that compiles nearly all kernels, beside it tests that need none, then the longest."""

@@ -111,7 +111,7 @@ def test_a_wheel_that_touches_its_rail_along_a_line_is_refused(slope):
 
 @pytest.mark.parametrize("roll", ["rail-top", "centre"])
 def test_a_cone_that_rolls_follows_wickens(roll):
-    # derived in tests/simulation/test_wheelset_dynamics.py: the centre has the conicity
+    # derived in tests/simulation/test_energy.py: the centre has the conicity
     # lambda (l + Rr lambda) / (l - r0 lambda); the point at the rail tops shifts by l / (l - r0 lambda) times as much
     slope = 0.05
     contact = HALF_TOPS - CROWN * slope

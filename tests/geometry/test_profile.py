@@ -7,11 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.examples import examples
+from support.rows import rows_of
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.flange import flange_dimensions
+from wrsim.geometry.profile.models import load_profile, write_depths
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, profile_from_sections, rail_head
+from wrsim.geometry.profile.wear import BRIDGE, Removal, area_off, bin_edges, depths_of, on_unworn, smoothed_table, worn
+
+table = rows_of(__file__)
 
 MODELS = Path(__file__).parents[2] / "models"
 S1002 = load_profile(MODELS / "wheels/S1002.toml")
@@ -187,3 +192,237 @@ def test_questions_off_the_curve_are_answered_with_what_is_allowed(ask, message)
 def test_profiles_cannot_be_changed():
     with pytest.raises(ValueError, match="read-only"):
         S1002.u[0] = 1.0
+
+
+# Worn profiles by formula: what is taken off, what is left, and what is refused.
+WORN_WHEEL = load_profile(MODELS / "wheels/S1002_worn.toml")
+WORN_RAIL = load_profile(MODELS / "rails/60E1_worn.toml")
+
+
+def bell(x: np.ndarray) -> np.ndarray:
+    return np.where(np.abs(x) < 1.0, np.cos(0.5 * np.pi * x) ** 2, 0.0)
+
+
+def away(profile, u, w):
+    """Distance of points from a profile: the nearest point on it, by Newton's method."""
+    rows, step = profile.table(2e-5)
+    found = []
+    for x, y in zip(u, w, strict=True):
+        L = step * int(np.argmin(np.hypot(rows[:, 0] - x, rows[:, 1] - y)))
+        for _ in range(4):
+            L = float(np.clip(L, 0.0, profile.length))
+            tu, tw = profile.tangent(L)
+            pu, pw = profile.at(L)
+            L += float((x - pu) * tu + (y - pw) * tw)
+        pu, pw = profile.at(float(np.clip(L, 0.0, profile.length)))
+        found.append(float(np.hypot(x - pu, y - pw)))
+    return np.array(found)
+
+
+def test_the_worn_wheel_lacks_the_two_bells_of_its_formula():
+    # between the flange tip and the field side, where the profile is a function of u
+    u = np.linspace(-0.054, 0.059, 401)
+    new = S1002.at(S1002.arclength_of(u))[1]
+    taken = 1.1e-3 * bell((u - 2e-3) / 26e-3) + 1.6e-3 * bell((u + 43e-3) / 10e-3)
+    np.testing.assert_allclose(WORN_WHEEL.at(WORN_WHEEL.arclength_of(u))[1], new + taken, rtol=0, atol=1e-9)
+
+
+def test_the_worn_rail_lies_under_the_unworn_one_by_its_formula():
+    L = np.linspace(0.0, RAIL.length, 301)
+    s = L - RAIL.top_arclength
+    taken = 2e-3 * bell((s + 37.90764816e-3) / 18e-3)
+    (u, w), (nu, nw) = RAIL.at(L), RAIL.normal(L)
+    distance = away(WORN_RAIL, u - taken * nu, w - taken * nw)
+    joins = RAIL.arclength[np.abs(RAIL.curvature_after - RAIL.curvature_before) > 1e-3]
+    beside = np.abs(L[:, None] - joins).min(axis=1) < 1.2 * BRIDGE
+    assert np.abs(distance[~beside]).max() < 1e-9
+    # two corners of 6 and 17 mrad, where arcs met: bridged over 0.1 mm, 0.5 um off at most
+    assert np.abs(distance).max() < 5e-7
+    # the field side is new, below the gauge corner the rail is hollow
+    assert WORN_RAIL.curvature(WORN_RAIL.arclength_of(0.02)) == pytest.approx(-1 / 0.08, rel=1e-6)
+    hollow = WORN_RAIL.curvature(np.linspace(0.0, 0.045, 4001)).max()
+    assert 1e3 / hollow == pytest.approx(55.0, abs=2.0)
+
+
+def test_the_worn_rail_stands_where_contact_places_it():
+    # rail origin of this profile in CONTACT 25.2, gauge 1435 mm, 1:40; it takes the highest sample as the top (1e-4 mm)
+    inclined = WORN_RAIL.inclined(1 / 40)
+    assert 1435.0 / 2 - 1e3 * inclined.gauge_point()[0] == pytest.approx(751.195462, abs=2e-4)
+    assert 1e3 * inclined.top[1] == pytest.approx(0.093706, abs=1e-4)
+
+
+@pytest.mark.parametrize("profile", [WORN_WHEEL, WORN_RAIL], ids=["wheel", "rail"])
+def test_a_worn_profile_is_kept_by_true_arclength(profile):
+    _, v, _ = profile._evaluate(np.linspace(0.0, profile.length, 40_001))
+    speed = np.hypot(*v.T)
+    # 2e-5 on the bridged corners, whose quintics are given their own lengths
+    assert np.abs(speed - 1.0).max() < 2e-5
+    assert np.percentile(np.abs(speed - 1.0), 99.0) < 1e-8
+
+
+@pytest.mark.parametrize("kind", ["rail", "wheel"])
+@pytest.mark.parametrize("direction", ["vertical", "normal"])
+@pytest.mark.parametrize("depth", [1e-3, -0.5e-3])
+def test_curvature_in_the_middle_of_a_bell_on_an_arc(kind, direction, depth):
+    radius, half = 0.08, 0.01
+    new = circle("arc", kind, radius, 0.03)
+    profile = worn(new, [Removal(direction, depth, 0.0, half)], "worn arc")
+    into = -1.0 if kind == "rail" else 1.0  # upward component of what is taken off
+    second = -0.5 * np.pi**2 * depth / half**2  # of the depth
+    stretch = 1.0 - into * -1.0 / radius * depth if direction == "normal" else 1.0
+    expected = (-stretch / radius + into * second) / stretch**2
+    middle = profile.arclength_of(0.0)
+    assert profile.at(middle)[1] == pytest.approx(into * depth, abs=1e-12)
+    assert profile.curvature(middle) == pytest.approx(expected, rel=1e-7)
+
+
+def test_nothing_taken_off_leaves_the_profile_as_it_was():
+    same = worn(RAIL, [Removal("normal", 0.0, -0.03, 0.01), Removal("vertical", 0.0, 0.0, 0.02)], "same")
+    L = np.linspace(0.0, RAIL.length, 4001)
+    np.testing.assert_allclose(same.at(L), RAIL.at(L), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(same.curvature_after.min(), RAIL.curvature_after.min(), rtol=1e-6)
+
+
+HEAD = 'name = "w"\nbody = "rail"\ndate = 2026-01-31\nsource = "test"\nkind = "worn"\n'
+DEEP = '[[removals]]\ndirection = "normal"\ndepth_mm = {}\nmiddle_mm = -38\nhalf_width_mm = {}\n'
+
+
+@pytest.mark.parametrize(("text", "message"), table("wear_that_makes_no_profile_is_refused"))
+def test_wear_that_makes_no_profile_is_refused(tmp_path, text, message):
+    path = tmp_path / "profile.toml"
+    path.write_text(HEAD + text, encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        load_profile(path)
+
+
+def test_wear_adds_up_over_files(tmp_path):
+    (tmp_path / "first.toml").write_text(HEAD + 'base = "60E1.toml"\n' + DEEP.format(0.5, 10), encoding="utf-8")
+    second = tmp_path / "second.toml"
+    second.write_text(
+        HEAD + 'base = "first.toml"\n[[removals]]\ndirection = "vertical"\ndepth_mm = 1\nmiddle_mm = 0\n'
+        "half_width_mm = 20\n",
+        encoding="utf-8",
+    )
+    assert load_profile(second).at(load_profile(second).arclength_of(0.0))[1] == pytest.approx(-1e-3, abs=1e-12)
+
+
+def test_wear_that_folds_the_curve_is_refused():
+    groove = circle("groove", "rail", -0.02, 0.019)
+    thin = rail_head("thin", [0.012], [], 0.05, 0.06)
+    with pytest.raises(InputError, match=r"it turns back at u = .* mm; allowed: less depth"):
+        worn(groove, [Removal("normal", -0.021, 0.0, 0.02)], "filled up")
+    with pytest.raises(InputError, match=r"crosses itself at u = .* mm; allowed"):
+        worn(thin, [Removal("normal", 0.015, s, 0.015) for s in (-0.043, 0.043)], "eaten through")
+
+
+# Losses on a profile, place by place: mass, smoothing, overlap; dimensions of the flange.
+CUTOFF = 5e-3
+Array = np.ndarray
+
+
+def wheel() -> Profile:
+    return load_profile("wheels/S1002.toml")
+
+
+def losses(profile: Profile, depth: float = 1e-3) -> Array:
+    """Tread and flange root, and one bin alone."""
+    edges = bin_edges(profile, 0.25e-3)
+    u = profile.at(0.5 * (edges[1:] + edges[:-1]))[0]
+    areas = depth * np.exp(-(((u + 33e-3) / 3e-3) ** 2)) + 0.7 * depth * np.exp(-(((u - 5e-3) / 10e-3) ** 2))
+    areas[np.searchsorted(u, -20e-3)] += depth
+    return areas
+
+
+def enclosed(a: Profile, b: Profile, points: int = 100_001) -> float:
+    """Area between two profiles of the same ends, as a polygon [m2]."""
+    share = np.linspace(0.0, 1.0, points)
+    (x0, y0), (x1, y1) = (p.at(share * p.length) for p in (a, b))
+    x, y = np.concatenate([x0, x1[::-1]]), np.concatenate([y0, y1[::-1]])
+    return 0.5 * abs(float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()))
+
+
+def test_a_new_s1002_has_the_dimensions_of_its_standard() -> None:
+    """Flange 32.5 mm thick and 28 mm high (EN 13715); qR of the new profile is 10.8 mm."""
+    found = flange_dimensions(wheel())
+    assert found.thickness == pytest.approx(32.5e-3, abs=1e-6)
+    assert found.height == pytest.approx(28.0e-3, abs=1e-6)
+    assert found.steepness == pytest.approx(10.8e-3, abs=0.02e-3)
+
+
+def test_a_tread_that_wears_makes_the_flange_higher_and_thicker() -> None:
+    """A tread that loses 1 mm all over: Sh grows by that, and Sd is measured 1 mm nearer to the root."""
+    new = wheel()
+    edges = bin_edges(new, 0.25e-3)
+    u = new.at(0.5 * (edges[1:] + edges[:-1]))[0]
+    areas = 1e-3 / (1.0 + np.exp(-(u + 10e-3) / 1e-3))
+    old, now = flange_dimensions(new), flange_dimensions(worn(new, [depths_of(new, areas, CUTOFF)], "hollow"))
+    assert now.height - old.height == pytest.approx(1e-3, rel=2e-3)
+    face = (new.u > -40e-3) & (new.u < -30e-3)
+    assert now.thickness == pytest.approx(70e-3 + np.interp(-9e-3, new.w[face], new.u[face]), abs=1e-5)
+
+
+def test_a_cone_has_no_flange() -> None:
+    with pytest.raises(InputError, match="no flange"):
+        flange_dimensions(load_profile("wheels/cone_1in20.toml"))
+
+
+@pytest.mark.parametrize("name", ["wheels/S1002.toml", "rails/60E1.toml"])
+def test_area_off_the_profile_is_area_lost(name: str) -> None:
+    """By the depths to round-off, and between the two curves as a polygon."""
+    profile = load_profile(name)
+    areas = losses(profile)
+    table = depths_of(profile, areas, CUTOFF)
+    lost = areas.sum() * profile.length / areas.size
+    assert sum(area_off(profile, table)) == pytest.approx(lost, rel=1e-13)
+    assert enclosed(profile, worn(profile, [table], "worn")) == pytest.approx(lost, rel=1e-6)
+
+
+def test_smoothing_keeps_the_sum_and_puts_nothing_back() -> None:
+    areas = losses(wheel())
+    smooth = smoothed_table(areas, 0.25e-3, CUTOFF)
+    assert smooth.sum() == pytest.approx(areas.sum(), rel=1e-13)
+    assert smooth.min() >= 0.0
+
+
+def test_smoothing_halves_a_wave_of_the_cutoff() -> None:
+    x = np.arange(4000) * 0.1e-3
+    wave = np.sin(2.0 * np.pi * x / CUTOFF)
+    middle = smoothed_table(wave, 0.1e-3, CUTOFF)[1000:3000]
+    assert np.abs(middle).max() == pytest.approx(0.5, abs=1e-3)
+
+
+def test_losses_on_the_worn_profile_come_back_to_the_unworn_one() -> None:
+    """Their sum stays, and each stays at its place: on the profile that lost nothing they are the same."""
+    new = wheel()
+    areas = losses(new)
+    np.testing.assert_allclose(on_unworn(new, None, new.length, areas, areas.size), areas, rtol=1e-9, atol=1e-15)
+    table = depths_of(new, areas, CUTOFF)
+    profile = worn(new, [table], "worn")
+    count = int(np.ceil(profile.length / 0.25e-3))
+    lost = np.random.default_rng(1).random(count)
+    back = on_unworn(new, table, profile.length, lost, areas.size)
+    assert back.sum() * new.length / areas.size == pytest.approx(lost.sum() * profile.length / count, rel=1e-12)
+
+
+def test_a_table_of_depths_is_a_model_file(tmp_path: Path) -> None:
+    new = wheel()
+    table = depths_of(new, losses(new), CUTOFF)
+    (tmp_path / "depths.csv").write_text(write_depths(table))
+    head = 'name = "x"\nbody = "wheel"\nkind = "worn"\ndate = 2026-11-22\nsource = "test"\n'
+    (tmp_path / "wheel.toml").write_text(head + 'base = "S1002.toml"\ndepths = "depths.csv"\n')
+    read = load_profile(tmp_path / "wheel.toml")
+    made = worn(new, [table], "x")
+    np.testing.assert_allclose(read.w, made.w, rtol=0.0, atol=1e-15)
+    (tmp_path / "depths.csv").write_text("place_mm,depth_mm\n0,0\n1,0\n1,0\n2,0\n")
+    with pytest.raises(InputError, match=r"depths.csv:4: place_mm = .*: must rise from row to row"):
+        load_profile(tmp_path / "wheel.toml")
+
+
+def test_a_profile_that_would_overlap_itself_is_refused() -> None:
+    """A groove deeper than the radius of the flange's tip."""
+    new = wheel()
+    edges = bin_edges(new, 0.25e-3)
+    u = new.at(0.5 * (edges[1:] + edges[:-1]))[0]
+    areas = 15e-3 * np.exp(-(((u + 55e-3) / 6e-3) ** 2))
+    with pytest.raises(InputError, match="makes the profile overlap itself"):
+        worn(new, [depths_of(new, areas, CUTOFF)], "x")
