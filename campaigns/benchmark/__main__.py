@@ -83,7 +83,7 @@ def words(verdict: Verdict, comparison: ComparisonFile) -> str:
             errors = zip(("median", "95 %", "worst"), o.errors, o.limits, strict=True)
             beyond = (f"{w} {e:.3g} > {limit:g}" for w, e, limit in errors if limit is not None and not e <= limit)
             lines.append(f"            {o.quantity}: {', '.join(beyond) or 'no figure'} (case {o.case})")
-    return "\n".join(lines)
+    return "\n".join(lines + [f"            {verdict.problem}"] * bool(verdict.problem))
 
 
 def write(path: Path, done: Sequence[Verdict]) -> None:
@@ -139,6 +139,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("-o", "--output", type=Path, metavar="FILE")
     parser.add_argument("--report", action="store_true")
     asked = parser.parse_args(arguments)
+    asked.reference = asked.reference.resolve()
     try:
         return run(asked)
     except InputError as problem:

@@ -41,12 +41,12 @@ class Code:
 
     def pose(
         self, *, wheel: str, rail: str, inclination: str, y_mm: float, roll_rad: float, yaw_rad: float,
-        pitch_rad_per_s: float, load_N: float, friction: float,
+        pitch_rad_per_s: float, load_N: float, friction: float, model: str,
     ) -> Answer:  # fmt: skip
         """A right wheel of 460 mm radius carries a load on a rail: flange backs 1360 mm apart, gauge 1435 mm, 2 m/s,
-        steel of G 82 GPa and nu 0.28. Of the patch with the largest force ``p0_MPa``,
-        ``area_mm2``, ``approach_mm``, ``N_N``, contact angles at its edges ``angle_smin_rad``, ``angle_smax_rad``
-        (the latter nearer to the field side); of all patches ``X_N``, ``Y_N``."""
+        steel of G 82 GPa and nu 0.28; model: "" (the code's best) or "half-space". Of the patch with the largest force
+        ``p0_MPa``, ``area_mm2``, ``approach_mm``, ``N_N``, contact angles at its edges ``angle_smin_rad``,
+        ``angle_smax_rad`` (the latter nearer to the field side); of all patches ``X_N``, ``Y_N``."""
         raise NotImplementedError
 
     def arcs(
@@ -58,18 +58,20 @@ class Code:
         ``angle_range_deg``, ``direction_deg`` of the force."""
         raise NotImplementedError
 
-    def rail_corner(self, *, gap: str) -> Answer:
-        """The conformal rail corner of CONTACT's guide; gap: "quadratic" or "true". ``N_kN``, ``X_kN``, ``S_kN``,
-        ``M_Nm``, ``p0_MPa``."""
+    def rail_corner(self, *, penetration_mm: Sequence[float]) -> Answer:
+        """The rail corner of CONTACT's guide: G 82 GPa, nu 0.28, friction 0.3, A 0.76859 1/m along, elements of 0.4 mm
+        at which the penetration across is given, from the middle on and the same on the other side; creepages -0.004
+        and -0.0098995, spin -1.5372 1/m. ``N_kN``, ``X_kN``, ``S_kN``, ``M_Nm``, ``p0_MPa``."""
         raise NotImplementedError
 
-    def rounded_flat(self, *, pitch_rad: float, load_N: float) -> Answer:
-        """A wheel with the rounded flat of CONTACT's test bank: ``z_mm``, ``x_mm``, ``approach_mm``, ``p0_MPa``."""
+    def rounded_flat(self, *, pitch_rad: float, z_mm: float) -> Answer:
+        """The wheel with a rounded flat of CONTACT's test bank under 10 kN: ``z_mm`` that it has sunk (near to the one
+        given), ``x_mm`` of the force, ``approach_mm``, ``p0_MPa``."""
         raise NotImplementedError
 
     def crossing(self, *, s_mm: float, y_mm: float, load_N: float, near_mm: float) -> Answer:
-        """S1002 on the crossing 56E1-R245-1:9.25: ``z_mm``; of the patch nearest to y = near_mm ``N_N``, ``p0_MPa``,
-        ``x_mm``, ``y_mm``."""
+        """S1002 on the crossing 56E1-R245-1:9.25: ``z_mm`` that it has sunk; of the patch nearest to y = near_mm
+        ``N_N``, ``p0_MPa``, ``x_mm``, ``y_mm``."""
         raise NotImplementedError
 
     # --- creep forces ---------------------------------------------------------------------------------------------
@@ -94,7 +96,7 @@ class Code:
 
     # --- geometry -------------------------------------------------------------------------------------------------
     def profile(self, *, kind: str, name: str, across_mm: Sequence[float]) -> Answer:
-        """``up_mm`` of a standard profile over places across."""
+        """``down_mm`` of a standard profile over places across, positive to the field side; "wheels" or "rails"."""
         raise NotImplementedError
 
     def conicity(self, *, amplitude_mm: Sequence[float], right_radius_mm: float) -> Answer:
@@ -102,8 +104,9 @@ class Code:
         raise NotImplementedError
 
     # --- vehicles -------------------------------------------------------------------------------------------------
-    def wheelset_mode(self, *, speed_m_per_s: float) -> Answer:
-        """Hunting of the wheelset on knife-edge rails: ``growth_per_s``, ``frequency_rad_per_s``."""
+    def wheelset_mode(self, *, speed_m_per_s: float, near_rad_per_s: float) -> Answer:
+        """Hunting of the wheelset on knife-edge rails, the mode next to a frequency: ``growth_per_s``,
+        ``frequency_rad_per_s``."""
         raise NotImplementedError
 
     def critical_speed(self, *, vehicle: str) -> Answer:
@@ -111,7 +114,7 @@ class Code:
         raise NotImplementedError
 
     def wheel_load(self, *, vehicle: str) -> Answer:
-        """``Q_kN`` of every wheel of "gz18" or "irw" at rest."""
+        """Mean ``Q_kN`` of the wheels of "gz18" or "irw" at rest."""
         raise NotImplementedError
 
     def steady_curve(self, *, line: str) -> Answer:

@@ -136,11 +136,12 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of a comparison; no outcomes where a code does not offer it."""
+    """What came of a comparison; no outcomes where a code does not offer it; problem: the first one that stopped it."""
 
     comparison: str
     outcomes: tuple[Outcome, ...]
     seconds: float
+    problem: str = ""
 
     @property
     def word(self) -> str:
@@ -169,27 +170,25 @@ def run_comparison(name: str, comparison: ComparisonFile, code: Code, short: boo
     began = time.perf_counter()
     rows = comparison.cases.read(code.reference, name, short)
     ask = getattr(code, comparison.function)
-    answers: list[Answer] = []
+    given, problems = comparison.given, list[str]()
+
+    def answer(**arguments: Any) -> Answer:
+        try:
+            return ask(**arguments | given)
+        except (InputError, SimulationError, ArithmeticError, ValueError, IndexError) as problem:
+            problems.append(str(problem).splitlines()[0])
+            return None
+
     try:
         if comparison.whole:
             columns = {key: [row[column] for row in rows] for key, column in comparison.inputs.items()}
-            answers = _split(_ask(ask, columns | comparison.given), len(rows))
+            answers = _split(answer(**columns), len(rows))
         else:
-            for row in rows:
-                arguments = {key: row[column] for key, column in comparison.inputs.items()}
-                answers.append(_ask(ask, arguments | comparison.given))
+            answers = [answer(**{key: row[column] for key, column in comparison.inputs.items()}) for row in rows]
     except NotImplementedError:
         return Verdict(name, (), time.perf_counter() - began)
     found = tuple(_outcome(name, quantity, rows, answers) for quantity in comparison.quantities)
-    return Verdict(name, found, time.perf_counter() - began)
-
-
-def _ask(ask: Any, arguments: dict[str, Any]) -> Answer:
-    """An answer; none where the code stops."""
-    try:
-        return ask(**arguments)
-    except (InputError, SimulationError, ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError):
-        return None
+    return Verdict(name, found, time.perf_counter() - began, next(iter(problems), ""))
 
 
 def _outcome(name: str, quantity: QuantitySection, rows: Sequence[Row], answers: Sequence[Answer]) -> Outcome:
@@ -231,4 +230,4 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]\d+)?")
 
 
 def _number(value: Any) -> Any:
-    return float(value) if not isinstance(value, str) or NUMBER.fullmatch(value) else value
+    return float(value) if isinstance(value, int) or NUMBER.fullmatch(str(value)) else value

@@ -3,10 +3,13 @@
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from campaigns.benchmark.adapter import Code
@@ -14,21 +17,59 @@ from campaigns.benchmark.comparison import ROOT
 
 sys.path[:0] = [str(ROOT / "campaigns"), str(ROOT / "tests")]
 
-from reference_contact import HALF_SPACING, STEEL, Chosen, Place, bench_place, own_place, solve  # noqa: E402
-from support.ellipse import roll, total  # noqa: E402
+import gz18
+from climb import WHEEL
+from out_of_round import CROWN, carrying
+from out_of_round import RADIUS as OF_FLAT
+from out_of_round import table as flat_table
+from reference_contact import FRICTION, HALF_SPACING, STEEL, Chosen, Place, bench_place, own_place, solve
+from support import crossings
+from support.contacts import RADIUS
+from support.ellipse import roll, total
+from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 
-from wrsim.analysis.conicity.conicity import wheelset_conicity  # noqa: E402
-from wrsim.contact.models import contact_model  # noqa: E402
-from wrsim.contact.pose import Pose  # noqa: E402
-from wrsim.contact.settings import ContactSettings, Material  # noqa: E402
-from wrsim.contact.tables import creep_coefficients  # noqa: E402
-from wrsim.core.contact.tangential.flexibility import kalker_coefficients  # noqa: E402
-from wrsim.geometry.profile.models import load_profile  # noqa: E402
-from wrsim.geometry.profile.sections import circle, cone  # noqa: E402
-from wrsim.scenario.sections.conicity import ConicityPlan  # noqa: E402
-from wrsim.vehicle.wheelset import Wheel, Wheelset  # noqa: E402
+from wrsim.analysis import run
+from wrsim.analysis.conicity.conicity import wheelset_conicity
+from wrsim.analysis.overturning import stopped_at
+from wrsim.analysis.ride import WEIGHTINGS
+from wrsim.analysis.stationary.statics import static_state
+from wrsim.contact.half_space.influence import Compliance, Operator
+from wrsim.contact.half_space.normal import solve_normal
+from wrsim.contact.half_space.rolling import solve_rolling
+from wrsim.contact.model import Contact, ContactModel
+from wrsim.contact.models import contact_model
+from wrsim.contact.pose import Pose
+from wrsim.contact.settings import ContactSettings, Material
+from wrsim.contact.tables import creep_coefficients
+from wrsim.core.contact.tangential.flexibility import kalker_coefficients
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.sections import circle, cone
+from wrsim.geometry.track.sleepers import Layer, RailBeam, SleeperTrack
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load
+from wrsim.scenario.sections.conicity import ConicityPlan
+from wrsim.simulation.modes import linearise
+from wrsim.vehicle.wheelset import Wheel, Wheelset
+
+
+@cache
+def _flat_wheel(folder: Path) -> ContactModel:
+    """The wheel of CONTACT's test bank at all places across."""
+    settings = ContactSettings(tangential="none", wheel=STEEL, rail=STEEL, damping=0.0)
+    wheel, rail = cone("cylinder", "wheel", 0.0, -0.0302, 0.0302), circle("crown", "rail", CROWN, 0.05)
+    return contact_model(wheel, rail, OF_FLAT, settings, out_of_round=[flat_table(folder, True)])
+
+
+@cache
+def _on_crossing(folder: Path) -> ContactModel:
+    """S1002 on the wing and the nose, with creep forces."""
+    crossings.CROSSING = folder
+    surface = crossings.crossing(0.1, 0.33)
+    return crossings.on(surface, "strips", load_profile("wheels/S1002.toml"), tangential="fastrip", friction=FRICTION)
+
 
 STRIPS = Chosen.parse("strips")
+SCENARIOS = ROOT / "scenarios"
 FALLING = {"fall_ratio": 0.1368 / 0.36, "fall_decay": np.log(2.0) / 0.99}
 REDUCED = {"slope_k0": 0.54, "slope_alpha_inf": 0.02, "slope_beta": 0.62}
 
@@ -54,7 +95,7 @@ class Wrsim(Code):
         return {"p0_MPa": 1e-6 * p0, "approach_mm": 1e3 * approach, "area_mm2": 1e6 * area}
 
     def pose(self, *, wheel: str, rail: str, inclination: str, y_mm: float, roll_rad: float, yaw_rad: float,
-             pitch_rad_per_s: float, load_N: float, friction: float):  # fmt: skip
+             pitch_rad_per_s: float, load_N: float, friction: float, model: str):  # fmt: skip
         place = bench_place(self.contact)
         if "MBench" not in wheel:
             place = own_place(wheel, rail, inclination, friction > 0.0)
@@ -87,6 +128,41 @@ class Wrsim(Code):
             "direction_deg": np.degrees(np.arctan2(-answer.force[1], answer.force[2])),
         }  # fmt: skip
 
+    def rail_corner(self, *, penetration_mm: Sequence[float]):
+        side, columns = 4e-4, 51
+        across = 1e-3 * np.array([*penetration_mm[:0:-1], *penetration_mm])[:, None]
+        x = (np.arange(columns) - columns // 2) * side
+        s = ((np.arange(len(across)) - len(across) // 2) * side)[:, None]
+        operator = Operator(len(across), columns, side, side, Compliance.of(STEEL, STEEL))
+        p = solve_normal(operator, across - 0.76859 * x**2, 1e-6).p
+        slip = np.stack(np.broadcast_arrays(-4e-3 + 1.5372 * s, -9.8995e-3 - 1.5372 * (x + side / 6.0)))
+        q = solve_rolling(operator, FRICTION * p, np.ascontiguousarray(slip)).q
+        normal, along, aside, moment = side**2 * np.array([p, q[0], q[1], x * q[1] - s * q[0]]).sum(axis=(1, 2))
+        kilo = {"N_kN": 1e-3 * normal, "X_kN": 1e-3 * along, "S_kN": 1e-3 * aside}
+        return kilo | {"M_Nm": moment, "p0_MPa": 1e-6 * p.max()}
+
+    def rounded_flat(self, *, pitch_rad: float, z_mm: float):
+        model = _flat_wheel(self.reference / "out_of_round")
+        sunk, contact = carrying(model, 1e-3 * z_mm, -pitch_rad)
+        strips = np.concatenate(contact.strips)
+        middle = strips[np.argmin(np.abs(strips["o"]))]
+        place = 1e3 * float(strips["N"] @ strips["x"] / strips["N"].sum())
+        p0 = 1e-6 * float(contact.patches["p0"].max())
+        return {"z_mm": 1e3 * sunk, "x_mm": place, "approach_mm": 1e3 * float(middle["penetration"]), "p0_MPa": p0}
+
+    def crossing(self, *, s_mm: float, y_mm: float, load_N: float, near_mm: float):
+        model = _on_crossing(self.reference / "crossing_56e1")
+
+        def lowered(sunk: float) -> Contact:
+            origin = (0.0, 1e-3 * y_mm, RADIUS - sunk)
+            return model.evaluate(origin, velocity=(1.0, 0, 0), omega=(0, 1.0 / RADIUS, 0), place=1e-3 * s_mm)
+
+        sunk = brentq(lambda z: float(lowered(z).force[2]) - load_N, -2e-3, 2e-3, xtol=1e-9)
+        outward = 1e-3 * near_mm - HALF_SPACING
+        patch = min(lowered(sunk).patches, key=lambda p: abs(p["o"] - outward))
+        own = {"N_N": patch["N"], "p0_MPa": 1e-6 * patch["p0"], "x_mm": 1e3 * patch["x"]}
+        return own | {"z_mm": 1e3 * sunk, "y_mm": 1e3 * (patch["o"] + HALF_SPACING)}
+
     def kalker(self, *, a_over_b: float, nu: float):
         return dict(zip(("C11", "C22", "C23"), kalker_coefficients(creep_coefficients(nu), a_over_b), strict=True))
 
@@ -113,7 +189,7 @@ class Wrsim(Code):
 
     def profile(self, *, kind: str, name: str, across_mm: Sequence[float]):
         own = load_profile(f"{kind}/{name}.toml")
-        return {"up_mm": [1e3 * float(own.at(own.arclength_of(1e-3 * u))[1]) for u in across_mm]}
+        return {"down_mm": [-1e3 * float(own.at(own.arclength_of(1e-3 * y))[1]) for y in across_mm]}
 
     def conicity(self, *, amplitude_mm: Sequence[float], right_radius_mm: float):
         wheel, rail = (load_profile(ROOT / f"tests/data/en15302_{kind}_A.csv", kind) for kind in ("wheel", "rail"))
@@ -121,3 +197,76 @@ class Wrsim(Code):
         plan = ConicityPlan(tuple(1e-3 * a for a in amplitude_mm), "none")
         found = wheelset_conicity(Wheelset("w", 1.0, (1.0,) * 3, 1.5, *wheels), (rail, rail), 1.43516, plan, "A on A")
         return {"tan_gamma_e": found.wheelset()["equivalent_conicity"].values}
+
+    def wheelset_mode(self, *, speed_m_per_s: float, near_rad_per_s: float):
+        law = KnifeEdge()
+        forces = KnifeEdgeForces(example_wheelset(), speed_m_per_s, law=law)
+        rest = forces.rolling({"z": law.radius - law.approach(50e3)}, ("z",))
+        values = np.linalg.eigvals(linearise(forces, forces.bodies, rest.q, rest.q_t).state_matrix)
+        hunting = values[np.argmin(np.abs(values - 1j * near_rad_per_s))]
+        return {"growth_per_s": hunting.real, "frequency_rad_per_s": hunting.imag}
+
+    def critical_speed(self, *, vehicle: str):
+        linear = {"stability.nonlinear": False, "stability.speed_kmh": [180, 240, 260]}
+        found = run(load(SCENARIOS / f"stability_{vehicle}.toml").with_values(linear)).dataset.attrs
+        return {"speed_m_per_s": found["critical_speed_m_s"], "frequency_Hz": found["critical_frequency_Hz"]}
+
+    def wheel_load(self, *, vehicle: str):
+        gz18.TABLES = self.reference / "gz18"
+        with TemporaryDirectory() as folder:
+            loads = static_state(build(gz18.scenario(Path(folder), car=vehicle)).vehicle).wheel_loads
+        return {"Q_kN": 1e-3 * loads.mean(), "spread": np.ptp(loads) / loads.mean()}
+
+    def steady_curve(self, *, line: str):
+        gz18.TABLES = self.reference / "gz18"
+        with TemporaryDirectory() as folder:
+            sample = run(gz18.steady(Path(folder), line)).dataset.isel(pose=0, wheelset=0)
+        found = {"lateral_mm": 1e3 * sample["lateral_shift"].item(), "yaw_mrad": 1e3 * sample["yaw"].item()}
+        for wheel, name in enumerate(("outer", "inner")):
+            one = sample.isel(wheel=wheel)
+            angle = one["contact_angle"].values[np.nanargmax(one["N"].values)]
+            c, s, x, y, q = np.cos(angle), np.sin(angle), *(1e-3 * one[key].item() for key in "XYQ")
+            found |= {f"{name}_N_kN": q * c + y * s, f"{name}_Tx_kN": -x, f"{name}_Ty_kN": y * c - q * s}
+        return found
+
+    def climb(self, *, flange_angle_deg: float, flange_length_mm: float, attack_mrad: float):
+        with TemporaryDirectory() as folder:
+            wheel = Path(folder, "wheel.toml")
+            wheel.write_text(WHEEL.format(flange_angle_deg, flange_length_mm, 9.5))
+            values = {"vehicle.wheel": str(wheel), "climb.angle_of_attack_mrad": [attack_mrad]}
+            values |= {"climb.Y_over_Q": [1.99], "climb.longest_m": 40.0}
+            found = run(load(SCENARIOS / "climb.toml").with_values(values)).dataset
+        return {"distance_m": found["climb_distance"].item()}
+
+    def overturning(self, *, speed_km_per_h: float):
+        setup = build(load(SCENARIOS / "overturning.toml").with_values({"overturning.run": True}))
+        return {"falls": float(bool(stopped_at(setup, speed_km_per_h / 3.6)))}
+
+    def rail_mobility(self, *, track: str, frequency_Hz: Sequence[float]):
+        frequency, ground = np.array(frequency_Hz), Layer((50e6, 50e6), loss_factor=1.0)
+        if track == "sleepers":
+            # the source's shear stiffness is 2.06 % above its shear coefficient of 0.393: its closed form shows it
+            rail = RailBeam(shear_vertical=1.0206 * 0.393)
+            own = SleeperTrack(rail, Layer((50e6, 300e6), loss_factor=0.25), ground, sleeper_mass=324.0)
+            found = own.receptance(frequency, 72.0)
+        else:
+            spacing = 0.05
+            pads = Layer((300e6 * spacing,) * 2, (30e3 * spacing,) * 2)
+            rail = RailBeam(shear_vertical=None, shear_lateral=None)
+            own = SleeperTrack(rail, pads, pads, None, spacing=spacing, sleeper_width=0.01)
+            found = own.receptance(frequency, 45.0, bays=1800, elements=1)
+        return {"v_m_per_s_per_N": 2.0 * np.pi * frequency * np.abs(found)}
+
+    def bridge(self, *, speed_km_per_h: float):
+        values = {"contact.normal": "kik-piotrowski", "run.distance_m": 62.0, "vehicle.speed_kmh": speed_km_per_h}
+        found = run(load(SCENARIOS / "bridge.toml").with_values(values)).dataset
+        largest = {
+            name: float(np.abs(found[f"deck_{name}"]).max()) for name in ("deflection", "moment", "acceleration")
+        }
+        return {
+            "deflection_mm": 1e3 * largest["deflection"], "moment_kNm": 1e-3 * largest["moment"],
+            "acceleration_m_per_s2": largest["acceleration"],
+        }  # fmt: skip
+
+    def ride_weighting(self, *, weighting: str, frequency_Hz: float):
+        return {"factor": abs(WEIGHTINGS[weighting].response(np.array([frequency_Hz])))[0]}
