@@ -286,6 +286,8 @@ class VehicleOnTrack(Layout):
         if self.on_sleepers is not None:
             rails = slice(self.size - self.rails, self.size)
             self.on_sleepers.begin(step, q[rails], q_t[rails], q_tt[rails])
+            vehicle_forces.place_wheels(q, q_t, self.workspace.buffer, self.workspace.index)
+            self.on_sleepers.look_at_wheels(q[rails], q_t[rails], q_tt[rails])
             self._evaluated = np.nan
 
     def begin_explicit(self, t: float, step: float, q: Array, q_t: Array) -> None:

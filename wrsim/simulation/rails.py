@@ -33,9 +33,10 @@ the numerical damping of 100 Hz at 1 ms is 0.4 % of critical."""
 
 
 def method_of(step: float) -> Array:
-    """Numbers of generalised alpha with this factor as the kernel takes them (8,)."""
+    """Numbers of generalised alpha with this factor as the kernel takes them (9,)."""
     own = damping_by(RADIUS)
-    return np.array([step, *own, *own.changes(step), 1.0 / METHOD.changes(step)[0]])
+    c, d = METHOD.changes(step)
+    return np.array([step, *own, *own.changes(step), 1.0 / c, d / c])
 
 
 class RailsOnSleepers:
@@ -71,8 +72,8 @@ class RailsOnSleepers:
             self._pair(0), self._pair(2), np.zeros(self.count * own.elements + 1), ties,
             np.zeros((n, 3, 6)), np.zeros((n, 3, 6)), np.zeros((n, 2, 6)), head, along,
         )  # fmt: skip
-        self.method = np.zeros(9)
-        self._found = np.zeros((2, 2 * n))
+        self.method = np.zeros(10)
+        self._found = np.zeros((3, 2 * n))
         self.static = self._rest_at_start()
 
     @property
@@ -111,8 +112,13 @@ class RailsOnSleepers:
             self._move()
             self._prepare(step)
             kernel.begin(self.method, self._found, *self._wheels, self.rails)
-        q[:], q_t[:] = self._found
-        q_tt[:] = 0.0
+        self._found[2] = 0.0
+        q[:], q_t[:], q_tt[:] = self._found
+
+    def look_at_wheels(self, q: Array, q_t: Array, q_tt: Array) -> None:
+        """Better guesses, with the wheels at their places."""
+        kernel.look_at_wheels(self.method, self._found, *self._wheels, self.rails)
+        q[:], q_t[:], q_tt[:] = self._found
 
     def begin_explicit(self, step: float, q: Array, q_t: Array) -> None:
         """Begin a step that is taken in parts by an explicit method: each rail is a mass whose acceleration by the
@@ -120,7 +126,8 @@ class RailsOnSleepers:
         self.begin(step, *np.zeros((3, len(q))))
         rate = 2.0 / step**2
         for wheel, tie, u, u_t in zip(self._records, self.ties, q.reshape(-1, 2), q_t.reshape(-1, 2), strict=True):
-            wheel.rate, wheel.held = rate, 0.0
+            wheel.rate_n = wheel.rate_b = rate
+            wheel.held_n = wheel.held_b = 0.0
             wheel.free_n = tie.guess_n - u[0] - step * u_t[0] - tie.nn * tie.push_n - tie.nb * tie.push_b
             wheel.free_b = tie.guess_b - u[1] - step * u_t[1] - tie.nb * tie.push_n - tie.bb * tie.push_b
 
@@ -133,7 +140,7 @@ class RailsOnSleepers:
     def _prepare(self, step: float) -> None:
         """Factors for a step [s]."""
         if self._prepared != (self._matrices, step):
-            self.method[:8] = method_of(step)
+            self.method[:9] = method_of(step)
             kernel.prepare(1.0, self.method[6], self.method[5], self.rails)
             self._prepared = self._matrices, step
 
@@ -162,13 +169,14 @@ class RailsOnSleepers:
             # the other wheels with their mean forces
             wheel.free_n = n - (tie.nb - tie.own_nb) * tie.push_b
             wheel.free_b = b - (tie.bb - tie.own_bb) * tie.push_b
-            wheel.held, wheel.rate = 1.0, stiffness[1] / STARTING_MASS
+            wheel.held_n = wheel.held_b = 1.0
+            wheel.rate_n = wheel.rate_b = stiffness[1] / STARTING_MASS
         mass = STARTING_MASS * stiffness[0] / stiffness[1]
         return RailElasticity(stiffness, (0.0, 0.0), (mass, STARTING_MASS))
 
     def _release(self) -> None:
         for wheel in self._records:
-            wheel.rate = 0.0
+            wheel.rate_n = wheel.rate_b = 0.0
 
     def _prepare_statics(self) -> None:
         kernel.prepare(0.0, 0.0, 1.0, self.rails)
@@ -215,4 +223,4 @@ class RailsOnSleepers:
             self._prepared = np.nan, np.nan
         nodes[:] = own.places(self.first, 1)[0] + self._along
         self._filled = self.first
-        self.method[8] = own.offset + own.spacing * (self.first + self._moves) + own.margin
+        self.method[9] = own.offset + own.spacing * (self.first + self._moves) + own.margin

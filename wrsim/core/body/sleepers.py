@@ -17,8 +17,8 @@ solved for all forces. The vehicle's step has u as an unknown, whose "force" is 
 
     u_tt + m (g (f - f*) - (u - u*)) / c
 
-with its own c, so that the residual is 0 where the equation above holds. The mass m = c / g_bb of the rail in the step
-makes it a force. So contact and rail are solved together, implicitly.
+with its own c, so that the residual is 0 where the equation above holds. The mass m = c / g_bb of the rail in the step,
+laterally c / g_nn, makes it a force. So contact and rail are solved together, implicitly.
 
 u is the displacement by the shape functions of the wheel's element and that of the element between its nodes under the
 wheel's own force (static, as of a beam clamped at its nodes), which the nodes do not know. The wheel pushes on the
@@ -26,11 +26,13 @@ rail's head so high above its shear centre, and beside its middle by the part of
 rail.
 """
 
-from math import sqrt
+from math import hypot, sqrt
 from typing import NamedTuple
 
-from wrsim.core.body.wheel_forces import ARRAYS, IN_CONTACT, POSE, wheel_record, wheel_total
-from wrsim.core.jit import Array, Ints, Records, kernel, record, vector
+from wrsim.core.body.wheel_forces import ARRAYS, IN_CONTACT, LOBES, POSE, pose_on_rail, wheel_record, wheel_total
+from wrsim.core.contact.records import LOBE, read_pose
+from wrsim.core.jit import Array, Ints, Records, inlined, kernel, record, records, vector
+from wrsim.core.linalg import ZERO, Vec, add, cross, norm, scale, shifted, sub
 from wrsim.core.root import neighbours
 from wrsim.core.track.banded import factorise, invert_band, quadratic_form, solve, subtract_product
 
@@ -211,8 +213,8 @@ def read(row: int, i: int, rails: Rails) -> tuple[float, float]:
 def begin(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -> bool:
     """Begin a step with prepared factors: place the wheels; what the rails do under the forces that are foretold.
 
-    method (9,): step [s], alpha_m, alpha_f, beta, gamma, changes c and d of u and u_t for a change of u_tt, 1 over the
-    change c of the vehicle's method [1/s2], place where the last wheel leaves the window [m]. found (2, 2 wheels):
+    method (10,): step [s], alpha_m, alpha_f, beta, gamma, changes c and d of u and u_t for a change of u_tt, 1 / c and
+    d / c of the vehicle's method [1/s2, 1/s], place where the last wheel leaves the window [m]. found (3, 2 wheels):
     receives displacements of the rails to the left and up in turn, and their velocities. Writes how the rail under a
     wheel yields to its record. Returns False, and has done nothing, where the window has to be moved.
     """
@@ -220,7 +222,7 @@ def begin(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails)
     last = rails.ties[0].place
     for i in range(rails.ties.shape[0]):
         last = min(last, rails.ties[i].place)
-    if last >= method[8]:
+    if last >= method[9]:
         return False
     c, d = method[5], method[6]
     place(rails)
@@ -245,13 +247,59 @@ def begin(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails)
         tie.rate_n = p_t[0] + d * a[0] + tie.speed * (p_x[0] + c * a_x[0])
         tie.rate_b = p_t[1] + d * a[1] + tie.speed * (p_x[1] + c * a_x[1])
         wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = tie.nn, tie.nb, tie.bb
-        scale = 1.0 / (method[7] * tie.bb)
-        wheel.rate, wheel.held = scale * method[7], 1.0 - 1.0 / scale
-        wheel.free_n = wheel.held * tie.guess_n - tie.nn * tie.push_n - tie.nb * tie.push_b
-        wheel.free_b = wheel.held * tie.guess_b - tie.nb * tie.push_n - tie.bb * tie.push_b
+        wheel.rate_n, wheel.rate_b = 1.0 / tie.nn, 1.0 / tie.bb
+        wheel.held_n, wheel.held_b = 1.0 - method[7] * tie.nn, 1.0 - method[7] * tie.bb
+        wheel.free_n = wheel.held_n * tie.guess_n - tie.nn * tie.push_n - tie.nb * tie.push_b
+        wheel.free_b = wheel.held_b * tie.guess_b - tie.nb * tie.push_n - tie.bb * tie.push_b
         found[0, 2 * i], found[0, 2 * i + 1] = tie.guess_n, tie.guess_b
         found[1, 2 * i], found[1, 2 * i + 1] = tie.rate_n, tie.rate_b
     return True
+
+
+@kernel
+def look_at_wheels(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -> None:
+    """Better guesses of the end of a step, once the wheels are where they are foretold: each rail in balance with the
+    force of its contact, linear in the changes since the last evaluation.
+
+    Rail and wheel move by some 10 um from step to step; the force between them hangs on a small difference of both. A
+    change of the gap along the normal of the contact changes the force by 3/2 of N over the approach (Hertz), one of
+    the velocity across it by creep force over creep velocity. found (3, 2 wheels): displacements, velocities,
+    accelerations as of an iteration, changed.
+    """
+    for i in range(rails.ties.shape[0]):
+        wheel, arrays = wheel_record(buffer, index, i), index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS]
+        last, lobes = read_pose(vector(buffer, arrays, POSE)), records(buffer, arrays, LOBES, LOBE)
+        normal, point, stiffness, drag = ZERO, ZERO, 0.0, 0.0
+        for k in range(wheel_total(buffer, index, i).lobes):
+            lobe = lobes[k]
+            own = 1.5 * lobe.N / lobe.approach if lobe.approach > 0.0 else 0.0
+            creep = hypot(lobe.xi, lobe.eta) * abs(last.velocity.x)
+            normal = add(normal, Vec(0.0, own * lobe.no, own * lobe.nb))
+            point = shifted(point, own, Vec(lobe.x, lobe.o, lobe.b))
+            stiffness += own
+            drag += hypot(lobe.Fx, lobe.Fy) / creep if creep > 0.0 else 0.0
+        if stiffness > 0.0:
+            along, arm = scale(1.0 / norm(normal), normal), sub(scale(1.0 / stiffness, point), last.origin)
+            pose, tie, side = pose_on_rail(buffer, index, i), rails.ties[i], wheel.side
+            turned = cross(cross(last.axle, sub(pose.axle, last.axle)), arm)
+            moved = add(sub(pose.origin, last.origin), turned)
+            faster = add(sub(pose.velocity, last.velocity), cross(sub(pose.omega, last.omega), arm))
+            n, b = side * along.y, along.z
+            gap = n * (side * moved.y - found[0, 2 * i]) + b * (moved.z - found[0, 2 * i + 1])
+            slip = b * (side * faster.y - found[1, 2 * i]) - n * (faster.z - found[1, 2 * i + 1])
+            gap *= 1.0 - 1.0 / (1.0 + stiffness * (n * n * tie.nn + 2.0 * n * b * tie.nb + b * b * tie.bb))
+            drag *= method[8] * (b * b * tie.nn - 2.0 * n * b * tie.nb + n * n * tie.bb)
+            slip *= (1.0 - 1.0 / (1.0 + drag)) / method[8]
+            _correct(method, found[:, 2 * i], n * gap + b * slip)
+            _correct(method, found[:, 2 * i + 1], b * gap - n * slip)
+
+
+@inlined
+def _correct(method: Array, unknown: Array, more: float) -> None:
+    """Change displacement, velocity and acceleration together."""
+    unknown[0] += more
+    unknown[1] += method[8] * more
+    unknown[2] += method[7] * more
 
 
 @kernel
@@ -272,7 +320,8 @@ def end(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -
         more_n, more_b = tie.push_n + more_n, tie.push_b + more_b
         tie.push_n, tie.push_b = more_n + TREND * (more_n - tie.last_n), more_b + TREND * (more_b - tie.last_b)
         tie.last_n, tie.last_b = more_n, more_b
-        wheel_record(buffer, index, i).rate = 0.0
+        wheel = wheel_record(buffer, index, i)
+        wheel.rate_n = wheel.rate_b = 0.0
     for pair in (rails.vertical, rails.lateral):
         for r in range(2):
             own = pair.rows[r]

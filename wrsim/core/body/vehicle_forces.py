@@ -172,30 +172,7 @@ def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index:
     shapes = block(buffer, index, SHAPES)
     decks, deck_shapes = records(buffer, index, DECKS, DECK), matrix(buffer, index, DECK_SHAPES)
     wheels = own.shape[0] // ARRAYS
-    for i in range(parts.shape[0]):
-        first = 2 * parts[i].wheelset
-        if first < 0 or first >= wheels:
-            continue
-        body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
-        twist = parts[i].twist
-        ahead = 0.5 * q_t[twist] if twist >= 0 else 0.0
-        turned = 0.5 * q[twist] if twist >= 0 else 0.0
-        for k in range(first, first + 2):
-            wheel = wheel_record(buffer, own, k)
-            if parts[i].wheels >= 0:
-                spin, j = q_t[6 * i + SPIN], parts[i].wheels + k - first
-                seat = attached(_turned(body, -spin), j, q, q_t, modes, attachments, shapes)
-                put_body(wheel.body, wheel_on_axle(seat, wheel.side * wheel.half_spacing, spin + wheel.side * ahead))
-            else:
-                put_body(wheel.body, _turned(body, wheel.side * ahead))
-            wheel.angle = q[6 * i + SPIN] + wheel.side * turned
-            if vehicle.rails >= 0:
-                rail = vehicle.rails + 2 * k
-                wheel.rail_n, wheel.rail_b = q[rail], q[rail + 1]
-                wheel.rail_n_t, wheel.rail_b_t = q_t[rail], q_t[rail + 1]
-            if decks.shape[0] > 0:
-                s, speed = place_on_rail(buffer, own, k), hypot(body.velocity.x, body.velocity.y)
-                wheel.rail_b, wheel.rail_b_t = deck_motion(s, speed, decks[0], deck_shapes, modes, q, q_t)
+    place_wheels(q, q_t, buffer, index)
     stages.run(vehicle.turns, buffer, own)
     status = 0
     for i in range(parts.shape[0]):
@@ -233,12 +210,48 @@ def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index:
                 if vehicle.sleepers != 0:
                     n = wheel.yield_nn * push_n + wheel.yield_nb * push_b + wheel.free_n
                     b = wheel.yield_nb * push_n + wheel.yield_bb * push_b + wheel.free_b
-                    out[rail] = wheel.rate * (n - wheel.held * q[rail])
-                    out[rail + 1] = wheel.rate * (b - wheel.held * q[rail + 1])
+                    out[rail] = wheel.rate_n * (n - wheel.held_n * q[rail])
+                    out[rail + 1] = wheel.rate_b * (b - wheel.held_b * q[rail + 1])
                 else:
                     out[rail] = _rail_acceleration(vehicle.rail_n, push_n, q[rail], q_t[rail])
                     out[rail + 1] = _rail_acceleration(vehicle.rail_b, push_b, q[rail + 1], q_t[rail + 1])
     return status
+
+
+@kernel
+def place_wheels(q: Array, q_t: Array, buffer: Array, index: Ints) -> None:
+    """Write the motion of every wheel, and of the rail under it, to its record."""
+    vehicle = records(buffer, index, WHOLE, VEHICLE)[0]
+    parts = records(buffer, index, PARTS, PART)
+    own = index[FIRST_WHEEL:]
+    modes, attachments = records(buffer, index, MODES, MODE), records(buffer, index, ATTACHMENTS, ATTACHMENT)
+    shapes = block(buffer, index, SHAPES)
+    decks, deck_shapes = records(buffer, index, DECKS, DECK), matrix(buffer, index, DECK_SHAPES)
+    wheels = own.shape[0] // ARRAYS
+    for i in range(parts.shape[0]):
+        first = 2 * parts[i].wheelset
+        if first < 0 or first >= wheels:
+            continue
+        body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
+        twist = parts[i].twist
+        ahead = 0.5 * q_t[twist] if twist >= 0 else 0.0
+        turned = 0.5 * q[twist] if twist >= 0 else 0.0
+        for k in range(first, first + 2):
+            wheel = wheel_record(buffer, own, k)
+            if parts[i].wheels >= 0:
+                spin, j = q_t[6 * i + SPIN], parts[i].wheels + k - first
+                seat = attached(_turned(body, -spin), j, q, q_t, modes, attachments, shapes)
+                put_body(wheel.body, wheel_on_axle(seat, wheel.side * wheel.half_spacing, spin + wheel.side * ahead))
+            else:
+                put_body(wheel.body, _turned(body, wheel.side * ahead))
+            wheel.angle = q[6 * i + SPIN] + wheel.side * turned
+            if vehicle.rails >= 0:
+                rail = vehicle.rails + 2 * k
+                wheel.rail_n, wheel.rail_b = q[rail], q[rail + 1]
+                wheel.rail_n_t, wheel.rail_b_t = q_t[rail], q_t[rail + 1]
+            if decks.shape[0] > 0:
+                s, speed = place_on_rail(buffer, own, k), hypot(body.velocity.x, body.velocity.y)
+                wheel.rail_b, wheel.rail_b_t = deck_motion(s, speed, decks[0], deck_shapes, modes, q, q_t)
 
 
 @kernel

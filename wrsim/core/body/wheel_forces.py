@@ -12,7 +12,7 @@ its own arrays alone, so neither order nor threads change a bit.
 
 from wrsim.core.contact.arrays import ARRAYS as ARRAYS_OF_A_CONTACT
 from wrsim.core.contact.arrays import Arrays, results, settings_of
-from wrsim.core.contact.records import CONTACT
+from wrsim.core.contact.records import CONTACT, WheelPose
 from wrsim.core.frames import BODY, VECTOR, BodyMotion, CurveNodes, Frame, get_body, point_velocity, put, put_at
 from wrsim.core.jit import Array, Ints, Record, inlined, kernel, parallel, prange, record, records, stages, vector
 from wrsim.core.linalg import ZERO, Vec, add, components, cross, from_components, scale, shifted, sub
@@ -21,17 +21,18 @@ from wrsim.core.track.path import NODE, bends, frame_at, locate
 # arrays of one wheel
 OWN, RAIL, IN_CONTACT = range(3)
 ARRAYS = IN_CONTACT + ARRAYS_OF_A_CONTACT
-POSE = Arrays._fields.index("pose")
+POSE, LOBES = (Arrays._fields.index(name) for name in ("pose", "patches"))
 
 WHEEL = record(
-    "side half_spacing s step rail_n rail_b rail_n_t rail_b_t angle yield_nn yield_nb yield_bb free_n free_b held rate",
+    "side half_spacing s step rail_n rail_b rail_n_t rail_b_t angle yield_nn yield_nb yield_bb free_n free_b"
+    " held_n held_b rate_n rate_b",
     "status", body=BODY, force=VECTOR, moment=VECTOR,
 )  # fmt: skip
 """+1 left, -1 right; H/2 [m]; distance along the rail (a guess, updated) and step of its path [m]; the motion of the
 piece of rail under the wheel along n and b: displacement [m] and velocity [m/s]; angle by which the wheel has rolled
-[rad]; how the rail on sleepers yields: compliances along n and b [m/N], displacements without its force [m], whether it
-is held at rest (1), rate [1/s2] of its unknown (``core.body.vehicle_forces``); the body of the wheelset. What comes
-out: force [N] and moment [N m] at its centre of mass, in global axes, and a status."""
+[rad]; how the rail on sleepers yields: compliances along n and b [m/N], displacements without its force [m]; how far
+its unknowns count themselves (1 at rest), and their rates [1/s2] (``core.body.vehicle_forces``); the body of the
+wheelset. What comes out: force [N] and moment [N m] at its centre of mass, in global axes, and a status."""
 
 OK, OFF_TRACK = 0, 1024
 
@@ -52,16 +53,28 @@ def _in_rail(a: Vec, rail: Frame, side: float) -> Vec:
     return Vec(own.x, side * own.y, own.z)
 
 
-@kernel
-def set_pose(body: BodyMotion, rail: Frame, side: float, half_spacing: float, pose: Array) -> None:
-    """Write the pose and motion of one wheel in its rail's axes to ``pose`` (POSE,), see core.contact.records. rail:
-    frame of the rail at the section beside the wheel (core.track.path.frame_at)."""
+@inlined
+def pose_of(body: BodyMotion, rail: Frame, side: float, half_spacing: float) -> WheelPose:
+    """Pose and motion of one wheel in its rail's axes. rail: frame of the rail at the section beside the wheel
+    (core.track.path.frame_at)."""
     origin = wheel_origin(body, side, half_spacing)
     turning = components(body.omega, rail.t, rail.n, rail.b)
-    put_at(pose, 0, _in_rail(sub(origin, rail.origin), rail, side))
-    put_at(pose, 3, _in_rail(scale(side, body.left), rail, side))
-    put_at(pose, 6, _in_rail(point_velocity(body, origin), rail, side))
-    put_at(pose, 9, Vec(side * turning.x, turning.y, side * turning.z))
+    return WheelPose(
+        _in_rail(sub(origin, rail.origin), rail, side),
+        _in_rail(scale(side, body.left), rail, side),
+        _in_rail(point_velocity(body, origin), rail, side),
+        Vec(side * turning.x, turning.y, side * turning.z),
+    )
+
+
+@kernel
+def set_pose(body: BodyMotion, rail: Frame, side: float, half_spacing: float, pose: Array) -> None:
+    """Write the pose and motion of one wheel to ``pose`` (POSE,), see core.contact.records."""
+    own = pose_of(body, rail, side, half_spacing)
+    put_at(pose, 0, own.origin)
+    put_at(pose, 3, own.axle)
+    put_at(pose, 6, own.velocity)
+    put_at(pose, 9, own.omega)
 
 
 @kernel
@@ -139,6 +152,15 @@ def place_on_rail(buffer: Array, index: Ints, i: int) -> float:
     rail = CurveNodes(records(buffer, index[i * ARRAYS :], RAIL, NODE), wheel.step)
     s, bad = locate(rail, wheel_origin(get_body(wheel.body), wheel.side, wheel.half_spacing), wheel.s)
     return s if bad == 0 else wheel.s
+
+
+@inlined
+def pose_on_rail(buffer: Array, index: Ints, i: int) -> WheelPose:
+    """Pose and motion of the wheel number i beside its rail, of which no displacement counts."""
+    wheel = wheel_record(buffer, index, i)
+    rail = CurveNodes(records(buffer, index[i * ARRAYS :], RAIL, NODE), wheel.step)
+    at = frame_at(rail, place_on_rail(buffer, index, i))
+    return pose_of(get_body(wheel.body), at, wheel.side, wheel.half_spacing)
 
 
 @inlined
