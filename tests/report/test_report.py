@@ -186,6 +186,22 @@ def test_steps_of_the_solver_are_no_events(curve: Result) -> None:
 
 
 @pytest.mark.usefixtures("unpainted")
+def test_what_bends_and_the_spectra_of_fast_channels_have_a_section(curve: Result) -> None:
+    assert "Vibrations" not in page_of(curve)
+    plain = run(100.0).dataset
+    time = np.arange(0.0, 4.0, 5e-4)
+    force = Q0 + 1e3 * np.sin(2.0 * np.pi * 250.0 * time[:, None, None]) * np.ones((1, 1, 2))
+    fast = {"fast_Q": (("fast_time", "wheelset", "wheel"), force), "bent_place": ("rail_node", np.arange(5.0))}
+    bent = fast | {"bent_rail": (("rail_node", "wheel"), np.zeros((5, 2)))}
+    places = {"fast_time": time, "fast_distance": ("fast_time", 20.0 * time)}
+    about = plain.attrs | {"bent_by": "wheelset left", "bent_at_m": 2.0}
+    text = page_of(Result(plain.assign(bent).assign_coords(places).assign_attrs(about)))
+    section = text[text.index('<section id="vibrations"') :].partition("</section>")[0]
+    assert section.count("<figure>") == 2 and "rails and axles, magnified" in section
+    assert "Vertical force" in section and "<td>250</td>" in section
+
+
+@pytest.mark.usefixtures("unpainted")
 def test_a_report_has_a_cover(curve: Result, tmp_path: Path) -> None:
     Result(curve_run(samples=40)).save(tmp_path / "run" / "result.nc")
     (tmp_path / "logo.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"/>')

@@ -16,14 +16,14 @@ from support.vehicle_texts import fault
 from support.vehicles import ROOT, manchester, on_track, shipped
 
 from wrsim import free_modes
-from wrsim.analysis.motion.body_channels import point_accelerations
+from wrsim.analysis.motion.body_channels import bent_channels, point_accelerations
 from wrsim.api.analyses import stationary
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.force_law import force_derivative
-from wrsim.simulation.integrate import Integration
+from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
@@ -404,6 +404,16 @@ def test_an_axle_bends_under_its_load_as_a_beam_does() -> None:
     load -= 0.5 * vehicle.wheelsets[0].mass * vehicle.gravity
     stiffness, _ = bending(axle, 0.16)
     assert leaning == pytest.approx(-load * (outside - half) * half / stiffness, rel=0.03)
+    forces = np.array([[[wheel.model.arrays.total.Fb for wheel in pair] for pair in law.wheels]])
+    forces[0, 2, 1] += 1.0
+    motion = Motion(np.zeros(1), found.q[None], found.q_t[None], 0.0, "completed")
+    place = np.arange(4.0)[None]
+    shape, at = bent_channels(law, motion, {"Q": forces, "wheelset_distance": place})
+    assert (at["bent_by"], at["bent_at_m"]) == (f"{vehicle.wheelsets[2].name} right", 2.0)
+    y, up = shape["bent_axle_y"][0], shape["bent_axle_z"][0]
+    hog = up[len(y) // 2] - np.interp(half, y, up)
+    assert hog == pytest.approx(load * (outside - half) * (2.0 * half) ** 2 / (8.0 * stiffness), rel=0.03)
+    assert up == pytest.approx(up[::-1], abs=1e-7) and np.abs(shape["bent_axle_x"][0]).max() < 0.05 * hog
 
 
 def test_an_axle_without_deformation_is_a_rigid_one() -> None:

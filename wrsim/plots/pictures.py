@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from wrsim.errors import InputError, suggest
+from wrsim.plots.bent import bent_figures
 from wrsim.plots.cross_section import has_outlines, section_gallery
 from wrsim.plots.drawing import save_all
 from wrsim.plots.histories import ANGLES, channels_figure, overview_figure, vehicle_figures
@@ -44,6 +45,7 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     of_worst = wheelset_figures(of_wheelset(dataset, worst))
     of_wear = {"wear": wear_figure, "fatigue": fatigue_figure} if has_wear(dataset) else {}
     of_vehicle = vehicle_figures(dataset) | {name: partial(make, dataset) for name, make in of_wear.items()}
+    of_vehicle |= bent_figures(dataset)
     return of_vehicle | {f"{own}{name}": make for name, make in of_worst.items()}
 
 

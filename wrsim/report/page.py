@@ -21,6 +21,7 @@ from PIL import Image
 from wrsim import __version__
 from wrsim.errors import InputError
 from wrsim.plots.assessment import history_figure, track_diagram
+from wrsim.plots.bent import bent_figures
 from wrsim.plots.compare import overlay_figure
 from wrsim.plots.cross_section import has_outlines, section_gallery
 from wrsim.plots.drawing import Makers, drawing
@@ -28,6 +29,7 @@ from wrsim.plots.moments import choose_moments
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.pictures import standard_figures
 from wrsim.plots.ride import ride_figure
+from wrsim.plots.spectra import spectra_figure
 from wrsim.plots.theme import rendered
 from wrsim.plots.wear import fatigue_figure, wear_figure
 from wrsim.report import tables
@@ -36,6 +38,7 @@ from wrsim.report.document import NO_COVER, Cover, css_text, paragraph, together
 from wrsim.results import Result
 from wrsim.results.assessment import TO_CONFIRM, Assessment
 from wrsim.results.moments import has_patches, moment_dim
+from wrsim.results.spectra import spectra_table
 from wrsim.results.summary import has_wear
 from wrsim.results.table import as_html, formatted, quantity
 from wrsim.results.wheelsets import matched, numbered, of_wheelset, wheelsets, worst_wheelset
@@ -102,6 +105,7 @@ def report_page(
             "numbers": tables.numbers(results, summaries, names),
             "contacts": contacts,
             "wear": [_wear(r, name) for r, name in zip(results, names, strict=True) if has_wear(r.dataset)],
+            "vibrations": [_vibrations(r, name) for r, name in zip(results, names, strict=True)],
             "ride": [ride.table(name) for name, ride in ridden.items()],
             "ride_notes": [why for _, why in rides if why],
             "bands": [as_picture("third octaves of the accelerations", make()) for make in bands],
@@ -174,7 +178,7 @@ def _standard(results: Sequence[Result], names: Sequence[str]) -> dict[str, Call
         f"{name}: {picture}" if name else picture: make
         for r, name in zip(results, names, strict=True)
         for picture, make in standard_figures(r.dataset).items()
-        if not picture.endswith(("patches", "sections", "wear", "fatigue"))
+        if not picture.endswith(("patches", "sections", "wear", "fatigue", "bent"))
     }
 
 
@@ -192,6 +196,22 @@ def _contacts(dataset: xr.Dataset, result: str) -> list[dict[str, Any]]:
         makers = ((f"{result} {label} {what}".strip(), make) for what, make in galleries.items())
         found.append(own | {"makers": {words: partial(make, one, moments) for words, make in makers}})
     return found
+
+
+def _vibrations(result: Result, name: str) -> dict[str, Any]:
+    """What bends, and spectra of the fast channels: of the displacements of rails those of their acceleration."""
+    from wrsim.analysis.spectra import evaluate_spectra
+
+    pictures = [as_picture("rails and axles, magnified", make()) for make in bent_figures(result.dataset).values()]
+    fast = [str(n).removeprefix("fast_") for n in result.dataset.data_vars if str(n).startswith("fast_")]
+    found = [
+        tables.evaluated(partial(evaluate_spectra, channel=c, derivative=2 * c.startswith("rail_")), result)
+        for c in fast
+    ]
+    data = [own for own, _ in found if own is not None]
+    pictures += [as_picture(f"spectra of {own.attrs['channel']}", spectra_figure(own)) for own in data]
+    notes = dict.fromkeys(why for _, why in found if why)
+    return {"tables": [spectra_table(own, name) for own in data], "pictures": pictures, "notes": list(notes)}
 
 
 def _wear(result: Result, name: str) -> dict[str, Any]:

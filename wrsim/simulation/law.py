@@ -125,7 +125,7 @@ class VehicleOnTrack(Layout):
             places = np.repeat([start + mounted.x for mounted in vehicle.wheelsets], 2)
             memory = self.workspace.buffer, self.workspace.index[first:]
             self.on_sleepers = RailsOnSleepers(
-                elasticity, track, memory, self._records_of_wheels, places, vehicle.weight
+                elasticity, track, memory, self._records_of_wheels, places, vehicle.weight, self.size
             )
             elasticity = self.on_sleepers.static
             # what the nodes do not know of the rail's motion is a spring without mass: short steps do not solve it
@@ -298,6 +298,7 @@ class VehicleOnTrack(Layout):
     def end_step(self, q: Array, q_t: Array) -> None:
         if self.on_sleepers is not None:
             self.on_sleepers.end(q[self.size - self.rails :], q_t[self.size - self.rails :])
+            self.on_sleepers.strike(q)
 
     @contextmanager
     def settled(self, slips: Array | None = None) -> Iterator[None]:

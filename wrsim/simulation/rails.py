@@ -48,11 +48,11 @@ class RailsOnSleepers:
 
     def __init__(
         self, own: SleeperTrack, track: Track, workspace: tuple[Array, Ints], wheels: Sequence[np.record],
-        places: Array, weight: float,
+        places: Array, weight: float, size: int,
     ) -> None:  # fmt: skip
         """own: what the rails of the track lie on; workspace: buffer and index of the wheels
         (``core.body.wheel_forces``); wheels: their records WHEEL; places (wheels,) along the centre line [m]; weight
-        [N] of the vehicle."""
+        [N] and size of the state of the vehicle."""
         self.sleepers, self._wheels, self._records = own, workspace, wheels
         self._moves = 1 if own.uniform else MOVE
         self.count = int(np.ceil((float(np.ptp(places)) + 2.0 * own.margin) / own.spacing)) + self._moves + 2
@@ -74,6 +74,10 @@ class RailsOnSleepers:
         )  # fmt: skip
         self.method = np.zeros(10)
         self._found = np.zeros((3, 2 * n))
+        self._deflections = own.layout(self.count, 0).nodes[:, 0]
+        self.peak = np.zeros(3 + size + 3 * len(self.rails.nodes))
+        """The largest force of a wheel on its rail so far [N], its number and place [m]; the state of the vehicle then;
+        places of the rails' nodes, and how far the left and the right rail are up there [m]."""
         self.static = self._rest_at_start()
 
     @property
@@ -91,10 +95,20 @@ class RailsOnSleepers:
         """What tells the matrices of one place of the window from those of another."""
         return 0 if self.sleepers.uniform else self.first
 
+    def strike(self, q: Array) -> None:
+        """After a step, with the state of the vehicle at its end: note it in ``peak`` where a wheel presses on its rail
+        with the largest force so far."""
+        i = int(np.argmin(self.ties["last_b"]))
+        if -self.ties["last_b"][i] > self.peak[0]:
+            rows = self.rails.vertical.rows[:, kernel.U, self._deflections]
+            self.peak[:] = np.concatenate(
+                [[-self.ties["last_b"][i], i, self.ties["place"][i]], q, self.rails.nodes, *rows]
+            )
+
     def memory(self) -> list[Array]:
         """Views of all that lasts from step to step."""
         rails = self.rails
-        return [self._state, self.ties.view(np.float64), rails.vertical.rows, rails.lateral.rows]
+        return [self._state, self.ties.view(np.float64), rails.vertical.rows, rails.lateral.rows, self.peak]
 
     def resume(self) -> None:
         """After the memory has been restored: between two steps the rails under the wheels stay where they are."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -13,9 +14,11 @@ from wrsim.core.track import path as path_kernels
 from wrsim.geometry.track.track import Track
 from wrsim.inputs.section import SIDES
 from wrsim.simulation.bodies import accelerations, inertia_table
+from wrsim.simulation.integrate import Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.system import COORDINATES, Array
+from wrsim.vehicle.axle import AxleModes
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.vehicle import MeasuringPoint, Vehicle
 
@@ -116,6 +119,42 @@ def deck_channels(law: VehicleOnTrack, q: Array, accelerations: Array) -> dict[s
     if deck.moments is not None:
         found["deck_moment"] = eta @ deck.moments.T
     return found
+
+
+AXLE_POINTS = 41  # at which the shape of an axle is given
+
+
+def bent_channels(
+    law: VehicleOnTrack, motion: Motion, channels: Mapping[str, Any]
+) -> tuple[dict[str, Any], dict[str, float | str]]:
+    """The shapes of rails on sleepers or of a bridge and of elastic axles at the instant of the largest vertical force
+    of a wheel, of all steps on sleepers, else of the samples with these channels; and that wheel and its place as
+    attributes. Nothing where nothing bends."""
+    vehicle, own, deck = law.vehicle, law.on_sleepers, law.deck
+    found: dict[str, Any] = {}
+    axles = {i: modes for i, modes in law.attachments.modes.items() if isinstance(modes, AxleModes)}
+    if not (own or deck or axles):
+        return {}, {}
+    if own is not None and own.peak[0] > 0.0:
+        (_, number, place), q = own.peak[:3], own.peak[3 : 3 + law.size]
+        nodes, left, right = own.peak[3 + law.size :].reshape(3, -1)
+        found |= {"bent_place": nodes, "bent_rail": np.stack([left, right], axis=1)}
+    else:
+        forces = np.asarray(channels["Q"])
+        sample, number = divmod(int(np.argmax(forces)), forces[0].size)
+        place, q = np.asarray(channels["wheelset_distance"])[sample, number // 2], motion.q[sample]
+    if deck is not None:
+        down = deck.shapes[..., 0] @ q[law.of_deck]
+        found |= {"bent_place": deck.start + deck.step * np.arange(len(down)), "bent_rail": np.stack([down, down], 1)}
+    bent = np.full((3, len(vehicle.wheelsets), AXLE_POINTS), np.nan)
+    for i, modes in axles.items():
+        y = np.linspace(modes.nodes[0], modes.nodes[-1], AXLE_POINTS)
+        moved = np.tensordot(q[law.modes_of(i)], modes.shapes(np.stack([0.0 * y, y, 0.0 * y], axis=1)), 1)
+        bent[:, i] = y, moved[:, 0], moved[:, 2]
+    if axles:
+        found |= dict(zip(("bent_axle_y", "bent_axle_x", "bent_axle_z"), bent, strict=True))
+    wheelset, side = divmod(int(number), 2)
+    return found, {"bent_by": f"{vehicle.wheelsets[wheelset].name} {SIDES[side]}", "bent_at_m": float(place)}
 
 
 def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[str, Array]:

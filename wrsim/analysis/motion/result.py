@@ -59,6 +59,8 @@ def result_of(
     losses = None if wear is None else Losses(wear, law.wheels, [ways(p.distance, wear.stretch) for p in poses])
     channels = _channels(setup, law, motion, poses, folder, losses)
     channels["distance"] = reference = np.asarray(channels["distance"])
+    shapes, bent = states.bent_channels(law, motion, channels)
+    channels |= shapes
     if law.driven:
         from scipy.integrate import cumulative_trapezoid  # some 40 ms to import, for drives alone
 
@@ -111,7 +113,7 @@ def result_of(
             "event_distance": [event.start[1] for event in events],
             "event_label": np.array([event_words(event, vehicle) for event in events]),
         }
-    return Result(assemble(coords, channels, _attributes(setup, motion, reference), copy=False))
+    return Result(assemble(coords, channels, _attributes(setup, motion, reference) | bent, copy=False))
 
 
 def _each(motion: Motion, interval: float, last: bool = False) -> Motion:
