@@ -1,6 +1,5 @@
 """EN 14363 quantities from runs with known forces: filters, sliding values, percentiles, sections, limits."""
 
-import csv
 import json
 from math import pi, sqrt, tan
 
@@ -385,23 +384,6 @@ def test_limits_are_those_of_the_standards():
 
 
 # --- files, command, errors ---------------------------------------------------------------------------------
-@pytest.mark.usefixtures("sketched")
-def test_the_command_leaves_tables_and_pictures(tmp_path):
-    run(
-        400.0,
-        curvature=curve(300.0, 100.0, 50.0, 100.0),
-        y=lambda s: (0.0 * s, 30e3 * curve(1.0, 100.0, 50.0, 100.0)(s)),
-        attributes={"scenario_text": "no scenario of ours"},
-    ).save(tmp_path / "result.nc")
-    ok("assess", tmp_path)
-    rows = list(csv.DictReader((tmp_path / "assessment.csv").read_text().splitlines()))
-    found = json.loads((tmp_path / "assessment.json").read_text())
-    assert len(rows) == len(found["values"])
-    (row,) = [r for r in rows if r["quantity"] == "Y_qst"]
-    assert (row["unit"], row["zone"], row["passed"]) == ("kN", "very small radius", "yes")
-    assert float(row["value"]) == pytest.approx(30.0, rel=1e-3)
-    assert float(row["limit"]) == pytest.approx(65.0)
-    assert {"assessment.png", "assessment_history.png"} <= {p.name for p in tmp_path.iterdir()}
 
 
 def of_radius(radius: float, guiding: float, scenario: str = "") -> Result:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.special import ellipk
-from support.commands import call, ok, refusal
+from support.commands import ok, refusal
 from support.rows import rows_of
 from support.runs import ROOT
 
@@ -222,30 +222,6 @@ def test_a_folder_gives_its_profiles_of_a_kind_and_names_what_is_none(tmp_path):
     shutil.copy(SCANS / "wheel.whl", tmp_path)
     found, faults = profiles_in(tmp_path, "wheel")
     assert list(found) == ["wheel"] and len(faults) == 1 and "broken.whl" in faults[0]
-
-
-def command(*words: str) -> tuple[int, str]:
-    found = call("conicity", *words)
-    return found.exit_code, found.output
-
-
-@pytest.mark.usefixtures("sketched")
-def test_the_command_leaves_a_table_and_a_picture_and_says_where_there_is_none(tmp_path):
-    wheels = tmp_path / "wheels"
-    wheels.mkdir()
-    for name in ("S1002", "lrv_standin"):
-        shutil.copy(MODELS / f"wheels/{name}.toml", wheels)
-    where = tmp_path / "out"
-    code, text = command(str(wheels), "rails/60E1.toml", "--gauges-mm", "1434", "1436", "2", "-o", str(where), "--json")
-    assert code == 0
-    found = json.loads(text)
-    assert [Path(f).name for f in found["files"]] == ["conicity_map.csv", "conicity_map.png"]
-    cells = {(c["wheel"], c["gauge_mm"]): c["equivalent_conicity_3_mm"] for c in found["map"]}
-    own = json.loads(command("wheels/S1002.toml", "rails/60E1.toml", "--gauge-mm", "1436", "--json")[1])
-    assert cells["S1002", 1436.0] == pytest.approx(own["equivalent_conicity"]["3_mm"], rel=1e-5)
-    assert len(cells) == 4
-    missing = sum(value is None for value in cells.values())
-    assert len(found["gaps"]) <= missing <= 2
 
 
 # Radial steering index: cones by hand, sides that differ, what is asked for wrongly.

@@ -1,18 +1,13 @@
 """Spectra, third-octaves and frequency weightings against closed forms and published values."""
 
-import csv
-import json
 from math import pi, sqrt
 
 import numpy as np
 import pytest
-import xarray as xr
-from support.commands import ok
-from support.synthetic_run import run, with_points
+from support.synthetic_run import run, sines
 
 from wrsim.analysis.ride import WEIGHTINGS, comfort, evaluate_ride, spectrum, third_octaves, weighted
 from wrsim.errors import InputError
-from wrsim.results import Result
 from wrsim.scenario.sections.run import RideSection
 
 RATE = 400.0
@@ -108,19 +103,8 @@ def test_the_comfort_of_a_vibration_that_grows_is_that_of_its_95th_percentile_bl
 
 
 # --- the ride of a result -------------------------------------------------------------------------------------
-def ridden(seconds: float = 60.0, **attributes: str) -> Result:
-    """A run at 20 m/s with sines of known amplitude at two points: 2 Hz lateral, 5 Hz vertical."""
-    base = run(20.0 * seconds, speed=20.0, step=0.005, attributes=attributes)
-    t = base.dataset["time"].values
-    lateral, vertical = np.sin(2.0 * pi * 2.0 * t), np.sin(2.0 * pi * 5.0 * t)
-    level = ("car body", np.nan)
-    result = with_points(base, {"front": (*level, 0.3 * lateral, 0.2 * vertical), "rear": (*level, lateral, vertical)})
-    zero = xr.zeros_like(result.dataset["point_ay"])
-    return Result(result.dataset.assign(point_ax=zero))
-
-
 def test_the_ride_of_sines_is_known():
-    found = evaluate_ride(ridden())
+    found = evaluate_ride(sines())
     assert found.points == ("front", "rear")
     rms = found.data["rms"]
     assert rms.sel(point="front", axis="y").item() == pytest.approx(0.3 / sqrt(2.0), rel=1e-3)
@@ -135,27 +119,11 @@ def test_the_ride_of_sines_is_known():
 
 def test_the_stretch_and_the_resolution_come_from_the_scenario():
     text = "[ride]\nfrom_m = 200\nto_m = 800\nresolution_Hz = 0.5\n"
-    found = evaluate_ride(ridden(scenario_text=text))
+    found = evaluate_ride(sines(scenario_text=text))
     assert (found.start, found.end) == (pytest.approx(200.0), pytest.approx(800.0))
     assert found.duration == pytest.approx(30.0)
     assert found.data["frequency"].values[1] == pytest.approx(0.5)
     with pytest.raises(InputError, match=r"from_m = 2000, to_m = 1200: the run has no samples there"):
-        evaluate_ride(ridden(), RideSection(from_m=2000.0))
+        evaluate_ride(sines(), RideSection(from_m=2000.0))
     with pytest.raises(InputError, match=r"no points: accelerations are stored at the \[\[points\]\]"):
         evaluate_ride(run(100.0))
-
-
-@pytest.mark.usefixtures("sketched")
-def test_the_command_leaves_tables_and_pictures_of_the_ride(tmp_path):
-    ridden().save(tmp_path / "result.nc")
-    ok("ride", tmp_path)
-    numbers = json.loads((tmp_path / "ride.json").read_text())
-    assert numbers["points"]["rear"]["rms_m_s2"]["y"] == pytest.approx(1.0 / sqrt(2.0), rel=1e-3)
-    assert numbers["weightings"] == {"x": "Wd", "y": "Wd", "z": "Wb"}
-    bands = list(csv.DictReader((tmp_path / "third_octaves.csv").read_text().splitlines()))
-    (row,) = [r for r in bands if float(r["band_Hz"]) == 5.0]
-    assert float(row["rear az_m_s2"]) == pytest.approx(1.0 / sqrt(2.0), rel=2e-3)
-    spectra = list(csv.DictReader((tmp_path / "spectra.csv").read_text().splitlines()))
-    peak = max(spectra, key=lambda r: float(r["front ay_m2_s4_per_Hz"]))
-    assert float(peak["frequency_Hz"]) == pytest.approx(2.0)
-    assert {"ride_spectra.png", "ride_bands.png"} <= {p.name for p in tmp_path.iterdir()}

@@ -1,4 +1,4 @@
-"""What commands print, word by word: tests/data/golden has a file for each.
+"""What commands print, word by word, and which files they leave: tests/data/golden has a file for each.
 
 Words are compared to the letter, spaces between them and the last digits of numbers are not. After a change that is
 meant: WRSIM_GOLDEN=write python -m pytest tests/cli/test_golden.py, and read what ``git diff`` says.
@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from support.scenario_texts import CURVE, STATIC
 from support.synthetic_result import curve_run, static_poses
-from support.synthetic_run import Q0, curve, run
+from support.synthetic_run import Q0, curve, run, sines
 from typer.testing import CliRunner
 
 from wrsim.cli import app
@@ -27,12 +27,13 @@ COMMANDS = {
     "show_stopped": "show DIR/stopped",
     "show_poses": "show DIR/poses",
     "diff": "diff DIR/run DIR/stopped --tolerance 0.01",
-    "assess": "assess DIR/forces --scenario DIR/assessed.toml -o DIR/assessed --no-pictures",
-    "vehicle": "vehicle vehicles/manchester_1.toml --cant-deficiency 150 --twist 5 --twist-test",
-    "conicity": "conicity wheels/cone_1in20.toml rails/60E1.toml",
-    "conicity_curves": "conicity wheels/S1002.toml rails/60E1.toml --curve-m 300",
-    "profile": "profile wheels/S1002.toml -o DIR/wheel.png",
-    "track": "track DIR/curve.toml -o DIR/track.png",
+    "assess": "assess DIR/forces --scenario DIR/assessed.toml -o OUT",
+    "ride": "ride DIR/sines -o OUT",
+    "vehicle": "vehicle vehicles/manchester_1.toml --cant-deficiency 150 --twist 5 --twist-test -o OUT/vehicle.png",
+    "conicity": "conicity wheels/cone_1in20.toml rails/60E1.toml --gauges-mm 1434 1436 2 -o OUT",
+    "conicity_curves": "conicity wheels/S1002.toml rails/60E1.toml --curve-m 300 -o OUT",
+    "profile": "profile wheels/S1002.toml -o OUT/wheel.png",
+    "track": "track DIR/curve.toml -o OUT/track.png",
 }
 
 
@@ -45,17 +46,19 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / f"{name}.toml").write_text(text)
     forces = run(900.0, curvature=curve(300.0), y=lambda s: (0.2 * Q0 + 0.0 * s, 65e3 + 20.0 * s))
     datasets = {"run": curve_run(samples=60), "stopped": curve_run(samples=60, stopped=True), "poses": static_poses()}
-    for name, dataset in (datasets | {"forces": forces.dataset}).items():
+    for name, dataset in (datasets | {"forces": forces.dataset, "sines": sines().dataset}).items():
         Result(dataset).save(folder / name / "result.nc")
     return folder
 
 
-@pytest.mark.usefixtures("unpainted")
+@pytest.mark.usefixtures("sketched")
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_command_prints_what_it_printed(name: str, folder: Path) -> None:
-    words = COMMANDS[name].replace("DIR", str(folder)).split()
+def test_a_command_prints_what_it_printed(name: str, folder: Path, tmp_path: Path) -> None:
+    words = COMMANDS[name].replace("DIR", str(folder)).replace("OUT", str(tmp_path)).split()
     done = CliRunner().invoke(app, words, env={"COLUMNS": "160", "NO_COLOR": "1"})
-    text = re.sub(r" +\n", "\n", done.output.replace(str(folder), "DIR").replace(str(ROOT), "ROOT"))
+    text = done.output.replace(str(folder), "DIR").replace(str(tmp_path), "OUT").replace(str(ROOT), "ROOT")
+    left = sorted(str(file.relative_to(tmp_path)) for file in tmp_path.rglob("*") if file.is_file())
+    text = "\n".join([re.sub(r" +\n", "\n", text), *left, ""])
     file = GOLDEN / f"{name}.txt"
     if os.environ.get("WRSIM_GOLDEN") == "write":
         file.write_text(text, encoding="utf-8")

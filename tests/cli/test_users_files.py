@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 from support.commands import call, ok, refusal
-from support.scenario_texts import CURVE, STATIC, edited
-from support.synthetic_result import curve_run
+from support.scenario_texts import CURVE
+from support.synthetic_result import curve_run, static_poses
 
 import wrsim.analysis
 from wrsim.errors import InputError
@@ -87,15 +87,6 @@ def test_the_base_of_a_scenario_is_not_replaced_by_the_record_of_its_run(tmp_pat
     assert (out / "scenario.toml").read_text() == CURVE
 
 
-def test_a_table_that_a_scenario_reads_is_not_replaced_by_one_of_its_results(tmp_path: Path) -> None:
-    table = "id,lateral_mm,load_kN\na,0,60\nb,1,60\n"
-    (tmp_path / "patches.csv").write_text(table)
-    text = edited(edited(STATIC, "lateral_mm = 0\n", ""), "load_kN = 60", 'cases = "patches.csv"')
-    refused = refusal("run", _written(tmp_path / "poses.toml", text), "-o", tmp_path)
-    assert f"{tmp_path / 'patches.csv'}: would be written over, but the input is read from it" in refused
-    assert (tmp_path / "patches.csv").read_text() == table
-
-
 def _written(path: Path, text: str) -> Path:
     path.write_text(text)
     return path
@@ -110,6 +101,19 @@ def test_pictures_of_the_user_stay_too(tmp_path: Path) -> None:
     assert picture.read_bytes() == b"mine"
     assert call("profile", wheel, "-o", picture, "--force").exit_code == 0
     assert call("profile", wheel, "-o", picture).exit_code == 0, "it is ours now"
+
+
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [("report", "report.html"), ("view", "view.html"), ("plot", "contact.png"), ("export --to mat", "result.mat")],
+)
+def test_no_command_writes_over_a_file_of_the_users(command: str, name: str, tmp_path: Path) -> None:
+    Result(static_poses((0.0, 5.0), (0.0,))).save(tmp_path / "result.nc")
+    (tmp_path / name).write_text("mine")
+    assert f"{tmp_path / name}: would be written over" in refusal(*command.split(), tmp_path)
+    assert (tmp_path / name).read_text() == "mine"
+    ok(*command.split(), tmp_path, "--force")
+    ok(*command.split(), tmp_path)
 
 
 @pytest.mark.parametrize("kind", ["a pipe", "a device"])
@@ -127,12 +131,17 @@ def test_force_does_not_replace_what_is_no_plain_file(kind: str, tmp_path: Path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["wheel.png"]
 
 
-def test_a_pipe_in_place_of_the_manifest_is_refused(scenario: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", ["a pipe", "a symbolic link"])
+def test_a_manifest_that_is_no_plain_file_is_refused_and_not_written_through(kind: str, tmp_path: Path) -> None:
+    target = _written(tmp_path / "letter.txt", "mine")
     out = tmp_path / "out"
     out.mkdir()
-    os.mkfifo(out / MANIFEST)
-    for words in (("run", scenario, "-o", out), ("profile", "wheels/S1002.toml", "-o", out / "wheel.png")):
-        assert f"{out / MANIFEST}: is a pipe" in refusal(*words)
+    if kind == "a pipe":
+        os.mkfifo(out / MANIFEST)
+    else:
+        (out / MANIFEST).symlink_to(target)
+    assert f"is {kind}" in refusal("profile", "wheels/S1002.toml", "-o", out / "wheel.png")
+    assert target.read_text() == "mine"
 
 
 def test_a_late_picture_of_the_users_costs_no_numbers(scenario: Path, tmp_path: Path) -> None:
@@ -174,14 +183,6 @@ def test_only_what_carries_our_signature_is_cut(tmp_path: Path) -> None:
     assert path.read_bytes() == b"a letter of mine"
     path.write_bytes(b"wrsim r")  # a run that was killed at its start
     RunFile(path).close()
-
-
-def test_a_manifest_that_is_a_link_is_not_written_through(scenario: Path, tmp_path: Path) -> None:
-    (tmp_path / "out").mkdir()
-    target = _written(tmp_path / "letter.txt", "mine")
-    (tmp_path / "out" / MANIFEST).symlink_to(target)
-    assert "is a symbolic link" in refusal("run", scenario, "-o", tmp_path / "out")
-    assert target.read_text() == "mine"
 
 
 # --- two at once, and half-way -------------------------------------------------------------------------

@@ -12,7 +12,6 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from support.browser import Browser
-from support.commands import call, ok
 from support.runs import SCENARIOS
 from support.synthetic_result import curve_run, static_poses
 
@@ -150,14 +149,6 @@ def test_there_must_be_something_to_see() -> None:
     dataset = curve_run().isel(time=[0]).drop_dims("strip")
     with pytest.raises(InputError, match="neither motion nor contacts"):
         view_data(Result(dataset), None)
-
-
-def test_the_command_writes_beside_the_result(tmp_path: Path) -> None:
-    Result(static_poses(shifts_mm=(0.0, 5.0), yaws_mrad=(0.0,))).save(tmp_path / "result.nc")
-    ok("view", tmp_path)
-    assert "</html>" in (tmp_path / "view.html").read_text()
-    (tmp_path / "view.html").write_text("mine")
-    assert call("view", tmp_path).exit_code == 2
 
 
 # --- in a browser -------------------------------------------------------------------------------------------

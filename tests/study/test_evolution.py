@@ -2,7 +2,6 @@
 
 import datetime
 import json
-import os
 import shutil
 import tomllib
 from collections.abc import Iterator, Sequence
@@ -204,11 +203,6 @@ def test_a_step_file_with_odd_content_counts_as_none(odd: object, evolution: Evo
     (tmp_path / STEP).write_bytes(json.dumps(older).encode())
     assert read_step(evolution, tmp_path) == Step(**whole), "under its older name"
     (tmp_path / STEP).write_bytes(odd if isinstance(odd, bytes) else json.dumps(whole | dict(odd)).encode())  # type: ignore[call-overload]
-    assert read_step(evolution, tmp_path) is None
-
-
-def test_a_pipe_in_place_of_a_step_file_counts_as_none(evolution: Evolution, tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / STEP)
     assert read_step(evolution, tmp_path) is None
 
 

@@ -361,17 +361,15 @@ def test_jobs_of_slurm_have_one_thread_and_leave_ctrl_c_as_it_was(
     assert all(f"export {name}=1" in script for name in ONE_THREAD)
 
 
-def test_nobody_at_the_address_of_the_scheduler_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wrsim.study.cluster.WAIT", 1)
+def test_nobody_or_something_else_at_the_address_of_the_scheduler_is_one_sentence(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("wrsim.study.cluster.WAIT", 5)
     with (
         pytest.raises(InputError, match=r"--scheduler tcp://127\.0\.0\.1:9: no dask scheduler answers there"),
         workers_at("tcp://127.0.0.1:9", None),
     ):
         pass
-
-
-def test_something_else_at_the_address_of_the_scheduler_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wrsim.study.cluster.WAIT", 5)
     with socket.create_server((LOOPBACK, 0)) as server:
         port = server.getsockname()[1]
 

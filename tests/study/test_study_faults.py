@@ -8,7 +8,6 @@ import stat
 import struct
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +18,7 @@ from distributed.protocol import dumps
 from distributed.protocol.pickle import dumps as pickled
 from distributed.protocol.utils import pack_frames
 from distributed.security import Security
-from support.commands import call, ok, refusal
+from support.commands import ok, refusal
 from support.rows import rows_of
 from support.studies import AXES, study_file
 from support.synthetic_result import curve_run
@@ -53,19 +52,6 @@ def test_a_study_of_too_many_cases_is_refused_before_they_are_made(
     monkeypatch.setattr("wrsim.study.plan.MOST_CASES", 5)
     with pytest.raises(InputError, match=r"study\.toml:4: vary: describes 6 cases; must be at most 5"):
         planned(study_file(tmp_path), tmp_path / "out")
-
-
-def test_files_of_the_user_are_not_written_over(tmp_path: Path) -> None:
-    file = study_file(tmp_path)
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "study.csv").write_text("mine")
-    assert "wrsim did not write it" in refusal("study", file, "-o", tmp_path / "out")
-    assert (tmp_path / "out" / "study.csv").read_text() == "mine"
-
-
-def test_a_scheduler_without_certificates_is_refused_ahead_of_any_case(tmp_path: Path) -> None:
-    told = refusal("study", study_file(tmp_path, AXES), "-o", tmp_path / "out", "--scheduler", "nowhere:1", "--dry-run")
-    assert told.startswith("--scheduler tls://nowhere:1: needs certificates: give --tls DIR")
 
 
 HOOKS = ("def numbers(result): pass", "from math import fsum as numbers", "numbers = print", "from math import *",
@@ -105,13 +91,6 @@ def test_a_case_whose_marker_has_odd_content_runs_again(odd: bytes | dict[str, o
     content = odd if isinstance(odd, bytes) else json.dumps(vars(marker) | odd).encode()
     (tmp_path / MARKER).write_bytes(content)
     assert read_marker(tmp_path) is None
-
-
-def test_a_pipe_in_place_of_a_marker_is_no_marker_and_stays(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / MARKER)
-    assert read_marker(tmp_path) is None
-    with pytest.raises(InputError, match="is a pipe"):
-        write_marker(tmp_path, Marker("a", "a", COMPLETED, ""))
 
 
 def test_of_several_wheels_the_worst_counts() -> None:
@@ -231,28 +210,12 @@ def test_modules_are_looked_up_in_no_folder_that_others_can_write(study: Client)
     assert all(any(parent in Path(place).parents for parent in private) for place in found)
 
 
-@contextmanager
-def refused(*options: str, folder: Path) -> Iterator[str]:
-    """What is said of options with which no study runs."""
-    (folder / "study.toml").touch()
-    answer = call("study", folder / "study.toml", *options)
-    assert answer.exit_code == 2
-    yield answer.output
-
-
-def test_a_scheduler_without_tls_is_warned_of(tmp_path: Path) -> None:
-    with refused("--scheduler", "tcp://10.0.0.1:8786", folder=tmp_path) as told:
-        assert "warning: --scheduler tcp://10.0.0.1:8786 is neither encrypted nor authenticated" in told
-    with refused("--scheduler", "10.0.0.1:8786", folder=tmp_path) as told:
-        assert "warning" not in told  # TLS it is
-    with refused("--scheduler", "ucx://10.0.0.1:8786", folder=tmp_path) as told:
-        assert "must begin with tls:// or tcp://" in told
-
-
-def test_certificates_are_for_connections_that_show_them(tmp_path: Path) -> None:
-    for options in ((), ("--scheduler", "tcp://10.0.0.1:8786")):
-        with refused("--tls", "certificates", *options, folder=tmp_path) as told:
-            assert "--tls certificates: is for --slurm and --scheduler tls://..." in told
+@pytest.mark.parametrize(("options", "words"), table("options_of_a_scheduler"))
+def test_options_of_a_scheduler_that_do_not_go_together_are_refused(
+    options: list[str], words: str, tmp_path: Path
+) -> None:
+    (tmp_path / "study.toml").touch()
+    assert words in refusal("study", tmp_path / "study.toml", *options)
 
 
 def test_files_that_are_no_certificates_are_named(tmp_path: Path) -> None:

@@ -58,3 +58,14 @@ def with_points(result: Result, points: Mapping[str, tuple[str, float, Array, Ar
         "point_bogie_mass": ("point", [p[1] for p in points.values()]),
     }
     return Result(result.dataset.assign(added).assign_coords(point=list(points)))
+
+
+def sines(seconds: float = 60.0, **attributes: str) -> Result:
+    """A run at 20 m/s with sines of known amplitude at two points: 2 Hz lateral, 5 Hz vertical."""
+    base = run(20.0 * seconds, speed=20.0, step=0.005, attributes=attributes)
+    t = base.dataset["time"].values
+    lateral, vertical = np.sin(2.0 * np.pi * 2.0 * t), np.sin(2.0 * np.pi * 5.0 * t)
+    level = ("car body", np.nan)
+    result = with_points(base, {"front": (*level, 0.3 * lateral, 0.2 * vertical), "rear": (*level, lateral, vertical)})
+    zero = xr.zeros_like(result.dataset["point_ay"])
+    return Result(result.dataset.assign(point_ax=zero))

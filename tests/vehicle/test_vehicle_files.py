@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.commands import call, ok, refusal
+from support.commands import refusal
 from support.rows import rows_of
 from support.vehicle_texts import GOOD, fault
 from support.vehicles import ROOT, manchester, read_vehicle
@@ -160,13 +160,6 @@ def test_a_payload_is_part_of_its_body(tmp_path: Path) -> None:
 def test_a_scenario_that_does_not_suit_its_vehicle_is_refused(values: dict[str, object], words: str) -> None:
     with pytest.raises(InputError, match=words.replace("?", r"\?").replace("[", r"\[").replace("]", r"\]")):
         build(load(ROOT / "scenarios/manchester_r300.toml").with_values(values))
-
-
-def test_the_command_draws_a_vehicle(tmp_path: Path) -> None:
-    ok("vehicle", "vehicles/manchester_1.toml", "-o", tmp_path / "m.svg")
-    assert (tmp_path / "m.svg").read_text().startswith("<?xml")
-    again = call("vehicle", "vehicles/manchester_1.toml", "-o", tmp_path / "m.jpg")
-    assert again.exit_code == 2
 
 
 # Train files: names, places, what the vehicles share, and one clear message for each that cannot be used.
