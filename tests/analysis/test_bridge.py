@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from support.rows import rows_of
-from support.runs import SCENARIOS
+from support.runs import FAST, SCENARIOS
 from support.vehicles import ROOT, on_track, shipped
 
 from wrsim.analysis import run
@@ -87,7 +87,7 @@ def test_stiffness_of_deck_and_wheels_have_one_potential() -> None:
 def over_the_bridge(mass: float, spread: float) -> xr.Dataset:
     """The shipped scenario, with this mass [t/m] and elastic length [m]."""
     values: dict[str, object] = {"track.structure.mass_t_per_m": mass, "track.structure.elastic_length_m": spread}
-    values |= {"contact.normal": "kik-piotrowski", "run.distance_m": 62.0}
+    values |= FAST | {"run.distance_m": 62.0}
     return run(load(ROOT / "scenarios/bridge.toml").with_values(values)).dataset
 
 
@@ -152,13 +152,12 @@ def test_the_force_of_a_flat_has_a_hump_at_low_speed_and_grows_again() -> None:
     assert fast > 1.4 * valley
 
 
-FINER = {"margin_m": 20.0}, {"elements": 8}
+FINER = {"step_us": 25}, {"margin_m": 20.0}, {"elements": 8}
 
 
-@pytest.mark.parametrize("speed", [100.0, pytest.param(35.0, marks=pytest.mark.campaign)])
-@pytest.mark.parametrize(
-    "change", [{"step_us": 25}, *(pytest.param(c, marks=pytest.mark.campaign) for c in FINER)], ids=str
-)
+@pytest.mark.campaign  # in the suite: statics and receptances on sleepers, and the work of a blow
+@pytest.mark.parametrize("speed", [100.0, 35.0])
+@pytest.mark.parametrize("change", FINER, ids=str)
 def test_the_force_of_a_flat_depends_neither_on_step_nor_window_nor_elements(speed: float, change: dict) -> None:
     assert peak(speed, **change) == pytest.approx(peak(speed), rel=0.02)
 

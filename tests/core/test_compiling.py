@@ -88,7 +88,8 @@ class Compiling(event.Listener):
     def on_end(self, event):
         pass
 event.register("numba:compile", Compiling())
-run(load(sys.argv[1]).with_values({"run": {"distance_m": 1}, "output": {"patches_at_m": [0.5]}}))
+short = {"run": {"distance_m": 0.3}, "contact": {"strips": 12, "cells": 4}, "output": {"patches_at_m": [0.2]}}
+run(load(sys.argv[1]).with_values(short))
 called = {one.py_func for one in gc.get_objects() if isinstance(one, Kernel) and one.overloads}
 assert len(called) > 15
 print(*compiled, *(function.__name__ for function in called - COUNT.due))

@@ -222,6 +222,7 @@ def test_keys_and_the_history_go_along_the_run(viewer: Browser) -> None:
     assert viewer.colours("#history") > 10 and viewer.complaints() == []
 
 
+@pytest.mark.campaign
 def test_pictures_and_a_video_are_saved(viewer: Browser) -> None:
     viewer.run("return wrsim.ready.then(() => wrsim.seek(45))")
     viewer.run("""window.saved = []; HTMLAnchorElement.prototype.click = () => {};
