@@ -41,13 +41,10 @@ def curve() -> Result:
     return Result(curve_run())
 
 
-def test_the_page_lists_exactly_the_public_names() -> None:
+def test_the_page_and_type_checkers_have_exactly_the_public_names() -> None:
     rows = [line.split("|")[1] for line in PAGE.read_text().splitlines() if line.startswith("| `")]
     listed = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
     assert listed == set(wrsim.__all__) - {"__version__"}
-
-
-def test_type_checkers_are_told_the_same_names_from_the_same_places() -> None:
     stub = ast.parse((ROOT / "wrsim" / "__init__.pyi").read_text())
     told = {n.asname: (i.module, n.name) for i in stub.body if isinstance(i, ast.ImportFrom) for n in i.names}
     assert told == {name: (home, name) for name, home in wrsim._HOMES.items()}
@@ -173,19 +170,13 @@ def test_a_result_draws_its_standard_pictures_and_any_channel(curve: Result, stu
     assert isinstance(study.plot(), Figure)
 
 
-def test_the_card_for_notebooks_escapes_what_users_wrote() -> None:
+def test_notebooks_escape_what_users_wrote_and_name_what_a_function_wrote(tmp_path: Path) -> None:
     dataset = curve_run()
     dataset.attrs["title"] = "<script>alert('x')</script> & more"
     card = Result(dataset)._repr_html_()
     assert "<script>" not in card and "&lt;script&gt;" in card and "&amp; more" in card
-
-
-def test_what_a_function_wrote_is_named_in_notebooks(tmp_path: Path) -> None:
     written = wrsim.new_file("track", "curve", tmp_path / "<bend>.toml")
     assert str(tmp_path) in written._repr_html_() and "&lt;bend&gt;.toml" in written._repr_html_()
-
-
-def test_a_result_with_no_contacts_still_introduces_itself() -> None:
     dataset = static_poses((0.0,), (0.0,), ("left",), 24e3)
     bare = dataset.drop_vars([name for name in dataset.data_vars if str(name) in ("Y", "Q", "Y_over_Q", "p0")])
     assert isinstance(bare, xr.Dataset) and "1 pose\n" in repr(Result(bare))

@@ -239,13 +239,11 @@ def test_the_quality_of_track_is_the_deviation_of_its_waves_of_3_to_25_m():
     assert not coarse.track and any("1.20 m apart" in note for note in coarse.notes)
 
 
-def test_percentiles_are_those_of_the_distribution():
+def test_percentiles_are_those_of_the_distribution_of_means_over_two_metres():
     # a force that rises evenly over the section: its 99.85 % percentile is known
     found = assess_runs(run(250.0, q=lambda s: (40e3 + 100.0 * s, Q0 + 0.0 * s)), NADAL)
     assert only(found, "Q", "left") == pytest.approx(40e3 + 100.0 * 0.9985 * 250.0, rel=1e-4)
 
-
-def test_short_peaks_are_averaged_over_two_metres():
     def y(s):  # 1 m long, 40 kN, at 10 m/s: slow for the filter
         return np.where(np.abs(s - 100.0) < 0.5, 40e3, 0.0), 0.0 * s
 
@@ -318,10 +316,15 @@ def test_accelerations_of_a_car_body_and_of_a_bogie_frame():
 
 
 # --- derailment ---------------------------------------------------------------------------------------------
-def test_nadals_limit_in_closed_form():
+def test_nadals_limit_is_its_closed_form_and_the_longest_stretch_beyond_ends_between_samples():
     assert nadal_limit(np.radians(70.0), 0.0) == pytest.approx(tan(np.radians(70.0)))
     assert nadal_limit(np.radians(70.0), 0.36) == pytest.approx(tan(np.radians(70.0) - np.arctan(0.36)))
     assert nadal_limit(np.radians(60.0), tan(np.radians(60.0))) == pytest.approx(0.0, abs=1e-15)
+    s = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+    assert longest_stretch(s, np.array([-1.0, 1.0, -1.0, -1.0, 3.0, 1.0, -1.0])) == pytest.approx(0.75 + 1.0 + 0.5)
+    assert longest_stretch(s, -np.ones(7)) == 0.0
+    assert longest_stretch(s, np.ones(7)) == 6.0
+    assert longest_stretch(s, np.array([-1.0, np.inf, np.inf, -1.0, -1.0, -1.0, -1.0])) >= 1.0
 
 
 @pytest.mark.parametrize(
@@ -331,14 +334,6 @@ def test_a_result_whose_scenario_has_no_friction_gives_no_nadal_limit(text):
     dataset = run(250.0).dataset.assign_attrs(scenario_text=text)
     assert Climbing(dataset, AssessmentSettings(flange_angle=np.radians(70.0))).nadal(None) is None
     assert ride_section_of(Result(dataset)) == RideSection()
-
-
-def test_the_longest_stretch_ends_between_the_samples():
-    s = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
-    assert longest_stretch(s, np.array([-1.0, 1.0, -1.0, -1.0, 3.0, 1.0, -1.0])) == pytest.approx(0.75 + 1.0 + 0.5)
-    assert longest_stretch(s, -np.ones(7)) == 0.0
-    assert longest_stretch(s, np.ones(7)) == 6.0
-    assert longest_stretch(s, np.array([-1.0, np.inf, np.inf, -1.0, -1.0, -1.0, -1.0])) >= 1.0
 
 
 def test_a_constructed_derailment_exceeds_every_limit_that_it_should():

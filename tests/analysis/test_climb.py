@@ -66,13 +66,10 @@ def test_the_rail_holds_a_wheel_below_nadals_limit_for_200_m(wheel):
     assert not held["climbed"].values.any()
 
 
-def test_a_climb_is_shorter_with_a_larger_force_and_a_larger_angle_of_attack(climbs):
+def test_the_way_of_a_climb_depends_on_force_and_angle_and_hardly_on_speed_and_model(climbs, wheel):
     ways = climbs["climb_distance"].values.reshape(2, 3)[:, 1:]
     assert (ways[:, 1] < ways[:, 0]).all()
     assert (ways[1] < ways[0]).all()
-
-
-def test_the_way_hardly_depends_on_the_speed_and_not_on_the_contact_model(wheel, climbs):
     expected = climbs["climb_distance"].values[2]
     for keys in ({"vehicle.speed_kmh": 9.0}, {"contact.normal": "strips"}):
         own = climb(wheel, angle_of_attack_mrad=[5.0], Y_over_Q=[1.99], **keys)["climb_distance"].item()

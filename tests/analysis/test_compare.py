@@ -194,15 +194,12 @@ def test_the_exact_solver_takes_over_the_load(text):
     assert moved[..., :2].max() == 0.0
 
 
-def test_a_height_kept_gives_another_load():
+def test_a_height_kept_gives_another_load_and_needs_poses():
     # at equal approach Kik-Piotrowski carries 2 to 5 % more than Hertz (docs/theory/normal_contact.md)
     text = TWO_POSES + '[contact]\nnormal = "kik-piotrowski"\n'
     after = resolve_contacts(ran(text), load_text(text), keep="pose", moments=[0]).wheelset()
     assert after["pose"].values.tolist() == ran(text).wheelset()["pose"].values[:1].tolist()
     assert 0.85 < after["Q"].values[0, 0] / ran(text).wheelset()["Q"].values[0, 0] < 0.99
-
-
-def test_a_result_without_poses_says_so():
     bare = Result(ran(TWO_POSES).dataset.drop_vars("wheel_origin"))
     with pytest.raises(InputError, match="run its scenario anew"):
         resolve_contacts(bare, load_text(TWO_POSES))

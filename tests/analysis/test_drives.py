@@ -204,15 +204,12 @@ def test_work_of_the_drive_is_motion_height_creep_and_dampers(cases):
     assert abs(found["left_over_kJ"]) < 1e-3 * work
 
 
-def test_the_height_gained_is_that_of_the_line():
+def test_a_grade_raises_and_its_part_of_the_weight_is_pulled():
     data = ride("through a hollow").dataset
     down, up = 50.0 - float(data["distance"][0]), float(data["distance"][-1]) - 50.0
     rise = up * np.sin(np.arctan(0.02)) - down * np.sin(np.arctan(0.01))
     gained = float(data["potential_energy"][-1] - data["potential_energy"][0])
     assert gained == pytest.approx(manchester().mass * manchester().gravity * rise, rel=1e-3)
-
-
-def test_a_run_that_starts_on_a_grade_is_pulled_by_the_part_of_its_weight():
     data = ride("uphill", "pulled", "at once").dataset
     down = manchester().weight * np.sin(np.arctan(0.02))
     # rolling costs a little: creep of wheels that are not quite conical alike

@@ -110,13 +110,16 @@ def curves() -> Result:
     return run(manchester(combine="rows", radius_m=[600, -600, 150], cant_mm=[100, 100, 0], speed_kmh=[60, 60, 150]))
 
 
-def test_a_curve_to_the_right_is_the_mirror_image_of_one_to_the_left():
+def test_a_curve_to_the_right_is_the_mirror_image_with_the_same_cant_deficiency() -> None:
     left, right = curves().dataset.isel(pose=0), curves().dataset.isel(pose=1)
     assert left["Y"].values == pytest.approx(
         right["Y"].values[:, ::-1], abs=20.0
     )  # N of some 12 kN: patches are coarse
     assert left["lateral_shift"].values == pytest.approx(-right["lateral_shift"].values, abs=1e-5)
     assert left["Y_over_Q"].values[0, 1] > 0.15  # the leading outer wheel leans on its flange root
+    points = [SteadyPoint("", radius, 0.1, 20.0) for radius in (300.0, -300.0)]
+    expected = 1.5 * 20.0**2 / (STANDARD_GRAVITY * 300.0) - 0.1
+    assert [cant_deficiency(point, 1.5) for point in points] == pytest.approx([expected] * 2)
 
 
 def test_a_curve_without_steady_motion_says_so_and_the_others_are_there():
@@ -152,12 +155,6 @@ def test_an_interrupted_study_keeps_the_curves_it_has():
 def test_bad_input_is_answered_with_one_clear_line(values, message):
     with pytest.raises(InputError, match=message):
         build(load(SCENARIOS / "steady_manchester.toml").with_values(values))
-
-
-def test_cant_is_missing_alike_in_curves_of_both_hands() -> None:
-    points = [SteadyPoint("", radius, 0.1, 20.0) for radius in (300.0, -300.0)]
-    expected = 1.5 * 20.0**2 / (STANDARD_GRAVITY * 300.0) - 0.1
-    assert [cant_deficiency(point, 1.5) for point in points] == pytest.approx([expected] * 2)
 
 
 # Steady curving against statics: forces and moments of the wheels balance weight, centrifugal force and springs.

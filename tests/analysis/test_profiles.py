@@ -48,14 +48,11 @@ def test_a_scan_beside_the_unworn_rail_is_known_by_its_field_side_which_wear_lea
     assert f"its field side lies 2.00 mm {'outside' if offset > 0.0 else 'inside'} that of 60E1" in note
 
 
-def test_a_narrower_standard_rail_lacks_the_published_difference_at_the_side() -> None:
+def test_a_narrower_rail_lacks_its_side_and_the_lip_of_a_grooved_one_is_no_corner() -> None:
     """Distances of gauge points from tops, uninclined: 60E1 35.981 mm, 54E1 34.995 mm."""
     found = head_wear(load_profile("rails/54E1.toml"), RAIL)
     assert found.lateral == pytest.approx((35.981 - 34.995) * 1e-3, abs=1e-6)
     assert found.vertical == pytest.approx(0.0, abs=1e-12)
-
-
-def test_the_lip_of_a_grooved_rail_is_no_gauge_corner() -> None:
     grooved = load_profile("rails/grooved.toml")
     found = head_wear(grooved.shifted(0.0, -1e-3), grooved)
     assert found.vertical == pytest.approx(1e-3, abs=1e-9)

@@ -43,16 +43,13 @@ def lowered() -> Result:
     return run(load(SCENARIOS / "rail_states.toml").with_values(values | more | FAST))
 
 
-def test_a_wheelset_follows_its_rails(lowered: Result) -> None:
+def test_a_wheelset_follows_its_rails_and_they_are_drawn_as_they_are_at_each_moment(lowered: Result) -> None:
     dataset = lowered.wheelset()
     height = dataset["vertical_shift"].values
     assert height[-1] - height[0] == pytest.approx(
         -2e-3, abs=5e-5
     )  # the worn rail's running surface is as high as the new one's
     assert dataset["Q"].values[-1] == pytest.approx(dataset["Q"].values[0], rel=2e-3)
-
-
-def test_sections_are_drawn_as_they_are_at_each_moment(lowered: Result) -> None:
     heights = lowered.wheelset()["rail_profile_z"].max("rail_point").values
     assert heights[0] == pytest.approx(heights[0].mean(), abs=1e-5)
     assert heights[-1] - heights[0] == pytest.approx(-2e-3, abs=1e-5)

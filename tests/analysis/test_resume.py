@@ -112,7 +112,7 @@ def test_a_file_cut_anywhere_is_read_as_far_as_it_is_whole_and_goes_on_to_the_sa
     assert known > 0.4
 
 
-def test_damage_within_a_record_ends_the_file_there(kept):
+def test_a_whole_file_is_played_back_without_a_step_a_damaged_one_up_to_its_damage(kept, monkeypatch):
     data, whole = bytearray(kept.read_bytes()), uncut()
     for place in (len(data) // 3, len(data) // 2, len(data) - 3):
         broken = data.copy()
@@ -120,9 +120,6 @@ def test_damage_within_a_record_ends_the_file_there(kept):
         kept.write_bytes(broken)
         assert recorded_motion(kept).end <= 0.5 * place / len(data) + 0.05
         assert same(resumed(kept), whole)
-
-
-def test_a_whole_file_is_played_back_without_a_step(kept, monkeypatch):
     whole = uncut()
     monkeypatch.setattr(BodySystem, "solve", None)
     assert same(resumed(kept), whole)

@@ -30,14 +30,11 @@ def test_the_density_of_white_noise_is_its_variance_over_the_band():
     assert found.rms() == pytest.approx(1.0, rel=0.01)
 
 
-def test_a_sine_has_its_power_in_its_band():
+def test_a_sine_has_its_power_in_its_band_and_third_octaves_share_out_all_of_it():
     found = third_octaves(spectrum(3.0 * np.sin(2.0 * pi * 5.0 * TIME), RATE))
     of_five = found.nominal.index(5.0)
     assert found.rms[of_five] == pytest.approx(3.0 / sqrt(2.0), rel=1e-3)
     assert np.delete(found.rms, of_five).max() < 1e-3
-
-
-def test_third_octaves_share_out_all_the_power():
     found = spectrum(noise(), RATE)
     bands = third_octaves(found, 1.0)
     assert bands.nominal[:4] == (1.0, 1.25, 1.6, 2.0)
@@ -46,9 +43,6 @@ def test_third_octaves_share_out_all_the_power():
     assert sqrt((bands.rms**2).sum()) == pytest.approx(whole, rel=1e-12)
     # 3 dB an octave: white noise
     assert bands.rms[10:] == pytest.approx(np.sqrt(2.0 / RATE * (bands.high - bands.low)[10:]), rel=0.06)
-
-
-def test_bands_narrower_than_the_resolution_are_left_out():
     bands = third_octaves(spectrum(noise(), RATE, resolution=1.0), 0.4)
     assert (bands.high - bands.low).min() >= 1.0
     with pytest.raises(InputError, match="too few for a spectrum"):

@@ -80,15 +80,12 @@ def test_the_side_of_a_bogie_has_the_quotient_of_the_sums():
     assert not without.of("side_Y_over_Q") and any("which bogie" in note for note in without.notes)
 
 
-def test_nadals_limit_of_the_law_has_its_own_friction():
+def test_limits_of_the_track_safety_standards_are_those_of_the_law():
     slope = tan(radians(70.0))
     (limit,) = {v.limit.value for v in assessed("49cfr238", run(300.0)).of("Y_over_Q_nadal")}
     assert limit == pytest.approx((slope - 0.5) / (1.0 + 0.5 * slope))
     (limit,) = {v.limit.value for v in assessed("en14363", run(300.0)).of("Y_over_Q_nadal")}
     assert limit == pytest.approx((slope - 0.3) / (1.0 + 0.3 * slope))
-
-
-def test_the_net_axle_force_of_the_track_safety_standards_is_5_kips_and_a_share():
     clause = rule_set("49cfr213").about("sum_Y_share")
     assert clause.limit_at(About(axle_load=200e3)).value * 200e3 == pytest.approx(0.4 * 200e3 + 5e3 * 4.44822, rel=1e-4)
 
@@ -180,15 +177,12 @@ def test_a_mistake_in_a_set_is_one_line(tmp_path, right, wrong, message):
     assert len(str(caught.value).splitlines()) == 1
 
 
-def test_two_clauses_about_one_quantity_are_a_mistake(tmp_path):
+def test_two_clauses_about_one_quantity_and_an_unknown_set_are_refused(tmp_path):
     own = tmp_path / "own.toml"
     text = (FOLDER / "49cfr238.toml").read_text()
     own.write_text(text.replace('"sum_Y_share"', '"Q_share"'))
     with pytest.raises(InputError, match=r"clauses\[2\].quantity: .Q_share.: is that of clauses\[1\]"):
         rule_set(own)
-
-
-def test_an_unknown_set_is_told_with_the_nearest(tmp_path):
     run(300.0).save(tmp_path / "result.nc")
     assert 'did you mean "49cfr238"' in refusal("assess", tmp_path, "--rules", "49cfr328")
     assert "no such rule set" in refusal("assess", tmp_path, "--rules", tmp_path / "none.toml")

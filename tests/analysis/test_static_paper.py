@@ -42,13 +42,10 @@ def test_table_2_is_met_but_for_the_four_numbers_that_the_page_names(dataset: xr
     assert off[~met].min() > 0.1
 
 
-def test_the_wheel_file_is_what_the_fit_writes() -> None:
+def test_the_wheel_file_is_what_the_fit_writes_and_the_page_holds_the_tables_of_today(dataset: xr.Dataset) -> None:
     """Nobody edits it by hand: numbers and story come from the script."""
     assert fit.text(fit.Shape(620.0, 5.0, -15.17, 38.2, 14.7)) == WHEEL.read_text(encoding="utf-8")
-
-
-def test_the_page_holds_the_tables_of_today(dataset: xr.Dataset) -> None:
-    """Else: python campaigns/table2.py --write. The last digit may differ on another machine."""
+    # else: python campaigns/table2.py --write. The last digit may differ on another machine
     text = table2.PAGE.read_text(encoding="utf-8")
     for name, table in {"comparison": table2.comparison(dataset), "each alone": table2.each_alone(dataset)}.items():
         begin, end = table2.marks(name)
@@ -70,14 +67,11 @@ def _numbers(table: str) -> np.ndarray:
 # --- laws ------------------------------------------------------------------------------------------------
 
 
-def test_without_friction_the_force_is_within_the_fan_of_the_normals(dataset: xr.Dataset, main: xr.Dataset) -> None:
+def test_forces_lie_within_the_fan_of_normals_of_strips_as_wide_as_asked(dataset: xr.Dataset, main: xr.Dataset) -> None:
     """Y / Q = tan of an angle between the smallest and the largest contact angle."""
     direction = np.arctan(dataset["Y_over_Q"].isel(wheel=0).values)
     assert (direction > main["contact_angle_min"].values).all()
     assert (direction < main["contact_angle_max"].values).all()
     np.testing.assert_allclose(direction, main["contact_angle_mean"].values, atol=2e-3)
-
-
-def test_strips_are_as_wide_as_asked(main: xr.Dataset) -> None:
-    """Their number is the width of the patch over 0.1 mm, rounded up."""
+    # their number is the width of the patch over 0.1 mm, rounded up
     np.testing.assert_array_equal(main["n_strips"], np.ceil(main["width"].values / 0.1e-3))

@@ -36,12 +36,16 @@ def pushed(sample: xr.Dataset) -> tuple[float, float]:
     return float(flange), float(guard)
 
 
-def test_the_guard_face_takes_over_as_its_gap_closes():
+def test_the_guard_face_takes_over_as_its_gap_closes_and_the_back_of_the_flange_stands_on_it():
     flange, guard = np.array([pushed(in_the_curve(gauge)) for gauge in GAUGES]).T
     assert guard[0] == 0.0 and flange[0] > 5e3  # the outer flange alone
     assert flange[-1] == 0.0 and guard[-1] > 5e3  # the guard face alone
     assert (np.diff(flange) < 0.0).all() and (np.diff(guard) > 0.0).all()
     assert flange[2] > 1e3 and guard[1] > 1e3  # both at once
+    sample = in_the_curve(GAUGES[-1])
+    angle = np.degrees(sample["contact_angle"].values[1])
+    assert np.nanmin(angle) == pytest.approx(FACE, abs=0.2)
+    assert sample["lateral_shift"].item() < in_the_curve(GAUGES[0])["lateral_shift"].item() + 1.5e-3
 
 
 @pytest.mark.parametrize("gauge", GAUGES)
@@ -53,13 +57,6 @@ def test_whoever_guides_the_forces_balance(gauge):
     assert left - right - sample["guide_force_y"].item() == pytest.approx(outward, rel=0.01)
     assert sample["Q"].sum().item() == pytest.approx(MASS * 9.80665, rel=1e-3)
     assert sample["yaw"].item() == pytest.approx(AHEAD / RADIUS, abs=1e-3)  # but for the springs of the axle
-
-
-def test_the_back_of_the_flange_stands_on_the_guard_face():
-    sample = in_the_curve(GAUGES[-1])
-    angle = np.degrees(sample["contact_angle"].values[1])
-    assert np.nanmin(angle) == pytest.approx(FACE, abs=0.2)
-    assert sample["lateral_shift"].item() < in_the_curve(GAUGES[0])["lateral_shift"].item() + 1.5e-3
 
 
 @cache

@@ -53,7 +53,7 @@ def stopped() -> Result:
     return Result(curve_run(samples=40, stopped=True))
 
 
-def test_bad_input_is_one_message_on_stderr_and_exit_code_2(scenario: Path) -> None:
+def test_bad_input_is_one_message_on_stderr_or_a_json_object_and_exit_code_2(scenario: Path) -> None:
     scenario.write_text(edited(CURVE, "radius_m = 300", "radius_m = 0"))
     for command in (("check",), ("run", "-o", scenario.parent / "out")):
         result = call(*command, scenario)
@@ -62,9 +62,6 @@ def test_bad_input_is_one_message_on_stderr_and_exit_code_2(scenario: Path) -> N
         assert result.stderr.startswith(f"{scenario}:18: track.segments[2].radius_m = 0: must be")
         assert result.stderr.count("\n") == 1
     assert not (scenario.parent / "out").exists(), "a run that cannot start leaves nothing"
-
-
-def test_bad_input_is_a_json_object_for_machines(scenario: Path) -> None:
     scenario.write_text(edited(edited(CURVE, "radius_m = 300", "radius_m = 0"), "friction = 0.35", "mu = 1"))
     result = call("run", scenario, "--json")
     assert result.exit_code == 2
@@ -187,12 +184,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_control_characters_of_others_do_not_reach_the_terminal(folder: Path) -> None:
+def test_control_characters_do_not_reach_the_terminal_lines_and_tabs_do(folder: Path) -> None:
     for command in (("show", folder), ("check", folder / "curve.toml"), ("show", folder / "no\x1b[31m.nc")):
         done = forked(*command)
         text = done.stdout + done.stderr
         assert "\N{REPLACEMENT CHARACTER}" in text
         assert not set(text) & {"\x1b", "\x07", "\x9b"}
+    assert plain("a\tb\n\u00e4\u03b3") == "a\tb\n\u00e4\u03b3"
+    assert plain("\u202egnp.exe") == "\N{REPLACEMENT CHARACTER}gnp.exe"
 
 
 def test_a_terminal_is_told_what_goes_on_before_a_run(tmp_path: Path) -> None:
@@ -225,11 +224,6 @@ def test_verbose_names_each_part_of_a_run_its_time_and_the_contacts_that_were_so
     took = json.loads(done.stdout)["summary"]["integration"]["evaluations"]
     assert f"{took} evaluations of the forces" in parts["integration"]
     assert f"{2 * took} contacts of a wheel" in parts["integration"]
-
-
-def test_text_with_lines_and_tabs_stays_as_it_is() -> None:
-    assert plain("a\tb\n\u00e4\u03b3") == "a\tb\n\u00e4\u03b3"
-    assert plain("\u202egnp.exe") == "\N{REPLACEMENT CHARACTER}gnp.exe"
 
 
 def test_a_terminal_that_cannot_take_every_letter_gets_what_it_can(folder: Path) -> None:

@@ -36,10 +36,13 @@ table = rows_of(__file__)
 ROOT = Path(__file__).parents[2]
 
 
-def test_the_schemas_are_not_stale() -> None:
+def test_the_schemas_are_not_stale_and_need_the_tables_that_a_scenario_needs() -> None:
     """Make them anew with: python docs/make_keys.py"""
     for path, text in runpy.run_path(str(ROOT / "docs" / "make_keys.py"))["schemas"]().items():
         assert path.read_text(encoding="utf-8") == text, path
+    data = tomllib.loads((ROOT / "scenarios/curve_r300.toml").read_text())
+    del data["track"]
+    assert faults(schema_of("scenario"), data) == ["'track' is a required property"]
 
 
 def schema_of(file: str) -> Draft7Validator:
@@ -62,12 +65,6 @@ def test_a_schema_finds_a_slip(kind: str, file: str, slip: dict[str, Any]) -> No
     schema, data = schema_of(kind), tomllib.loads((ROOT / file).read_text())
     assert faults(schema, data) == []
     assert faults(schema, data | slip)
-
-
-def test_the_schema_misses_a_table_that_a_scenario_needs() -> None:
-    data = tomllib.loads((ROOT / "scenarios/curve_r300.toml").read_text())
-    del data["track"]
-    assert faults(schema_of("scenario"), data) == ["'track' is a required property"]
 
 
 def test_editors_find_a_schema_for_every_shipped_file_and_it_accepts_them() -> None:
@@ -136,9 +133,25 @@ def test_a_template_can_be_used_as_it_is(kind: str, name: str, tmp_path: Path) -
     assert not isinstance(used, Vehicle) or vehicle_warnings(used) == []
 
 
-def test_an_unknown_template_names_those_that_there_are() -> None:
+def test_an_unknown_template_or_key_names_what_there_is() -> None:
     assert "did you mean 'vehicle'?" in refusal("new", "vehcile")
     assert "must be coach, metro, freight" in refusal("new", "vehicle", "cargo")
+    answer = ok("keys", "contact")
+    assert "tangential" in answer.output and "half-space" in answer.output
+    # one sentence for the terminal, the schema of editors and new scenarios
+    meaning = "Number of cells of a strip along the rolling direction"
+    assert meaning in answer.output and meaning in schema_text("scenario")
+    answer = ok("keys", "rail-head", "--file", "profile")
+    assert "half_widths_mm" in answer.output and "conicity" not in answer.output
+    assert "did you mean 'contact'?" in refusal("keys", "contcat")
+    assert "did you mean 'study'?" in refusal("keys", "--file", "stduy")
+    assert ok("keys", "--file", "service").output == ok("keys", "--file", "evolution").output
+    found = json.loads(call("keys", "run", "--json").output)
+    assert {e["key"] for e in found["[run]"]} >= {"step_us", "output_interval_ms"}
+    alone = call("keys", "contact.normal").output
+    assert "normal" in alone and "friction" not in alone
+    assert call("keys", "contact.normal_model").output == alone
+    assert "contact has no key 'nrmal' (did you mean 'normal'?)" in refusal("keys", "contact.nrmal")
 
 
 def test_examples_of_keys_are_values_that_they_take() -> None:
@@ -157,28 +170,6 @@ def test_examples_of_keys_are_values_that_they_take() -> None:
     assert flange_back.example == "1360"
 
 
-def test_keys_of_a_table_are_printed_and_a_slip_names_the_nearest() -> None:
-    answer = ok("keys", "contact")
-    assert "tangential" in answer.output and "half-space" in answer.output
-    # one sentence for the terminal, the schema of editors and new scenarios
-    meaning = "Number of cells of a strip along the rolling direction"
-    assert meaning in answer.output and meaning in schema_text("scenario")
-    answer = ok("keys", "rail-head", "--file", "profile")
-    assert "half_widths_mm" in answer.output and "conicity" not in answer.output
-    assert "did you mean 'contact'?" in refusal("keys", "contcat")
-    assert "did you mean 'study'?" in refusal("keys", "--file", "stduy")
-    assert ok("keys", "--file", "service").output == ok("keys", "--file", "evolution").output
-    found = json.loads(call("keys", "run", "--json").output)
-    assert {e["key"] for e in found["[run]"]} >= {"step_us", "output_interval_ms"}
-
-
 @pytest.mark.parametrize(("command", "file", "words"), table("a_file_of_another_kind_is_named_as_what_it_is"))
 def test_a_file_of_another_kind_is_named_as_what_it_is(command: str, file: str, words: str) -> None:
     assert refusal(command, ROOT / file).strip() == f"{ROOT / file}: {words}"
-
-
-def test_a_key_is_explained_alone_by_its_name_or_another_of_its_names() -> None:
-    alone = call("keys", "contact.normal").output
-    assert "normal" in alone and "friction" not in alone
-    assert call("keys", "contact.normal_model").output == alone
-    assert "contact has no key 'nrmal' (did you mean 'normal'?)" in refusal("keys", "contact.nrmal")

@@ -32,15 +32,12 @@ def run() -> Result:
     return Result(curve_run(samples=60))
 
 
-def test_the_track_shifting_force_is_the_left_wheel_less_the_right_one(run: Result) -> None:
+def test_the_track_shifting_force_and_the_balance_of_energy_are_told(run: Result) -> None:
     y = run.dataset["Y"].values
     assert run.dataset["sum_Y"].values == pytest.approx(y[:, :, 0] - y[:, :, 1])
     largest = run.summary()["wheelsets"]["wheelset"]["sum_Y_max_kN"]["value"]
     assert abs(largest) == pytest.approx(1e-3 * np.abs(y[:, 0, 0] - y[:, 0, 1]).max())
-
-
-def test_the_balance_of_energy_is_told(run: Result) -> None:
-    """1 MJ of pull, a quarter of it lost in creep, the rest in motion: nothing is left over, nothing else is told."""
+    # 1 MJ of pull, a quarter of it lost in creep, the rest in motion: nothing is left over, nothing else is told
     time = run.dataset["time"].values
     even = np.full_like(time, 1.0 / (time[-1] - time[0]))
     values = {"pull_power": 1e6 * even, "creep_power": 2.5e5 * even, "damper_power": 0.0 * even}

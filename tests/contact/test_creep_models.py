@@ -198,13 +198,10 @@ def test_forces_beside_contact(model, method, kinds, force, mean, moment):
     assert turning < moment
 
 
-def test_creep_coefficients_are_kalkers_table():
+def test_creep_coefficients_are_kalkers_table_continuous_and_rising_with_length():
     # Kalker 1990, table E3, a/b = 1 at nu = 0, 1/4, 1/2
     for poisson, row in ((0.0, (3.40, 3.40, 1.33)), (0.25, (4.12, 3.67, 1.47)), (0.5, (5.20, 3.98, 1.63))):
         assert kalker_coefficients(creep_coefficients(poisson), 1.0) == pytest.approx(row, rel=1e-12)
-
-
-def test_creep_coefficients_are_continuous_and_rise_with_length():
     aspects = np.logspace(-3.0, 3.0, 2001)
     values = np.array([kalker_coefficients(COEFFICIENTS, a) for a in aspects])
     assert (np.diff(values, axis=0) > -1e-9).all()
@@ -271,13 +268,10 @@ def test_the_reduction_begins_with_its_part_of_kalker_and_ends_with_friction(mod
     assert_allclose(traction(model, 0.3, 0.9, REDUCED), -0.3, rtol=0.02)
 
 
-def test_no_reduction_is_the_plain_model_to_the_bit():
+def test_slope_reduction_belongs_to_two_models_and_none_is_the_plain_one_to_the_bit():
     numbers = {"slope_k0": 1.0, "slope_alpha_inf": 1.0, "slope_beta": 5.0}
     for model in ("fastsim", "fastrip"):
         assert traction(model, 0.3, 1e-3, numbers) == traction(model, 0.3, 1e-3, {})
-
-
-def test_slope_reduction_belongs_to_fastsim_and_fastrip():
     scenario = load(Path(__file__).resolve().parents[2] / "scenarios/traction.toml")
     settings = scenario.spec.contact.settings()
     assert (settings.slope_k0, settings.slope_alpha_inf, settings.slope_beta) == (0.54, 0.02, 0.62)

@@ -50,7 +50,7 @@ def slide(friction, lateral, along, tangential="fastsim", speed=20.0):
     return model, contact
 
 
-def test_zones_by_contact_angle():
+def test_friction_changes_by_zones_of_the_angle_and_falls_from_static_to_its_limit():
     mu = GREASED.coefficient(normals(np.array([-40.0, 0.0, 10.0, 30.0, 70.0])), np.zeros(5))
     assert mu == pytest.approx([0.4, 0.4, 0.4, 0.1, 0.1])
     fine = GREASED.coefficient(normals(np.linspace(-40.0, 80.0, 120_001)), np.zeros(120_001))
@@ -58,9 +58,6 @@ def test_zones_by_contact_angle():
     # smooth: the steepest part of the ramp is 3/2 of the mean slope (0.3 over 20 degrees), but for tan's bend
     assert np.abs(np.diff(fine)).max() < 1.6 * 0.3 / 20.0 * 1e-3
     assert np.abs(np.diff(fine, 2)).max() < 1e-8
-
-
-def test_friction_falls_from_static_to_its_limit():
     slip = np.array([0.0, 1.0, 1e3])
     assert FALLING.coefficient(normals(np.zeros(3)), slip) == pytest.approx([0.4, 0.2 * (1.0 + np.exp(-0.6)), 0.2])
 
@@ -89,14 +86,11 @@ def test_full_sliding_gives_each_strip_its_own_mu_n(tangential):
             assert 0.05 <= rows["mu"].min() <= rows["mu"].max() <= 0.4
 
 
-def test_friction_alike_in_both_zones_and_friction_that_does_not_fall_are_a_plain_coefficient():
+def test_equal_zones_are_a_plain_coefficient_and_grease_on_the_corner_leaves_the_tread_alone():
     for lateral in (2e-3, 7e-3):
         plain = slide(0.4, lateral, 2e-3)[1]
         for law in (Friction(0.4), Friction(0.4, gauge_corner=0.4), Friction(0.4, falling_ratio=1.0)):
             np.testing.assert_array_equal(slide(law, lateral, 2e-3)[1].force, plain.force)
-
-
-def test_a_greased_gauge_corner_leaves_the_tread_alone():
     # at 0 mm the patch lies on the top of the rail, at 7 mm on the flange
     np.testing.assert_array_equal(slide(GREASED, 0.0, 0.02)[1].force, slide(0.4, 0.0, 0.02)[1].force)
     greased, dry = slide(GREASED, 7e-3, 0.02)[1], slide(0.4, 7e-3, 0.02)[1]
@@ -218,7 +212,7 @@ def in_curve(contact: dict[str, Any], start: float = 10.0, way: float = 8.0) -> 
     return run_in_time(setup_of([arc(40.0, 200.0, 60.0)], 10.0, LEADING, start=start, values=keys))
 
 
-def test_a_run_says_which_friction_acts_under_each_wheel(wetted: Result) -> None:
+def test_a_run_says_which_friction_acts_and_runs_behind_a_change_as_with_that_alone(wetted: Result) -> None:
     dataset = wetted.wheelset()
     at, mu = dataset["distance"].values, dataset["rail_friction"].values
     assert mu[:, 0] == pytest.approx(0.4)
@@ -226,9 +220,6 @@ def test_a_run_says_which_friction_acts_under_each_wheel(wetted: Result) -> None
     x = np.clip((at - 12.0) / 2.0, 0.0, 1.0)
     # the outer rail is longer than the centre line by .4 %: a few um of a metre within the transition
     assert mu[:, 1] == pytest.approx(0.4 - 0.25 * x * x * (3.0 - 2.0 * x), abs=2e-5)
-
-
-def test_behind_a_change_the_wheelset_runs_as_where_friction_is_always_so(wetted: Result) -> None:
     wet = in_curve({"friction_sections": [WET | {"from_m": 1.0}]}, way=0.2)
     dry = in_curve({}, way=0.2)
     ours = wetted.wheelset()
@@ -243,7 +234,7 @@ def friction_along(text: str, more: str, folder: Path | None = None) -> Any:
     return build(load_text(edited(text, "friction = 0.35", more), folder or ".")).contact.friction
 
 
-def test_a_table_and_sections_say_the_same(tmp_path: Path) -> None:
+def test_a_table_and_sections_say_the_same_and_standing_wheels_feel_one_place(tmp_path: Path) -> None:
     (tmp_path / "mu.csv").write_text("at_m,left,right\n0,0.35,0.35\n60,0.35,0.35\n62,0.35,0.1\n")
     table = friction_along(CURVE, 'friction = 0.35\nfriction_table = "mu.csv"', tmp_path)
     row = 'friction_sections = [{from_m = 60, friction = 0.1, side = "right", transition_m = 2}]'
@@ -251,9 +242,6 @@ def test_a_table_and_sections_say_the_same(tmp_path: Path) -> None:
     s = np.linspace(0.0, 100.0, 1001)
     for ours, theirs in zip(table, sections, strict=True):
         np.testing.assert_allclose(ours.numbers(s), theirs.numbers(s), rtol=1e-12)
-
-
-def test_where_nothing_runs_friction_is_that_of_one_place() -> None:
     rows = "friction_sections = [{from_m = 60, friction = 0.1, transition_m = 2}]\nfriction_at_m = "
     steady = CURVE.replace('"curving"', '"steady"').split("[[track.segments]]")[0]
     for place, mu in ((0.0, 0.35), (61.0, 0.225), (70.0, 0.1)):

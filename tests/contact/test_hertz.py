@@ -210,7 +210,7 @@ def points(model, origin, lobe, s):
     return rail, wheel
 
 
-def test_strips_tile_the_patch_from_edge_to_edge(patch):
+def test_strips_tile_the_patch_from_edge_to_edge_midway_between_points(patch):
     _, _, lobe, strips = patch
     np.testing.assert_allclose(np.diff(strips["s"]), strips["ds"][0], rtol=1e-9)
     np.testing.assert_array_equal(strips["ds"], strips["ds"][0])
@@ -218,9 +218,6 @@ def test_strips_tile_the_patch_from_edge_to_edge(patch):
     assert strips["s"][-1] + 0.5 * strips["ds"][0] == pytest.approx(lobe["end"], abs=1e-15)
     assert lobe["width"] == pytest.approx(lobe["end"] - lobe["start"], abs=1e-15)
     assert lobe["start"] < 0.0 < lobe["end"]
-
-
-def test_strips_stand_midway_between_points_of_equal_arclength(patch):
     # 2e-8: where curvature jumps the kernel's table leaves the profile by up to 1e-8 m
     model, origin, lobe, strips = patch
     (rail, _), (wheel, _) = points(model, origin, lobe, strips["s"])

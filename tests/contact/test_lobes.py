@@ -59,12 +59,9 @@ def test_coupling_of_two_lobes(first, second, share):
         assert partner[shallow] == 1 - shallow
 
 
-def test_lobes_with_a_gap_between_them_have_no_partner():
+def test_the_deepest_lobes_are_kept_in_order_with_their_saddles_gaps_part_them():
     for found in (coupled([2e-5, 1e-5], [-1.0]), coupled([1e-5], [])):
         assert (found[0] == 0.0).all() and (found[1] == -1).all()
-
-
-def test_the_deepest_are_kept_in_order_with_the_saddle_between_them():
     found = found_rows([4e-5, 1e-5, 3e-5, 2e-5], [0.8e-5, 0.5e-5, 1.5e-5])
     assert select_deepest(found, 4, 3) == 3
     assert list(found["depth"][:3]) == [4e-5, 3e-5, 2e-5]

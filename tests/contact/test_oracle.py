@@ -152,15 +152,12 @@ def test_away_from_jumps_contacts_are_those_of_contact(name, where, of, limit):
     assert error(worst) < limit, f"{worst.name} at {1e3 * worst.lateral:g} mm: {error(worst):.5g}"
 
 
-def test_creep_forces_along_the_track_err_to_neither_side():
+def test_creep_forces_err_to_neither_side_and_patches_are_as_many_as_contacts():
     # creepages between wheel and rail, half the approach nearer to the axle, would make -0.026 of mu Q in the median
     # of the strips' forces, whose median is -0.0024 with creepages on the wheel's undeformed surface
     chosen = [c for c in cases("strips", "fastrip") if c.calm and c.on_tread and c.rolling and c.yaw == 0.0]
     errors = [(c.ours.force[0] - c.reference.force[0]) / (FRICTION * c.load) for c in chosen]
     assert abs(np.median(errors)) < 0.003
-
-
-def test_number_of_patches_is_that_of_contact_away_from_jumps():
     # regions are counted where CONTACT reports several as one patch
     chosen = [c for c in cases() if c.calm]
     agree = [c for c in chosen if c.ours.patches == c.reference.patches]

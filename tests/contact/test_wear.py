@@ -43,28 +43,22 @@ def mass(found: Losses) -> np.ndarray:
     return found.channels()["wear_wheel_mass"][:, 0, 0].sum(axis=-1)
 
 
-def test_usfd_has_three_branches_and_no_jump_at_its_steep_end() -> None:
+def test_usfd_has_three_branches_and_brr_the_areas_of_its_source() -> None:
     w = 1e6 * np.array([0.0, 5.0, 10.39, 10.41, 50.0, 77.2, 87.2])
     micrograms = np.array([0.0, 26.5, 55.067, 55.0, 55.0, 55.0, 55.0 + 619.0])
     np.testing.assert_allclose(usfd(w), 1e-3 * micrograms, rtol=1e-12)
     assert usfd(77.2e6 + 1.0) == pytest.approx(usfd(77.2e6), rel=1e-5)
-
-
-def test_brr_has_the_areas_of_its_source() -> None:
-    """A wheel of 920 mm loses .25 T / D, 25 / D and (1.19 T - 154) / D mm2 per km."""
+    # a wheel of 920 mm loses .25 T / D, 25 / D and (1.19 T - 154) / D mm2 per km
     area = brr([40.0, 150.0, 300.0]) / DENSITY / (pi * 0.92)  # m2 per m
     np.testing.assert_allclose(1e9 * area, np.array([10.0, 25.0, 203.0]) / 920.0, rtol=1e-12)
 
 
-def test_coefficients_of_archard_follow_the_map() -> None:
+def test_archard_follows_its_map_and_three_laws_agree_on_mild_wear() -> None:
     k = (1.0, 2.0, 3.0, 4.0)
     speeds, pressures = [0.1, 0.5, 0.9, 0.1, 0.5], [1e9, 1e9, 1e9, 2.3e9, 2.3e9]
     np.testing.assert_array_equal(wear_coefficient(speeds, pressures, 2.8e9, k), [1.0, 2.0, 3.0, 4.0, 4.0])
     assert WearSettings(("archard",)).coefficients == (5e-4, 35e-4, 5e-4, 350e-4)  # docs/user/wear.md
-
-
-def test_three_laws_from_three_sources_agree_on_mild_wear() -> None:
-    """Per metre and newton of T-gamma: 5.3e-9 kg, .25 pi mm3/km, and k/(mu H) of the mildest field."""
+    # per metre and newton of T-gamma: 5.3e-9 kg, .25 pi mm3/km, and k/(mu H) of the mildest field
     rates = np.array([float(usfd(1.0)), float(brr(1.0)), DENSITY * 5e-4 / (0.35 * 2.8e9)])
     np.testing.assert_allclose(rates, [5.3e-9, 6.165e-9, 4.005e-9], rtol=1e-3)
 
@@ -174,14 +168,11 @@ def test_samples_stand_for_the_whole_stretch() -> None:
     assert inside[0] == pytest.approx(0.05) and inside[-1] == 0.0
 
 
-def test_damage_rises_to_its_peak_and_falls_through_zero() -> None:
+def test_damage_rises_to_its_peak_and_fatigue_begins_at_the_limit_of_the_shakedown_map() -> None:
     found = damage([0.0, 15.0, 40.0, 65.0, 120.0, 175.0, 275.0])
     np.testing.assert_allclose(found, [0.0, 0.0, 5e-6, 1e-5, 5e-6, 0.0, -100.0 * 1e-5 / 110.0], atol=1e-20)
     assert (found[-1] - found[-2]) / 100.0 == pytest.approx(-9.09e-8, rel=1e-3)
-
-
-def test_the_fatigue_index_is_zero_on_the_limit_of_the_shakedown_map() -> None:
-    """In a Hertzian patch p0 = 3 N / (2 A); the limit is p0 / k = 1 / mu."""
+    # in a Hertzian patch p0 = 3 N / (2 A); the limit is p0 / k = 1 / mu
     k, p0, area = 300e6, 1200e6, 1e-4
     normal = p0 * area / 1.5
     limit = k / p0

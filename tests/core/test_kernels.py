@@ -69,7 +69,7 @@ def arrays(thing):
     return int(isinstance(thing, np.ndarray))
 
 
-def test_no_kernel_that_python_calls_allocates(compiled):
+def test_no_kernel_that_python_calls_allocates_by_a_count_that_counts(compiled):
     # nor any that works within one of these
     _, calls = compiled
     every = kernels.kernels()
@@ -78,7 +78,4 @@ def test_no_kernel_that_python_calls_allocates(compiled):
     for key in calls.keys() & every.keys():
         # a note for each array at the door where the kernel hands arrays back
         assert allocations(every[key], *calls[key]) in (0, sum(arrays(a) for a in calls[key])), key
-
-
-def test_the_count_of_allocations_counts():
     assert allocations(allocate, 1000) == 1000

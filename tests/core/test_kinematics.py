@@ -266,16 +266,13 @@ def test_position_tangent_and_curvature_are_continuous_at_every_row() -> None:
     assert np.abs(curvature(path, rows - tiny) - curvature(path, rows + tiny)).max() < 20.0 * tiny
 
 
-def test_path_continues_straight_at_both_ends(spiral: Path) -> None:
+def test_a_path_continues_straight_and_its_frame_turns_by_its_rates(spiral: Path) -> None:
     for end, sign in ((0.0, -1.0), (spiral.length, 1.0)):
         at, beyond = spiral.frame(end), spiral.frame(end + sign * 7.0)
         assert np.abs(beyond[0] - (at[0] + sign * 7.0 * at[1])).max() < 1e-13
         assert np.abs(beyond[1:] - at[1:]).max() < 1e-15
         assert curvature(spiral, end + sign * 7.0) == 0.0
         assert core.frame_rates(spiral.curve, end + sign * 7.0) == ((0.0, 0.0, 0.0), 0.0)
-
-
-def test_frame_rates_turn_the_frame(spiral: Path) -> None:
     h = 1e-4
     for s in (0.3, 11.11, 200.0, spiral.length - 0.2):
         omega, droll = core.frame_rates(spiral.curve, s)

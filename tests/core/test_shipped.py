@@ -95,9 +95,12 @@ def test_kernels_made_with_anything_else_are_not_taken(package: Path, tmp_path: 
     assert shipped(str(tmp_path), folder) is None
 
 
-def test_kernels_for_another_processor_are_not_taken(package: Path, tmp_path: Path) -> None:
+def test_kernels_made_for_another_processor_or_writable_by_others_are_not_taken(package: Path, tmp_path: Path) -> None:
     missing = next(name for name, there in binding.get_host_cpu_features().items() if not there)
     folder = with_about(package, tmp_path, lambda about: about | {"needs": [missing]})
+    assert shipped(str(tmp_path), folder) is None
+    folder = with_about(package, tmp_path, dict)
+    (folder / "contact").chmod(0o777)
     assert shipped(str(tmp_path), folder) is None
 
 
@@ -105,12 +108,6 @@ def test_the_folder_itself_is_taken(package: Path, tmp_path: Path) -> None:
     assert isinstance(shipped(str(tmp_path), with_about(package, tmp_path, dict)), Shipped)
     assert shipped(None, tmp_path / "kernels") is None, "nothing can be kept"
     assert shipped(str(tmp_path), tmp_path / "none") is None
-
-
-def test_a_folder_that_others_can_write_to_is_not_taken(package: Path, tmp_path: Path) -> None:
-    folder = with_about(package, tmp_path, dict)
-    (folder / "contact").chmod(0o777)
-    assert shipped(str(tmp_path), folder) is None
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", "no json"])
@@ -139,7 +136,7 @@ def test_a_damaged_kernel_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
 def with_about(package: Path, place: Path, change: Callable[[dict[str, Any]], dict[str, Any]]) -> Path:
     """A copy of the kernels with a changed description."""
     folder = place / "kernels"
-    shutil.copytree(package / "wrsim" / "kernels", folder)
+    shutil.copytree(package / "wrsim" / "kernels", folder, dirs_exist_ok=True)
     about = json.loads((folder / ABOUT).read_text())
     (folder / ABOUT).write_text(json.dumps(change(about)))
     return folder
@@ -162,14 +159,17 @@ def own(shared: Path) -> Path:
     return shared / f"wrsim-{os.getuid()}"
 
 
-def test_the_users_cache_comes_first_and_is_shut_to_others(places: tuple[Path, Path]) -> None:
+def test_the_cache_is_the_users_own_and_shut_to_others(places: tuple[Path, Path]) -> None:
     home, _ = places
     folder = cache_folder("kernels-1")
     assert folder == str(home / "wrsim/kernels-1")
     assert os.stat(folder).st_mode & 0o777 == 0o700
+    (home / "wrsim").chmod(0o775)  # as an older version left it
+    assert cache_folder("kernels-1") == str(home / "wrsim/kernels-1")
+    assert is_private(str(home / "wrsim"))
 
 
-def test_the_folder_in_the_shared_directory_is_the_users_own(places: tuple[Path, Path]) -> None:
+def test_a_shared_directory_holds_a_folder_of_the_users_own_or_none(places: tuple[Path, Path]) -> None:
     home, shared = places
     (home / "wrsim").write_text("no folder can be made there")
     folder = cache_folder("kernels-1")
@@ -205,14 +205,6 @@ def test_a_directory_where_others_can_swap_folders_is_not_used(places: tuple[Pat
     assert cache_folder("kernels-1") == str(own(shared) / "kernels-1")
     home.chmod(0o1777)
     assert cache_folder("kernels-1") == str(home / "wrsim/kernels-1")
-
-
-def test_a_folder_that_an_older_version_left_open_is_shut(places: tuple[Path, Path]) -> None:
-    home, _ = places
-    (home / "wrsim").mkdir()
-    (home / "wrsim").chmod(0o775)
-    assert cache_folder("kernels-1") == str(home / "wrsim/kernels-1")
-    assert is_private(str(home / "wrsim"))
 
 
 def test_without_a_safe_place_kernels_work_and_leave_nothing_behind(tmp_path: Path) -> None:

@@ -36,18 +36,12 @@ def named(pattern: str) -> Iterator[tuple[Path, str]]:
             yield page, name
 
 
-def test_commands_that_pages_name_exist() -> None:
+def test_commands_modules_and_files_that_pages_name_exist() -> None:
     commands = get_command(app).commands
     found = list(named(r"(?:`|^ {4}|\n)wrsim (?:-[^\s`]+ )*([a-z]+)"))
     assert len(found) > 30 and [one for one in found if one[1] not in commands] == []
-
-
-def test_modules_that_pages_name_exist() -> None:
     found = list(named(r"\b(wrsim(?:\.[a-z_]\w*)+)\b(?!/)"))
     assert len(found) > 30 and [one for one in found if locate(one[1]) is None] == []
-
-
-def test_files_that_pages_name_exist() -> None:
     files = list(named(r"`((?:" + "|".join(FOLDERS) + r")/[\w/.-]+\.(?:py|toml|md|svg|png|csv))`"))
     links = list(named(r"\]\(([\w/.-]+\.(?:md|png|svg))(?:#[\w-]*)?\)"))
     assert len(files) > 30 and len(links) > 30
@@ -58,26 +52,27 @@ def test_files_that_pages_name_exist() -> None:
         assert path.exists() or path in BUILT, f"{page.name}: {name}"
 
 
-def test_every_status_word_of_the_code_is_in_the_reference() -> None:
+def test_every_status_word_has_its_meaning_in_the_reference() -> None:
     text = BUILT[ROOT / "docs" / "reference" / "status.md"]()
     words = filter(None, (*get_args(Cause), *get_args(EventKind), *get_args(Ending), *STATUSES))
     for word in words:
         assert f"| `{word}` |" in text, word
     for bit, message in WORDS.items():
         assert f"| `{bit}` | {message} |" in text, message
-
-
-def test_a_word_without_its_meaning_is_refused() -> None:
     table = script("docs/make_keys.py")._meanings
     for words in (("rest",), ("rest", "cycle", "new")):
         with pytest.raises(ValueError, match=r"new|cycle"):
             table("word", words, {"rest": "the motion decays", "cycle": "a limit cycle"})
 
 
-def test_every_shipped_scenario_is_in_the_guide() -> None:
+def test_every_shipped_scenario_is_in_the_guide_and_every_page_on_the_site() -> None:
     text = BUILT[ROOT / "docs" / "user" / "scenarios.md"]()
     for scenario in (ROOT / "scenarios").glob("*.toml"):
         assert scenario.name in text, scenario.name
+    listed = (ROOT / "docs" / "index.md").read_text().split()
+    for page in (ROOT / "docs").rglob("*.md"):
+        name = page.relative_to(ROOT / "docs").with_suffix("").as_posix()
+        assert name == "index" or name in listed, name
 
 
 def test_the_conda_recipe_is_that_of_the_project() -> None:
@@ -150,7 +145,7 @@ def test_the_python_examples_of_a_page_run(page: Path, tmp_path: Path, monkeypat
         exec(compile(block, f"{page.name}, example {number}", "exec"), names)
 
 
-def test_the_command_lines_of_all_pages_are_understood() -> None:
+def test_command_lines_and_keys_of_all_pages_exist() -> None:
     commands = get_command(app).commands  # type: ignore[attr-defined]
     lines = [(page.name, line) for page in PAGES for line in command_lines(page)]
     assert len(lines) > 50
@@ -159,19 +154,9 @@ def test_the_command_lines_of_all_pages_are_understood() -> None:
             name.startswith("-") or commands[name].make_context(name, words)
         except Exception as error:
             raise AssertionError(f"{page}: {name} {shlex.join(words)}") from error
-
-
-def test_the_keys_in_the_files_that_pages_show_exist() -> None:
     known = NAMES | set(re.findall(r"`(\w+)`", BUILT[ROOT / "docs" / "reference" / "keys.md"]()))
     files = [(page.name, tomllib.loads(block)) for page in PAGES for block in blocks(page, "toml")]
     assert len(files) > 20
     for page, found in files:
         names = {name.rpartition(".")[2] for name in keys_of(found)}  # values of "vehicle.carbody.mass_kg" are set
         assert names and names <= known, f"{page}: {sorted(names - known)}"
-
-
-def test_every_page_is_on_the_site() -> None:
-    listed = (ROOT / "docs" / "index.md").read_text().split()
-    for page in (ROOT / "docs").rglob("*.md"):
-        name = page.relative_to(ROOT / "docs").with_suffix("").as_posix()
-        assert name == "index" or name in listed, name

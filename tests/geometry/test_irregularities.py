@@ -273,25 +273,28 @@ def test_the_same_seed_gives_the_same_track_to_the_bit_and_another_seed_another(
         assert np.abs(getattr(one, side).table[100:200, 2] - getattr(other, side).table[100:200, 2]).max() > 1e-4
 
 
-def test_irregularities_begin_and_end_gently() -> None:
+def test_irregularities_begin_gently_and_are_rougher_the_lower_their_class() -> None:
     drawn = Realisation("FRA-1", 1, 3.0, 60.0, 50.0, 150.0, fade=20.0).disturbances()
     track = Track.build(CURVE, irregularities=drawn)
     s = np.array([0.0, 49.9, 50.01, 149.99, 150.1, 180.0])
     assert np.abs(track.irregularity("left", s)).max() < 1e-9
     assert np.abs(track.irregularity("left", np.linspace(70.0, 130.0, 50))).max() > 1e-3
-
-
-def test_classes_of_fra_track_are_rougher_the_lower_they_are() -> None:
     w = 2.0 * math.pi / np.array([20.0])
     for channel in ("alignment", "level"):
         densities = [SPECTRA[f"FRA-{i}"][channel](w)[0] for i in range(1, 7)]
         assert (np.diff(densities) < 0.0).all()
 
 
-def test_rows_too_coarse_for_the_waves_are_refused() -> None:
+def test_rows_too_coarse_for_the_waves_and_bands_finer_than_the_table_are_refused(tmp_path: Path) -> None:
     drawn = Realisation("ERRI-low", 1, 1.0, 60.0, 0.0, 180.0).disturbances()
     with pytest.raises(InputError, match=r"row_distance_m = 0\.5 is too coarse .* need 0\.25"):
         Track.build(CURVE, irregularities=drawn, step=0.5)
+    s = np.arange(0.0, 100.0, 1.0)
+    file = write_table(tmp_path / "t.csv", {"distance_m": s, "level_mm": np.sin(s / 5.0)})
+    with pytest.raises(InputError, match="rows are up to 1 m apart and resolve no waves shorter than 2 m"):
+        TrackTable.read(file).disturbances(0.0, 10.0, band=(1.0, 50.0))
+    with pytest.raises(InputError, match="has no geometry"):
+        TrackTable.read(file).laws(1.435)
 
 
 # --- tables ---------------------------------------------------------------------------------------------------------
@@ -349,15 +352,6 @@ def test_a_faulty_table_is_told_with_its_line(tmp_path: Path, text: str, message
     file.write_text(text)
     with pytest.raises(InputError, match=message):
         TrackTable.read(file)
-
-
-def test_a_band_finer_than_the_table_is_refused(tmp_path: Path) -> None:
-    s = np.arange(0.0, 100.0, 1.0)
-    file = write_table(tmp_path / "t.csv", {"distance_m": s, "level_mm": np.sin(s / 5.0)})
-    with pytest.raises(InputError, match="rows are up to 1 m apart and resolve no waves shorter than 2 m"):
-        TrackTable.read(file).disturbances(0.0, 10.0, band=(1.0, 50.0))
-    with pytest.raises(InputError, match="has no geometry"):
-        TrackTable.read(file).laws(1.435)
 
 
 # --- in files -------------------------------------------------------------------------------------------------------

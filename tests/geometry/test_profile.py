@@ -90,7 +90,7 @@ def test_rotation_and_shift_keep_length_curvature_and_distances(angle, du, dw):
     np.testing.assert_allclose(moved.at(L), [c * u - s * w + du, s * u + c * w + dw], atol=1e-14)
 
 
-def test_inclination_turns_the_top_towards_the_track_centre():
+def test_inclination_turns_the_top_and_clipping_keeps_the_curve():
     inclined = RAIL.inclined(1 / 40)
     crown, foot = RAIL.top, (0.0, -0.172)  # foot of the rail, 172 mm below: it stays outside of the crown
     turned_foot = -np.sin(np.arctan(1 / 40)) * foot[1]
@@ -98,9 +98,6 @@ def test_inclination_turns_the_top_towards_the_track_centre():
     # The head now leans inward, so its highest point lies on the field side: 300 sin(atan(1/40)) mm along R300.
     assert inclined.top[0] == pytest.approx(0.3 * np.sin(np.arctan(1 / 40)), abs=1e-12)
     assert inclined.tangent(RAIL.arclength_of(0.0))[1] == pytest.approx(np.sin(np.arctan(1 / 40)), abs=1e-12)
-
-
-def test_clipping_keeps_the_curve():
     first, last = S1002.arclength_of(-0.03), S1002.arclength_of(0.02)
     piece = S1002.clipped(first, last)
     assert piece.length == pytest.approx(last - first, abs=1e-15)
@@ -155,19 +152,18 @@ def test_sections_out_of_tune_by_rounding_are_joined_smoothly():
     assert k.min() > -20.2 and k.max() < 0.2
 
 
-def test_sections_that_do_not_meet_are_refused():
+def test_profiles_that_cannot_be_are_refused_and_others_cannot_be_changed():
     line = ProfileLine(-0.02, 0.0, 0.0, 0.0)
     with pytest.raises(InputError, match=r"sections 1 and 2 \(at u = 0 mm\) are 0.01 mm apart; allowed: 0.001 mm"):
         profile_from_sections("gap", "rail", [line, ProfileLine(0.0, 1e-5, 0.02, 1e-5)])
     with pytest.raises(InputError, match=r"meet in a corner of -49.96 mrad; allowed: 0.1 mrad"):
         profile_from_sections("corner", "rail", [line, ProfileLine(0.0, 0.0, 0.02, -0.001)])
-
-
-def test_rail_heads_that_cannot_be_are_refused():
     with pytest.raises(InputError, match="arc of radius 80 mm has no room"):
         rail_head("r", [0.3, 0.08, 0.013], [0.02, 0.01], 0.05, 0.03)
     with pytest.raises(InputError, match=r"depth 10 mm ends before the straight sides begin; allowed: above 14\.3"):
         rail_head("r", [0.3, 0.08, 0.013], [0.010228, 0.0260265], 0.05, 0.010)
+    with pytest.raises(ValueError, match="read-only"):
+        S1002.u[0] = 1.0
 
 
 @pytest.mark.parametrize(
@@ -187,11 +183,6 @@ def test_rail_heads_that_cannot_be_are_refused():
 def test_questions_off_the_curve_are_answered_with_what_is_allowed(ask, message):
     with pytest.raises(InputError, match=message):
         ask()
-
-
-def test_profiles_cannot_be_changed():
-    with pytest.raises(ValueError, match="read-only"):
-        S1002.u[0] = 1.0
 
 
 # Worn profiles by formula: what is taken off, what is left, and what is refused.
@@ -295,7 +286,7 @@ def test_wear_that_makes_no_profile_is_refused(tmp_path, text, message):
         load_profile(path)
 
 
-def test_wear_adds_up_over_files(tmp_path):
+def test_wear_adds_up_over_files_until_it_folds_the_curve(tmp_path):
     (tmp_path / "first.toml").write_text(HEAD + 'base = "60E1.toml"\n' + DEEP.format(0.5, 10), encoding="utf-8")
     second = tmp_path / "second.toml"
     second.write_text(
@@ -304,9 +295,6 @@ def test_wear_adds_up_over_files(tmp_path):
         encoding="utf-8",
     )
     assert load_profile(second).at(load_profile(second).arclength_of(0.0))[1] == pytest.approx(-1e-3, abs=1e-12)
-
-
-def test_wear_that_folds_the_curve_is_refused():
     groove = circle("groove", "rail", -0.02, 0.019)
     thin = rail_head("thin", [0.012], [], 0.05, 0.06)
     with pytest.raises(InputError, match=r"it turns back at u = .* mm; allowed: less depth"):
@@ -341,12 +329,14 @@ def enclosed(a: Profile, b: Profile, points: int = 100_001) -> float:
     return 0.5 * abs(float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()))
 
 
-def test_a_new_s1002_has_the_dimensions_of_its_standard() -> None:
+def test_a_new_s1002_has_the_dimensions_of_its_standard_and_a_cone_no_flange() -> None:
     """Flange 32.5 mm thick and 28 mm high (EN 13715); qR of the new profile is 10.8 mm."""
     found = flange_dimensions(wheel())
     assert found.thickness == pytest.approx(32.5e-3, abs=1e-6)
     assert found.height == pytest.approx(28.0e-3, abs=1e-6)
     assert found.steepness == pytest.approx(10.8e-3, abs=0.02e-3)
+    with pytest.raises(InputError, match="no flange"):
+        flange_dimensions(load_profile("wheels/cone_1in20.toml"))
 
 
 def test_a_tread_that_wears_makes_the_flange_higher_and_thicker() -> None:
@@ -361,11 +351,6 @@ def test_a_tread_that_wears_makes_the_flange_higher_and_thicker() -> None:
     assert now.thickness == pytest.approx(70e-3 + np.interp(-9e-3, new.w[face], new.u[face]), abs=1e-5)
 
 
-def test_a_cone_has_no_flange() -> None:
-    with pytest.raises(InputError, match="no flange"):
-        flange_dimensions(load_profile("wheels/cone_1in20.toml"))
-
-
 @pytest.mark.parametrize("name", ["wheels/S1002.toml", "rails/60E1.toml"])
 def test_area_off_the_profile_is_area_lost(name: str) -> None:
     """By the depths to round-off, and between the two curves as a polygon."""
@@ -377,14 +362,11 @@ def test_area_off_the_profile_is_area_lost(name: str) -> None:
     assert enclosed(profile, worn(profile, [table], "worn")) == pytest.approx(lost, rel=1e-6)
 
 
-def test_smoothing_keeps_the_sum_and_puts_nothing_back() -> None:
+def test_smoothing_keeps_the_sum_and_halves_a_wave_of_the_cutoff() -> None:
     areas = losses(wheel())
     smooth = smoothed_table(areas, 0.25e-3, CUTOFF)
     assert smooth.sum() == pytest.approx(areas.sum(), rel=1e-13)
     assert smooth.min() >= 0.0
-
-
-def test_smoothing_halves_a_wave_of_the_cutoff() -> None:
     x = np.arange(4000) * 0.1e-3
     wave = np.sin(2.0 * np.pi * x / CUTOFF)
     middle = smoothed_table(wave, 0.1e-3, CUTOFF)[1000:3000]

@@ -109,11 +109,13 @@ def test_a_rail_upside_down_is_recognised_by_its_head(write, order, heights):
     assert distance(read_points(path, "rail").profile(), inclined) < 1e-9
 
 
-def test_the_field_side_of_a_rail_must_be_told(write):
+def test_the_field_side_of_a_rail_must_be_told_and_turning_undoes_an_inclination(write):
     inclined = RAIL.inclined(1 / 20)
     path = write(rows(inclined, -1e3))
     assert distance(read_points(path, "rail", field_side="negative").profile(), inclined) < 1e-9
     assert distance(read_points(path, "rail").profile(), inclined.mirrored()) < 1e-9
+    path = write(rows(RAIL.inclined(1 / 40)))
+    assert distance(read_points(path, "rail", turn=-np.arctan(1 / 40)).profile(), RAIL) < 1e-9
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("m", 1.0), ("mm", 1e3), ("in", 1 / 0.0254)])
@@ -123,23 +125,15 @@ def test_units_come_from_the_caller_or_the_header(write, unit, factor):
     assert distance(read_points(write(f"y_{unit},z_{unit}\n" + text), "rail").profile(), RAIL) < 1e-9
 
 
-def test_columns_may_be_separated_as_spreadsheets_do(write):
+def test_columns_may_be_separated_as_spreadsheets_do_and_digits_spoil_no_curvature(write):
     comma_decimals = rows(RAIL, between=";").replace(".", ",")
     for text in (rows(RAIL, between="\t"), rows(RAIL, between=", "), comma_decimals):
         assert distance(read_points(write("% a comment\n\n" + text), "rail").profile(), RAIL) < 1e-9
-
-
-def test_points_closer_than_their_digits_allow_do_not_spoil_the_curvature(write):
     # Nodes as near as 5 um, written to 1e-6 mm: a spline through all of them would have curvatures off by 50 1/m.
     text = "".join(f"{1e3 * u:.6f} {1e3 * w:.6f}\n" for u, w in zip(RAIL.u, RAIL.w, strict=True))
     profile = read_points(write(text), "rail").profile()
     u = np.linspace(-0.009, 0.009, 501)  # the crown, 300 mm
     np.testing.assert_allclose(profile.curvature(profile.arclength_of(u)), -1 / 0.3, atol=1.0)
-
-
-def test_turning_undoes_an_inclination(write):
-    path = write(rows(RAIL.inclined(1 / 40)))
-    assert distance(read_points(path, "rail", turn=-np.arctan(1 / 40)).profile(), RAIL) < 1e-9
 
 
 # --- SIMPACK ------------------------------------------------------------------------------------------
@@ -228,7 +222,7 @@ def test_options_that_cannot_be_are_answered_with_what_is_allowed(write, options
         read_points(write(rows(WHEEL)), **{"kind": "wheel", **options}).profile()
 
 
-def test_files_that_are_not_there_or_not_text_are_refused(tmp_path):
+def test_files_that_are_not_there_or_not_text_or_of_no_format_are_refused(tmp_path):
     (tmp_path / "wheel.csv").write_bytes(b"\x00\x01\x02")
     with pytest.raises(InputError, match=r"whele.csv: no such profile file; did you mean '.*wheel.csv'\?"):
         read_points(tmp_path / "whele.csv", "wheel").profile()
@@ -238,9 +232,6 @@ def test_files_that_are_not_there_or_not_text_are_refused(tmp_path):
         read_points(tmp_path, "wheel", format="columns").profile()
     with pytest.raises(InputError, match=r"no profile format has the suffix '.stl'; allowed: .csv, .txt"):
         read_points(tmp_path / "wheel.stl", "wheel").profile()
-
-
-def test_a_toml_file_that_names_points_of_no_format_names_its_line(tmp_path):
     place = tmp_path / "rail.toml"
     place.write_text('name = "r"\nbody = "rail"\nkind = "points"\ndate = 2026-01-01\nsource = "s"\nfile = "rail.c[v"\n')
     with pytest.raises(

@@ -223,15 +223,12 @@ def test_a_chord_sees_waves_and_circles_as_geometry_says(system: Chord) -> None:
     assert abs(near[1] - near[0]) < 1e-3
 
 
-def test_an_inertial_system_passes_half_of_a_wave_at_its_borders_and_little_an_octave_beyond() -> None:
+def test_an_inertial_system_halves_a_wave_at_its_borders_and_versines_tell_curves(car: Car, tmp_path: Path) -> None:
     """Fourth order, forward and back."""
     lengths = np.array([1.5, 3.0, 8.7, 25.0, 50.0])
     gain = Inertial(3.0, 25.0).response(2.0 * np.pi / lengths)
     assert np.abs(gain) == pytest.approx([1.0 / 257.0, 0.5, 1.0, 0.5, 1.0 / 257.0], rel=1e-3)
     assert gain.imag == pytest.approx(0.0)
-
-
-def test_without_curvature_the_versines_tell_the_curves(car: Car, tmp_path: Path) -> None:
     columns = {k: v for k, v in (geometry(car) | versines(car, 4.0, 6.0)).items() if not k.startswith("curvature")}
     found = restored(tmp_path, car, columns, "chord_m = [4, 6]")
     assert any("no curvature was recorded: it is that of the versines" in note for note in found.notes)
@@ -251,7 +248,7 @@ def test_alignment_freed_of_its_curves_is_known_for_what_it_is(by_chord: Restore
         assert np.abs(in_band(ours - theirs, car.step)[inner]).max() < 0.1e-3
 
 
-def test_opposite_signs_are_told(car: Car, tmp_path: Path) -> None:
+def test_rows_with_opposite_signs_or_of_no_track_are_told(car: Car, tmp_path: Path) -> None:
     turned = {k: -v if k.startswith("alignment") else v for k, v in versines(car, 4.0, 6.0).items()}
     with pytest.raises(
         InputError, match=r"column 'alignment_left_mm' holds -1\.00 of the versine of its curves: the sign"
@@ -260,9 +257,6 @@ def test_opposite_signs_are_told(car: Car, tmp_path: Path) -> None:
     columns = geometry(car) | {"cant_mm": -car.cant()}
     found = restored(tmp_path, car, columns, "")
     assert any("the cant leans outward in 2 of 2 curves" in note for note in found.notes)
-
-
-def test_rows_that_are_no_track_are_told_with_their_file(car: Car, tmp_path: Path) -> None:
     columns = geometry(car)
     bent = {k: 1e3 * v if k.startswith("curvature") else v for k, v in columns.items()}  # 1/m taken for 1/km
     with pytest.raises(

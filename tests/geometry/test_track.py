@@ -141,13 +141,10 @@ def test_a_joint_without_transition_keeps_the_tangent() -> None:
     assert spread < 0.25**2 / 190.0 / 20.0  # the table blends the jump over one row distance
 
 
-def test_a_transition_between_equal_curvatures_is_an_arc() -> None:
+def test_transitions_that_join_nothing_else_are_arcs_or_level_straight_track() -> None:
     with_ramp = Track.build([Arc(20.0, 200.0), Transition(30.0), Arc(20.0, 200.0)])
     arc = Track.build([Arc(70.0, 200.0)])
     assert np.abs(with_ramp.left.table - arc.left.table).max() < 1e-12
-
-
-def test_a_transition_at_the_end_of_the_track_joins_level_straight_track() -> None:
     track = Track.build([Transition(30.0), Arc(20.0, 200.0, 0.1), Transition(30.0)])
     ends = np.array([0.0, track.length])
     assert np.abs(track.curvature(ends)).max() == 0.0
@@ -209,7 +206,7 @@ def test_a_turned_track_is_the_same_track(heading: float) -> None:
         assert np.abs(a[:, 6:8] - b[:, 6:8]).max() < 1e-14
 
 
-def test_cant_runs_linearly_along_a_clothoid_and_its_ends_are_rounded_over_one_metre() -> None:
+def test_cant_runs_as_the_curvature_of_its_transition() -> None:
     track = Track.build(curve(300.0, cant=0.12))
     s = np.linspace(28.0, 72.0, 2001)
     ramp = 0.12 * np.clip((s - 30.0) / 40.0, 0.0, 1.0)
@@ -218,9 +215,6 @@ def test_cant_runs_linearly_along_a_clothoid_and_its_ends_are_rounded_over_one_m
     assert error[~near].max() < 1e-16
     assert error.max() == pytest.approx(3.0 / 16.0 * 0.12 / 40.0 * 1.0, rel=1e-2)  # at the joint: 0.56 mm
     assert np.abs(np.diff(track.left_curve.cant(s, 1))).max() < 0.75 * 0.12 / 40.0 * (s[1] - s[0]) * 1.01
-
-
-def test_cant_follows_the_bloss_curvature_along_a_bloss_transition() -> None:
     track = Track.build(curve(300.0, "bloss", cant=0.12))
     s = np.linspace(30.0, 70.0, 101)
     assert np.abs(track.cant(s) / 0.12 - track.curvature(s) * 300.0).max() < 1e-14
@@ -411,16 +405,13 @@ def test_a_nose_has_the_corners_the_crown_and_the_height_of_its_file(tmp_path):
             assert found == pytest.approx(30.0, rel=1e-9)
 
 
-def test_the_nose_rises_all_along_and_nowhere_in_steps(sections):
+def test_the_nose_rises_without_steps_and_alike_for_a_trailing_wheel(sections):
     rows, starts = RailSurface("crossing", tuple(sections)).rows(np.arange(0.14, 0.7, 2e-3))
     nose = rows[:, : starts[1], 1].max(axis=1)
     slopes = np.diff(nose) / 2e-3
     assert slopes.min() > -1e-3
     assert slopes.max() < 1.05 * 3.5 / (36.0 * 9.0) / 0.9
     assert nose[-1] == pytest.approx(0.0, abs=1e-6)
-
-
-def test_a_trailing_wheel_passes_the_same_sections_the_other_way(sections):
     for one, other in zip(sections, reversed(read_crossing(FILE, trailing=True)), strict=True):
         assert one.distance == -other.distance
         assert one.features == other.features

@@ -78,13 +78,10 @@ def test_the_contact_angle_shows_main_point_and_mean_and_the_band_between_the_ex
     assert edges.max() == pytest.approx(float(np.degrees(high.max())))
 
 
-def test_a_line_is_interrupted_where_the_contact_jumps():
+def test_a_line_is_interrupted_at_jumps_and_curvature_keeps_its_hand_beneath(axes):
     x, y = broken(np.arange(4.0), np.array([0.0, 1.0, 50.0, 51.0]), 6.0)
     np.testing.assert_array_equal(y, [0.0, 1.0, np.nan, 50.0, 51.0])
     np.testing.assert_array_equal(x, [0.0, 1.0, 1.5, 2.0, 3.0])
-
-
-def test_curvature_and_cant_are_beneath_and_keep_their_hand(axes):
     dataset = curve_run(radius=-300.0)
     track_layout(axes, dataset)
     np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), dataset["curvature"] * 1e3)
@@ -194,16 +191,13 @@ def test_every_kind_of_result_gets_its_pictures(dataset, names):
     assert list(standard_figures(dataset())) == names
 
 
-def test_pictures_are_written_and_the_same_data_give_the_same_bytes(tmp_path):
+def test_pictures_have_the_same_bytes_for_the_same_data_and_leave_settings_alone(tmp_path):
     dataset = static_poses((7.0,), (0.0,), ("left",))
     paths = standard_pictures(dataset, tmp_path)
     first = {p.name: p.read_bytes() for p in paths}
     assert all(content.startswith(b"\x89PNG") for content in first.values())
     again = {p.name: p.read_bytes() for p in standard_pictures(dataset, tmp_path)}
     assert first == again
-
-
-def test_plots_leave_the_settings_of_the_user_alone():
     import matplotlib as mpl
 
     before = dict(mpl.rcParams)

@@ -83,7 +83,7 @@ def test_no_line_runs_over_a_motion_that_has_not_settled() -> None:
     assert np.isfinite(np.asarray(line.get_ydata())).tolist() == [True, True, False, True, True]
 
 
-def test_nothing_of_a_legend_is_cut_off(one) -> None:
+def test_nothing_of_a_legend_or_beneath_panels_leaves_the_picture(one) -> None:
     """Entries that do not fit beside each other stand below each other."""
     figures = standard_figures(one)
     for name in ("overview", "forces", "contact"):
@@ -92,6 +92,14 @@ def test_nothing_of_a_legend_is_cut_off(one) -> None:
         for legend in figure.legends:
             box = legend.get_window_extent()
             assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width, name
+    # of one moment a gallery has two panels, and is narrower than others
+    stopped = one.assign_attrs(status="stopped", stop_reason="a reason that takes more than one line " * 4)
+    for gallery in (patch_gallery, section_gallery):
+        figure = gallery(stopped, [0])
+        figure.draw_without_rendering()
+        for text in figure.texts:
+            box = text.get_window_extent()
+            assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width and box.y0 >= 0.0, text.get_text()
 
 
 def test_pictures_have_the_width_the_font_and_the_kinds_that_are_chosen(one, tmp_path) -> None:
@@ -116,13 +124,10 @@ NAMED = {"profile", "track", "vehicle"}
 """Commands whose pictures are named as a whole: the ending is their kind."""
 
 
-def test_every_command_that_draws_has_the_options_of_pictures() -> None:
+def test_commands_that_draw_have_the_options_of_pictures_and_draw_in_that_width(tmp_path: Path) -> None:
     options = {name: {p.name for p in each.params} for name, each in get_command(app).commands.items()}
     assert {name for name, own in options.items() if {"width_mm", "font", "style"} <= own} == DRAWING | NAMED
     assert {name for name, own in options.items() if "formats" in own} == DRAWING
-
-
-def test_the_command_draws_in_the_width_that_is_chosen(tmp_path: Path) -> None:
     ok("profile", "wheels/S1002.toml", "-o", tmp_path / "p.png", "--width-mm", "80")
     with Image.open(tmp_path / "p.png") as picture:
         assert picture.width == pytest.approx(80.0 / 25.4 * 220, abs=1.0)
@@ -185,17 +190,6 @@ def test_what_pictures_cannot_be_is_refused(chosen, tmp_path) -> None:
         InputError, match=r"none of png|a dark ground|is not here|did you mean 'ggplot'|line 1.*lines\.linewidth"
     ):
         look_of(**{key: str(tmp_path / "bad") if value == "BAD" else value for key, value in chosen.items()})
-
-
-def test_nothing_that_is_written_beneath_panels_leaves_the_picture(one) -> None:
-    """Of one moment a gallery has two panels, and is narrower than others."""
-    stopped = one.assign_attrs(status="stopped", stop_reason="a reason that takes more than one line " * 4)
-    for gallery in (patch_gallery, section_gallery):
-        figure = gallery(stopped, [0])
-        figure.draw_without_rendering()
-        for text in figure.texts:
-            box = text.get_window_extent()
-            assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width and box.y0 >= 0.0, text.get_text()
 
 
 def test_poses_that_no_railway_has_are_left_out_of_the_axes() -> None:

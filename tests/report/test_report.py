@@ -92,14 +92,11 @@ def test_every_piece_holds_its_least_and_its_largest_value(samples: int, seed: i
         assert not inside.size or sorted(both) == [inside.min(), inside.max()]
 
 
-def test_what_rises_or_falls_evenly_is_drawn_so() -> None:
+def test_an_envelope_rises_and_falls_with_its_curve_and_has_no_values_where_that_has_none() -> None:
     places = np.linspace(0.0, 100.0, 5001)
     pieces = pieces_of([places])
     assert (np.diff(envelope(places, places, pieces)) > 0.0).all()
     assert (np.diff(envelope(places, -places, pieces)) < 0.0).all()
-
-
-def test_where_a_curve_has_no_values_none_are_drawn() -> None:
     places = np.linspace(0.0, 10.0, 101)
     values = np.where((places > 4.0) & (places < 6.0), np.nan, 1.0)
     pieces = pieces_of([places, np.linspace(0.0, 20.0, 101)])
@@ -140,7 +137,7 @@ def test_a_drawn_line_passes_all_its_points(count: int, seed: int) -> None:
 
 
 # --- what stands in it --------------------------------------------------------------------------------------
-def test_a_report_says_who_it_is_and_how_it_went(page: str, coach: Result) -> None:
+def test_a_report_says_who_it_is_how_it_went_and_from_which_bytes_it_came(page: str, coach: Result) -> None:
     assert f"<h1>{coach.title}</h1>" in page
     assert re.search(r'class="verdict (good|bad)">[^<]*worst margin -?\d+ %', page)
     for section in ("summary", "appendix", "assessment", "track", "histories", "wheelsets", "contacts", "again"):
@@ -149,9 +146,6 @@ def test_a_report_says_who_it_is_and_how_it_went(page: str, coach: Result) -> No
     assert "wrsim run scenario.toml" in page and escape(coach.dataset.attrs["scenario_text"]) in page
     for name, digest in json.loads(coach.dataset.attrs["inputs"]).items():
         assert name in page and digest in page
-
-
-def test_a_result_knows_the_bytes_of_the_files_it_came_from(coach: Result) -> None:
     found = json.loads(coach.dataset.attrs["inputs"])
     wheel = shipped_models() / "wheels/S1002.toml"
     assert found["wheels/S1002.toml"] == hashlib.sha256(wheel.read_bytes()).hexdigest()
@@ -168,7 +162,11 @@ def test_a_lone_wheelset_gets_no_verdict() -> None:
 
 
 @pytest.mark.usefixtures("unpainted")
-def test_steps_of_the_solver_are_no_events(curve: Result) -> None:
+def test_a_stopped_run_says_so_first_and_steps_of_the_solver_are_no_events(curve: Result) -> None:
+    result = Result(curve_run(stopped=True))
+    text = page_of(result)
+    assert re.search(r'class="verdict bad">Stopped early: derailment', text)
+    assert "stopped: derailment" in text[text.index('id="events"') :]
     places = {f"event_{name}": ("event", [1.0, 2.0]) for name in ("time", "distance")}
     labels = ("event", [f"{CUT_STEPS} for 0.00 m, 0 ms", "bump stop x is beyond the end of its table"])
     text = page_of(Result(curve.dataset.assign(places | {"event_label": labels})))
@@ -206,15 +204,7 @@ def test_a_report_has_a_cover(curve: Result, tmp_path: Path) -> None:
     assert refused.exit_code == 2 and "must end in" in refused.output
 
 
-@pytest.mark.usefixtures("unpainted")
-def test_a_stopped_run_says_so_first() -> None:
-    result = Result(curve_run(stopped=True))
-    text = page_of(result)
-    assert re.search(r'class="verdict bad">Stopped early: derailment', text)
-    assert "stopped: derailment" in text[text.index('id="events"') :]
-
-
-def test_nothing_comes_from_elsewhere(page: str) -> None:
+def test_nothing_comes_from_elsewhere_every_drawing_has_words_and_every_link_a_place(page: str) -> None:
     for address in re.findall(r"""(?:src|href|action|data|poster)\s*=\s*["']([^"']*)""", page):
         assert address.startswith(("#", "data:")), address
     assert not re.findall(r"url\((?!['\"]?(?:data:|#))|@import", page)
@@ -222,9 +212,6 @@ def test_nothing_comes_from_elsewhere(page: str) -> None:
     assert not {a for a in addresses if "www.w3.org" not in a}
     policy = re.findall(r'Content-Security-Policy" content="([^"]*)"', page)[0]
     assert "default-src 'none'" in policy and "script-src 'sha256-" in policy
-
-
-def test_every_drawing_has_words_and_every_link_a_place(page: str) -> None:
     found = Structure(page)
     assert not found.mute
     assert len(found.ids) == len(set(found.ids))

@@ -137,15 +137,12 @@ def test_modes_are_those_of_the_result(stability: Result, modes_page: Path) -> N
         assert [m["name"] for m in of["modes"]] == stability.dataset["mode_name"].values[i][np.isfinite(own)].tolist()
 
 
-def test_without_its_model_files_a_result_still_shows_its_contacts() -> None:
+def test_without_its_model_files_a_result_still_shows_its_contacts_but_there_must_be_something_to_see() -> None:
     result = Result(curve_run())
     assert setup_of(result, Path())[0] is None
     data = view_data(result, None, "why")
     assert data["notes"] == ["why"] and len(data["sections"]["at"]) == result.dataset.sizes["snapshot"]
     assert "vehicle" not in data
-
-
-def test_there_must_be_something_to_see() -> None:
     dataset = curve_run().isel(time=[0]).drop_dims("strip")
     with pytest.raises(InputError, match="neither motion nor contacts"):
         view_data(Result(dataset), None)

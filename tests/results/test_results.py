@@ -83,14 +83,11 @@ def test_every_variable_carries_its_unit_and_its_long_name(kind):
         assert variable.attrs["long_name"] == CHANNELS[str(name)].long_name
 
 
-def test_arrays_are_copied_so_that_buffers_may_be_used_again():
+def test_arrays_are_copied_scalars_fill_their_channel_and_counts_become_integers():
     shift = np.zeros(3)
     dataset = assemble({"time": np.arange(3.0)}, {"lateral_shift": shift}, ATTRIBUTES)
     shift[:] = 1.0
     assert (dataset["lateral_shift"] == 0.0).all()
-
-
-def test_a_scalar_fills_its_channel_and_counts_become_integers():
     channels = {"speed": 15.0, "n_patches": np.array([[1.0, np.nan], [2.0, 0.0]])}
     dataset = assemble({"time": [0.0, 1.0]}, channels, ATTRIBUTES)
     assert dataset["speed"].values.tolist() == [15.0, 15.0]
@@ -419,34 +416,28 @@ TABLE = Table(
 )
 
 
-def test_terminal_and_page_show_the_same_cells():
+def test_texts_of_a_table_are_the_same_on_the_terminal_and_on_a_page_and_no_markup():
     text, page = as_text([TABLE]), as_html(TABLE)
     for cell in ("1.23e+03", "-0.25 at 3.0 m", "Y [kN]"):
         assert cell in text and cell in page
     assert text.splitlines()[-1] == "a note & more"
-
-
-def test_texts_of_a_table_are_no_markup_of_a_page():
     page = as_html(TABLE)
     assert "<i>" not in page and "<b>" not in page and "&lt;i&gt;" in page
 
 
-def test_files_hold_ten_digits_and_no_words_for_a_missing_number():
+def test_files_hold_ten_digits_and_terminals_no_sign_of_a_zero():
     head, left, right = csv.reader(io.StringIO(as_csv(as_rows(TABLE)).decode()))
     assert head == ["wheel", "Y_kN", "place"]
     assert left == ["left", "1234.5678", "-0.25"] and right[1:] == ["", ""]
     assert as_records(TABLE)[0] == {"wheel": "left", "Y_kN": 1234.5678, "place": -0.25}
     assert as_records(TABLE)[1]["Y_kN"] is None
+    assert formatted(-1e-9, ".3f") == "0.000"
+    assert quantity(-0.0, "mm", ".1f") == "0.0 mm"
 
 
 @pytest.mark.parametrize("nothing", [None, float("nan"), np.float64("nan"), Placed(None, "")])
 def test_a_missing_number_is_a_dash(nothing):
     assert formatted(nothing) == "-"
-
-
-def test_a_number_that_rounds_to_zero_has_no_sign():
-    assert formatted(-1e-9, ".3f") == "0.000"
-    assert quantity(-0.0, "mm", ".1f") == "0.0 mm"
 
 
 def test_every_peak_of_a_wheel_has_a_row_with_its_place():

@@ -85,37 +85,28 @@ def test_a_slip_of_toml_syntax_is_told_with_line_column_and_help(
     assert hint in message
 
 
-def test_a_missing_file_names_its_neighbours(tmp_path: Path) -> None:
+def test_a_missing_file_names_its_neighbours_and_a_directory_what_is_in_it(tmp_path: Path) -> None:
     (tmp_path / "curve_r300.toml").write_text(CURVE)
     with pytest.raises(InputError, match=r"no such scenario file; did you mean '.*curve_r300\.toml'\?"):
         load(tmp_path / "curve_300.toml")
     with pytest.raises(InputError, match="there is no folder"):
         load(tmp_path / "nowhere" / "curve_300.toml")
-
-
-def test_a_directory_instead_of_a_file_is_told(tmp_path: Path) -> None:
     (tmp_path / "curve.toml").write_text(CURVE)
     with pytest.raises(InputError, match=r"is a directory, a scenario file is needed; there are curve\.toml"):
         load(tmp_path)
 
 
-def test_bytes_that_are_not_utf8_are_told_with_their_line(tmp_path: Path) -> None:
+def test_bytes_that_are_not_utf8_are_told_and_marks_and_line_ends_do_no_harm(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_bytes("# Weiche\ntitle = 'Gleisbogen für alle'\n".encode("latin-1"))
     with pytest.raises(InputError, match=r"case\.toml:2: byte 0xfc is not UTF-8"):
         load(tmp_path / "case.toml")
-
-
-def test_a_byte_order_mark_and_windows_line_ends_do_no_harm(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_bytes(b"\xef\xbb\xbf" + CURVE.replace("\n", "\r\n").encode())
     assert load(tmp_path / "case.toml").title == "a curve"
 
 
-def test_an_empty_file_is_told_what_it_needs(tmp_path: Path) -> None:
+def test_an_empty_file_is_told_what_it_needs_and_a_very_deep_nest_is_no_crash(tmp_path: Path) -> None:
     lines = faults("", tmp_path)
     assert [line.split(" ")[1] for line in lines] == ["analysis", "vehicle", "track"]
-
-
-def test_a_very_deep_nest_is_an_error_not_a_crash(tmp_path: Path) -> None:
     assert "nested too deeply" in faults("a = " + "[" * 100_000, tmp_path)[0]
 
 
@@ -132,16 +123,13 @@ def test_keys_override_those_of_the_base_and_lists_are_replaced(tmp_path: Path) 
     assert load_text(scenario.text).spec == scenario.spec, "the merged text stands for the whole"
 
 
-def test_scenarios_that_start_from_each_other_are_refused(tmp_path: Path) -> None:
+def test_a_base_that_is_missing_or_starts_from_its_own_child_is_refused(tmp_path: Path) -> None:
     (tmp_path / "other.toml").write_text('base = "case.toml"\n')
     (line,) = faults('base = "other.toml"\n', tmp_path)
     assert "scenarios start from each other" in line
     assert "case.toml" in line and "other.toml" in line
     (line,) = faults('base = "case.toml"\n', tmp_path)
     assert "scenarios start from each other" in line
-
-
-def test_a_base_that_is_missing_names_its_neighbours(tmp_path: Path) -> None:
     (tmp_path / "curve.toml").write_text(CURVE)
     (line,) = faults('base = "curv.toml"\n', tmp_path)
     assert line.startswith('case.toml:1: base = "curv.toml": ')
@@ -180,13 +168,10 @@ def test_models_are_looked_up_beside_the_scenario_then_with_the_user_then_among_
         assert found() == tmp_path / name / "rails/60E1.toml"
 
 
-def test_a_model_that_is_missing_names_the_places_searched(tmp_path: Path) -> None:
+def test_a_missing_model_or_folder_of_models_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (line,) = faults(edited(CURVE, "rails/60E1.toml", "rails/unknown_rail.toml"), tmp_path)
     assert str(tmp_path) in line
     assert str(shipped_models()) in line
-
-
-def test_a_folder_of_models_that_is_missing_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "case.toml").write_text(CURVE)
     with pytest.raises(InputError, match=r'models = ".*nowhere": must be a folder'):
         load(tmp_path / "case.toml", [tmp_path / "nowhere"])

@@ -256,14 +256,11 @@ def test_short_and_full_names_mean_the_same(key: str) -> None:
     assert short == full
 
 
-def test_the_text_of_a_changed_scenario_is_whole() -> None:
+def test_what_is_set_in_text_or_by_name_is_in_the_whole_vehicle_or_train() -> None:
     changed = load(COACH).with_values({"vehicle.carbody.mass_kg": 40_000, "vehicle.gravity_m_per_s2": 9.8})
     again = vehicle_of(load_text(changed.text))
     assert again == vehicle_of(changed)
     assert again.weight == pytest.approx(9.8 * (load_vehicle("vehicles/manchester_1.toml").mass + 8000))
-
-
-def test_vehicles_of_a_train_are_changed_by_their_names() -> None:
     changed = vehicle_of(
         load(TRAIN).with_values({"vehicle.coach.carbody.mass_kg": 40_000, "vehicle.coach.driven": False})
     )

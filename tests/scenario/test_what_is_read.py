@@ -57,16 +57,13 @@ def test_a_file_that_is_too_large_is_refused_with_its_size(tmp_path):
         load(tmp_path / "large.toml")
 
 
-def test_scenarios_start_from_each_other_so_often_and_no_further(tmp_path):
+def test_files_start_from_each_other_so_often_and_no_further(tmp_path):
     (tmp_path / "0.toml").write_text(CURVE)
     for i in range(1, MOST_BASES + 2):
         (tmp_path / f"{i}.toml").write_text(f'base = "{i - 1}.toml"\n')
     assert len(load(tmp_path / f"{MOST_BASES}.toml").merged.files) == MOST_BASES + 1
     with pytest.raises(InputError, match=r'1\.toml:1: base = "0\.toml": is one file too many: at most 20 scenarios'):
         load(tmp_path / f"{MOST_BASES + 1}.toml")
-
-
-def test_profiles_are_worn_so_often_and_no_further(tmp_path):
     for i in range(500):
         base = "S1002.toml" if i == 0 else f"{i - 1}.toml"
         text = (SCENARIOS.parent / "models/wheels/S1002_worn.toml").read_text()
@@ -130,17 +127,13 @@ def test_the_models_beside_a_result_lead_nowhere_else_either(tmp_path):
         assert "root:" not in why
 
 
-def test_the_folders_around_a_result_are_not_listed(tmp_path):
+def test_the_folders_around_a_result_are_not_listed_and_models_in_it_are_shown(tmp_path):
     (tmp_path / "result").mkdir()
     (tmp_path / "private.toml").write_text("")
     with reading_within([tmp_path / "result"]), pytest.raises(InputError) as refused:
         read_text(tmp_path / "privat.toml")
     assert "private" not in str(refused.value)
-
-
-def test_a_result_with_its_models_beside_it_is_shown_whole(tmp_path):
     own = tmp_path / "result"
-    own.mkdir()
     (own / "rail.toml").write_text((SCENARIOS.parent / "models/rails/60E1.toml").read_text())
     text = named("rail.toml")["track.rail"]
     setup, why = setup_of(Result(xr.Dataset(attrs={"scenario_text": text})), own)
@@ -163,12 +156,14 @@ def test_a_value_of_many_lines_leaves_the_keys_behind_it_their_lines():
     }
 
 
-def test_of_many_faults_the_first_are_told_and_the_rest_is_counted():
+def test_of_many_faults_and_digits_the_first_are_told_and_the_rest_is_counted():
     with pytest.raises(InputError) as told:
         load_text(CURVE + "".join(f"\n[unknown_{i}]" for i in range(500)))
     lines = str(told.value).split("\n")
     assert len(lines) == MOST_FAULTS + 1
     assert lines[-1] == f"scenario: and {500 - MOST_FAULTS} more faults"
+    with pytest.raises(InputError, match=r"^scenario:2: a whole number of 5000 digits; at most 4300 are read$"):
+        load_text(f"title = 'x'\nnumber = {'1' * 5000}")
 
 
 @pytest.mark.parametrize("key", [".".join("a" * 200_000), "[" + " . ".join(["'b'"] * 100_000) + "]"])
@@ -177,27 +172,24 @@ def test_a_key_of_very_many_parts_is_refused_without_a_wait(key):
         load_text(f"{CURVE}\n{key}" + ("" if key.startswith("[") else " = 1"))
 
 
-def test_a_number_of_very_many_digits_is_refused_with_its_line():
-    with pytest.raises(InputError, match=r"^scenario:2: a whole number of 5000 digits; at most 4300 are read$"):
-        load_text(f"title = 'x'\nnumber = {'1' * 5000}")
-
-
-def test_parts_that_hold_each_other_many_times_over_are_refused(tmp_path):
+def test_too_many_parts_or_pieces_and_too_wide_a_rail_are_refused(tmp_path):
     places = "".join(f'[[parts.p{{i}}.places]]\nname = "n{k}"\npart = "p{{j}}"\nat_mm = [0, 0, 0]\n' for k in range(9))
     parts = "".join(places.format(i=i, j=i + 1) for i in range(7)) + "[parts.p7]\n"
     head = 'name = "x"\nsource = "x"\ndate = 2026-01-01\n[[places]]\nname = "a"\npart = "p0"\nat_mm = [0, 0, 0]\n'
     (tmp_path / "car.toml").write_text(head + parts)
     with pytest.raises(InputError, match="is one too many: a vehicle has at most 1000 parts"):
         load_vehicle(tmp_path / "car.toml")
-
-
-def test_a_rail_as_wide_as_a_field_is_refused_by_its_own_name(tmp_path):
     text = 'name = "flat"\nsource = "x"\ndate = 2026-01-01\nbody = "rail"\nkind = "circle"\n'
     (tmp_path / "flat.toml").write_text(f"{text}radius_mm = 10000\nhalf_width_mm = 999\n")
     with pytest.raises(InputError) as told:
         build(load_text(named("flat.toml")["track.rail"].replace('"1:40"', '"none"'), tmp_path))
     assert 'track.rail = "flat.toml": its gauge point or its top lies 0.5' in str(told.value)
     assert str(told.value).endswith(f"m from the origin of {tmp_path / 'flat.toml'}; at most 0.5 m")
+    text = (SCENARIOS.parent / "models/rails/grooved.toml").read_text()
+    begin = text.index("[[pieces]]")
+    (tmp_path / "rail.toml").write_text(text[:begin] + text[begin:] * 100)
+    with pytest.raises(InputError, match=r"rail\.toml: sections: there are 900; allowed: 500"):
+        load_profile(tmp_path / "rail.toml")
 
 
 @pytest.mark.parametrize("end", ["\r", "\r\n"])
@@ -234,14 +226,6 @@ def test_a_full_disk_behind_stdout_is_told_by_that_name():
     ended = forked("keys", "run", first=lambda: os.dup2(os.open("/dev/full", os.O_WRONLY), 1))
     assert ended.returncode == 1
     assert ended.stderr.startswith("standard output: the disk is full")
-
-
-def test_a_profile_of_thousands_of_pieces_is_refused(tmp_path):
-    text = (SCENARIOS.parent / "models/rails/grooved.toml").read_text()
-    begin = text.index("[[pieces]]")
-    (tmp_path / "rail.toml").write_text(text[:begin] + text[begin:] * 100)
-    with pytest.raises(InputError, match=r"rail\.toml: sections: there are 900; allowed: 500"):
-        load_profile(tmp_path / "rail.toml")
 
 
 def test_a_rod_needs_a_length_that_has_a_direction(tmp_path):

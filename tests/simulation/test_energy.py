@@ -324,7 +324,7 @@ def wave():
     return motion.q[:, 1], motion.q[:, 2], motion.q[:, 4]
 
 
-def test_klingels_wave_has_the_length_of_cones_on_crowns(wave):
+def test_klingels_wave_has_its_length_rolls_the_wheelset_and_neither_dies_nor_grows(wave):
     x, y, _ = wave
     crossings = np.flatnonzero(np.diff(np.sign(y)))
     zeros = [x[i] - y[i] * (x[i + 1] - x[i]) / (y[i + 1] - y[i]) for i in crossings]
@@ -332,15 +332,9 @@ def test_klingels_wave_has_the_length_of_cones_on_crowns(wave):
     wavelength = 2.0 * (zeros[-1] - zeros[0]) / (len(zeros) - 1)
     # 1 % is asked; found is 0.11 %. The textbook's wave, without roll, is 1 % longer
     assert wavelength == pytest.approx(KLINGEL * np.sqrt(HALF_CONTACTS / HALF_TOPS), rel=2e-3)
-
-
-def test_klingels_wave_rolls_the_wheelset_with_its_shift(wave):
     _, y, roll = wave
     slope = np.polyfit(y, roll, 1)[0]
     assert slope == pytest.approx(CONICITY / (HALF_CONTACTS - RADIUS * CONICITY), rel=5e-3)
-
-
-def test_klingels_wave_neither_dies_nor_grows_at_low_speed(wave):
     _, y, _ = wave
     assert y.min() == pytest.approx(-2e-3, rel=0.05)
     assert y[len(y) // 2 :].max() == pytest.approx(2e-3, rel=0.05)

@@ -69,13 +69,10 @@ def test_steady_motion_in_an_arc_is_the_same_at_every_heading():
     np.testing.assert_allclose(*shifts, rtol=0.0, atol=1e-8)
 
 
-def test_a_wheelset_off_the_rails_is_named():
+def test_a_wheelset_off_the_rails_and_what_did_not_converge_are_named():
     forces = KnifeEdgeForces(example_wheelset(), SPEED)
     with pytest.raises(NotCarried, match=r"the rails do not carry wheelset 'wheelset' anywhere within 50 mm"):
         near(forces, {"z": 1.46})
-
-
-def test_what_did_not_converge_is_named():
     # ten times its weight sideways
     forces = KnifeEdgeForces(example_wheelset(spring=0.0, push=1e6), SPEED)
     with pytest.raises(Unbalanced, match=r"remaining forces over the weight: wheelset \w+ ") as problem:
@@ -149,12 +146,9 @@ def test_in_a_curve_bodies_lie_on_the_chords_of_their_wheelsets(radius):
     assert found["front.bogie.outer"] == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
-def test_on_straight_track_bodies_lie_where_their_file_has_them():
+def test_bodies_know_their_wheelsets_and_lie_on_straight_track_where_their_file_has_them():
     for inside, yaw in laid(Track.build([Straight(120.0)], 1.5)).values():
         assert abs(inside) < 1e-12 and abs(yaw) < 1e-12
-
-
-def test_bodies_know_the_wheelsets_that_carry_them_through_others():
     vehicle = shipped("manchester_motor")
     beneath = wheelsets_beneath(vehicle)
     assert beneath["carbody"] == (0, 1, 2, 3)

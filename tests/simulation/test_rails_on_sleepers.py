@@ -254,16 +254,13 @@ def test_a_bar_in_torsion_swings_at_its_frequency() -> None:
     assert found == pytest.approx(np.pi / 1.2 * np.sqrt(torsion / polar), rel=2e-4)
 
 
-def test_statics_on_close_supports_are_those_of_a_beam_on_a_foundation() -> None:
+def test_statics_and_receptances_on_supports_are_those_of_closed_forms() -> None:
     spacing, stiffness = 0.05, 60e6  # of the foundation [N/m2]
     own = Layer((stiffness * spacing,) * 2)
     track = SleeperTrack(replace(RAIL, loss_factor=0.0), own, own, None, spacing=spacing, sleeper_width=0.01)
     b, s = RAIL.bending("vertical"), RAIL.shear("vertical")
     exact = quad(lambda k: (b * k**2 + s) / (b * s * k**4 + stiffness * (b * k**2 + s)), 0.0, np.inf)[0] / np.pi
     assert track.receptance([0.0], 3.0, bays=400, elements=1)[0].real == pytest.approx(exact, rel=1e-3)
-
-
-def test_receptances_on_sleepers_are_those_of_the_closed_form() -> None:
     frequencies = np.array(
         [20.0, 60.0, 130.0, 250.0, 400.0, 550.0, 700.0, 850.0, 950.0, 1040.0, 1090.0, 1200.0, 1500.0]
     )

@@ -177,14 +177,13 @@ def test_history_tells_the_flange_and_can_be_loaded(evolution: Evolution, steps:
     assert again.identical(dataset)
 
 
-def test_the_command_tells_a_finished_service_again(steps: list[Step], folder: Path) -> None:
+def test_a_finished_service_is_told_again_and_another_does_not_go_on_with_its_steps(
+    steps: list[Step], folder: Path, tmp_path: Path
+) -> None:
     """Nothing is left to run: no worker comes."""
     told = json.loads(ok("wear", folder / "service.toml", "-o", folder / "out", "--no-pictures", "--json").stdout)
     assert told["steps"] == len(steps) and told["worn"]["mileage_km"] == pytest.approx(40.0)
     assert told["worn"]["depth_mm"] > told["new"]["depth_mm"] == 0.0
-
-
-def test_another_service_does_not_go_on_with_these_steps(folder: Path, steps: list[Step], tmp_path: Path) -> None:
     other = service_in(tmp_path, cases=CASES.replace("20000,80", "20000,85"))
     with pytest.raises(InputError, match="was computed from another profile evolution"):
         next(wear_steps(other, folder / "out", work))
@@ -206,7 +205,7 @@ def test_a_step_file_with_odd_content_counts_as_none(odd: object, evolution: Evo
     assert read_step(evolution, tmp_path) is None
 
 
-def test_a_case_without_a_result_stops_the_service(tmp_path: Path) -> None:
+def test_a_case_without_a_result_or_with_an_unknown_key_stops_the_service(tmp_path: Path) -> None:
     """No step is written, and the error names the case."""
     evolution = service_in(tmp_path)
 
@@ -216,6 +215,9 @@ def test_a_case_without_a_result_stops_the_service(tmp_path: Path) -> None:
     with pytest.raises(SimulationError, match="case case left: no result"):
         list(wear_steps(evolution, tmp_path / "out", idle))
     assert not (folder_of(tmp_path / "out", 0) / STEP).exists()
+    evolution = service_in(tmp_path, cases=CASES.replace("vehicle.speed_kmh", "vehicle.sped_kmh"))
+    with pytest.raises(InputError, match="sped_kmh"):
+        list(wear_steps(evolution, tmp_path / "out", work))
 
 
 def test_a_service_ends_where_its_wheel_would_overlap_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -244,9 +246,3 @@ def test_wrong_input_is_one_clear_error(given: dict[str, str], words: str, tmp_p
         service_in(tmp_path, **given)
     assert words in str(caught.value)
     assert "Traceback" not in str(caught.value)
-
-
-def test_a_key_that_no_scenario_has_is_an_error_of_its_row(tmp_path: Path) -> None:
-    evolution = service_in(tmp_path, cases=CASES.replace("vehicle.speed_kmh", "vehicle.sped_kmh"))
-    with pytest.raises(InputError, match="sped_kmh"):
-        list(wear_steps(evolution, tmp_path / "out", work))

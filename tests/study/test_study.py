@@ -162,7 +162,7 @@ def test_the_report_takes_one_study_and_nothing_beside_it(serial: Plan, tmp_path
     assert "not a wrsim study" in call("report", tmp_path).output
 
 
-def test_outputs_of_a_case_are_those_of_its_result(serial: Plan) -> None:
+def test_outputs_are_those_of_results_and_more_values_run_only_what_is_new(serial: Plan, tmp_path: Path) -> None:
     dataset, _ = results(serial)
     case = serial.cases[4]
     at = dataset.isel(friction=case.place[0], speed_kmh=case.place[1])
@@ -170,9 +170,6 @@ def test_outputs_of_a_case_are_those_of_its_result(serial: Plan) -> None:
     assert at["Q_min_kN"].item() == pytest.approx(kept.dataset["Q"].min().item() / 1e3, rel=1e-12)
     assert at["Y_over_Q_max"].item() == pytest.approx(kept.dataset["Y_over_Q"].max().item(), rel=1e-12)
     assert kept.dataset.attrs["title"] == "Friction and speed: friction 0.3, speed_kmh 45"
-
-
-def test_more_values_run_only_what_is_new(serial: Plan, tmp_path: Path) -> None:
     more = AXES.replace("[0.1, 0.3]", "[0.1, 0.3, 0.2]")
     plan, _ = planned(study_file(tmp_path, more), Path(serial.folder))
     assert [plan.cases[i].place[0] for i in missing(plan)] == [2, 2, 2]

@@ -35,14 +35,11 @@ def programme(tmp_path_factory) -> Programme:
     return read_programme(programme_file(folder), folder / "out")
 
 
-def test_every_state_makes_every_run_to_both_hands(programme):
+def test_every_state_makes_every_run_with_speed_and_length_by_the_rules(programme):
     assert programme.names == ("straight", "R 300 left", "R 300 right")
     assert len(programme.plan.cases) == 2 * 3
     frictions = [programme.plan.scenario(case).spec.contact.friction for case in programme.plan.cases]
     assert frictions == [0.4] * 3 + [0.2] * 3
-
-
-def test_cant_deficiency_gives_the_speed_and_the_rules_the_length_of_sections(programme):
     straight, left, right = (programme.plan.scenario(case).spec for case in programme.plan.cases[:3])
     speed = left.vehicle.speed_kmh / 3.6
     assert 1500.0 * speed**2 / (9.80665 * 300.0) == pytest.approx(100.0 + 80.0)

@@ -148,13 +148,10 @@ def test_axle_boxes_that_cannot_be(tmp_path, changes, message) -> None:
     assert message in fault(tmp_path, *changes)
 
 
-def test_an_arm_off_the_axle_is_a_good_file(tmp_path) -> None:
+def test_an_arm_off_the_axle_is_a_good_file_with_the_energy_of_its_inertia(tmp_path) -> None:
     changes = (BODY, BOXES + BODY), (PRIMARY, 'to = ["box", "rear"]\norigin = "to"'), ("[0, 900, 0]", "[300, 900, 50]")
     beside = "'primary rear left' holds wheelset 'rear' beside its axle"
     assert beside in fault(tmp_path, *changes)
-
-
-def test_a_box_that_turns_has_the_energy_of_its_inertia_about_the_axle() -> None:
     law = on_springs(on_arms())
     q, q_t = design_state(law)
     turning = q_t.copy()

@@ -183,16 +183,13 @@ def test_a_wrong_file_of_modes_is_refused(tmp_path: Path, change: tuple[str, str
         read_modes(path, 0.5)
 
 
-def test_modes_without_a_point_of_attachment_are_refused(tmp_path: Path) -> None:
+def test_modes_and_keys_of_an_elastic_body_are_checked(tmp_path: Path) -> None:
     """In the words of the file: where it is, how far the nearest point is, what is allowed."""
+    assert "bodies.body.flexible.modes = 'modes.csv'" in fault(tmp_path, TABLE).replace('"', "'")
     write_modes(tmp_path / "modes.csv", beam(count=1), [(0.0, 0.0, 1.8), (1.0, 0.0, 1.8)])
     modes = read_modes(tmp_path / "modes.csv", 0.5)
     with pytest.raises(InputError, match=r"no point of the modes lies near the attachment at x = 9500.*reach_mm = 500"):
         frequencies(on_two_springs(modes, 2e6, 9.5))
-
-
-def test_keys_of_an_elastic_body_are_checked(tmp_path: Path) -> None:
-    assert "bodies.body.flexible.modes = 'modes.csv'" in fault(tmp_path, TABLE).replace('"', "'")
     for text, words in (
         ("length_mm = 24000", "first_vertical_Hz"),
         ("first_vertical_Hz = 9", "modes"),
@@ -471,7 +468,7 @@ def test_gyroscopic_forces_on_an_axle_do_no_work() -> None:
     assert np.max(np.abs(own + own.T)) < 1e-6 * np.max(np.abs(own))
 
 
-def test_keys_of_an_axle_are_checked(tmp_path: Path) -> None:
+def test_keys_of_an_axle_are_checked_and_the_exact_solver_takes_none(tmp_path: Path) -> None:
     for text, words in (
         ("sections_mm = []", "sections_mm"),
         ("sections_mm = [[2200, 160, 3]]", "two numbers"),
@@ -479,6 +476,12 @@ def test_keys_of_an_axle_are_checked(tmp_path: Path) -> None:
     ):
         change = ("[bodies.body]", f"[wheelset.axle]\n{text}\n\n[bodies.body]")
         assert words in fault(tmp_path, change)
+    with pytest.raises(InputError, match=r"contact.normal.*cannot be \"half-space\" with elastic axles"):
+        build(
+            load(ROOT / "scenarios/manchester_r300.toml").with_values(
+                {"contact.normal": "half-space", "vehicle.wheelset.axle": {"sections_mm": [[2200, 160]]}}
+            )
+        )
 
 
 def test_campbells_diagram_splits_every_mode_of_every_kind_of_axle_once(tmp_path: Path) -> None:
@@ -491,12 +494,3 @@ def test_campbells_diagram_splits_every_mode_of_every_kind_of_axle_once(tmp_path
     assert np.all(np.diff(forward[:, :2], axis=0) > 0.0) and np.all(np.diff(backward[:, :2], axis=0) < 0.0)
     with pytest.raises(InputError, match="this vehicle has none"):
         stationary(shipped("manchester_1"), campbell=picture)
-
-
-def test_the_exact_solver_does_not_go_with_elastic_axles() -> None:
-    with pytest.raises(InputError, match=r"contact.normal.*cannot be \"half-space\" with elastic axles"):
-        build(
-            load(ROOT / "scenarios/manchester_r300.toml").with_values(
-                {"contact.normal": "half-space", "vehicle.wheelset.axle": {"sections_mm": [[2200, 160]]}}
-            )
-        )

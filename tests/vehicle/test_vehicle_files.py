@@ -98,8 +98,14 @@ def test_one_fault_in_a_vehicle_file_is_one_line(tmp_path: Path, old: str, new: 
 
 
 # Files of whole vehicles that cannot be used: one clear message each, with file, line, key and what was meant.
-def test_the_good_file_loads(tmp_path: Path) -> None:
+def test_the_good_file_loads_and_friction_takes_the_spring_on_its_own_side(tmp_path: Path) -> None:
     assert fault(tmp_path) == ""
+    assert fault(tmp_path, inserted("guide")) == ""
+    elements = read_vehicle(tmp_path / "car.toml").elements
+    pressed = {e.name: e.slider.normal.of for e in elements if e.slider and e.slider.normal}
+    assert pressed == {
+        f"guide {to} {side}": f"primary {to} {side}" for to in ("front", "rear") for side in ("left", "right")
+    }
 
 
 TEXTS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))["texts"]
@@ -119,15 +125,6 @@ def test_a_bad_file_is_refused_with_a_clear_message(
     message = fault(tmp_path, inserted(*more), *changes)
     assert words in message
     assert message.startswith("car.toml")
-
-
-def test_friction_takes_the_spring_on_its_own_side_that_leads_to_the_same_body(tmp_path: Path) -> None:
-    assert fault(tmp_path, inserted("guide")) == ""
-    elements = read_vehicle(tmp_path / "car.toml").elements
-    pressed = {e.name: e.slider.normal.of for e in elements if e.slider and e.slider.normal}
-    assert pressed == {
-        f"guide {to} {side}": f"primary {to} {side}" for to in ("front", "rear") for side in ("left", "right")
-    }
 
 
 WIND = {"name": "wind", "on": "carbody", "at_mm": [0, 0, 2200], "axes": "track", "force_kN": [0, 40, 0]}
@@ -264,12 +261,9 @@ def test_a_train_that_cannot_be_used_is_told_in_one_line(name: str, tmp_path: Pa
     assert "train.toml" in str(caught.value)
 
 
-def test_a_train_has_no_single_poses() -> None:
+def test_a_train_has_neither_single_poses_nor_tests_at_rest() -> None:
     static = load(ROOT / "scenarios/static_s1002.toml")
     with pytest.raises(InputError, match=r'model.*: is a train; analysis = "static" knows one vehicle'):
         build(static.with_values({"vehicle.model": "trains/manchester_3.toml"}))
-
-
-def test_a_train_has_no_tests_at_rest() -> None:
     outcome = refusal("vehicle", "trains/manchester_3.toml", "--twist", "3")
     assert "is a train; tests at rest are for one vehicle" in outcome

@@ -298,7 +298,7 @@ def test_what_is_carried_leans_as_a_rigid_body_does():
     assert roll_moment(vehicle, found.wheel_loads) == pytest.approx(sin(ANGLE) * heights, rel=1e-6)
 
 
-def test_a_twisted_track_unloads_wheels_by_the_stiffness_between_its_axles():
+def test_a_twist_unloads_wheels_by_stiffness_turns_no_vehicle_and_works_both_ways():
     # k = 3646 kN/m at 0.62 m to either side of each axle, which rolls against a level frame (Cooperrider 1972)
     vehicle = shipped("cooperrider_bogie")
     found, static = static_state(vehicle, TWIST), static_state(vehicle)
@@ -306,9 +306,6 @@ def test_a_twisted_track_unloads_wheels_by_the_stiffness_between_its_axles():
     force = 2.0 * 3646e3 * 0.62**2 * tilt / 1.462
     change = found.wheel_loads - static.wheel_loads
     assert change == pytest.approx(np.array([[force, -force], [-force, force]]), rel=1e-3)
-
-
-def test_a_twist_turns_no_vehicle_and_works_alike_both_ways():
     vehicle = manchester()
     one, other, half = (static_state(vehicle, twist).wheel_loads for twist in (TWIST, -TWIST, 0.5 * TWIST))
     static = vehicle.weight / 8.0
@@ -320,14 +317,11 @@ def test_a_twist_turns_no_vehicle_and_works_alike_both_ways():
     assert one[0, 0] > one[1, 0] > static > one[2, 0] > one[3, 0]
 
 
-def test_a_vehicle_that_finds_no_rest_is_refused_with_what_is_implausible(tmp_path):
+def test_a_vehicle_that_finds_no_rest_is_refused_with_what_is_implausible_and_too_much_cant_overturns(tmp_path):
     text = (shipped_models() / "vehicles/manchester_1.toml").read_text()
     (tmp_path / "v.toml").write_text(text.replace('to = ["outer", "inner"]', 'to = ["outer"]'))
     with pytest.raises(SimulationError, match=r"(?s)overturns.*\nnothing holds wheelset 'front.inner'"):
         stationary(str(tmp_path / "v.toml"))
-
-
-def test_more_cant_than_the_weight_can_hold_overturns():
     with pytest.raises(SimulationError, match="overturns"):
         static_state(canted(manchester(), 0.5))
 

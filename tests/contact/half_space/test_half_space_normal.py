@@ -105,16 +105,13 @@ def test_integrals_over_a_rectangle_equal_quadrature(x, s):
     assert rectangle(x, s, dx, ds) == pytest.approx(quadrature, abs=1e-12)
 
 
-def test_a_square_under_its_own_load_yields_love_s_closed_form():
+def test_constants_and_a_square_s_yield_are_love_s_and_hertz_s_closed_forms():
     # integral of 1/r over the unit square from its centre: 4 asinh(1)
     own = rectangle(0.0, 0.0, 1.0, 1.0)
     assert own[NN] == pytest.approx(4.0 * np.arcsinh(1.0), rel=1e-14)
     assert own[XX] == pytest.approx(own[SS], rel=1e-14)
     assert own[XX] + own[SS] == pytest.approx(own[NN], rel=1e-14)
     assert own[XS] == 0.0
-
-
-def test_combined_constants_are_those_of_hertz():
     assert EQUAL.modulus == pytest.approx(210e9 / 2.0 / (1.0 - 0.28**2))
     assert EQUAL.coupling == 0.0
 

@@ -123,21 +123,22 @@ def test_dissipation_tends_to_the_work_of_the_creep_forces():
     assert -np.polyfit(np.log([12, 24, 48, 96]), np.log(shares), 1)[0] > 0.8
 
 
-def test_friction_without_bound_or_creepage():
+def test_forces_scale_and_vanish_without_bound_or_creepage():
     assert not roll(*MIXED, friction=0.0)[0].q.any()
     assert not roll(0.0, 0.0, 0.0)[0].q.any()
+    # lengths x 3 and spin / 3 at equal pressures: tractions stay
+    traction, _ = roll(*MIXED)
+    large, _ = roll(MIXED[0], MIXED[1], MIXED[2] / 3.0, ellipse=Ellipse(3.0 * PATCH.a, 3.0 * PATCH.b))
+    assert large.q == pytest.approx(traction.q, abs=1e-3 * 3e8)
 
 
-def test_mirror_images():
+def test_mirrored_and_backwards_rolling_mirror_the_forces():
     traction, _ = roll(*MIXED)
     across, _ = roll(MIXED[0], -MIXED[1], -MIXED[2])
     assert across.q[0] == pytest.approx(traction.q[0, ::-1], abs=1e-3 * 3e8)
     assert across.q[1] == pytest.approx(-traction.q[1, ::-1], abs=1e-3 * 3e8)
     opposite, _ = roll(-MIXED[0], -MIXED[1], -MIXED[2])
     assert opposite.q == pytest.approx(-traction.q, abs=1e-3 * 3e8)
-
-
-def test_rolling_backwards_is_rolling_forwards_seen_from_behind():
     # turned by half a turn about the normal: x, s and both tractions change their signs, the spin does not
     grid = EllipseGrid(PATCH, 24)
     bound = MU * grid.pressure()
@@ -145,13 +146,6 @@ def test_rolling_backwards_is_rolling_forwards_seen_from_behind():
     forwards = solve_rolling(grid.operator(), bound, w, 1.0, 1e-6)
     backwards = solve_rolling(grid.operator(), bound, np.ascontiguousarray(-w[:, ::-1, ::-1]), -1.0, 1e-6)
     assert backwards.q == pytest.approx(-forwards.q[:, ::-1, ::-1], abs=1e-3 * bound.max())
-
-
-def test_forces_scale():
-    # lengths x 3 and spin / 3 at equal pressures: tractions stay
-    traction, _ = roll(*MIXED)
-    large, _ = roll(MIXED[0], MIXED[1], MIXED[2] / 3.0, ellipse=Ellipse(3.0 * PATCH.a, 3.0 * PATCH.b))
-    assert large.q == pytest.approx(traction.q, abs=1e-3 * 3e8)
 
 
 def contact_rows():
