@@ -250,6 +250,39 @@ def test_a_script_that_gets_into_the_viewer_does_not_run(chromium: Browser, page
     assert len(told) == 2 and all("Content Security Policy" in words for words in told), told
 
 
+def test_rails_and_axles_are_bent_at_the_largest_force_alone(chromium: Browser, coach: Result, tmp_path: Path) -> None:
+    own = coach.dataset
+    at = float(own["wheelset_distance"][own.sizes["time"] // 2, 0])
+    place, y = at + np.linspace(-8.0, 8.0, 65), np.linspace(-1.1, 1.1, 9)
+    dip = -1e-3 * np.exp(-((place - at) ** 2))
+    axles = np.full((3, 4, 9), np.nan)
+    axles[:, 0] = y, 0.0 * y, 4e-4 - 4e-4 * (y / 0.75) ** 2
+    bent = {"bent_place": ("rail_node", place), "bent_rail": (("rail_node", "wheel"), np.stack([dip, 0.0 * dip], 1))}
+    bent |= {
+        f"bent_axle_{axis}": (("wheelset", "axle_node"), values) for axis, values in zip("yxz", axles, strict=True)
+    }
+    name = f"{wheelsets(own)[0]} left"
+    whole = Result(own.assign(bent).assign_attrs(own.attrs | {"bent_by": name, "bent_at_m": at}))
+    page = tmp_path / "bent.html"
+    page.write_text(view_page(whole, tmp_path))
+    chromium.open(page)
+    chromium.run("return wrsim.ready.then(() => document.querySelector('[data-factor=\"200\"]').click())")
+    lowest = """const z = wrsim.viewer.stage.rails[0].mesh.geometry.attributes.position.array;
+        let low = 0; for (let i = 2; i < z.length; i += 3) low = Math.min(low, z[i]); return low"""
+    event = "wrsim.viewer.run.events.find((e) => e.words.includes('bent')).s"
+    straight = chromium.run(f"wrsim.seek({event} - 5); {lowest}")
+    down = chromium.run(f"wrsim.seek({event}); {lowest}")
+    # the foot of the rail is bent with it; nodes of the drawing are 0.25 m apart
+    assert down - straight == pytest.approx(-0.2, abs=0.01)
+    axle = "const p = wrsim.viewer.stage.parts.get('front.outer');"
+    assert chromium.run(f"{axle} return [p.axle.visible, Boolean(p.bent?.parent)]") == [False, True]
+    assert chromium.run(f"wrsim.seek({event} - 5); {axle} return [p.axle.visible, Boolean(p.bent?.parent)]") == [
+        True,
+        False,
+    ]
+    assert chromium.complaints() == []
+
+
 def test_modes_move(chromium: Browser, modes_page: Path) -> None:
     chromium.open(modes_page)
     script = """return wrsim.ready.then(() => {

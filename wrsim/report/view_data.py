@@ -103,6 +103,8 @@ def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[s
         count = dataset.sizes["time"]
         keep = np.unique(np.append(np.arange(0, count, -(-count // MOST_SAMPLES)), count - 1))
         data["run"] = _run(dataset, keep)
+        if "bent_at_m" in dataset.attrs:
+            data["run"]["bent"] = _bent(dataset, keep, data["run"]["events"])
         dense = _dense(dataset, setup, keep, data["notes"])
     if has_patches(dense) and has_outlines(dense):
         data["sections"] = _sections(dense)
@@ -166,6 +168,25 @@ def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
         names_of = [str(n) for n in dataset["suspension"].values]
         run["suspension"] = {"names": names_of, "share": packed(np.rint(250.0 * share), "u1")}
     return run
+
+
+def _bent(dataset: xr.Dataset, keep: NDArray[np.intp], events: list[dict[str, Any]]) -> dict[str, Any]:
+    """Rails and axles as they are bent, and the sample for that, which becomes an event."""
+    names, at = wheelsets(dataset), float(dataset.attrs["bent_at_m"])
+    own = names.index(str(dataset.attrs["bent_by"]).rpartition(" ")[0])
+    sample = int(np.argmin(np.abs(dataset["wheelset_distance"].values[keep, own] - at)))
+    words = "the largest vertical force, with bent rails and axles"
+    events.append({"s": float(dataset["distance"].values[keep[sample]]), "words": words})
+    found: dict[str, Any] = {"sample": sample, "wheelsets": list(names)}
+    if "bent_rail" in dataset:
+        found |= {
+            "place": packed(dataset["bent_place"].values, "f8"),
+            "rail": packed(dataset["bent_rail"].values.T, "f4"),
+        }
+    if "bent_axle_y" in dataset:
+        axles = np.stack([dataset[f"bent_axle_{axis}"].values for axis in "yxz"], axis=1)
+        found["axles"] = packed(axles, "f4")
+    return found
 
 
 def _events(dataset: xr.Dataset) -> list[dict[str, Any]]:

@@ -1,13 +1,14 @@
 // The vehicle on its swept track. The origin of the scene travels with the vehicle: it is the track frame at the
 // vehicle's place, so that numbers stay small however long the line is (positions are doubles until then).
 import {
-  AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry, DirectionalLight, DoubleSide,
+  AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, CatmullRomCurve3, Color, CylinderGeometry, DirectionalLight, DoubleSide,
   EdgesGeometry, Group, InstancedMesh, LatheGeometry, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial,
-  MeshLambertMaterial, Object3D, PerspectiveCamera, PlaneGeometry, Scene, SphereGeometry, Vector2, Vector3, WebGLRenderer,
+  MeshLambertMaterial, Object3D, PerspectiveCamera, PlaneGeometry, Scene, SphereGeometry, TubeGeometry, Vector2, Vector3,
+  WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
-const BEHIND = 60, AHEAD = 110, STEP = 1, SLEEPERS = 0.65;
+const BEHIND = 60, AHEAD = 110, STEP = 1, BENT_STEP = 0.25, SLEEPERS = 0.65;
 const FORCE = [new Color("#3b6fb6"), new Color("#e8d34a"), new Color("#c01020")];
 const SIDES = [1, -1];
 
@@ -36,6 +37,18 @@ export class Track {
   }
 }
 
+/** A value between numbers that stand at rising places; 0 beyond them. */
+function between(places, values, s) {
+  let low = 0, high = places.length - 1;
+  if (!(s > places[low] && s < places[high])) return 0;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (places[middle] <= s) low = middle;
+    else high = middle;
+  }
+  return values[low] + ((values[high] - values[low]) * (s - places[low])) / (places[high] - places[low]);
+}
+
 function material(colour, more = {}) {
   return new MeshLambertMaterial({ color: colour, side: DoubleSide, ...more });
 }
@@ -62,8 +75,9 @@ function wheel(shape, side) {
 }
 
 export class Stage {
-  constructor(canvas, vehicle, track) {
-    Object.assign(this, { canvas, vehicle, track, focus: null });
+  /** bent: shapes of rails and axles at one instant, if there are any. */
+  constructor(canvas, vehicle, track, bent) {
+    Object.assign(this, { canvas, vehicle, track, bent, focus: null, step: bent ? BENT_STEP : STEP });
     const places = vehicle.wheelsets.map((w) => w.x - vehicle.reference);
     this.ends = [Math.min(...places), Math.max(...places)];
     this.behind = BEHIND - Math.min(this.ends[0], -10); // rails beneath the last vehicle of a train too
@@ -96,10 +110,11 @@ export class Stage {
         one.position.y = SIDES[j] * set.spacing / 2;
         turning.add(one);
       });
-      turning.add(new Mesh(new CylinderGeometry(0.08, 0.08, set.spacing, 20), material("#6d747c")));
+      const axle = new Mesh(new CylinderGeometry(0.08, 0.08, set.spacing, 20), material("#6d747c"));
+      turning.add(axle);
       group.add(turning);
       this.add(set.name, group, [set.x, 0, set.height]);
-      this.parts.get(set.name).turning = turning;
+      Object.assign(this.parts.get(set.name), { turning, axle });
     }
     const largest = Math.max(0, ...vehicle.bodies.map((b) => b.size[0] * b.size[1] * b.size[2]));
     for (const body of vehicle.bodies) {
@@ -147,7 +162,7 @@ export class Stage {
   }
 
   rail(side, profile, [o, b]) {
-    const nodes = Math.floor((this.behind + AHEAD) / STEP) + 1;
+    const nodes = Math.floor((this.behind + AHEAD) / this.step) + 1;
     const w = profile.u.map((u, i) => [side * (o + u), b + profile.w[i]]);
     // web and foot, which no contact sees
     const low = Math.min(...profile.w) + b, mid = side * o;
@@ -177,9 +192,10 @@ export class Stage {
 
   /**
    * Put everything where it is. s: place of the vehicle; poses: by name, each with its place on the track, shifts (to
-   * the left, up) and angles against the track frame; factor: by which all of these are exaggerated.
+   * the left, up) and angles against the track frame; factor: by which all of these are exaggerated; isBent: whether
+   * rails and axles are bent, by the same factor.
    */
-  pose(s, poses, factor) {
+  pose(s, poses, factor, isBent = false) {
     this.origin = this.track.at(s);
     for (const [name, pose] of poses) {
       const part = this.parts.get(name);
@@ -211,19 +227,41 @@ export class Stage {
         mesh.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), u.clone().sub(v).normalize());
       }
     }
-    if (this.swept !== s) this.sweep(s);
-    this.swept = s;
+    const swept = `${s} ${isBent && factor}`;
+    if (this.swept !== swept) {
+      this.sweep(s, isBent ? factor : 0);
+      this.bend(isBent ? factor : 0);
+    }
+    this.swept = swept;
     if (this.focus) this.follow();
   }
 
-  /** The rails and sleepers around the vehicle. */
-  sweep(s) {
-    const first = Math.floor((s - this.behind) / STEP) * STEP;
-    for (const { mesh, ring, nodes } of this.rails) {
+  /** Elastic axles so many times as bent as they are; straight ones for 0. */
+  bend(factor) {
+    const { axles, wheelsets } = this.bent ?? {};
+    wheelsets?.forEach((name, w) => {
+      const part = this.parts.get(name), count = axles?.shape[2] ?? 0;
+      const row = (k) => axles.data.subarray((w * 3 + k) * count, (w * 3 + k + 1) * count);
+      if (!part || !count || !Number.isFinite(row(0)[0])) return;
+      part.bent?.removeFromParent();
+      part.axle.visible = !factor;
+      if (!factor) return;
+      const points = Array.from(row(0), (y, i) => new Vector3(factor * row(1)[i], y, factor * row(2)[i]));
+      part.bent = new Mesh(new TubeGeometry(new CatmullRomCurve3(points), 60, 0.08, 16), part.axle.material);
+      part.group.add(part.bent);
+    });
+  }
+
+  /** The rails and sleepers around the vehicle; rails so many times as bent as they are. */
+  sweep(s, factor) {
+    const first = Math.floor((s - this.behind) / this.step) * this.step, { place, rail } = this.bent ?? {};
+    this.rails.forEach(({ mesh, ring, nodes }, j) => {
       const position = mesh.geometry.attributes.position;
+      const up = rail && factor ? rail.data.subarray(j * place.data.length, (j + 1) * place.data.length) : null;
       let at = 0;
       for (let i = 0; i < nodes; i++) {
-        const f = this.relative(first + i * STEP);
+        const f = this.relative(first + i * this.step);
+        if (up) f.z += factor * between(place.data, up, first + i * this.step);
         const c = Math.cos(f.cant), d = Math.sin(f.cant), ch = Math.cos(f.heading), sh = Math.sin(f.heading);
         for (const [y, z] of ring) {
           const side = c * y - d * z;
@@ -233,7 +271,7 @@ export class Stage {
         }
       }
       position.needsUpdate = true;
-    }
+    });
     const one = new Object3D(), begin = Math.floor((s - this.behind) / SLEEPERS);
     one.rotation.order = "ZYX";
     for (let i = 0; i < this.sleepers.count; i++) {

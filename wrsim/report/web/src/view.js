@@ -145,7 +145,7 @@ class Viewer {
   }
 
   beginStage() {
-    this.stage = new Stage($("stage"), this.vehicle, new Track(this.run?.track));
+    this.stage = new Stage($("stage"), this.vehicle, new Track(this.run?.track), this.run?.bent);
     if (this.run?.suspension) {
       this.places = this.stage.elements.map((e) => this.run.suspension.names.indexOf(e.name));
     }
@@ -186,6 +186,7 @@ class Viewer {
     $("time").hidden = !run;
     $("wear-key").hidden = !this.sections?.of.some((of) => of.wear);
     $("exaggeration").hidden = !this.stage || Boolean(this.modes);
+    $("bent-key").hidden = !run?.bent || !this.stage;
     $("forces-key").hidden = !run?.suspension;
     $("mode-controls").hidden = !this.modes;
     if (this.modes) this.beginModes();
@@ -321,7 +322,7 @@ class Viewer {
       const get = (channel) => this.value(channel, at, b);
       poses.push([name, { place: s + centre[0] - vehicle.reference, lateral: get("body_lateral"), vertical: get("body_vertical"), yaw: get("body_yaw"), pitch: get("body_pitch"), roll: get("body_roll") }]);
     });
-    this.stage.pose(s, poses, this.factor);
+    this.stage.pose(s, poses, this.factor, Math.round(at) === run.bent?.sample);
     if (this.places) {
       const { share, names } = run.suspension;
       this.stage.colour(this.places.map((k) => (k < 0 ? 0 : this.mixed(share, at, names.length, k) / 250)));
