@@ -11,6 +11,7 @@ from support.rows import rows_of
 from support.runs import SCENARIOS
 
 from wrsim import InputError, load, run
+from wrsim.analysis import recorded
 from wrsim.results import Result
 from wrsim.results.exports import export_result
 from wrsim.scenario.build import build
@@ -58,6 +59,10 @@ def test_an_interrupted_run_goes_on_with_the_same_fast_channels_to_the_bit(tmp_p
     whole = run(sleepers(**FAST), record=path)
     assert whole.dataset.identical(struck().dataset)
     path.write_bytes(path.read_bytes()[: int(0.6 * path.stat().st_size)])
+    cut = recorded(path)
+    n = cut.dataset.sizes["fast_time"] - 1
+    assert_array_equal(cut.dataset["fast_Q"][:n], whole.dataset["fast_Q"][:n])
+    assert cut.status == "stopped" and "bent" not in cut.pictures
     assert run(sleepers(**FAST), record=path, resume=True).dataset.identical(whole.dataset)
 
 

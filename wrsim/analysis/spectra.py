@@ -43,6 +43,7 @@ def evaluate_spectra(
     fast = [str(n).removeprefix("fast_") for n in dataset.data_vars if str(n).startswith("fast_")]
     names = [str(n) for n, own in dataset.data_vars.items() if own.dims[:1] == ("time",)]
     known = [n for n in dict.fromkeys([*fast, *names]) if CHANNELS[n].kind == "number"]
+    channel = channel.removeprefix("fast_")
     if channel not in known:
         there = ", ".join(fast or known) or "none"
         raise InputError(f"no channel over time is called '{channel}'{suggest(channel, known)}; there are {there}")

@@ -35,12 +35,15 @@ def bent_figure(dataset: xr.Dataset) -> Figure:
 
 def _rails(axes: Axes, dataset: xr.Dataset) -> None:
     place, moved = dataset["bent_place"].values, shown(dataset, "bent_rail")
-    for i, side in enumerate(map(str, dataset["wheel"].values)):
-        axes.plot(place, moved[:, i], color=WHEEL_COLOUR[side], label=f"{side} rail")
-    own, at = dataset["wheelset_distance"].values, float(dataset.attrs["bent_at_m"])
+    if (moved[:, 0] == moved[:, 1]).all():
+        axes.plot(place, moved[:, 0], color=INK, label="both rails")
+    else:
+        for side, own in zip(WHEEL_COLOUR, moved.T, strict=True):
+            axes.plot(place, own, color=WHEEL_COLOUR[side], label=f"{side} rail")
+    places, at = dataset["wheelset_distance"].values, float(dataset.attrs["bent_at_m"])
     first = [str(name) for name in wheelsets(dataset)].index(str(dataset.attrs["bent_by"]).rpartition(" ")[0])
-    for other in own.T:
-        wheel = float(np.interp(at, own[:, first], other))
+    for other in places.T:
+        wheel = float(np.interp(at, places[:, first], other))
         axes.axvline(wheel, color=QUIET, linewidth=0.5, zorder=1.2)
     axes.set(xlabel="Distance along the track [m]", ylabel="Rail, up [mm]")
     axes.legend(loc="lower right")

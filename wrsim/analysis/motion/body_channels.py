@@ -153,6 +153,8 @@ def bent_channels(
         bent[:, i] = y, moved[:, 0], moved[:, 2]
     if axles:
         found |= dict(zip(("bent_axle_y", "bent_axle_x", "bent_axle_z"), bent, strict=True))
+    if not found:  # of rails whose run was cut off nothing is known
+        return {}, {}
     wheelset, side = divmod(int(number), 2)
     return found, {"bent_by": f"{vehicle.wheelsets[wheelset].name} {SIDES[side]}", "bent_at_m": float(place)}
 
