@@ -9,7 +9,8 @@ imported all but our own modules. Kernels compile anew for every mutant of wrsim
 and take tests that are quick without the compiler. Prints survivors as differences.
 
 --yardstick: signs, operators and factors (numbers with a point) change, and the short form of campaigns/benchmark runs
-until its first red comparison. The caches of compiled kernels in wrsim/core/jit are left out, not its splines.
+until its first red comparison: quick ones without the compiler, then the others with compiled kernels. The caches of
+kernels in wrsim/core/jit are left out, not its splines.
 """
 
 import argparse
@@ -20,11 +21,13 @@ import random
 import re
 import resource
 import shutil
+import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -90,11 +93,30 @@ def run_tests(check: Check, cpu_seconds: int, modules: Path | None = None) -> tu
     return status == 0, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
+QUICKLY = ["--short", "--first-red", "--jobs", "1"]
+QUICK = 8.0  # cost of comparisons that run without the compiler [s]
+PATIENCE = 900.0  # for all of them with the compiler [s]
+
+
 def measured(reference: Path) -> int:
-    """What the short yardstick ends with."""
+    """What the quick comparisons end with."""
     from campaigns.benchmark.__main__ import main
 
-    return main([str(reference), "--short", "--first-red", "--jobs", "1"])
+    return main([str(reference), *QUICKLY, "--cost", "0", str(QUICK)])
+
+
+def compiled(reference: Path) -> bool:
+    """Whether the others stay green with compiled kernels, in a process and a cache of its own."""
+    command = [sys.executable, "-m", "campaigns.benchmark", str(reference), *QUICKLY, "--cost", str(QUICK), "inf"]
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_DISABLE_JIT"}
+    with TemporaryDirectory(dir=".") as cache, open("output", "w") as output:
+        environment["XDG_CACHE_HOME"] = str(Path(cache).resolve())
+        try:
+            return (
+                subprocess.run(command, env=environment, stdout=output, stderr=output, timeout=PATIENCE).returncode == 0
+            )
+        except subprocess.TimeoutExpired:
+            return False
 
 
 def main() -> None:
@@ -111,7 +133,9 @@ def main() -> None:
         parser.error("give tests, or --yardstick REFERENCE")
     check = partial(pytest.main, ["-x", "-q", "-p", "no:cacheprovider", *options.tests])
     if options.yardstick:
-        check = partial(measured, options.yardstick.resolve())
+        options.yardstick = options.yardstick.resolve()
+        check = partial(measured, options.yardstick)
+        os.environ["NUMBA_DISABLE_JIT"] = "1"
     place = options.folder.resolve()
     shutil.rmtree(place, ignore_errors=True)
     for name in ("wrsim", "tests", "models", "scenarios", "campaigns", "docs"):
@@ -125,7 +149,7 @@ def main() -> None:
         with suppress(ImportError):
             importlib.import_module(name)
     again, usual = run_tests(check, 3600)
-    if not (first and again):
+    if not (first and again and (not options.yardstick or compiled(options.yardstick))):
         sys.exit(f"the tests must pass where nothing is changed: see {place / 'output'}")
     files = [options.package] if options.package.is_file() else sorted(options.package.rglob("*.py"))
     chosen = [file for file in files if not (options.yardstick and no_kernels(file))]
@@ -137,7 +161,9 @@ def main() -> None:
             code, times = file.read_text(), file.stat()
             mutant = mutate_code(code, OPERATORS[name], occurrence)
             file.write_text(mutant)  # its time is new: Python takes no compiled file of the old one
-            survived, _ = run_tests(check, 10 + int(10 * usual))
+            survived, _ = run_tests(check, 10 + int((3 if options.yardstick else 10) * usual))
+            if survived and options.yardstick:
+                survived = compiled(options.yardstick)
             file.write_text(code)
             os.utime(file, (times.st_atime, times.st_mtime))
             done += 1
@@ -146,8 +172,8 @@ def main() -> None:
                 lines = difflib.unified_diff(code.split("\n"), mutant.split("\n"), str(file), name, lineterm="")
                 print("\n".join(lines), flush=True)
             elif options.yardstick:
-                told = [line for line in Path("output").read_text().splitlines() if line[:4] != "gree"]
-                print(f"{file} {name} {occurrence}: {told[0] if told else 'stopped'}", flush=True)
+                red = [line for line in Path("output").read_text().splitlines() if line.startswith("red")]
+                print(f"{file} {name} {occurrence}: {red[0] if red else 'stopped'}", flush=True)
     except KeyboardInterrupt:
         print("interrupted; so far:")
     print(f"{done} mutants of {len(every)}, {done - survivors} killed")

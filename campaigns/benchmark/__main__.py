@@ -1,7 +1,7 @@
 """The yardstick: every comparison with figures of others, in one command.
 
-    python -m campaigns.benchmark REFERENCE [--code wrsim] [--only NAME ...] [--short] [--first-red] [--jobs 2]
-        [-o FILE] [--report]
+    python -m campaigns.benchmark REFERENCE [--code wrsim] [--only NAME ...] [--short] [--cost ABOVE TO] [--first-red]
+        [--jobs 2] [-o FILE] [--report]
 
 Run from the root of the repository. REFERENCE: folder of tables that are not part of it. --code: wrsim, hertz-fastsim,
 or MODULE:CLASS of another code (``adapter.py``). A comparison is red where an error is beyond its tolerance; any red
@@ -17,6 +17,7 @@ import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from importlib import import_module
+from math import inf
 from pathlib import Path
 
 from campaigns.benchmark.adapter import Code
@@ -29,7 +30,7 @@ CODES = {
 }
 ERRORS = "median", "most", "worst"
 STANDING = ROOT / "docs/data/standing/yardstick.csv"
-HEAD = ["comparison", "quantity", "cases", *ERRORS, *(f"{error}_limit" for error in ERRORS), "case"]
+HEAD = ["comparison", "quantity", "cases", *ERRORS, *(f"{error}_limit" for error in ERRORS), "case", "verdict"]
 
 
 def comparisons(only: Sequence[str] = ()) -> dict[str, ComparisonFile]:
@@ -79,10 +80,8 @@ def words(verdict: Verdict, comparison: ComparisonFile) -> str:
         f"{verdict.word:11s} {verdict.comparison:22s} {count:5d} cases {verdict.seconds:7.1f} s  {comparison.title}"
     ]
     for o in verdict.outcomes:
-        if not o.green:
-            errors = zip(("median", "95 %", "worst"), o.errors, o.limits, strict=True)
-            beyond = (f"{w} {e:.3g} > {limit:g}" for w, e, limit in errors if limit is not None and not e <= limit)
-            lines.append(f"            {o.quantity}: {', '.join(beyond) or 'no figure'} (case {o.case})")
+        if o.word == "red":
+            lines.append(f"            {o.quantity}: {', '.join(o.beyond) or 'no figure'} (case {o.case})")
     return "\n".join(lines + [f"            {verdict.problem}"] * bool(verdict.problem))
 
 
@@ -94,14 +93,16 @@ def write(path: Path, done: Sequence[Verdict]) -> None:
         for verdict in sorted(done, key=lambda v: v.comparison):
             for o in verdict.outcomes:
                 limits = ["" if limit is None else f"{limit:g}" for limit in o.limits]
-                out.writerow([o.comparison, o.quantity, o.cases, *(f"{e:.3g}" for e in o.errors), *limits, o.case])
+                out.writerow(
+                    [o.comparison, o.quantity, o.cases, *(f"{e:.3g}" for e in o.errors), *limits, o.case, o.word]
+                )
 
 
 def run(asked: argparse.Namespace) -> int:
     """Run them, print a line each; 0 if all that are offered are green."""
     found = comparisons(asked.only)
-    if asked.short:
-        found = {name: comparison for name, comparison in found.items() if comparison.short}
+    low, high = asked.cost
+    found = {name: own for name, own in found.items() if low < own.cost <= high and (own.short or not asked.short)}
     done: list[Verdict] = []
     began = time.perf_counter()
     try:
@@ -115,7 +116,7 @@ def run(asked: argparse.Namespace) -> int:
     counts = {word: sum(v.word == word for v in done) for word in ("green", "red", "not offered")}
     told = ", ".join(f"{count} {word}" for word, count in counts.items())
     print(f"{told}, {len(found) - len(done)} not run; {time.perf_counter() - began:.0f} s")
-    whole = len(done) == len(found) and not asked.only and not asked.short and asked.code == "wrsim"
+    whole = len(done) == len(comparisons()) and not asked.short and asked.code == "wrsim"
     if asked.output:
         write(asked.output, done)
     if asked.report and not whole:
@@ -134,6 +135,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--code", default="wrsim")
     parser.add_argument("--only", nargs="+", default=())
     parser.add_argument("--short", action="store_true", help="few cases of cheap comparisons")
+    parser.add_argument("--cost", type=float, nargs=2, default=(0.0, inf), metavar=("ABOVE", "TO"), help="in seconds")
     parser.add_argument("--first-red", action="store_true", help="end with the first red comparison")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("-o", "--output", type=Path, metavar="FILE")

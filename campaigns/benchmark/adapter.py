@@ -122,6 +122,16 @@ class Code:
         nose outward; outer and inner wheel ``N_kN``, ``Tx_kN``, ``Ty_kN`` outward, as ``outer_N_kN`` ..."""
         raise NotImplementedError
 
+    def friction_loop(self, *, kind: str, amplitude_mm: float) -> Answer:
+        """The closed loop of a "rubber-spring" (Berg; x2 4 mm) or a "leaf-spring" (Fancher; 3 mm) with 0.2 MN/m and 3
+        kN of friction: largest ``force_kN``, ``area_J``."""
+        raise NotImplementedError
+
+    def side_wind(self, *, force_kN: float) -> Answer:
+        """The Manchester coach at rest, pushed to the left 2.2 m above the rails: ``y_mm`` to the left and
+        ``roll_mrad`` of its body, negative to the left, and what a left wheel gains, ``gain_kN``."""
+        raise NotImplementedError
+
     def climb(self, *, flange_angle_deg: float, flange_length_mm: float, attack_mrad: float) -> Answer:
         """``distance_m`` until a wheel has climbed at Y/Q 1.99, friction 0.5."""
         raise NotImplementedError
@@ -133,6 +143,11 @@ class Code:
     # --- track ----------------------------------------------------------------------------------------------------
     def rail_mobility(self, *, track: str, frequency_Hz: Sequence[float]) -> Answer:
         """Point mobilities ``v_m_per_s_per_N`` of a rail; track: "foundation" or "sleepers", above one."""
+        raise NotImplementedError
+
+    def rail_in_time(self, *, frequency_Hz: float) -> Answer:
+        """``amplitude_m`` of a rail above a sleeper under a harmonic force of 1 N, by steps in time: UIC60 without
+        loss, pads of 200 MN/m and 30 kNs/m, sleepers of 324 kg every 0.6 m, ballast of 50 MN/m, 60 kNs/m an end."""
         raise NotImplementedError
 
     def bridge(self, *, speed_km_per_h: float) -> Answer:

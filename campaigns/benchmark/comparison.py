@@ -25,6 +25,7 @@ FUNCTIONS = tuple(name for name in vars(Code) if not name.startswith("_") and na
 Word = Annotated[str, text("a word")]
 Tolerance = Annotated[float, positive()]
 Row = dict[str, Any]
+FEW = 20  # cases that 95 % of means something
 
 
 class CasesSection(Section, header="[cases]"):
@@ -75,7 +76,7 @@ class QuantitySection(Section, header="[[quantities]]"):
     median: Tolerance | None = None
     """Largest median of the errors."""
     most: Tolerance | None = None
-    """Largest error of 95 % of the cases."""
+    """Largest error of 95 % of the cases, where there are 20 or more."""
     worst: Tolerance | None = None
     """Largest error of all cases."""
     why: Annotated[str, text("where the tolerances come from")]
@@ -118,7 +119,7 @@ class ComparisonFile(Section, header="a comparison"):
 
 @dataclass(frozen=True)
 class Outcome:
-    """Errors of one quantity of a comparison: median, 95 %, largest, and the case of that; green if within limits."""
+    """Errors of one quantity of a comparison: median, 95 %, largest, and the case of that."""
 
     comparison: str
     quantity: str
@@ -128,10 +129,16 @@ class Outcome:
     case: str
 
     @property
-    def green(self) -> bool:
-        """Whether all errors are within their limits; no figure at all is not."""
-        pairs = zip(self.errors, self.limits, strict=True)
-        return self.cases > 0 and all(limit is None or error <= limit for error, limit in pairs)
+    def word(self) -> str:
+        """Green where all errors are within their limits, else red; no figure at all is red."""
+        return "green" if self.cases > 0 and not self.beyond else "red"
+
+    @property
+    def beyond(self) -> list[str]:
+        """What is beyond its limit, in words."""
+        names = ("median", "95 %" if self.cases >= FEW else "", "worst")
+        told = zip(names, self.errors, self.limits, strict=True)
+        return [f"{name} {e:.3g} > {most:g}" for name, e, most in told if name and most is not None and not e <= most]
 
 
 @dataclass(frozen=True)
@@ -146,7 +153,9 @@ class Verdict:
     @property
     def word(self) -> str:
         """Green, red or not offered."""
-        return "not offered" if not self.outcomes else "green" if all(o.green for o in self.outcomes) else "red"
+        return (
+            "not offered" if not self.outcomes else "green" if all(o.word == "green" for o in self.outcomes) else "red"
+        )
 
 
 def read_comparison(path: Path) -> ComparisonFile:

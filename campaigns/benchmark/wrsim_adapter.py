@@ -24,9 +24,12 @@ from out_of_round import RADIUS as OF_FLAT
 from out_of_round import table as flat_table
 from reference_contact import FRICTION, HALF_SPACING, STEEL, Chosen, Place, bench_place, own_place, solve
 from support import crossings
+from support.boxes import FIXED, box, element, last_loop, on_springs
 from support.contacts import RADIUS
 from support.ellipse import roll, total
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
+from support.pushed_rails import TRACK, response, standing
+from support.vehicles import manchester
 
 from wrsim.analysis import run
 from wrsim.analysis.conicity.conicity import wheelset_conicity
@@ -49,6 +52,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.simulation.modes import linearise
+from wrsim.vehicle.loads import Load
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 
 
@@ -229,6 +233,21 @@ class Wrsim(Code):
             found |= {f"{name}_N_kN": q * c + y * s, f"{name}_Tx_kN": -x, f"{name}_Ty_kN": y * c - q * s}
         return found
 
+    def friction_loop(self, *, kind: str, amplitude_mm: float):
+        travel = {"rubber-spring": 4.0, "leaf-spring": 3.0}[kind]
+        own = element(kind, stiffness_kN_per_m=200.0, friction_force_kN=3.0, friction_travel_mm=travel)
+        rubber = kind == "rubber-spring"  # forgets its first strokes slowly
+        loops, steps = (12, 200) if rubber else (3, 400)
+        x, force = last_loop(on_springs(box(FIXED, own)), 1e-3 * amplitude_mm, loops, steps)
+        return {"force_kN": 1e-3 * force.max(), "area_J": float(np.trapezoid(force, x))}
+
+    def side_wind(self, *, force_kN: float):
+        load = Load.constant("wind", "carbody", (0.0, 1e3 * force_kN, 0.0), (0.0, 0.0, 2.2))
+        rest = static_state(replace(manchester(), loads=(load,)))
+        gain = rest.wheel_loads[:, 0] - rest.wheel_loads.mean(axis=1)
+        y, _, roll = rest.moved[0]
+        return {"y_mm": 1e3 * y, "roll_mrad": 1e3 * roll, "gain_kN": 1e-3 * float(gain.mean())}
+
     def climb(self, *, flange_angle_deg: float, flange_length_mm: float, attack_mrad: float):
         with TemporaryDirectory() as folder:
             wheel = Path(folder, "wheel.toml")
@@ -256,6 +275,10 @@ class Wrsim(Code):
             own = SleeperTrack(rail, pads, pads, None, spacing=spacing, sleeper_width=0.01)
             found = own.receptance(frequency, 45.0, bays=1800, elements=1)
         return {"v_m_per_s_per_N": 2.0 * np.pi * frequency * np.abs(found)}
+
+    def rail_in_time(self, *, frequency_Hz: float):
+        rails = standing(replace(TRACK, elements=12), 60.0)
+        return {"amplitude_m": abs(response(rails, frequency_Hz, "vertical"))}
 
     def bridge(self, *, speed_km_per_h: float):
         values = {"contact.normal": "kik-piotrowski", "run.distance_m": 62.0, "vehicle.speed_kmh": speed_km_per_h}

@@ -347,10 +347,9 @@ def yardstick() -> str:
         first = [file["title"], REPORT["references"][file["beside"]]["name"], row["cases"]]
         errors = [float(row[name]) for name in ("median", "most", "worst")]
         limits = [row[f"{name}_limit"] for name in ("median", "most", "worst")]
-        green = all(not limit or error <= float(limit) for error, limit in zip(errors, limits, strict=True))
         cells = " / ".join(f"{error:.2g}" for error in errors), " / ".join(limit or "-" for limit in limits)
         start = first if row["comparison"] != last else ["", "", row["cases"] if row["cases"] != first[2] else ""]
-        body.append([*start, row["quantity"].replace("_", " "), *cells, "green" if green else "red"])
+        body.append([*start, row["quantity"].replace("_", " "), *cells, row["verdict"]])
         last = row["comparison"]
     return table(["comparison", "beside", "cases", "quantity", "median / 95 % / worst", "allowed", ""], body)
 

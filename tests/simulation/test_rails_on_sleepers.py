@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.linalg import eigh, toeplitz
+from support.pushed_rails import TRACK, push, response, standing
 from support.vehicles import on_track, shipped
 
 from wrsim.core.body import sleepers as kernel
@@ -18,33 +19,6 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.rails import RailsOnSleepers
 from wrsim.simulation.steady_state import steady_state
 from wrsim.simulation.system import BodySystem
-
-TRACK = SleeperTrack(
-    RailBeam(loss_factor=0.0), Layer((50e6, 200e6), (20e3, 30e3)), Layer((20e6, 50e6), (40e3, 60e3)), sleeper_mass=324.0
-)
-
-
-def standing(track: SleeperTrack, start: float) -> RailsOnSleepers:
-    """The rails under a wheelset that stands at a place [m], at rest without load; its forces are prescribed."""
-    rails = on_track(shipped("wheelset_s1002"), structure=track, start=start).law.on_sleepers
-    assert rails is not None
-    rails._state[1] = 1.0
-    rails.ties["push_b"] = 0.0
-    for pair in (rails.rails.vertical, rails.rails.lateral):
-        pair.rows[:] = 0.0
-    return rails
-
-
-def push(rails: RailsOnSleepers, step: float, forces: np.ndarray) -> np.ndarray:
-    """One step under forces (wheels, 2) at its end; displacements of the rails under the wheels (wheels, 2)."""
-    q, q_t, q_tt = np.zeros((3, forces.size))
-    rails.begin(step, q, q_t, q_tt)
-    ties = rails.ties
-    n, b = forces[:, 0] - ties["push_n"], forces[:, 1] - ties["push_b"]
-    q[0::2] += ties["nn"] * n + ties["nb"] * b
-    q[1::2] += ties["nb"] * n + ties["bb"] * b
-    rails.end(q, q_t)
-    return np.array([kernel.read(kernel.U, i, rails.rails) for i in range(len(forces))])
 
 
 @pytest.mark.parametrize(
@@ -63,17 +37,7 @@ def push(rails: RailsOnSleepers, step: float, forces: np.ndarray) -> np.ndarray:
 def test_a_harmonic_force_moves_the_rail_as_its_receptance_says(frequency: float, way: str) -> None:
     track, turns = replace(TRACK, elements=12), 160
     rails = standing(track, 60.0)  # above a sleeper
-    step = 1.0 / (frequency * turns)
-    periods = max(6, int(0.06 * frequency))
-    found = 0.0
-    for k in range(1, periods * turns + 1):
-        phase = 2.0 * np.pi * k / turns
-        forces = np.zeros((2, 2))
-        forces[0, 0 if way == "lateral" else 1] = np.cos(phase)
-        moved = push(rails, step, forces)[0, 0 if way == "lateral" else 1]
-        if k > (periods - 1) * turns:
-            found += 2.0 / turns * moved * np.exp(-1j * phase)
-    assert rails.ties["last_b"] == pytest.approx(forces[:, 1], abs=1e-6)
+    found = response(rails, frequency, way, turns)
     exact = track.receptance([frequency], 60.0, way, elements=12)[0]
     assert found == pytest.approx(exact, rel=0.01)
 

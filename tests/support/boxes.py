@@ -15,6 +15,7 @@ from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.system import BodySystem
+from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Axes, Joint
 from wrsim.vehicle.elements import TRACK, Element, PlaneFriction, Slider, Spring, Strut, Triple
 from wrsim.vehicle.vehicle import Body, Vehicle
 
@@ -121,3 +122,51 @@ def motion(law: VehicleOnTrack, q: Any, q_t: Any, duration: float, step: float, 
     """The box from a state on; what it weighs is the measure of Newton's method."""
     system = BodySystem(law.bodies, law)
     return Integration(system, duration=duration, step=step, integrator=integrator, weight=MASS * 0.01).run(q, q_t)
+
+
+Z, X = 6, 7
+"""Places of the box in the state."""
+
+
+def element(kind: str, axes: Axes = VEHICLE_AXES, **keys: Any) -> Any:
+    """An element of the box as a file has it."""
+    common = {"kind": kind, "name": kind, "body": "track", "to": ["box"], "at_mm": [0, 0, 1e3 * HEIGHT]}
+    table = KINDS[kind].model_validate(common | {"direction": "x"} | keys)
+    return table.element(Joint(kind, kind, TRACK, "box"), axes)
+
+
+def driven(law: VehicleOnTrack, travel: Any, times: Any) -> Any:
+    """Force of the element along x over a prescribed travel(t), its unknowns integrated by RK4."""
+    q, q_t = design_state(law)
+    place, inner, forces = q[X], np.zeros(law.dampers), []
+
+    h = 1e-7
+
+    def rates(t: float, unknowns: Any) -> tuple[Any, float]:
+        out = np.zeros(law.size)
+        q[X], q_t[X] = place + travel(t), (travel(t + h) - travel(t - h)) / (2.0 * h)
+        q_t[12:] = unknowns
+        law(0.0, q, q_t, out)
+        return out[12:].copy(), -float(out[X])
+
+    for t, step in zip(times, np.diff(times, append=times[-1]), strict=True):
+        a, force = rates(t + 2.0 * h, inner)  # behind a return, not on it
+        forces.append(force)
+        b = rates(t + 0.5 * step, inner + 0.5 * step * a)[0]
+        c = rates(t + 0.5 * step, inner + 0.5 * step * b)[0]
+        d = rates(t + step - 2.0 * h, inner + step * c)[0]
+        inner = inner + step / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+    return np.array(forces)
+
+
+def zigzag(amplitude: float) -> Any:
+    """Travel that goes evenly up and down with period 1 s, from 0."""
+    return lambda t: amplitude * (2.0 / np.pi) * np.arcsin(np.sin(2.0 * np.pi * t))
+
+
+def last_loop(law: VehicleOnTrack, amplitude: float, loops: int = 3, steps: int = 400) -> tuple[Any, Any]:
+    """Travel and force of the last of some loops."""
+    times = np.linspace(0.0, loops, loops * steps + 1)
+    path = zigzag(amplitude)
+    forces = driven(law, path, times)
+    return path(times[-steps - 1 :]), forces[-steps - 1 :]

@@ -13,10 +13,15 @@ from support.boxes import (
     HEIGHT,
     INERTIA,
     MASS,
+    X,
+    Z,
     box,
     derivatives,
     displaced,
+    driven,
+    element,
     in_plane,
+    last_loop,
     moment_kept,
     motion,
     on_springs,
@@ -42,7 +47,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.system import BodySystem
-from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Axes, Joint
+from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Joint
 from wrsim.vehicle.elements import TRACK, BilinearSpring, Element, Normal, Slider, Strut, Triple
 from wrsim.vehicle.loads import Load
 
@@ -134,8 +139,8 @@ def test_in_a_plane_friction_is_against_the_velocity_and_on_a_circle() -> None:
 def test_friction_in_a_plane_along_an_axis_is_that_of_one_direction() -> None:
     force, k = 8e3, 2e6
     found = []
-    for element in (slides(force, k, 1), in_plane(force, k)):
-        law = on_springs(box(spring(stiffness=(0.0, 4e5, 4e6), turning_stiffness=(4e6, 4e6, 4e6)), element))
+    for friction in (slides(force, k, 1), in_plane(force, k)):
+        law = on_springs(box(spring(stiffness=(0.0, 4e5, 4e6), turning_stiffness=(4e6, 4e6, 4e6)), friction))
         q, q_t = design_state(law)
         q[8] += 0.1
         found.append(motion(law, q, q_t, 0.5, 5e-4, "rk44").q[:, 8])
@@ -259,17 +264,6 @@ def test_a_state_within_the_bounds_is_settled_already() -> None:
 
 
 # Leaf springs, rubber, air springs, nested springs and play: their loops against closed forms.
-Z, X = 6, 7
-"""Places of the box in the state."""
-
-
-def element(kind: str, axes: Axes = VEHICLE_AXES, **keys: Any) -> Any:
-    """An element of the box as a file has it."""
-    common = {"kind": kind, "name": kind, "body": "track", "to": ["box"], "at_mm": [0, 0, 1e3 * HEIGHT]}
-    table = KINDS[kind].model_validate(common | {"direction": "x"} | keys)
-    return table.element(Joint(kind, kind, TRACK, "box"), axes)
-
-
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_spring_with_an_uneven_table_pushes_back_by_it_also_in_a_part_that_is_turned_round(turned: bool) -> None:
     keys = {"direction": "x", "travel_mm_force_kN": [[-50, -4], [0, 0], [20, 2], [50, 20]]}
@@ -280,43 +274,6 @@ def test_a_spring_with_an_uneven_table_pushes_back_by_it_also_in_a_part_that_is_
         q[X] += -travel if turned else travel
         law(0.0, q, q_t, out := np.zeros(law.size))
         assert out[X] == pytest.approx(force if turned else -force, rel=1e-9)
-
-
-def driven(law: VehicleOnTrack, travel: Any, times: Any) -> Any:
-    """Force of the element along x over a prescribed travel(t), its unknowns integrated by RK4."""
-    q, q_t = design_state(law)
-    place, inner, forces = q[X], np.zeros(law.dampers), []
-
-    h = 1e-7
-
-    def rates(t: float, unknowns: Any) -> tuple[Any, float]:
-        out = np.zeros(law.size)
-        q[X], q_t[X] = place + travel(t), (travel(t + h) - travel(t - h)) / (2.0 * h)
-        q_t[12:] = unknowns
-        law(0.0, q, q_t, out)
-        return out[12:].copy(), -float(out[X])
-
-    for t, step in zip(times, np.diff(times, append=times[-1]), strict=True):
-        a, force = rates(t + 2.0 * h, inner)  # behind a return, not on it
-        forces.append(force)
-        b = rates(t + 0.5 * step, inner + 0.5 * step * a)[0]
-        c = rates(t + 0.5 * step, inner + 0.5 * step * b)[0]
-        d = rates(t + step - 2.0 * h, inner + step * c)[0]
-        inner = inner + step / 6.0 * (a + 2.0 * b + 2.0 * c + d)
-    return np.array(forces)
-
-
-def zigzag(amplitude: float) -> Any:
-    """Travel that goes evenly up and down with period 1 s, from 0."""
-    return lambda t: amplitude * (2.0 / np.pi) * np.arcsin(np.sin(2.0 * np.pi * t))
-
-
-def last_loop(law: VehicleOnTrack, amplitude: float, loops: int = 3, steps: int = 400) -> tuple[Any, Any]:
-    """Travel and force of the last of some loops."""
-    times = np.linspace(0.0, loops, loops * steps + 1)
-    path = zigzag(amplitude)
-    forces = driven(law, path, times)
-    return path(times[-steps - 1 :]), forces[-steps - 1 :]
 
 
 K, LIMIT, X2 = 2e5, 3e3, 4e-3

@@ -1,0 +1,51 @@
+"""Rails on sleepers in time under prescribed forces."""
+
+import numpy as np
+
+from support.vehicles import on_track, shipped
+from wrsim.core.body import sleepers as kernel
+from wrsim.geometry.track.sleepers import Layer, RailBeam, SleeperTrack
+from wrsim.simulation.rails import RailsOnSleepers
+
+TRACK = SleeperTrack(
+    RailBeam(loss_factor=0.0), Layer((50e6, 200e6), (20e3, 30e3)), Layer((20e6, 50e6), (40e3, 60e3)), sleeper_mass=324.0
+)
+
+
+def standing(track: SleeperTrack, start: float) -> RailsOnSleepers:
+    """The rails under a wheelset that stands at a place [m], at rest without load; its forces are prescribed."""
+    rails = on_track(shipped("wheelset_s1002"), structure=track, start=start).law.on_sleepers
+    assert rails is not None
+    rails._state[1] = 1.0
+    rails.ties["push_b"] = 0.0
+    for pair in (rails.rails.vertical, rails.rails.lateral):
+        pair.rows[:] = 0.0
+    return rails
+
+
+def push(rails: RailsOnSleepers, step: float, forces: np.ndarray) -> np.ndarray:
+    """One step under forces (wheels, 2) at its end; displacements of the rails under the wheels (wheels, 2)."""
+    q, q_t, q_tt = np.zeros((3, forces.size))
+    rails.begin(step, q, q_t, q_tt)
+    ties = rails.ties
+    n, b = forces[:, 0] - ties["push_n"], forces[:, 1] - ties["push_b"]
+    q[0::2] += ties["nn"] * n + ties["nb"] * b
+    q[1::2] += ties["nb"] * n + ties["bb"] * b
+    rails.end(q, q_t)
+    return np.array([kernel.read(kernel.U, i, rails.rails) for i in range(len(forces))])
+
+
+def response(rails: RailsOnSleepers, frequency: float, way: str, turns: int = 160) -> complex:
+    """Amplitude of the rail under the left wheel, with its phase, under a harmonic force of 1 N there [m]; way:
+    "vertical" or "lateral"; turns: steps a period."""
+    step, found, at = 1.0 / (frequency * turns), 0.0 + 0.0j, 0 if way == "lateral" else 1
+    periods = max(6, int(0.06 * frequency))
+    for k in range(1, periods * turns + 1):
+        phase = 2.0 * np.pi * k / turns
+        forces = np.zeros((2, 2))
+        forces[0, at] = np.cos(phase)
+        moved = push(rails, step, forces)[0, at]
+        if k > (periods - 1) * turns:
+            found += 2.0 / turns * moved * np.exp(-1j * phase)
+    assert abs(rails.ties["last_b"] - forces[:, 1]).max() < 1e-6
+    return found
