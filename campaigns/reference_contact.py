@@ -205,13 +205,12 @@ def answer_of_elements(contact: HalfSpaceContact | None, place: float, counted: 
     if contact is None or not contact.patches:
         return None
     patch = contact.patches[0]
-    regions = [
-        Region(
-            r.normal_force, r.p0, r.area, r.centre[1] + place, r.s[1] - r.s[0], r.x[1] - r.x[0], r.angle[0], r.angle[1]
-        )
-        for p in contact.patches
-        for r in p.regions
-    ]  # fmt: skip
+    regions = []
+    for p in contact.patches:
+        for r in p.regions:
+            outward = float(r.p.sum(axis=1) @ p.grid.axis["o"][r.rows] / r.p.sum()) + place
+            figures = r.normal_force, r.p0, r.area, outward, r.s[1] - r.s[0], r.length
+            regions.append(Region(*figures, *r.angle))
     return Answer(
         patch.normal_force,
         patch.p0,

@@ -15,14 +15,16 @@ import os
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial
 from importlib import import_module
 from math import inf
+from multiprocessing import Pool
 from pathlib import Path
+from signal import SIG_IGN, SIGINT, signal
 
 from campaigns.benchmark.adapter import Code
 from campaigns.benchmark.comparison import HERE, ROOT, ComparisonFile, Verdict, read_comparison, run_comparison
-from wrsim.errors import InputError
+from wrsim.errors import INTERRUPTED, InputError
 
 CODES = {
     "wrsim": "campaigns.benchmark.wrsim_adapter:Wrsim",
@@ -58,17 +60,12 @@ def verdicts(asked: argparse.Namespace, found: dict[str, ComparisonFile]) -> Ite
         for name, comparison in found.items():
             yield run_comparison(name, comparison, code, asked.short)
         return
-    pool = ProcessPoolExecutor(asked.jobs)
-    try:
-        dear_first = reversed(found)
-        tasks = [pool.submit(in_process, asked.code, asked.reference, name, asked.short) for name in dear_first]
-        for task in as_completed(tasks):
-            yield task.result()
-    finally:
-        pool.shutdown(cancel_futures=True)
+    with Pool(asked.jobs, signal, (SIGINT, SIG_IGN)) as pool:
+        ask = partial(in_process, asked.code, asked.reference, asked.short)
+        yield from pool.imap_unordered(ask, reversed(found))  # the dear ones first
 
 
-def in_process(code: str, reference: Path, name: str, short: bool) -> Verdict:
+def in_process(code: str, reference: Path, short: bool, name: str) -> Verdict:
     """One comparison in a process of its own."""
     return run_comparison(name, comparisons([name])[name], code_of(code, reference), short)
 
@@ -104,7 +101,7 @@ def run(asked: argparse.Namespace) -> int:
     low, high = asked.cost
     found = {name: own for name, own in found.items() if low < own.cost <= high and (own.short or not asked.short)}
     done: list[Verdict] = []
-    began = time.perf_counter()
+    began, interrupted = time.perf_counter(), False
     try:
         for verdict in verdicts(asked, found):
             done.append(verdict)
@@ -112,6 +109,7 @@ def run(asked: argparse.Namespace) -> int:
             if asked.first_red and verdict.word == "red":
                 break
     except KeyboardInterrupt:
+        interrupted = True
         print("interrupted; so far:")
     counts = {word: sum(v.word == word for v in done) for word in ("green", "red", "not offered")}
     told = ", ".join(f"{count} {word}" for word, count in counts.items())
@@ -125,7 +123,7 @@ def run(asked: argparse.Namespace) -> int:
         write(STANDING, done)
         sys.path.insert(0, str(ROOT / "docs/figures"))
         import_module("make_standing").main()
-    return int(counts["red"] > 0 or not counts["green"])
+    return INTERRUPTED if interrupted else int(counts["red"] > 0 or not counts["green"])
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

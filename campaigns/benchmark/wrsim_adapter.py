@@ -72,7 +72,7 @@ def _on_crossing(folder: Path) -> ContactModel:
     return crossings.on(surface, "strips", load_profile("wheels/S1002.toml"), tangential="fastrip", friction=FRICTION)
 
 
-STRIPS = Chosen.parse("strips")
+STRIPS, EXACT = Chosen.parse("strips"), Chosen.parse("half-space/level")  # pairs points as the source does
 SCENARIOS = ROOT / "scenarios"
 FALLING = {"fall_ratio": 0.1368 / 0.36, "fall_decay": np.log(2.0) / 0.99}
 REDUCED = {"slope_k0": 0.54, "slope_alpha_inf": 0.02, "slope_beta": 0.62}
@@ -103,9 +103,9 @@ class Wrsim(Code):
         place = bench_place(self.contact)
         if "MBench" not in wheel:
             place = own_place(wheel, rail, inclination, friction > 0.0)
-        answer = solve(
-            STRIPS, place, Pose("", 1e-3 * y_mm, yaw_rad, load_N, -roll_rad), abs(pitch_rad_per_s), repeats=0
-        )
+        pose = Pose("", 1e-3 * y_mm, yaw_rad, load_N, -roll_rad)
+        chosen = EXACT if model == "half-space" else STRIPS
+        answer = solve(chosen, place, pose, abs(pitch_rad_per_s), repeats=0)
         if answer is None:
             return None
         return {

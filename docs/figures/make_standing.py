@@ -349,7 +349,9 @@ def yardstick() -> str:
         limits = [row[f"{name}_limit"] for name in ("median", "most", "worst")]
         cells = " / ".join(f"{error:.2g}" for error in errors), " / ".join(limit or "-" for limit in limits)
         start = first if row["comparison"] != last else ["", "", row["cases"] if row["cases"] != first[2] else ""]
-        body.append([*start, row["quantity"].replace("_", " "), *cells, row["verdict"]])
+        how = next(q for q in file["quantities"] if q["name"] == row["quantity"])
+        over = f", over {how['over']}" if "over" in how else ", relative" if how.get("error") != "absolute" else ""
+        body.append([*start, (row["quantity"] + over).replace("_", " "), *cells, row["verdict"]])
         last = row["comparison"]
     return table(["comparison", "beside", "cases", "quantity", "median / 95 % / worst", "allowed", ""], body)
 
