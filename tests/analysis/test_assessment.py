@@ -379,8 +379,6 @@ def test_limits_are_those_of_the_standards():
 
 
 # --- files, command, errors ---------------------------------------------------------------------------------
-
-
 def of_radius(radius: float, guiding: float, scenario: str = "") -> Result:
     """A run through a full curve of 140 m with that guiding force of the outer wheel [N]."""
     return run(

@@ -81,8 +81,6 @@ def test_stiffness_of_deck_and_wheels_have_one_potential() -> None:
 
 
 # --- a coach --------------------------------------------------------------------------------------------------------
-
-
 @cache
 def over_the_bridge(mass: float, spread: float) -> xr.Dataset:
     """The shipped scenario, with this mass [t/m] and elastic length [m]."""

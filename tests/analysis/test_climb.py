@@ -25,7 +25,6 @@ from wrsim.scenario.sections.overturning import Wind
 
 table = rows_of(__file__)
 
-
 LIMIT = nadal_limit(np.radians(70.0), 0.5)
 
 

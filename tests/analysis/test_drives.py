@@ -55,7 +55,6 @@ def test_the_frame_runs_as_far_as_its_speed_says(profile):
 
 
 # --- adhesion ---------------------------------------------------------------------------------------------
-
 SLIPPERY = {"contact.friction": 0.1, "vehicle.drive": "free", "vehicle.speed_kmh": 60, "run.time_s": 1.2}
 HARD = [{"on": ["front.outer"], "time_s_moment_kNm": [[0.05, 0], [0.15, -9]]}]
 """More than the 5 kN m that a friction of 0.1 lets through under 54 kN a wheel."""

@@ -160,7 +160,6 @@ def test_forces_and_moments_on_a_coach_at_rest_in_the_wind_are_in_balance() -> N
 
 ROWS = [[22, 0, 0, 0], [24, 0, 30, 0], [32, 0, 30, 0], [35, 0, 0, 0]]
 
-
 START = FAST | {"run.start_distance_m": 20.0, "output.patches_at_m": []}
 
 

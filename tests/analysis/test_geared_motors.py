@@ -29,7 +29,6 @@ from wrsim.vehicle.loads import Effort, Load
 
 table = rows_of(__file__)
 
-
 FILE = ROOT / "models/vehicles/manchester_motor.toml"
 STIFFNESS, TURNING = 1.5e6, 12.0 + 4.5**2 * 1.2
 """Of the file: torsion of the hollow axle [N m/rad], inertia of all that turns there [kg m2]."""
@@ -237,7 +236,6 @@ def test_bad_drives_are_refused_with_file_and_key(tmp_path, line, said):
 
 
 # --- nose-suspended motors ----------------------------------------------------------------------------------
-
 NOSE_MASS, BEHIND, ARM = 2200.0, 0.45, 1.0
 """Of a motor [kg], of its centre and of its nose from the axle [m]."""
 

@@ -19,7 +19,6 @@ from wrsim.geometry.profile.wear import Removal, worn
 
 table = rows_of(__file__)
 
-
 RAIL, WHEEL = load_profile("rails/60E1.toml"), load_profile("wheels/S1002.toml")
 CROWN, CORNER, AXIS = 0.3, 0.013, np.array([-0.023016030, -0.014949147])  # arcs of 60E1, EN 13674-1
 

@@ -228,7 +228,6 @@ def test_a_whole_vehicle_goes_on_to_the_bit(tmp_path, often):
 
 
 # --- the command ------------------------------------------------------------------------------------------------
-
 KEYS: dict[str, Any] = {"track.segments": [straight(2.0)], "output.patches_at_m": [1.0]}
 KEYS |= FAST | {"run.step_us": 100, "run.output_interval_ms": 0.5}
 

@@ -22,7 +22,6 @@ from wrsim.study.spec import OutputsSection
 
 table = rows_of(__file__)
 
-
 FLANGE = AssessmentSettings(axle_load=2.0 * Q0, friction=0.3, flange_angle=radians(70.0))
 FEET_5 = 1.524
 

@@ -210,8 +210,6 @@ def test_a_curve_that_nobody_can_start_in_is_told_with_its_place():
 
 
 # --- from outside -----------------------------------------------------------------------------------------------
-
-
 def interrupted_on_the_way() -> None:
     """The signal of Ctrl-C comes to this process 0.1 s after the start of its run."""
     look, sent = Monitor.__call__, []

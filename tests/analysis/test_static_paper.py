@@ -12,7 +12,6 @@ SHIFTS = (0.0, 8.0, 9.0, 10.0)
 WHEEL = ROOT / "models" / "wheels" / "lrv_standin.toml"
 RAIL_CORNER, UPPER_FILLET = 13e-3, 38.2e-3
 
-
 table2 = script("campaigns/table2.py")
 fit = script("campaigns/fit_lrv_standin.py")
 
@@ -65,8 +64,6 @@ def _numbers(table: str) -> np.ndarray:
 
 
 # --- laws ------------------------------------------------------------------------------------------------
-
-
 def test_forces_lie_within_the_fan_of_normals_of_strips_as_wide_as_asked(dataset: xr.Dataset, main: xr.Dataset) -> None:
     """Y / Q = tan of an angle between the smallest and the largest contact angle."""
     direction = np.arctan(dataset["Y_over_Q"].isel(wheel=0).values)

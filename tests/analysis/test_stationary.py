@@ -19,7 +19,6 @@ from wrsim.vehicle.vehicle import Vehicle
 
 table = rows_of(__file__)
 
-
 SLOW, FAST = loops.RATES
 
 
@@ -97,8 +96,6 @@ def test_both_ways_of_the_freight_wagon_differ_by_no_more_than_its_guides_hold()
 
 
 # --- rotation ---------------------------------------------------------------------------------------------
-
-
 OWN = 2.0 * 160e3 * 1.0**2
 """Yaw stiffness of the coach's secondary springs [N m/rad]: of 160 kN/m, 1 m to either side."""
 GIVING = OWN / (4.0 * 160e3 * 9.5**2 + OWN) + OWN / (4.0 * (31391e3 * 1.0**2 + 3884e3 * 1.28**2))

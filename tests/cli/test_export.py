@@ -29,7 +29,6 @@ SHOWN = {
 }  # fmt: skip
 """Units for readers: the unit of SI, and how much of it one is."""
 
-
 SUFFIXES = {channel.shown.suffix for channel in CHANNELS.values()}
 """How units end the names of columns."""
 

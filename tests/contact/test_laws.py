@@ -45,7 +45,6 @@ def examples(normal: str, many: int) -> int:
 
 
 # --- random profiles and poses ------------------------------------------------------------------------
-
 WHEELS, RAILS = 5, 5  # of random wear; the first is new
 
 
@@ -169,7 +168,6 @@ def test_the_normal_force_grows_with_the_approach(normal):
 
 
 # --- mirrors and rotation -----------------------------------------------------------------------------
-
 # Relative to the force. Tables are sampled from the other end of a mirrored profile, the search starts elsewhere: the
 # main point is found to 1e-10 m, and where curvature jumps the other of its two values stands in the table. 4e-4 was
 # the worst of 300 random poses.
@@ -303,7 +301,6 @@ def test_stiffer_steel_bears_in_proportion(normal):
 
 
 # --- bad input ----------------------------------------------------------------------------------------
-
 S1002, R60E1 = "S1002", "60E1"
 
 

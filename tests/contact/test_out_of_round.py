@@ -23,7 +23,6 @@ from wrsim.geometry.profile.sections import circle, cone
 
 table = rows_of(__file__)
 
-
 R = 0.46
 TURN = 2.0 * np.pi
 NO_PLACES = np.zeros(0)

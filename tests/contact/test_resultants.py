@@ -118,8 +118,6 @@ def test_at_standstill_everything_is_finite_and_still():
 
 
 # --- damping ------------------------------------------------------------------------------------------
-
-
 DAMPING = 2.0
 
 

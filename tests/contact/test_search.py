@@ -232,7 +232,6 @@ def test_without_contact_there_are_no_patches_but_a_distance(lateral):
 # everywhere, and the main point, which alone decides the pressure [S 29], runs along the corner within micrometres.
 EQUAL_RADII = (6.3e-3, 6.8e-3)
 
-
 PAIRS_AND_YAWS = pytest.mark.parametrize(
     ("pair", "yaw"),
     [("S1002/60E1 1:40", 0.0), ("worn/60E1 1:40", 0.012)]

@@ -355,7 +355,6 @@ def test_a_faulty_table_is_told_with_its_line(tmp_path: Path, text: str, message
 
 
 # --- in files -------------------------------------------------------------------------------------------------------
-
 SCENARIO = "\n" + texts.CURVE.partition("kind")[0].replace("= 54", "= 72") + 'kind = "straight"\nlength_m = 200\n'
 """Straight track, on which a wheelset runs at 20 m/s."""
 

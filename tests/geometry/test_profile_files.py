@@ -53,7 +53,6 @@ def write(tmp_path):
 
 
 # --- there and back -----------------------------------------------------------------------------------
-
 SHAPES = [
     WHEEL,
     RAIL,
@@ -62,7 +61,6 @@ SHAPES = [
     cone("cone", "wheel", 0.05, -0.04, 0.06),
     circle("crown", "rail", 0.3, 0.035),
 ]
-
 
 WRITTEN = {
     "columns": ("# name: {0.name}\n# kind: {0.kind}\n# source: {0.source}\nu_mm,w_mm\n{1}", 1e3, ","),
@@ -196,8 +194,6 @@ def test_miniprof_files_with_faults_are_refused(write, keys, message):
 
 
 # --- bad points ---------------------------------------------------------------------------------------
-
-
 BAD = table("bad")
 
 
@@ -266,7 +262,6 @@ def test_every_shipped_profile_loads_and_names_its_source(path):
 
 
 # --- S1002 -------------------------------------------------------------------------------------------
-
 S1002_FORMULAS = table("s1002_formulas")
 
 
@@ -390,7 +385,6 @@ def test_points_beside_a_file_are_read_as_it_says(toml, tmp_path):
 
 
 # --- slips -------------------------------------------------------------------------------------------
-
 SLIPS = table("slips")  # fmt: skip
 
 
@@ -513,7 +507,6 @@ def test_what_cannot_be_smoothed_is_answered(files, tmp_path, words, message):
 
 
 # --- garbage ------------------------------------------------------------------------------------------
-
 SCAN = "".join(f"{u:.4f} {w:.4f}\n" for u, w in measured(load_profile(MODELS / "rails/60E1.toml"), 5e-4, 3))
 LINES = SCAN.splitlines(keepends=True)
 

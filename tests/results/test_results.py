@@ -61,8 +61,6 @@ def written(tmp_path_factory) -> dict[str, Path]:
 
 
 # the register ------------------------------------------------------------------------------------------------------
-
-
 def test_units_for_readers_agree_with_si_units():
     si = {"s": "s", "m": "m", "mm": "m", "um": "m", "mm2": "m2", "kmh": "m/s", "per_km": "1/m", "per_m": "1/m"}
     si |= {"rad_s": "rad/s", "mrad": "rad", "deg": "rad", "N": "N", "kN": "N", "Nm": "N m", "kNm": "N m", "MPa": "Pa"}

@@ -140,8 +140,6 @@ def test_a_ramp_of_cant_takes_no_energy(normal):
 
 
 # --- what creep forces take -------------------------------------------------------------------------------
-
-
 CURVES = {
     "steering, R 300": lambda: setup_of([arc(30.0, 300.0, 60.0)], 20.0, STEERING, start=10.0),
     "leading, R 160": lambda: setup_of([arc(30.0, 160.0, 60.0)], 10.0, LEADING, start=10.0),

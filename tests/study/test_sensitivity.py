@@ -21,7 +21,6 @@ from wrsim.study.task import COMPLETED, Marker
 
 table = rows_of(__file__)
 
-
 X = [{"key": f"x{i}", "low": -pi, "high": pi} for i in (1, 2, 3)]
 
 

@@ -19,7 +19,6 @@ from wrsim.study.task import COMPLETED, DERAILED, RESULT, Marker, write_marker
 
 table = rows_of(__file__)
 
-
 TEXT = (DATA / "type_test.toml.in").read_text()
 
 

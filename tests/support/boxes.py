@@ -102,7 +102,6 @@ def symmetric(matrix: np.ndarray, *without: int) -> bool:
 
 AT: Triple = (0.0, 0.0, HEIGHT)
 
-
 FIXED = spring(stiffness=(0.0, 0.0, 4e6), turning_stiffness=(4e6, 4e6, 4e6))
 """Holds the box vertically and against turning."""
 

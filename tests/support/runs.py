@@ -87,7 +87,6 @@ def _on(setup: Setup, segments: Sequence[Segment], heading: float, start: tuple[
 
 
 # --- conical wheels on crowns -----------------------------------------------------------------------------
-
 RADIUS = 0.46
 CONICITY = 0.05
 CROWN = 0.3

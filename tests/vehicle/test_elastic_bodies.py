@@ -35,7 +35,6 @@ from wrsim.vehicle.vehicle import Body, MeasuringPoint, Vehicle
 
 table = rows_of(__file__)
 
-
 MASS, LENGTH, FIRST = 30e3, 24.0, 9.0
 CENTRE = (0.0, 0.0, 1.8)
 
@@ -133,7 +132,6 @@ def test_an_accelerometer_feels_the_modes() -> None:
 
 
 # --- files ----------------------------------------------------------------------------------------------------------
-
 PLACES = [(x, 0.0, 1.8) for x in (-12.0, -9.5, 0.0, 9.5, 12.0)]
 TABLE = ("[bodies.body]", '[bodies.body.flexible]\nmodes = "modes.csv"\n\n[bodies.body]')
 
@@ -377,8 +375,6 @@ def test_wheels_shaft_and_discs_make_up_the_wheelset() -> None:
 
 
 # --- in a vehicle ---------------------------------------------------------------------------------------------------
-
-
 def elastic(axle: Axle = AXLE) -> Vehicle:
     """A coach on elastic axles."""
     return shipped("manchester_1").with_wheelsets(lambda own: replace(own, axle=axle))

@@ -18,7 +18,6 @@ from wrsim.contact.tables import creep_coefficients
 
 table = rows_of(__file__)
 
-
 MU = 0.3
 G = 82e9
 PATCH = Ellipse(6e-3, 3e-3)
