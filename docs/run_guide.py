@@ -4,8 +4,8 @@
 
 Lines that call ``wrsim``, ``cp`` or ``mkdir`` count, but those with a word in capitals, which stands for a name, and
 those of LEFT_OUT. Tutorials run as they are, unless --short is given; scenarios of other pages run in a short form,
-without pictures. With --short two processes share the pages, and studies have the ends of their ranges alone. A line
-that ends with another exit code than 0, or than those of EXPECTED, is an error.
+without pictures, but for what their lines set themselves. With --short two processes share the pages, and studies have
+the ends of their ranges alone. A line that ends with another exit code than 0, or than those of EXPECTED, is an error.
 """
 
 from __future__ import annotations
@@ -79,6 +79,7 @@ def shortened(words: list[str], pictures: bool) -> list[str]:
     scenario = load(words[1])
     values = dict(SHORT.get(scenario.analysis, {}))
     values |= FINE if scenario.analysis == "curving" and re.search(r"^step_us\b", scenario.text, re.M) else {}
+    values = {key: value for key, value in values.items() if not any(word.startswith(f"{key}=") for word in words)}
     words = [*words, *(() if pictures else ("--no-pictures",))]
     if re.search(r"^time_s\b", scenario.text, re.M) and values.pop("run.distance_m", None):
         values["run.time_s"] = 0.2  # one of both is allowed

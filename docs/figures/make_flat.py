@@ -29,7 +29,7 @@ def draw() -> Figure:
 
 
 def spectra_on_sleepers() -> Figure:
-    """Seven strikes of the flat on sleepers."""
+    """Five strikes of the flat on sleepers."""
     keys = {"run.distance_m": 14.0, "run.step_us": 100, "run.output_interval_ms": 5.0}
     fast = {"run.fast_channels": ["axle_box_acceleration"]}
     result = run(load(HERE.parents[1] / "scenarios/flat_on_sleepers.toml").with_values(keys | fast))

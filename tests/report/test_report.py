@@ -216,7 +216,7 @@ def test_what_bends_and_the_spectra_of_fast_channels_have_a_section(curve: Resul
     about = plain.attrs | {"bent_by": "wheelset left", "bent_at_m": 2.0}
     text = page_of(Result(plain.assign(bent).assign_coords(places).assign_attrs(about)))
     section = text[text.index('<section id="vibrations"') :].partition("</section>")[0]
-    assert section.count("<figure>") == 2 and "rails and axles, magnified" in section
+    assert section.count("<figure>") == 3 and "rails and axles, magnified" in section
     assert "Vertical force" in section and "<td>250</td>" in section
 
 

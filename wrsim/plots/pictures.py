@@ -60,6 +60,9 @@ def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:
             present = tuple(c for c in channels if c in one and (c != "guide_force_y" or one[c].values.any()))
             if present:
                 figures[name] = partial(channels_figure, one, present)
+        fast = [str(n) for n, own in one.data_vars.items() if own.dims[:1] == ("fast_time",)]
+        if fast:
+            figures["fast"] = partial(channels_figure, fast_of(one), [name.removeprefix("fast_") for name in fast])
     elif one.sizes.get("pose", 0) > 1 and any(np.isfinite(one[name]).any() for name in PANELS if name in one):
         figures["contact"] = partial(static_figure, one)
     if has_patches(one):

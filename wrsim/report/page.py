@@ -21,7 +21,6 @@ from PIL import Image
 from wrsim import __version__
 from wrsim.errors import InputError
 from wrsim.plots.assessment import history_figure, track_diagram
-from wrsim.plots.bent import bent_figures
 from wrsim.plots.compare import overlay_figure
 from wrsim.plots.cross_section import has_outlines, section_gallery
 from wrsim.plots.drawing import Makers, drawing
@@ -178,7 +177,7 @@ def _standard(results: Sequence[Result], names: Sequence[str]) -> dict[str, Call
         f"{name}: {picture}" if name else picture: make
         for r, name in zip(results, names, strict=True)
         for picture, make in standard_figures(r.dataset).items()
-        if not picture.endswith(("patches", "sections", "wear", "fatigue", "bent"))
+        if not picture.endswith(("patches", "sections", "wear", "fatigue", "bent", "fast"))
     }
 
 
@@ -202,7 +201,9 @@ def _vibrations(result: Result, name: str) -> dict[str, Any]:
     """What bends, and spectra of the fast channels: of the displacements of rails those of their acceleration."""
     from wrsim.analysis.spectra import evaluate_spectra
 
-    pictures = [as_picture("rails and axles, magnified", make()) for make in bent_figures(result.dataset).values()]
+    words = {"bent": "rails and axles, magnified", "fast": "fast channels"}
+    drawn = {name.rpartition("/")[2]: make for name, make in standard_figures(result.dataset).items()}
+    pictures = [as_picture(own, drawn[name]()) for name, own in words.items() if name in drawn]
     fast = [str(n).removeprefix("fast_") for n in result.dataset.data_vars if str(n).startswith("fast_")]
     found = [
         tables.evaluated(partial(evaluate_spectra, channel=c, derivative=2 * c.startswith("rail_")), result)
