@@ -69,7 +69,25 @@ def test_a_band_pass_is_down_3_dB_at_both_ends_and_stops_what_is_constant():
     assert np.abs(filtered(np.ones(TIME.size))).max() < 1e-9
 
 
-def test_a_result_sampled_too_slowly_for_a_filter_is_told_how_fast():
+def test_what_cannot_be_assessed_says_why_and_too_slow_samples_how_fast():
+    whole = run(250.0).dataset
+    with pytest.raises(InputError, match="it has no Q"):
+        assess_runs(Result(whole.drop_vars("Q")))
+    with pytest.raises(InputError, match="it has no second wheel"):
+        assess_runs(Result(whole.isel(wheel=[0])))
+    with pytest.raises(InputError, match="20 samples; filters need at least 30"):
+        assess_runs(Result(whole.isel(time=slice(0, 20))))
+    for few in (0, 1, 2, 29):
+        with pytest.raises(InputError, match=f"{few} samples; filters need at least 30"):
+            assess_runs(Result(whole.isel(time=slice(0, few))))
+    with pytest.raises(InputError, match="m long; sliding means are taken over 2 m"):
+        assess_runs(Result(whole.isel(time=slice(0, 30))))
+    with pytest.raises(InputError, match="does not move forward"):
+        assess_runs(Result(whole.assign_coords(distance=("time", 0.0 * whole["distance"].values))))
+    broken = whole.copy(deep=True)
+    broken["Q"].values[7, 0] = np.nan
+    with pytest.raises(InputError, match="wheel forces are not numbers"):
+        assess_runs(Result(broken))
     with pytest.raises(
         InputError, match=r"more than 44.4 samples a second; .* 40: run it with output_interval_ms = 20"
     ):
@@ -453,27 +471,6 @@ def test_the_command_assesses_several_runs_as_one(tmp_path):
     assert found["runs"] == ["slow", "fast"] and {s["run"] for s in found["sections"]} == {"slow", "fast"}
     pictures = {p.name for p in (tmp_path / "both").glob("*.png")}
     assert pictures == {"assessment.png", "assessment_history_1.png", "assessment_history_2.png"}
-
-
-def test_what_cannot_be_assessed_says_why():
-    whole = run(250.0).dataset
-    with pytest.raises(InputError, match="it has no Q"):
-        assess_runs(Result(whole.drop_vars("Q")))
-    with pytest.raises(InputError, match="it has no second wheel"):
-        assess_runs(Result(whole.isel(wheel=[0])))
-    with pytest.raises(InputError, match="20 samples; filters need at least 30"):
-        assess_runs(Result(whole.isel(time=slice(0, 20))))
-    for few in (0, 1, 2, 29):
-        with pytest.raises(InputError, match=f"{few} samples; filters need at least 30"):
-            assess_runs(Result(whole.isel(time=slice(0, few))))
-    with pytest.raises(InputError, match="m long; sliding means are taken over 2 m"):
-        assess_runs(Result(whole.isel(time=slice(0, 30))))
-    with pytest.raises(InputError, match="does not move forward"):
-        assess_runs(Result(whole.assign_coords(distance=("time", 0.0 * whole["distance"].values))))
-    broken = whole.copy(deep=True)
-    broken["Q"].values[7, 0] = np.nan
-    with pytest.raises(InputError, match="wheel forces are not numbers"):
-        assess_runs(Result(broken))
 
 
 def test_a_run_that_was_stopped_is_assessed_without_its_last_odd_sample():

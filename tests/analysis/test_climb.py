@@ -122,7 +122,18 @@ def test_what_cannot_climb_is_refused(keys, words):
         run(scenario().with_values(keys))
 
 
-def test_a_tip_that_does_not_fit_is_refused(tmp_path):
+def test_what_cannot_be_looked_for_or_does_not_fit_is_refused(tmp_path):
+    for keys, words in (
+        (wind(20.0) | {"run": True}, "wind"),
+        ({"highest_kmh": 10.0}, "highest_kmh"),
+        ({"radius_m": 5.0}, "radius_m"),
+    ):
+        with pytest.raises(InputError, match=words):
+            run(in_wind(**keys))
+    with pytest.raises(InputError, match="single wheelset"):
+        run(in_wind().with_values({"vehicle.model": "vehicles/wheelset_s1002.toml"}))
+    with pytest.raises(SimulationError, match=r"overturns .* already"):
+        run(in_wind(radius_m=100.0, lowest_kmh=200.0))
     with pytest.raises(InputError, match="flange_length_mm"):
         load_profile(flanged(tmp_path / "wheel.toml", 70.0, 5.0))
 
@@ -205,17 +216,3 @@ def test_table_and_picture_tell_every_wind(found, sketched):
     pictures = {name: make().axes[0] for name, make in overturning_figures(found).items()}
     assert len(pictures["overturning"].get_lines()) == 3
     assert len(pictures["overturning_wind"].get_lines()) >= 2
-
-
-def test_what_cannot_be_looked_for_is_refused():
-    for keys, words in (
-        (wind(20.0) | {"run": True}, "wind"),
-        ({"highest_kmh": 10.0}, "highest_kmh"),
-        ({"radius_m": 5.0}, "radius_m"),
-    ):
-        with pytest.raises(InputError, match=words):
-            run(in_wind(**keys))
-    with pytest.raises(InputError, match="single wheelset"):
-        run(in_wind().with_values({"vehicle.model": "vehicles/wheelset_s1002.toml"}))
-    with pytest.raises(SimulationError, match=r"overturns .* already"):
-        run(in_wind(radius_m=100.0, lowest_kmh=200.0))

@@ -188,16 +188,13 @@ def gust(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Any, Path]]
     yield run(gusty()).dataset, file
 
 
-def test_a_gust_acts_where_its_table_says(gust: tuple[Any, Path]) -> None:
+def test_a_gust_acts_where_its_table_says_by_its_impulse(gust: tuple[Any, Path]) -> None:
     d = gust[0]
     assert d.attrs["status"] == "completed"
     expected = 1e3 * np.interp(d.distance.values, *np.transpose(ROWS)[[0, 2]])
     # the point lies over the reference body, whose tilt and pitch move it by some 10 um along the track
     assert d.external_fy.values[:, 0] == pytest.approx(expected, abs=1.0)
     assert float(d.external_fy.max()) == pytest.approx(30e3, rel=1e-12)
-
-
-def test_the_momentum_that_a_gust_gives_is_its_impulse_less_that_of_the_rails(gust: tuple[Any, Path]) -> None:
     d = gust[0]
     times = d.time.values
     momentum = sum(m * np.gradient(d.body_lateral.sel(body=name).values, times) for name, m in BODIES.items())

@@ -97,7 +97,7 @@ def frames(amplitude: float, seconds: float, step: float) -> Result:
     return with_points(base, {"frame": ("bogie frame", 6e3, wave, wave)})
 
 
-def test_hunting_is_the_rms_of_two_seconds_about_the_mean():
+def test_hunting_is_an_rms_about_the_mean_and_the_distance_to_climb_that_of_tcrp_71():
     g = 9.80665
     long = assessed("49cfr213", frames(0.6 * g, 8.0, 2e-3))
     assert worst(long, "frame_hunting") == pytest.approx(0.6 * g / sqrt(2.0), rel=5e-3)  # 0.424 g
@@ -106,9 +106,6 @@ def test_hunting_is_the_rms_of_two_seconds_about_the_mean():
     assert worst(short, "frame_hunting") == pytest.approx(0.6 * g / 2.0, rel=3e-2)  # half the window
     with pytest.raises(InputError, match=r"truck hunting: needs 250 samples a second; the result has 200: .* = 4 or"):
         assessed("49cfr213", frames(0.6 * g, 8.0, 5e-3))
-
-
-def test_the_distance_to_climb_is_that_of_tcrp_71():
     # 75 degrees and 0.7 in: 26 / (AOA + 1.1) ft
     attack = np.array([0.0, 2.5, 5.0, 10.0, 20.0])
     feet = distance_to_climb(1e-3 * attack, radians(75.0), 0.7 * 0.0254) / 0.3048

@@ -179,7 +179,7 @@ def short() -> Setup:
     return setup_of([straight(10.0)], 20.0, STEERING, values=FAST)
 
 
-def test_not_a_number_in_the_law_stops_the_run_and_is_named(monkeypatch, tmp_path):
+def test_a_law_of_no_numbers_and_a_start_that_is_none_are_named(monkeypatch, tmp_path):
     law_that(monkeypatch, lambda out: out.__setitem__(4, np.nan))
     result = run_in_time(short())
     assert (result.status, result.dataset.attrs["stop_cause"]) == ("stopped", "not-finite")
@@ -188,6 +188,10 @@ def test_not_a_number_in_the_law_stops_the_run_and_is_named(monkeypatch, tmp_pat
     assert result.dataset["time"].values[-1] == pytest.approx(0.3 - step, abs=1e-9)
     assert np.isfinite(result.wheelset()["Q"].values).all()
     assert Result.load(result.save(tmp_path / "x.nc")).stop_reason == result.stop_reason
+    with pytest.raises(
+        SimulationError, match=r"no steady motion to start from at 3 m and 79\.2 km/h in a curve of 60 m"
+    ):
+        run_in_time(setup_of([arc(30.0, 60.0)], 22.0, STEERING, start=3.0))
 
 
 def test_the_complaint_about_a_long_step_names_file_and_line(tmp_path):
@@ -200,13 +204,6 @@ def test_the_complaint_about_a_long_step_names_file_and_line(tmp_path):
     checked = call("check", file)  # what a run refuses, a check refuses
     assert checked.exit_code == 2
     assert re.search(message, checked.stderr.replace("\n", " "))
-
-
-def test_a_curve_that_nobody_can_start_in_is_told_with_its_place():
-    with pytest.raises(
-        SimulationError, match=r"no steady motion to start from at 3 m and 79\.2 km/h in a curve of 60 m"
-    ):
-        run_in_time(setup_of([arc(30.0, 60.0)], 22.0, STEERING, start=3.0))
 
 
 # --- from outside -----------------------------------------------------------------------------------------------

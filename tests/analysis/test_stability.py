@@ -116,16 +116,13 @@ def test_below_the_linear_critical_speed_a_small_kick_dies_and_a_limit_cycle_liv
     assert search.found == [first, large, small, slower]
 
 
-def test_a_limit_cycle_above_the_linear_critical_speed_is_no_critical_speed():
+def test_an_interrupted_or_useless_search_for_limit_cycles_says_so():
     """Where the two agree the search ends a little above: straight running is unstable there without any cycle."""
     soft = nonlinear_outcome(233.4 / 3.6, 231.5 / 3.6, 60.0 / 3.6)
     assert np.isnan(soft["nonlinear_critical_speed_m_s"])
     assert "no limit cycle below the linear critical speed; the lowest one found is at 233.4 km/h" in soft.values()
     hard = nonlinear_outcome(220.0 / 3.6, 231.5 / 3.6, 60.0 / 3.6)
     assert hard == {"nonlinear_critical_speed_m_s": 220.0 / 3.6}
-
-
-def test_a_disturbance_that_dies_at_the_first_speed_is_said():
     found = run(cooperrider(speed_kmh=100, cycle_start_kmh=120, longest_s=3)).dataset
     assert np.isnan(found.attrs["nonlinear_critical_speed_m_s"])
     assert found.attrs["nonlinear_note"].startswith("no limit cycle at 120 km/h, where the search begins: ")

@@ -184,7 +184,9 @@ def test_a_unit_begins_again_and_goes_back_to_a_state(made: Any) -> None:
     assert outputs(unit) == first
 
 
-def test_a_unit_refuses_what_it_cannot_do(made: Any, file: Path) -> None:
+def test_what_a_unit_cannot_do_or_be_is_refused(
+    made: Any, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     unit = made()
     torque, force = (unit.references[f"rear.inner.{name}"] for name in ("torque_Nm", "Y_left_N"))
     assert unit.refusal(unit.setFloat64, [torque], [np.nan]) == "rear.inner.torque_Nm: must be a finite number, not nan"
@@ -206,9 +208,6 @@ def test_a_unit_refuses_what_it_cannot_do(made: Any, file: Path) -> None:
     with pytest.raises(Exception, match="Failed to instantiate"):
         stranger.start()
     assert "the instantiation token is not that of this unit" in stranger.messages[-1]
-
-
-def test_what_cannot_become_a_unit_is_one_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     own = tmp_path / "mine.fmu"
     own.write_text("mine")
     scenario = ROOT / "scenarios/static_s1002.toml"

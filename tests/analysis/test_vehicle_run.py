@@ -134,7 +134,7 @@ def over_a_dip(folder: Path, **values: object) -> Scenario:
     return load(SCENARIOS / "manchester_ride_160.toml").with_values(keys | values)
 
 
-def test_the_points_of_a_wheelset_ride_and_its_bump_stop_is_an_event(tmp_path: Path) -> None:
+def test_points_ride_with_their_wheelset_and_events_in_the_file_are_those_noted(tmp_path: Path) -> None:
     result = run(over_a_dip(tmp_path))
     assert result.status == "completed"
     even = result.dataset["distance"].values < 15.0
@@ -144,9 +144,6 @@ def test_the_points_of_a_wheelset_ride_and_its_bump_stop_is_an_event(tmp_path: P
     assert np.abs(acceleration).max() > 1.0
     assert evaluate_ride(result).as_dict()["points"]["box"]["rms_m_s2"]["z"] > 0.0
     assert any("bump stop stop is beyond the end of its table" in str(e) for e in result.dataset["event_label"].values)
-
-
-def test_the_events_of_a_run_in_its_file_are_those_that_it_noted(tmp_path: Path) -> None:
     # samples so far apart that none of them sees the stop at its end
     seldom = over_a_dip(tmp_path, **{"run.distance_m": 60.0, "run.output_interval_ms": 1500.0})
     result = run(seldom, record=tmp_path / "x.part")

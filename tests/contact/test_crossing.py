@@ -221,15 +221,12 @@ def errors(approach):
     return np.array(rows)
 
 
-def test_resultants_of_conformal_patches():
+def test_resultants_of_conformal_patches_and_projected_approaches():
     # the direction of the sum of the strips' forces; the vertical load is prescribed
     found = errors("projected")
     assert len(found) > 30
     assert np.abs(found[:, 3]).max() < 0.02
     assert np.abs(found[:, 4]).max() < 0.02
-
-
-def test_a_projected_approach_comes_nearer_than_a_constant_one():
     # a rigid approach closes only its share along each normal: in every groove the narrower patch is the better one
     projected, constant = errors("projected"), errors("constant")
     assert (np.abs(projected[:, 1]) < np.abs(constant[:, 1])).all()
@@ -341,7 +338,7 @@ def test_a_yawed_wheel_on_a_rising_rail_is_one_on_an_inclined_plane(
     assert other.patches["p0"].max() == pytest.approx(found(z).patches["p0"].max(), rel=share)
 
 
-def test_a_step_is_felt_before_and_behind_it() -> None:
+def test_a_step_is_felt_before_and_behind_it_and_equal_sections_are_the_plain_rail() -> None:
     # a wheel that climbs a step h touches its edge from sqrt(2 R h) ahead of it on
     height = 5e-4
     places = np.array([-0.5, -0.3, -0.1, -0.0005, 0.0005, 0.1, 0.3, 0.5])
@@ -350,9 +347,6 @@ def test_a_step_is_felt_before_and_behind_it() -> None:
     assert top[0] == pytest.approx(0.0, abs=1e-6) and top[1] == pytest.approx(0.0, abs=5e-6)
     assert top[2] == pytest.approx(height - 0.01**2 / (2.0 * RADIUS), abs=1.5e-5)
     assert top[3] == pytest.approx(height, abs=1e-6)
-
-
-def test_sections_that_are_alike_are_the_plain_rail() -> None:
     wheel, rail = wheel_profile("S1002"), rail_profile("60E1", 40)
     pose = ((0.0, 3e-3, RADIUS + 0.0296),)
     plain = model_of(wheel, rail, RADIUS).evaluate(*pose)
@@ -442,7 +436,7 @@ def test_a_rail_that_turns_and_bends_pushes_back_by_its_moment(normal, turning, 
     assert own.normal_force == pytest.approx(level.normal_force, rel=1e-2)
 
 
-def test_a_rail_that_turns_is_one_of_turned_sections() -> None:
+def test_a_rail_that_turns_is_one_of_turned_sections_unless_too_steep() -> None:
     twist = 5e-3
     model, origin = on_60e1("strips", 0.0, (0.0, 1.0, 0.0))
     turned = turning(rail_profile("60E1", 40), EVEN, twist)
@@ -450,9 +444,6 @@ def test_a_rail_that_turns_is_one_of_turned_sections() -> None:
     other = on(turned, "strips", wheel_profile("S1002"), strips=20).evaluate(origin, place=0.0)
     assert other.force == pytest.approx(one.force, rel=2e-3)
     assert other.patches["x"] == pytest.approx(one.patches["x"], rel=0.05)
-
-
-def test_a_rail_that_is_too_steep_is_refused_with_its_place() -> None:
     with pytest.raises(InputError, match=r"near .* m it is so steep along the track"):
         rolled_rail(lifted(CROWN, EVEN, 0.6 * EVEN), RADIUS)
 

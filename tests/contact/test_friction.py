@@ -183,15 +183,12 @@ def test_the_exact_solver_feels_the_law_of_its_place() -> None:
     assert numbers(there) == pytest.approx(numbers(plain), rel=1e-12, abs=1e-12)
 
 
-def test_the_same_law_at_all_places_is_a_plain_law_to_the_bit() -> None:
+def test_the_same_law_at_all_places_is_a_plain_law_and_others_change_smoothly() -> None:
     for law in (DRY, GREASY, FALLS):
         along = FrictionAlong((0.0, 0.3, 1.0), (law,) * 3)
         assert numbers(rolling(pair_model(PAIR, friction=along), 0.1)) == numbers(
             rolling(pair_model(PAIR, friction=law), 0.0)
         )
-
-
-def test_friction_changes_smoothly_between_places_and_stays_beyond_them() -> None:
     s = np.linspace(9.0, 13.0, 40_001)
     corner = ALONG.numbers(s)[:, 1]
     rate = np.gradient(corner, s)

@@ -266,7 +266,14 @@ def raises(buffer, index):
     return 0
 
 
-def test_a_kernel_that_raises_an_error_gives_a_status(saved, tmp_path, monkeypatch):
+def test_what_cannot_be_saved_or_built_or_raises_an_error_is_told(tmp_path, monkeypatch, saved):
+    with pytest.raises(InputError, match='normal = "half-space": is not compiled'):
+        pair_model(PAIR, normal="half-space", tangential="half-space").save_for_library(tmp_path / "a")
+    with pytest.raises(WrsimError, match=r"none.a: cannot be written"):
+        pair_model(PAIR).save_for_library(tmp_path / "none" / "a")
+    with monkeypatch.context() as patch, pytest.raises(WrsimError, match="no C compiler"):
+        patch.setenv("CC", "no-such-compiler")
+        build_library(tmp_path)
     path, model = saved
     monkeypatch.setattr("wrsim.library.build.STAGES", {k.CONTACT: raises})
     build_library(tmp_path)
@@ -323,16 +330,6 @@ def test_the_example_of_the_manual_runs(built, tmp_path):
     assert there == pytest.approx(here, abs=1.0)
     failed = subprocess.run([built / "example"], cwd=built, capture_output=True, text=True)
     assert failed.returncode == 1 and "s1002_60e1.contact: the file cannot be read" in failed.stderr
-
-
-def test_what_cannot_be_saved_or_built_has_one_clear_error(tmp_path, monkeypatch):
-    with pytest.raises(InputError, match='normal = "half-space": is not compiled'):
-        pair_model(PAIR, normal="half-space", tangential="half-space").save_for_library(tmp_path / "a")
-    with pytest.raises(WrsimError, match=r"none.a: cannot be written"):
-        pair_model(PAIR).save_for_library(tmp_path / "none" / "a")
-    monkeypatch.setenv("CC", "no-such-compiler")
-    with pytest.raises(WrsimError, match="no C compiler"):
-        build_library(tmp_path)
 
 
 @pytest.mark.campaign

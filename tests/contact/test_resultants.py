@@ -106,7 +106,7 @@ def test_wear_number_times_speed_is_the_power_that_creep_forces_take(lateral, ya
     assert plain.wear_number == 0.0
 
 
-def test_at_standstill_everything_is_finite_and_still():
+def test_at_standstill_everything_is_finite_and_the_drawn_wheel_stands_where_it_is():
     model = pair_model("S1002/60E1 1:40")
     _, origin, _, _ = evaluate(model, 2e-3, 0.0)
     contact = model.evaluate(origin)
@@ -115,6 +115,14 @@ def test_at_standstill_everything_is_finite_and_still():
     assert contact.wear_number == 0.0
     for rows in (*contact.strips, contact.patches):
         assert not np.any(columns(rows, "xi eta phi"))
+    model = pair_model("S1002/60E1 1:40")
+    _, origin, *_ = evaluate(model, 2e-3, 0.0)
+    across, up = wheel_outline(WheelOnRail(model, 1, HALF_SPACING, (0.0, 0.0)))
+    u, w = model.wheel.at(np.linspace(0.0, model.wheel.length, across.size))
+    # the back of the flange is cut off at its highest point
+    seen = slice(int(np.argmax(w[: w.argmin() + 1])), None)
+    np.testing.assert_allclose(across[seen] - origin[1], u[seen], atol=1e-7)
+    np.testing.assert_allclose(up[seen] - origin[2] + RADIUS, w[seen], atol=1e-7)
 
 
 # --- damping ------------------------------------------------------------------------------------------
@@ -158,14 +166,3 @@ def test_damping_never_pulls(rate):
     assert not contact.force.any() and not contact.moment.any()
     assert contact.wear_number == 0.0
     assert model.arrays.total["patches"] == 0.0
-
-
-def test_the_drawn_wheel_is_its_profile_where_it_stands():
-    model = pair_model("S1002/60E1 1:40")
-    _, origin, *_ = evaluate(model, 2e-3, 0.0)
-    across, up = wheel_outline(WheelOnRail(model, 1, HALF_SPACING, (0.0, 0.0)))
-    u, w = model.wheel.at(np.linspace(0.0, model.wheel.length, across.size))
-    # the back of the flange is cut off at its highest point
-    seen = slice(int(np.argmax(w[: w.argmin() + 1])), None)
-    np.testing.assert_allclose(across[seen] - origin[1], u[seen], atol=1e-7)
-    np.testing.assert_allclose(up[seen] - origin[2] + RADIUS, w[seen], atol=1e-7)

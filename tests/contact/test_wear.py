@@ -73,7 +73,7 @@ def test_mild_wear_is_a_rate_times_t_gamma_whatever_the_strips(choices: dict) ->
     assert by_law[2] == pytest.approx(float(brr(wear)), rel=1e-12)
 
 
-def test_severe_wear_is_a_rate_times_the_area() -> None:
+def test_severe_wear_is_the_area_of_its_rate_and_losses_converge_in_strips_and_parts() -> None:
     """Where every strip slides at 10.4 to 77.2 N/mm2 the loss is 55e-3 kg per metre and square metre; the edges, where
     the pressure falls, stay below."""
     found, wear = losses(60.0)
@@ -81,10 +81,7 @@ def test_severe_wear_is_a_rate_times_the_area() -> None:
     by_law = mass(found)
     assert 0.8 * 55e-3 * area < by_law[0] < 55e-3 * area
     assert by_law[0] < 5.3e-9 * wear
-
-
-def test_losses_converge_in_strips_and_parts() -> None:
-    """Where all laws are in more than one branch."""
+    # where all laws are in more than one branch
     few, many = (mass(losses(40.0, lateral_mm=4.0, strips=n)[0]) for n in (20, 80))
     np.testing.assert_allclose(few, many, rtol=0.02)
 
@@ -141,7 +138,12 @@ def test_a_right_wheel_of_another_wheelset_loses_what_its_mirror_image_does() ->
     assert (np.delete(lost.reshape(3, 4), 3, axis=1) == 0.0).all()
 
 
-def test_the_foot_of_a_point_beside_a_profile_is_where_its_normal_leaves_it() -> None:
+def test_samples_stand_for_the_whole_stretch_and_points_for_their_foot() -> None:
+    distance = np.cumsum(np.array([5.0, 0.3, 0.1, 0.8, 0.2, 0.6]))
+    assert ways(distance, (None, None)).sum() == pytest.approx(2.0, rel=1e-12)
+    inside = ways(distance, (5.1, 6.33))
+    assert inside.sum() == pytest.approx(1.23, rel=1e-12)
+    assert inside[0] == pytest.approx(0.05) and inside[-1] == 0.0
     wheel = wheel_profile("S1002")
     arc = np.linspace(0.03, 0.12, 50)
     (u, w), (nu, nw) = wheel.at(arc), wheel.normal(arc)
@@ -158,14 +160,6 @@ def test_a_strip_slides_behind_its_zone_of_adhesion() -> None:
     np.testing.assert_allclose(slip_along([1e9], 40)[0], 1.0, rtol=1e-6)
     np.testing.assert_allclose(slip_along([1.0 - 1e-9], 40), slip_along([1.0 + 1e-9], 40), atol=1e-4)
     assert slip_along([0.0], 40)[0].tolist() == [1.0] + [0.0] * 39
-
-
-def test_samples_stand_for_the_whole_stretch() -> None:
-    distance = np.cumsum(np.array([5.0, 0.3, 0.1, 0.8, 0.2, 0.6]))
-    assert ways(distance, (None, None)).sum() == pytest.approx(2.0, rel=1e-12)
-    inside = ways(distance, (5.1, 6.33))
-    assert inside.sum() == pytest.approx(1.23, rel=1e-12)
-    assert inside[0] == pytest.approx(0.05) and inside[-1] == 0.0
 
 
 def test_damage_rises_to_its_peak_and_fatigue_begins_at_the_limit_of_the_shakedown_map() -> None:

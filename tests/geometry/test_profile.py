@@ -152,7 +152,7 @@ def test_sections_out_of_tune_by_rounding_are_joined_smoothly():
     assert k.min() > -20.2 and k.max() < 0.2
 
 
-def test_profiles_that_cannot_be_are_refused_and_others_cannot_be_changed():
+def test_profiles_that_cannot_be_or_would_overlap_are_refused() -> None:
     line = ProfileLine(-0.02, 0.0, 0.0, 0.0)
     with pytest.raises(InputError, match=r"sections 1 and 2 \(at u = 0 mm\) are 0.01 mm apart; allowed: 0.001 mm"):
         profile_from_sections("gap", "rail", [line, ProfileLine(0.0, 1e-5, 0.02, 1e-5)])
@@ -164,6 +164,13 @@ def test_profiles_that_cannot_be_are_refused_and_others_cannot_be_changed():
         rail_head("r", [0.3, 0.08, 0.013], [0.010228, 0.0260265], 0.05, 0.010)
     with pytest.raises(ValueError, match="read-only"):
         S1002.u[0] = 1.0
+    # a groove deeper than the radius of the flange's tip
+    new = wheel()
+    edges = bin_edges(new, 0.25e-3)
+    u = new.at(0.5 * (edges[1:] + edges[:-1]))[0]
+    areas = 15e-3 * np.exp(-(((u + 55e-3) / 6e-3) ** 2))
+    with pytest.raises(InputError, match="makes the profile overlap itself"):
+        worn(new, [depths_of(new, areas, CUTOFF)], "x")
 
 
 @pytest.mark.parametrize(
@@ -398,13 +405,3 @@ def test_a_table_of_depths_is_a_model_file(tmp_path: Path) -> None:
     (tmp_path / "depths.csv").write_text("place_mm,depth_mm\n0,0\n1,0\n1,0\n2,0\n")
     with pytest.raises(InputError, match=r"depths.csv:4: place_mm = .*: must rise from row to row"):
         load_profile(tmp_path / "wheel.toml")
-
-
-def test_a_profile_that_would_overlap_itself_is_refused() -> None:
-    """A groove deeper than the radius of the flange's tip."""
-    new = wheel()
-    edges = bin_edges(new, 0.25e-3)
-    u = new.at(0.5 * (edges[1:] + edges[:-1]))[0]
-    areas = 15e-3 * np.exp(-(((u + 55e-3) / 6e-3) ** 2))
-    with pytest.raises(InputError, match="makes the profile overlap itself"):
-        worn(new, [depths_of(new, areas, CUTOFF)], "x")

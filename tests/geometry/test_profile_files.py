@@ -218,7 +218,7 @@ def test_options_that_cannot_be_are_answered_with_what_is_allowed(write, options
         read_points(write(rows(WHEEL)), **{"kind": "wheel", **options}).profile()
 
 
-def test_files_that_are_not_there_or_not_text_or_of_no_format_are_refused(tmp_path):
+def test_files_and_points_that_cannot_be_read_or_smoothed_are_refused(tmp_path):
     (tmp_path / "wheel.csv").write_bytes(b"\x00\x01\x02")
     with pytest.raises(InputError, match=r"whele.csv: no such profile file; did you mean '.*wheel.csv'\?"):
         read_points(tmp_path / "whele.csv", "wheel").profile()
@@ -234,6 +234,9 @@ def test_files_that_are_not_there_or_not_text_or_of_no_format_are_refused(tmp_pa
         InputError, match=r"rail.toml:6: file = .*no profile format has the suffix '.c\[v'.*name the format"
     ):
         load_profile(place)
+    u = np.linspace(-0.03, 0.03, 21)
+    with pytest.raises(InputError, match=r"measured.csv:2: 3.005 mm from .* line 1; .*at most 2.5 mm apart"):
+        smoothed(points(u, -(u**2)), "coarse", "rail")
 
 
 # Profile files in TOML: the standard profiles against published numbers, the kinds, and slips of the pen.
@@ -621,9 +624,3 @@ def test_smoothing_keeps_the_shape():
         # 4 um on the tread: what is left of 5 um of noise. 10 um at the flange, whose arcs of 13 and 20 mm are
         # separated by a straight of 4 mm only: jumps of curvature are spread over the cut-off of 5 mm.
         assert np.abs(across).max() < most
-
-
-def test_points_too_far_apart_for_the_cutoff_are_refused():
-    u = np.linspace(-0.03, 0.03, 21)
-    with pytest.raises(InputError, match=r"measured.csv:2: 3.005 mm from .* line 1; .*at most 2.5 mm apart"):
-        smoothed(points(u, -(u**2)), "coarse", "rail")

@@ -248,7 +248,7 @@ def test_alignment_freed_of_its_curves_is_known_for_what_it_is(by_chord: Restore
         assert np.abs(in_band(ours - theirs, car.step)[inner]).max() < 0.1e-3
 
 
-def test_rows_with_opposite_signs_or_of_no_track_are_told(car: Car, tmp_path: Path) -> None:
+def test_recordings_that_tell_no_track_are_refused(car: Car, tmp_path: Path) -> None:
     turned = {k: -v if k.startswith("alignment") else v for k, v in versines(car, 4.0, 6.0).items()}
     with pytest.raises(
         InputError, match=r"column 'alignment_left_mm' holds -1\.00 of the versine of its curves: the sign"
@@ -263,6 +263,12 @@ def test_rows_with_opposite_signs_or_of_no_track_are_told(car: Car, tmp_path: Pa
         InputError, match=r"line.csv: 0 to [\d.]+ m: no track's design follows from these rows: segment"
     ):
         restored(tmp_path, car, bent, "")
+    (tmp_path / "line.csv").write_text(rows())
+    read = recording_from(tmp_path / "line.csv", band="D1")
+    with pytest.raises(InputError, match=r"is 99\.75 m long; must be two of the longest waves wanted, 70 m each"):
+        restore(read, BAND, AMPLIFICATION)
+    with pytest.raises(InputError, match=r"rows 0\.25 m apart resolve no waves shorter than 1 m"):
+        restore(read, (0.5, 25.0), AMPLIFICATION)
 
 
 def test_twist_alone_tells_the_cross_level(car: Car, tmp_path: Path) -> None:
@@ -358,15 +364,6 @@ def test_names_that_do_not_tell_are_refused(header: str, message: str, tmp_path:
     with pytest.raises(InputError) as error:
         recording_from(tmp_path / "line.csv")
     assert message in str(error.value), str(error.value)
-
-
-def test_recordings_that_are_too_short_or_too_coarse_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "line.csv").write_text(rows())
-    read = recording_from(tmp_path / "line.csv", band="D1")
-    with pytest.raises(InputError, match=r"is 99\.75 m long; must be two of the longest waves wanted, 70 m each"):
-        restore(read, BAND, AMPLIFICATION)
-    with pytest.raises(InputError, match=r"rows 0\.25 m apart resolve no waves shorter than 1 m"):
-        restore(read, (0.5, 25.0), AMPLIFICATION)
 
 
 def test_the_shipped_recording_is_that_of_the_car(tmp_path: Path) -> None:

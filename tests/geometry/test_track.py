@@ -130,7 +130,7 @@ def test_curvature_and_frame_are_continuous_at_every_joint(segments: Callable, s
         assert jump < 0.02 * 2.0 * tiny
 
 
-def test_a_joint_without_transition_keeps_the_tangent() -> None:
+def test_a_joint_without_transition_keeps_the_tangent_and_useless_ones_are_arcs() -> None:
     track = Track.build([Straight(10.0), Arc(20.0, 190.0), Transition(10.0), Straight(10.0)])
     assert (track.curvature([10.0 - 1e-9, 10.0 + 1e-9]) == [0.0, 1.0 / 190.0]).all()
     tangents = track.left.frame(10.0 + np.array([-1e-6, 1e-6]))[:, 1]
@@ -139,9 +139,6 @@ def test_a_joint_without_transition_keeps_the_tangent() -> None:
         track.centre.position(np.linspace(9.0, 11.0, 200)) - track.centre_line.position(np.linspace(9.0, 11.0, 200))
     ).max()
     assert spread < 0.25**2 / 190.0 / 20.0  # the table blends the jump over one row distance
-
-
-def test_transitions_that_join_nothing_else_are_arcs_or_level_straight_track() -> None:
     with_ramp = Track.build([Arc(20.0, 200.0), Transition(30.0), Arc(20.0, 200.0)])
     arc = Track.build([Arc(70.0, 200.0)])
     assert np.abs(with_ramp.left.table - arc.left.table).max() < 1e-12

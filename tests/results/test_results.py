@@ -151,7 +151,9 @@ def test_a_run_without_a_sample_makes_tables_and_is_refused_where_it_is_read(tmp
     assert result.summary()["wheelsets"]["wheelset"]["lateral_shift_max_mm"] is None
 
 
-def test_a_long_scenario_text_survives(tmp_path):
+def test_datasets_without_strips_make_tables_and_long_texts_survive(tmp_path):
+    dataset = assemble({"time": [0.0, 1.0]}, {"distance": [0.0, 1.0], "yaw": [0.0, np.nan]}, ATTRIBUTES)
+    assert tables(dataset) == {"history": [["time_s", "distance_m", "yaw_mrad"], ["0", "0", "0"], ["1", "1", ""]]}
     text = "# über 64 kB\n" * 10000
     dataset = assemble({"time": [0.0]}, {"distance": [0.0]}, ATTRIBUTES | {"scenario_text": text})
     assert Result.load(Result(dataset).save(tmp_path / "r.nc")).dataset.attrs["scenario_text"] == text
@@ -214,7 +216,7 @@ def test_a_result_that_does_not_say_all_of_its_run_has_a_summary(name):
     assert summarise(dataset)["status"] == "stopped"
 
 
-def test_files_that_are_not_ours_are_refused(tmp_path):
+def test_files_that_are_not_ours_and_places_that_are_no_directory_are_refused(tmp_path):
     with pytest.raises(InputError, match="no such result file"):
         Result.load(tmp_path / "missing.nc")
     (tmp_path / "text.nc").write_text("time,N\n0,1\n")
@@ -226,9 +228,6 @@ def test_files_that_are_not_ours_are_refused(tmp_path):
     newer = dataset_of("one wheel").assign_attrs(format_version=99)
     with pytest.raises(InputError, match="newer wrsim"):
         Result.load(Result(newer).save(tmp_path / "newer.nc"))
-
-
-def test_a_place_that_is_no_directory_is_told(tmp_path):
     (tmp_path / "taken").write_text("")
     with pytest.raises(WrsimError, match="a part of this path is a file"):
         write_atomically(tmp_path / "taken" / "result.nc", b"")
@@ -301,11 +300,6 @@ def test_the_strip_table_sums_up_to_the_normal_force(kind, written):
     assert len(rows) == int(np.isfinite(dataset["strip_p"]).sum())
 
 
-def test_a_dataset_without_strips_or_patches_still_makes_tables():
-    dataset = assemble({"time": [0.0, 1.0]}, {"distance": [0.0, 1.0], "yaw": [0.0, np.nan]}, ATTRIBUTES)
-    assert tables(dataset) == {"history": [["time_s", "distance_m", "yaw_mrad"], ["0", "0", "0"], ["1", "1", ""]]}
-
-
 # summary -----------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("kind", EVERY)
 def test_the_summary_is_plain_json_and_matches_the_dataset(kind, written):
@@ -323,7 +317,7 @@ def test_the_summary_is_plain_json_and_matches_the_dataset(kind, written):
         assert peaks["contact_angle_max_deg"]["value"] == pytest.approx(angle)
 
 
-def test_a_peak_says_where_it_is():
+def test_a_peak_and_each_of_its_rows_say_where_it_is():
     dataset = the_wheelset(curve_run())
     summary = Result(curve_run()).summary()["wheelsets"]["wheelset"]
     peak = summary["wheels"]["right"]["Y_over_Q_max"]
@@ -332,6 +326,12 @@ def test_a_peak_says_where_it_is():
     assert peak["time_s"] == float(dataset["time"][at])
     shift = summary["lateral_shift_max_mm"]["value"]
     assert shift == pytest.approx(1e3 * float(dataset["lateral_shift"].min()))  # the left curve pushes to the right
+    # one entry of PEAKS makes the number in summary.json and the row in every table
+    result = Result(curve_run())
+    peaks = result.numbers()[0]
+    known = {key for key in PEAKS if result.summary()["wheelsets"]["wheelset"]["wheels"]["right"][key]["value"]}
+    assert len(peaks.rows) == len(known)
+    assert all(isinstance(cell, Placed) and cell.place.endswith(" m") for row in peaks.rows for cell in row[1:])
 
 
 def test_quasi_static_values_are_medians_in_the_full_curve():
@@ -436,15 +436,6 @@ def test_files_hold_ten_digits_and_terminals_no_sign_of_a_zero():
 @pytest.mark.parametrize("nothing", [None, float("nan"), np.float64("nan"), Placed(None, "")])
 def test_a_missing_number_is_a_dash(nothing):
     assert formatted(nothing) == "-"
-
-
-def test_every_peak_of_a_wheel_has_a_row_with_its_place():
-    """One entry of PEAKS makes the number in summary.json and the row in every table."""
-    result = Result(curve_run())
-    peaks = result.numbers()[0]
-    known = {key for key in PEAKS if result.summary()["wheelsets"]["wheelset"]["wheels"]["right"][key]["value"]}
-    assert len(peaks.rows) == len(known)
-    assert all(isinstance(cell, Placed) and cell.place.endswith(" m") for row in peaks.rows for cell in row[1:])
 
 
 def test_a_row_of_a_curve_never_mixes_two_patches():

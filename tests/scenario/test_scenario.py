@@ -509,15 +509,12 @@ def test_lines_of_a_table_may_end_as_on_any_machine(tmp_path, end):
         read_cases(tmp_path / "poses.csv")
 
 
-def test_quotes_in_the_middle_of_a_cell_are_refused_in_words_of_ours(tmp_path):
+def test_quotes_within_a_cell_and_a_folder_in_place_of_the_result_are_refused(tmp_path):
     (tmp_path / "poses.csv").write_text('id,lateral_mm,load_kN\n"a"b,0,70\n')
     with pytest.raises(
         InputError, match=r"poses\.csv:2: no line of a CSV table: a cell has at most \d+ characters, and"
     ):
         read_cases(tmp_path / "poses.csv")
-
-
-def test_a_folder_in_the_place_of_the_result_is_told_before_the_run(tmp_path):
     (tmp_path / "out/result.nc").mkdir(parents=True)
     for force in ((), ("--force",)):
         refused = refusal("run", SCENARIOS / "static_s1002.toml", "-o", tmp_path / "out", *force)

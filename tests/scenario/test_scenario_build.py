@@ -163,11 +163,17 @@ def test_a_wheelset_off_the_rails_is_refused_with_the_reason(tmp_path: Path, gau
     assert reason in line
 
 
-def test_a_narrowing_that_leaves_no_room_for_the_flanges_is_refused(tmp_path: Path) -> None:
+def test_a_narrowing_without_room_and_a_default_that_does_not_fit_are_refused(tmp_path: Path) -> None:
     text = edited(CURVE, "length_m = 120", "length_m = 120\ngauge_widening_mm = -12")
     (line,) = faults(text, tmp_path)
     assert "at a gauge of 1423 mm" in line
     assert "flange" in line
+    scenario = load(
+        Path(__file__).parents[2] / "scenarios" / "manchester_r300.toml"
+    )  # starts where runs start by default
+    given = scenario.with_values({"track.segments": [{"kind": "straight", "length_m": 9.0}]})
+    with pytest.raises(InputError, match=r"run.start_distance_m: must lie on the track, which is 9 m long"):
+        build(given)
 
 
 def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing() -> None:
@@ -206,15 +212,6 @@ def test_each_normal_model_has_its_usual_creep_forces_and_strips(normal, creep):
         by_width = build(scenario.with_values({"contact.strip_width_mm": 0.2})).contact
         assert (by_width.strip_count, by_width.strip_width) == (None, pytest.approx(2e-4))
     assert usual.fast().creep_forces == ("fastsim" if normal == "kik-piotrowski" else "fastrip")
-
-
-def test_a_default_that_does_not_fit_the_rest_is_named_without_a_value() -> None:
-    scenario = load(
-        Path(__file__).parents[2] / "scenarios" / "manchester_r300.toml"
-    )  # starts where runs start by default
-    given = scenario.with_values({"track.segments": [{"kind": "straight", "length_m": 9.0}]})
-    with pytest.raises(InputError, match=r"run.start_distance_m: must lie on the track, which is 9 m long"):
-        build(given)
 
 
 # The register of analyses: what it names is there, and a scenario takes the tables that it says.

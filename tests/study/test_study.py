@@ -288,7 +288,9 @@ def test_a_hook_that_is_mended_takes_its_numbers_from_kept_results(serial: Plan,
     assert not marker.resumed and marker.simulation == 0.0 and before.simulation > 0.0  # nothing ran
 
 
-def test_a_fault_of_a_hook_in_a_later_case_is_told(serial: Plan, tmp_path: Path, unpainted: None) -> None:
+def test_faults_of_hooks_and_outputs_that_cannot_be_had_are_told(
+    serial: Plan, tmp_path: Path, unpainted: None, workers: Client
+) -> None:
     shutil.copytree(serial.folder, tmp_path / "out")
     (tmp_path / "h.py").write_text(
         "def numbers(result):\n    return {'one': 1 / ('friction 0.3' not in result.title)}\n"
@@ -299,9 +301,6 @@ def test_a_fault_of_a_hook_in_a_later_case_is_told(serial: Plan, tmp_path: Path,
     assert "3 cases lack outputs, listed in study.csv: outputs.hook: " in answer.output
     table = (tmp_path / "out" / "study.csv").read_text()
     assert table.count("ZeroDivisionError") == 3
-
-
-def test_an_output_that_cannot_be_had_stops_the_study_at_its_first_case(workers: Client, tmp_path: Path) -> None:
     more = '[outputs]\nsummary = ["wheelsets.wheelset.wheels.left.Q_maxx_kN"]\n'
     plan = plan_of(study_file(tmp_path, more=more), tmp_path / "out")
     with pytest.raises(InputError, match=r"\"Q_maxx_kN\" is not in the summary; there is .*did you mean 'Q_max_kN'"):

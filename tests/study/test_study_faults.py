@@ -46,12 +46,16 @@ def test_every_fault_of_a_study_file_is_one_clear_error(axes: str, message: str,
     assert "Traceback" not in str(problem.value)
 
 
-def test_a_study_of_too_many_cases_is_refused_before_they_are_made(
+def test_too_many_cases_and_files_that_are_no_certificates_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("wrsim.study.plan.MOST_CASES", 5)
     with pytest.raises(InputError, match=r"study\.toml:4: vary: describes 6 cases; must be at most 5"):
         planned(study_file(tmp_path), tmp_path / "out")
+    for _ in range(2):  # missing, then unusable
+        with pytest.raises(InputError, match=r"ca\.pem, cert\.pem and key\.pem must be PEM files that go together"):
+            security_of(tmp_path, "client")
+        (tmp_path / CA).write_text("no certificate\n")
 
 
 HOOKS = ("def numbers(result): pass", "from math import fsum as numbers", "numbers = print", "from math import *",
@@ -216,10 +220,3 @@ def test_options_of_a_scheduler_that_do_not_go_together_are_refused(
 ) -> None:
     (tmp_path / "study.toml").touch()
     assert words in refusal("study", tmp_path / "study.toml", *options)
-
-
-def test_files_that_are_no_certificates_are_named(tmp_path: Path) -> None:
-    for _ in range(2):  # missing, then unusable
-        with pytest.raises(InputError, match=r"ca\.pem, cert\.pem and key\.pem must be PEM files that go together"):
-            security_of(tmp_path, "client")
-        (tmp_path / CA).write_text("no certificate\n")

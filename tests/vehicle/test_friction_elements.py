@@ -213,13 +213,19 @@ def test_the_friction_of_a_link_follows_the_load_of_its_spring() -> None:
     np.testing.assert_array_equal(accelerations(swapped, q, q_t), accelerations(law, q, q_t))
 
 
-def test_friction_that_nothing_presses_together_is_refused() -> None:
+def test_what_nothing_presses_and_more_threads_than_cores_are_refused(monkeypatch) -> None:
     level = spring(name="level", stiffness=(1e6, 1e6, 0.0))
     for of, words in (("level", "carries nothing along z at rest"), ("levle", "there is no spring 'levle'.*level")):
         slider = Slider("coulomb", 1e6, friction=0.3, normal=Normal(of))
         link = Strut("link", "friction", TRACK, "box", (AT, AT), 0, slider=slider)
         with pytest.raises(InputError, match=words):
             on_springs(box(level, FIXED, link))
+    with pytest.raises(InputError, match=r"threads: must be a whole number from 1 to \d+.*not 100000"):
+        force_law(replace(build(load(SCENARIO).with_values(FAST)), threads=100_000))
+    assert "threads: must be" in refusal("run", str(SCENARIO), "--threads", "100000")
+    monkeypatch.setitem(sys.modules, "numba.np.ufunc.omppool", None)
+    with pytest.raises(InputError, match="need OpenMP"):
+        wrsim.run(load(SCENARIO), threads=2)
 
 
 def test_in_small_motions_friction_sticks() -> None:
@@ -530,12 +536,3 @@ def test_threads_change_no_bit():
             found.append(out.tobytes() + law.get_state().tobytes())
     assert found[:6] == found[6:]
     assert len(set(found)) == 6
-
-
-def test_more_threads_than_cores_are_refused(monkeypatch):
-    with pytest.raises(InputError, match=r"threads: must be a whole number from 1 to \d+.*not 100000"):
-        force_law(replace(build(load(SCENARIO).with_values(FAST)), threads=100_000))
-    assert "threads: must be" in refusal("run", str(SCENARIO), "--threads", "100000")
-    monkeypatch.setitem(sys.modules, "numba.np.ufunc.omppool", None)
-    with pytest.raises(InputError, match="need OpenMP"):
-        wrsim.run(load(SCENARIO), threads=2)

@@ -90,7 +90,7 @@ def test_independent_wheels_in_steady_motion_are_not_driven(radius):
     assert rigid > (1e4 if radius < inf else 0.0)
 
 
-def test_in_a_curve_independent_wheels_roll_at_the_speeds_of_their_rails():
+def test_independent_wheels_roll_at_the_speeds_of_their_rails_and_do_not_steer():
     law, q, q_t = steady(INDEPENDENT)
     spin, apart = q_t[SPIN], q_t[law.twists[0]]
     for wheel, own, rate in zip(law.wheels[0], law.own(0), (spin + 0.5 * apart, spin - 0.5 * apart), strict=True):
@@ -98,10 +98,7 @@ def test_in_a_curve_independent_wheels_roll_at_the_speeds_of_their_rails():
         lowest = 0.46 + 1e-3 * (12.0 if own.side < 0.0 else 1.0)  # the outer wheel on the root of its flange
         assert 0.459 < radius < lowest
     assert q[law.twists[0]] == 0.0
-
-
-def test_independent_wheels_that_are_pushed_aside_do_not_steer():
-    """A rigid wheelset off centre turns towards the middle: its wheels push lengthwise against each other."""
+    # a rigid wheelset off centre turns towards the middle: its wheels push lengthwise against each other
     moments = {}
     for torsion in (RIGID, INDEPENDENT):
         law, q, _ = steady(torsion, inf, 2e3)
@@ -153,7 +150,7 @@ def test_a_moment_on_one_wheel_turns_that_wheel_alone():
 
 
 # --- axles that twist -------------------------------------------------------------------------------------
-def test_an_axle_twists_at_the_frequency_of_two_discs_on_a_shaft():
+def test_an_axle_twists_as_discs_on_a_shaft_and_is_rigid_in_steady_motion():
     stiffness = 5e6
     vehicle = with_axle(manchester(), Torsion(stiffness, 100.0))
     twisting = [mode for mode in natural_modes(vehicle) if mode.name == "axles twist"]
@@ -162,10 +159,7 @@ def test_an_axle_twists_at_the_frequency_of_two_discs_on_a_shaft():
     for mode in twisting:
         assert mode.frequency == pytest.approx(sqrt(stiffness * (2.0 / disc)) / (2.0 * pi), rel=1e-6)
         assert mode.damping == pytest.approx(0.5 * 100.0 * sqrt(2.0 / disc / stiffness), rel=1e-4)
-
-
-def test_in_steady_motion_a_twisted_axle_is_a_rigid_one_and_carries_the_moment_of_its_wheels():
-    """Whatever its stiffness: it winds up until both wheels turn alike."""
+    # whatever its stiffness: it winds up until both wheels turn alike
     law, q, _ = steady(Torsion(5e6))
     other, q_other, _ = steady(RIGID)
     assert q[:5] == pytest.approx(q_other[:5], abs=1e-8)
@@ -260,7 +254,7 @@ def stiffness(law: VehicleOnTrack) -> np.ndarray:
     return whole[w:n, w:n] - whole[w:n, n:] @ np.linalg.solve(boxes, across)
 
 
-def test_an_arm_holds_along_and_across_and_lets_the_frame_bounce() -> None:
+def test_a_box_holds_along_and_across_or_pitches_with_its_axle_bridge() -> None:
     """At the end of a level arm: all of the stiffness along it and across, none upward, for the arm swings."""
     vehicle = on_arms()
     level = tuple(replace(e, at=(REACH, e.at[1], RADIUS)) for e in vehicle.elements if isinstance(e, Spring))
@@ -270,10 +264,7 @@ def test_an_arm_holds_along_and_across_and_lets_the_frame_bounce() -> None:
     assert found[0] == pytest.approx(0.0, abs=1e-6 * BUSHING[2])
     assert found[1] == pytest.approx(2.0 * BUSHING[0], rel=1e-6)
     assert found[2] == pytest.approx(2.0 * BUSHING[1], rel=1e-6)
-
-
-def test_boxes_held_together_pitch_as_the_two_halves_of_an_axle_bridge() -> None:
-    """A stiffness k between both adds k (a_left - a_right) to the moment on each, of opposite signs."""
+    # a stiffness k between both adds k (a_left - a_right) to the moment on each, of opposite signs
     k = 2e5
     bridge = Spring("bridge", "spring", "box left", "box right", AXLE, turning_stiffness=(0.0, k, 0.0))
     found = []
@@ -324,7 +315,7 @@ def test_the_bushing_carries_the_levers_share_of_a_spring_on_the_arm() -> None:
     assert np.abs(out[6:]).max() < 1e-6  # the design position is one of rest, of frame and boxes
 
 
-def test_static_wheel_loads_and_the_primary_springs_are_those_of_the_source() -> None:
+def test_loads_springs_and_modes_of_arms_are_those_of_the_source() -> None:
     """68 295.994 N a wheel, 59 290.4 N a primary spring, 74 926.3 N an air spring: ORVD 4706df9."""
     vehicle = shipped("gz18")
     assert static_state(vehicle).wheel_loads == pytest.approx(np.full((4, 2), 68295.994), rel=1e-7)
@@ -334,10 +325,7 @@ def test_static_wheel_loads_and_the_primary_springs_are_those_of_the_source() ->
         assert abs(force[-1]) == pytest.approx(expected, rel=1e-5, abs=1e-3), name
     assert level_of(vehicle, "front.frame") == "bogie frame"
     assert level_of(vehicle, "carbody") == "car body"
-
-
-def test_modes_of_the_arms_are_named_and_lie_where_bushing_and_inertia_put_them() -> None:
-    """Arms of 1 kg m2 on bushings of 17 MN/m at 0.48 m: 315 Hz; eight of them."""
+    # arms of 1 kg m2 on bushings of 17 MN/m at 0.48 m: 315 Hz; eight of them
     swinging = [mode for mode in natural_modes(shipped("gz18")) if mode.name == "axle boxes pitch"]
     assert len(swinging) == 8
     alone = np.sqrt(1.7e7 * (0.48**2 + 0.0135**2)) / (2.0 * np.pi)

@@ -186,7 +186,7 @@ def test_opposite_points_move_the_flange_s_normal():
 # laws
 
 
-def test_default_elements_are_converged():
+def test_default_elements_are_converged_and_a_narrow_peak_gets_finer_rows():
     pose = Pose("", 3e-3, 0.005, 60e3)
     coarse, fine = pose_solver(), pose_solver(solver=HalfSpace(resolution=80))
     figures = []
@@ -195,9 +195,6 @@ def test_default_elements_are_converged():
         patch = b.contacts[0].patches[0]
         figures.append([patch.p0, patch.area, patch.approach, patch.normal_force, *b.force[:2]])
     assert figures[0] == pytest.approx(figures[1], rel=6e-3)
-
-
-def test_a_narrow_peak_gets_finer_rows():
     # where the rail's radius jumps from 80 to 13 mm S1002 at 6.5 mm presses a second peak, half a millimetre wide
     b = pose_solver("S1002/60E1 1:20", **FRICTIONLESS)
     b.solve(Pose("", 6.5e-3, 0.0, 24e3))

@@ -165,14 +165,11 @@ def test_convolutions_equal_plain_sums(compliance, curved, forward):
         assert np.abs(ours - plain).max() <= 1e-9 * scale
 
 
-def test_equal_materials_on_a_plane_do_not_couple_normal_and_tangential():
+def test_rows_without_coupling_act_alone():
     operator = Operator(4, 4, 1e-4, 1e-4, EQUAL)
     assert not operator.coupled
     assert not operator.normal_of_tractions(np.ones((2, 4, 4))).any()
     assert not operator.slip_of_pressure(np.ones((4, 4)), 1.0).any()
-
-
-def test_rows_that_do_not_know_of_each_other_act_alone():
     rows, columns = 6, 4
     first = (np.arange(rows) < 3).astype(float)[:, None]
     own = ((first, first), (1.0 - first, 1.0 - first))
