@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.integrate import quad, trapezoid
 from scipy.linalg import eigh, toeplitz
 from support.pushed_rails import TRACK, push, response, standing
 from support.vehicles import on_track, shipped
@@ -131,6 +131,34 @@ def test_wheels_on_sleepers_rise_and_sink_with_the_sleepers() -> None:
     assert sunk == pytest.approx(np.mean(sunk), rel=0.1)
     parts = np.abs(np.fft.rfft(sunk - sunk.mean()))
     assert np.argmax(parts) == round(0.12 / (0.6 / 20.0))
+
+
+def test_what_wheels_lose_on_sleepers_goes_to_creep_and_to_the_track() -> None:
+    """Over whole bays. Rails that take their part from nobody would leave 19 %."""
+    law = on_track(shipped("wheelset_s1002"), 20.0, start=48.002, structure=TRACK).law  # sleepers between two samples
+    bare = VehicleOnTrack(law.vehicle, law.track, (), speed=law.speed, start=law.start, drive=law.drive)
+    start, rows = steady_state(law), []
+    law.look_near(law.start)
+    rails = law.on_sleepers
+    assert rails is not None
+    for wheel in law.wheels[0]:
+        wheel.model.arrays.settings["damping"] = 0.0
+
+    def look(t: float, q: np.ndarray, q_t: np.ndarray) -> None:
+        whole, rest = np.zeros(law.size), np.zeros(bare.size)
+        law.forces(t, q, q_t, whole)
+        bare(t, q[: bare.size], q_t[: bare.size], rest)
+        arrays = [wheel.model.arrays for wheel in law.wheels[0]]
+        creep = sum(float(a.total["wear"]) * float(a.pose[6]) for a in arrays)
+        rows.append((t, (whole[:6] - rest[:6]) @ q_t[:6], creep, lost(rails), energy(rails)))
+
+    Integration(
+        BodySystem(law.bodies, law), duration=0.09, step=2e-4, weight=law.vehicle.weight, monitor=look
+    ).run(start.q, start.q_t)  # fmt: skip
+    t, power, creep, damped, stored = np.array(rows)[149:].T  # two bays behind the first one
+    given = -trapezoid(power, t)
+    assert trapezoid(creep, t) + trapezoid(damped, t) + stored[-1] - stored[0] == pytest.approx(given, rel=1e-3)
+    assert trapezoid(damped, t) > 0.1 * given
 
 
 def test_a_step_begins_near_the_balance_of_rail_and_contact() -> None:

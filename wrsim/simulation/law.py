@@ -127,6 +127,7 @@ class VehicleOnTrack(Layout):
             self.on_sleepers = RailsOnSleepers(
                 elasticity, track, memory, self._records_of_wheels, places, vehicle.weight, self.size
             )
+            self._found_at += [records[slope] for records in own for slope in ("slope_n", "slope_b")]
             elasticity = self.on_sleepers.static
             # what the nodes do not know of the rail's motion is a spring without mass: short steps do not solve it
             self.stretches = STRETCHES

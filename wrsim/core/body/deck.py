@@ -5,8 +5,7 @@ w_s; the wheels push the modes down,
 
     m_k (eta_k_tt + 2 zeta_k omega_k eta_k_t + omega_k^2 eta_k) = -sum over wheels of phi_k(s) Q.
 
-The modes are records MODE of ``core.body.flexible``. That the rails lie on a slope on the deck is left out: of the
-order of w_s times the wheel load, along the track.
+The slope w_s turns the force of the rail on a wheel. The modes are records MODE of ``core.body.flexible``.
 """
 
 from wrsim.core.jit import Array, Record, Records, kernel, record
@@ -37,18 +36,19 @@ def _shape(k: int, i: int, x: float, step: float, rows: Array) -> tuple[float, f
 @kernel
 def deck_motion(
     s: float, speed: float, deck: Record, rows: Array, modes: Records, q: Array, q_t: Array
-) -> tuple[float, float]:
-    """How far the deck has risen at a wheel's place s [m], and how fast it rises under the wheel [m/s]. speed: of the
-    wheel along the track [m/s]; rows (n, 2 modes): value and slope of every mode."""
+) -> tuple[float, float, float]:
+    """How far the deck has risen at a wheel's place s [m], how fast it rises under the wheel [m/s], and its slope.
+    speed: of the wheel along the track [m/s]; rows (n, 2 modes): value and slope of every mode."""
     i, x, on = _between(s, deck, rows)
-    up, rate = 0.0, 0.0
+    up, rate, lean = 0.0, 0.0, 0.0
     if on:
         for k in range(deck.count):
             at = modes[deck.first + k].coordinate
             value, slope = _shape(k, i, x, deck.step, rows)
             up += value * q[at]
-            rate += value * q_t[at] + speed * slope * q[at]
-    return up, rate
+            rate += value * q_t[at]
+            lean += slope * q[at]
+    return up, rate + speed * lean, lean
 
 
 @kernel

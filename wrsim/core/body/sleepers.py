@@ -38,11 +38,12 @@ from wrsim.core.track.banded import factorise, invert_band, quadratic_form, solv
 
 TIE = record(
     "side place speed offset push_n push_b last_n last_b guess_n guess_b rate_n rate_b nn nb bb own_nn own_nb own_bb"
+    " slope_nn slope_nb slope_bb"
 )
 """A wheel on its rail: +1 left, -1 right; distance along the centre line [m] and speed [m/s] at the end of the step;
 how far to the left of the rail's middle it pushes [m]; its force on the rail to the left and up that is foretold for
 the end of the step, and that at the last step's end [N]; displacement [m] and velocity [m/s] of the rail under it with
-that force; compliance g, and the part of it that is the element's between its nodes [m/N]."""
+that force; compliance g, the part of it that is the element's between its nodes [m/N], and its slope [1/N]."""
 
 U, U_T, U_TT, A, P, P_T, P_A = range(7)
 """Rows of a system: displacements, velocities, accelerations and those of the method; what it predicts."""
@@ -52,6 +53,8 @@ WIDEST = 0.04
 """Farthest from the rail's middle that a force acts [m]: half of a rail's head."""
 TREND = 0.5
 """Part of the last change of the forces that is extrapolated to the next step."""
+ASIDE = 1e-4
+"""Part of an element to either side for the slope of its compliance."""
 LEAST = 1e3
 """Vertical force [N] below which the place of a contact stays as it was."""
 
@@ -146,10 +149,14 @@ def place(rails: Rails) -> None:
         for k in range(2):
             rails.places[i, 1, k], rails.places[i, 1, 2 + k] = first + k, second + k
         rails.places[i, 1, 4], rails.places[i, 1, 5] = first + 2, second + 2
-        twist = xi * (1.0 - xi) * length / twisting
-        tie.own_nn = _between(xi, length, l_bending, l_shear) + head * head * twist
-        tie.own_nb = -head * tie.offset * twist
-        tie.own_bb = _between(xi, length, v_bending, v_shear) + tie.offset * tie.offset * twist
+        bending = l_bending, l_shear, v_bending, v_shear
+        tie.own_nn, tie.own_nb, tie.own_bb = _own(xi, length, bending, twisting, head, tie.offset)
+        low, high = max(xi - ASIDE, 0.0), min(xi + ASIDE, 1.0)
+        one = _own(low, length, bending, twisting, head, tie.offset)
+        other = _own(high, length, bending, twisting, head, tie.offset)
+        way = (high - low) * length
+        tie.slope_nn, tie.slope_nb = (other[0] - one[0]) / way, (other[1] - one[1]) / way
+        tie.slope_bb = (other[2] - one[2]) / way
 
 
 @kernel
@@ -246,6 +253,9 @@ def begin(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails)
         )
         tie.rate_n = p_t[0] + d * a[0] + tie.speed * (p_x[0] + c * a_x[0])
         tie.rate_b = p_t[1] + d * a[1] + tie.speed * (p_x[1] + c * a_x[1])
+        # where a force moves along, half of what its own compliance changes is its slope
+        wheel.slope_n = p_x[0] + c * a_x[0] + 0.5 * (tie.slope_nn * tie.push_n + tie.slope_nb * tie.push_b)
+        wheel.slope_b = p_x[1] + c * a_x[1] + 0.5 * (tie.slope_nb * tie.push_n + tie.slope_bb * tie.push_b)
         wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = tie.nn, tie.nb, tie.bb
         wheel.rate_n, wheel.rate_b = 1.0 / tie.nn, 1.0 / tie.bb
         wheel.held_n, wheel.held_b = 1.0 - method[7] * tie.nn, 1.0 - method[7] * tie.bb
@@ -414,6 +424,20 @@ def _shapes(x: float, length: float, phi: float, value: Array, slope: Array) -> 
     slope[1] = one * (1.0 - 4.0 * x + 3.0 * x * x + 0.5 * phi * (1.0 - 2.0 * x))
     slope[2] = -slope[0]
     slope[3] = one * (3.0 * x * x - 2.0 * x - 0.5 * phi * (1.0 - 2.0 * x))
+
+
+@inlined
+def _own(
+    xi: float, length: float, stiffness: tuple[float, float, float, float], twisting: float, head: float, offset: float
+) -> tuple[float, float, float]:
+    """Compliances of an element between its nodes, at a part of its length: by its stiffness laterally in bending and
+    shear, vertically likewise, and in torsion."""
+    twist = xi * (1.0 - xi) * length / twisting
+    return (
+        _between(xi, length, stiffness[0], stiffness[1]) + head * head * twist,
+        -head * offset * twist,
+        _between(xi, length, stiffness[2], stiffness[3]) + offset * offset * twist,
+    )
 
 
 @kernel

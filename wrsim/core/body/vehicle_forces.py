@@ -251,7 +251,8 @@ def place_wheels(q: Array, q_t: Array, buffer: Array, index: Ints) -> None:
                 wheel.rail_n_t, wheel.rail_b_t = q_t[rail], q_t[rail + 1]
             if decks.shape[0] > 0:
                 s, speed = place_on_rail(buffer, own, k), hypot(body.velocity.x, body.velocity.y)
-                wheel.rail_b, wheel.rail_b_t = deck_motion(s, speed, decks[0], deck_shapes, modes, q, q_t)
+                of_deck = deck_motion(s, speed, decks[0], deck_shapes, modes, q, q_t)
+                wheel.rail_b, wheel.rail_b_t, wheel.slope_b = of_deck
 
 
 @kernel

@@ -24,15 +24,15 @@ ARRAYS = IN_CONTACT + ARRAYS_OF_A_CONTACT
 POSE, LOBES = (Arrays._fields.index(name) for name in ("pose", "patches"))
 
 WHEEL = record(
-    "side half_spacing s step rail_n rail_b rail_n_t rail_b_t angle yield_nn yield_nb yield_bb free_n free_b"
-    " held_n held_b rate_n rate_b",
+    "side half_spacing s step rail_n rail_b rail_n_t rail_b_t slope_n slope_b angle yield_nn yield_nb yield_bb free_n"
+    " free_b held_n held_b rate_n rate_b",
     "status", body=BODY, force=VECTOR, moment=VECTOR,
 )  # fmt: skip
 """+1 left, -1 right; H/2 [m]; distance along the rail (a guess, updated) and step of its path [m]; the motion of the
-piece of rail under the wheel along n and b: displacement [m] and velocity [m/s]; angle by which the wheel has rolled
-[rad]; how the rail on sleepers yields: compliances along n and b [m/N], displacements without its force [m]; how far
-its unknowns count themselves (1 at rest), and their rates [1/s2] (``core.body.vehicle_forces``); the body of the
-wheelset. What comes out: force [N] and moment [N m] at its centre of mass, in global axes, and a status."""
+piece of rail under the wheel along n and b: displacement [m], velocity [m/s], slope along the track; angle by which the
+wheel has rolled [rad]; how the rail on sleepers yields: compliances along n and b [m/N], displacements without its
+force [m]; how far its unknowns count themselves (1 at rest), and their rates [1/s2] (``core.body.vehicle_forces``); the
+body of the wheelset. What comes out: force [N] and moment [N m] at its centre of mass, in global axes, and a status."""
 
 OK, OFF_TRACK = 0, 1024
 
@@ -114,9 +114,13 @@ def one_wheel(buffer: Array, index: Ints) -> int:
     twist, to_left, up = bends(rail, s, at)
     settings.twist, settings.bow_o, settings.bow_b = wheel.side * twist, wheel.side * to_left, up
     wheel.status = stages.run(CONTACT, buffer, arrays)
-    force, moment = wheel_wrench(body, at, wheel.side, wheel.half_spacing, results(buffer, arrays)[0])
-    put(wheel.force, force)
-    put(wheel.moment, moment)
+    total = results(buffer, arrays)[0]
+    force, moment = wheel_wrench(body, at, wheel.side, wheel.half_spacing, total)
+    # a rail that is bent down ahead of the wheel or behind it turns the force about the axle: what it takes from the
+    # motion along the track is the work on the moving rail
+    along = scale(-wheel.side * total.Fo * wheel.slope_n - total.Fb * wheel.slope_b, at.t)
+    put(wheel.force, add(force, along))
+    put(wheel.moment, add(moment, cross(scale(wheel.side * wheel.half_spacing, body.left), along)))
     return wheel.status
 
 
