@@ -102,19 +102,10 @@ def test_rail_rows_are_derivatives_of_a_canted_uneven_rail_in_a_climbing_curve(s
     assert own == pytest.approx(np.arange(len(own)) * path.step, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    "grades, message",
-    [
-        ([Grade(0.0, 0.2)], "grade_permille = 200"),
-        ([Grade(50.0, 0.01), Grade(40.0, 0.0)], r"grades\[1\]: from_m = 40"),
-        ([Grade(0.0, 0.0), Grade(500.0, 0.01)], "from_m = 500"),
-        ([Grade(0.0, 0.0), Grade(20.0, 0.03, 10000.0)], r"grades\[1\]: its vertical curve .* start of the track"),
-        ([Grade(0.0, 0.0), Grade(90.0, 0.03, 10.0)], "vertical_radius_m = 10"),
-    ],
-)
-def test_a_grade_that_cannot_be_is_named(grades: list[Grade], message: str) -> None:
+@pytest.mark.parametrize("grades, message", table("a_grade_that_cannot_be_is_named"))
+def test_a_grade_that_cannot_be_is_named(grades: list[list[float]], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        pitch_law(grades, 180.0)
+        pitch_law([Grade(*grade) for grade in grades], 180.0)
 
 
 # --- minimally compliant analytical track ---------------------------------------------------------------------------

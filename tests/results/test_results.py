@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from support.rows import rows_of
 from support.runs import FAST, LEADING, setup_of, straight
 from support.synthetic_result import curve_run, static_poses
 
@@ -32,6 +33,8 @@ from wrsim.simulation.integrate import Integration
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.recorder import Recorder
 from wrsim.simulation.system import BodySystem
+
+table = rows_of(__file__)
 
 ATTRIBUTES = {"title": "t", "analysis": "curving", "status": "completed", "scenario_text": "x = 1\n"}
 EVERY = ["curve", "stopped", "static", "one wheel"]
@@ -106,23 +109,7 @@ def test_the_quotient_and_the_variation_of_the_contact_angle_are_derived():
     np.testing.assert_array_equal(dataset["contact_angle_variation"], high - low)
 
 
-@pytest.mark.parametrize(
-    ("coords", "channels", "attributes", "words"),
-    [
-        ({"time": [0.0]}, {"lateral_shif": [0.0]}, {}, "did you mean 'lateral_shift'"),
-        ({"time": [0.0, 1.0]}, {"yaw": [0.0]}, {}, r"'yaw' has shape \(1, 1\); expected \(time 2, wheelset 1\)"),
-        ({"time": [0.0]}, {"Q": [[1.0]]}, {}, r"expected \(time 1, wheelset 1, wheel 2\)"),
-        ({"time": [0.0]}, {"N": np.zeros((1, 2, 3)), "p0": np.zeros((1, 2, 2))}, {}, "patch 3"),
-        ({"time": [0.0]}, {"load": [1.0]}, {}, "has no pose"),
-        ({"pose": ["a"]}, {"distance": [1.0]}, {}, "has no time"),
-        ({"pose": ["a", "a"]}, {}, {}, "its pose has a value twice"),
-        ({"time": [0.0], "pose": ["a"]}, {}, {}, "either 'time'"),
-        ({"pose": ["a"], "wheel": ["middle"]}, {}, {}, "its wheel is 'middle', must be left, right or one"),
-        ({"time": [0.0]}, {}, {"status": "broken"}, "its status is 'broken'"),
-        ({"time": [0.0]}, {}, {"status": "stopped"}, "'stop_reason' is missing"),
-        ({"time": [0.0]}, {}, {"extra": None}, "a number or a text"),
-    ],
-)
+@pytest.mark.parametrize(("coords", "channels", "attributes", "words"), table("a_mistake_of_the_calling_code_is_named"))
 def test_a_mistake_of_the_calling_code_is_named(coords, channels, attributes, words):
     with pytest.raises(ValueError, match=words):
         assemble(coords, channels, ATTRIBUTES | attributes)

@@ -265,23 +265,9 @@ def test_what_is_set_in_text_or_by_name_is_in_the_whole_vehicle_or_train() -> No
     assert not any(member.driven for member in changed.members)
 
 
-REFUSED = {
-    "vehicle.bogie.primry.at_mm.1": r"there is no 'primry' in parts.bogie \(did you mean 'primary'\?\)",
-    "vehicle.bogie.primary.stiffnes_kN_per_m": "unknown key; did you mean 'stiffness_kN_per_m', which is given already",
-    "vehicle.bogie.primary.stiffness_kN_per_m.3": r"there is no such entry; there are 3, \[0\] to \[2\]",
-    "vehicle.wheelset.axle.modes": r"a new table is given as a whole, such as wheelset.axle=\{modes = ...\}",
-    "vehicle.carbody.mass_kg.x": "'bodies.carbody.mass_kg' = 32000 is no table",
-    "vehicle.sped_kmh": "did you mean 'speed_kmh'",
-    "trak.gauge_mm": "did you mean 'track'",
-    "track.segments[9].radius_m": r"there are 5, \[0\] to \[4\]",
-    "track.segments.2.radius_m": "must be a number of size 10",
-    "vehicle.bogie.primary.stifness_kN_per_m.2": "did you mean 'stiffness_kN_per_m'",
-}
-
-
-@pytest.mark.parametrize("key", REFUSED)
-def test_a_mistake_in_set_is_named_as_such(key: str) -> None:
-    with pytest.raises(InputError, match=rf"^--set {key.replace('[', '.').replace(']', '.')}=-1: .*{REFUSED[key]}"):
+@pytest.mark.parametrize(("key", "words"), table("a_mistake_in_set_is_named_as_such"))
+def test_a_mistake_in_set_is_named_as_such(key: str, words: str) -> None:
+    with pytest.raises(InputError, match=rf"^--set {key.replace('[', '.').replace(']', '.')}=-1: .*{words}"):
         vehicle_of(load(COACH).with_set([f"{key}=-1"]))
 
 

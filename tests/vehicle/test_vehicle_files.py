@@ -3,6 +3,8 @@
 import re
 import tomllib
 from collections.abc import Callable
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
@@ -230,38 +232,16 @@ def test_vehicles_of_all_kinds_run_either_way_round(tmp_path: Path) -> None:
     assert left[0] == pytest.approx((origin - 2.0, 0.9, 0.45))  # left stays left
 
 
-COACH = 'model = "vehicles/manchester_1.toml"'
-FOURTH = '[[vehicles]]\nname = "coach2"\nmodel = "vehicles/manchester_1.toml"\nlength_mm = 26400\n[[couplings]]'
-TABLE = "stroke_mm_force_kN = [[5, 1], [50, 300]]"
 COUPLINGS = TRAIN.partition("[[couplings]]")[2]
-FAULTS: dict[str, tuple[tuple[tuple[str, str], ...], str]] = {
-    "fewer couplings than gaps": ((("count = 3", "count = 4"), (COUPLINGS, COUPLINGS + "[[couplings]]" + COUPLINGS)),
-     r"couplings: there are 2 for 3 gaps between vehicles: give one for all, or one for each"),
-    "a single wheelset": (((COACH, COACH.replace("manchester_1", "wheelset_s1002")),),
-     "is no vehicle of parts; a train takes vehicles with bodies"),
-    "elements to the track": (((COACH, COACH.replace("manchester_1", "cooperrider_bogie")),),
-     "has elements to the frame of the track"),
-    "one vehicle": ((("count = 3", "count = 1"),), "is one vehicle: a train has at least two"),
-    "vehicles that overlap": ((("length_mm = 26400", "length_mm = 20000"),),
-     r"length_mm = 20000.0: is too short: 'coach1.front.outer' lies 10.78 m from the middle"),
-    "two of one name": ((("[[couplings]]", FOURTH),), r"vehicles\[1\].name: 'coach2' is the name of another vehicle"),
-    "a point in a name": ((('name = "coach"', 'name = "coach."'),), "cannot be the name of a vehicle"),
-    "no such body": ((("count = 3", 'count = 3\nbody = "carbdy"'),),
-     "body = \"carbdy\": is no body of that vehicle; there is carbody.*did you mean 'carbody'"),
-    "slack and pretension": ((("pretension_kN = 20 ", "pretension_kN = 20\nslack_mm = 5 "),),
-     "slack_mm = 5: must be 0 next to pretension_kN"),
-    "stiffness twice": ((("preload_kN = 15 ", "#"), ("stroke_mm = 55 ", TABLE.replace("5, 1", "0, 1") + "#")),
-     "stroke_mm_force_kN.*: cannot be given with stiffness_kN_per_m"),
-    "a stroke that begins late": ((("stiffness_kN_per_m = 6000", TABLE), ("preload_kN = 15", "#"), ("stroke_mm = 55 ",
-     "#")), "must begin with stroke 0"),
-}  # fmt: skip
 
 
-@pytest.mark.parametrize("name", FAULTS)
-def test_a_train_that_cannot_be_used_is_told_in_one_line(name: str, tmp_path: Path) -> None:
-    changes, message = FAULTS[name]
+@pytest.mark.parametrize(("name", "changes", "message"), table("a_train_that_cannot_be_used_is_told_in_one_line"))
+def test_a_train_that_cannot_be_used_is_told_in_one_line(
+    name: str, changes: list[list[str]], message: str, tmp_path: Path
+) -> None:
+    pairs = [tuple(words.replace("{couplings}", COUPLINGS) for words in pair) for pair in changes]
     with pytest.raises(InputError, match=message) as caught:
-        loaded(changed(*changes), tmp_path)
+        loaded(changed(*pairs), tmp_path)
     assert "\n" not in str(caught.value)
     assert "train.toml" in str(caught.value)
 
@@ -340,54 +320,24 @@ def nothing_along(data: dict[str, Any]) -> None:
     data["parts"]["bogie"]["elements"].pop()  # the traction rod
 
 
-IMPLAUSIBLE = {
-    "stiff springs": (
-        stiffness("primary", 300.0),
-        r"^wheelset 'rear.outer' oscillates in yaw at \d+\.\d Hz on 'rear.primary",
-    ),
-    "stiff secondary springs": (
-        stiffness("secondary", 1e3),
-        r"frame' oscillates in roll at 11\d\.\d Hz on 'rear.secondary",
-    ),
-    "stiff rod": (stiffness("traction rod", 1e3), r"frame' oscillates along x at \d+\.\d Hz on 'rear.traction rod'"),
-    "soft primary springs": (stiffness("primary", 1e-3), r"'front.primary .*' carries .* deflects by 37\.\d+ m"),
-    "soft secondary springs": (
-        stiffness("secondary", 1e-3),
-        r"'.*secondary .*' carries 78\.45 kN, deflects by 182\.4 m",
-    ),
-    "pivots of millimetres": (every("at_mm", 1e-3), "'front.outer' and 'rear.inner' are 0.019 m apart.*overlap"),
-    "pivots of a bridge": (every("at_mm", 10.0), "'front.inner' and 'rear.inner' are .* m apart.*up to 25 m"),
-    "centre below the rail": (every("centre_mm", -1.0), "'carbody' is at a height of -1.8 m above the rails"),
-    "light body": (
-        lambda d: d["bodies"]["carbody"].update(mass_kg=24),
-        "gyration of body 'carbody' of 24 kg is 48.65 m in roll",
-    ),
-    "little body": (
-        lambda d: d["bodies"]["carbody"].update(mass_kg=32, inertia_kg_m2=[56.8, 1970, 1970]),
-        "the wheelsets are 58% of the mass",
-    ),
-    "dense bodies": (every("inertia_kg_m2", 1e-3), "body 'carbody' are those of a sphere of 0.323 m"),
-    "a wheelbase of ten": (
-        lambda d: [w.update(x_mm=10 * w["x_mm"]) for w in d["parts"]["bogie"]["wheelsets"].values()],
-        "'front.frame' and 'rear.frame' are among each other: 25.6 m",
-    ),
-    "a wheelset of kilograms": (lambda d: d["wheelset"].update(mass_kg=1.8), "'front.outer' = 1.8 kg"),
-    "a free axle": (
-        one_axle_without_springs,
-        r"nothing holds wheelset 'front.inner' \(and 1 more part\) along x, along y and in yaw",
-    ),
-    "a free body": (nothing_along, "nothing holds body 'carbody' along x:"),
-}
-
-PARTS = {"centre below the rail": 2, "dense bodies": 2}
-"""How many parts are wrong, if not one: car body and frame."""
+def update(place: list[str], values: dict[str, Any]) -> Callable[[dict[str, Any]], object]:
+    return lambda data: reduce(getitem, place, data).update(values)
 
 
-@pytest.mark.parametrize("name", IMPLAUSIBLE)
-def test_an_implausible_value_is_named_once(name: str, tmp_path: Path) -> None:
-    change, words = IMPLAUSIBLE[name]
-    found = vehicle_warnings(changed_coach(tmp_path, change))
-    assert len(found) == PARTS.get(name, 1) and sum(bool(re.search(words, each)) for each in found) == 1, found
+def wheelbase(factor: float) -> Callable[[dict[str, Any]], object]:
+    return lambda data: [w.update(x_mm=factor * w["x_mm"]) for w in data["parts"]["bogie"]["wheelsets"].values()]
+
+
+CHANGES: dict[str, Callable[..., Any]] = {one.__name__: one for one in (stiffness, every, update, wheelbase)}
+CHANGES |= {one.__name__: lambda one=one: one for one in (one_axle_without_springs, nothing_along)}
+
+
+@pytest.mark.parametrize(("name", "how", "by", "words", "count"), table("an_implausible_value_is_named_once"))
+def test_an_implausible_value_is_named_once(
+    name: str, how: str, by: list[Any], words: str, count: int, tmp_path: Path
+) -> None:
+    found = vehicle_warnings(changed_coach(tmp_path, CHANGES[how](*by)))
+    assert len(found) == count and sum(bool(re.search(words, each)) for each in found) == 1, found
 
 
 def test_uneven_wheel_loads_are_those_of_the_vehicle_at_rest(tmp_path: Path) -> None:
