@@ -66,24 +66,31 @@ def point_accelerations(
     on canted track the lateral one shows the plane's component of gravity against the centrifugal acceleration.
     """
     vehicle = law.vehicle
-    q_tt = accelerations(law.bodies, q, q_t, forces)
-    found = np.zeros((len(points), 3))
+    names, parts, q_tt = vehicle.names, vehicle.parts, accelerations(law.bodies, q, q_t, forces).ravel()
+    found, moving = np.zeros((len(points), 3)), dict[int, tuple[Array, Array, Array]]()
     for j, point in enumerate(points):
-        i = vehicle.index(point.body)
-        arm = np.array(point.at) - np.array(vehicle.parts[i].centre)
-        at, rates, changes = (state[6 * i : 6 * i + 6].copy() for state in (q, q_t, q_tt.ravel()))
-        if i < len(vehicle.wheelsets):  # an axle box does not spin
-            at[5] = rates[5] = changes[5] = 0.0
-        state = pitched(kinematics(at, rates), at[5])
-        axes = np.array([state.forward, state.left, state.up])
-        omega = axes @ state.omega
-        acceleration = axes @ (np.array([changes[1], changes[2], changes[0] + vehicle.gravity]))
-        alpha = _angular_acceleration(at, rates, changes)
-        found[j] = acceleration + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
+        i = names.index(point.body)
+        arm = np.array(point.at) - np.array(parts[i].centre)
+        if i not in moving:
+            at, rates, changes = (state[6 * i : 6 * i + 6].copy() for state in (q, q_t, q_tt))
+            if i < len(vehicle.wheelsets):  # an axle box does not spin
+                at[5] = rates[5] = changes[5] = 0.0
+            state = pitched(kinematics(at, rates), at[5])
+            axes = np.array([state.forward, state.left, state.up])
+            acceleration = axes @ (np.array([changes[1], changes[2], changes[0] + vehicle.gravity]))
+            moving[i] = acceleration, axes @ state.omega, _angular_acceleration(at, rates, changes)
+        acceleration, omega, alpha = moving[i]
+        found[j] = acceleration + _cross(alpha, arm) + _cross(omega, _cross(omega, arm))
         if len(own := law.modes_of(i)):
             found[j] += forces[own] @ law.attachments.modes[i].shapes(np.array([point.at]))[:, 0, :3]
         found[j, 2] -= vehicle.gravity
     return found
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """The same as numpy's, to the bit, in a tenth of its time."""
+    (x, y, z), (u, v, w) = a.tolist(), b.tolist()
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
 def _angular_acceleration(q: Array, q_t: Array, q_tt: Array) -> Array:

@@ -141,10 +141,13 @@ def _channels(
     n, places, stored = len(motion.times), _places(law, poses), Channels(len(motion.times), folder)
     bodies = np.array([law.start + part.centre[0] for part in law.vehicle.bodies])
     seats = states.wheel_seats(law.vehicle) if "axle_box_acceleration" in fast else []
+    own = law.vehicle.points if not fast or any(name.startswith("point_") for name in fast) else ()
     law.follow(True)
     for begin in range(0, n, BLOCK):
         block = slice(begin, min(begin + BLOCK, n))
-        found: dict[str, Any] = with_derived(_block(setup, law, motion, poses, places, bodies, block, losses, seats))
+        found: dict[str, Any] = with_derived(
+            _block(setup, law, motion, poses, places, bodies, block, losses, own, seats)
+        )
         if sampled is not None:
             first = -begin % every
             for name in sampled.keys() & fast:
@@ -158,18 +161,18 @@ def _channels(
 
 def _block(
     setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, poses: list[TrackPoses], places: Array, bodies: Array,
-    block: slice, losses: Losses | None, seats: Sequence[MeasuringPoint],
+    block: slice, losses: Losses | None, own_points: Sequence[MeasuringPoint], seats: Sequence[MeasuringPoint],
 ) -> dict[str, Array]:  # fmt: skip
     """Channels of some samples of a motion, the sample first. A long run fills memory: raw contacts do not stay.
 
-    bodies: see `body_channels`; losses: gathers the wear, if it is computed; seats: of the wheels, where their
-    accelerations are computed.
+    bodies: see `body_channels`; losses: gathers the wear, if it is computed; own_points, seats: of the vehicle and of
+    its wheels whose accelerations are computed.
     """
     vehicle, track = law.vehicle, setup.track
     times, q, q_t = motion.times[block], motion.q[block], motion.q_t[block]
     n, count, out = len(times), len(vehicle.wheelsets), np.zeros(law.size)
     raw = [RawContacts.empty(n, 2, setup.contact.patch_count) for _ in range(count)]
-    points = (*vehicle.points, *seats)
+    points = (*own_points, *seats)
     accelerations = np.zeros((n, len(points), 3))
     records = np.zeros((n, *law.records.shape))
     reference, drive = np.zeros(n), np.zeros(n)
@@ -228,9 +231,9 @@ def _block(
         found |= states.body_channels(law, q, q_t, bodies) | states.energy_channels(law, q, q_t)
         found |= dict(zip(("creep_power", "damper_power", "pull_power"), powers, strict=True))
     if seats:
-        found["axle_box_acceleration"] = accelerations[:, len(vehicle.points) :, 2].reshape(n, count, 2)
-    if vehicle.points:
-        found |= {f"point_a{axis}": accelerations[:, : len(vehicle.points), k] for k, axis in enumerate("xyz")}
+        found["axle_box_acceleration"] = accelerations[:, len(own_points) :, 2].reshape(n, count, 2)
+    if own_points:
+        found |= {f"point_a{axis}": accelerations[:, : len(own_points), k] for k, axis in enumerate("xyz")}
     if vehicle.elements:
         found |= {f"suspension_f{axis}": records[:, :, k] for k, axis in enumerate("xyz")}
         found |= {f"suspension_d{axis}": records[:, :, 3 + k] for k, axis in enumerate("xyz")}
