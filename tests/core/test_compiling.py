@@ -41,13 +41,6 @@ with pytest.MonkeyPatch.context() as patch:
         return np.full(3, x).sum()
 
 
-def test_a_kernel_is_compiled_once_for_literals_and_callers_and_none_that_allocates():
-    with pytest.raises(NumbaError, match="built-in function empty"):
-        grasp(2.0)
-    outer(2.0)
-    assert power(2.0, 3, True) == 0.125
-
-
 def test_literal_arguments_make_no_kernels_of_their_own_and_how_far_it_is_is_reported(caplog):
     with caplog.at_level(logging.INFO, "wrsim.kernels"):
         assert outer(2.0) == 4.125
@@ -57,6 +50,13 @@ def test_literal_arguments_make_no_kernels_of_their_own_and_how_far_it_is_is_rep
     done, due = zip(*(record.args for record in caplog.records if record.args), strict=True)
     assert not caplog.messages[-1]
     assert done[-1] == due[-1] and set(due) == {due[0]} and list(done) == sorted(done)
+
+
+def test_a_kernel_is_compiled_once_for_literals_and_callers_and_none_that_allocates():
+    with pytest.raises(NumbaError, match="built-in function empty"):
+        grasp(2.0)
+    outer(2.0)
+    assert power(2.0, 3, True) == 0.125
 
 
 def test_types_in_words_are_kept_in_the_cache_as_those_of_a_call(monkeypatch):
