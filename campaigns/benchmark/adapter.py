@@ -150,6 +150,11 @@ class Code:
         loss, pads of 200 MN/m and 30 kNs/m, sleepers of 324 kg every 0.6 m, ballast of 50 MN/m, 60 kNs/m an end."""
         raise NotImplementedError
 
+    def rolling_load(self, *, speed_m_per_s: float, stiffness_MN_per_m2: float, damping_kNs_per_m2: float) -> Answer:
+        """A wheel that rolls along a rail UIC60 without loss on a foundation: ``down_m_per_N`` of the rail under it,
+        and ``slope_per_N`` uphill: over the wheel load the force along the track that the foundation takes."""
+        raise NotImplementedError
+
     def bridge(self, *, speed_km_per_h: float) -> Answer:
         """Manchester coach over a span of 20 m: largest ``deflection_mm``, ``moment_kNm``, ``acceleration_m_per_s2``
         in its middle."""

@@ -28,7 +28,7 @@ from support.boxes import FIXED, box, element, last_loop, on_springs
 from support.contacts import RADIUS
 from support.ellipse import roll, total
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
-from support.pushed_rails import TRACK, response, standing
+from support.pushed_rails import TRACK, response, rolled, standing
 from support.vehicles import manchester
 
 from wrsim.analysis import run
@@ -279,6 +279,14 @@ class Wrsim(Code):
     def rail_in_time(self, *, frequency_Hz: float):
         rails = standing(replace(TRACK, elements=12), 60.0)
         return {"amplitude_m": abs(response(rails, frequency_Hz, "vertical"))}
+
+    def rolling_load(self, *, speed_m_per_s: float, stiffness_MN_per_m2: float, damping_kNs_per_m2: float):
+        spacing = 0.05
+        pads = Layer((1e6 * stiffness_MN_per_m2 * spacing,) * 2, (1e3 * damping_kNs_per_m2 * spacing,) * 2)
+        track = replace(
+            TRACK, pad=pads, ballast=pads, sleeper_mass=None, spacing=spacing, sleeper_width=0.01, elements=1
+        )
+        return rolled(track, speed_m_per_s)
 
     def bridge(self, *, speed_km_per_h: float):
         values = {"contact.normal": "kik-piotrowski", "run.distance_m": 62.0, "vehicle.speed_kmh": speed_km_per_h}

@@ -5,7 +5,10 @@ import numpy as np
 from support.vehicles import on_track, shipped
 from wrsim.core.body import sleepers as kernel
 from wrsim.geometry.track.sleepers import Layer, RailBeam, SleeperTrack
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.rails import RailsOnSleepers
+from wrsim.simulation.steady_state import steady_state
+from wrsim.simulation.system import BodySystem
 
 TRACK = SleeperTrack(
     RailBeam(loss_factor=0.0), Layer((50e6, 200e6), (20e3, 30e3)), Layer((20e6, 50e6), (40e3, 60e3)), sleeper_mass=324.0
@@ -49,3 +52,23 @@ def response(rails: RailsOnSleepers, frequency: float, way: str, turns: int = 16
             found += 2.0 / turns * moved * np.exp(-1j * phase)
     assert abs(rails.ties["last_b"] - forces[:, 1]).max() < 1e-6
     return found
+
+
+def rolled(track: SleeperTrack, speed: float) -> dict[str, float]:
+    """Means over both wheels of a wheelset that rolls along a track: how far the rail goes down under a wheel for its
+    load ``down_m_per_N``, and its slope uphill for the load, ``slope_per_N``."""
+    law = on_track(shipped("wheelset_s1002"), speed, structure=track).law
+    start, rows = steady_state(law), []
+    law.look_near(law.start)
+    rails = law.on_sleepers
+    assert rails is not None
+
+    def look(t: float, q: np.ndarray, q_t: np.ndarray) -> None:
+        load = -rails.ties["last_b"]
+        slope = [wheel.slope_b for wheel in law.own(0)]
+        rows.append((np.mean(-q[-3::2] / load), np.mean(slope / load)))
+
+    motion = Integration(BodySystem(law.bodies, law), duration=0.2, step=2e-4, weight=law.vehicle.weight, monitor=look)
+    motion.run(start.q, start.q_t)
+    down, slope = np.mean(rows[len(rows) // 2 :], axis=0)
+    return {"down_m_per_N": float(down), "slope_per_N": float(slope)}
