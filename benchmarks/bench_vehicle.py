@@ -18,6 +18,7 @@ millisecond, as a part of the largest value: Y and Q of every wheel after the lo
 import argparse
 import json
 import time
+import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -59,15 +60,9 @@ ALIKE: dict[str, Any] = {
     ],
 }
 AT_80: dict[str, Any] = UNEVEN | {"vehicle.speed_kmh": 80.0, "run.distance_m": 120.0}
-PAD = {"vertical_stiffness_MN_per_m": 200, "vertical_damping_kNs_per_m": 30,
-         "lateral_stiffness_MN_per_m": 50, "lateral_damping_kNs_per_m": 20}  # fmt: skip
-BALLAST = {"vertical_stiffness_MN_per_m": 50, "vertical_damping_kNs_per_m": 60,
-           "lateral_stiffness_MN_per_m": 20, "lateral_damping_kNs_per_m": 40}  # fmt: skip
 SLEEPERS: dict[str, Any] = AT_80 | {
-    "track.structure": {
-        "kind": "sleepers", "spacing_mm": 600, "sleeper_mass_kg": 324, "pad": PAD, "ballast": BALLAST,
-    }
-}  # fmt: skip
+    "track.structure": tomllib.loads((SCENARIOS / "flat_on_sleepers.toml").read_text())["track"]["structure"]
+}
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "curve": ("manchester_r300.toml", {"run.distance_m": 100.0}),
     "uneven": ("manchester_r300.toml", UNEVEN),

@@ -74,7 +74,7 @@ def words(verdict: Verdict, comparison: ComparisonFile) -> str:
     """Lines about a verdict: one, and one for each quantity beyond its tolerance."""
     count = max((o.cases for o in verdict.outcomes), default=0)
     lines = [
-        f"{verdict.word:11s} {verdict.comparison:22s} {count:5d} cases {verdict.seconds:7.1f} s  {comparison.title}"
+        f"{verdict.word:11s} {verdict.comparison:24s} {count:5d} cases {verdict.seconds:7.1f} s  {comparison.title}"
     ]
     for o in verdict.outcomes:
         if o.word == "red":

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, trapezoid
 from scipy.linalg import eigh, toeplitz
-from support.pushed_rails import TRACK, push, response, standing
+from support.pushed_rails import TRACK, push, response, rolling, standing
 from support.vehicles import on_track, shipped
 
 from wrsim.core.body import sleepers as kernel
@@ -122,12 +122,7 @@ def test_a_run_goes_on_from_its_snapshot_to_the_bit() -> None:
 
 def test_wheels_on_sleepers_rise_and_sink_with_the_sleepers() -> None:
     law = on_track(shipped("wheelset_s1002"), 20.0, structure=TRACK).law
-    start = steady_state(law)
-    law.look_near(law.start)
-    motion = Integration(BodySystem(law.bodies, law), duration=0.24, step=1e-3, weight=law.vehicle.weight).run(
-        start.q, start.q_t
-    )  # 8 sleepers
-    sunk = motion.q[120:, -3]
+    sunk = rolling(law, 0.24, 1e-3).q[120:, -3]  # 8 sleepers
     assert sunk == pytest.approx(np.mean(sunk), rel=0.1)
     parts = np.abs(np.fft.rfft(sunk - sunk.mean()))
     assert np.argmax(parts) == round(0.12 / (0.6 / 20.0))
@@ -137,9 +132,7 @@ def test_what_wheels_lose_on_sleepers_goes_to_creep_and_to_the_track() -> None:
     """Over whole bays. Rails that take their part from nobody would leave 19 %."""
     law = on_track(shipped("wheelset_s1002"), 20.0, start=48.002, structure=TRACK).law  # sleepers between two samples
     bare = VehicleOnTrack(law.vehicle, law.track, (), speed=law.speed, start=law.start, drive=law.drive)
-    start, rows = steady_state(law), []
-    law.look_near(law.start)
-    rails = law.on_sleepers
+    rails, rows = law.on_sleepers, []
     assert rails is not None
     for wheel in law.wheels[0]:
         wheel.model.arrays.settings["damping"] = 0.0
@@ -152,9 +145,7 @@ def test_what_wheels_lose_on_sleepers_goes_to_creep_and_to_the_track() -> None:
         creep = sum(float(a.total["wear"]) * float(a.pose[6]) for a in arrays)
         rows.append((t, (whole[:6] - rest[:6]) @ q_t[:6], creep, lost(rails), energy(rails)))
 
-    Integration(
-        BodySystem(law.bodies, law), duration=0.09, step=2e-4, weight=law.vehicle.weight, monitor=look
-    ).run(start.q, start.q_t)  # fmt: skip
+    rolling(law, 0.09, 2e-4, look)
     t, power, creep, damped, stored = np.array(rows)[149:].T  # two bays behind the first one
     given = -trapezoid(power, t)
     assert trapezoid(creep, t) + trapezoid(damped, t) + stored[-1] - stored[0] == pytest.approx(given, rel=1e-3)
@@ -164,13 +155,9 @@ def test_what_wheels_lose_on_sleepers_goes_to_creep_and_to_the_track() -> None:
 def test_a_step_begins_near_the_balance_of_rail_and_contact() -> None:
     """With rails that are foretold without the contact a step takes 2.8 evaluations."""
     law = on_track(shipped("wheelset_s1002"), 20.0, structure=TRACK).law
-    start = steady_state(law)
-    law.look_near(law.start)
-    motion = Integration(BodySystem(law.bodies, law), duration=0.06, step=2e-4, weight=law.vehicle.weight).run(
-        start.q, start.q_t
-    )  # 2 sleepers
-    assert motion.work.evaluations < 1.6 * 300
-    assert motion.work.cut_steps == 0
+    work = rolling(law, 0.06, 2e-4).work  # 2 sleepers
+    assert work.evaluations < 1.6 * 300
+    assert work.cut_steps == 0
 
 
 # Rails on sleepers: the beams and their receptances beside closed forms.

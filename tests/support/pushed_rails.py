@@ -1,11 +1,12 @@
-"""Rails on sleepers in time under prescribed forces."""
+"""Rails on sleepers in time: under prescribed forces, and under wheels that roll along them."""
 
 import numpy as np
 
 from support.vehicles import on_track, shipped
 from wrsim.core.body import sleepers as kernel
 from wrsim.geometry.track.sleepers import Layer, RailBeam, SleeperTrack
-from wrsim.simulation.integrate import Integration
+from wrsim.simulation.integrate import Integration, Monitor, Motion
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.rails import RailsOnSleepers
 from wrsim.simulation.steady_state import steady_state
 from wrsim.simulation.system import BodySystem
@@ -54,12 +55,19 @@ def response(rails: RailsOnSleepers, frequency: float, way: str, turns: int = 16
     return found
 
 
+def rolling(law: VehicleOnTrack, duration: float, step: float, monitor: Monitor | None = None) -> Motion:
+    """A vehicle that goes on from its steady motion; monitor: called after every step."""
+    start = steady_state(law)
+    law.look_near(law.start)
+    system = BodySystem(law.bodies, law)
+    going = Integration(system, duration=duration, step=step, weight=law.vehicle.weight, monitor=monitor)
+    return going.run(start.q, start.q_t)
+
+
 def rolled(track: SleeperTrack, speed: float) -> dict[str, float]:
     """Means over both wheels of a wheelset that rolls along a track: how far the rail goes down under a wheel for its
     load ``down_m_per_N``, and its slope uphill for the load, ``slope_per_N``."""
-    law = on_track(shipped("wheelset_s1002"), speed, structure=track).law
-    start, rows = steady_state(law), []
-    law.look_near(law.start)
+    law, rows = on_track(shipped("wheelset_s1002"), speed, structure=track).law, []
     rails = law.on_sleepers
     assert rails is not None
 
@@ -68,7 +76,6 @@ def rolled(track: SleeperTrack, speed: float) -> dict[str, float]:
         slope = [wheel.slope_b for wheel in law.own(0)]
         rows.append((np.mean(-q[-3::2] / load), np.mean(slope / load)))
 
-    motion = Integration(BodySystem(law.bodies, law), duration=0.2, step=2e-4, weight=law.vehicle.weight, monitor=look)
-    motion.run(start.q, start.q_t)
+    rolling(law, 0.2, 2e-4, look)
     down, slope = np.mean(rows[len(rows) // 2 :], axis=0)
     return {"down_m_per_N": float(down), "slope_per_N": float(slope)}

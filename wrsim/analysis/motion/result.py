@@ -57,7 +57,7 @@ def result_of(
     body = 6 * vehicle.reference
     places, wear = _places(law, poses), plan.wear
     losses = None if wear is None else Losses(wear, law.wheels, [ways(p.distance, wear.stretch) for p in poses])
-    channels = _channels(setup, law, motion, poses, folder, losses)
+    channels = _channels(setup, law, motion, poses, places, folder, losses)
     channels["distance"] = reference = np.asarray(channels["distance"])
     shapes, bent = states.bent_channels(law, motion, channels)
     channels |= shapes
@@ -91,7 +91,8 @@ def result_of(
     if plan.fast_channels:
         fast, of_wheelsets = _placed(_each(recorded, plan.recorded_interval), law)
         coords["fast_time"] = fast.times
-        channels |= _channels(setup, law, fast, of_wheelsets, folder, None, channels)
+        along = _places(law, of_wheelsets)
+        channels |= _channels(setup, law, fast, of_wheelsets, along, folder, None, channels)
     if law.deck is not None:
         coords["span"] = [f"span {k + 1}" for k in range(len(law.deck.values))]
     coords |= {dimension: [each.name for each in own] for dimension, own in named.items() if own}
@@ -131,14 +132,14 @@ def _places(law: VehicleOnTrack, poses: list[TrackPoses]) -> Array:
 
 
 def _channels(
-    setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, poses: list[TrackPoses], folder: Path | None,
-    losses: Losses | None, sampled: dict[str, Any] | None = None,
+    setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, poses: list[TrackPoses], places: Array,
+    folder: Path | None, losses: Losses | None, sampled: dict[str, Any] | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Channels of a motion; sampled: of its samples, for the fast channels of all of its states in place of these. In a
     sample a fast channel has its value to the bit, in which the warm start of the contacts may differ."""
     fast = () if sampled is None else ("distance", *setup.plan.fast_channels)
     every = round(setup.plan.output_interval / setup.plan.recorded_interval)
-    n, places, stored = len(motion.times), _places(law, poses), Channels(len(motion.times), folder)
+    n, stored = len(motion.times), Channels(len(motion.times), folder)
     bodies = np.array([law.start + part.centre[0] for part in law.vehicle.bodies])
     seats = states.wheel_seats(law.vehicle) if "axle_box_acceleration" in fast else []
     own = law.vehicle.points if not fast or any(name.startswith("point_") for name in fast) else ()
