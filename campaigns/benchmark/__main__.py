@@ -50,6 +50,8 @@ def code_of(name: str, reference: Path) -> Code:
     try:
         return getattr(import_module(module), kind)(reference)
     except (ImportError, AttributeError, ValueError) as problem:
+        if isinstance(problem, ModuleNotFoundError) and problem.name and not module.startswith(problem.name):
+            raise InputError(f'--code {name}: needs {problem.name}: pip install -e ".[dev]"') from None
         raise InputError(f"--code {name}: must be {', '.join(CODES)} or MODULE:CLASS: {problem}") from None
 
 

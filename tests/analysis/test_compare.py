@@ -138,7 +138,7 @@ def test_a_force_between_samples_is_that_of_finer_samples() -> None:
         above, below = inside.max(axis=0) - ends.max(axis=0), ends.min(axis=0) - inside.min(axis=0)
         beyond = np.maximum(beyond, np.maximum(above, below))
     (event,) = coarse.summary()["events"]
-    assert f"{beyond.max() / 1e3:.3g} kN beyond both: a smaller run.output_interval_ms" in event["event"]
+    assert f"{beyond.max() / 1e3:.3g} kN beyond both: run.fast_channels" in event["event"]
     assert beyond.max() > 1e3
     assert "events" not in fine.summary(), "a sample at every step misses nothing"
 

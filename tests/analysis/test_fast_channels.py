@@ -11,9 +11,10 @@ from support.rows import rows_of
 from support.runs import SCENARIOS
 
 from wrsim import InputError, load, run
-from wrsim.analysis import recorded
+from wrsim.analysis import cost_of, exact_run_warning, recorded
 from wrsim.results import Result
 from wrsim.results.exports import export_result
+from wrsim.results.table import duration
 from wrsim.scenario.build import build
 
 table = rows_of(__file__)
@@ -137,3 +138,15 @@ def test_channels_of_parts_that_are_not_there_are_refused():
         build(rigid)
     with pytest.raises(InputError, match=r"no fast channels: .* run.fast_channels"):
         run(load(Path(SCENARIOS / "curve_r300.toml")).with_values({"run.time_s": 0.01})).fast()
+
+
+def test_the_time_of_a_run_counts_its_fast_samples_and_the_exact_solver_warns_of_them():
+    exact = {"contact.normal": "half-space", "run.distance_m": 20, "run.output_interval_ms": 5.0}
+    scenario = load(SCENARIOS / "curve_r300.toml").with_values(exact)
+    plain = build(scenario)
+    fast = build(scenario.with_values({"run.fast_channels": ["Q"], "run.channels_at_hz": 10_000}))
+    samples = plain.plan.duration * 10_000
+    assert cost_of(fast)["evaluations"] > cost_of(plain)["evaluations"] + samples
+    assert "fast_channels" not in exact_run_warning(plain)[0]
+    without = duration(cost_of(plain)["expected_time_s"])
+    assert f"(without run.fast_channels {without})" in exact_run_warning(fast)[0]

@@ -134,6 +134,15 @@ def test_the_way_beyond_nadals_limit_counts_by_the_distance_to_climb(yaw, attack
     assert not assessed("en14363", climbing, FLANGE).of("climb_share")  # the flange's length is not given
 
 
+def test_a_flange_that_tcrp_71_does_not_know_has_no_distance_to_climb_and_a_note_says_so():
+    assert np.isnan(distance_to_climb(np.zeros(2), radians(76.5), 0.018)).all()
+    assert np.isfinite(distance_to_climb(np.array([-1e-3, 1e-3]), radians(60.0), 0.018)).all()
+    settings = AssessmentSettings(friction=0.5, flange_angle=radians(76.5), flange_length=0.018)
+    found = assessed("en14363", run(300.0, 5.0), settings)
+    assert not found.of("climb_share")
+    assert "distance to climb: TCRP 71 has it for 60 to 76°, not for 76.5°" in found.notes
+
+
 def test_uic_518_counts_curves_of_little_cant_deficiency_as_straight():
     at_38_mm = run(900.0, curvature=curve(1600.0))
     assert "large radius" in {s.zone for s in assessed("en14363", at_38_mm).sections}

@@ -92,7 +92,7 @@ def test_the_command_leaves_tables_and_a_picture(tmp_path):
         ("q", {}, r"no channel over time is called 'q' \(did you mean 'Q'\?\); there are "),
         ("Q", {"derivative": 3}, "derivative = 3, .*: derivative must be 0, 1 or 2"),
         ("Q", {"resolution_Hz": 0.0}, "resolution_Hz = 0, .*the others above 0"),
-        ("Q", {"from_m": 500.0}, "from_m = 500, to_m = .* no samples there"),
+        ("Q", {"from_m": 500.0}, "from_m = 500: .* no samples there"),
         ("Q", {"from_m": 50.0, "to_m": 40.0}, r"to_m = 40.*must lie beyond from_m \(50 m\)"),
     ],
 )

@@ -9,7 +9,7 @@ from support.scripts import ROOT
 
 sys.path.insert(0, str(ROOT))
 
-from campaigns.benchmark.__main__ import comparisons, main
+from campaigns.benchmark.__main__ import code_of, comparisons, main
 from campaigns.benchmark.adapter import Code
 from campaigns.benchmark.comparison import read_comparison, run_comparison
 from campaigns.benchmark.hertz_fastsim import HertzFastsim
@@ -84,3 +84,13 @@ def test_the_command_ends_with_what_it_found(tmp_path: Path, capsys):
     assert main([str(tmp_path), "--only", "kalker", "--jobs", "1"]) == 2
     assert f"{tmp_path}/kalker.csv: no such table" in capsys.readouterr().err
     assert main([str(REFERENCE), "--only", "nothing"]) == 2
+
+
+def test_a_package_that_a_code_needs_and_that_is_missing_is_named_with_its_extra(monkeypatch):
+    monkeypatch.setitem(sys.modules, "campaigns.benchmark.hertz_fastsim", None)  # the module itself
+    with pytest.raises(InputError, match="--code hertz-fastsim: must be wrsim, hertz-fastsim or MODULE:CLASS"):
+        code_of("hertz-fastsim", REFERENCE)
+    monkeypatch.delitem(sys.modules, "campaigns.benchmark.wrsim_adapter", raising=False)
+    monkeypatch.setitem(sys.modules, "support.boxes", None)
+    with pytest.raises(InputError, match=r'^--code wrsim: needs support.boxes: pip install -e "\.\[dev\]"$'):
+        code_of("wrsim", REFERENCE)

@@ -114,6 +114,7 @@ def test_without_salib_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, tmp_p
 def test_a_study_stores_its_indices_and_shows_them(tmp_path: Path) -> None:
     speed = '[[sensitivity.over]]\nkey = "vehicle.speed_kmh"\nlow = 40\nhigh = 60\n'
     text = '[sensitivity]\nmethod = "regression"\nsamples = 16\noutputs = ["y"]\n' + RANGE + speed
+    text += '[[outputs.channels]]\nchannel = "Y"\nreduce = "max"\nname = "y"\n'
     plan, _ = planned(study_file(tmp_path, text), tmp_path / "out")
     made = []
     for i, case in enumerate(plan.cases):

@@ -118,10 +118,13 @@ def exact_run_warning(setup: Setup[Any]) -> list[str]:
     """A warning of a run whose forces all come from the exact contact solver; none of others."""
     if setup.contact.normal != "half-space" or not ANALYSES[setup.analysis].moves:
         return []
-    cost = cost_of(setup)
+    cost, fast = cost_of(setup), ""
+    if setup.plan.fast_channels:
+        without = cost_of(replace(setup, plan=replace(setup.plan, fast_channels=(), fast_interval=None)))
+        fast = f" (without run.fast_channels {duration(without['expected_time_s'])})"
     return [
-        'contact.normal = "half-space" solves the exact problem at every stage of the integration: about '
-        f"{cost['evaluations']} times for each wheel, some {duration(cost['expected_time_s'])}. "
+        'contact.normal = "half-space" solves the exact problem at every stage of the integration and in every sample: '
+        f"about {cost['evaluations']} times for each wheel, some {duration(cost['expected_time_s'])}{fast}. "
         "wrsim resolve does it for the snapshots of a fast run"
     ]
 
@@ -132,14 +135,15 @@ common processor; another one takes half of it or twice."""
 
 
 def cost_of(setup: Setup[Any]) -> dict[str, Any]:
-    """Evaluations of the forces that a run along the track needs, and its time [s] within a factor of two; of other
-    analyses nothing."""
+    """Evaluations of the forces that a run along the track and its samples need, and its time [s] within a factor of
+    two; of other analyses nothing."""
     if not ANALYSES[setup.analysis].moves:
         return {}
     plan = setup.plan
     evaluations = evaluations_for(
         plan.integrator, plan.duration, plan.speeds[0], plan.recorded_interval, plan.step, setup.vehicle
     )
+    evaluations += sum(plan.duration / each for each in (plan.output_interval, plan.fast_interval) if each)
     each = EVALUATION_TIME[setup.contact.normal] * len(setup.vehicle.wheelsets)
     return {"evaluations": round(evaluations), "expected_time_s": float(f"{each * evaluations:.2g}")}
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from wrsim.analysis.assessment.nadal import TCRP_ANGLES, distance_to_climb, nadal_limit
+from wrsim.analysis.assessment.nadal import distance_to_climb, nadal_limit
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import overlap, wheels_of
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words, stop_words
@@ -93,7 +93,7 @@ def run_climb(setup: Setup[ClimbPlan], progress: Progress | None = None) -> Resu
         "flange_length": np.full(len(points), length),
         "climbed": np.array([int(own.climbed) for own in found]),
         "climb_distance": [own.way for own in found],
-        "climb_distance_tcrp": by_formula(np.array([p.attack for p in points]), flank.angle, length),
+        "climb_distance_tcrp": distance_to_climb(np.array([p.attack for p in points]), flank.angle, length),
         "climb_shift": [own.shift for own in found],
         "climb_lift": [own.lift for own in found],
         "pose_message": np.array([own.message for own in found]),
@@ -101,13 +101,6 @@ def run_climb(setup: Setup[ClimbPlan], progress: Progress | None = None) -> Resu
     n = len(found)
     reason = f"interrupted by the user after {n} of {len(plan.points)} points" if n < len(plan.points) else ""
     return Result(assemble({"pose": [p.name for p in points]}, channels, setup.attributes(reason)))
-
-
-def by_formula(attack: Array, angle: float, length: float) -> Array:
-    """`distance_to_climb` at angles of attack (n,) [rad]; not a number outside of the formula's range."""
-    low, high = np.radians(TCRP_ANGLES)
-    inside = (attack >= 0.0) & (low <= angle <= high)
-    return np.where(inside, distance_to_climb(attack, angle, length), np.nan)
 
 
 def friction_of(contact: ContactSettings) -> float:

@@ -236,12 +236,14 @@ def stretch_of(dataset: xr.Dataset, section: StretchTable) -> xr.Dataset:
     """The samples of a run on a stretch. Raises InputError where there are none."""
     dataset = on_raster(dataset)
     distance = dataset["distance"].values
-    first = distance[0] if section.from_m is None else section.from_m
-    last = distance[-1] if section.to_m is None else section.to_m
-    inside = (distance >= first - 1e-6) & (distance <= last + 1e-6)
+    low = -inf if section.from_m is None else section.from_m
+    high = inf if section.to_m is None else section.to_m
+    inside = (distance >= low - 1e-6) & (distance <= high + 1e-6)
     if not inside.any():
-        there = f"it goes from {distance[0]:.6g} to {distance[-1]:.6g} m"
-        raise InputError(f"from_m = {first:g}, to_m = {last:g}: the run has no samples there; {there}")
+        given = ", ".join(f"{key} = {end:g}" for key, end in (("from_m", low), ("to_m", high)) if abs(end) < inf)
+        raise InputError(
+            f"{given}: the run has no samples there; it goes from {distance[0]:z.2f} to {distance[-1]:z.2f} m"
+        )
     return dataset.isel(time=np.flatnonzero(inside))
 
 

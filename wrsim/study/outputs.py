@@ -44,6 +44,17 @@ class Outputs:
         self.units[name] = "" if unit == "1" else unit
 
 
+def known_names(wanted: OutputsSection, analysis: str) -> tuple[str, ...]:
+    """Names that outputs may have, before any case has run; empty where only the cases tell them."""
+    kind, channels = ANALYSES[analysis], wanted.channels
+    if wanted == OutputsSection() and (kind.moves or kind.compared):
+        channels = USUAL
+    elif wanted == OutputsSection() or wanted.hook is not None:
+        return ()
+    assessed = [name for key in wanted.assessment for name in (_assessment_name(key), _margin_name(key))]
+    return (*(one.column for one in channels), *map(_name_of_place, wanted.summary), *assessed)
+
+
 def case_outputs(result: Result, wanted: OutputsSection, hook: Path | None) -> Outputs:
     """The outputs of one result. hook: the file of the hook, if there is one."""
     found = Outputs()
@@ -112,7 +123,7 @@ def reduced(values: NDArray[np.float64], how: str, percentile: float | None = No
 
 def _take_place(found: Outputs, summary: Mapping[str, Any], place: str) -> None:
     """A number of the summary by its dotted place; a peak counts as its value. Keys may hold dots themselves."""
-    name = "_".join("".join(c if c.isalnum() else "_" for c in part) for part in place.split("."))
+    name = _name_of_place(place)
     found.take(name, None, _unit_in(place))
     value, rest = _walk(summary, place)
     if isinstance(value, dict) and "value" in value and not rest:
@@ -126,6 +137,10 @@ def _take_place(found: Outputs, summary: Mapping[str, Any], place: str) -> None:
         found.faults.append(f'outputs.summary: "{place}" is no number{more}')
     else:
         found.take(name, value, _unit_in(place))
+
+
+def _name_of_place(place: str) -> str:
+    return "_".join("".join(c if c.isalnum() else "_" for c in part) for part in place.split("."))
 
 
 def _walk(tree: Any, place: str) -> tuple[Any, str]:
@@ -149,11 +164,19 @@ def _unit_in(name: str) -> str:
     return units[max(units, key=len)] if units else ""
 
 
+def _assessment_name(key: str) -> str:
+    return "_".join(filter(None, ("assessment", key, QUANTITIES[key].shown.suffix)))
+
+
+def _margin_name(key: str) -> str:
+    return f"assessment_{key}_margin"
+
+
 def _take_assessment(found: Outputs, result: Result, wanted: tuple[str, ...]) -> None:
     """The worst value of every quantity over all sections, and the least margin to its limit where it has one."""
     from wrsim.analysis.assessment import assess_runs
 
-    columns = {key: "_".join(filter(None, ("assessment", key, QUANTITIES[key].shown.suffix))) for key in wanted}
+    columns = {key: _assessment_name(key) for key in wanted}
     for key, column in columns.items():
         found.take(column, None, QUANTITIES[key].shown.symbol)
     try:
@@ -173,7 +196,7 @@ def _take_assessment(found: Outputs, result: Result, wanted: tuple[str, ...]) ->
         found.take(column, worst(v.value for v in values) * shown.factor, shown.symbol)
         margins = [v.margin for v in values if v.margin is not None]
         if margins:
-            found.take(f"assessment_{key}_margin", min(margins), "1")
+            found.take(_margin_name(key), min(margins), "1")
 
 
 def _take_hook(found: Outputs, result: Result, file: Path, function: str) -> None:

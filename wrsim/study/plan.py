@@ -21,7 +21,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from wrsim.errors import InputError
+from wrsim.errors import InputError, suggest
 from wrsim.inputs.checking import check_section, fault_line, opened
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
@@ -31,7 +31,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load, load_text
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.study.axes import AxisPoints, axis_points
-from wrsim.study.outputs import check_hook, outputs_digest
+from wrsim.study.outputs import check_hook, known_names, outputs_digest
 from wrsim.study.sensitivity import axis_of
 from wrsim.study.spec import MOST_CASES, CasesSection, OutputsSection, SensitivitySection, StudyFile, short_name
 
@@ -186,6 +186,11 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
             with own.naming("outputs", "hook", value=spec.outputs.hook):
                 hook = str(own.finder.find(name).resolve())
                 check_hook(Path(hook), function)
+        names = known_names(spec.outputs, own.base.analysis)
+        for name in spec.sensitivity.outputs if spec.sensitivity is not None and names else ():
+            if name not in names:
+                with own.naming("sensitivity", "outputs", value=name):
+                    raise InputError(f"is no output{suggest(name, names)}; there are {', '.join(names)}")
         plan = replace(own.plan(folder, axes, spec.outputs, spec.cases, hook), sensitivity=spec.sensitivity)
     plan, models_read = with_cases(plan, own.base)
     return plan, tuple(dict.fromkeys((*seen, *models_read)))

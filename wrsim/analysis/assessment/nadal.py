@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees, tan
+from math import degrees, radians, tan
 from typing import Any
 
 import numpy as np
@@ -27,13 +27,20 @@ TCRP_ANGLES = 60.0, 76.0
 """Angles of flanges [degrees] for which `distance_to_climb` has one; its terms have poles at 55.1, 76.6 and 77.0."""
 
 
+def has_distance(flange_angle: float) -> bool:
+    """Whether `distance_to_climb` knows a flange of this angle [rad]."""
+    return radians(TCRP_ANGLES[0]) <= flange_angle <= radians(TCRP_ANGLES[1])
+
+
 def distance_to_climb(attack: Array, flange_angle: float, flange_length: float) -> Array:
-    """The way that a wheel goes until it has climbed, its Y/Q above Nadal's limit [m].
+    """The way that a wheel goes until it has climbed, its Y/Q above Nadal's limit [m]; not a number for other flanges.
 
     attack (n,): angle of attack [rad], that of the flange against its rail positive; flange_angle [rad], from 60 to 76
     degrees; flange_length: of the flange's steepest part [m]. Source: TCRP Report 71, volume 5, TRB 2005, a fit to
     simulations with friction 0.5, confirmed on a track loading vehicle; where the flange does not attack, 0 mrad count.
     """
+    if not has_distance(flange_angle):
+        return np.full(np.shape(attack), np.nan)
     angle, length = degrees(flange_angle), flange_length / 0.0254
     a = (100.0 / (-1.9128 * angle + 146.56) + 3.1) * length
     a += 1.23 - 1.0 / (-0.0092 * angle**2 + 1.2152 * angle - 39.031)
@@ -80,10 +87,16 @@ class Climbing:
 
     def distance(self, attack: Array) -> Array | None:
         """`distance_to_climb` for angles of attack (n,) [rad]; None where it is unknown."""
-        low, high = np.radians(TCRP_ANGLES)
-        if self.flange_length is None or self.flange_angle is None or not low <= self.flange_angle <= high:
+        if self.flange_length is None or self.flange_angle is None:
             return None
-        return distance_to_climb(attack, self.flange_angle, self.flange_length)
+        return None if self.out_of_range() else distance_to_climb(attack, self.flange_angle, self.flange_length)
+
+    def out_of_range(self) -> str:
+        """Why a flange of known angle and length has no distance to climb; empty where it has one."""
+        if self.flange_length is None or self.flange_angle is None or has_distance(self.flange_angle):
+            return ""
+        low, high = TCRP_ANGLES
+        return f"distance to climb: TCRP 71 has it for {low:g} to {high:g}°, not for {degrees(self.flange_angle):.1f}°"
 
     def missing(self) -> str:
         """What is unknown, for a note."""

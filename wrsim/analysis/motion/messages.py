@@ -80,7 +80,7 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
         force, beyond = (1e-3 * value for value in event.missed)
         return (
             f"between two samples Q of {wheel} is {force:.4g} kN, {beyond:.3g} kN "
-            "beyond both: a smaller run.output_interval_ms shows what happens there"
+            'beyond both: run.fast_channels = ["Q"] or a smaller run.output_interval_ms shows what happens there'
         )
     if event.kind == "strike":
         force, error = (1e-3 * value for value in event.missed)
