@@ -12,8 +12,10 @@ from support.runs import ROOT, SCENARIOS
 from support.scenario_texts import DATA
 from support.synthetic_run import Q0
 
+from wrsim.analysis.stationary.at_rest import numbers_at_rest
 from wrsim.api.studies import run_type_test
 from wrsim.errors import InputError
+from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.study.programme import Programme, read_programme
 from wrsim.study.task import COMPLETED, DERAILED, RESULT, Marker, write_marker
 
@@ -50,9 +52,9 @@ def test_every_state_makes_every_run_with_speed_and_length_by_the_rules(programm
     assert seeds == [7, 8, 9]
 
 
-def filled(folder: Path, statuses=(COMPLETED,) * 6, **forces) -> Path:
+def filled(folder: Path, statuses=(COMPLETED,) * 6, file: Path | None = None, **forces) -> Path:
     """The file of a programme whose runs are all done, with invented forces in those of the first state."""
-    file = programme_file(folder)
+    file = file or programme_file(folder)
     plan = read_programme(file, folder / "out").plan
     for i, (case, status) in enumerate(zip(plan.cases, statuses, strict=True)):
         own = plan.folder_of(case)
@@ -100,6 +102,25 @@ def test_a_force_beyond_its_limit_turns_its_clause_red_in_its_state_alone(tmp_pa
     mean = next(v for v in record["verdicts"] if v["clause"] == "vertical force")
     low, high = map(float, mean["interval"].split(" to "))
     assert low == high == pytest.approx(1e-3 * Q0, rel=1e-3)  # without scatter
+
+
+def test_a_run_takes_waves_besides_the_spectrum_and_the_vehicle_rests_on_its_cant_deficiency(tmp_path):
+    waves = '\n[[runs.irregularities]]\nkind="mcat"\ndeviation="alinement"\nchord_ft=62\nfrom_m=170\namplitude_mm=19\n'
+    file = programme_file(
+        tmp_path, 'stationary = ["cant"]\nrules = "49cfr213"', "[irregularities]", waves + "[irregularities]"
+    )
+    programme = read_programme(file, tmp_path / "out")
+    scenarios = [programme.plan.scenario(case) for case in programme.plan.cases]
+    kinds = [[own.kind for own in scenario.spec.track.irregularities] for scenario in scenarios[:3]]
+    assert kinds == [["spectrum"], ["spectrum", "mcat"], ["spectrum", "mcat"]]
+    found = run_type_test(filled(tmp_path, file=file), tmp_path / "out")
+    at_rest = {v.clause: v for v in found.found if v.zone == "at rest" and v.state == "new"}
+    assert set(at_rest) == {"213.57(d)(1)(i)", "213.57(d)(1)(ii)"}
+    lean = numbers_at_rest(vehicle_of(scenarios[0]), 80.0)["leaning"]
+    least = min(1.0 - lost for own in lean["unloading"].values() for lost in own.values())
+    share = at_rest["213.57(d)(1)(i)"]
+    assert float(share.worst) == pytest.approx(least, rel=1e-3) and share.ok is (least >= 0.6)
+    assert share.share == pytest.approx((least - 0.6) / 0.4, rel=1e-3)
 
 
 def test_a_run_that_derails_is_red(tmp_path):

@@ -104,19 +104,12 @@ class Value:
     @property
     def passed(self) -> bool | None:
         """None where there is no limit."""
-        if self.limit is None:
-            return None
-        return bool(self.value >= self.limit.value if self.quantity.lowest else self.value <= self.limit.value)
+        return None if self.margin is None else bool(self.margin >= 0.0)
 
     @property
     def margin(self) -> float | None:
-        """What is left to the limit, as a part of it; negative beyond it. Of a share of a static load, whose small
-        values are bad: what is left of the way from 1 to the limit."""
-        if self.limit is None:
-            return None
-        if self.quantity.lowest:
-            return (self.value - self.limit.value) / (1.0 - self.limit.value)
-        return 1.0 - self.value / self.limit.value
+        """See `Quantity.margin`; None where there is no limit."""
+        return None if self.limit is None else self.quantity.margin(self.value, self.limit.value)
 
     @property
     def where(self) -> str:

@@ -53,6 +53,11 @@ class Quantity:
     quasi_static: bool = False
     lowest: bool = False
 
+    def margin(self, value: float, limit: float) -> float:
+        """What is left to a limit, as a part of it; negative beyond it. Of a share of a static load, whose small values
+        are bad: what is left of the way from 1 to the limit."""
+        return (value - limit) / (1.0 - limit) if self.lowest else 1.0 - value / limit
+
 
 QUANTITIES: dict[str, Quantity] = {
     row["key"]: Quantity(

@@ -17,6 +17,7 @@ from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.toml_files import noting_reads
 from wrsim.inputs.values import List, Switch, number, text
 from wrsim.results.rules import USUAL, RulesFile, rule_set
+from wrsim.scenario.sections.irregularities import IrregularitySection
 from wrsim.scenario.sections.steady import SHARPEST
 from wrsim.scenario.sections.track import Cant
 from wrsim.study.axes import AxisPoints
@@ -65,6 +66,8 @@ class ProgrammeRun(Section, header="[[runs]]"):
     """Length of the transitions, clothoids."""
     uneven: Switch = True
     """Whether the track is uneven, where [irregularities] are given."""
+    irregularities: List[Annotated[IrregularitySection, Field(discriminator="kind")]] = ()
+    """Irregularities of this run besides, as in [[track.irregularities]]: defects, waves of 49 CFR 213 (mcat)."""
 
     def consistency(self) -> Iterator[Fault]:
         if self.cant_deficiency_mm is not None and self.cant_deficiency_mm + self.cant_mm <= 0.0:
@@ -77,6 +80,13 @@ class ProgrammeRun(Section, header="[[runs]]"):
             return self.speed_kmh / 3.6
         missing = ((self.cant_deficiency_mm or 0.0) + self.cant_mm) / 1e3
         return float((missing / CANT_BASE * STANDARD_GRAVITY * (self.radius_m or 0.0)) ** 0.5)
+
+    @property
+    def deficiency(self) -> float:
+        """Cant deficiency [mm]; none on straight track."""
+        if self.radius_m is None:
+            return 0.0
+        return 1e3 * CANT_BASE * self.speed**2 / (STANDARD_GRAVITY * self.radius_m) - self.cant_mm
 
     def track(self, sign: float, rules: RulesFile) -> list[dict[str, Any]]:
         """Segments of the track: a curve to the left (sign 1) or to the right, or straight track."""
@@ -116,8 +126,9 @@ class ProgrammeFile(Section, header="a type test"):
     """Scenario of a run with vehicle, rails and contact; its segments and irregularities are replaced."""
     rules: Annotated[str, text("a rule set or a file of your own")] = USUAL
     """Rule set of the runs."""
-    stationary: List[Literal["twist", "rotation"]] = ()
-    """Stationary tests of every state, by EN 14363."""
+    stationary: List[Literal["twist", "rotation", "cant"]] = ()
+    """Stationary tests of every state: twist and rotation by EN 14363; at rest on the largest cant deficiency of the
+    runs by 49 CFR 213.57."""
     states: Annotated[List[StateSection], Field(min_length=1)]
     """States of the vehicle."""
     runs: Annotated[List[ProgrammeRun], Field(min_length=1)]
@@ -137,8 +148,15 @@ class ProgrammeFile(Section, header="a type test"):
             if odd := sorted(set(state.set) ^ set(first.set)):
                 message = f"{odd[0]}: must be set in every state: one of '{first.name}' and '{state.name}' lacks it"
                 yield Fault(("states", i, "set"), message)
+        if "cant" in self.stationary and self.deficiency <= 0.0:
+            yield Fault("stationary", '"cant" needs a run with cant deficiency')
         if self.cases.keep != "results":
             yield Fault(("cases", "keep"), 'must be "results": they are assessed together')
+
+    @property
+    def deficiency(self) -> float:
+        """Largest cant deficiency of the runs [mm]."""
+        return max(run.deficiency for run in self.runs)
 
 
 @dataclass(frozen=True)
@@ -190,6 +208,7 @@ def _runs(spec: ProgrammeFile, rules: RulesFile, own: StudyInput) -> AxisPoints:
                     {"kind": "spectrum", "spectrum": rough.spectrum, "seed": rough.seed + len(values)}
                     | {"scale": rough.scale, "from_m": 0.5 * AHEAD}
                 ]
+            uneven += [own.model_dump(exclude_unset=True) for own in each.irregularities]
             values.append((3.6 * each.speed, each.track(-1.0 if hand == "right" else 1.0, rules), uneven))
             places.append(own.locate(("runs", i)))
             labels.append(f"{each.name} {hand}".strip() if both else each.name)

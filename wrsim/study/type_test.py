@@ -11,7 +11,8 @@ import numpy as np
 from scipy.special import stdtrit
 
 from wrsim.analysis.assessment.assess import assess_runs
-from wrsim.analysis.stationary.at_rest import stationary_tests
+from wrsim.analysis.stationary.at_rest import leaning, stationary_tests
+from wrsim.analysis.stationary.statics import static_state
 from wrsim.errors import InputError
 from wrsim.results import Result, write_atomically
 from wrsim.results.assessment import TO_CONFIRM, Assessment, ZoneValue
@@ -129,10 +130,14 @@ def _at_rest(programme: Programme, state: str, case: Case) -> list[Verdict]:
     if turned := numbers.get("rotation_test"):
         worst = max(turned, key=lambda test: float(test["value"]))
         tests.append((worst, f"bogie {worst['bogie']}, {formatted(worst['rate_deg_per_s'], 'g')} °/s"))
+    if "cant" in wanted:
+        deficiency = programme.spec.deficiency
+        place = f"on {quantity(deficiency, 'mm', '.0f')} of cant"
+        tests += [(own, place) for own in leaning(vehicle, static_state(vehicle), deficiency)["verdicts"]]
     return [
         Verdict(state, own["clause"], own["symbol"], own["unit"], "at rest", formatted(own["value"]), "", "",
-                formatted(own["limit"]), quantity(100.0 * (1.0 - own["value"] / own["limit"]), "%", ".0f"),
-                own["limit_source"], where, own["passed"], 1.0 - own["value"] / own["limit"])
+                "≥ " * own["lowest"] + formatted(own["limit"]), quantity(100.0 * own["margin"], "%", ".0f"),
+                own["limit_source"], where, own["passed"], own["margin"])
         for own, where in tests
     ]  # fmt: skip
 

@@ -52,8 +52,7 @@ def numbers_at_rest(
     if vehicle.loads:
         tests["under_loads"] = {}, lambda: _under_loads(vehicle)
     if cant_deficiency is not None:
-        angle = asin(cant_deficiency / 1e3 / CANT_BASE)
-        tests["leaning"] = {"cant_deficiency_mm": cant_deficiency}, lambda: _leaning(trimmed, level, angle)
+        tests["leaning"] = {"cant_deficiency_mm": cant_deficiency}, lambda: leaning(trimmed, level, cant_deficiency)
     if twist is not None:
         turned = twist / 1e3 / CANT_BASE
         tests["twisted"] = {"twist_permille": twist}, lambda: _unloading(trimmed, level, static_state(trimmed, turned))
@@ -69,9 +68,11 @@ def judged(rules: str, quantity: str, value: float) -> dict[str, Any]:
     """A value [SI units] of a vehicle at rest beside its limit in a rule set, both in the unit for readers."""
     clause = given(rule_set(rules).about(quantity))
     limit, shown = given(clause.limit_at(About())), clause.judged.shown
-    passed = value >= limit.value if clause.judged.lowest else value <= limit.value
+    margin = clause.judged.margin(value, limit.value)
     found = {"clause": clause.id, "symbol": clause.judged.symbol, "unit": shown.unit, "value": value * shown.factor}
-    return found | {"limit": limit.value * shown.factor, "passed": bool(passed), "limit_source": limit.words}
+    return found | {"limit": limit.value * shown.factor, "margin": margin, "passed": bool(margin >= 0.0)} | {
+        "lowest": clause.judged.lowest, "limit_source": limit.words
+    }  # fmt: skip
 
 
 def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
@@ -89,8 +90,9 @@ def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
     return {"loads_kN": forces, **_wheel_loads(vehicle, rest.wheel_loads), "bodies": bodies, "bump_stops": stops}
 
 
-def _leaning(vehicle: Vehicle, level: StaticState, angle: float) -> dict[str, Any]:
-    """Wheel loads and roll of a vehicle on rails canted by this angle [rad]; level: its state on level ones."""
+def leaning(vehicle: Vehicle, level: StaticState, cant_deficiency: float) -> dict[str, Any]:
+    """Wheel loads and roll of a vehicle on rails canted by so much [mm]; level: its state on level ones."""
+    angle = asin(cant_deficiency / 1e3 / CANT_BASE)
     rest = static_state(canted(vehicle, angle))
     rolls = {b.name: -float(roll) for b, roll in zip(vehicle.bodies, rest.moved[:, 2], strict=True)}
     sway = {
