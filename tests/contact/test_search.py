@@ -26,6 +26,7 @@ from support.sweeps import jumps, normal_forces
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.records import ProfileTable
 from wrsim.core.contact.search.locus import locus_point, outline
+from wrsim.core.root import Bracket, crossing, narrowed
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import ProfileArc, profile_from_sections, rail_head
 
@@ -60,6 +61,16 @@ def rail_point(model, arc):
     """(o, b) and tangent of the kernel's rail."""
     at = profile_point(ProfileTable(model.arrays.rail, float(model.arrays.settings.rail_step)), arc)
     return np.array([at.u, at.w]), np.array([at.tu, at.tw])
+
+
+@pytest.mark.parametrize("bent", [lambda t: 1.0 - t**4, lambda t: np.exp(-5.0 * t) - np.exp(-5.0)], ids=["down", "up"])
+def test_a_root_is_met_in_few_steps_where_one_end_of_its_bracket_stays(bent):
+    bracket, steps, rest = Bracket(0.0, bent(0.0), 2.0, bent(4.0), 0), 0, 1.0
+    while abs(rest) > 1e-9:
+        root = crossing(bracket)
+        rest, steps = bent(root * root), steps + 1
+        bracket = narrowed(bracket, root, rest)
+    assert root == pytest.approx(1.0, abs=1e-7) and steps < 20  # some 500 by chords alone
 
 
 @pytest.mark.parametrize("pair", PAIRS)

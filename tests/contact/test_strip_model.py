@@ -20,6 +20,7 @@ from support.contacts import (
     rail_profile,
     round_wheel,
     settle,
+    strip_system,
     wheel_profile,
 )
 from support.hertz import hertz
@@ -31,8 +32,10 @@ from wrsim.contact.models import contact_model as wheel_on_rail
 from wrsim.contact.settings import ContactSettings, HalfSpaceSettings, Material
 from wrsim.contact.tables import combined_modulus, influence_table
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
+from wrsim.core.contact.strips.derivatives import jacobian
+from wrsim.core.contact.strips.equations import residuals
 from wrsim.core.contact.strips.influence import find_terms, pressed_at
-from wrsim.core.contact.strips.records import FROM, INVERSE, MIDDLE, NB, PUSH, TERMS, TO, VECTORS
+from wrsim.core.contact.strips.records import EDGES, FROM, INVERSE, MIDDLE, NB, PUSH, SOLVED, TERMS, TO, VECTORS, F, X
 from wrsim.core.contact.strips.solution import SETTLED
 from wrsim.core.contact.wheel_rail import wheel_rail
 from wrsim.geometry.profile.models import load_profile
@@ -102,6 +105,31 @@ def test_the_row_of_the_middle_is_that_of_the_table(t):
         terms.append(own[TERMS : TERMS + 5, 0])
     assert found[0] == pytest.approx(found[1], rel=1e-12)
     np.testing.assert_allclose(terms[0], terms[1], rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize("held", [True, False])
+@pytest.mark.parametrize(("pair", "lateral", "yaw"), [("S1002/60E1 1:40", 0.0, 0.0), ("worn/worn 1:40", 1e-3, 0.02)])
+def test_newton_s_matrix_is_the_derivative_of_the_residuals(pair, lateral, yaw, held):
+    plain = bench(pair_model(pair, **PLAIN), rolling=False)
+    stand = bench(pair_model(pair, normal="strips", strips=12, **PLAIN), rolling=False)
+    stand.evaluate(lateral, settle(plain, lateral, yaw, 60e3)[0].height, yaw, 0.0)
+    system, n = strip_system(stand.wheels[0].model)
+    f, x = system.vectors[F], system.vectors[X]
+    residuals(system, n, held)
+    jacobian(system, n, held)
+    solved = system.vectors[SOLVED, : system.memo[0].unknowns].astype(int)
+    matrix, found = system.matrix[: solved.size, : solved.size].copy(), np.zeros((solved.size,) * 2)
+    for column, unknown in zip(found.T, solved, strict=True):
+        at, step = x[unknown], 1e-5 * x[unknown] if unknown < 2 * n else 1e-8  # a^2 and factors; middles and edges [m]
+        for side in (1.0, -1.0):
+            x[unknown] = at + side * step
+            residuals(system, n, held)
+            column += side * f[solved] / (2.0 * step)
+        x[unknown] = at
+    allowed = np.full_like(matrix, 1e-6)
+    if not held:  # normals stay where edges move
+        allowed[:-EDGES, -EDGES:] = 1e-3
+    assert (np.abs(matrix - found) <= allowed * np.abs(found).max(axis=0)).all()
 
 
 @pytest.mark.parametrize(("pair", "lateral", "yaw", "wrong"), table("a_yawed_wheel_presses_as_the_half_space_does"))

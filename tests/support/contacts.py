@@ -18,6 +18,8 @@ from wrsim.core.contact.records import PlacedWheel, Shape
 from wrsim.core.contact.records import ProfileTable as Table
 from wrsim.core.contact.records import WheelPose as WheelPose
 from wrsim.core.contact.search.locus import placed
+from wrsim.core.contact.strips.records import System
+from wrsim.core.contact.wheel_rail import bodies
 from wrsim.core.linalg import Vec
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
@@ -135,3 +137,11 @@ def strips_of(contact: Contact, group: float | None = None) -> Array:
         if group is None or lobe["group"] == group
     ]
     return np.concatenate(rows) if rows else np.zeros(0, k.STRIP)
+
+
+def strip_system(model: ContactModel) -> tuple[System, int]:
+    """What the kernels of the strip model work on, in the state of the last call, and how many strips a grid has."""
+    a = model.arrays.rows
+    wheel, rail, _pose = bodies(a)
+    system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
+    return system, int(model.arrays.settings.strips)

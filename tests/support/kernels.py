@@ -22,7 +22,7 @@ import pytest
 from numba.core.registry import CPUDispatcher
 
 import wrsim.core
-from support.contacts import bench, contact_of, numbers, pair_model
+from support.contacts import bench, contact_of, numbers, pair_model, strip_system
 from support.paths import curvature, locate
 from support.vehicles import manchester, on_track, shipped
 from wrsim.analysis.motion.monitor import Monitor
@@ -34,8 +34,8 @@ from wrsim.core.body.kinematics import first_not_finite, is_near
 from wrsim.core.body.rigid_body import kinetic_energies
 from wrsim.core.contact.rail import unfold
 from wrsim.core.contact.strips.changes import leave
-from wrsim.core.contact.strips.records import OF_A_STRIP, System, X
-from wrsim.core.contact.wheel_rail import STAGES, bodies, compile_stages
+from wrsim.core.contact.strips.records import OF_A_STRIP, X
+from wrsim.core.contact.wheel_rail import STAGES, compile_stages
 from wrsim.geometry.profile.out_of_round import Flat
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.bridge import Bridge
@@ -179,12 +179,9 @@ def branches_that_cross(count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
 
 def _leaving(model: ContactModel) -> list[float]:
     """A grid of the strip model leaves the contact, in the state of its last call."""
-    a = model.arrays.rows
-    wheel, rail, _pose = bodies(a)
-    system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
-    n = int(model.arrays.settings.strips)
+    system, n = strip_system(model)
     leave(system, n, 0)
-    return list(a.vectors[X, : OF_A_STRIP * n])
+    return list(system.vectors[X, : OF_A_STRIP * n])
 
 
 def twistable(wheelset: Wheelset) -> Wheelset:
