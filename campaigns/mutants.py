@@ -1,12 +1,16 @@
 """Do the tests notice a fault in the code? Mutants of it, one operator changed in each, and who survives them.
 
-    python campaigns/mutants.py PACKAGE [--number 100] [--seed 1] [--folder build/mutants] -- TEST ...
-    python campaigns/mutants.py PACKAGE --yardstick REFERENCE [--number 50] ...
+    python campaigns/mutants.py PACKAGE ... [--number 100] [--seed 1] [--folder build/mutants] -- TEST_FILE ...
+    python campaigns/mutants.py PACKAGE ... --yardstick REFERENCE [--number 50] ...
 
-PACKAGE is a folder of modules or one module, as wrsim/contact; the tests run until one fails. Works with cosmic-ray
-(extra ``campaign``) in a copy of the sources, so run it from their root. Each mutant is a fork of one process that has
-imported all but our own modules. Kernels compile anew for every mutant of wrsim/core: for these set NUMBA_DISABLE_JIT=1
-and take tests that are quick without the compiler. Prints survivors as differences.
+PACKAGE is a folder of modules or one module, as wrsim/contact. Works with cosmic-ray (extra ``campaign``) in a copy of
+the sources, so run it from their root. First all mutants are tried without the compiler, each in a fork of one process
+that has imported all but our own modules, then those that survive with compiled kernels; kernels that cannot hold the
+changed code come from a cache. Prints each mutant by its number in the draw with what kills it, survivors as
+differences; ``--only NUMBER ...`` tries these again.
+
+Tests run until one fails: those that call the changed function (`campaigns.calls`, once for each test file, kept in
+build/calls), one of each test function before its other parameters, quick ones first, as many as take LONG.
 
 --yardstick: signs, operators and factors (numbers with a point) change, and the short form of campaigns/benchmark runs
 until its first red comparison: quick ones without the compiler, then the others with compiled kernels. The caches of
@@ -16,7 +20,9 @@ kernels in wrsim/core/jit are left out, not its splines.
 import argparse
 import ast
 import difflib
+import hashlib
 import importlib
+import json
 import os
 import random
 import re
@@ -24,11 +30,13 @@ import resource
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import pytest
 from cosmic_ray.ast import ast_nodes, get_ast
@@ -47,14 +55,35 @@ OWN = re.compile("wrsim|support|conftest|_?pytest|_?hypothesis|xdist")
 """What each fork imports for itself: ours, and what pytest must rewrite."""
 
 
-def mutants_of(file: Path, factors: bool = False) -> list[tuple[Path, str, int]]:
+class Mutant(NamedTuple):
+    """An operator at one of its places in a file, and the outermost function around it ("" if there is none)."""
+
+    file: Path
+    function: str
+    operator: str
+    occurrence: int
+
+
+def mutants_of(file: Path, factors: bool = False) -> list[Mutant]:
     """Each operator at each of its places in a file, or wrong signs and factors alone."""
     nodes = list(ast_nodes(get_ast(file.read_text())))
     found = []
     for name, what in OPERATORS.items():
         owners = [node for node in nodes for _ in what.mutation_positions(node)]
-        found += [(file, name, i) for i, node in enumerate(owners) if not factors or is_factor(name, node)]
+        chosen = ((i, node) for i, node in enumerate(owners) if not factors or is_factor(name, node))
+        found += [Mutant(file, function_around(node), name, i) for i, node in chosen]
     return found
+
+
+def function_around(node: Any) -> str:
+    """Qualified name of the outermost function."""
+    names: list[str] = []
+    while node := node.parent:
+        if node.type == "funcdef":
+            names = [node.name.value]
+        elif node.type == "classdef" and names:
+            names.insert(0, node.name.value)
+    return ".".join(names)
 
 
 def is_factor(name: str, node: Any) -> bool:
@@ -93,25 +122,10 @@ def run_tests(check: Check, cpu_seconds: int, modules: Path | None = None) -> tu
     return status == 0, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-QUICKLY = ["--short", "--first-red", "--jobs", "1"]
-QUICK = 8.0  # cost of comparisons that run without the compiler [s]
-PATIENCE = 900.0  # for all of them with the compiler [s]
-
-
-def measured(reference: Path) -> int:
-    """What the quick comparisons end with."""
-    from campaigns.benchmark.__main__ import main
-
-    return main([str(reference), *QUICKLY, "--cost", "0", str(QUICK)])
-
-
-def users(changed: Path) -> set[Path]:
-    """A module and all that import it, directly or not: their kernels may hold its code."""
-    found, modules = {changed}, list(Path("wrsim").rglob("*.py"))
-    imports = {file: set(imported(file)) for file in modules}
-    while more := {file for file in modules if imports[file] & found} - found:
-        found |= more
-    return found
+@cache
+def imports() -> dict[Path, set[Path]]:
+    """Modules of ours that each of them imports from."""
+    return {file: set(imported(file)) for file in Path("wrsim").rglob("*.py")}
 
 
 def imported(file: Path) -> Iterator[Path]:
@@ -122,89 +136,200 @@ def imported(file: Path) -> Iterator[Path]:
                 yield Path(name.replace(".", "/")).with_suffix(".py")
 
 
-def compiled(reference: Path, changed: Path | None = None) -> bool:
-    """Whether the others stay green with compiled kernels; those that cannot hold code of a changed module are taken
-    from the cache of the first call."""
-    command = [sys.executable, "-m", "campaigns.benchmark", str(reference), *QUICKLY, "--cost", str(QUICK), "inf"]
-    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_DISABLE_JIT"}
-    cache = Path("cache")
+def users(changed: Path) -> set[Path]:
+    """A module and all that import it, directly or not: their kernels may hold its code."""
+    found = {changed}
+    while more := {file for file, those in imports().items() if those & found} - found:
+        found |= more
+    return found
+
+
+PATIENCE = 900  # processor time with the compiler [s]
+
+
+def run_compiled(command: list[str], changed: Path | None = None, **others: str) -> bool:
+    """Whether a command ends well with compiled kernels; those that cannot hold code of a changed module are taken
+    from the cache, which commands without one fill."""
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_DISABLE_JIT"} | others
+    cache, limit = Path("cache"), resource.RLIM_INFINITY
     if changed is not None:
         shutil.copytree(cache, cache := Path("own_cache"))
+        limit = PATIENCE
         kept = {(f.parent.name, f.stem) for f in set(Path("wrsim/core").rglob("*.py")) - users(changed)}
         for file in cache.rglob("*.nb?"):
             if (file.parent.name.rpartition("_")[0], file.name.split(".")[0]) not in kept:
                 file.unlink()
     environment["NUMBA_CACHE_DIR"] = str(cache.resolve())
+    bound = partial(resource.setrlimit, resource.RLIMIT_CPU, (limit, limit))
     with open("output", "w") as output:
-        told = {"stdout": output, "stderr": output}
-        try:
-            return subprocess.run(command, env=environment, timeout=PATIENCE, check=False, **told).returncode == 0
-        except subprocess.TimeoutExpired:
-            return False
-        finally:
-            shutil.rmtree("own_cache", ignore_errors=True)
+        done = subprocess.run(command, env=environment, stdout=output, stderr=output, check=False, preexec_fn=bound)
+    shutil.rmtree("own_cache", ignore_errors=True)
+    return done.returncode == 0
+
+
+class Yardstick:
+    """Comparisons of the benchmark look at mutants."""
+
+    options = ("--short", "--first-red", "--jobs", "1", "--cost")
+    quick_cost = "8"  # of all that run without the compiler [s]
+
+    def __init__(self, reference: Path) -> None:
+        self.reference, self.seconds = str(reference.resolve()), 0.0
+
+    def everything(self) -> int:
+        """Imports what `quick` does."""
+        from campaigns.benchmark.__main__ import main
+
+        return main([self.reference, *self.options, "0", self.quick_cost])
+
+    def ready(self) -> bool:
+        """Whether all is well where nothing is changed."""
+        well, self.seconds = run_tests(self.everything, 3600)
+        return well and run_compiled(self.slow())
+
+    def quick(self, mutant: Mutant) -> tuple[Check, float] | None:
+        """What to try without the compiler, and its usual time [s]."""
+        return None if "body" in mutant.file.parts else (self.everything, self.seconds)
+
+    def slow(self, mutant: Mutant | None = None) -> list[str] | None:
+        """The command to try with compiled kernels."""
+        return [sys.executable, "-m", "campaigns.benchmark", self.reference, *self.options, self.quick_cost, "inf"]
+
+
+LONG = 60.0
+"""Tests of a mutant, without the compiler and again with it [s]."""
+PYTEST = ["-q", "-p", "no:cacheprovider"]
+
+
+class Tests:
+    """Tests that call what is changed look at mutants."""
+
+    longest = MappingProxyType({"plain": 1.2, "compiled": 20.0})  # test [s]
+
+    def __init__(self, files: list[str], kept: Path) -> None:
+        self.files, self.kept = files, kept.resolve()
+        self.seconds: dict[str, dict[str, float]] = {form: {} for form in self.longest}
+        self.calls: dict[str, set[str]] = {}
+
+    def everything(self) -> int:
+        """Imports what `quick` does."""
+        return int(pytest.main([*PYTEST, "--collect-only", *self.files]))
+
+    def ready(self) -> bool:
+        """Notes what tests call and take; those that fail where nothing is changed are not asked."""
+        self.kept.mkdir(parents=True, exist_ok=True)
+        for form in self.longest:
+            for file in self.files:
+                record = self.kept / f"{hashlib.sha1(Path(file).read_bytes()).hexdigest()[:12]}.{form}.json"
+                if not record.exists():
+                    others = {"CALLS": str(record), "PATIENCE": str(self.longest[form])}
+                    others |= {"NUMBA_DISABLE_JIT": "1"} if form == "plain" else {}
+                    run_compiled([sys.executable, "-m", "pytest", *PYTEST, "-p", "campaigns.calls", file], **others)
+                for test, (passed, seconds, calls) in json.loads(record.read_text()).items():
+                    self.calls.setdefault(test, set()).update(calls)
+                    if passed:
+                        self.seconds[form][test] = seconds
+        return bool(self.calls)
+
+    def chosen(self, mutant: Mutant, form: str, done: Collection[str] = ()) -> dict[str, float]:
+        """Tests with their times [s]: of the function, then of its module and modules that import it."""
+        near = {str(file) for file, those in imports().items() if mutant.file in those} | {str(mutant.file)}
+        reach = {test for test, calls in self.calls.items() if near & {call.split(":")[0] for call in calls}}
+        exact = {test for test in reach if f"{mutant.file}:{mutant.function}" in self.calls[test]}
+        if form == "plain" and exact:
+            reach = exact
+        turns: Counter[tuple[bool, str]] = Counter()
+        order = []
+        for test in sorted(reach & self.seconds[form].keys() - set(done), key=self.seconds[form].__getitem__):
+            turns[family := (test not in exact, test.split("[")[0])] += 1
+            order.append((test not in exact, turns[family], self.seconds[form][test], test))
+        found: dict[str, float] = {}
+        for *_, seconds, test in sorted(order):
+            if sum(found.values()) + seconds <= LONG:
+                found[test] = seconds
+        return found
+
+    def quick(self, mutant: Mutant) -> tuple[Check, float] | None:
+        """What to try without the compiler, and its usual time [s]."""
+        tests = self.chosen(mutant, "plain")
+        return (partial(pytest.main, [*PYTEST, "-x", *tests]), sum(tests.values())) if tests else None
+
+    def slow(self, mutant: Mutant) -> list[str] | None:
+        """The command to try with compiled kernels."""
+        tests = self.chosen(mutant, "compiled", self.chosen(mutant, "plain"))
+        return [sys.executable, "-m", "pytest", *PYTEST, "-x", *tests] if tests else None
+
+
+def survives(mutant: Mutant, judge: Yardstick | Tests, slowly: bool) -> tuple[bool, list[str]]:
+    """Whether nobody notices it, and its difference or what does."""
+    file, code, times = mutant.file, mutant.file.read_text(), mutant.file.stat()
+    changed = mutate_code(code, OPERATORS[mutant.operator], mutant.occurrence)
+    file.write_text(changed)  # its time is new: Python takes no compiled file of the old one
+    try:
+        if slowly:
+            alive = not (command := judge.slow(mutant)) or run_compiled(command, file)
+        else:
+            quick = judge.quick(mutant)
+            alive = not quick or run_tests(quick[0], 20 + int(10 * quick[1]))[0]
+    finally:
+        file.write_text(code)
+        os.utime(file, (times.st_atime, times.st_mtime))
+    if alive:
+        name = mutant.operator
+        return True, list(difflib.unified_diff(code.split("\n"), changed.split("\n"), str(file), name, lineterm=""))
+    lines = Path("output").read_text(errors="replace").splitlines()
+    return False, [line for line in lines if line.startswith(("red", "FAILED", "ERROR"))][:1] or ["stopped"]
 
 
 def main() -> None:
     """Make, try and count them."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("package", type=Path)
+    parser.add_argument("packages", type=Path, nargs="+", metavar="PACKAGE")
     parser.add_argument("--number", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", type=int, nargs="+")
     parser.add_argument("--folder", type=Path, default=Path("build/mutants"))
     parser.add_argument("--yardstick", type=Path, metavar="REFERENCE")
-    parser.add_argument("tests", nargs="*")
-    options = parser.parse_args()
-    if bool(options.tests) == bool(options.yardstick):
+    cut = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+    options, tests = parser.parse_args(sys.argv[1:cut]), sys.argv[cut + 1 :]
+    if bool(tests) == bool(options.yardstick):
         parser.error("give tests, or --yardstick REFERENCE")
-    check = partial(pytest.main, ["-x", "-q", "-p", "no:cacheprovider", *options.tests])
-    if options.yardstick:
-        options.yardstick = options.yardstick.resolve()
-        check = partial(measured, options.yardstick)
-        os.environ["NUMBA_DISABLE_JIT"] = "1"
-    place = options.folder.resolve()
-    shutil.rmtree(place, ignore_errors=True)
+    judge = Yardstick(options.yardstick) if options.yardstick else Tests(tests, Path("build/calls"))
+    os.environ["NUMBA_DISABLE_JIT"] = "1"
+    shutil.rmtree(options.folder, ignore_errors=True)
+    place = options.folder.resolve() / "sources"
+    place.mkdir(parents=True)
+    if (shared := Path("../shared").resolve()).exists():  # what tests take from there is beside the copy, too
+        (place.parent / "shared").symlink_to(shared)
     for name in ("wrsim", "tests", "models", "scenarios", "campaigns", "docs"):
         shutil.copytree(name, place / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy("pyproject.toml", place)
     os.chdir(place)
     sys.path.insert(0, str(place))
     os.environ["PYTHONPATH"] = os.pathsep.join([str(place), os.environ.get("PYTHONPATH", "")])
-    first, spent = run_tests(check, 3600, place / "modules")
+    first, _ = run_tests(judge.everything, 3600, place / "modules")
     for name in (place / "modules").read_text().split() if first else ():
         with suppress(ImportError):
             importlib.import_module(name)
-    again, usual = (first, spent) if options.yardstick else run_tests(check, 3600)
-    if not (first and again and (not options.yardstick or compiled(options.yardstick))):
+    if not (first and judge.ready()):
         sys.exit(f"the tests must pass where nothing is changed: see {place / 'output'}")
-    files = [options.package] if options.package.is_file() else sorted(options.package.rglob("*.py"))
+    files = [f for each in options.packages for f in ([each] if each.is_file() else sorted(each.rglob("*.py")))]
     chosen = [file for file in files if not (options.yardstick and no_kernels(file))]
     every = [mutant for file in chosen for mutant in mutants_of(file, bool(options.yardstick))]
-    kept = random.Random(options.seed).sample(every, min(options.number, len(every)))
-    survivors = done = 0
+    drawn = dict(enumerate(random.Random(options.seed).sample(every, min(options.number, len(every)))))
+    alive = {i: drawn[i] for i in options.only or drawn}
+    tried = len(alive)
     try:
-        for file, name, occurrence in kept:
-            code, times = file.read_text(), file.stat()
-            mutant = mutate_code(code, OPERATORS[name], occurrence)
-            file.write_text(mutant)  # its time is new: Python takes no compiled file of the old one
-            survived = slow = bool(options.yardstick) and "body" in file.parts  # without the compiler
-            if not slow:
-                survived, _ = run_tests(check, 10 + int((3 if options.yardstick else 10) * usual))
-            if survived and options.yardstick:
-                survived = compiled(options.yardstick, file)
-            file.write_text(code)
-            os.utime(file, (times.st_atime, times.st_mtime))
-            done += 1
-            if survived:
-                survivors += 1
-                lines = difflib.unified_diff(code.split("\n"), mutant.split("\n"), str(file), name, lineterm="")
-                print("\n".join(lines), flush=True)
-            elif options.yardstick:
-                red = [line for line in Path("output").read_text().splitlines() if line.startswith("red")]
-                print(f"{file} {name} {occurrence}: {red[0] if red else 'stopped'}", flush=True)
+        for slowly in (False, True):
+            for i, mutant in list(alive.items()):
+                survived, why = survives(mutant, judge, slowly)
+                if not survived:
+                    del alive[i]
+                print(f"{i} {mutant.file}:{mutant.function}", "survives" if survived else "dies",
+                      "compiled" if slowly else "plain", *why, sep="\n" if survived else " ", flush=True)  # fmt: skip
     except KeyboardInterrupt:
         print("interrupted; so far:")
-    print(f"{done} mutants of {len(every)}, {done - survivors} killed")
+    print(f"{tried} mutants of {len(every)}, {tried - len(alive)} killed; survivors: {' '.join(map(str, alive))}")
 
 
 if __name__ == "__main__":
