@@ -16,6 +16,7 @@ from wrsim.analysis.stationary.at_rest import numbers_at_rest
 from wrsim.api.studies import run_type_test
 from wrsim.errors import InputError
 from wrsim.scenario.vehicle_build import vehicle_of
+from wrsim.study import type_test as tests_of_type
 from wrsim.study.programme import Programme, read_programme
 from wrsim.study.task import COMPLETED, DERAILED, RESULT, Marker, write_marker
 
@@ -77,13 +78,19 @@ def verdicts(found) -> dict[tuple[str, str], list[bool | None]]:
     return rows
 
 
-def test_sound_runs_are_within_every_limit_and_a_second_run_gives_the_same_bytes(tmp_path):
+def test_sound_runs_are_within_every_limit_and_a_second_run_gives_the_same_bytes(tmp_path, monkeypatch):
     file = filled(tmp_path)
+    file.write_text(file.read_text().replace("[[states]]", 'stationary = ["twist"]\n[[states]]', 1))
+    own = {"clause": "twist", "symbol": "dQ/Q0", "unit": "1", "limit_source": "[read]", "passed": True, "lowest": False}
+    at_rest = {"twist_test": own | {"value": 0.31, "limit": 0.6, "margin": 0.5}}
+    monkeypatch.setattr(tests_of_type, "stationary_tests", lambda *given: (at_rest, None, ()))
     first = run_type_test(file, tmp_path / "out")
+    assert verdicts(first)["wet", "twist"] == [True]
     assert first["passed"] is True and first.code == 0
     assert all(ok is not False for own in verdicts(first).values() for ok in own)
     contents = {path.name: path.read_bytes() for path in first.files}
     assert set(contents) == {"type_test.json", "type_test.csv", "type_test.html"}
+    monkeypatch.setattr(tests_of_type, "stationary_tests", None)  # stored, too
     second = run_type_test(file, tmp_path / "out")
     assert second["ran"] == 0
     assert {path.name: path.read_bytes() for path in second.files} == contents

@@ -16,7 +16,7 @@ from wrsim.analysis.stationary.statics import static_state
 from wrsim.errors import InputError
 from wrsim.results import Result, write_atomically
 from wrsim.results.assessment import TO_CONFIRM, Assessment, ZoneValue
-from wrsim.results.files import as_csv, as_json
+from wrsim.results.files import as_csv, as_json, from_json
 from wrsim.results.rules import Limit
 from wrsim.results.table import Cell, Column, Table, as_rows, formatted, quantity
 from wrsim.scenario.vehicle_build import vehicle_of
@@ -27,6 +27,7 @@ from wrsim.study.task import COMPLETED, RESULT, Marker
 
 OUTPUTS = ("type_test.json", "type_test.csv", "type_test.html", "plan.json")
 """Files of a type test in its folder."""
+AT_REST = "stationary.json"  # in the folder of the first run of a state
 CONFIDENCE = 0.95  # of the interval of a mean
 ROTATION_RADIUS = 150.0  # of the curve of the rotation test [m]
 
@@ -122,7 +123,23 @@ def interval(zone: ZoneValue) -> str:
 
 
 def _at_rest(programme: Programme, state: str, case: Case) -> list[Verdict]:
-    """Stationary tests of the vehicle of a case."""
+    """Stationary tests of the vehicle of a case, which are stored beside its run."""
+    file = programme.plan.folder_of(case) / AT_REST
+    asked: dict[str, Any] = {"tests": list(programme.spec.stationary), "cant_deficiency_mm": programme.spec.deficiency}
+    stored = from_json(file.read_bytes()) if file.exists() else None
+    if stored is None or any(stored.get(key) != value for key, value in asked.items()):
+        stored = asked | {"found": _tests_at_rest(programme, case)}
+        write_atomically(file, as_json(stored))
+    return [
+        Verdict(state, own["clause"], own["symbol"], own["unit"], "at rest", formatted(own["value"]), "", "",
+                "≥ " * own["lowest"] + formatted(own["limit"]), quantity(100.0 * own["margin"], "%", ".0f"),
+                own["limit_source"], where, own["passed"], own["margin"])
+        for own, where in stored["found"]
+    ]  # fmt: skip
+
+
+def _tests_at_rest(programme: Programme, case: Case) -> list[tuple[dict[str, Any], str]]:
+    """The worst of each stationary test that is wanted, and what it is of."""
     wanted = programme.spec.stationary
     vehicle = replace(vehicle_of(programme.plan.scenario(case)), loads=())
     numbers, _, _ = stationary_tests(vehicle, "twist" in wanted, None, "rotation" in wanted, ROTATION_RADIUS)
@@ -134,12 +151,7 @@ def _at_rest(programme: Programme, state: str, case: Case) -> list[Verdict]:
         deficiency = programme.spec.deficiency
         place = f"on {quantity(deficiency, 'mm', '.0f')} of cant"
         tests += [(own, place) for own in leaning(vehicle, static_state(vehicle), deficiency)["verdicts"]]
-    return [
-        Verdict(state, own["clause"], own["symbol"], own["unit"], "at rest", formatted(own["value"]), "", "",
-                "≥ " * own["lowest"] + formatted(own["limit"]), quantity(100.0 * own["margin"], "%", ".0f"),
-                own["limit_source"], where, own["passed"], own["margin"])
-        for own, where in tests
-    ]  # fmt: skip
+    return tests
 
 
 def whole_table(title: str, found: Sequence[Verdict]) -> Table:
