@@ -168,8 +168,9 @@ def counted(folder: Path, kills: int, rng: random.Random) -> dict[str, int | flo
                 break
             counts["kills"] += 1
             names = {p.name for p in out.iterdir()} if out.exists() else set()
-            drawn = any(n.endswith(".png") for n in names)
-            stages["pictures" if drawn else "tables" if "result.nc" in names else
+            # pictures are drawn behind the tables, then saved at once
+            written = names >= {name for name in truth if name.endswith(".csv")}
+            stages["pictures" if written else "tables" if "result.nc" in names else
                    "steps" if "result.nc.part" in names else "start-up"] += 1  # fmt: skip
             for words in broken(out):
                 counts["broken_files"] += 1

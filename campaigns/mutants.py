@@ -218,6 +218,7 @@ class Tests:
     def ready(self) -> bool:
         """Notes what tests call and take; those that fail where nothing is changed are not asked."""
         self.kept.mkdir(parents=True, exist_ok=True)
+        run_compiled([sys.executable, "tests/support/kernels.py"], PYTHONPATH=f"tests:{os.environ['PYTHONPATH']}")
         for form in self.longest:
             for file in self.files:
                 record = self.kept / f"{hashlib.sha1(Path(file).read_bytes()).hexdigest()[:12]}.{form}.json"

@@ -18,7 +18,7 @@ from support.rows import rows_of
 from wrsim import InputError, load
 from wrsim.contact.tables import bound_over_cells, creep_coefficients
 from wrsim.core.contact.tangential.flexibility import Flexibilities, Rolling, kalker_coefficients
-from wrsim.core.contact.tangential.march import begin, march
+from wrsim.core.contact.tangential.march import begin, hold_power, march
 
 table = rows_of(__file__)
 
@@ -144,7 +144,7 @@ def test_forces_have_no_jumps_along_a_rise_of_creepage(model, aspect, turn, spin
     assert_no_jump(forces, np.linspace(0.0, 1.0, 201), 1e-3 * FRICTION * FORCE)
 
 
-@pytest.mark.parametrize("rising", [1.0, 0.0])
+@pytest.mark.parametrize("rising", [True, False])
 @pytest.mark.parametrize("start", [1.0, 0.9, 0.4])
 def test_without_slip_a_traction_rises_with_the_bound_by_its_eighth_power_and_falls_with_it(start, rising):
     # the march alone; a traction at the bound stays at it (rising), one below keeps its size until the bound cuts it
@@ -156,6 +156,15 @@ def test_without_slip_a_traction_rises_with_the_bound_by_its_eighth_power_and_fa
         rise = rising * max(bound / before - 1.0, 0.0) * (tractions[-1] / before) ** 8
         tractions.append(min(tractions[-1] * (1.0 + rise), bound))
     assert strip["Fy"][0] == pytest.approx(PEAK * np.mean(tractions) * 2.0 * strip["a"][0] * strip["ds"][0], rel=1e-12)
+
+
+def test_moments_give_up_the_power_that_they_would_add():
+    strips = ellipse(1.0, 2)
+    strips["xi"], strips["Fx"], strips["phi"], strips["Mz"] = 1e-3, -1.0, (0.1, -0.2), (3.0, 1.0)
+    strips["eta"] = strips["Fy"] = 0.0
+    hold_power(strips, 2)
+    assert (strips["Fx"] * strips["xi"] + strips["Mz"] * strips["phi"]).sum() == pytest.approx(0.0, abs=1e-15)
+    assert (strips["Mz"] - (3.0, 1.0)) / strips["phi"] == pytest.approx(-0.098 / 0.05)
 
 
 def reference():

@@ -61,7 +61,7 @@ def fastrip(on: Rolling, half_length: float) -> None:
         fx = -ax * 0.5 * pi * d * d / dx
         fy = (psi - ay) * 0.5 * pi * d * d / dx
         begin(work, i, bound, 1.0 - 2.0 * d, ax, ay, fx, fy, fy * (1.0 - d))
-    march(on, 1.0)
+    march(on, True)
 
 
 @kernel

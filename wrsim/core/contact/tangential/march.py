@@ -45,8 +45,8 @@ def begin(work: Array, i: int, bound: float, stuck: float, x: float, y: float, f
 
 
 @kernel
-def march(on: Rolling, rising: float) -> None:
-    """Tangential forces of the strips, each set by `begin`. rising: 1 where tractions rise with the bound, else 0."""
+def march(on: Rolling, rising: bool) -> None:
+    """Tangential forces of the strips, each set by `begin`. rising: whether tractions rise with the bound."""
     strips, n, soft, direction, shape, work = on
     cells = shape.shape[0]
     dx = 2.0 / cells
@@ -73,7 +73,7 @@ def march(on: Rolling, rising: float) -> None:
         before = shape[j - 1] if j > 0 else limit
         per_bound = 1.0 / (before * before)
         rise = limit / before - 1.0
-        lift = rising * max(rise, 0.0)
+        lift = max(rise, 0.0) if rising else 0.0
         for i in range(n):
             # the part of the way from the centre of the last cell that lies behind the start
             part = min(max((stuck[i] - x) * per_cell, 0.0), 1.0)
