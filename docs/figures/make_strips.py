@@ -29,7 +29,7 @@ def section(axes: Axes, model: ContactModel) -> None:
     axes.set(xlabel="curved axis $s$ [mm]", ylabel="pressure $p(0)$ of the strips [MPa]")
     other = axes.twinx()
     other.plot(MM * rows["s"], UM * rows["d"], color="0.3")
-    other.set(ylabel="penetration $d$ [um]", ylim=(0.0, None))
+    other.set(ylabel="penetration $d$ [µm]", ylim=(0.0, None))
     for edge in (grid["start"], grid["end"]):
         axes.axvline(MM * edge, color="C3", linestyle=":", linewidth=0.9)
 

@@ -28,6 +28,7 @@ from wrsim.contact.workspace import KernelArrays
 from wrsim.core.contact import records
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
 from wrsim.errors import InputError, SimulationError
+from wrsim.geometry.profile.models import load_profile
 from wrsim.results import Result
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario, load
@@ -462,7 +463,8 @@ def test_a_contact_s_event_says_where_and_how_long(monkeypatch: pytest.MonkeyPat
         q[1] += 0.1
         monitor(t, q, q_t)
     words = [event_words(event, monitor.law.vehicle) for event in monitor.events()]
-    assert f"the left wheel: {WORDS[STATUS_PROFILE_END]}, for 0.10 m, 5 ms" in words
+    (at_end,) = (own for own in words if own.startswith(f"the left wheel: {WORDS[STATUS_PROFILE_END]}"))
+    assert ", for 0.10 m, 5 ms: the outer end of profile " in at_end
     assert f"the right wheel: {WORDS[STATUS_NOT_CONVERGED]}, for 0.10 m, 5 ms" in words
     assert list(monitor.statuses) == [STATUS_PROFILE_END | STATUS_NOT_CONVERGED] * 2
 
@@ -483,3 +485,18 @@ def test_steps_that_are_cut_are_an_event_and_told_at_once_when_there_are_many(ca
     other, *_ = watch()
     other.set_state(monitor.get_state())
     assert (other.events(), other.cut_steps) == (monitor.events(), MANY + 2)
+
+
+def test_a_wheel_that_leaves_the_end_of_a_rail_profile_names_profile_and_end(tmp_path) -> None:
+    """60E1 without its field side from 4 mm inside of the middle of the head on."""
+    y, z = load_profile("rails/60E1.toml").at(np.linspace(0.0, load_profile("rails/60E1.toml").length, 1000))
+    rows = "\n".join(f"{1e3 * a:.9f} {1e3 * b:.9f}" for a, b in zip(y, z, strict=True) if a < -4e-3)
+    (tmp_path / "short.txt").write_text(rows)
+    head = 'name = "short"\nbody = "rail"\nkind = "points"\ndate = 2026-11-27\nsource = "cut"\nfile = "short.txt"\n'
+    (tmp_path / "short.toml").write_text(head + 'unit = "mm"\nheights = "up"\nfield_side = "positive"\n')
+    result = run(wheelset("curve_r300.toml", track__rail=str(tmp_path / "short.toml"), run__distance_m=60))
+    where = "the outer end of profile 'short' (u = -4 mm)"
+    assert any(
+        WORDS[STATUS_PROFILE_END] in own["event"] and where in own["event"] for own in result.summary()["events"]
+    )
+    assert result.status == "stopped" and where in result.stop_reason

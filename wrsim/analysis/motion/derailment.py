@@ -67,6 +67,22 @@ class WatchedWheel:
         """Largest overlap with the rail [m]."""
         return -self._closest.item()
 
+    def nearest_end(self) -> int:
+        """The end of a profile that is nearest to a patch: inner and outer one of the rail (0, 1), of the wheel (2, 3);
+        -1 without a patch."""
+        patches = self.model.arrays.patches[: int(self._lobes.item())]
+        if not patches.size:
+            return -1
+        rooms: list[float] = []
+        for arc, profile in (("arc_rail", self.model.rail), ("arc_wheel", self.model.wheel)):
+            rooms += [(patches[arc] + patches["start"]).min(), profile.length - (patches[arc] + patches["end"]).max()]
+        return int(np.argmin(rooms))
+
+    def end_of_profile(self, which: int) -> tuple[str, str, float]:
+        """Name, side and outward coordinate [m] of an end in that order."""
+        profile, outer = (self.model.rail, self.model.wheel)[which // 2], which % 2
+        return profile.name, ("inner", "outer")[outer], float(profile.at(profile.length * outer)[0])
+
     @property
     def in_contact(self) -> bool:
         """True if any patch carries a force."""

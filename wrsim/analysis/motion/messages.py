@@ -35,7 +35,8 @@ class Event:
 
     part: name of the wheelset or of the element; start, end: time [s] and distance of the vehicle [m]; missed: the
     force between samples, and by how much it is beyond those beside it [N]; of a strike the force and the error of its
-    peaks [N]; step: that resolves the strike [s].
+    peaks [N]; step: that resolves the strike [s]; profile: whose end a contact reaches, which
+    one ("inner", "outer") and where it is, outward [m].
     """
 
     kind: EventKind
@@ -46,6 +47,7 @@ class Event:
     bit: int = 0
     missed: tuple[float, float] = (0.0, 0.0)
     step: float = 0.0
+    profile: tuple[str, str, float] | None = None
 
 
 class NoSteadyMotion(SimulationError):
@@ -75,7 +77,8 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     lasted = f"for {way:.2f} m, {1e3 * time:.0f} ms"
     wheel = wheel_words(event.side, event.part, vehicle)
     if event.kind == "contact":
-        return f"{wheel}: {WORDS[event.bit]}" + ("" if event.end == event.start else f", {lasted}")
+        which = "" if event.profile is None else f": {end_words(*event.profile)}"
+        return f"{wheel}: {WORDS[event.bit]}" + ("" if event.end == event.start else f", {lasted}") + which
     if event.kind == "between":
         force, beyond = (1e-3 * value for value in event.missed)
         return (
@@ -98,6 +101,11 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
         "slides": f"wheelset {event.part} is braked beyond adhesion and slides {lasted}",
         "loose": f"nothing presses friction {event.part} together {lasted}: it has no normal force",
     }[event.kind]
+
+
+def end_words(name: str, side: str, place: float) -> str:
+    """The inner or outer end of a profile, where it is [m], and what to do about it."""
+    return f"the {side} end of profile '{name}' (u = {1e3 * place:.0f} mm); give it points beyond"
 
 
 def steady_words(problem: NoSteadyMotion, vehicle: Vehicle) -> str:

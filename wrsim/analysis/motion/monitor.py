@@ -9,16 +9,17 @@ a step.
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.analysis.motion.derailment import WatchedWheel, overlap, watched, wheels_of
-from wrsim.analysis.motion.messages import Event, EventKind, Lost, stop_words
+from wrsim.analysis.motion.messages import Event, EventKind, Lost, end_words, stop_words
 from wrsim.contact.status import bits_of
 from wrsim.core.body import watch as kernel
 from wrsim.core.body.vehicle_forces import FIRST_WHEEL
-from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_TOO_DEEP
+from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
 from wrsim.simulation.integrate import EXPLICIT_PARTS
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import Array, Work
@@ -37,7 +38,9 @@ computed before it."""
 LIFT, STOP, STEPS, SPINS, SLIDES, LOOSE = 0.0, -1.0, -2.0, -3.0, -4.0, -5.0
 """Kinds of events in the notes: a wheel without contact; a bump stop beyond the end of its table; steps that have been
 cut since the last look; an axle that is driven, or braked, beyond adhesion; friction without a normal force. A bit of
-a contact's status is its own kind."""
+a contact's status is its own kind; ..."""
+END = 0.125
+"""... that of a profile's end has this part more for each of the ends in the order of `WatchedWheel.end_of_profile`."""
 
 KINDS: dict[float, EventKind] = {
     LIFT: "lift", STOP: "stop", STEPS: "steps", SPINS: "spins", SLIDES: "slides", LOOSE: "loose",
@@ -132,7 +135,8 @@ class Monitor:
                 own.substitutes = substitutes
                 flags |= STATUS_NOT_CONVERGED
             for bit in bits_of(flags):
-                self._note(bit, i, t, distance)
+                end = END * (1 + wheel.nearest_end()) if bit == STATUS_PROFILE_END else 0.0
+                self._note(bit + end, i, t, distance)
         return ending or (overlap(self.wheels) if too_deep else None)
 
     def _warn_of_cuts(self, t: float, distance: float) -> None:
@@ -151,6 +155,9 @@ class Monitor:
         """How the vehicle has derailed at a wheel, if it has. Notes a lifted wheel."""
         off = wheel.off_the_rail()
         if off is not None:
+            at_end = self.notes[(self.notes[:, 0].astype(int) == STATUS_PROFILE_END) & (self.notes[:, 1] == i)]
+            if at_end.size and distance - at_end[-1, 5] <= LIFT_DISTANCE and (end := _end(wheel, at_end[-1, 0])):
+                return replace(off, words=f"{off.words}; its contact has passed {end_words(*end)}")
             return off
         since = self.last_contact[i]
         if wheel.in_contact or np.isnan(since[0]):
@@ -184,7 +191,8 @@ class Monitor:
             elif kind != STEPS:
                 part, side = self.wheels[int(which)].wheelset, self.wheels[int(which)].side
             bit = int(kind) if name == "contact" else 0
-            found.append(Event(name, part, (t, distance), (last_t, last_distance), side, bit))
+            end = _end(self.wheels[int(which)], kind) if bit == STATUS_PROFILE_END else None
+            found.append(Event(name, part, (t, distance), (last_t, last_distance), side, bit, profile=end))
         mean_load = 0.5 * self.law.vehicle.weight / len(self.law.vehicle.wheelsets)
         if self.wheels:
             worst = int(np.argmax(self.watched["beyond"]))
@@ -224,3 +232,9 @@ class Monitor:
         places = np.where(np.isin(self.notes[:, 0], (STOP, LOOSE)), len(self.law.vehicle.elements), len(self.wheels))
         if not (np.isfinite(self.notes).all() and ((self.notes[:, 1] >= 0) & (self.notes[:, 1] < places)).all()):
             raise ValueError("events of a wheel or an element that is not there")
+
+
+def _end(wheel: WatchedWheel, kind: float) -> tuple[str, str, float] | None:
+    """The end of a profile that a note of this kind is about; None where it has none."""
+    which = round((kind - STATUS_PROFILE_END) / END) - 1
+    return wheel.end_of_profile(which) if which >= 0 else None
