@@ -10,10 +10,12 @@ import asyncio
 import logging
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import ModuleType
 from typing import Any
 
 import dask
@@ -81,6 +83,17 @@ def security_of(folder: Path | None, *roles: str) -> Security | None:
 
 
 @contextmanager
+def _without_script() -> Iterator[None]:
+    """Workers do not execute the script that asks for them: multiprocessing would import it in each of them."""
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
+
+
+@contextmanager
 def local_workers(count: int) -> Iterator[Client]:
     """Worker processes on this machine; one that dies is started again.
 
@@ -93,6 +106,7 @@ def local_workers(count: int) -> Iterator[Client]:
     worker = {"cls": Nanny, "options": here | own}
     with (
         _settings(),
+        _without_script(),
         SpecCluster(
             scheduler={"cls": QuietScheduler, "options": here},
             worker=worker,
