@@ -3,6 +3,10 @@
 import os
 import sys
 
+# two threads that share the small matrices of a vehicle wait awake for each other: fifty times the processor time
+# where all cores are busy; read when numpy is imported
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from hypothesis import settings
 from support import examples  # noqa: F401 (its profiles)
