@@ -45,6 +45,6 @@ def warm() -> str:
 
 def _try(normal: str) -> None:
     """A short run and a static pose with a normal model."""
-    for analysis, values in (("curving", {"run.distance_m": 0.2}), ("static", {})):
+    for analysis, values in (("curving", {"run.distance_m": 0.2}), ("static", {"static.lateral_mm": 0})):
         scenario = load_text(scenario_template(analysis), shipped_models())
         run(scenario.with_values({"contact.normal": normal, **values}))
