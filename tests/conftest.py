@@ -1,5 +1,6 @@
 """Settings of the whole test suite."""
 
+import gc
 import os
 import sys
 
@@ -12,6 +13,7 @@ from hypothesis import settings
 from support import examples  # noqa: F401 (its profiles)
 from support.pictures import leave_unpainted, sketch
 
+gc.disable()  # until all modules are there
 sys.exudynFast = False  # the module that checks ranges and lengths
 os.environ.setdefault("NUMBA_NUM_THREADS", "2")  # two threads can be tried on one core
 # threads that wait awake take turns with the other workers of the suite: a test of two took minutes beside them
@@ -42,6 +44,12 @@ FIRST = (
     "contact/test_strip_model.py", "analysis/test_resume.py",
 )  # fmt: skip
 """What comes first: the test that compiles nearly all kernels, beside it tests that need none, then the longest."""
+
+
+def pytest_collection_finish() -> None:
+    """What all modules hold is no garbage and need not be looked through again."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

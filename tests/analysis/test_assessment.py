@@ -11,14 +11,13 @@ from support.rows import rows_of
 from support.scenario_texts import CURVE, faults
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 
+from wrsim import InputError, Result
 from wrsim.analysis.assessment import assess_runs
 from wrsim.analysis.assessment.estimates import regression
 from wrsim.analysis.assessment.filters import band_pass, low_pass, sliding_mean, sliding_rms, windows
 from wrsim.analysis.assessment.nadal import Climbing, longest_stretch, nadal_limit
 from wrsim.analysis.assessment.sections import sections_of, zone_of
 from wrsim.analysis.ride import ride_section_of
-from wrsim.errors import InputError
-from wrsim.results import Result
 from wrsim.results.assessment import Assessment, assessment_json
 from wrsim.results.rules import About, rule_set
 from wrsim.scenario.sections.assessment import AssessmentSettings
@@ -39,7 +38,6 @@ def gain(filtered, frequency: float) -> float:
     return float(np.hypot(*np.linalg.lstsq(waves[inside], filtered(waves[:, 0])[inside], rcond=None)[0]))
 
 
-# --- filters ------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("cut_off", [6.0, 20.0, 100.0])
 def test_a_low_pass_is_down_3_dB_at_its_cut_off_and_falls_24_dB_an_octave(cut_off):
     def filtered(signal):
@@ -94,7 +92,6 @@ def test_what_cannot_be_assessed_says_why_and_too_slow_samples_how_fast():
         assess_runs(run(step=0.025))
 
 
-# --- sliding values -----------------------------------------------------------------------------------------
 def test_a_sliding_mean_is_the_integral_of_the_line_through_the_samples():
     distance = np.cumsum(np.linspace(0.01, 0.05, 2000))  # not uniform
     middles = windows(distance, 2.0, 0.5)
@@ -115,7 +112,6 @@ def test_the_rms_of_a_sine_over_whole_waves_is_its_amplitude_over_root_2():
     assert windows(distance, 301.0, 1.0).size == 0
 
 
-# --- sections -----------------------------------------------------------------------------------------------
 def test_track_is_cut_into_sections_of_its_classes():
     found = sections_of(run(900.0, curvature=curve(-500.0)).dataset, EN.classes)
     assert [s.zone for s in found] == [
@@ -139,7 +135,6 @@ def test_classes_of_curves(radius, zone):
     assert zone_of(1.0 / radius, EN.classes) == zone_of(-1.0 / radius, EN.classes) == zone
 
 
-# --- quantities ---------------------------------------------------------------------------------------------
 def only(found: Assessment, key: str, wheel: str = "") -> float:
     """The value of a quantity that there is once."""
     (value,) = [v for v in found.of(key) if v.wheel == wheel]
@@ -333,7 +328,6 @@ def test_accelerations_of_a_car_body_and_of_a_bogie_frame():
     assert found.settings["instability_frequency_frame_Hz"] == pytest.approx(5.0, abs=0.2)
 
 
-# --- derailment ---------------------------------------------------------------------------------------------
 def test_nadals_limit_is_its_closed_form_and_the_longest_stretch_beyond_ends_between_samples():
     assert nadal_limit(np.radians(70.0), 0.0) == pytest.approx(tan(np.radians(70.0)))
     assert nadal_limit(np.radians(70.0), 0.36) == pytest.approx(tan(np.radians(70.0) - np.arctan(0.36)))
@@ -380,7 +374,6 @@ def test_a_wheel_pushed_sideways_without_load_is_beyond_any_limit():
     assert json.loads(assessment_json(found))["values"]  # infinite values do not break the file
 
 
-# --- limits -------------------------------------------------------------------------------------------------
 def limit_of(quantity: str, **about) -> float | None:
     found = EN.about(quantity).limit_at(About(**about))
     return found and found.value
@@ -396,7 +389,6 @@ def test_limits_are_those_of_the_standards():
     assert limit_of("Y_qst", radius=150.0) is None and limit_of("Y_over_Q", radius=150.0) is None
 
 
-# --- files, command, errors ---------------------------------------------------------------------------------
 def of_radius(radius: float, guiding: float, scenario: str = "") -> Result:
     """A run through a full curve of 140 m with that guiding force of the outer wheel [N]."""
     return run(

@@ -11,11 +11,9 @@ from support.rows import rows_of
 from support.runs import FAST, SCENARIOS
 from support.vehicles import ROOT, on_track, shipped
 
-from wrsim.analysis import run
-from wrsim.errors import InputError
+from wrsim import InputError, load, run
 from wrsim.geometry.track.bridge import Bridge, read_bridge
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load
 from wrsim.simulation.steady_state import steady_state
 
 SPAN, BENDING, MASS = 20.0, 35e9 * 0.52, 16587.0
@@ -80,7 +78,6 @@ def test_stiffness_of_deck_and_wheels_have_one_potential() -> None:
     assert of_height[law.of_deck[0]] == pytest.approx(of_mode[0], rel=1e-4)
 
 
-# --- a coach --------------------------------------------------------------------------------------------------------
 @cache
 def over_the_bridge(mass: float, spread: float) -> xr.Dataset:
     """The shipped scenario, with this mass [t/m] and elastic length [m]."""

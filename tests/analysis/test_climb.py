@@ -8,19 +8,16 @@ import pytest
 from support.rows import rows_of
 from support.runs import SCENARIOS
 
-from wrsim.analysis import run
+from wrsim import InputError, SimulationError, load, load_profile, run
 from wrsim.analysis.assessment.nadal import nadal_limit
 from wrsim.analysis.overturning import at_speed, side_force
 from wrsim.analysis.stationary.statics import static_state
-from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.flange import flange_dimensions, flank_of
-from wrsim.geometry.profile.models import load_profile
 from wrsim.plots.climb import climb_figure
 from wrsim.plots.overturning import overturning_figures
 from wrsim.results.climb import climb_tables, summarise_climb
 from wrsim.results.overturning import overturning_tables, summarise_overturning
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load
 from wrsim.scenario.sections.overturning import Wind
 
 table = rows_of(__file__)

@@ -11,13 +11,10 @@ from support.rows import rows_of
 from support.runs import FAST, SCENARIOS
 from support.scenario_texts import CURVE, STATIC
 
-from wrsim.analysis import run
+from wrsim import InputError, Result, load, load_text, run
 from wrsim.analysis.compare import compare_models, of_wheels
 from wrsim.analysis.resolve import resolve_contacts
-from wrsim.errors import InputError
-from wrsim.results import Result
 from wrsim.scenario.contact_choice import split_names, with_contact_model
-from wrsim.scenario.loading import load, load_text
 
 table = rows_of(__file__)
 

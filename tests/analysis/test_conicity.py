@@ -13,19 +13,15 @@ from support.commands import ok, refusal
 from support.rows import rows_of
 from support.runs import ROOT
 
-from wrsim.analysis import run
+from wrsim import InputError, Profile, Result, load, load_profile, run
 from wrsim.analysis.conicity.conicity import equivalent_conicity, wheelset_conicity
 from wrsim.analysis.conicity.pairs import conicity_map
 from wrsim.analysis.conicity.rigid import rigid_contact
-from wrsim.errors import InputError
 from wrsim.geometry.profile.flange import FLANGE_FROM
-from wrsim.geometry.profile.models import load_profile, profiles_in
-from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.profile.models import profiles_in
 from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections
-from wrsim.results import Result
 from wrsim.results.conicity import steering_summary
 from wrsim.results.tables import tables
-from wrsim.scenario.loading import load
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 

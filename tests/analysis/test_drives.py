@@ -12,12 +12,10 @@ from support.runs import straight
 from support.scenario_texts import CURVE, faults
 from support.vehicles import COARSE, ROOT, manchester, on_track
 
-from wrsim.analysis import run
+from wrsim import Result, Scenario, load, run
 from wrsim.analysis.contacts import force_law
 from wrsim.core.body.vehicle_forces import PIECE, motion_at
-from wrsim.results import Result
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.placement import design_state
 from wrsim.vehicle.elements import TRACK, Element, PlaneFriction, Slider, Strut
 from wrsim.vehicle.loads import Effort
@@ -34,7 +32,6 @@ def on_straight(**keys: object) -> Scenario:
     return load(COACH).with_values(COARSE | own | {key.replace("__", "."): value for key, value in keys.items()})
 
 
-# --- the frame --------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     "profile",
     [
@@ -54,7 +51,6 @@ def test_the_frame_runs_as_far_as_its_speed_says(profile):
     assert profile.until(9.0) == (4.0, 16.0)
 
 
-# --- adhesion ---------------------------------------------------------------------------------------------
 SLIPPERY = {"contact.friction": 0.1, "vehicle.drive": "free", "vehicle.speed_kmh": 60, "run.time_s": 1.2}
 HARD = [{"on": ["front.outer"], "time_s_moment_kNm": [[0.05, 0], [0.15, -9]]}]
 """More than the 5 kN m that a friction of 0.1 lets through under 54 kN a wheel."""
@@ -112,7 +108,6 @@ def test_channels_of_the_drive_belong_together():
     assert float(data["drive_work"].sel(wheelset=first)[-1]) < -50e3
 
 
-# --- runs -------------------------------------------------------------------------------------------------
 def test_a_run_follows_the_speed_of_its_table():
     rows = [[20, 60], [40, 72]]
     keys = {"vehicle.speed_kmh": {"distance_m_speed_kmh": rows}, "run.distance_m": 50, "vehicle.drive": "wheels"}
@@ -139,7 +134,6 @@ def test_motors_alone_accelerate_the_mass_and_the_turning_wheels():
     assert speed[-1] - speed[0] == pytest.approx(expected, rel=0.02)
 
 
-# --- what is refused --------------------------------------------------------------------------------------
 @pytest.mark.parametrize(("line", "said"), table("bad_speeds_and_efforts_are_refused_with_file_and_key"))
 def test_bad_speeds_and_efforts_are_refused_with_file_and_key(tmp_path, line, said):
     found = faults(CURVE.replace("speed_kmh = 54", line), tmp_path)
@@ -181,7 +175,6 @@ def ride(*cases: str) -> Result:
     return run(load(ROOT / "scenarios/manchester_r300.toml").with_values(values))
 
 
-# --- runs -------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     "cases",
     [
@@ -216,7 +209,6 @@ def test_a_grade_raises_and_its_part_of_the_weight_is_pulled():
     assert np.ptp(data["kinetic_energy"].values) < 1e-4 * float(data["kinetic_energy"][0])
 
 
-# --- what dampers and friction take -----------------------------------------------------------------------
 def test_dampers_take_what_does_not_turn_round_with_the_velocities():
     """Springs take a power that changes its sign with all velocities, dampers one that does not."""
     law = on_springs(manchester())

@@ -10,16 +10,13 @@ import xarray as xr
 from support.rows import rows_of
 from support.runs import FAST, LEADING, SCENARIOS, STEERING, arc, setup_of, straight
 
-from wrsim.analysis import run
+from wrsim import InputError, Result, Scenario, SimulationError, load, run
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.steady import cant_deficiency
-from wrsim.errors import InputError, SimulationError
-from wrsim.results import Result
 from wrsim.results.tables import tables
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.sections.steady import SteadyPoint
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 

@@ -10,9 +10,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from support.rows import rows_of
 from support.runs import SCENARIOS
 
-from wrsim import InputError, load, run
+from wrsim import InputError, Result, load, run
 from wrsim.analysis import cost_of, exact_run_warning, recorded
-from wrsim.results import Result
 from wrsim.results.exports import export_result
 from wrsim.results.table import duration
 from wrsim.scenario.build import build

@@ -10,21 +10,17 @@ import numpy as np
 import pytest
 from support.runs import FAST, SCENARIOS, arc, straight
 
-from wrsim.analysis import run
+from wrsim import Scenario, Straight, Track, Vehicle, load, run
 from wrsim.analysis.motion.messages import event_words
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.stationary.statics import static_state
-from wrsim.geometry.track.segments import Straight
-from wrsim.geometry.track.track import Track
 from wrsim.plots.histories import vehicle_figures
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation import integrate
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.preload import preloads
-from wrsim.vehicle.vehicle import Vehicle
 
 G = 9.80665
 TARE, COAL, WHEELSET, FRAME = 22e3, 68e3, 1300.0, 2100.0

@@ -13,13 +13,9 @@ from support.rows import rows_of
 from support.runs import straight
 from support.vehicles import COARSE, ROOT, on_track, read_vehicle, shipped
 
-from wrsim.analysis import run
+from wrsim import InputError, Scenario, Straight, Track, load, run
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.rigid_body import pitched
-from wrsim.errors import InputError
-from wrsim.geometry.track.segments import Straight
-from wrsim.geometry.track.track import Track
-from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise
 from wrsim.simulation.placement import design_state
@@ -42,7 +38,6 @@ def scenario(**keys: object) -> Scenario:
     return load(ROOT / "scenarios/manchester_r300.toml").with_values(COARSE | own | given)
 
 
-# --- moments ----------------------------------------------------------------------------------------------
 def test_what_motor_gear_and_axle_take_from_each_other_is_the_rate_of_what_turns():
     vehicle = shipped("manchester_motor")
     (drive, _), moment = vehicle.drives, 8e3
@@ -76,7 +71,6 @@ def test_a_hollow_axle_loses_its_damping_times_the_square_of_its_rate():
     assert law.axles["loss"] == pytest.approx([0.0, vehicle.drives[1].damping * 0.3**2, 0.0, 0.0], rel=1e-6, abs=1e-9)
 
 
-# --- laws -------------------------------------------------------------------------------------------------
 def in_space(name: str, **drive: float) -> VehicleOnTrack:
     """The bodies of a vehicle with their geared motors, which nothing else holds or carries."""
     vehicle = shipped(name)
@@ -146,7 +140,6 @@ def test_the_hollow_axle_swings_between_wheelset_rotor_and_case(ratio):
     assert np.abs(values).max() == pytest.approx(by_hand, rel=1e-9)
 
 
-# --- reactions --------------------------------------------------------------------------------------------
 @cache
 def pulling(moment: float) -> tuple[np.ndarray, dict[str, float]]:
     """Q of all wheels (4,) by wheelset and tension of the torque arms, at constant speed against a load at the
@@ -191,7 +184,6 @@ def test_pulling_unloads_the_leading_axle_of_the_bogie_by_the_height_of_its_rod(
     assert np.abs(change[2:]).max() < 0.01 * by_hand
 
 
-# --- energy -----------------------------------------------------------------------------------------------
 def test_work_of_the_motors_is_kinetic_energy_or_lost_in_creep():
     efforts = [
         {"on": [drive.wheelset for drive in shipped("manchester_motor").drives],
@@ -209,7 +201,6 @@ def test_work_of_the_motors_is_kinetic_energy_or_lost_in_creep():
     assert work - loss == pytest.approx(gained, abs=1e-3 * gained)
 
 
-# --- runs -------------------------------------------------------------------------------------------------
 def test_a_run_tells_what_the_hollow_axles_carry():
     efforts = [{"on": ["front.bogie.outer"], "time_s_moment_kNm": [[0, 0], [0.2, 5]]}]
     result = run(scenario(vehicle__drive="free", vehicle__efforts=efforts, run__time_s=1.2))
@@ -224,7 +215,6 @@ def test_a_run_tells_what_the_hollow_axles_carry():
     assert float(np.abs(data["shaft_moment"].sel(wheelset="rear.outer")).max()) == 0.0
 
 
-# --- bad files --------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(("line", "said"), table("bad_drives_are_refused_with_file_and_key"))
 def test_bad_drives_are_refused_with_file_and_key(tmp_path, line, said):
     text = FILE.read_text()
@@ -235,7 +225,6 @@ def test_bad_drives_are_refused_with_file_and_key(tmp_path, line, said):
     assert said in str(told.value) and "bad.toml" in str(told.value)
 
 
-# --- nose-suspended motors ----------------------------------------------------------------------------------
 NOSE_MASS, BEHIND, ARM = 2200.0, 0.45, 1.0
 """Of a motor [kg], of its centre and of its nose from the axle [m]."""
 

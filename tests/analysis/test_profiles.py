@@ -9,11 +9,10 @@ from support.commands import ok, refusal
 from support.rows import rows_of
 
 import wrsim
+from wrsim import Profile, load_profile
 from wrsim.analysis.profiles import measured_tables
 from wrsim.geometry.profile.flange import tread_hollow
 from wrsim.geometry.profile.head_wear import head_wear
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import cone
 from wrsim.geometry.profile.wear import Removal, worn
 

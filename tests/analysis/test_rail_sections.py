@@ -12,19 +12,12 @@ from support.rows import rows_of
 from support.runs import FAST, SCENARIOS
 from support.vehicles import Train, manchester, on_track
 
-from wrsim import load_vehicle
-from wrsim.analysis import run
+from wrsim import Arc, Flat, Harmonic, InputError, Result, load, load_profile, load_text, load_vehicle, run
 from wrsim.analysis.resolve import resolve_contacts
-from wrsim.errors import InputError
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.out_of_round import Flat, Harmonic
-from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.lookup import shipped_models
-from wrsim.results import Result
 from wrsim.results.moments import sample_of
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load, load_text
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import lower_on_rails, steady_state
 from wrsim.simulation.step_size import eigenvalues

@@ -16,12 +16,10 @@ from support.waiting import wait_until
 
 import wrsim.analysis.motion.record as record_module
 import wrsim.analysis.motion.run as run_module
-from wrsim.analysis import recorded, run
+from wrsim import InputError, Result, WrsimError, load, run
+from wrsim.analysis import recorded
 from wrsim.analysis.motion.monitor import Monitor
-from wrsim.errors import InputError, WrsimError
-from wrsim.results import Result
 from wrsim.results.run_file import RunFile, is_running, records_of
-from wrsim.scenario.loading import load
 from wrsim.simulation import recorder as recorders
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.force_law import ForceLaw
@@ -227,7 +225,6 @@ def test_a_whole_vehicle_goes_on_to_the_bit(tmp_path, often):
     assert run(scenario, record=path, resume=True).dataset.identical(whole.dataset)
 
 
-# --- the command ------------------------------------------------------------------------------------------------
 KEYS: dict[str, Any] = {"track.segments": [straight(2.0)], "output.patches_at_m": [1.0]}
 KEYS |= FAST | {"run.step_us": 100, "run.output_interval_ms": 0.5}
 

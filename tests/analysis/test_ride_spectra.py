@@ -96,7 +96,6 @@ def test_the_comfort_of_a_vibration_that_grows_is_that_of_its_95th_percentile_bl
     assert found.percentiles == pytest.approx((1.0 + 0.95 * 23.0) * steady, rel=0.01)
 
 
-# --- the ride of a result -------------------------------------------------------------------------------------
 def test_the_ride_of_sines_is_known():
     found = evaluate_ride(sines())
     assert found.points == ("front", "rear")

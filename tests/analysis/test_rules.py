@@ -9,13 +9,11 @@ from support.rows import rows_of
 from support.scenario_texts import CURVE, DATA
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 
+from wrsim import InputError, Result, load_text
 from wrsim.analysis.assessment import assess_runs
 from wrsim.analysis.assessment.nadal import distance_to_climb
-from wrsim.errors import InputError
-from wrsim.results import Result
 from wrsim.results.assessment import Assessment
 from wrsim.results.rules import FOLDER, NAMES, QUANTITIES, About, rule_set
-from wrsim.scenario.loading import load_text
 from wrsim.scenario.sections.assessment import AssessmentSettings
 from wrsim.study.outputs import case_outputs
 from wrsim.study.spec import OutputsSection
@@ -149,7 +147,6 @@ def test_uic_518_counts_curves_of_little_cant_deficiency_as_straight():
     assert {s.zone for s in assessed("uic518", at_38_mm).sections} == {"straight", "transition"}
 
 
-# --- files --------------------------------------------------------------------------------------------------
 def test_every_set_that_is_shipped_has_a_source_for_every_limit():
     assert NAMES == ("49cfr213", "49cfr238", "en14363", "en14363-stationary", "uic518")
     for name in NAMES:

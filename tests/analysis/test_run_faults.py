@@ -14,7 +14,7 @@ from support.commands import call, forked, ok
 from support.runs import FAST, LEADING, SCENARIOS, STEERING, arc, ride, setup_of, straight, transition
 from support.vehicles import ROOT, SHORT
 
-from wrsim.analysis import run
+from wrsim import InputError, Result, Scenario, SimulationError, load, load_profile, run
 from wrsim.analysis.compare import compare_models, comparison_report
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion import monitor as monitors
@@ -27,11 +27,7 @@ from wrsim.contact.status import NOT_CONVERGED, WORDS
 from wrsim.contact.workspace import KernelArrays
 from wrsim.core.contact import records
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
-from wrsim.errors import InputError, SimulationError
-from wrsim.geometry.profile.models import load_profile
-from wrsim.results import Result
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
@@ -80,7 +76,6 @@ def derailed(name: str) -> Result:
     return run_in_time(setup(CASES[name]))
 
 
-# --- derailment -------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("name", CASES)
 def test_a_derailment_says_what_when_and_where(name):
     result = derailed(name)
@@ -162,7 +157,6 @@ def test_flange_tips_and_gauge_faces_are_where_the_standards_have_them():
     assert flange_tip(cone) is None
 
 
-# --- a law that fails, a step that is too long, a start that is none --------------------------------------------
 def law_that(monkeypatch, does) -> None:
     """From 0.3 s on the force law does something else."""
     true = VehicleOnTrack.__call__
@@ -207,7 +201,6 @@ def test_the_complaint_about_a_long_step_names_file_and_line(tmp_path):
     assert re.search(message, checked.stderr.replace("\n", " "))
 
 
-# --- from outside -----------------------------------------------------------------------------------------------
 def interrupted_on_the_way() -> None:
     """The signal of Ctrl-C comes to this process 0.1 s after the start of its run."""
     look, sent = Monitor.__call__, []

@@ -9,17 +9,14 @@ from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 from support.rows import rows_of
 from support.runs import SCENARIOS
 
-from wrsim.analysis import run
+from wrsim import InputError, Result, Scenario, load, run
 from wrsim.analysis.stability.cycles import CycleSearch, nonlinear_outcome
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.analysis.stability.run import run_stability
 from wrsim.analysis.stationary.statics import static_state
-from wrsim.errors import InputError
 from wrsim.plots import standard_pictures
-from wrsim.results import Result
 from wrsim.results.tables import tables
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.sections.stability import StabilityPlan
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.modes import linearise

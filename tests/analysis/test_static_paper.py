@@ -27,7 +27,6 @@ def main(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.isel(wheel=0, patch=0)
 
 
-# --- the fit ---------------------------------------------------------------------------------------------
 def test_table_2_is_met_but_for_the_four_numbers_that_the_page_names(dataset: xr.Dataset) -> None:
     """A fit: the wheel was made for this. The others contradict the numbers beside them in the paper's table."""
     shifts, paper = table2.published()
@@ -63,7 +62,6 @@ def _numbers(table: str) -> np.ndarray:
     return np.array([float(cell.replace("\N{MINUS SIGN}", "-").replace("%", "")) for cell in cells])
 
 
-# --- laws ------------------------------------------------------------------------------------------------
 def test_forces_lie_within_the_fan_of_normals_of_strips_as_wide_as_asked(dataset: xr.Dataset, main: xr.Dataset) -> None:
     """Y / Q = tan of an angle between the smallest and the largest contact angle."""
     direction = np.arctan(dataset["Y_over_Q"].isel(wheel=0).values)

@@ -10,12 +10,11 @@ from support.commands import call
 from support.rows import rows_of
 from support.vehicles import manchester, on_track, shipped
 
+from wrsim import InputError, Vehicle
 from wrsim.analysis.stationary import loops
 from wrsim.analysis.stationary.at_rest import tables_at_rest
-from wrsim.errors import InputError
 from wrsim.vehicle.bogies import bogies_of
 from wrsim.vehicle.elements import Slider, Strut
-from wrsim.vehicle.vehicle import Vehicle
 
 table = rows_of(__file__)
 
@@ -36,7 +35,6 @@ def with_struts(kind: str, places: list[tuple[str, str, tuple[float, float, floa
     return replace(manchester(), elements=(*manchester().elements, *struts))
 
 
-# --- twist ------------------------------------------------------------------------------------------------
 def test_the_twists_of_the_standard_join_where_their_formulas_meet():
     for length in (4.0, 20.0, 30.0):
         assert loops.lone_twist(length) == pytest.approx(loops.lone_twist(length * (1 + 1e-9)), rel=1e-6)
@@ -95,7 +93,6 @@ def test_both_ways_of_the_freight_wagon_differ_by_no_more_than_its_guides_hold()
     assert (found.friction < 1.01 * bound).all() and (found.friction > 0.6 * bound).all()
 
 
-# --- rotation ---------------------------------------------------------------------------------------------
 OWN = 2.0 * 160e3 * 1.0**2
 """Yaw stiffness of the coach's secondary springs [N m/rad]: of 160 kN/m, 1 m to either side."""
 GIVING = OWN / (4.0 * 160e3 * 9.5**2 + OWN) + OWN / (4.0 * (31391e3 * 1.0**2 + 3884e3 * 1.28**2))
@@ -148,7 +145,6 @@ def test_bogies_at_either_end_are_alike(name):
     assert front == pytest.approx(rear, rel=1e-6)
 
 
-# --- which body holds what --------------------------------------------------------------------------------
 def test_an_axle_is_held_by_a_frame_and_not_by_its_own_bridge():
     vehicle = shipped("irw")
     assert [(b.frame, b.wheelsets) for b in bogies_of(vehicle)] == [("front.frame", (0, 1)), ("rear.frame", (2, 3))]
@@ -160,7 +156,6 @@ def test_an_axle_is_held_by_a_frame_and_not_by_its_own_bridge():
     assert [(b.frame, b.wheelsets) for b in motors] == [("front.bogie.frame", (0, 1)), ("rear.frame", (2, 3))]
 
 
-# --- the command ------------------------------------------------------------------------------------------
 def test_the_command_makes_both_tests_and_draws_their_loops(tmp_path):
     picture = tmp_path / "loops.png"
     linear = ["vehicle", "vehicles/manchester_1.toml", "--twist-test", "--rotation-test", "--loops", str(picture)]

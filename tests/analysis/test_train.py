@@ -12,15 +12,13 @@ from scipy.optimize import linear_sum_assignment
 from support.runs import FAST, SCENARIOS, arc, straight, transition
 from support.vehicles import coaches, manchester, on_track
 
-from wrsim.analysis import run
+from wrsim import Arc, Scenario, Straight, load, run
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.core.jit.compiling import cores, use_threads
-from wrsim.geometry.track.segments import Arc, Straight
 from wrsim.plots.histories import vehicle_figures
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.steady_state import TOLERANCE, SteadyMotion, steady_state
 

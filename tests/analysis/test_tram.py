@@ -8,9 +8,7 @@ import pytest
 import xarray as xr
 from support.runs import FAST, SCENARIOS
 
-from wrsim.analysis import run
-from wrsim.results import Result
-from wrsim.scenario.loading import load
+from wrsim import Result, load, run
 
 RADIUS, AHEAD, MASS, SPEED = 25.0, 0.65, 700.0 + 4500.0, 10.0 / 3.6
 FACE = -80.538

@@ -14,8 +14,7 @@ from support.commands import refusal
 from support.runs import FAST, arc, straight, transition
 from support.vehicles import ROOT
 
-from wrsim import load, stepper, write_unit
-from wrsim.errors import InputError, WrsimError
+from wrsim import InputError, WrsimError, load, stepper, write_unit
 from wrsim.simulation.stepper import Stepper
 
 fmpy = pytest.importorskip("fmpy")
@@ -184,9 +183,7 @@ def test_a_unit_begins_again_and_goes_back_to_a_state(made: Any) -> None:
     assert outputs(unit) == first
 
 
-def test_what_a_unit_cannot_do_or_be_is_refused(
-    made: Any, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_a_unit_cannot_do_or_be_is_refused(made: Any, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     unit = made()
     torque, force = (unit.references[f"rear.inner.{name}"] for name in ("torque_Nm", "Y_left_N"))
     assert unit.refusal(unit.setFloat64, [torque], [np.nan]) == "rear.inner.torque_Nm: must be a finite number, not nan"

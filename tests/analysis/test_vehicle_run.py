@@ -11,15 +11,14 @@ from numba.core import sigutils
 from support.runs import FAST, LEADING, SCENARIOS, STEERING, arc, setup_of, straight, transition
 from support.vehicles import ROOT, SHORT, into_the_curve, manchester
 
-from wrsim.analysis import recorded, run
+from wrsim import InputError, Scenario, load, run
+from wrsim.analysis import recorded
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.analysis.motion.start import straight_before
 from wrsim.analysis.ride import evaluate_ride
-from wrsim.errors import InputError
 from wrsim.results import CHANNELS
 from wrsim.results.tables import tables
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.ahead import LARGE
 from wrsim.simulation.step_size import implicit_step
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY

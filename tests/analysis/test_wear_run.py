@@ -9,13 +9,11 @@ import xarray as xr
 from support.rows import rows_of
 from support.runs import LEADING, SCENARIOS, arc, mirrored, setup_of, transition
 
+from wrsim import InputError, Result, load
 from wrsim.analysis.motion.run import run_in_time
-from wrsim.errors import InputError
 from wrsim.plots.pictures import standard_figures
 from wrsim.report.page import report_page
-from wrsim.results import Result
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.loading import load
 
 table = rows_of(__file__)
 

@@ -90,7 +90,6 @@ def test_their_contact_law_is_read_as_the_source_has_it(tmp_path):
     assert pose[2] - height == pytest.approx(0.42024171, abs=1e-6)
 
 
-# --- the light rail vehicle with independent wheels ---------------------------------------------------------
 @needs_tables
 def test_independent_wheels_of_the_source_roll_on_straight_track_as_it_says(tmp_path):
     """49 287.489 N a wheel and 38.782287 rad/s at 60 km/h in its start state."""

@@ -9,19 +9,15 @@ import struct
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
-from support.contacts import bench, contact_of, pair_model, settle
 from support.rows import rows_of
 from support.runs import STEERING, setup_of, straight
 from support.scripts import ROOT, script
 
-from wrsim.analysis import run
+from wrsim import InputError, load, run
 from wrsim.analysis.motion import result as results
 from wrsim.analysis.motion.run import run_in_time
-from wrsim.errors import InputError
 from wrsim.report.output_folder import read
-from wrsim.scenario.loading import load
 
 table = rows_of(__file__)
 
@@ -68,9 +64,7 @@ def refusal(path: Path) -> str:
 
 
 @pytest.mark.parametrize(("change", "words"), table("an_odd_header_of_a_run_file_is_refused_by_name"))
-def test_an_odd_header_of_a_run_file_is_refused_by_name(
-    change: dict[str, object], words: str, run_files: tuple[Path, bytes], tmp_path: Path
-) -> None:
+def test_an_odd_header_of_a_run_file_is_refused_by_name(change, words, run_files, tmp_path):
     (header, nothing), *rest = crafted.records(run_files[1])
     path = tmp_path / "result.nc.part"
     path.write_bytes(crafted.run_file([(json.dumps(json.loads(header) | change).encode(), nothing), *rest]))
@@ -92,9 +86,7 @@ def test_a_header_that_is_no_table_is_refused(header: bytes, run_files: tuple[Pa
         ({"step": None}, "numbers has the head"),
     ],
 )
-def test_samples_that_a_record_declares_and_does_not_hold_are_refused(
-    change: dict[str, object], words: str, run_files: tuple[Path, bytes], tmp_path: Path
-) -> None:
+def test_samples_that_a_record_declares_and_does_not_hold_are_refused(change, words, run_files, tmp_path):
     header, (about, numbers), *rest = crafted.records(run_files[1])
     path = tmp_path / "result.nc.part"
     path.write_bytes(crafted.run_file([header, (json.dumps(json.loads(about) | change).encode(), numbers), *rest]))
@@ -145,45 +137,6 @@ def test_a_result_does_not_depend_on_how_many_samples_are_evaluated_at_once(monk
     whole = run_in_time(setup).dataset
     monkeypatch.setattr(results, "BLOCK", 7)
     assert run_in_time(setup).dataset.identical(whole)
-
-
-# The scoreboard's own arithmetic, and the page that is made from it.
-@pytest.fixture(scope="module")
-def scoreboard():
-    return script("campaigns/scoreboard.py")
-
-
-def row(case, method, pmax, **changes):
-    return {
-        "case_id": case, "method": method, "ierr": "0", "fz_ok": "1", "n_components": "1", "pmax_MPa": str(pmax),
-        "area_mm2": "50", "pen_mm": "0.04", "Fn_N": "24000", "cant_label": "1:40", "y_ws_mm": "0",
-    } | changes  # fmt: skip
-
-
-def test_the_truth_is_one_region_that_met_its_load(scoreboard):
-    rows = [
-        row("a", "contact_planar", 990.0), row("a", "contact_conf_hs", 1000.0), row("a", "kpec", 950.0),
-        row("b", "contact_planar", 500.0), row("b", "contact_conf_hs", 510.0, n_components="2"),
-        row("c", "contact_conf_hs", 700.0, ierr="-29"), row("d", "contact_conf_hs", 700.0, fz_ok="0"),
-        row("e", "contact_conf_hs", 700.0), row("e", "contact_conf_hs", 100.0),
-    ]  # fmt: skip
-    cases = scoreboard.by_case(rows)
-    truth = scoreboard.truths(cases)
-    # the curved solution before the planar one, the planar one where the other has two regions, none of the rest
-    assert {case: r["pmax_MPa"] for case, r in truth.items()} == {"a": "1000.0", "b": "500.0"}
-    said = scoreboard.peer(cases, "kpec")
-    assert scoreboard.ratios(truth, said, "p0_MPa") == pytest.approx([-0.05])
-
-
-@pytest.mark.parametrize("lateral", [0.0, 3e-3, 6e-3])
-def test_regions_hold_all_strips_once(scoreboard, lateral):
-    stand = bench(pair_model("S1002/60E1 1:40"))
-    settle(stand, lateral, 0.0, 60e3)
-    contact = contact_of(stand)
-    regions = sys.modules["reference_contact"].strip_regions(np.concatenate(contact.strips), 0.0)
-    assert sum(r.normal_force for r in regions) == pytest.approx(contact.normal_force, rel=1e-9)
-    assert [r.normal_force for r in regions] == sorted((r.normal_force for r in regions), reverse=True)
-    assert 1 <= len(regions) <= len(contact.patches)
 
 
 def test_the_validation_report_is_that_of_its_data():

@@ -17,11 +17,10 @@ from support.scenario_texts import CURVE, edited
 from support.synthetic_result import curve_run, static_poses
 
 import wrsim.analysis
+from wrsim import Result, SimulationError
 from wrsim.cli import console
 from wrsim.cli.console import plain
-from wrsim.errors import SimulationError
 from wrsim.inputs.lookup import shipped_models
-from wrsim.results import Result
 
 table = rows_of(__file__)
 
@@ -86,9 +85,7 @@ def test_models_of_the_user_are_found(scenario: Path, tmp_path: Path) -> None:
     assert call("check", scenario, "--models", tmp_path / "mine").exit_code == 0
 
 
-def test_results_go_to_a_folder_named_after_the_scenario_unless_told(
-    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_results_go_to_a_folder_named_after_the_scenario_unless_told(scenario, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     analysis_that(monkeypatch, completed)
     call("run", scenario, "--no-pictures")
@@ -96,9 +93,7 @@ def test_results_go_to_a_folder_named_after_the_scenario_unless_told(
 
 
 @pytest.mark.usefixtures("unpainted")
-def test_a_run_that_stops_keeps_what_was_computed_and_says_why(
-    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_that_stops_keeps_what_was_computed_and_says_why(scenario, tmp_path, monkeypatch):
     analysis_that(monkeypatch, stopped)
     result = call("run", scenario, "-o", tmp_path / "out", "--no-pictures")
     assert result.exit_code == 3
@@ -127,9 +122,7 @@ def failing(error: BaseException) -> Any:
         (ZeroDivisionError("float division"), 70, "internal error: ZeroDivisionError: float division"),
     ],
 )
-def test_no_error_ends_in_a_traceback(
-    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException, code: int, message: str
-) -> None:
+def test_no_error_ends_in_a_traceback(scenario, tmp_path, monkeypatch, error, code, message):
     analysis_that(monkeypatch, failing(error))
     result = call("run", scenario, "-o", tmp_path / "out")
     assert result.exit_code == code
@@ -139,17 +132,13 @@ def test_no_error_ends_in_a_traceback(
     assert json.loads(for_machines.stdout)["error"]["exit_code"] == for_machines.exit_code == code
 
 
-def test_an_internal_error_shows_its_traceback_to_who_asks(
-    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_internal_error_shows_its_traceback_to_who_asks(scenario, tmp_path, monkeypatch):
     analysis_that(monkeypatch, failing(ZeroDivisionError("here")))
     monkeypatch.setenv("WRSIM_DEBUG", "1")
     assert isinstance(call("run", scenario, "-o", tmp_path / "out").exception, ZeroDivisionError)
 
 
-def test_a_place_that_may_not_be_written_is_told_before_anything_is_computed(
-    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_place_that_may_not_be_written_is_told_before_anything_is_computed(scenario, tmp_path, monkeypatch):
     calls = analysis_that(monkeypatch, completed)
     (tmp_path / "taken").write_text("a file")
     result = call("run", scenario, "-o", tmp_path / "taken")

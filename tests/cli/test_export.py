@@ -15,11 +15,10 @@ from support.commands import ok, refusal
 from support.runs import FAST, SCENARIOS
 from support.synthetic_result import static_poses
 
-from wrsim.analysis import run
-from wrsim.results import CHANNELS, Result, exports
+from wrsim import Result, load, run
+from wrsim.results import CHANNELS, exports
 from wrsim.results.exports import export_result
 from wrsim.results.tables import frame
-from wrsim.scenario.loading import load
 
 SHOWN = {
     "kN": ("N", 1e3), "mm": ("m", 1e-3), "mrad": ("rad", 1e-3), "°": ("rad", math.pi / 180.0), "MPa": ("Pa", 1e6),
@@ -51,8 +50,7 @@ def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
         pytest.importorskip(library)
     folder = tmp_path_factory.mktemp("run")
     Result(request.param()).save(folder / "result.nc")
-    formats = "mat,csv,parquet" + ("" if request.param is poses else ",mdf")
-    ok("export", folder, "--to", formats)
+    ok("export", folder, "--to", "mat,csv,parquet" + ",mdf" * (request.param is coach))
     return folder
 
 
@@ -157,9 +155,7 @@ def test_words_in_an_exported_table_are_no_formulas(tmp_path: Path) -> None:
     assert list(pd.read_csv(tmp_path / "result.csv")["pose"])[:2] == ["'=1+0", "'=1+1"]
 
 
-def test_large_tables_are_written_on_request(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_large_tables_are_written_on_request(folder, tmp_path, monkeypatch, caplog):
     """The same bytes as those beside a small result."""
     result = Result.load(folder)
     usual = exports.write_run(result, tmp_path / "usual")[2:]

@@ -5,6 +5,7 @@ import re
 import runpy
 import tomllib
 from collections.abc import Callable
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -14,21 +15,17 @@ from jsonschema.validators import Draft7Validator, validator_for
 from support.commands import call, ok, refusal
 from support.rows import rows_of
 
-from wrsim.errors import InputError
-from wrsim.geometry.profile.models import load_profile
+from wrsim import InputError, Vehicle, load, load_profile, load_text, load_vehicle
 from wrsim.inputs.reference import entries
 from wrsim.inputs.toml_files import shown_value
 from wrsim.register import ANALYSES, FILES
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.plausibility import vehicle_warnings
 from wrsim.scenario.reference import schema_text, tables_of_file
 from wrsim.scenario.templates import TEMPLATES, scenario_template
 from wrsim.scenario.track_build import track_model
 from wrsim.study.evolution.reading import read_evolution
 from wrsim.study.plan import planned
-from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.vehicle_sections import WheelsetTable
 
 table = rows_of(__file__)
@@ -45,6 +42,7 @@ def test_the_schemas_are_not_stale_and_need_the_tables_that_a_scenario_needs() -
     assert faults(schema_of("scenario"), data) == ["'track' is a required property"]
 
 
+@cache
 def schema_of(file: str) -> Draft7Validator:
     """The schema of a kind of file, itself checked, in the draft that it says it is written in."""
     schema = json.loads(schema_text(file))

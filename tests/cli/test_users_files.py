@@ -45,15 +45,12 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {p.name: p.read_bytes() for p in folder.iterdir() if p.name != MANIFEST}
 
 
-# --- the user's files ----------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     "name",
     ["scenario.toml", "wheelset_1/patches.csv"]
     + [pytest.param(name, marks=pytest.mark.campaign) for name in ("history.csv", "summary.json", "result.nc")],
 )
-def test_a_run_does_not_write_over_a_file_of_the_users(
-    scenario: Path, tmp_path: Path, name: str, analysed: list[str]
-) -> None:
+def test_a_run_does_not_write_over_a_file_of_the_users(scenario: Path, tmp_path: Path, name: str, analysed: list[str]):
     out = tmp_path / "out"
     (out / name).parent.mkdir(parents=True)
     (out / name).write_text("mine")
@@ -164,7 +161,6 @@ def test_every_name_that_write_run_uses_is_looked_at_beforehand(tmp_path: Path) 
     assert all(any(fnmatch(f.name, pattern) for pattern in OUTPUTS) for f in written)
 
 
-# --- links ---------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("content", [b"a letter of mine" * 10, b""])
 def test_the_target_of_a_link_in_the_place_of_a_run_file_is_left_alone(tmp_path: Path, content: bytes) -> None:
     target, link = tmp_path / "letter.txt", tmp_path / "result.nc.part"
@@ -185,7 +181,6 @@ def test_only_what_carries_our_signature_is_cut(tmp_path: Path) -> None:
     RunFile(path).close()
 
 
-# --- two at once, and half-way -------------------------------------------------------------------------
 def test_a_second_run_into_a_folder_in_use_changes_nothing_there(scenario: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert call("run", scenario, "-o", out, "--no-pictures").exit_code == 0
@@ -200,9 +195,7 @@ def test_a_second_run_into_a_folder_in_use_changes_nothing_there(scenario: Path,
 
 
 @pytest.mark.parametrize("place", ["wrsim.report.output_folder.write_run", "wrsim.plots.standard_figures"])
-def test_tables_and_pictures_belong_to_the_run_until_they_are_there(
-    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, analysed: list[str]
-) -> None:
+def test_tables_and_pictures_belong_to_the_run_until_they_are_there(scenario, tmp_path, monkeypatch, place, analysed):
     """Killed while they are written, a run that is gone on with makes them."""
     whole, out = tmp_path / "whole", tmp_path / "out"
     assert call("run", scenario, "-o", whole).exit_code == 0
@@ -243,9 +236,7 @@ def test_what_a_killed_run_had_not_finished_goes_and_nothing_else(scenario: Path
     assert left >= {*own, ".link.csv.0a1b2c3d.part"}
 
 
-def test_a_folder_deleted_during_a_run_is_made_anew(
-    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_folder_deleted_during_a_run_is_made_anew(scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     out = tmp_path / "out"
     analysis = wrsim.analysis.run
 
@@ -258,7 +249,6 @@ def test_a_folder_deleted_during_a_run_is_made_anew(
     assert {"scenario.toml", "result.nc", "history.csv", "overview.png"} <= set(contents(out))
 
 
-# --- the manifest itself ---------------------------------------------------------------------------------
 def test_a_torn_line_of_the_manifest_hides_no_other(tmp_path: Path) -> None:
     with keeping(Keeper()):
         write_atomically(tmp_path / "a.csv", b"1")
@@ -271,9 +261,7 @@ def test_a_torn_line_of_the_manifest_hides_no_other(tmp_path: Path) -> None:
     assert (tmp_path / "a.csv").read_bytes() == b"3"
 
 
-def test_a_file_noted_but_not_written_before_a_kill_is_still_ours(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_noted_but_not_written_before_a_kill_is_still_ours(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """The line stands before the file does, so both the old and the new file are known."""
     with keeping(Keeper()):
         write_atomically(tmp_path / "a.csv", b"old")

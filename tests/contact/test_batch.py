@@ -5,12 +5,11 @@ import pytest
 import xarray as xr
 from support.contacts import RADIUS, bench, pair_model, rail_profile, wheel_profile
 
-from wrsim import ContactSettings, contact_map
+from wrsim import ContactSettings, InputError, contact_map
 from wrsim.contact.batch import LOAD_TOLERANCE, search_for
 from wrsim.core.contact.prescribed_load import REACHED, SEARCHING, begin, next_height
 from wrsim.core.contact.records import STATUS_BESIDE, STATUS_IN_A_JUMP, STATUS_OUT_OF_REACH
 from wrsim.core.jit.compiling import cores
-from wrsim.errors import InputError
 
 PAIR = "S1002/60E1 1:40"
 LOAD = 55e3

@@ -17,14 +17,12 @@ from support.rows import rows_of
 from support.runs import FAST, LEADING, arc, setup_of
 from support.scenario_texts import CURVE, edited, faults
 
+from wrsim import ContactModel, ContactSettings, Friction, Result, load_text
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.contact.half_space import HalfSpace
-from wrsim.contact.model import ContactModel
 from wrsim.contact.models import fast_model
-from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, HalfSpaceSettings
-from wrsim.results import Result
+from wrsim.contact.settings import FrictionAlong, HalfSpaceSettings
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load_text
 
 table = rows_of(__file__)
 

@@ -16,14 +16,13 @@ from hypothesis import strategies as st
 from support import examples as tried
 from support.contacts import GAUGE, HALF_SPACING, RADIUS, contact_model, finite, rail_profile, strips_of, wheel_profile
 
+from wrsim import Pose, Profile
 from wrsim.analysis.poses.solver import HalfSpacePoseSolver, PoseSolver
 from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.pose import Pose
 from wrsim.contact.settings import HalfSpaceSettings, Normal
 from wrsim.contact.status import GRID_EDGE, NOT_CONVERGED, TOO_MANY
 from wrsim.core.contact import records as k
-from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
 from wrsim.geometry.profile.wear import Removal, worn
 
@@ -44,7 +43,6 @@ def examples(normal: str, many: int) -> int:
     return EXAMPLES.get(normal, tried.examples(many))
 
 
-# --- random profiles and poses ------------------------------------------------------------------------
 WHEELS, RAILS = 5, 5  # of random wear; the first is new
 
 
@@ -167,7 +165,6 @@ def test_the_normal_force_grows_with_the_approach(normal):
     law()
 
 
-# --- mirrors and rotation -----------------------------------------------------------------------------
 # Relative to the force. Tables are sampled from the other end of a mirrored profile, the search starts elsewhere: the
 # main point is found to 1e-10 m, and where curvature jumps the other of its two values stands in the table. 4e-4 was
 # the worst of 300 random poses.
@@ -244,7 +241,6 @@ def test_a_turned_section_gives_turned_forces(normal, angle):
     law()
 
 
-# --- scales -------------------------------------------------------------------------------------------
 @cache
 def enlarged(profile: Profile, scale: float) -> Profile:
     """The same shape, larger."""
@@ -300,7 +296,6 @@ def test_stiffer_steel_bears_in_proportion(normal):
     law()
 
 
-# --- bad input ----------------------------------------------------------------------------------------
 S1002, R60E1 = "S1002", "60E1"
 
 

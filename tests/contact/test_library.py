@@ -15,14 +15,12 @@ import pytest
 from support.contacts import RADIUS, bench, pair_model, rail_profile, settle, wheel_profile
 from support.scripts import script
 
+from wrsim import Friction, Harmonic, InputError, WrsimError, contact_model
 from wrsim.contact.library_file import MAGIC
-from wrsim.contact.models import contact_model
-from wrsim.contact.settings import Friction, FrictionAlong
+from wrsim.contact.settings import FrictionAlong
 from wrsim.contact.status import WORDS, status_words
 from wrsim.core.contact import records as k
 from wrsim.core.jit import kernel
-from wrsim.errors import InputError, WrsimError
-from wrsim.geometry.profile.out_of_round import Harmonic
 from wrsim.library.build import HEADER, LIBRARY, SOURCE, build_library
 
 ROOT = Path(__file__).parents[2]

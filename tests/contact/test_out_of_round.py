@@ -11,14 +11,12 @@ from support.contacts import RADIUS, rail_profile, round_wheel, wheel_at, wheel_
 from support.rows import rows_of
 from support.scripts import script
 
-from wrsim.contact.models import contact_model
-from wrsim.contact.settings import ContactSettings
+from wrsim import ContactSettings, Flat, Harmonic, InputError, RadiusTable, contact_model
 from wrsim.core.contact.out_of_round import depth_at
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.search.locus import LARGEST_SINE, locus_node, locus_point
 from wrsim.core.contact.wheel_rail import bodies
-from wrsim.errors import InputError
-from wrsim.geometry.profile.out_of_round import Flat, Harmonic, RadiusTable, shape_tables
+from wrsim.geometry.profile.out_of_round import shape_tables
 from wrsim.geometry.profile.sections import circle, cone
 
 table = rows_of(__file__)

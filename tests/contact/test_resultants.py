@@ -125,7 +125,6 @@ def test_at_standstill_everything_is_finite_and_the_drawn_wheel_stands_where_it_
     np.testing.assert_allclose(up[seen] - origin[2] + RADIUS, w[seen], atol=1e-7)
 
 
-# --- damping ------------------------------------------------------------------------------------------
 DAMPING = 2.0
 
 

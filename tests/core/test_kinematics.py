@@ -10,14 +10,13 @@ from hypothesis import strategies as st
 from support.knife_edge import bare_wheelset
 from support.paths import curvature, locate
 
+from wrsim import Arc, Straight, Track, Transition
 from wrsim.core.body import kinematics as wheelset
 from wrsim.core.frames import BodyMotion, point_velocity
 from wrsim.core.linalg import Vec
 from wrsim.core.track import path
 from wrsim.core.track import path as core
 from wrsim.geometry.track.path import COLUMNS, Path
-from wrsim.geometry.track.segments import Arc, Straight, Transition
-from wrsim.geometry.track.track import Track
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track, state_on_track

@@ -41,7 +41,7 @@ print(len(recorder.buffer), contact.normal_force.hex())
 def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with wrsim in it, as installed from a wheel that holds kernels for this machine."""
     place = tmp_path_factory.mktemp("installed")
-    shutil.copytree(ROOT / "wrsim", place / "wrsim", ignore=shutil.ignore_patterns("__pycache__", "kernels"))
+    shutil.copytree(ROOT / "wrsim", place / "wrsim", ignore=shutil.ignore_patterns("kernels"))
     shutil.copytree(ROOT / "models", place / "wrsim" / "models")
     gather = runpy.run_path(str(ROOT / ".ci/ship_kernels.py"))["gather"]
     gather(Path(str(CACHE)), place / "wrsim" / "kernels", ())
@@ -178,9 +178,7 @@ def test_a_shared_directory_holds_a_folder_of_the_users_own_or_none(places: tupl
 
 
 @pytest.mark.parametrize("planted", ["open", "link", "somebody else's"])
-def test_what_another_user_could_have_planted_is_not_used(
-    places: tuple[Path, Path], planted: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_another_user_could_have_planted_is_not_used(places, planted, monkeypatch, capsys):
     home, shared = places
     (home / "wrsim").write_text("no folder can be made there")
     evil = shared / "evil"

@@ -9,15 +9,12 @@ import pytest
 from support import scenario_texts as texts
 from support.rows import rows_of
 
-from wrsim.analysis import run
-from wrsim.errors import InputError
+from wrsim import Arc, InputError, Straight, Track, Transition, load, load_text, run
 from wrsim.geometry.track.irregularities import Bump, Disturbance, Polygon, Sampled
-from wrsim.geometry.track.segments import Arc, Grade, Segment, Straight, Transition, pitch_law
+from wrsim.geometry.track.segments import Grade, Segment, pitch_law
 from wrsim.geometry.track.spectra import SPECTRA, Realisation
 from wrsim.geometry.track.table import TrackTable
-from wrsim.geometry.track.track import Track
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load, load_text
 
 table = rows_of(__file__)
 
@@ -35,7 +32,6 @@ def offsets(track: Track, side: str, s: np.ndarray) -> np.ndarray:
     return np.einsum("nij,nj->ni", frame[:, 1:], rail - frame[:, 0])
 
 
-# --- grades ---------------------------------------------------------------------------------------------------------
 def test_a_track_on_a_grade_climbs_by_its_sine_and_is_as_long_as_itself() -> None:
     track = Track.build(CURVE, grades=[Grade(0.0, 0.04)], **OFFSETS)
     angle = math.atan(0.04)
@@ -108,7 +104,6 @@ def test_a_grade_that_cannot_be_is_named(grades: list[list[float]], message: str
         pitch_law([Grade(*grade) for grade in grades], 180.0)
 
 
-# --- minimally compliant analytical track ---------------------------------------------------------------------------
 MCAT = """
 [[track.irregularities]]
 kind = "mcat"
@@ -164,7 +159,6 @@ def test_a_deviation_that_cannot_be_is_told_in_one_line(keys: str, message: str)
     assert len(str(caught.value).splitlines()) == 1
 
 
-# --- what irregularities do to the rails ----------------------------------------------------------------------------
 @pytest.mark.parametrize("channel, rail, left, right", table("every_channel_moves_the_rails_it_names"))
 def test_every_channel_moves_the_rails_it_names(channel, rail, left, right) -> None:
     size = 8e-3
@@ -214,7 +208,6 @@ def test_the_rows_of_a_rail_follow_waves_of_a_metre() -> None:
     assert np.abs(error).max() < 5e-3 * 1e-4  # of the amplitude; found is 0.4 %
 
 
-# --- spectra --------------------------------------------------------------------------------------------------------
 @pytest.fixture(scope="module")
 def long_track() -> Track:
     """10 km on ERRI B176 high, waves of 1 to 100 m."""
@@ -288,7 +281,6 @@ def test_rows_too_coarse_for_the_waves_and_bands_finer_than_the_table_are_refuse
         TrackTable.read(file).laws(1.435)
 
 
-# --- tables ---------------------------------------------------------------------------------------------------------
 def write_table(path: Path, columns: dict[str, np.ndarray]) -> Path:
     rows = np.column_stack(list(columns.values()))
     path.write_text(",".join(columns) + "\n" + "\n".join(",".join(f"{v:.9g}" for v in row) for row in rows) + "\n")
@@ -345,7 +337,6 @@ def test_a_faulty_table_is_told_with_its_line(tmp_path: Path, text: str, message
         TrackTable.read(file)
 
 
-# --- in files -------------------------------------------------------------------------------------------------------
 SCENARIO = "\n" + texts.CURVE.partition("kind")[0].replace("= 54", "= 72") + 'kind = "straight"\nlength_m = 200\n'
 """Straight track, on which a wheelset runs at 20 m/s."""
 

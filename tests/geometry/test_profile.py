@@ -9,10 +9,9 @@ from hypothesis import strategies as st
 from support.examples import examples
 from support.rows import rows_of
 
-from wrsim.errors import InputError
+from wrsim import InputError, Profile, load_profile
 from wrsim.geometry.profile.flange import flange_dimensions
-from wrsim.geometry.profile.models import load_profile, write_depths
-from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.profile.models import write_depths
 from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, profile_from_sections, rail_head
 from wrsim.geometry.profile.wear import BRIDGE, Removal, area_off, bin_edges, depths_of, on_unworn, smoothed_table, worn
 

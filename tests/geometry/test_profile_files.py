@@ -13,11 +13,9 @@ from support.examples import examples
 from support.rows import rows_of
 from support.scenario_texts import DATA
 
-from wrsim.errors import InputError
+from wrsim import InputError, Profile, load_profile
 from wrsim.geometry.profile.files import read_points
-from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.points import CUTOFF, ProfilePoints, smoothed, smoothing_spline
-from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
 from wrsim.results.smoothing import report_smoothing
 
@@ -52,7 +50,6 @@ def write(tmp_path):
     return writer
 
 
-# --- there and back -----------------------------------------------------------------------------------
 SHAPES = [
     WHEEL,
     RAIL,
@@ -88,7 +85,6 @@ def test_a_profile_that_is_read_is_the_one_written_to_a_nanometre(profile, forma
     np.testing.assert_allclose(back.tangent(L * back.length / profile.length), profile.tangent(L), atol=1e-4)
 
 
-# --- orientation, order, unit -------------------------------------------------------------------------
 @pytest.mark.parametrize("order", [1, -1])
 @pytest.mark.parametrize("heights", ["up", "down"])
 @pytest.mark.parametrize("side", ["positive", "negative"])
@@ -134,7 +130,6 @@ def test_columns_may_be_separated_as_spreadsheets_do_and_digits_spoil_no_curvatu
     np.testing.assert_allclose(profile.curvature(profile.arclength_of(u)), -1 / 0.3, atol=1.0)
 
 
-# --- SIMPACK ------------------------------------------------------------------------------------------
 def simpack(points: str, keys: str = "", kind: int = 1) -> str:
     """A SIMPACK profile with the comments and the alignment that such files have."""
     return (DATA / "simpack.txt.in").read_text().format(points=points, keys=keys, kind=kind)
@@ -162,7 +157,6 @@ def test_simpack_files_with_faults_are_refused(write, change, message):
         read_points(write(text.replace(*change), "w.prw"), "wheel").profile()
 
 
-# --- MiniProf -----------------------------------------------------------------------------------------
 def miniprof(points: str, keys: str = "") -> str:
     """A MiniProf measurement: head, an empty line, rows."""
     return f"ProgramName=MiniProf\nDate=31-01-2026\nFlangeWidth=32,5\n{keys}\n\n{points}"
@@ -193,7 +187,6 @@ def test_miniprof_files_with_faults_are_refused(write, keys, message):
         read_points(write(miniprof(rows(WHEEL), keys), "w.whl")).profile()
 
 
-# --- bad points ---------------------------------------------------------------------------------------
 BAD = table("bad")
 
 
@@ -264,7 +257,6 @@ def test_every_shipped_profile_loads_and_names_its_source(path):
     assert profile.kind == path.parent.name.removesuffix("s")
 
 
-# --- S1002 -------------------------------------------------------------------------------------------
 S1002_FORMULAS = table("s1002_formulas")
 
 
@@ -280,7 +272,6 @@ def test_s1002_follows_the_formulas_of_its_standard(first, last, formula):
     assert np.abs(across[(u > first + 2.1) & (u < last - 2.1)]).max(initial=0.0) < 1e-9
 
 
-# --- rails -------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("rail", "half_width", "depth"), [("60E1", 36.0, 14.3), ("54E1", 35.0, 14.1)], ids=["60E1", "54E1"]
 )
@@ -331,7 +322,6 @@ def test_rail_arcs_meet_where_published(rail, points):
         assert -1e-3 * profile.curvature_after[i] == pytest.approx(1 / outer, rel=1e-9, abs=1e-12)
 
 
-# --- the other kinds ---------------------------------------------------------------------------------
 def test_a_chain_of_tangent_pieces_passes_the_tape_circle(toml):
     profile = load_profile(
         toml("""
@@ -387,7 +377,6 @@ def test_points_beside_a_file_are_read_as_it_says(toml, tmp_path):
     assert -0.03 <= u[0] < -0.0299 and 0.0299 < u[-1] <= 0.03
 
 
-# --- slips -------------------------------------------------------------------------------------------
 SLIPS = table("slips")  # fmt: skip
 
 
@@ -477,7 +466,6 @@ def test_the_report_tells_noise_from_shape(files):
     assert blunt["rms_change_um"] > 1.5 * blunt["scatter_um"]
 
 
-# --- the command --------------------------------------------------------------------------------------
 def test_the_command_compares_cutoffs(files, tmp_path):
     result = ok(
         "profile", files[1], "--kind", "rail", "--cutoff", 3.5, "--cutoff", 10, "-o", tmp_path / "rail.png", "--json"
@@ -509,7 +497,6 @@ def test_what_cannot_be_smoothed_is_answered(files, tmp_path, words, message):
     assert not (tmp_path / "out.png").exists()
 
 
-# --- garbage ------------------------------------------------------------------------------------------
 SCAN = "".join(f"{u:.4f} {w:.4f}\n" for u, w in measured(load_profile(MODELS / "rails/60E1.toml"), 5e-4, 3))
 LINES = SCAN.splitlines(keepends=True)
 

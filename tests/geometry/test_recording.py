@@ -13,17 +13,14 @@ from support.recording_car import Car, shipped_line
 from support.rows import rows_of
 from support.runs import FAST, SCENARIOS
 
-from wrsim.analysis import run
-from wrsim.errors import InputError
-from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
+from wrsim import Arc, InputError, Straight, Track, Transition, load, run
+from wrsim.geometry.track.segments import Segment
 from wrsim.geometry.track.spectra import Realisation
-from wrsim.geometry.track.track import Track
 from wrsim.recording.columns import ChannelSection, guessed
 from wrsim.recording.reading import recording_from
 from wrsim.recording.restoring import Restored, restore
 from wrsim.recording.systems import BaseDifference, Chord, Inertial, InverseFilter, Plain, band_window, filtered
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load
 
 table = rows_of(__file__)
 

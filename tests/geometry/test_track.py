@@ -12,12 +12,10 @@ from scipy.special import fresnel
 from support.paths import locate
 from support.rows import rows_of
 
-from wrsim.errors import InputError
-from wrsim.geometry.profile.models import load_profile
+from wrsim import Arc, InputError, Straight, Track, Transition, load_profile
 from wrsim.geometry.track.crossing import read_crossing
 from wrsim.geometry.track.rail_surface import RailSurface
-from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
-from wrsim.geometry.track.track import Track
+from wrsim.geometry.track.segments import Segment
 
 table = rows_of(__file__)
 
@@ -57,7 +55,6 @@ def s_curve(radius: float = 300.0, shape: str = "clothoid") -> tuple[Segment, ..
     )
 
 
-# ---- the centre line ----
 @pytest.mark.parametrize("radius", [25.0, 150.0, 300.0, -1000.0])
 def test_a_full_circle_closes_within_a_nanometre(radius: float) -> None:
     track = Track.build([Arc(2.0 * math.pi * abs(radius), radius)])
@@ -166,7 +163,6 @@ def test_several_turns_are_followed_without_a_wrapped_angle() -> None:
     assert steps.max() < 1.06 * 0.25 / (radius - 1.0)
 
 
-# ---- cant and gauge ----
 def test_a_left_curve_has_its_right_rail_up_and_a_right_curve_its_left_rail() -> None:
     left, right = Track.build(curve(300.0)), Track.build(curve(-300.0))
     assert left.cant(110.0) == pytest.approx(0.1, abs=1e-15)
@@ -242,9 +238,6 @@ def test_gauge_widening_moves_each_rail_by_half() -> None:
         assert offset_right == pytest.approx([0.0, -half, 0.0], abs=2e-9)  # table against the exact centre
 
 
-# ---- the rails ----
-
-
 @pytest.mark.parametrize("shape", SHAPES)
 def test_level_rails_differ_in_length_by_spacing_times_heading(shape: str) -> None:
     """True for every level curve of constant gauge, whatever its transitions."""
@@ -274,9 +267,7 @@ def test_rail_distance_and_centre_distance_are_inverse_and_table_rows_are_evenly
 
 @pytest.mark.parametrize("radius, length", [(25.0, 15.0), (60.0, 20.0), (300.0, 40.0), (5000.0, 120.0)])
 @pytest.mark.parametrize("shape", SHAPES)
-def test_quarter_metre_tables_follow_the_exact_rails_within_a_micrometre(
-    radius: float, length: float, shape: str
-) -> None:
+def test_quarter_metre_tables_follow_the_exact_rails_within_a_micrometre(radius: float, length: float, shape: str):
     """Largest errors sit in the rows beside joints, where the slope of curvature and roll jumps."""
     track = Track.build(curve(radius, shape, cant=min(0.1, 0.004 * length), length=length))
     for curve_, path in ((track.left_curve, track.left), (track.right_curve, track.right)):
@@ -286,13 +277,8 @@ def test_quarter_metre_tables_follow_the_exact_rails_within_a_micrometre(
         assert np.abs(frame[:, 1] - fine.table[:, 3:6]).max() < 1.5e-5
 
 
-# ---- what is refused ----
-
-
 @pytest.mark.parametrize("segments, words", table("a_wrong_segment_is_named"))
-def test_a_wrong_segment_is_named_with_its_number_key_value_and_what_is_allowed(
-    segments: list, words: list[str]
-) -> None:
+def test_a_wrong_segment_is_named_with_its_number_key_value_and_what_is_allowed(segments: list, words: list[str]):
     kinds = {"straight": Straight, "transition": Transition, "arc": Arc}
     with pytest.raises(InputError) as error:
         Track.build([kinds[one[0]](*one[1:]) if isinstance(one, list) else one for one in segments])
@@ -304,9 +290,6 @@ def test_a_wrong_segment_is_named_with_its_number_key_value_and_what_is_allowed(
 def test_a_wrong_property_of_the_track_is_named(arguments: dict, words: str) -> None:
     with pytest.raises(InputError, match=words):
         Track.build([Straight(10.0)], **arguments)
-
-
-# ---- the picture ----
 
 
 # A fixed crossing from a few numbers: its sections are wing and nose, and its nose grows to the plain rail.

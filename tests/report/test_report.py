@@ -25,22 +25,20 @@ from support.synthetic_result import curve_run, static_poses
 from support.synthetic_run import Q0, run
 from support.synthetic_run import curve as bend
 
-from wrsim import analysis
+from wrsim import InputError, Result, analysis, load
 from wrsim.analysis.motion.derailment import WatchedWheel
 from wrsim.analysis.resolve import with_moments
 from wrsim.contact.status import WORDS
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
-from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.charts import envelope, interruptions, pieces_of
 from wrsim.report.page import report_page
 from wrsim.report.tables import contacts as contacts_of
 from wrsim.report.view_data import PATH_STEP, needed, setup_of, view_data, view_page
-from wrsim.results import CHANNELS, Result
+from wrsim.results import CHANNELS
 from wrsim.results.moments import sample_of
 from wrsim.results.summary import CUT_STEPS
 from wrsim.results.wheelsets import wheelsets
-from wrsim.scenario.loading import load
 
 EVIL = "</script><script>window.evil = 1</script><img src=x onerror='window.evil=1'>\"'&{{ 7*7 }}"
 
@@ -112,7 +110,6 @@ class Structure(HTMLParser):
             self.mute.append(self.get_starttag_text() or "")
 
 
-# --- envelopes ----------------------------------------------------------------------------------------------
 @given(st.integers(1, 3000), st.integers(0, 2**32 - 1))
 def test_every_piece_holds_its_least_and_its_largest_value(samples: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -167,7 +164,6 @@ def test_a_drawn_line_passes_all_its_points(count: int, seed: int) -> None:
         assert np.hypot(*(point - nearest).T).min() <= 0.15 + 1e-9  # as far as a point left out may lie beside it
 
 
-# --- what stands in it --------------------------------------------------------------------------------------
 def test_a_report_says_who_it_is_how_it_went_and_from_which_bytes_it_came(page: str, coach: Result) -> None:
     assert f"<h1>{coach.title}</h1>" in page
     assert re.search(r'class="verdict (good|bad)">[^<]*worst margin -?\d+ %', page)
@@ -260,9 +256,7 @@ def test_texts_of_users_are_escaped(curve: Result) -> None:
 
 
 @pytest.mark.usefixtures("unpainted")
-def test_two_results_are_set_against_each_other_with_wheelsets_from_the_front(
-    curve: Result, few: Result, page: str
-) -> None:
+def test_two_results_are_set_against_each_other_with_wheelsets_from_the_front(curve: Result, few: Result, page: str):
     """The second has Q of the right wheel 10 % larger, another speed, and another name of its wheelset."""
     other = curve.dataset.copy(deep=True)
     other["Q"].loc[{"wheel": "right"}] *= 1.1
@@ -306,8 +300,6 @@ def test_the_bundles_can_stand_in_a_page() -> None:
     assert "MIT" in (folder / "licences.txt").read_text()
 
 
-# --- the command --------------------------------------------------------------------------------------------
-# --- in a browser -------------------------------------------------------------------------------------------
 @pytest.fixture(scope="module")
 def opened(chromium: Browser, page: str, tmp_path_factory: pytest.TempPathFactory) -> Browser:
     """The report of the run."""
@@ -370,9 +362,7 @@ def test_the_charts_answer_with_the_envelope_of_the_dataset(opened: Browser, coa
 
 
 @pytest.mark.usefixtures("unpainted")
-def test_texts_of_users_and_foreign_scripts_run_nothing_and_cards_of_wheelsets_fit_a_phone(
-    chromium: Browser, curve: Result, tmp_path: Path
-) -> None:
+def test_texts_of_users_and_foreign_scripts_run_nothing_and_cards_of_wheelsets_fit_a_phone(chromium, curve, tmp_path):
     evil = replace(curve, dataset=curve.dataset.assign_attrs(title=EVIL, scenario_text=EVIL))
     foreign = (
         "<script>window.evil = 1</script><script src='data:text/javascript,window.evil=1'></script>"
@@ -422,10 +412,10 @@ def stability() -> Result:
 
 @pytest.fixture(scope="module")
 def viewed(coach: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """With contacts every 1.2 m, .06 s."""
+    """With contacts every 2.4 m, .12 s."""
     file = tmp_path_factory.mktemp("view") / "view.html"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("wrsim.report.view_data.SECTIONS", 60)
+        patch.setattr("wrsim.report.view_data.SECTIONS", 30)
         file.write_text(view_page(coach, Path()))
     return file
 
@@ -437,7 +427,6 @@ def modes_page(stability: Result, tmp_path_factory: pytest.TempPathFactory) -> P
     return file
 
 
-# --- numbers ------------------------------------------------------------------------------------------------
 def test_contacts_solved_again_are_those_of_the_run(coach: Result) -> None:
     setup, why = setup_of(coach, Path())
     assert setup is not None, why
@@ -463,9 +452,7 @@ def test_pressures_between_the_kept_moments_are_those_of_the_samples(coach: Resu
     assert ratio.min() > 0.975 and ratio.max() < 1.003
 
 
-def test_what_contacts_solved_again_have_to_say_stands_among_the_notes(
-    coach: Result, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_contacts_solved_again_have_to_say_stands_among_the_notes(coach: Result, monkeypatch: pytest.MonkeyPatch):
     setup, _ = setup_of(coach, Path())
     assert setup is not None
     assert with_moments(coach.dataset, setup, [40]).attrs["contact_remark"] == ""
@@ -523,7 +510,6 @@ def test_without_its_model_files_a_result_still_shows_its_contacts_but_there_mus
         view_data(Result(dataset), None)
 
 
-# --- in a browser -------------------------------------------------------------------------------------------
 @pytest.fixture(scope="module")
 def viewer(chromium: Browser, viewed: Path) -> Browser:
     """The viewed of the run, opened once."""
@@ -573,13 +559,12 @@ def test_keys_and_the_history_go_along_the_run(viewer: Browser) -> None:
     viewer.run("return wrsim.ready.then(() => wrsim.seek(40))")
     at = "return wrsim.viewer.at"
     before = viewer.run(at)
-    ends = viewer.run(f"""return ['ArrowRight', 'ArrowLeft', 'Home', 'End'].map((key) =>
-        [document.body, document.getElementById('place'), document.getElementById('play')].map((target) => {{
-            wrsim.viewer.go({before});
-            target.dispatchEvent(new KeyboardEvent('keydown', {{ key, bubbles: true }}));
-            return wrsim.viewer.at; }}))""")
-    last = viewer.run("return wrsim.viewer.count - 1")
-    assert ends == [[end] * 3 for end in (before + 1, before - 1, 0, last)]
+    ends = viewer.run(f"""const at = (id) => document.getElementById(id), page = document.body;
+        return [['ArrowRight', page], ['ArrowLeft', at('place')], ['Home', at('play')], ['End', at('place')]].map(
+            ([key, target]) => {{ wrsim.viewer.go({before});
+                target.dispatchEvent(new KeyboardEvent('keydown', {{ key, bubbles: true }}));
+                return wrsim.viewer.at; }})""")
+    assert ends == [before + 1, before - 1, 0, viewer.run("return wrsim.viewer.count - 1")]
     viewer.run("document.getElementById('rate').value = '0.1'; wrsim.seek(10)")
     viewer.run("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: ' ', bubbles: true }))")
     assert viewer.run("return wrsim.viewer.playing")
@@ -625,7 +610,7 @@ def test_a_script_that_gets_into_the_viewer_does_not_run(chromium: Browser, view
     assert len(told) == 2 and all("Content Security Policy" in words for words in told), told
 
 
-def test_rails_and_axles_are_bent_at_the_largest_force_alone(chromium: Browser, coach: Result, tmp_path: Path) -> None:
+def test_rails_and_axles_are_bent_at_the_largest_force_alone(chromium, coach, tmp_path, monkeypatch):
     own = coach.dataset
     at = float(own["wheelset_distance"][own.sizes["time"] // 2, 0])
     place, y = at + np.linspace(-8.0, 8.0, 65), np.linspace(-1.1, 1.1, 9)
@@ -639,6 +624,7 @@ def test_rails_and_axles_are_bent_at_the_largest_force_alone(chromium: Browser, 
     name = f"{wheelsets(own)[0]} left"
     whole = Result(own.assign(bent).assign_attrs(own.attrs | {"bent_by": name, "bent_at_m": at}))
     page = tmp_path / "bent.html"
+    monkeypatch.setattr("wrsim.report.view_data.SECTIONS", 2)
     page.write_text(view_page(whole, tmp_path))
     chromium.open(page)
     chromium.run("return wrsim.ready.then(() => document.querySelector('[data-factor=\"200\"]').click())")

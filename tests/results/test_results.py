@@ -63,7 +63,6 @@ def written(tmp_path_factory) -> dict[str, Path]:
     return directories
 
 
-# the register ------------------------------------------------------------------------------------------------------
 def test_units_for_readers_agree_with_si_units():
     si = {"s": "s", "m": "m", "mm": "m", "um": "m", "mm2": "m2", "kmh": "m/s", "per_km": "1/m", "per_m": "1/m"}
     si |= {"rad_s": "rad/s", "mrad": "rad", "deg": "rad", "N": "N", "kN": "N", "Nm": "N m", "kNm": "N m", "MPa": "Pa"}
@@ -76,7 +75,6 @@ def test_units_for_readers_agree_with_si_units():
     assert CHANNELS["contact_angle"].shown.factor == pytest.approx(180.0 / np.pi)
 
 
-# assembling --------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("kind", EVERY)
 def test_every_variable_carries_its_unit_and_its_long_name(kind):
     for name, variable in dataset_of(kind).variables.items():
@@ -115,7 +113,6 @@ def test_a_mistake_of_the_calling_code_is_named(coords, channels, attributes, wo
         assemble(coords, channels, ATTRIBUTES | attributes)
 
 
-# the file ----------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("kind", EVERY)
 def test_a_result_written_and_read_back_is_identical(kind, written):
     dataset = dataset_of(kind)
@@ -223,7 +220,6 @@ def test_files_that_are_not_ours_and_places_that_are_no_directory_are_refused(tm
         write_atomically(tmp_path / "result.nc", b"")
 
 
-# tables ------------------------------------------------------------------------------------------------------------
 def read_table(path: Path) -> list[dict[str, str]]:
     with path.open(newline="") as stream:
         return list(csv.DictReader(stream))
@@ -287,7 +283,6 @@ def test_the_strip_table_sums_up_to_the_normal_force(kind, written):
     assert len(rows) == int(np.isfinite(dataset["strip_p"]).sum())
 
 
-# summary -----------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("kind", EVERY)
 def test_the_summary_is_plain_json_and_matches_the_dataset(kind, written):
     dataset = dataset_of(kind)
@@ -461,9 +456,7 @@ def record(setup: Setup, tmp_path: Path) -> Path:
     return path
 
 
-def test_a_result_on_disk_is_the_one_in_memory(
-    setup: Setup, record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_result_on_disk_is_the_one_in_memory(setup, record, tmp_path, monkeypatch):
     at_most(monkeypatch, 10**9)
     in_memory = recorded_run(setup, record)
     tables = {f.name: f.read_bytes() for f in write_run(in_memory, tmp_path / "memory") if f.suffix != ".nc"}

@@ -19,27 +19,22 @@ from support.examples import examples
 from support.rows import rows_of
 from support.scenario_texts import CURVE, STATIC, edited, faults
 
-from wrsim.errors import InputError
-from wrsim.geometry.profile.models import load_profile
+from wrsim import InputError, Result, load, load_profile, load_text, load_vehicle
 from wrsim.inputs.checking import check_section
 from wrsim.inputs.lines import key_lines
 from wrsim.inputs.lookup import VARIABLE, shipped_models
 from wrsim.inputs.section import MOST_FAULTS
 from wrsim.inputs.toml_files import LARGEST, parse_toml, read_bytes, read_text, reading_within, shown_value, write_toml
 from wrsim.report.view_data import setup_of
-from wrsim.results import Result
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.merging import MOST_BASES
 from wrsim.scenario.sections.static import read_cases
 from wrsim.vehicle.element_tables import DamperTable
-from wrsim.vehicle.vehicle_files import load_vehicle
 
 table = rows_of(__file__)
 
 SCENARIOS = shipped_models().parent / "scenarios"
 
-# --- one fault, one sentence ---------------------------------------------------------------------------
 ONE_FAULT = table("one_fault")  # fmt: skip
 """What the file has, what is written instead, what the message is."""
 
@@ -47,9 +42,7 @@ ONE_FAULT = table("one_fault")  # fmt: skip
 @pytest.mark.parametrize(
     ("old", "new", "message"), ONE_FAULT, ids=[f"{i}-{n[:30]!r}" for i, (_, n, _) in enumerate(ONE_FAULT)]
 )
-def test_one_fault_in_a_file_is_one_line_that_names_file_key_value_and_what_is_allowed(
-    tmp_path: Path, old: str, new: str, message: str
-) -> None:
+def test_one_fault_in_a_file_is_one_line_that_names_file_key_value_and_what_is_allowed(tmp_path, old, new, message):
     lines = faults(edited(CURVE, old, new), tmp_path)
     assert len(lines) == 1, lines
     assert message in lines[0]
@@ -87,11 +80,8 @@ def test_a_fault_of_the_base_file_is_told_with_the_name_of_the_base_file(tmp_pat
     assert lines[1].startswith("case.toml:3: contact.friction")
 
 
-# --- files that cannot be read -------------------------------------------------------------------------
 @pytest.mark.parametrize(("line", "place", "hint"), table("a_slip_of_toml_syntax_is_told_with_line_column_and_help"))
-def test_a_slip_of_toml_syntax_is_told_with_line_column_and_help(
-    tmp_path: Path, line: str, place: str, hint: str
-) -> None:
+def test_a_slip_of_toml_syntax_is_told_with_line_column_and_help(tmp_path: Path, line: str, place: str, hint: str):
     (message,) = [" ".join(faults(line + "\n", tmp_path))]
     assert message.startswith("case.toml" + place)
     assert "not valid TOML" in message
@@ -123,7 +113,6 @@ def test_an_empty_file_is_told_what_it_needs_and_a_very_deep_nest_is_no_crash(tm
     assert "nested too deeply" in faults("a = " + "[" * 100_000, tmp_path)[0]
 
 
-# --- base files ----------------------------------------------------------------------------------------
 def test_keys_override_those_of_the_base_and_lists_are_replaced(tmp_path: Path) -> None:
     (tmp_path / "base.toml").write_text(CURVE)
     (tmp_path / "case.toml").write_text(
@@ -161,10 +150,7 @@ def test_a_section_of_the_base_that_the_analysis_does_not_use_is_left_out(tmp_pa
     assert "output_interval_ms" not in scenario.text
 
 
-# --- where models are looked up ------------------------------------------------------------------------
-def test_models_are_looked_up_beside_the_scenario_then_with_the_user_then_among_the_shipped(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_models_are_looked_up_beside_the_scenario_then_with_the_user_then_among_the_shipped(tmp_path, monkeypatch):
     rail = (shipped_models() / "rails/60E1.toml").read_text()
     for name in ("here", "argument", "environment"):
         (tmp_path / name / "rails").mkdir(parents=True)

@@ -11,15 +11,13 @@ from hypothesis import strategies as st
 from support.rows import rows_of
 from support.scenario_texts import CURVE, STATIC, edited, faults
 
-from wrsim import load_vehicle
+from wrsim import InputError, Vehicle, load, load_text, load_vehicle
 from wrsim.contact.settings import USUAL
-from wrsim.errors import InputError
 from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.checking import check_value
 from wrsim.inputs.values import Series
 from wrsim.register import ANALYSES, TABLES, resolved
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.plausibility import facts, warnings
 from wrsim.scenario.schema import ScenarioFile
 from wrsim.scenario.sections.static import read_cases
@@ -27,14 +25,12 @@ from wrsim.scenario.track_build import rest_on_rail
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.vehicle.elements import Spring
 from wrsim.vehicle.loads import SlipControl
-from wrsim.vehicle.vehicle import Vehicle
 
 table = rows_of(__file__)
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
 
-# --- units end at the wall -----------------------------------------------------------------------------
 def test_everything_is_si_behind_build() -> None:
     setup = build(load_text(CURVE + "step_us = 500\n"))
     assert setup.plan.speed == pytest.approx(15.0)
@@ -105,7 +101,6 @@ def test_values_can_be_changed_from_python_and_are_checked_again() -> None:
         scenario.with_values({"track.segments[7].radius_m": 7})
 
 
-# --- static poses --------------------------------------------------------------------------------------
 def test_a_grid_gives_every_combination_with_names_that_differ() -> None:
     text = edited(STATIC, "lateral_mm = 0", "lateral_mm = {from = -1, to = 1, step = 0.1}\nyaw_mrad = [0, 12]")
     poses = build(load_text(text)).plan.poses
@@ -153,7 +148,6 @@ def test_one_fault_in_a_table_is_one_line_with_its_line_number(tmp_path: Path, t
     assert message in lines[0]
 
 
-# --- a wheelset on its track ---------------------------------------------------------------------------
 @pytest.mark.parametrize(("gauge_mm", "reason"), table("a_wheelset_off_the_rails_is_refused_with_the_reason"))
 def test_a_wheelset_off_the_rails_is_refused_with_the_reason(tmp_path: Path, gauge_mm: int, reason: str) -> None:
     (line,) = faults(edited(CURVE, "gauge_mm = 1435", f"gauge_mm = {gauge_mm}"), tmp_path)
@@ -184,7 +178,6 @@ def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing() -> No
     assert not standing.on_flange
 
 
-# --- what is shipped -----------------------------------------------------------------------------------
 @pytest.mark.parametrize(("changes", "words"), table("slips_that_are_allowed_are_warned_of"))
 def test_slips_that_are_allowed_are_warned_of(changes, words):
     found = warnings(build(load(SCENARIOS / "curve_r300.toml").with_values(changes)))
@@ -277,9 +270,7 @@ def test_words_of_other_programs_lead_to_ours(option: str, words: str) -> None:
         build(load(COACH).with_set([option]))
 
 
-def test_a_file_that_set_names_is_looked_up_in_the_working_directory_too(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_that_set_names_is_looked_up_in_the_working_directory_too(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("mine.toml").write_bytes((SCENARIOS.parent / "models/vehicles/wheelset_s1002.toml").read_bytes())
     changed = load(COACH).with_set(["vehicle.model=mine.toml"])

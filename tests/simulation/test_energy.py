@@ -34,16 +34,13 @@ from support.runs import (
     transition,
 )
 
+from wrsim import Arc, ContactSettings, Straight, load
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.analysis.motion.start import start_state
-from wrsim.contact.settings import ContactSettings, Normal, Tangential
+from wrsim.contact.settings import Normal, Tangential
 from wrsim.contact.workspace import WARM_TOLERANCE
-from wrsim.core.body.kinematics import kinematics
-from wrsim.geometry.track.segments import Arc, Straight
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.loading import load
-from wrsim.simulation.bodies import Solid
 from wrsim.simulation.force_law import COORDINATES, SMALL, SMALL_RATE, force_derivative
 from wrsim.simulation.integrate import OF_CONTACTS, Integration
 from wrsim.simulation.law import VehicleOnTrack
@@ -56,7 +53,6 @@ PLAIN = ContactSettings("kik-piotrowski", tangential="none", damping=0.0, strips
 """Frictionless and undamped; few strips, for their number does not matter to the energy."""
 
 
-# --- what is kept -----------------------------------------------------------------------------------------
 class Bouncing:
     """The loaded axle as one rigid body of 10.2 t on cones and crowns, free of springs, dampers and friction."""
 
@@ -139,7 +135,6 @@ def test_a_ramp_of_cant_takes_no_energy(normal):
     assert np.abs(cumulative_trapezoid(power, motion.times)).max() < 0.3
 
 
-# --- what creep forces take -------------------------------------------------------------------------------
 CURVES = {
     "steering, R 300": lambda: setup_of([arc(30.0, 300.0, 60.0)], 20.0, STEERING, start=10.0),
     "leading, R 160": lambda: setup_of([arc(30.0, 160.0, 60.0)], 10.0, LEADING, start=10.0),
@@ -199,9 +194,9 @@ def pressed(law: VehicleOnTrack, lateral: float, yaw: float, approach: float) ->
     return q, q_t
 
 
-# every law, and every pose with the laws of a run
-CASES = [(normal, creep, "root") for normal in FAST_MODELS for creep in CREEP]
-CASES += [("strips", "fastsim", "tread"), ("strips", "fastsim", "flange"), ("kik-piotrowski", "fastsim", "flange")]
+# the laws of runs, each pose once
+CASES = [("strips", "fastsim", "tread"), ("strips", "fastrip", "root"), ("strips", "polach", "flange")]
+CASES += [("kik-piotrowski", "fastsim", "root")]
 LONG = [case for case in product(FAST_MODELS, CREEP, POSES) if case not in CASES]
 
 
@@ -242,41 +237,6 @@ def test_the_derivative_is_that_of_the_forces(normal: str, creep: str, pose: str
             error = np.linalg.norm(found[:, c] - central)
             assert error <= h * bent + noise, (name, by_q, by_q_t)
             assert h * bent + noise <= ALLOWED * SCALE[c] * whole, (name, by_q, by_q_t)
-
-
-# Dynamics of the wheelset in the integrator against what can be known: free bodies, Klingel, published growth rates.
-# The contact is a law on knife edges (support.knife_edge), so that only wheelset, carrier and integrator are tested.
-BODY = Solid(1500.0, (900.0, 100.0, 900.0))
-
-
-def free(t, q, q_t, out):
-    """No forces."""
-    out.fill(0.0)
-
-
-def momentum_and_energy(motion, body):
-    """Angular momentum about the centre of mass (n, 3) and kinetic energy (n,)."""
-    momentum, energy = [], []
-    for q, q_t in zip(motion.q, motion.q_t, strict=True):
-        state = kinematics(q, q_t)
-        axle, omega, velocity = np.array(state.left), np.array(state.omega), np.array(state.velocity)
-        along = omega @ axle
-        momentum.append(body.inertia[0] * omega + (body.inertia[1] - body.inertia[0]) * along * axle)
-        energy.append(0.5 * body.mass * velocity @ velocity + 0.5 * omega @ momentum[-1])
-    return np.array(momentum), np.array(energy)
-
-
-def test_a_free_spinning_wheelset_keeps_energy_and_angular_momentum():
-    q = np.array([1.0, 2.0, 3.0, 0.5, 0.1, 0.0])
-    q_t = np.array([0.3, 20.0, -1.0, 0.7, -0.4, 100.0])
-    motion = Integration(
-        BodySystem([BODY], free), duration=5.0, step=5e-4, integrator="rk44", sample_interval=0.05
-    ).run(q, q_t)
-    momentum, energy = momentum_and_energy(motion, BODY)
-    # drift of RK44 at 100 rad/s and h = 5e-4
-    assert np.abs(energy / energy[0] - 1.0).max() < 1e-7
-    assert np.abs(momentum - momentum[0]).max() < 1e-6 * np.linalg.norm(momentum[0])
-    assert motion.q[:, :3] == pytest.approx(q[:3] + motion.times[:, None] * q_t[:3], abs=1e-9)
 
 
 # A free conical wheelset on crowned rails, full contact model: Klingel's wave, and the line it rolls in a curve.

@@ -6,8 +6,7 @@ from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 from support.rows import rows_of
 from support.vehicles import on_track, shipped
 
-from wrsim.geometry.track.segments import Arc, Straight
-from wrsim.geometry.track.track import Track
+from wrsim import Arc, Straight, Track
 from wrsim.simulation.force_law import all_on_all
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import damped_newton

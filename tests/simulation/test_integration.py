@@ -13,9 +13,8 @@ from support.knife_edge import KnifeEdge, KnifeEdgeForces, bare_wheelset, exampl
 from support.runs import FAST, arc, straight, transition
 from support.vehicles import ROOT
 
-from wrsim import InputError, load, stepper
+from wrsim import InputError, SimulationError, load, stepper
 from wrsim.core.body import stepper as kernel
-from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.recorder import BLOCK, Checkpoint, Ending, Recorder

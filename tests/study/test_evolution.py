@@ -85,9 +85,7 @@ def test_mass_off_the_wheels_is_mass_lost(evolution: Evolution, steps: list[Step
     assert off == pytest.approx(lost, rel=1e-4)
 
 
-def test_a_service_that_was_killed_gives_the_same_to_the_bit(
-    evolution: Evolution, steps: list[Step], folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_service_that_was_killed_gives_the_same_to_the_bit(evolution, steps, folder, tmp_path, monkeypatch):
     """Killed in its second step, one case done; then all that it had is read, on the next day as well."""
     whole = folder / "out"
     shutil.copytree(folder_of(whole, 0), folder_of(tmp_path, 0))
@@ -144,9 +142,7 @@ def test_stages_are_of_second_order_and_stay_stable() -> None:
 
 
 @pytest.mark.usefixtures("unpainted")
-def test_the_page_of_a_service_holds_numbers_pictures_and_files_and_takes_it_alone(
-    evolution: Evolution, steps: list[Step], tmp_path: Path
-) -> None:
+def test_the_page_of_a_service_holds_numbers_pictures_and_files_and_takes_it_alone(evolution, steps, tmp_path):
     write_history(evolution, steps, tmp_path, pictures=False)
     assert holds(tmp_path, EVOLUTION) and not holds(tmp_path.parent, EVOLUTION)
     ok("report", tmp_path)
@@ -177,9 +173,7 @@ def test_history_tells_the_flange_and_can_be_loaded(evolution: Evolution, steps:
     assert again.identical(dataset)
 
 
-def test_a_finished_service_is_told_again_and_another_does_not_go_on_with_its_steps(
-    steps: list[Step], folder: Path, tmp_path: Path
-) -> None:
+def test_a_finished_service_is_told_again_and_another_does_not_go_on_with_its_steps(steps, folder, tmp_path):
     """Nothing is left to run: no worker comes."""
     told = json.loads(ok("wear", folder / "service.toml", "-o", folder / "out", "--no-pictures", "--json").stdout)
     assert told["steps"] == len(steps) and told["worn"]["mileage_km"] == pytest.approx(40.0)

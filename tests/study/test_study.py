@@ -114,9 +114,7 @@ def test_workers_have_one_thread_each(workers: Client) -> None:
     assert all(own == ONE_THREAD for own in workers.run(threads).values())
 
 
-def test_two_workers_one_of_which_is_killed_come_to_the_numbers_of_one_worker(
-    serial: Plan, workers: Client, tmp_path: Path
-) -> None:
+def test_two_workers_one_of_which_is_killed_come_to_the_numbers_of_one_worker(serial, workers, tmp_path):
     plan = plan_of(study_file(tmp_path), tmp_path / "out")
     before = workers.run(os.getpid)
     with ThreadPoolExecutor(1) as thread:
@@ -234,9 +232,7 @@ def test_a_wheelset_that_derails_is_a_result_and_what_cannot_start_is_an_entry(t
     assert answer.exit_code == 3 and "1 derailed, 1 failed" in answer.output
 
 
-def test_a_case_that_takes_too_long_is_ended_and_goes_on_with_more_time(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_case_that_takes_too_long_is_ended_and_goes_on_with_more_time(tmp_path, monkeypatch):
     one = AXES.replace("[0.1, 0.3]", "[0.3]").replace("to = 50", "to = 40")
     monkeypatch.setattr("wrsim.simulation.integrate.PROGRESS_INTERVAL", 0.0)
     monkeypatch.setattr("wrsim.simulation.recorder.FLUSH_INTERVAL", 0.0)
@@ -288,9 +284,7 @@ def test_a_hook_that_is_mended_takes_its_numbers_from_kept_results(serial: Plan,
     assert not marker.resumed and marker.simulation == 0.0 and before.simulation > 0.0  # nothing ran
 
 
-def test_faults_of_hooks_and_outputs_that_cannot_be_had_are_told(
-    serial: Plan, tmp_path: Path, unpainted: None, workers: Client
-) -> None:
+def test_faults_of_hooks_and_outputs_that_cannot_be_had_are_told(serial, tmp_path, unpainted, workers):
     shutil.copytree(serial.folder, tmp_path / "out")
     (tmp_path / "h.py").write_text(
         "def numbers(result):\n    return {'one': 1 / ('friction 0.3' not in result.title)}\n"
@@ -336,9 +330,7 @@ deviation = 0.5
         assert {c.name for c in other.cases}.isdisjoint(c.name for c in first.cases)
 
 
-def test_jobs_of_slurm_have_one_thread_and_leave_ctrl_c_as_it_was(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_jobs_of_slurm_have_one_thread_and_leave_ctrl_c_as_it_was(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     if find_spec("dask_jobqueue") is None:
         pytest.skip("no dask-jobqueue here")
     for name in ("dask_jobqueue", "dask_jobqueue.runner"):  # imported anew
@@ -357,9 +349,7 @@ def test_jobs_of_slurm_have_one_thread_and_leave_ctrl_c_as_it_was(
     assert all(f"export {name}=1" in script for name in ONE_THREAD)
 
 
-def test_nobody_or_something_else_at_the_address_of_the_scheduler_is_one_sentence(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_nobody_or_something_else_at_the_address_of_the_scheduler_is_one_sentence(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("wrsim.study.cluster.WAIT", 5)
     with (
         pytest.raises(InputError, match=r"--scheduler tcp://127\.0\.0\.1:9: no dask scheduler answers there"),

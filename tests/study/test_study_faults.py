@@ -24,8 +24,7 @@ from support.rows import rows_of
 from support.studies import AXES, study_file
 from support.synthetic_result import curve_run
 
-from wrsim.errors import InputError
-from wrsim.results import Result
+from wrsim import InputError, Result
 from wrsim.study.cluster import CA, LOOPBACK, QuietScheduler, local_workers, security_of
 from wrsim.study.outputs import case_outputs, reduced
 from wrsim.study.plan import planned
@@ -47,9 +46,7 @@ def test_every_fault_of_a_study_file_is_one_clear_error(axes: str, message: str,
     assert "Traceback" not in str(problem.value)
 
 
-def test_too_many_cases_and_files_that_are_no_certificates_are_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_too_many_cases_and_files_that_are_no_certificates_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("wrsim.study.plan.MOST_CASES", 5)
     with pytest.raises(InputError, match=r"study\.toml:4: vary: describes 6 cases; must be at most 5"):
         planned(study_file(tmp_path), tmp_path / "out")
@@ -146,9 +143,7 @@ def port_of(address: str) -> int:
     return int(address.rpartition(":")[2])
 
 
-def test_everything_that_listens_listens_on_loopback_and_serves_no_pages(
-    study: Client, own: set[tuple[str, int]]
-) -> None:
+def test_everything_that_listens_listens_on_loopback_and_serves_no_pages(study: Client, own: set[tuple[str, int]]):
     assert listening() - own == {(LOOPBACK, port_of(address)) for address in addresses(study)}
     assert all(address.startswith(f"tls://{LOOPBACK}:") for address in addresses(study))
 
@@ -224,8 +219,6 @@ def test_modules_are_looked_up_in_no_folder_that_others_can_write(study: Client)
 
 
 @pytest.mark.parametrize(("options", "words"), table("options_of_a_scheduler"))
-def test_options_of_a_scheduler_that_do_not_go_together_are_refused(
-    options: list[str], words: str, tmp_path: Path
-) -> None:
+def test_options_of_a_scheduler_that_do_not_go_together_are_refused(options: list[str], words: str, tmp_path: Path):
     (tmp_path / "study.toml").touch()
     assert words in refusal("study", tmp_path / "study.toml", *options)

@@ -12,9 +12,8 @@ from support.runs import ROOT, SCENARIOS
 from support.scenario_texts import DATA
 from support.synthetic_run import Q0
 
+from wrsim import InputError, run_type_test
 from wrsim.analysis.stationary.at_rest import numbers_at_rest
-from wrsim.api.studies import run_type_test
-from wrsim.errors import InputError
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.study import type_test as tests_of_type
 from wrsim.study.programme import Programme, read_programme

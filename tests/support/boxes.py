@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 
 from support.vehicles import manchester
+from wrsim import Straight, Track, Vehicle
 from wrsim.core.body import vehicle_forces
-from wrsim.geometry.track.segments import Straight
-from wrsim.geometry.track.track import Track
 from wrsim.simulation import Integrator
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
@@ -17,7 +16,7 @@ from wrsim.simulation.placement import design_state
 from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Axes, Joint
 from wrsim.vehicle.elements import TRACK, Element, PlaneFriction, Slider, Spring, Strut, Triple
-from wrsim.vehicle.vehicle import Body, Vehicle
+from wrsim.vehicle.vehicle import Body
 
 MASS, INERTIA, HEIGHT = 4000.0, (1000.0, 3000.0, 3500.0), 1.5
 

@@ -25,8 +25,9 @@ class Browser:
 
     def open(self, page: Path, width: int = 900, height: int = 600) -> None:
         """Open a page at that size and wait until it has its width; messages of pages before are forgotten."""
-        # the size of the page itself: that of a window is only asked for, and an asked one may be lost
-        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        # the size of the page itself: that of a window is only asked for, and an asked one may be lost; every second
+        # point of it is drawn
+        size = {"width": width, "height": height, "deviceScaleFactor": 0.5, "mobile": False}
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
         self.driver.get_log("browser")
         self.driver.get(page.resolve().as_uri())

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim import ContactModel, ContactSettings, Pose, Profile, load_profile
 from wrsim.analysis.poses.solver import PoseSolver, Solved
 from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.model import Contact, ContactModel
-from wrsim.contact.pose import Pose
-from wrsim.contact.settings import ContactSettings, Material
+from wrsim.contact.model import Contact
+from wrsim.contact.settings import Material
 from wrsim.core.contact import records as k
 from wrsim.core.contact.records import PlacedWheel, Shape
 from wrsim.core.contact.records import ProfileTable as Table
@@ -21,8 +21,6 @@ from wrsim.core.contact.search.locus import placed
 from wrsim.core.contact.strips.records import System
 from wrsim.core.contact.wheel_rail import bodies
 from wrsim.core.linalg import Vec
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
 
 Array = NDArray[np.float64]

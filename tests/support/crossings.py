@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from support.contacts import PLAIN, RADIUS, contact_model
-from wrsim.contact.model import ContactModel
-from wrsim.geometry.profile.profile import Profile
+from wrsim import ContactModel, Profile
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
 from wrsim.geometry.track.rolled_rail import rolled_rail
 

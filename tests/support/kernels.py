@@ -23,24 +23,24 @@ from numba.core.registry import CPUDispatcher
 
 import wrsim.core
 from support.contacts import bench, contact_of, numbers, pair_model, strip_system
+from support.ellipse import roll
+from support.knife_edge import KnifeEdgeForces, example_wheelset
 from support.paths import curvature, locate
 from support.vehicles import manchester, on_track, shipped
+from wrsim import Arc, ContactModel, ContactSettings, Flat, Friction, contact_model
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.contact.channels import WheelOnRail, wheel_outline
-from wrsim.contact.model import ContactModel
-from wrsim.contact.models import contact_model
-from wrsim.contact.settings import ConicalWheels, ContactSettings, Friction, FrictionAlong, HalfSpaceSettings, Material
+from wrsim.contact.settings import ConicalWheels, FrictionAlong, HalfSpaceSettings, Material
 from wrsim.core.body.kinematics import first_not_finite, is_near
 from wrsim.core.body.rigid_body import kinetic_energies
 from wrsim.core.contact.rail import unfold
 from wrsim.core.contact.strips.changes import leave
 from wrsim.core.contact.strips.records import OF_A_STRIP, X
 from wrsim.core.contact.wheel_rail import STAGES, compile_stages
-from wrsim.geometry.profile.out_of_round import Flat
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.bridge import Bridge
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
-from wrsim.geometry.track.segments import Arc, Segment
+from wrsim.geometry.track.segments import Segment
 from wrsim.geometry.track.sleepers import Layer, RailBeam, SleeperTrack
 from wrsim.geometry.track.track import RailElasticity
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
@@ -377,6 +377,9 @@ def main(file: str = "", form: str = "few") -> None:
     for the tests to come."""
     if not file:
         cases()
+        roll(1.0)
+        wheelset = KnifeEdgeForces(example_wheelset(), 30.0)
+        wheelset(0.0, *design_state(wheelset), np.zeros(wheelset.size))
         return compile_stages(*STAGES)
     kernels()  # all are imported
     worked = note_first_calls()

@@ -21,21 +21,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from support.held import held_state
+from wrsim import SimulationError, Straight, Track, Vehicle
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
 from wrsim.core.frames import point_velocity
 from wrsim.core.jit import kernel
 from wrsim.core.linalg import Vec, add, components, cross, dot, from_components, mixed, sub
 from wrsim.core.track.path import frame_at, locate
-from wrsim.errors import SimulationError
-from wrsim.geometry.track.segments import Straight
-from wrsim.geometry.track.track import Track
 from wrsim.simulation.force_law import Block
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import Equilibrium
 from wrsim.simulation.system import COORDINATES, BodySystem
 from wrsim.vehicle.loads import Load
-from wrsim.vehicle.vehicle import Vehicle, single_wheelset
+from wrsim.vehicle.vehicle import single_wheelset
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 
 HERTZ, DAMPING, CREEP, NORMAL0, FRICTION, R0, HALF, GAMMA = range(8)

@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.geometry.track.segments import Arc, Straight, Transition
+from wrsim import Arc, Straight, Track, Transition
 from wrsim.geometry.track.spectra import Realisation
-from wrsim.geometry.track.track import Track
 
 Array = NDArray[np.float64]
 

@@ -10,15 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from support.held import held_state
+from wrsim import Arc, ContactSettings, Profile, Track, Vehicle, contact_model, load, load_profile
 from wrsim.analysis.contacts import force_law
-from wrsim.contact.models import contact_model
-from wrsim.contact.settings import ContactSettings
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.track.segments import Arc, Segment
-from wrsim.geometry.track.track import Track
+from wrsim.geometry.track.segments import Segment
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.loading import load
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
@@ -27,7 +22,7 @@ from wrsim.simulation.steady_state import Equilibrium
 from wrsim.simulation.step_size import SAFETY, round_step, stable_step
 from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.elements import Triple
-from wrsim.vehicle.vehicle import Vehicle, single_wheelset
+from wrsim.vehicle.vehicle import single_wheelset
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset
 
 Array = NDArray[np.float64]
@@ -86,7 +81,6 @@ def _on(setup: Setup, segments: Sequence[Segment], heading: float, start: tuple[
     return replace(setup, track=Track.build(segments, track.nominal_gauge, heading=heading, start=start, **sides))
 
 
-# --- conical wheels on crowns -----------------------------------------------------------------------------
 RADIUS = 0.46
 CONICITY = 0.05
 CROWN = 0.3

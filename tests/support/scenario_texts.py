@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from wrsim.errors import InputError
+from wrsim import InputError, load
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load
 
 DATA = Path(__file__).parents[1] / "data"
 CURVE = (DATA / "curve.toml").read_text()

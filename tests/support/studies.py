@@ -16,7 +16,7 @@ values = { from = 40, to = 50, step = 5 }
 """
 
 
-def study_file(folder: Path, axes: str = AXES, more: str = "", seconds: float = 0.4) -> Path:
+def study_file(folder: Path, axes: str = AXES, more: str = "", seconds: float = 0.2) -> Path:
     """A study of a wheelset that runs for a short time into a curve."""
     base = f'base = "{SCENARIOS / "curve_r300.toml"}"\n[run]\ntime_s = {seconds}\nstart_distance_m = 40\n'
     contact = '[contact]\nnormal = "kik-piotrowski"\ntangential = "fastsim"\nstrips = 12\ncells = 6\n'

@@ -11,8 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from support.contacts import RADIUS, pair_model
-from wrsim.analysis.poses.static import solve_poses
-from wrsim.contact.pose import Pose
+from wrsim import Pose, solve_poses
 from wrsim.results import assemble
 
 SCENARIO = 'title = "synthetic"\nanalysis = "curving"  # not a scenario that anyone ran\n'

@@ -7,19 +7,14 @@ from functools import cache
 from pathlib import Path
 
 from support.runs import FAST, arc, straight, transition
-from wrsim.analysis import run
-from wrsim.contact.models import contact_model
-from wrsim.geometry.track.segments import Segment, Straight
-from wrsim.geometry.track.track import RailElasticity, Track
+from wrsim import Result, Straight, Track, Vehicle, contact_model, load, load_vehicle, run
+from wrsim.geometry.track.segments import Segment
+from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.lookup import Finder, shipped_models
-from wrsim.results import Result
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.loading import load
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.loads import Drive
-from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 ROOT = Path(__file__).parents[2]

@@ -15,13 +15,9 @@ from support.rows import rows_of
 from support.vehicle_texts import fault
 from support.vehicles import ROOT, manchester, on_track, shipped
 
-from wrsim import free_modes
+from wrsim import Arc, InputError, Vehicle, free_modes, load, stationary
 from wrsim.analysis.motion.body_channels import bent_channels, point_accelerations
-from wrsim.api.analyses import stationary
-from wrsim.errors import InputError
-from wrsim.geometry.track.segments import Arc
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load
 from wrsim.simulation.force_law import force_derivative
 from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
@@ -31,7 +27,7 @@ from wrsim.simulation.steady_state import steady_state
 from wrsim.vehicle.axle import Axle, Disc, whirl
 from wrsim.vehicle.elements import Spring
 from wrsim.vehicle.flexible import BeamModes, Modes, PointModes, free_roots, read_modes
-from wrsim.vehicle.vehicle import Body, MeasuringPoint, Vehicle
+from wrsim.vehicle.vehicle import Body, MeasuringPoint
 
 table = rows_of(__file__)
 
@@ -131,7 +127,6 @@ def test_an_accelerometer_feels_the_modes() -> None:
     assert found == pytest.approx(seen, rel=0.02)
 
 
-# --- files ----------------------------------------------------------------------------------------------------------
 PLACES = [(x, 0.0, 1.8) for x in (-12.0, -9.5, 0.0, 9.5, 12.0)]
 TABLE = ("[bodies.body]", '[bodies.body.flexible]\nmodes = "modes.csv"\n\n[bodies.body]')
 
@@ -374,7 +369,6 @@ def test_wheels_shaft_and_discs_make_up_the_wheelset() -> None:
         AXLE.wheels(300.0, spin, across, half)
 
 
-# --- in a vehicle ---------------------------------------------------------------------------------------------------
 def elastic(axle: Axle = AXLE) -> Vehicle:
     """A coach on elastic axles."""
     return shipped("manchester_1").with_wheelsets(lambda own: replace(own, axle=axle))

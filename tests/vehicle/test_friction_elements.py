@@ -34,11 +34,10 @@ from support.runs import FAST
 from support.vehicles import ROOT, manchester, shipped
 
 import wrsim
+from wrsim import InputError, load
 from wrsim.analysis.contacts import force_law
 from wrsim.core.body.friction import STUCK
-from wrsim.errors import InputError
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load
 from wrsim.simulation import Integrator
 from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
 from wrsim.simulation.force_law import force_derivative

@@ -77,7 +77,6 @@ def about_axle(law: VehicleOnTrack) -> Array:
     return np.array([np.dot(tuple(own.moment), tuple(own.body.left)) for own in law.own(0)])
 
 
-# --- independent wheels -----------------------------------------------------------------------------------
 @pytest.mark.parametrize("radius", [300.0, inf])
 def test_independent_wheels_in_steady_motion_are_not_driven(radius):
     law, _, _ = steady(INDEPENDENT, radius)
@@ -149,7 +148,6 @@ def test_a_moment_on_one_wheel_turns_that_wheel_alone():
         assert mean - 0.5 * side * difference == pytest.approx(0.0, abs=1e-9)
 
 
-# --- axles that twist -------------------------------------------------------------------------------------
 def test_an_axle_twists_as_discs_on_a_shaft_and_is_rigid_in_steady_motion():
     stiffness = 5e6
     vehicle = with_axle(manchester(), Torsion(stiffness, 100.0))
@@ -169,7 +167,6 @@ def test_an_axle_twists_as_discs_on_a_shaft_and_is_rigid_in_steady_motion():
     assert 5e6 * q[law.twists[0]] == pytest.approx(0.5 * (left - right), rel=1e-6)
 
 
-# --- runs -------------------------------------------------------------------------------------------------
 @cache
 def into_a_curve(torsion: Torsion | None) -> xr.Dataset:
     """The leading wheelset from straight track into a curve."""
@@ -188,7 +185,6 @@ def test_a_stiff_axle_is_a_rigid_one_and_a_soft_one_leaves_its_wheels_alone(tors
         assert ours[name].values == pytest.approx(other[name].values, abs=0.005 * float(np.abs(other["Y"]).max()))
 
 
-# --- what is refused --------------------------------------------------------------------------------------
 def vehicle_text(tmp_path, more: str) -> str:
     """A scenario of a wheelset whose file has one line more, beside it."""
     text = (ROOT / "models" / LEADING).read_text(encoding="utf-8")

@@ -15,19 +15,16 @@ from support.rows import rows_of
 from support.vehicle_texts import GOOD, fault
 from support.vehicles import ROOT, manchester, read_vehicle
 
+from wrsim import InputError, Vehicle, load, load_vehicle
 from wrsim.analysis.stationary.statics import static_state
-from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.inputs.toml_files import write_toml
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load
 from wrsim.scenario.plausibility import vehicle_warnings
 from wrsim.vehicle.bogies import level_of
 from wrsim.vehicle.elements import GUIDE, Spring
 from wrsim.vehicle.loads import CarriedMass
 from wrsim.vehicle.preload import preloads
-from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 table = rows_of(__file__)
@@ -126,9 +123,7 @@ def inserted(*names: str) -> tuple[str, str]:
 
 
 @pytest.mark.parametrize(("name", "more", "changes", "words"), BAD, ids=[row[0] for row in BAD])
-def test_a_bad_file_is_refused_with_a_clear_message(
-    name: str, more: list[str], changes: list[tuple[str, str]], words: str, tmp_path: Path
-) -> None:
+def test_a_bad_file_is_refused_with_a_clear_message(name, more, changes, words, tmp_path):
     message = fault(tmp_path, inserted(*more), *changes)
     assert words in message
     assert message.startswith("car.toml")
@@ -236,9 +231,7 @@ COUPLINGS = TRAIN.partition("[[couplings]]")[2]
 
 
 @pytest.mark.parametrize(("name", "changes", "message"), table("a_train_that_cannot_be_used_is_told_in_one_line"))
-def test_a_train_that_cannot_be_used_is_told_in_one_line(
-    name: str, changes: list[list[str]], message: str, tmp_path: Path
-) -> None:
+def test_a_train_that_cannot_be_used_is_told_in_one_line(name, changes, message, tmp_path):
     pairs = [tuple(words.replace("{couplings}", COUPLINGS) for words in pair) for pair in changes]
     with pytest.raises(InputError, match=message) as caught:
         loaded(changed(*pairs), tmp_path)
@@ -333,9 +326,7 @@ CHANGES |= {one.__name__: lambda one=one: one for one in (one_axle_without_sprin
 
 
 @pytest.mark.parametrize(("name", "how", "by", "words", "count"), table("an_implausible_value_is_named_once"))
-def test_an_implausible_value_is_named_once(
-    name: str, how: str, by: list[Any], words: str, count: int, tmp_path: Path
-) -> None:
+def test_an_implausible_value_is_named_once(name: str, how: str, by: list[Any], words: str, count: int, tmp_path: Path):
     found = vehicle_warnings(changed_coach(tmp_path, CHANGES[how](*by)))
     assert len(found) == count and sum(bool(re.search(words, each)) for each in found) == 1, found
 

@@ -12,16 +12,13 @@ from support.contacts import HALF_SPACING, bench, contact_model, flat_rail, pair
 from support.hertz import Ellipse
 from support.scenario_texts import STATIC, faults
 
-from wrsim import run
+from wrsim import ContactSettings, Pose, SimulationError, load_text, run
 from wrsim.analysis.poses.solver import HalfSpacePoseSolver
 from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space import HalfSpace
-from wrsim.contact.pose import Pose
-from wrsim.contact.settings import ContactSettings, Material
-from wrsim.errors import SimulationError
+from wrsim.contact.settings import Material
 from wrsim.geometry.profile.sections import circle
-from wrsim.scenario.loading import load_text
 
 EXACT = {"normal": "half-space", "tangential": "half-space"}
 FRICTIONLESS = EXACT | {"tangential": "none"}
