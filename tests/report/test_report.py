@@ -110,6 +110,16 @@ class Structure(HTMLParser):
             self.mute.append(self.get_starttag_text() or "")
 
 
+def unexplained(browser: Browser) -> list[str]:
+    """Controls of a page without a name, a title of theirs or of their group, or out of the keyboard's reach."""
+    found: list[str] = browser.run(
+        "return [...document.querySelectorAll('button, input, select')].filter((e) => {"
+        " const name = e.ariaLabel || [...e.labels].map((l) => l.textContent.trim()).join('') || e.textContent.trim();"
+        " return !name || !e.closest('[title]') || e.tabIndex < 0 }).map((e) => e.outerHTML)"
+    )
+    return found
+
+
 @given(st.integers(1, 3000), st.integers(0, 2**32 - 1))
 def test_every_piece_holds_its_least_and_its_largest_value(samples: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -361,6 +371,10 @@ def test_the_charts_answer_with_the_envelope_of_the_dataset(opened: Browser, coa
     assert opened.complaints() == []
 
 
+def test_every_control_of_a_report_says_what_it_does(opened: Browser) -> None:
+    assert unexplained(opened) == []
+
+
 @pytest.mark.usefixtures("unpainted")
 def test_texts_of_users_and_foreign_scripts_run_nothing_and_cards_of_wheelsets_fit_a_phone(chromium, curve, tmp_path):
     evil = replace(curve, dataset=curve.dataset.assign_attrs(title=EVIL, scenario_text=EVIL))
@@ -540,6 +554,10 @@ def test_seek_gives_the_numbers_of_the_dataset(viewer: Browser, coach: Result) -
         assert 0.98 < max(p["p0"] for p in section["patches"]) / np.nanmax(pressures) < 1.003  # of strips' middles
         assert abs(section["time"] - found["time"]) < 0.1
     assert viewer.complaints() == []
+
+
+def test_every_control_of_the_viewer_says_what_it_does(viewer: Browser) -> None:
+    assert unexplained(viewer) == []
 
 
 def test_exaggeration_moves_bodies_away_from_the_track(viewer: Browser) -> None:

@@ -50,7 +50,7 @@ class Finder:
             near = self._nearest(file)
         if "\\" in name and os.sep != "\\":
             raise InputError(f'folders are separated by /: write "{name.replace(chr(92), "/")}"')
-        searched = ", ".join(str(folder.absolute()) for folder in self.folders)
+        searched = ", ".join(dict.fromkeys(str(folder.absolute()) for folder in self.folders))
         raise InputError(f"not found in {searched}" + (f'; did you mean "{near}"?' if near else ""))
 
     def beside(self, file: Path) -> Finder:
