@@ -37,9 +37,9 @@ NAMED = re.compile(r"\S*\.(?:toml|csv|whl)(?:, |:)")
 """How a message begins: with the file."""
 PLACED = re.compile(
     r"\.(?:toml|csv|whl)(?::\d+)+: |, line \d+|\(\w+[\w.\[\]]* in |: [\w.\[\]]+(?: = | is missing|: )"
-    r"|not UTF-8|empty|has no rows|: is a pipe|: has [\d.]+ MB"
+    r"|not UTF-8|empty|has no rows|: is a pipe|: has [\d.]+ MB|: is [\d.]+ m long"
 )
-"""Where in the file: a line, a key, the key that names the file; or that all of it is no text."""
+"""Where in the file: a line, a key, the key that names the file; or that all of it is no text, too large or short."""
 NUMBER = re.compile(rb"-?\d+\.?\d*(?:[eE][-+]?\d+)?")
 NUMBERS = (
     b"0", b"-1", b"1e-9", b"1e9", b"nan", b"inf", b"-0.0", b"1e400", b"9" * 20, b"0x10", b"3,5", b"",
