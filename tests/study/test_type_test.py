@@ -115,12 +115,18 @@ def test_a_run_takes_waves_besides_the_spectrum_and_the_vehicle_rests_on_its_can
     file = programme_file(
         tmp_path, 'stationary = ["cant"]\nrules = "49cfr213"', "[irregularities]", waves + "[irregularities]"
     )
+    text = file.read_text()
+    for friction, height in ((0.4, 1800), (0.2, 12000)):
+        with_height = f'{friction}, "vehicle.carbody.centre_mm" = [0, 0, {height}] }}'
+        text = text.replace(f"{friction} }}", with_height)
+    file.write_text(text)
     programme = read_programme(file, tmp_path / "out")
     scenarios = [programme.plan.scenario(case) for case in programme.plan.cases]
     kinds = [[own.kind for own in scenario.spec.track.irregularities] for scenario in scenarios[:3]]
     assert kinds == [["spectrum"], ["spectrum", "mcat"], ["spectrum", "mcat"]]
     found = run_type_test(filled(tmp_path, file=file), tmp_path / "out")
     at_rest = {v.clause: v for v in found.found if v.zone == "at rest" and v.state == "new"}
+    assert verdicts(found)["wet", "cant"] == [False]  # it overturns
     assert set(at_rest) == {"213.57(d)(1)(i)", "213.57(d)(1)(ii)"}
     lean = numbers_at_rest(vehicle_of(scenarios[0]), 80.0)["leaning"]
     least = min(1.0 - lost for own in lean["unloading"].values() for lost in own.values())

@@ -13,7 +13,7 @@ from scipy.special import stdtrit
 from wrsim.analysis.assessment.assess import assess_runs
 from wrsim.analysis.stationary.at_rest import leaning, stationary_tests
 from wrsim.analysis.stationary.statics import static_state
-from wrsim.errors import InputError
+from wrsim.errors import InputError, SimulationError
 from wrsim.results import Result, write_atomically
 from wrsim.results.assessment import TO_CONFIRM, Assessment, ZoneValue
 from wrsim.results.files import as_csv, as_json, from_json
@@ -134,24 +134,34 @@ def _at_rest(programme: Programme, state: str, case: Case) -> list[Verdict]:
         Verdict(state, own["clause"], own["symbol"], own["unit"], "at rest", formatted(own["value"]), "", "",
                 "≥ " * own["lowest"] + formatted(own["limit"]), quantity(100.0 * own["margin"], "%", ".0f"),
                 own["limit_source"], where, own["passed"], own["margin"])
+        if "value" in own
+        else Verdict(state, own["clause"], "", "", "at rest", "no rest", "", "", "", "", "", where, False, -1.0)
         for own, where in stored["found"]
     ]  # fmt: skip
 
 
 def _tests_at_rest(programme: Programme, case: Case) -> list[tuple[dict[str, Any], str]]:
-    """The worst of each stationary test that is wanted, and what it is of."""
-    wanted = programme.spec.stationary
+    """The worst of each stationary test that is wanted, and what it is of; where the vehicle finds no rest, why."""
     vehicle = replace(vehicle_of(programme.plan.scenario(case)), loads=())
-    numbers, _, _ = stationary_tests(vehicle, "twist" in wanted, None, "rotation" in wanted, ROTATION_RADIUS)
-    tests = [(numbers["twist_test"], "twist test")] if "twist_test" in numbers else []
-    if turned := numbers.get("rotation_test"):
-        worst = max(turned, key=lambda test: float(test["value"]))
-        tests.append((worst, f"bogie {worst['bogie']}, {formatted(worst['rate_deg_per_s'], 'g')} °/s"))
-    if "cant" in wanted:
-        deficiency = programme.spec.deficiency
-        place = f"on {quantity(deficiency, 'mm', '.0f')} of cant"
-        tests += [(own, place) for own in leaning(vehicle, static_state(vehicle), deficiency)["verdicts"]]
-    return tests
+    deficiency = programme.spec.deficiency
+    found: list[tuple[dict[str, Any], str]] = []
+    for test in programme.spec.stationary:
+        twist, rotation = test == "twist", test == "rotation"
+        try:
+            if test == "cant":
+                place = f"on {quantity(deficiency, 'mm', '.0f')} of cant"
+                found += [(own, place) for own in leaning(vehicle, static_state(vehicle), deficiency)["verdicts"]]
+                continue
+            numbers, _, _ = stationary_tests(vehicle, twist, None, rotation, ROTATION_RADIUS)
+        except SimulationError as error:
+            found.append(({"clause": test}, str(error)))
+            continue
+        if twist:
+            found.append((numbers["twist_test"], "twist test"))
+        elif turned := numbers.get("rotation_test"):
+            worst = max(turned, key=lambda own: float(own["value"]))
+            found.append((worst, f"bogie {worst['bogie']}, {formatted(worst['rate_deg_per_s'], 'g')} °/s"))
+    return found
 
 
 def whole_table(title: str, found: Sequence[Verdict]) -> Table:
