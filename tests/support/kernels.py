@@ -35,6 +35,8 @@ from wrsim.core.body.kinematics import first_not_finite, is_near
 from wrsim.core.body.rigid_body import kinetic_energies
 from wrsim.core.contact.rail import unfold
 from wrsim.core.contact.strips.changes import leave
+from wrsim.core.contact.strips.derivatives import jacobian
+from wrsim.core.contact.strips.equations import residuals
 from wrsim.core.contact.strips.records import OF_A_STRIP, X
 from wrsim.core.contact.wheel_rail import STAGES, compile_stages
 from wrsim.geometry.profile.sections import circle
@@ -380,6 +382,8 @@ def main(file: str = "", form: str = "few") -> None:
         roll(1.0)
         wheelset = KnifeEdgeForces(example_wheelset(), 30.0)
         wheelset(0.0, *design_state(wheelset), np.zeros(wheelset.size))
+        for kernel in (residuals, jacobian):
+            kernel(*strip_system(pair_model(PAIR, normal="strips", **SMALL)), False)
         return compile_stages(*STAGES)
     kernels()  # all are imported
     worked = note_first_calls()
