@@ -104,7 +104,7 @@ class Value:
     @property
     def passed(self) -> bool | None:
         """None where there is no limit."""
-        return None if self.margin is None else bool(self.margin >= 0.0)
+        return None if self.limit is None else bool(self.quantity.within(self.value, self.limit.value))
 
     @property
     def margin(self) -> float | None:

@@ -53,6 +53,10 @@ class Quantity:
     quasi_static: bool = False
     lowest: bool = False
 
+    def within(self, value: float, limit: float) -> bool:
+        """Whether a value keeps to a limit; not a number does not."""
+        return value >= limit if self.lowest else value <= limit
+
     def margin(self, value: float, limit: float) -> float:
         """What is left to a limit, as a part of it; negative beyond it. Of a share of a static load, whose small values
         are bad: what is left of the way from 1 to the limit."""

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from wrsim.analysis.assessment.sections import CANT_BASE, STRAIGHT, section_length, zone_of
+from wrsim.analysis.assessment.sections import CANT_BASE, STRAIGHT, cant_deficiency, section_length, zone_of
 from wrsim.errors import InputError
 from wrsim.inputs.checking import fault_line
 from wrsim.inputs.section import Fault, Section
@@ -86,7 +86,7 @@ class ProgrammeRun(Section, header="[[runs]]"):
         """Cant deficiency [mm]; none on straight track."""
         if self.radius_m is None:
             return 0.0
-        return 1e3 * CANT_BASE * self.speed**2 / (STANDARD_GRAVITY * self.radius_m) - self.cant_mm
+        return float(1e3 * cant_deficiency(self.speed, 1.0 / self.radius_m, self.cant_mm / 1e3))
 
     def track(self, sign: float, rules: RulesFile) -> list[dict[str, Any]]:
         """Segments of the track: a curve to the left (sign 1) or to the right, or straight track."""
@@ -208,7 +208,7 @@ def _runs(spec: ProgrammeFile, rules: RulesFile, own: StudyInput) -> AxisPoints:
                     {"kind": "spectrum", "spectrum": rough.spectrum, "seed": rough.seed + len(values)}
                     | {"scale": rough.scale, "from_m": 0.5 * AHEAD}
                 ]
-            uneven += [own.model_dump(exclude_unset=True) for own in each.irregularities]
+            uneven += [table.model_dump(exclude_unset=True) for table in each.irregularities]
             values.append((3.6 * each.speed, each.track(-1.0 if hand == "right" else 1.0, rules), uneven))
             places.append(own.locate(("runs", i)))
             labels.append(f"{each.name} {hand}".strip() if both else each.name)

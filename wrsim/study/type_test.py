@@ -24,6 +24,7 @@ from wrsim.study.collect import MISSING
 from wrsim.study.plan import Case
 from wrsim.study.programme import Programme
 from wrsim.study.task import COMPLETED, RESULT, Marker
+from wrsim.vehicle.vehicle import Vehicle
 
 OUTPUTS = ("type_test.json", "type_test.csv", "type_test.html", "plan.json")
 """Files of a type test in its folder."""
@@ -143,25 +144,26 @@ def _at_rest(programme: Programme, state: str, case: Case) -> list[Verdict]:
 def _tests_at_rest(programme: Programme, case: Case) -> list[tuple[dict[str, Any], str]]:
     """The worst of each stationary test that is wanted, and what it is of; where the vehicle finds no rest, why."""
     vehicle = replace(vehicle_of(programme.plan.scenario(case)), loads=())
-    deficiency = programme.spec.deficiency
     found: list[tuple[dict[str, Any], str]] = []
     for test in programme.spec.stationary:
-        twist, rotation = test == "twist", test == "rotation"
         try:
-            if test == "cant":
-                place = f"on {quantity(deficiency, 'mm', '.0f')} of cant"
-                found += [(own, place) for own in leaning(vehicle, static_state(vehicle), deficiency)["verdicts"]]
-                continue
-            numbers, _, _ = stationary_tests(vehicle, twist, None, rotation, ROTATION_RADIUS)
+            found += _test_at_rest(test, vehicle, programme.spec.deficiency)
         except SimulationError as error:
             found.append(({"clause": test}, str(error)))
-            continue
-        if twist:
-            found.append((numbers["twist_test"], "twist test"))
-        elif turned := numbers.get("rotation_test"):
-            worst = max(turned, key=lambda own: float(own["value"]))
-            found.append((worst, f"bogie {worst['bogie']}, {formatted(worst['rate_deg_per_s'], 'g')} °/s"))
     return found
+
+
+def _test_at_rest(test: str, vehicle: Vehicle, deficiency: float) -> list[tuple[dict[str, Any], str]]:
+    """The worst of one of them; deficiency [mm]: of cant. Raises SimulationError where the vehicle finds no rest."""
+    if test == "cant":
+        place = f"on {quantity(deficiency, 'mm', '.0f')} of cant"
+        return [(own, place) for own in leaning(vehicle, static_state(vehicle), deficiency)["verdicts"]]
+    numbers, _, _ = stationary_tests(vehicle, test == "twist", None, test == "rotation", ROTATION_RADIUS)
+    if test == "twist":
+        return [(numbers["twist_test"], "twist test")]
+    turned = numbers.get("rotation_test", [])
+    worst = max(turned, key=lambda own: float(own["value"]), default=None)
+    return [(worst, f"bogie {worst['bogie']}, {formatted(worst['rate_deg_per_s'], 'g')} °/s")] if worst else []
 
 
 def whole_table(title: str, found: Sequence[Verdict]) -> Table:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby, pairwise
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -39,6 +40,14 @@ def counts(section: AssessedSection, admissible: float | None, tested: tuple[flo
         return True
     least, most = (factor * admissible for factor in tested)
     return least - CLOSE <= section.cant_deficiency <= most + CLOSE
+
+
+def cant_deficiency(speed: Any, curvature: Any, cant: Any) -> Any:
+    """Lateral acceleration over gravity times the base, less the cant [m], positive to the outside of the curve.
+
+    speed [m/s], curvature [1/m], cant [m]: numbers or arrays.
+    """
+    return CANT_BASE * speed**2 * curvature / STANDARD_GRAVITY - cant
 
 
 def zone_of(curvature: float, classes: Sequence[ClassSection]) -> str:
@@ -69,8 +78,7 @@ def sections_of(
     given.
     """
     distance, curvature, cant, speed = _track_passed(dataset)
-    # positive to the outside of the curve, as a cant: lateral acceleration over gravity times the base
-    missing = CANT_BASE * speed**2 * curvature / STANDARD_GRAVITY - cant
+    missing = cant_deficiency(speed, curvature, cant)
     found: list[AssessedSection] = []
     for zone, first, last in _stretches(distance, curvature, missing, classes, straight_deficiency):
         inside = slice(first, last + 1)

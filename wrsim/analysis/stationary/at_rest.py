@@ -68,11 +68,17 @@ def judged(rules: str, quantity: str, value: float) -> dict[str, Any]:
     """A value [SI units] of a vehicle at rest beside its limit in a rule set, both in the unit for readers."""
     clause = given(rule_set(rules).about(quantity))
     limit, shown = given(clause.limit_at(About())), clause.judged.shown
-    margin = clause.judged.margin(value, limit.value)
-    found = {"clause": clause.id, "symbol": clause.judged.symbol, "unit": shown.unit, "value": value * shown.factor}
-    return found | {"limit": limit.value * shown.factor, "margin": margin, "passed": bool(margin >= 0.0)} | {
-        "lowest": clause.judged.lowest, "limit_source": limit.words
-    }  # fmt: skip
+    return {
+        "clause": clause.id,
+        "symbol": clause.judged.symbol,
+        "unit": shown.unit,
+        "value": value * shown.factor,
+        "limit": limit.value * shown.factor,
+        "margin": clause.judged.margin(value, limit.value),
+        "passed": bool(clause.judged.within(value, limit.value)),
+        "lowest": clause.judged.lowest,
+        "limit_source": limit.words,
+    }
 
 
 def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
