@@ -26,6 +26,7 @@ from wrsim.study.spec import CasesSection, Key, OutputsSection
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 AHEAD = 60.0  # straight track before and behind a curve: a vehicle with its ends, and even track to start on [m]
+MOST_DEFICIENCY = 400  # of cant [mm]
 STATE, RUN = "state", "run"
 Word = Annotated[str, text("a name")]
 
@@ -58,7 +59,7 @@ class ProgrammeRun(Section, header="[[runs]]"):
     """Cant of the curve."""
     speed_kmh: Annotated[float, number(1, 500)] | None = None
     """Speed of the run."""
-    cant_deficiency_mm: Annotated[float, number(-200, 400, "mm")] | None = None
+    cant_deficiency_mm: Annotated[float, number(-200, MOST_DEFICIENCY, "mm")] | None = None
     """Cant deficiency of the run, which gives its speed."""
     sections: Annotated[int, number(1, 1000)]
     """Number of sections, each as long as the rule set asks for."""
@@ -148,8 +149,11 @@ class ProgrammeFile(Section, header="a type test"):
             if odd := sorted(set(state.set) ^ set(first.set)):
                 message = f"{odd[0]}: must be set in every state: one of '{first.name}' and '{state.name}' lacks it"
                 yield Fault(("states", i, "set"), message)
-        if "cant" in self.stationary and self.deficiency <= 0.0:
-            yield Fault("stationary", '"cant" needs a run with cant deficiency')
+        if "cant" in self.stationary and not 0.0 < self.deficiency <= MOST_DEFICIENCY:
+            largest = f"the largest is {self.deficiency:.0f} mm"
+            yield Fault(
+                "stationary", f'"cant" needs a cant deficiency of the runs up to {MOST_DEFICIENCY:g} mm: {largest}'
+            )
         if self.cases.keep != "results":
             yield Fault(("cases", "keep"), 'must be "results": they are assessed together')
 
