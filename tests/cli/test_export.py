@@ -63,14 +63,14 @@ def dataset(folder: Path) -> xr.Dataset:
 def samples(dataset: xr.Dataset) -> dict[tuple[str, ...], xr.Variable]:
     """Every row of numbers or words over the samples, by the words of its name: channel, wheelset, wheel, ..."""
     found = {}
+    names = {dim: [str(own).replace(" ", "_") for own in dataset[dim].values] for dim in dataset.dims}
     first = "time" if "time" in dataset.dims else "pose"
     for name, data in dataset.variables.items():
         if data.dims[:1] == (first,) and "strip" not in data.dims:
             others = data.dims[1:]
             for place in product(*(range(dataset.sizes[dim]) for dim in others)):
                 at = dict(zip(others, place, strict=True))
-                words = (str(dataset[dim].values[i]).replace(" ", "_") for dim, i in at.items())
-                found[str(name), *words] = data.isel(at)
+                found[str(name), *(names[dim][i] for dim, i in at.items())] = data.isel(at)
     assert len(found) > 30
     return found
 

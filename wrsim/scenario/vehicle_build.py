@@ -113,5 +113,6 @@ def _with_loads(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
         vehicle = with_ballast(vehicle, added.ballast)
         loads, payloads = (*vehicle.loads, *added.loads), (*vehicle.payloads, *added.payloads)
         vehicle = replace(vehicle, loads=loads, payloads=payloads)
-        preloads(vehicle)
+        if added.ballast or added.payloads:  # else its file has been checked
+            preloads(vehicle)
     return vehicle

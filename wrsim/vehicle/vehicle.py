@@ -191,7 +191,7 @@ class Vehicle:
         """Everything with mass, in the order of the state."""
         return (*self.wheelsets, *self.bodies)
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the parts."""
         return tuple(part.name for part in self.parts)

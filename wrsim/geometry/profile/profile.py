@@ -135,24 +135,26 @@ class Profile:
         index = np.clip(np.searchsorted(self.arclength, L, side="right") - 1, 0, self.u.size - 2)
         return L - self.arclength[index], index
 
-    def _evaluate(self, L: ArrayLike) -> tuple[Array, Array, Array]:
-        """Position, first and second derivative with respect to L, each (..., 2)."""
+    def _evaluate(self, L: ArrayLike, *orders: int) -> list[Array]:
+        """Of position (0), first and second derivative with respect to L those that are asked for, each (..., 2)."""
         x, i = self._locate(L)
         c0, c1, c2, c3, c4, c5 = self._coefficients[:, i]
         x = x[..., None]
-        r = c0 + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
-        v = c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
-        a = 2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))
-        return r, v, a
+        terms = (
+            lambda: c0 + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5)))),
+            lambda: c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5))),
+            lambda: 2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5)),
+        )
+        return [terms[order]() for order in orders]
 
     def at(self, L: ArrayLike) -> tuple[Array, Array]:
         """Coordinates u, w at arclength L, m. L of any shape, within 0 .. length; InputError outside."""
-        r, _, _ = self._evaluate(L)
+        (r,) = self._evaluate(L, 0)
         return r[..., 0], r[..., 1]
 
     def tangent(self, L: ArrayLike) -> tuple[Array, Array]:
         """Unit tangent (du/dL, dw/dL) at arclength L, in the direction of increasing L."""
-        _, v, _ = self._evaluate(L)
+        (v,) = self._evaluate(L, 1)
         v = v / np.hypot(v[..., 0], v[..., 1])[..., None]
         return v[..., 0], v[..., 1]
 
@@ -163,7 +165,7 @@ class Profile:
 
     def curvature(self, L: ArrayLike) -> Array:
         """Signed curvature d(angle)/dL at arclength L, 1/m; at a jump its value just after."""
-        _, v, a = self._evaluate(L)
+        v, a = self._evaluate(L, 1, 2)
         return curvature_of(v, a)
 
     def slope_angle(self, L: ArrayLike) -> Array:
@@ -215,7 +217,7 @@ class Profile:
         rising = np.where(x[i + 1] >= x[i], 1.0, -1.0)
         L = 0.5 * (lo + hi)
         for _ in range(80):
-            r, v, _ = self._evaluate(L)
+            r, v = self._evaluate(L, 0, 1)
             error = (r[..., axis] - wanted) * rising
             lo, hi = np.where(error <= 0.0, L, lo), np.where(error >= 0.0, L, hi)
             speed = v[..., axis] * rising
@@ -235,7 +237,7 @@ class Profile:
         lo, hi = self.arclength[max(i - 1, 0)], self.arclength[min(i + 1, self.u.size - 1)]
 
         def climb(L: float) -> float:
-            return float(self._evaluate(L)[1][1])
+            return float(self._evaluate(L, 1)[0][1])
 
         inside = climb(lo) > 0.0 > climb(hi)
         return float(scipy.optimize.brentq(climb, lo, hi, xtol=1e-16) if inside else self.arclength[i])

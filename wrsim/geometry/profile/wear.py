@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import arclengths
 from wrsim.geometry.profile.points import ProfilePoints, first_crossing
-from wrsim.geometry.profile.profile import Array, Profile, plane_cross
+from wrsim.geometry.profile.profile import Array, Profile, curvature_of, plane_cross
 
 Direction = Literal["vertical", "normal"]
 
@@ -141,12 +141,13 @@ class _Bells:
         """Position and derivative with respect to L, each (..., 2); curvature: of the unworn curve, if not its own."""
         rail = self.new.kind == "rail"
         up = -1.0 if rail else 1.0  # into the material
-        k = self.new.curvature(L) if curvature is None else curvature
+        r, v, a = self.new._evaluate(L, 0, 1, 2)
+        k = curvature_of(v, a) if curvature is None else curvature
         d, slope, e, e_slope = self.depths(L)
-        t = np.stack(self.new.tangent(L), axis=-1)
-        inward = -np.stack(self.new.normal(L), axis=-1)
+        t = v / np.hypot(v[..., 0], v[..., 1])[..., None]
+        inward = -up * np.stack((t[..., 1], -t[..., 0]), axis=-1)
         vertical = np.array([0.0, up])
-        r = np.stack(self.new.at(L), axis=-1) + d[..., None] * vertical + e[..., None] * inward
+        r = r + d[..., None] * vertical + e[..., None] * inward
         stretch = 1.0 + (k if rail else -k) * e
         if not (stretch > 0.0).all():
             u = 1e3 * float(self.new.at(L.flat[int(np.argmin(stretch))])[0])
@@ -198,7 +199,7 @@ def _true_lengths(profile: Profile, bridges: NDArray[np.intp]) -> Profile:
     for _ in range(8):
         span = np.diff(profile.arclength)
         for i in bridges:
-            span[i] = arclengths(lambda L, p=profile: p._evaluate(L)[1], profile.arclength[i : i + 2])[1]  # type: ignore[misc]
+            span[i] = arclengths(lambda L, p=profile: p._evaluate(L, 1)[0], profile.arclength[i : i + 2])[1]  # type: ignore[misc]
         profile = replace(profile, arclength=np.concatenate([[0.0], np.cumsum(span)]))
     return profile
 
