@@ -126,11 +126,7 @@ def test_track_is_cut_into_sections_of_its_classes():
     assert [s.short for s in found] == [True, False, False, False, False, False, False]  # 200 m of 250
 
 
-@pytest.mark.parametrize(
-    ("radius", "zone"),
-    [(5000, "straight"), (2500, "large radius"), (600, "large radius"), (500, "small radius"), (400, "small radius"),
-     (300, "very small radius"), (250, "very small radius"), (150, "tight")],
-)  # fmt: skip
+@pytest.mark.parametrize(("radius", "zone"), table("classes_of_curves"))
 def test_classes_of_curves(radius, zone):
     assert zone_of(1.0 / radius, EN.classes) == zone_of(-1.0 / radius, EN.classes) == zone
 

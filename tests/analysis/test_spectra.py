@@ -6,11 +6,14 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 from support.commands import ok
+from support.rows import rows_of
 from support.runs import SCENARIOS
 from support.synthetic_run import Q0, run
 
 import wrsim
 from wrsim import InputError, load, spectra
+
+table = rows_of(__file__)
 
 SPEED, LENGTH, AMPLITUDE = 20.0, 200.0, 3e3
 FREQUENCY = 162.3  # between two lines of the spectra
@@ -86,16 +89,7 @@ def test_the_command_leaves_tables_and_a_picture(tmp_path):
     assert {"spectra_Q.csv", "spectra_Q.png"} <= {p.name for p in tmp_path.iterdir()}
 
 
-@pytest.mark.parametrize(
-    "channel, options, words",
-    [
-        ("q", {}, r"no channel over time is called 'q' \(did you mean 'Q'\?\); there are "),
-        ("Q", {"derivative": 3}, "derivative = 3, .*: derivative must be 0, 1 or 2"),
-        ("Q", {"resolution_Hz": 0.0}, "resolution_Hz = 0, .*the others above 0"),
-        ("Q", {"from_m": 500.0}, "from_m = 500: .* no samples there"),
-        ("Q", {"from_m": 50.0, "to_m": 40.0}, r"to_m = 40.*must lie beyond from_m \(50 m\)"),
-    ],
-)
+@pytest.mark.parametrize("channel, options, words", table("what_has_no_spectrum_is_one_clear_error"))
 def test_what_has_no_spectrum_is_one_clear_error(channel, options, words):
     with pytest.raises(InputError, match=words):
         spectra(synthetic(), channel, **options)

@@ -5,6 +5,7 @@ from inspect import signature
 from pathlib import Path
 
 import pytest
+from support.rows import rows_of
 from support.scripts import ROOT
 
 sys.path.insert(0, str(ROOT))
@@ -15,6 +16,8 @@ from campaigns.benchmark.comparison import read_comparison, run_comparison
 from campaigns.benchmark.hertz_fastsim import HertzFastsim
 from campaigns.benchmark.wrsim_adapter import Wrsim
 from wrsim.errors import InputError
+
+table = rows_of(__file__)
 
 CODES = pytest.mark.parametrize("code", [Wrsim, HertzFastsim])
 REFERENCE = ROOT.parent / "shared" / "reference"
@@ -52,15 +55,7 @@ def test_what_a_code_does_not_have_is_not_offered_and_no_solution_is_red():
     assert run_comparison("grooves", comparison, Lost(REFERENCE)).word == "red"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("cost = 1", "costs = 1", "costs"),
-        ('function = "hertz"', 'function = "herz"', 'did you mean "hertz"'),
-        ('beside = "guide"', 'beside = "gide"', "must be one of contact"),
-        ("worst = 0.004\n", "", "must be a number above 0"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "words"), table("a_comparison_that_cannot_be_is_refused_with_file_and_line"))
 def test_a_comparison_that_cannot_be_is_refused_with_file_and_line(tmp_path: Path, old, new, words):
     text = (ROOT / "campaigns/benchmark/comparisons/hertz.toml").read_text()
     path = tmp_path / "own.toml"

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from support.commands import call, ok, refusal
+from support.rows import rows_of
 from support.runs import SCENARIOS
 from support.scenario_texts import CURVE
 from support.synthetic_result import curve_run, static_poses
@@ -22,6 +23,8 @@ from wrsim.core.jit.compiling import Kernel
 from wrsim.results import Result
 from wrsim.results.differences import differences
 from wrsim.results.table import Column, Table, on_terminal
+
+table = rows_of(__file__)
 
 runner = CliRunner()
 COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
@@ -217,13 +220,7 @@ def test_a_number_that_cannot_be_told_from_zero_has_no_change_in_percent() -> No
     assert found["lost_in_creep_kJ"].change == pytest.approx(10.0)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--only", "Q_maxx"], "--only Q_maxx: neither result has it (did you mean 'Q_max_kN'?)"),
-        (["--tolerance", "-1"], "--tolerance -1: must be a number not below 0"),
-    ],
-)
+@pytest.mark.parametrize(("options", "message"), table("faults_of_a_comparison_are_one_sentence"))
 def test_faults_of_a_comparison_are_one_sentence(options: list[str], message: str, runs: tuple[str, str]) -> None:
     assert message in refusal("diff", runs[0], runs[1], *options)
 

@@ -62,7 +62,7 @@ def filled(folder: Path, statuses=(COMPLETED,) * 6, file: Path | None = None, **
         curvature = (
             np.zeros_like if case.place[1] == 0 else synthetic_run.curve(300.0 if case.place[1] == 1 else -300.0)
         )
-        synthetic_run.run(curvature=curvature, **forces if i < 3 else {}).save(own / RESULT)
+        synthetic_run.run(step=4e-3, curvature=curvature, **forces if i < 3 else {}).save(own / RESULT)
         ended = Marker(
             case.name, case.label, status, "" if status == COMPLETED else "it fell", outputs=plan.outputs_digest
         )
