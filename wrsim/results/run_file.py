@@ -28,7 +28,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.toml_files import open_plain
 from wrsim.results.files import fcntl, lock, open_no_link, plain_disk_errors
 
-SIGNATURE = b"wrsim run\r\n\x1a\x03\x00\x00\x00"  # last four bytes: version of the layout
+SIGNATURE = b"wrsim run\r\n\x1a\x04\x00\x00\x00"  # last four bytes: version of the layout
 _NAMED = 12  # bytes of the signature before the version
 FRAME = struct.Struct("<QI")
 

@@ -38,9 +38,7 @@ computed before it."""
 LIFT, STOP, STEPS, SPINS, SLIDES, LOOSE = 0.0, -1.0, -2.0, -3.0, -4.0, -5.0
 """Kinds of events in the notes: a wheel without contact; a bump stop beyond the end of its table; steps that have been
 cut since the last look; an axle that is driven, or braked, beyond adhesion; friction without a normal force. A bit of
-a contact's status is its own kind; ..."""
-END = 0.125
-"""... that of a profile's end has this part more for each of the ends in the order of `WatchedWheel.end_of_profile`."""
+a contact's status is its own kind."""
 
 KINDS: dict[float, EventKind] = {
     LIFT: "lift", STOP: "stop", STEPS: "steps", SPINS: "spins", SLIDES: "slides", LOOSE: "loose",
@@ -83,8 +81,8 @@ class Monitor:
         self.stops = [(i, e.limits, e.travel_place) for i, e in enumerate(elements) if e.limits]
         normals = [None if e.slider is None else e.slider.normal for e in elements]
         self.pressed = np.array([i for i, n in enumerate(normals) if n is not None and n.sense is None], dtype=int)
-        self.notes = np.zeros((0, 6))
-        """Rows (kind, which wheel or element, time, distance, last time, last distance)."""
+        self.notes = np.zeros((0, 7))
+        """Rows (kind, which wheel or element, `WatchedWheel.end_of_profile` or -1, time, distance, last of both)."""
 
     def step(self, t: float, sampled: bool) -> None:
         """After every step, at the law's last evaluation; sampled: whether its state is stored."""
@@ -135,28 +133,27 @@ class Monitor:
                 own.substitutes = substitutes
                 flags |= STATUS_NOT_CONVERGED
             for bit in bits_of(flags):
-                end = END * (1 + wheel.nearest_end()) if bit == STATUS_PROFILE_END else 0.0
-                self._note(bit + end, i, t, distance)
+                self._note(bit, i, t, distance, wheel.nearest_end() if bit == STATUS_PROFILE_END else -1)
         return ending or (overlap(self.wheels) if too_deep else None)
 
     def _warn_of_cuts(self, t: float, distance: float) -> None:
         """Warn once, while the run lasts, that its steps are cut again and again."""
         self.cut_looks += 1
         if self.cut_looks == MANY:
-            since = self.notes[self.notes[:, 0] == STEPS][-1]
+            since = self.notes[self.notes[:, 0] == STEPS][-1, 3:]
             log.warning(
                 "the time step has to be cut again and again since t = %.4g s, %.2f m along the track: the run takes "
                 "up to %d times as long as usual. A mass or a stiffness out of proportion does this (wrsim check warns "
                 "of some), or contact that comes and goes: run.integrator = \"rk44\" may be faster",
-                since[2], since[3], SLOWEST,
+                since[0], since[1], SLOWEST,
             )  # fmt: skip
 
     def _look_at(self, i: int, wheel: WatchedWheel, t: float, distance: float) -> Lost | None:
         """How the vehicle has derailed at a wheel, if it has. Notes a lifted wheel."""
         off = wheel.off_the_rail()
         if off is not None:
-            at_end = self.notes[(self.notes[:, 0].astype(int) == STATUS_PROFILE_END) & (self.notes[:, 1] == i)]
-            if at_end.size and distance - at_end[-1, 5] <= LIFT_DISTANCE and (end := _end(wheel, at_end[-1, 0])):
+            at_end = self.notes[(self.notes[:, 0] == STATUS_PROFILE_END) & (self.notes[:, 1] == i)]
+            if at_end.size and distance - at_end[-1, 6] <= LIFT_DISTANCE and (end := _end(wheel, at_end[-1, 2])):
                 return replace(off, words=f"{off.words}; its contact has passed {end_words(*end)}")
             return off
         since = self.last_contact[i]
@@ -169,18 +166,18 @@ class Monitor:
             return Lost("derailed", f"{wheel.words} has had no contact with its rail for {way:.2f} m")
         return None
 
-    def _note(self, kind: float, which: int, t: float, distance: float) -> None:
+    def _note(self, kind: float, which: int, t: float, distance: float, end: int = -1) -> None:
         """Begin an event, or let the last one of its kind and place go on."""
-        same = np.flatnonzero((self.notes[:, 0] == kind) & (self.notes[:, 1] == which))
-        if same.size and abs(distance - self.notes[same[-1], 5]) <= SAME:
-            self.notes[same[-1], 4:] = t, distance
+        same = np.flatnonzero((self.notes[:, :3] == (kind, which, end)).all(axis=1))
+        if same.size and abs(distance - self.notes[same[-1], 6]) <= SAME:
+            self.notes[same[-1], 5:] = t, distance
         else:
-            self.notes = np.vstack([self.notes, [kind, which, t, distance, t, distance]])
+            self.notes = np.vstack([self.notes, [kind, which, end, t, distance, t, distance]])
 
     def events(self) -> list[Event]:
         """Everything noted, in the order of its begin."""
         found = []
-        for kind, which, t, distance, last_t, last_distance in self.notes.tolist():
+        for kind, which, at_end, t, distance, last_t, last_distance in self.notes.tolist():
             name, part, side = KINDS.get(kind, "contact"), "", ""
             if kind in (SPINS, SLIDES):
                 if last_distance - distance <= SLIP_DISTANCE:
@@ -191,7 +188,7 @@ class Monitor:
             elif kind != STEPS:
                 part, side = self.wheels[int(which)].wheelset, self.wheels[int(which)].side
             bit = int(kind) if name == "contact" else 0
-            end = _end(self.wheels[int(which)], kind) if bit == STATUS_PROFILE_END else None
+            end = _end(self.wheels[int(which)], at_end) if bit == STATUS_PROFILE_END else None
             found.append(Event(name, part, (t, distance), (last_t, last_distance), side, bit, profile=end))
         mean_load = 0.5 * self.law.vehicle.weight / len(self.law.vehicle.wheelsets)
         if self.wheels:
@@ -228,13 +225,12 @@ class Monitor:
         self.cut_steps, peaks, size = int(memory[0]), self.watched.view(float), self.last_contact.size
         peaks[:], memory = memory[1 : 1 + peaks.size], memory[1 + peaks.size :]
         self.last_contact = memory[:size].reshape(self.last_contact.shape).copy()
-        self.notes = memory[size:].reshape(-1, 6).copy()
+        self.notes = memory[size:].reshape(-1, 7).copy()
         places = np.where(np.isin(self.notes[:, 0], (STOP, LOOSE)), len(self.law.vehicle.elements), len(self.wheels))
         if not (np.isfinite(self.notes).all() and ((self.notes[:, 1] >= 0) & (self.notes[:, 1] < places)).all()):
             raise ValueError("events of a wheel or an element that is not there")
 
 
-def _end(wheel: WatchedWheel, kind: float) -> tuple[str, str, float] | None:
-    """The end of a profile that a note of this kind is about; None where it has none."""
-    which = round((kind - STATUS_PROFILE_END) / END) - 1
-    return wheel.end_of_profile(which) if which >= 0 else None
+def _end(wheel: WatchedWheel, which: float) -> tuple[str, str, float] | None:
+    """The end of a profile that a note is about; None where it has none."""
+    return wheel.end_of_profile(int(which)) if which >= 0 else None
