@@ -164,6 +164,15 @@ COMMANDS = {
 }  # fmt: skip
 """The commands that take these kinds of files."""
 
+ENDINGS = {
+    ".nc": "a file of numbers (wrsim show, wrsim report)", ".part": "a run that was cut off (wrsim show)",
+    ".csv": "a table (wrsim recording, wrsim profile)", ".json": "a JSON file", ".html": "a page", ".fmu": "a unit",
+    ".prr": "a rail profile (wrsim profile)", ".prw": "a wheel profile (wrsim profile)",
+    ".ban": "a rail profile (wrsim profile)", ".whl": "a wheel profile (wrsim profile)",
+    ".png": "a picture", ".svg": "a picture", ".pdf": "a picture", ".jpg": "a picture",
+}  # fmt: skip
+"""Files that are not TOML, by the ending of their name, and the commands that take them."""
+
 OTHER_NAMES = {"service": "evolution", "wear": "evolution"}
 """Other names of kinds of files, that are understood."""
 

@@ -244,6 +244,7 @@ def test_a_full_disk_at_the_end_of_a_run_is_told_plainly(tmp_path, monkeypatch):
     assert done.exit_code == 1
     assert "result.nc: the disk is full (" in done.stderr
     assert "free some space or choose another directory" in done.stderr
+    assert f"the run is safe in {tmp_path / 'out' / 'result.nc.part'}: go on with --resume" in done.stderr
     assert done.stderr.count("\n") == 1
     # nothing half-written, and the run itself is safe
     assert {path.name for path in (tmp_path / "out").iterdir()} == {".wrsim", "scenario.toml", "result.nc.part"}

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from wrsim.api.outcome import Outcome, as_result, as_scenario, folder_beside
+from wrsim.errors import InputError
 
 if TYPE_CHECKING:
     from wrsim.api.outcome import Given
@@ -68,7 +69,7 @@ def read_recording(
     InputError
         For a table that cannot be read, with line and column.
     """
-    from wrsim.inputs.checking import check_value
+    from wrsim.inputs.checking import check_value, kind_of
     from wrsim.inputs.values import number
     from wrsim.report.outputs import write_recording
     from wrsim.results.recording import recording_numbers, recording_tables
@@ -76,6 +77,8 @@ def read_recording(
 
     check_value(Annotated[float, number(1, 500, "km/h")] | None, speed_kmh, "--speed-kmh")
     path, beside = Path(file), Path(file).with_suffix(".toml")
+    if path.suffix.lower() != ".csv" and (kind := kind_of(path)):
+        raise InputError(f"{path}: is {kind}; the table of a recording is needed here")
     chosen = Path(columns) if columns is not None else beside if beside.is_file() else None
     found = restored_track(path, chosen, chord_m, band, (from_m, to_m), wavelength_m, amplification, transitions)
     files = []

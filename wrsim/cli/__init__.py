@@ -1,5 +1,8 @@
 """The command line. ``main`` is the entry point of the ``wrsim`` command."""
 
-from wrsim.cli.commands import app, main
+try:
+    from wrsim.cli.commands import app, main
+except KeyboardInterrupt:
+    raise SystemExit(130) from None
 
 __all__ = ["app", "main"]

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
 from pydantic import TypeAdapter, ValidationError
 
-from wrsim.errors import InputError
+from wrsim.errors import InputError, nearest
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.section import ABSENT, FAULT, MOST_FAULTS, STRICT, Section
-from wrsim.inputs.toml_files import parse_toml, read_text, shortened, shown_value
+from wrsim.inputs.toml_files import parse_toml, shortened, shown_value, toml_text
 from wrsim.inputs.values import refusal
-from wrsim.register import COMMANDS, FILES, resolved
+from wrsim.register import COMMANDS, ENDINGS, FILES, resolved
 
 S = TypeVar("S", bound=Section)
 
@@ -23,7 +24,7 @@ Locate = Callable[[KeyPath], str]
 
 def opened(path: Path, what: str) -> tuple[dict[str, Any], Locate]:
     """Tables of a TOML file, and a function that locates its keys. what: name of such a file. Raises InputError."""
-    text = read_text(path, what)
+    text = toml_text(path, what)
 
     def locate(key: KeyPath) -> str:
         line = line_of(key_lines(text), key)
@@ -42,19 +43,35 @@ def check_section(section: type[S], data: dict[str, Any], locate: Locate) -> S:
 
 
 def refuse_other_kind(kind: Any, data: dict[str, Any], locate: Locate) -> None:
-    """Raise InputError where most keys at the top of a file are those of another kind of file than it should be."""
+    """Raise InputError where a file is of another kind than it should be: most keys at its top are those of one, or all
+    are, and those that are not of its own kind are no misspelt ones."""
+    own, name, other = _known(kind, data), *_likeliest(data)
+    strange = data.keys() - own
+    meant = [key for each in _classes(kind) for key in each.model_fields]
+    wholly = len(other) == len(data) and strange and not any(nearest(key, meant) for key in strange)
+    wanted = (words for words, place in FILES.values() if {*_classes(kind)} <= {*_classes(resolved(place))})
+    if wholly or (2 * len(own) <= len(data) and len(other) > len(own) + 1):
+        for words in wanted:
+            raise InputError(f"{locate(())}: is {FILES[name][0]} ({COMMANDS[name]}); {words} is needed here")
 
-    def known(kind: Any) -> int:
-        return max((len(data.keys() & {*each.model_fields, *each.foreign}) for each in _classes(kind)), default=0)
 
-    own = known(kind)
-    if 2 * own > len(data):
-        return
-    places = {name: place for name, (_, place) in FILES.items()}
-    wanted = next((name for name, place in places.items() if {*_classes(kind)} <= {*_classes(resolved(place))}), None)
-    best = max(places, key=lambda name: known(resolved(places[name])))
-    if wanted is not None and known(resolved(places[best])) > own + 1:
-        raise InputError(f"{locate(())}: is {FILES[best][0]} ({COMMANDS[best]}); {FILES[wanted][0]} is needed here")
+def kind_of(path: Path) -> str:
+    """What a file is, with the command that takes it: "a scenario (wrsim run)"; empty where that is not seen."""
+    with contextlib.suppress(InputError):
+        data, _ = opened(path, "file")
+        name, known = _likeliest(data)
+        return f"{FILES[name][0]} ({COMMANDS[name]})" if 2 * len(known) > len(data) else ""
+    return ENDINGS.get(path.suffix.lower(), "")
+
+
+def _likeliest(data: dict[str, Any]) -> tuple[str, set[str]]:
+    """The kind of file that knows most of the keys at the top of one, and these."""
+    found = {name: _known(resolved(place), data) for name, (_, place) in FILES.items() if name in COMMANDS}
+    return max(found.items(), key=lambda own: len(own[1]))
+
+
+def _known(kind: Any, data: dict[str, Any]) -> set[str]:
+    return max((data.keys() & {*each.model_fields, *each.foreign} for each in _classes(kind)), key=len, default=set())
 
 
 def _classes(kind: Any) -> list[type[Section]]:

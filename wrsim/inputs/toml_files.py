@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from wrsim.errors import InputError
+from wrsim.register import ENDINGS
 
 _PLACE = re.compile(r" \(at line (\d+), column (\d+)\)")
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
@@ -54,6 +55,15 @@ def read_text(path: Path, what: str = "file", latin: bool = False) -> str:
         line = data[: error.start].count(b"\n") + 1
         byte = f"0x{data[error.start]:02x}"
         raise InputError(f"{path}:{line}: byte {byte} is not UTF-8 text; save the file as UTF-8") from None
+
+
+def toml_text(path: Path, what: str) -> str:
+    """The text of a TOML file; raises InputError as `read_text` does, and for empty files and other kinds."""
+    kind = ENDINGS.get(path.suffix.lower()) if os.path.isfile(path) else None
+    text = "" if kind else read_text(path, what)
+    if not text.strip():
+        raise InputError(f"{path}: is {kind or 'empty'}; a {what} is needed here")
+    return text
 
 
 def read_bytes(path: Path, what: str) -> bytes:

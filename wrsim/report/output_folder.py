@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from wrsim.errors import InputError, in_one_line
+from wrsim.errors import InputError, WrsimError, in_one_line
 from wrsim.register import ANALYSES, resolved
 from wrsim.results import Result, write_atomically, write_run
 from wrsim.results.files import Keeper, Manifest, digest_of, keeping, sweep
@@ -205,7 +205,8 @@ def run_into(
             files = write(result, directory, pictures)
             took = ({}, "") if resume else _times(result, wall, compiling)
             return Written(result, *took, files, keeper.clear(files))
-        except KeyboardInterrupt:
-            if record.exists():
-                raise KeyboardInterrupt(f"interrupted; the run is safe in {record}: go on with --resume") from None
+        except (KeyboardInterrupt, WrsimError) as error:
+            if record.exists() and type(error) in (KeyboardInterrupt, WrsimError):  # Ctrl-C, or nothing can be written
+                words = f"{str(error) or 'interrupted'}; the run is safe in {record}: go on with --resume"
+                raise type(error)(words) from None
             raise

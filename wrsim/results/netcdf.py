@@ -24,9 +24,10 @@ from numpy.typing import NDArray
 from xarray.conventions import encode_dataset_coordinates
 
 from wrsim.errors import InputError
+from wrsim.inputs.checking import kind_of
 from wrsim.inputs.toml_files import open_plain
 from wrsim.results.channels import CHANNELS
-from wrsim.results.files import LARGE, plain_disk_errors, write_atomically
+from wrsim.results.files import EVOLUTION, LARGE, STUDY, plain_disk_errors, write_atomically
 
 if TYPE_CHECKING:
     import netCDF4
@@ -49,7 +50,7 @@ def write_netcdf(path: str | Path, dataset: xr.Dataset) -> Path:
             try:
                 with netCDF4.Dataset(stream.name, "w", format="NETCDF4") as file:
                     _fill(file, dataset)
-            except RuntimeError as problem:  # netCDF-C reports "HDF error", whatever it was
+            except (RuntimeError, OSError) as problem:  # netCDF-C reports "HDF error" or no access, whatever it was
                 full = shutil.disk_usage(path.parent).free < LARGE
                 raise OSError(errno.ENOSPC if full else errno.EIO, str(problem)) from problem
             size = os.fstat(stream.fileno()).st_size
@@ -63,12 +64,16 @@ def read_netcdf(path: Path, what: str) -> xr.Dataset:
         with open(open_plain(path, f"{what} file"), "rb") as stream:
             begin, checked, whole = _looked_through(stream)
     except FileNotFoundError:
-        raise InputError(f"{path}: there is no such {what} file") from None
+        kinds = {STUDY: "study", EVOLUTION: "profile evolution"}
+        kind = next((words for name, words in kinds.items() if (path.parent / name).is_file()), "")
+        other = f"; the folder is that of a {kind} (wrsim report)" if kind else ""
+        raise InputError(f"{path}: there is no such {what} file{other}") from None
     except OSError as problem:
         why = (problem.strerror or str(problem)).lower()
         raise InputError(f"{path}: cannot be read: {why}") from problem
     if begin != _HDF5_SIGNATURE:
-        raise InputError(f"{path}: not a wrsim {what} (not a NetCDF 4 file)")
+        kind = "" if path.suffix == ".nc" else kind_of(path)
+        raise InputError(f"{path}: not a wrsim {what}{f', but {kind}' if kind else ' (not a NetCDF 4 file)'}")
     if not checked:
         why = "its checksum is missing: it is cut off, or another program has written it"
         raise InputError(f"{path}: not a wrsim {what}, or {why}; {again}")

@@ -172,7 +172,9 @@ class Result:
         attributes = {n: v.item() if getattr(v, "size", 0) == 1 else v for n, v in dataset.attrs.items()}
         dataset.attrs = attributes
         if attributes.get("format") != FORMAT:
-            raise InputError(f"{path}: a NetCDF file, but not a wrsim result")
+            other = {"wrsim study": "a study", "wrsim wear": "a profile evolution"}.get(str(attributes.get("format")))
+            kind = f"{other} (wrsim report)" if other else "another NetCDF file"
+            raise InputError(f"{path}: not a wrsim result, but {kind}")
         version = attributes.get("format_version")
         if not isinstance(version, int):
             raise InputError(f"{path}: is marked as a wrsim result, but has no format; run the scenario again")

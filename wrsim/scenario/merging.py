@@ -14,7 +14,7 @@ from wrsim.inputs.checking import check_section, fault_line
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
-from wrsim.inputs.toml_files import parse_toml, read_text, write_toml
+from wrsim.inputs.toml_files import parse_toml, toml_text, write_toml
 from wrsim.inputs.values import Day, Source, text
 
 BASE = "base"
@@ -67,7 +67,7 @@ def read_merged(path: Path, children: tuple[Path, ...] = ()) -> Merged:
     Tables merge key by key; everything else, lists included, is replaced. Raises InputError for files that
     cannot be read and for a base that leads back to itself.
     """
-    top = of_text(read_text(path, "scenario file"), str(path), (path,))
+    top = of_text(toml_text(path, "scenario file"), str(path), (path,))
     if BASE not in top.data:
         return top
     base = top.data.pop(BASE)
@@ -167,7 +167,7 @@ def with_track_file(merged: Merged, finder: Finder) -> Merged:
     key = ("track", FILE)
     try:
         path = finder.find(name)
-        text = read_text(path, "track file")
+        text = toml_text(path, "track file")
     except InputError as error:
         raise InputError(fault_line(key, str(error), merged.locate, name)) from None
     below = of_text(text, str(path), (path,))

@@ -100,8 +100,8 @@ def _of_vehicle_and_track(
             yield Fault(("vehicle", "speed_kmh"), f"{kind} needs a speed", missing=True)
         laid = TrackSection.keys_meant(track) & {"segments", "table", "file"}
         if isinstance(raw.get("track"), dict) and (not laid or (laid == {"segments"} and track.get("segments") == [])):
-            message = f"{kind} needs a track of [[track.segments]], a table or a file"
-            yield Fault(("track", "segments"), message, missing=True)
+            message = f"{kind} needs a track of at least one of [[track.segments]], a table or a file"
+            yield Fault(("track", "segments"), message, missing=not laid)
     unused = [] if analysis.loaded else [("vehicle", key, "") for key in ("loads", "payloads")]
     if not analysis.moves:
         unused += [("vehicle", key, f", is for {_where('moves')} only") for key in ("efforts", "slip_control")]

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.changes import changed, found, key_path
-from wrsim.inputs.checking import Locate, check_section, fault_line, opened
+from wrsim.inputs.checking import Locate, check_section, fault_line, opened, refuse_other_kind
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, model_file, usual_finder
 from wrsim.vehicle.assembly import Assembly, Place
@@ -71,8 +71,8 @@ def load_vehicle(path: str | Path, find: Finder | None = None, changes: Sequence
         return _checked(_train(check_section(TrainFile, data, locate), finder, locate, inner), path)
     if any(key in data for key in OF_PARTS):
         return _of_parts(check_section(VehicleFile, data, locate), path, finder, locate, Place())
-    if "wheelset" not in data and "body" in data:
-        raise InputError(f"{path}: is a profile file; a vehicle file with a table [wheelset] is needed here")
+    if "wheelset" not in data:
+        refuse_other_kind(VehicleFile, data, locate)
     file = check_section(WheelsetFile, data, locate)
     return file.suspension.to_si(
         single_wheelset,
