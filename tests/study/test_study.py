@@ -330,6 +330,12 @@ deviation = 0.5
         assert {c.name for c in other.cases}.isdisjoint(c.name for c in first.cases)
 
 
+def test_workers_on_this_machine_leave_ctrl_c_of_the_terminal_to_the_command() -> None:
+    with local_workers(1) as client:
+        assert signal.SIGINT in client.submit(signal.pthread_sigmask, signal.SIG_BLOCK, ()).result()
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
 def test_jobs_of_slurm_have_one_thread_and_leave_ctrl_c_as_it_was(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     if find_spec("dask_jobqueue") is None:
         pytest.skip("no dask-jobqueue here")

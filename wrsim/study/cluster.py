@@ -12,7 +12,8 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
+from multiprocessing import resource_tracker
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import ModuleType
@@ -94,6 +95,21 @@ def _without_script() -> Iterator[None]:
 
 
 @contextmanager
+def _deaf_to_ctrl_c() -> Iterator[None]:
+    """A terminal sends Ctrl-C to all processes: those that are started here, and later by threads that begin here, do
+    not take it; they end with their cluster. This process takes it when the block ends."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # its start would undo the mask
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
 def local_workers(count: int) -> Iterator[Client]:
     """Worker processes on this machine; one that dies is started again.
 
@@ -104,19 +120,18 @@ def local_workers(count: int) -> Iterator[Client]:
     own = {"worker_class": QuietWorker, "nthreads": 1, "memory_limit": MEMORY_LIMIT // count}
     own |= {"env": ONE_THREAD | QUIET, "silence_logs": logging.CRITICAL}
     worker = {"cls": Nanny, "options": here | own}
-    with (
-        _settings(),
-        _without_script(),
-        SpecCluster(
-            scheduler={"cls": QuietScheduler, "options": here},
-            worker=worker,
-            workers=dict.fromkeys(range(count), worker),
-            security=security,
-            silence_logs=logging.CRITICAL,
-        ) as cluster,
-        closing(Client(cluster, set_as_default=False)) as client,
-    ):
-        yield client
+    with _settings(), _without_script(), ExitStack() as stack:
+        with _deaf_to_ctrl_c():
+            cluster = stack.enter_context(
+                SpecCluster(
+                    scheduler={"cls": QuietScheduler, "options": here},
+                    worker=worker,
+                    workers=dict.fromkeys(range(count), worker),
+                    security=security,
+                    silence_logs=logging.CRITICAL,
+                )
+            )
+        yield stack.enter_context(closing(Client(cluster, set_as_default=False)))
 
 
 def address_of(scheduler: str) -> str:

@@ -130,7 +130,9 @@ def _handed_out(client: Client, plan: Plan, cases: Sequence[int], expected: int)
         index = running.pop(future.key)
         error = future.exception() if future.status == "error" else None
         if error is not None and not isinstance(error, KilledWorker):
-            raise WrsimError(f"case {plan.cases[index].label}: {type(error).__name__}: {error}")
+            words = f"{'' if isinstance(error, WrsimError) else f'{type(error).__name__}: '}{error}"
+            kept = "cases that are done are kept: start the same command again to go on"
+            raise WrsimError(f"case {plan.cases[index].label}: {words}; {kept}")
         future.release()
         for following in islice(waiting, max(room(), 0)):
             done.add(submitted(following))
