@@ -31,6 +31,10 @@ from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import ProfileArc, profile_from_sections, rail_head
 
 YAWS = (0.0, 0.012, -0.03)
+OTHERS = ("S1002/60E1 1:20", "S1002/54E1 1:20")
+SOME_PAIRS = pytest.mark.parametrize(
+    "pair", [pytest.param(pair, marks=[pytest.mark.campaign] * (pair in OTHERS)) for pair in PAIRS]
+)
 
 
 def axle_of(yaw, roll):
@@ -73,7 +77,7 @@ def test_a_root_is_met_in_few_steps_where_one_end_of_its_bracket_stays(bent):
     assert root == pytest.approx(1.0, abs=1e-7) and steps < 20  # some 500 by chords alone
 
 
-@pytest.mark.parametrize("pair", PAIRS)
+@SOME_PAIRS
 def test_the_line_between_main_points_is_normal_to_both_bodies(pair):
     model = pair_model(pair, **PLAIN)
     found = 0
@@ -145,7 +149,7 @@ def test_the_deepest_zone_is_found_where_the_back_of_a_flange_lies_in_a_check_ra
     assert at_the_back > 12
 
 
-@pytest.mark.parametrize("pair", PAIRS)
+@SOME_PAIRS
 def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
     model = pair_model(pair, **PLAIN)
     peaks = brute_force(model)
@@ -262,6 +266,7 @@ def test_forces_do_not_jump_by_more_than_two_permille_of_the_load(pair, yaw):
     assert found[:, 1].max() < 2e-3
 
 
+@pytest.mark.campaign  # in the suite: random profiles (test_laws)
 @PAIRS_AND_YAWS
 def test_normal_force_grows_with_depth_at_a_given_pose(pair, yaw):
     depths = np.arange(1, 101) * 1.5e-6

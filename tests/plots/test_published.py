@@ -138,18 +138,20 @@ def drawn_texts(figure, patch: pytest.MonkeyPatch) -> list[Text]:
 
 
 @pytest.mark.parametrize(
-    ("width", "look"),
+    ("width", "look", "moments"),
     [
-        (80.0, {"font": "DejaVu Sans Mono"}),
-        pytest.param(125.0, {"style": "big"}, marks=pytest.mark.campaign),
-        pytest.param(80.0, {}, marks=pytest.mark.campaign),
-        pytest.param(180.0, {"style": "ggplot"}, marks=pytest.mark.campaign),
+        (80.0, {"font": "DejaVu Sans Mono"}, 2),
+        pytest.param(80.0, {"font": "DejaVu Sans Mono"}, None, marks=pytest.mark.campaign),
+        pytest.param(125.0, {"style": "big"}, None, marks=pytest.mark.campaign),
+        pytest.param(80.0, {}, None, marks=pytest.mark.campaign),
+        pytest.param(180.0, {"style": "ggplot"}, None, marks=pytest.mark.campaign),
     ],
     ids=str,
 )
 def test_no_word_is_cut_off_or_over_another_one_whatever_the_width_the_style_and_the_font(
-    one, conicity, width, look, tmp_path, monkeypatch
+    one, conicity, width, look, moments, tmp_path, monkeypatch
 ) -> None:
+    one = one.isel(snapshot=slice(moments))
     monkeypatch.chdir(tmp_path)
     (tmp_path / "big").write_text("font.size: 20\naxes.labelsize: 30\nfigure.figsize: 1, 1\nsavefig.bbox: tight")
     token = LOOK.set(look_of(width=width, **look))
