@@ -148,6 +148,8 @@ def test_poses_that_cannot_be_are_refused() -> None:
         contact_model(rail, rail, 0.46)
     with pytest.raises(InputError, match=r"normal = 'strip': must be one of .*did you mean 'strips'"):
         contact_model(wheel, rail, 0.46, ContactSettings(normal="strip"))  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"polach_slip = 1\.5: must be a number from .* to 1$"):
+        contact_model(wheel, rail, 0.46, ContactSettings(polach_slip=1.5))
     model = contact_model(wheel, rail, 0.46)
     for given, told in (
         ([], "at least one"),

@@ -12,6 +12,8 @@ from support.runs import FAST, SCENARIOS
 from support.vehicles import ROOT, on_track, shipped
 
 from wrsim import InputError, load, run
+from wrsim.core.body.deck import DECK, deck_motion
+from wrsim.core.body.flexible import MODE
 from wrsim.geometry.track.bridge import Bridge, read_bridge
 from wrsim.scenario.build import build
 from wrsim.simulation.steady_state import steady_state
@@ -46,6 +48,17 @@ def test_two_equal_spans_vibrate_as_one_pinned_and_one_clamped() -> None:
     roots = np.array([np.pi, 3.926602, 2.0 * np.pi, 7.068583])  # tan x = tanh x
     theory = (roots / SPAN) ** 2 * np.sqrt(BENDING / MASS) / (2.0 * np.pi)
     assert found == pytest.approx(theory, rel=1e-5)
+
+
+def test_the_slope_under_a_wheel_is_that_of_the_deck_between_its_rows() -> None:
+    deck, rows, modes = np.zeros(1, DECK), np.array([[0.1, 1.0], [0.4, -2.0], [0.2, 0.7]]), np.zeros(1, MODE)
+    deck["step"], deck["count"] = 0.5, 1
+
+    def at(s: float) -> tuple[float, float, float]:
+        return deck_motion(s, 0.0, deck[0], rows, modes, np.ones(1), np.zeros(1))
+
+    for s in (0.1, 0.63):
+        assert at(s)[2] == pytest.approx((at(s + 1e-6)[0] - at(s - 1e-6)[0]) / 2e-6, rel=1e-6)
 
 
 def test_spread_loads_leave_the_static_deflection_and_smooth_the_ends() -> None:

@@ -293,3 +293,14 @@ def test_yaw_shifts_the_strips_along_the_rail(yaw):
     sine = tw / tu * np.tan(yaw)
     assert lobe["x"] == pytest.approx(-u * np.sin(yaw) + (RADIUS - w) * sine * np.cos(yaw), rel=1e-3)
     assert np.ptp(strips["x"]) > 1e-6
+
+
+def test_a_yawed_wheel_of_one_radius_on_a_crown_of_one_has_strips_that_are_alike_on_both_sides():
+    crown = circle("crown", "rail", 0.3, 0.02)
+    model = contact_model(round_wheel(0.3, 0.02), crown, radius=RADIUS, strips=7, **PLAIN)
+    contact = model.evaluate((0.0, 0.0, RADIUS - 1e-4), (-np.sin(0.05), np.cos(0.05), 0.0))
+    assert repr(contact).startswith("Contact(1 patch, ")
+    (strips,) = contact.strips
+    # as counted from the middle: a walk from a neighbour is 1e-8 beside that
+    for name in ("a", "penetration", "p"):
+        assert strips[name] == pytest.approx(strips[name][::-1], rel=1e-10)

@@ -86,6 +86,27 @@ def test_the_work_of_a_blow_is_stored_or_lost_in_dampers() -> None:
     assert energy(rails) < 0.05 * work
 
 
+def test_rails_at_rest_yield_to_their_own_wheel_however_many_elements_they_have() -> None:
+    # static elements of a beam in bending, shear and torsion are exact; one wheelset: nobody else pushes
+    found = []
+    for elements in (1, 2, 3):
+        law = on_track(shipped("wheelset_s1002"), structure=replace(TRACK, elements=elements), start=60.2).law
+        assert law.on_sleepers is not None
+        found.append(np.concatenate([law.on_sleepers.ties[name] for name in ("nn", "nb", "bb")]))
+        assert [wheel.free_b for wheel in law.own(0)] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert np.array(found[1:]) == pytest.approx(np.array([found[0]] * 2), rel=1e-6)
+
+
+def test_a_step_ends_as_foretold_under_the_forces_that_were_foretold() -> None:
+    rails, (q, q_t, q_tt) = standing(TRACK, 60.2), np.zeros((3, 4))
+    for k in range(20):
+        push(rails, 1e-4, np.array([[1e3 * k, -5e3 * k], [0.0, -2e3 * k]]))
+    rails.begin(1e-4, q, q_t, q_tt)
+    foretold = q_t.copy()
+    rails.end(q, q_t)
+    assert q_t == pytest.approx(foretold, rel=1e-9)
+
+
 def test_waves_do_not_come_back_from_the_ends_of_the_window() -> None:
     def after_a_blow(margin: float) -> np.ndarray:
         rails = standing(replace(TRACK, margin=margin, elements=2), 60.0)
@@ -158,6 +179,22 @@ def test_a_step_begins_near_the_balance_of_rail_and_contact() -> None:
     work = rolling(law, 0.06, 2e-4).work  # 2 sleepers
     assert work.evaluations < 1.6 * 300
     assert work.cut_steps == 0
+
+
+def test_a_rail_that_moves_along_the_normal_of_its_contact_slips_no_more() -> None:
+    law = on_track(shipped("wheelset_s1002"), 20.0, structure=TRACK).law
+    rolling(law, 1e-3, 2e-4)
+    rails, (q, q_t, q_tt) = law.on_sleepers, np.zeros((3, 4))
+    assert rails is not None
+    rails.begin(2e-4, q, q_t, q_tt)
+    found = [rails._found.copy(), rails._found.copy()]
+    for i, wheel in enumerate(law.wheels[0]):
+        lobes = wheel.model.arrays.patches[: wheel.model.arrays.total.lobes]
+        along = [lobes["N"] / lobes["approach"] @ lobes[name] for name in ("no", "nb")]
+        found[1][1, 2 * i : 2 * i + 2] += along / np.linalg.norm(along) * (rails.ties["side"][i], 1.0)
+    for own in found:
+        kernel.look_at_wheels(rails.method, own, *rails._wheels, rails.rails)
+    assert found[1][0] == pytest.approx(found[0][0], abs=1e-12)
 
 
 # Rails on sleepers: the beams and their receptances beside closed forms.

@@ -106,6 +106,19 @@ def test_forces_on_modes_and_bodies_have_one_potential() -> None:
     assert np.max(np.abs(own - own.T)) < 1e-6 * np.max(np.abs(own))
 
 
+def test_a_rotational_spring_stiffens_a_mode_by_the_square_of_its_slope() -> None:
+    plain, h = on_two_springs(beam(count=1), 2e6, 9.5), 1e-4
+    turning = tuple(replace(spring, turning_stiffness=(0.0, 1e6, 0.0)) for spring in plain.elements)
+    found = []
+    for vehicle in (plain, replace(plain, elements=turning)):
+        law = VehicleOnTrack(vehicle, on_track(manchester()).law.track, (), speed=0.0, start=50.0, drive="free")
+        found.append(linearise(law, law.bodies, *design_state(law)).stiffness[law.modes.start, law.modes.start])
+    modes = law.attachments.modes[2]
+    lower, upper = modes.shapes(np.array([(9.5 - h, 0.0, 1.8), (9.5 + h, 0.0, 1.8)]))[0, :, 2]
+    slope = (upper - lower) / (2.0 * h)
+    assert modes.masses[0] * (found[1] - found[0]) == pytest.approx(4.0 * 1e6 * slope**2, rel=1e-4)
+
+
 def test_an_accelerometer_feels_the_modes() -> None:
     """The second difference of where a point has moved to, along a free vibration."""
     vehicle = on_two_springs(beam(count=2), 2e6, 9.5)

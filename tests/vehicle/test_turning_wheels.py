@@ -140,7 +140,8 @@ def test_a_moment_on_one_wheel_turns_that_wheel_alone():
         q, q_t = design_state(law)
         plain, out = np.zeros(law.size), np.zeros(law.size)
         VehicleOnTrack(vehicle, law.track, (), speed=15.0, start=60.0, drive="free")(0.0, q, q_t, plain)
-        law(0.0, q, q_t, out)
+        for _ in range(2):  # no call adds to the one before
+            law(0.0, q, q_t, out)
         inertia = law.bodies[0].inertia[1]
         mean = (out - plain)[SPIN] / inertia
         difference = (out - plain)[law.twists[0]]

@@ -3,6 +3,7 @@
 import csv
 from dataclasses import replace
 from functools import cache
+from math import sqrt
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,10 @@ from wrsim.analysis.poses.solver import HalfSpacePoseSolver
 from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space import HalfSpace
+from wrsim.contact.half_space.zones import _box
 from wrsim.contact.settings import Material
+from wrsim.core.contact.half_space.surface import _meet_section
+from wrsim.core.linalg import Vec
 from wrsim.geometry.profile.sections import circle
 
 EXACT = {"normal": "half-space", "tangential": "half-space"}
@@ -360,3 +364,20 @@ def test_damping_multiplies_the_pressure_by_the_rate_of_approach():
     angle = rest.patches["angle"][0]
     assert nearing.normal_force == pytest.approx(rest.normal_force * (1.0 + 0.2 * np.cos(angle)), rel=1e-3)
     assert leaving.normal_force == 0.0
+
+
+def test_the_overlap_of_rows_without_shift_is_as_long_ahead_as_behind():
+    rows = np.zeros(5, [("r_t", float), ("x", float)])
+    rows["r_t"] = 0.5
+    s_x = _box(rows, np.array([-1e-5, 1e-5, 4e-5, 1e-5, -1e-5]), 1, 3, 1e-4)
+    assert s_x == pytest.approx((0.5e-4, 3.5e-4, -sqrt(4e-5), sqrt(4e-5)))
+
+
+@pytest.mark.parametrize("length", [1.0, 3.0])
+def test_a_normal_meets_the_cubic_through_a_section_whatever_the_length_of_its_tangents(length):
+    angle = np.linspace(-0.1, 0.1, 4)
+    section = np.column_stack((np.sin(angle), np.cos(angle), length * np.cos(angle), -length * np.sin(angle)))
+    for no in (-0.05, 0.02):
+        found = _meet_section(section, np.array([0, 4]), Vec(0.0, 0.0, 0.999), no, sqrt(1.0 - no**2), 0.0)
+        foot = np.hypot(found[0] * no, 0.999 + found[0] * sqrt(1.0 - no**2))
+        assert found[1] and foot == pytest.approx(1.0, abs=2e-7)  # h^4/128: as long as the chord

@@ -10,7 +10,7 @@ from math import sqrt
 
 from wrsim.core.contact.patch import first_step
 from wrsim.core.contact.records import STATUS_PROFILE_END
-from wrsim.core.contact.search.lobes import LEAST_ROOM, room_beside
+from wrsim.core.contact.search.lobes import LEAST_ROOM, WIDEST, room_beside
 from wrsim.core.contact.strips.equations import set_fading
 from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, make_room, next_corner
 from wrsim.core.contact.strips.records import ROWS
@@ -35,9 +35,7 @@ def set_grids(system, found, wheel, rail, pose, count):
     while i < count:
         first = memo.grids
         grid = system.grids[first]
-        limit = room_beside(found, i, count)[0]
-        if first > 0 and found[i - 1].saddle < 0.0:
-            limit = max(found[i].arc_rail - system.grids[first - 1].most, LEAST_ROOM)
+        limit = max(found[i].arc_rail - system.grids[first - 1].most, LEAST_ROOM) if first > 0 else WIDEST
         way, beyond = _end_of(wheel, rail, found[i], -1.0, limit)
         grid.least = found[i].arc_rail - way
         status |= STATUS_PROFILE_END if beyond else 0

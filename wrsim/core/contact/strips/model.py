@@ -44,7 +44,7 @@ def press_strips(a, wheel, rail, pose, count):
     system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
     memo = a.memo[0]
     if settings.start == COLD_START and memo.turn == 0:
-        _forget(system)
+        memo.known = 0
     for i in range(count):
         _set_main_point(wheel, rail, lobes[i])
     memo.modulus = settings.E
@@ -67,20 +67,6 @@ def press_strips(a, wheel, rail, pose, count):
     for i in range(count):
         _report(settings, pose, lobes[i], a.strips[i])
     return status
-
-
-@kernel
-def _forget(system):
-    """A cold start depends on the pose alone: nothing of the last call is left."""
-    memo = system.memo[0]
-    memo.known = memo.grids = memo.inverted = memo.unknowns = 0
-    system.vectors[:] = 0.0
-    for g in range(system.grids.shape[0]):
-        grid = system.grids[g]
-        grid.on = grid.start_held = grid.end_held = 0
-    for i in range(system.places.shape[0]):
-        place = system.places[i]
-        place.y = place.q = place.k = place.off = place.gap = place.bow = place.lo = place.hi = place.s = 0.0
 
 
 @kernel
