@@ -381,3 +381,11 @@ def test_a_normal_meets_the_cubic_through_a_section_whatever_the_length_of_its_t
         found = _meet_section(section, np.array([0, 4]), Vec(0.0, 0.0, 0.999), no, sqrt(1.0 - no**2), 0.0)
         foot = np.hypot(found[0] * no, 0.999 + found[0] * sqrt(1.0 - no**2))
         assert found[1] and foot == pytest.approx(1.0, abs=2e-7)  # h^4/128: as long as the chord
+
+
+def test_elements_of_a_wheel_are_those_of_its_deepest_patch():
+    b = pose_solver(solver=HalfSpace(resolution=8), **FRICTIONLESS)
+    b.solve(Pose("", 6e-3, 0.04, 60e3))
+    one, other = sorted(b.solver.solve_pose(b.wheels[0].model).patches, key=lambda patch: -patch.approach)
+    found = b.solver.elements_at(b.wheels[0].model)
+    assert found == (one.grid.dx, one.grid.ds) != (other.grid.dx, other.grid.ds)
