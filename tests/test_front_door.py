@@ -6,6 +6,7 @@ import subprocess
 import sys
 from importlib import import_module
 from importlib.util import find_spec
+from inspect import cleandoc
 from pathlib import Path
 
 import numpy as np
@@ -56,7 +57,7 @@ def test_every_public_name_says_what_it_is(name: str) -> None:
     thing = getattr(import_module(wrsim._HOMES[name]), name)
     assert thing.__doc__, name
     if not isinstance(thing, type) and callable(thing):
-        assert all(f"{part}\n    ----" in thing.__doc__ for part in ("Parameters", "Returns", "Raises")), name
+        assert all(f"{part}\n----" in cleandoc(thing.__doc__) for part in ("Parameters", "Returns", "Raises")), name
 
 
 @pytest.mark.parametrize(
