@@ -22,6 +22,9 @@ COORDINATES = ("z", "x", "y", "heading", "roll", "spin")
 SMALL = {"z": 1e-7, "x": 1e-6, "y": 1e-6, "heading": 1e-6, "roll": 1e-7, "spin": 1e-4}
 """Difference of a coordinate [m, rad] for its derivative: it changes the forces by some 1e-4 of them."""
 
+OF_DIFFERENCES = 0.1
+"""To which part of their tolerance contacts are solved for differences."""
+
 SMALL_RATE = 1e-4
 """The same of a rate [m/s, rad/s]."""
 
@@ -96,7 +99,7 @@ class ForceLaw:
         return ()
 
     def undisturbed(self) -> AbstractContextManager[None]:
-        """Calls while this lasts do not change the state of the law."""
+        """Calls while this lasts do not change the state of the law, and are sharp enough for differences."""
         return nullcontext()
 
     def memory(self) -> Sequence[NDArray[Any]]:

@@ -23,7 +23,7 @@ from wrsim.core.jit.stages import make_ready
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.geometry.track.track import Track
-from wrsim.simulation.force_law import Array, Block, Groups, all_on_all, groups_in_a_row
+from wrsim.simulation.force_law import OF_DIFFERENCES, Array, Block, Groups, all_on_all, groups_in_a_row
 from wrsim.simulation.rails import STRETCHES, RailsOnSleepers
 from wrsim.simulation.vehicle_arrays import (
     RAIL_COORDINATES,
@@ -192,9 +192,15 @@ class VehicleOnTrack(Layout):
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
         before, state, evaluated = [view.copy() for view in self._changing], self._state.copy(), self._evaluated
+        settings = [wheel.model.arrays.settings for wheels in self.wheels for wheel in wheels]
+        tolerances = [own.tolerance for own in settings]
+        for own in settings:
+            own.tolerance = max(OF_DIFFERENCES * own.tolerance, WARM_TOLERANCE)
         try:
             yield
         finally:
+            for own, tolerance in zip(settings, tolerances, strict=True):
+                own.tolerance = tolerance
             for view, values in zip(self._changing, before, strict=True):
                 view[...] = values
             self._state[:], self._evaluated = state, evaluated

@@ -24,7 +24,7 @@ CONTRACTION = 0.5
 TREND = 0.5
 """Part of the last change of the accelerations that is extrapolated to the next step."""
 
-NEAR, UNSEEN, FORGET = 30.0, 8, 0.9
+NEAR, UNSEEN, FORGET = 100.0, 8, 0.9
 """Forces are estimated, not computed, where the expected residual is within the tolerance and their change, also since
 the last step, within so many tolerances; in at most so many steps in succession. The contraction in a step counts as
 this part of it in the next."""
@@ -109,7 +109,7 @@ def update(step: Records, rows: Array, jacobian: Array, q: Array, forces: Array)
         own.residual = _distance(forces, rows[FORCES], rows[CHANGE])
         if own.residual <= CONTRACTION * own.predicted:
             _bend(own, rows, jacobian, forces)
-        ratio = own.residual / max(own.predicted, 1e-300)
+        ratio = own.residual / max(own.predicted, own.tolerance)  # below that contacts are not solved
         forgotten = 0.0 if own.iteration > 1 or not isfinite(own.ratio) else FORGET * own.ratio
         own.ratio, own.unseen = max(ratio, forgotten), 0
         if own.new != 0 and ratio > CONTRACTION:
