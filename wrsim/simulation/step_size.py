@@ -40,8 +40,8 @@ VIBRATING_STEP, STEPS_OF_A_BAY = 1.25e-3, 20
 where comfort is assessed and below which wheels and rails on sleepers vibrate together. Least number of steps from
 sleeper to sleeper."""
 
-USUAL_EVALUATIONS = 1.5
-"""Evaluations of the forces in a step of generalised alpha: 1.2 on even track, 2 to 2.5 on uneven track."""
+USUAL_EVALUATIONS = 1.3
+"""Evaluations of the forces in a step of generalised alpha: 1.1 on even track, 1.4 to 2 on uneven track."""
 
 SAFETY = 0.8
 """Part of the stability limit that a step may take."""
