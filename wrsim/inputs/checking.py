@@ -49,10 +49,9 @@ def refuse_other_kind(kind: Any, data: dict[str, Any], locate: Locate) -> None:
     strange = data.keys() - own
     meant = [key for each in _classes(kind) for key in each.model_fields]
     wholly = len(other) == len(data) and strange and not any(nearest(key, meant) for key in strange)
-    wanted = (words for words, place in FILES.values() if {*_classes(kind)} <= {*_classes(resolved(place))})
-    if wholly or (2 * len(own) <= len(data) and len(other) > len(own) + 1):
-        for words in wanted:
-            raise InputError(f"{locate(())}: is {FILES[name][0]} ({COMMANDS[name]}); {words} is needed here")
+    wanted = [words for words, place in FILES.values() if {*_classes(kind)} <= {*_classes(resolved(place))}]
+    if wanted and (wholly or (2 * len(own) <= len(data) and len(other) > len(own) + 1)):
+        raise InputError(f"{locate(())}: is {FILES[name][0]} ({COMMANDS[name]}); {wanted[0]} is needed here")
 
 
 def kind_of(path: Path) -> str:
