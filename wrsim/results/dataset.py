@@ -120,7 +120,8 @@ def _variable(channel: Channel, sample: str, array: NDArray[Any], sizes: Mapping
     if array.shape != shape:
         wanted = ", ".join(f"{dim} {size}" for dim, size in zip(dims, shape, strict=True))
         raise ValueError(f"channel '{channel.name}' has shape {array.shape}; expected ({wanted})")
-    return xr.Variable(dims, array, channel.attributes)
+    # an array as it is; else xarray imports dask to ask whether it is one of its own
+    return xr.Variable(dims, array, channel.attributes, fastpath=True)
 
 
 def with_derived(channels: Mapping[str, ArrayLike], wheels: ArrayLike = WHEELS) -> dict[str, ArrayLike]:
