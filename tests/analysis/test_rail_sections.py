@@ -18,6 +18,7 @@ from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.lookup import shipped_models
 from wrsim.results.moments import sample_of
 from wrsim.scenario.build import build
+from wrsim.simulation.integrate import OF_CONTACTS
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import lower_on_rails, steady_state
 from wrsim.simulation.step_size import eigenvalues
@@ -367,7 +368,7 @@ def test_flats_on_either_side_strike_alike():
         table = with_table(kind="flat", wheel=wheel, shape="rounded", length_mm=70, depth_mm=0.3, at_deg=60)
         _, q = vertical_forces(table)
         found.append(q[:, side])
-    assert_allclose(*found, rtol=1e-7)
+    assert_allclose(*found, rtol=1.5 * OF_CONTACTS)  # by round-off one contact may be solved a step further
 
 
 def test_poses_turn_the_wheel():

@@ -8,6 +8,7 @@ import os
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support.scenario_texts import CURVE, STATIC
 from support.synthetic_result import curve_run, static_poses
@@ -44,7 +45,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     over = 'estimate_over = ["cant_deficiency", "speed"]\nestimate_cant_deficiency_mm = 150\n'
     for name, text in (("curve", CURVE), ("poses", STATIC), ("assessed", f"{CURVE}\n[assessment]\n{over}")):
         (folder / f"{name}.toml").write_text(text)
-    forces = run(900.0, curvature=curve(300.0), y=lambda s: (0.2 * Q0 + 0.0 * s, 65e3 + 20.0 * s))
+    forces = run(900.0, curvature=curve(300.0), y=lambda s: (0.2 * Q0 + 1e3 * np.sin(s), 65e3 + 20.0 * s))
     datasets = {"run": curve_run(samples=60), "stopped": curve_run(samples=60, stopped=True), "poses": static_poses()}
     for name, dataset in (datasets | {"forces": forces.dataset, "sines": sines().dataset}).items():
         Result(dataset).save(folder / name / "result.nc")

@@ -99,7 +99,7 @@ def free_modes(
 def _matrix(given: Any, name: str) -> csc_matrix:
     if isinstance(given, str | Path):
         try:
-            given = mmread(str(given))
+            given = mmread(str(given), spmatrix=False)
         except (OSError, ValueError) as error:
             raise InputError(f"{given}: is no Matrix Market file of the {name} ({error})") from None
     return csc_matrix(given, dtype=float)
