@@ -22,9 +22,6 @@ COORDINATES = ("z", "x", "y", "heading", "roll", "spin")
 SMALL = {"z": 1e-7, "x": 1e-6, "y": 1e-6, "heading": 1e-6, "roll": 1e-7, "spin": 1e-4}
 """Difference of a coordinate [m, rad] for its derivative: it changes the forces by some 1e-4 of them."""
 
-OF_DIFFERENCES = 0.1
-"""To which part of their tolerance contacts are solved for differences."""
-
 SMALL_RATE = 1e-4
 """The same of a rate [m/s, rad/s]."""
 
@@ -34,6 +31,9 @@ an axle [rad]; forces are linear in it or nearly so."""
 
 SMALL_SLIP = 1e-7
 """The same of the unknowns of sliders [m]: their forces saturate within a part of a millimetre."""
+
+OF_DIFFERENCES = 0.1
+"""To which part of their tolerance contacts are solved for differences."""
 
 Forces = Callable[[float, Array, Array, Array], object]
 """Generalised forces at a time [s], coordinates and rates, filled into the last argument."""
