@@ -36,23 +36,22 @@ AS_DRAWN: dict[str, Any] = {
 }  # fmt: skip
 RIDE = ("body, vertical", "body, vertical rms")
 SWAY = ("body, lateral", "body, lateral rms")
-LOADS, ROLL = "213.57(d)(1)(i)", "213.57(d)(1)(ii)"
 HUNTING = ("instability, forces", "instability, accelerations", "every run comes to its end")
 DEFECTS: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "primary springs six times as stiff": ({PRIMARY: [31391, 3884, 7320]}, ("twist",)),
     "anti-roll bar ten times as stiff": ({BAR: 9400}, ("twist",)),
     "secondary springs three times as stiff along the track": ({SECONDARY: [480, 160, 430]}, ("rotation",)),
     "axles held softly, both ways": ({PRIMARY: [1500, 1500, 1220]}, HUNTING),
-    "anti-roll bar lost": ({BAR: 1}, (ROLL,)),
+    "anti-roll bar lost": ({BAR: 1}, ("sway",)),
     "secondary vertical dampers lost": ({VERTICAL: 0.1}, RIDE),
     "secondary vertical springs ten times as stiff": ({SECONDARY: [160, 160, 4300]}, (*RIDE, "twist")),
     "secondary lateral dampers lost": ({LATERAL: 0.1}, (*SWAY, *HUNTING)),
     "secondary lateral springs ten times as stiff": ({SECONDARY: [160, 1600, 430]}, SWAY),
     "lateral stop at 20 mm": ({STOP: [[10, 0], [15, 1], [20, 30]]}, SWAY),
-    "load 250 mm beside the middle": ({CENTRE: [0, 250, 1800]}, (LOADS,)),
-    "load 1 m higher": ({CENTRE: [0, 0, 2800]}, (LOADS, ROLL)),
-    "secondary vertical springs a quarter as stiff": ({SECONDARY: [160, 160, 107]}, (ROLL,)),
-    "worn hollow wheels": ({WHEEL: "wheels/S1002_worn.toml"}, HUNTING),
+    "load 250 mm beside the middle": ({CENTRE: [0, 250, 1800]}, ("wheel loads",)),
+    "load 1 m higher": ({CENTRE: [0, 0, 2800]}, ("sway",)),
+    "secondary vertical springs a quarter as stiff": ({SECONDARY: [160, 160, 107]}, ("sway", "buffer height")),
+    "worn hollow wheels": ({WHEEL: "wheels/S1002_worn.toml"}, ("conicity",)),
     "secondary lateral dampers blocked": ({LATERAL: 1000}, SWAY),
     "secondary vertical dampers blocked": ({VERTICAL: 1000}, RIDE),
     "axles held softly along the track": ({PRIMARY: [1000, 3884, 1220]}, HUNTING),
@@ -83,7 +82,8 @@ ELSEWHERE = "as drawn, other realisations of the track"
 
 HEAD = """title = "Planted defects"
 base = {base}
-stationary = ["twist", "rotation", "cant"]
+stationary = ["twist", "rotation", "cant", "weighing", "settling", "conicity"]
+payload_kg = 8000
 [irregularities]
 spectrum = "ERRI-low"
 seed = {seed}

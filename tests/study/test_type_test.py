@@ -127,12 +127,35 @@ def test_a_run_takes_waves_besides_the_spectrum_and_the_vehicle_rests_on_its_can
     found = run_type_test(filled(tmp_path, file=file), tmp_path / "out")
     at_rest = {v.clause: v for v in found.found if v.zone == "at rest" and v.state == "new"}
     assert verdicts(found)["wet", "cant"] == [False]  # it overturns
-    assert set(at_rest) == {"213.57(d)(1)(i)", "213.57(d)(1)(ii)"}
+    assert set(at_rest) == {"213.57(d)(1)(i)", "213.57(d)(1)(ii)", "sway"}
     lean = numbers_at_rest(vehicle_of(scenarios[0]), 80.0)["leaning"]
     least = min(1.0 - lost for own in lean["unloading"].values() for lost in own.values())
     share = at_rest["213.57(d)(1)(i)"]
     assert float(share.worst) == pytest.approx(least, rel=1e-3) and share.ok is (least >= 0.6)
     assert share.share == pytest.approx((least - 0.6) / 0.4, rel=1e-3)
+    assert float(at_rest["sway"].worst) == pytest.approx(lean["flexibility_coefficient"]["carbody"], rel=1e-3)
+
+
+def test_a_load_aside_springs_too_soft_and_worn_wheels_are_red_at_rest_as_by_hand(tmp_path):
+    file = programme_file(tmp_path, 'stationary = ["weighing", "settling", "conicity"]\npayload_kg = 8000')
+    text, wheels, springs = file.read_text(), ("S1002", "S1002_worn"), (430, 160)
+    for friction, aside, stiffness, wheel in zip((0.4, 0.2), (50, 250), springs, wheels, strict=True):
+        own = f'"vehicle.carbody.centre_mm" = [0, {aside}, 1800], "vehicle.wheelset.wheel" = "wheels/{wheel}.toml"'
+        own += f', "vehicle.bogie.secondary.stiffness_kN_per_m.2" = {stiffness}'
+        text = text.replace(f"{friction} }}", f"{friction}, {own} }}")
+    file.write_text(text)
+    found = run_type_test(filled(tmp_path, file=file), tmp_path / "out")
+    rest = {(v.state, v.clause): v for v in found.found if v.zone == "at rest"}
+    sound, faulty = ({clause: v for (state, clause), v in rest.items() if state == name} for name in ("new", "wet"))
+    assert all(v.ok for v in sound.values()) and not any(v.ok for v in faulty.values())
+    plan = read_programme(file, tmp_path / "out").plan
+    vehicle = vehicle_of(plan.scenario(plan.cases[0]))
+    half = 0.5 * vehicle.wheelsets[0].wheelset.profile_spacing
+    for state, aside, stiffness in zip((sound, faulty), (0.05, 0.25), springs, strict=True):
+        share = 32000.0 * aside / (vehicle.mass * half)
+        assert float(state["wheel loads"].worst) == pytest.approx((1.0 + share) / (1.0 - share), rel=2e-3)
+        sinking = 8.0 * 9.80665 * (1.0 / (4 * stiffness) + 1.0 / (8 * 1220.0)) * 1e3  # springs in series [mm]
+        assert float(state["buffer height"].worst) == pytest.approx(sinking, rel=0.03)  # they lean, too
 
 
 def test_a_run_that_derails_is_red(tmp_path):

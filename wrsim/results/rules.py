@@ -220,6 +220,20 @@ class WheelForce(LimitLaw, kind="wheel-force"):
         return min(1e3 * self.constant_kN + 0.5 * about.axle_load, most), words
 
 
+class BySpeed(LimitLaw, kind="speed"):
+    """A number without unit that falls with the highest speed."""
+
+    most: Annotated[List[Two[Annotated[float, number(0, 1e4)]]], Field(min_length=1)]
+    """Rows of a speed [km/h] and the limit up to it."""
+    beyond: Annotated[float, number(0, 1e4)]
+    """The limit at higher speeds."""
+
+    def value_at(self, about: About, shown: Shown) -> tuple[float, str]:
+        kmh = 3.6 * about.speed - 1e-6
+        value = next((value for speed, value in self.most if kmh <= speed), self.beyond)
+        return value, f"{3.6 * about.speed:.4g} km/h"
+
+
 class ByRadius(LimitLaw, kind="radius"):
     """a + b/Rm below a radius, a constant above; Rm: mean radius of the sections of a class of curves."""
 
@@ -262,7 +276,7 @@ class BogieMass(LimitLaw, kind="bogie-mass"):
 
 
 AnyLimit = Annotated[
-    Constant | Prudhomme | AxleShare | WheelForce | ByRadius | Nadal | BogieMass, Field(discriminator="law")
+    Constant | Prudhomme | AxleShare | WheelForce | BySpeed | ByRadius | Nadal | BogieMass, Field(discriminator="law")
 ]
 Percent = Annotated[float, number(0, 100, "%")]
 Percents = Annotated[

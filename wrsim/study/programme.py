@@ -15,7 +15,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.checking import fault_line
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.toml_files import noting_reads
-from wrsim.inputs.values import List, Switch, number, text
+from wrsim.inputs.values import List, Switch, number, positive, text
 from wrsim.results.rules import USUAL, RulesFile, rule_set
 from wrsim.scenario.sections.irregularities import IrregularitySection
 from wrsim.scenario.sections.steady import SHARPEST
@@ -127,9 +127,12 @@ class ProgrammeFile(Section, header="a type test"):
     """Scenario of a run with vehicle, rails and contact; its segments and irregularities are replaced."""
     rules: Annotated[str, text("a rule set or a file of your own")] = USUAL
     """Rule set of the runs."""
-    stationary: List[Literal["twist", "rotation", "cant"]] = ()
+    stationary: List[Literal["twist", "rotation", "cant", "weighing", "settling", "conicity"]] = ()
     """Stationary tests of every state: twist and rotation by EN 14363; at rest on the largest cant deficiency of the
-    runs by 49 CFR 213.57."""
+    runs by 49 CFR 213.57, with the flexibility coefficient; wheel loads; sinking under payload_kg; equivalent conicity
+    at the highest speed of the runs."""
+    payload_kg: Annotated[float, positive(1e6, "kg")] | None = None
+    """Payload on the car body, for the test "settling"."""
     states: Annotated[List[StateSection], Field(min_length=1)]
     """States of the vehicle."""
     runs: Annotated[List[ProgrammeRun], Field(min_length=1)]
@@ -154,6 +157,8 @@ class ProgrammeFile(Section, header="a type test"):
             yield Fault(
                 "stationary", f'"cant" needs a cant deficiency of the runs up to {MOST_DEFICIENCY:g} mm: {largest}'
             )
+        if "settling" in self.stationary and self.payload_kg is None:
+            yield Fault("payload_kg", 'stationary = ["settling"] needs it', missing=True)
         if self.cases.keep != "results":
             yield Fault(("cases", "keep"), 'must be "results": they are assessed together')
 
@@ -161,6 +166,11 @@ class ProgrammeFile(Section, header="a type test"):
     def deficiency(self) -> float:
         """Largest cant deficiency of the runs [mm]."""
         return max(run.deficiency for run in self.runs)
+
+    @property
+    def speed(self) -> float:
+        """Highest speed of the runs [m/s]."""
+        return max(run.speed for run in self.runs)
 
 
 @dataclass(frozen=True)

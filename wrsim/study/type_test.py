@@ -11,20 +11,20 @@ import numpy as np
 from scipy.special import stdtrit
 
 from wrsim.analysis.assessment.assess import assess_runs
-from wrsim.analysis.stationary.at_rest import leaning, stationary_tests
+from wrsim.analysis.stationary.at_rest import conicity, leaning, settling, stationary_tests, weighing
 from wrsim.analysis.stationary.statics import static_state
 from wrsim.errors import InputError, SimulationError
+from wrsim.inputs.section import given
 from wrsim.results import Result, write_atomically
 from wrsim.results.assessment import TO_CONFIRM, Assessment, ZoneValue
 from wrsim.results.files import as_csv, as_json, from_json
 from wrsim.results.rules import Limit
 from wrsim.results.table import Cell, Column, Table, as_rows, formatted, quantity
-from wrsim.scenario.vehicle_build import vehicle_of
+from wrsim.scenario.build import Setup, build
 from wrsim.study.collect import MISSING
 from wrsim.study.plan import Case
-from wrsim.study.programme import Programme
+from wrsim.study.programme import Programme, ProgrammeFile
 from wrsim.study.task import COMPLETED, RESULT, Marker
-from wrsim.vehicle.vehicle import Vehicle
 
 OUTPUTS = ("type_test.json", "type_test.csv", "type_test.html", "plan.json")
 """Files of a type test in its folder."""
@@ -126,7 +126,9 @@ def interval(zone: ZoneValue) -> str:
 def _at_rest(programme: Programme, state: str, case: Case) -> list[Verdict]:
     """Stationary tests of the vehicle of a case, which are stored beside its run."""
     file = programme.plan.folder_of(case) / AT_REST
-    asked: dict[str, Any] = {"tests": list(programme.spec.stationary), "cant_deficiency_mm": programme.spec.deficiency}
+    spec = programme.spec
+    asked: dict[str, Any] = {"tests": list(spec.stationary), "cant_deficiency_mm": spec.deficiency}
+    asked |= {"payload_kg": spec.payload_kg, "speed": spec.speed}
     stored = from_json(file.read_bytes()) if file.exists() else None
     if stored is None or any(stored.get(key) != value for key, value in asked.items()):
         stored = asked | {"found": _tests_at_rest(programme, case)}
@@ -143,21 +145,31 @@ def _at_rest(programme: Programme, state: str, case: Case) -> list[Verdict]:
 
 def _tests_at_rest(programme: Programme, case: Case) -> list[tuple[dict[str, Any], str]]:
     """The worst of each stationary test that is wanted, and what it is of; where the vehicle finds no rest, why."""
-    vehicle = replace(vehicle_of(programme.plan.scenario(case)), loads=())
+    setup = build(programme.plan.scenario(case))
+    held = replace(setup, vehicle=replace(setup.vehicle, loads=()))
     found: list[tuple[dict[str, Any], str]] = []
     for test in programme.spec.stationary:
         try:
-            found += _test_at_rest(test, vehicle, programme.spec.deficiency)
-        except SimulationError as error:
+            found += _test_at_rest(test, held, programme.spec)
+        except (SimulationError, InputError) as error:
             found.append(({"clause": test}, str(error)))
     return found
 
 
-def _test_at_rest(test: str, vehicle: Vehicle, deficiency: float) -> list[tuple[dict[str, Any], str]]:
-    """The worst of one of them; deficiency [mm]: of cant. Raises SimulationError where the vehicle finds no rest."""
+def _test_at_rest(test: str, setup: Setup[Any], spec: ProgrammeFile) -> list[tuple[dict[str, Any], str]]:
+    """The worst of one of them. Raises SimulationError where the vehicle finds no rest, InputError where its wheelsets
+    have no place on the rails to swing about."""
+    vehicle = setup.vehicle
     if test == "cant":
-        place = f"on {quantity(deficiency, 'mm', '.0f')} of cant"
-        return [(own, place) for own in leaning(vehicle, static_state(vehicle), deficiency)["verdicts"]]
+        place = f"on {quantity(spec.deficiency, 'mm', '.0f')} of cant"
+        return [(own, place) for own in leaning(vehicle, static_state(vehicle), spec.deficiency)["verdicts"]]
+    if test == "weighing":
+        return [(weighing(static_state(vehicle)), "on level track")]
+    if test == "settling":
+        return [(settling(vehicle, given(spec.payload_kg)), f"under {quantity(spec.payload_kg, 'kg', 'g')}")]
+    if test == "conicity":
+        gauge = setup.track.nominal_gauge
+        return [(conicity(vehicle, setup.rails, gauge, spec.speed), f"gauge {quantity(1e3 * gauge, 'mm', 'g')}")]
     numbers, _, _ = stationary_tests(vehicle, test == "twist", None, test == "rotation", ROTATION_RADIUS)
     if test == "twist":
         return [(numbers["twist_test"], "twist test")]

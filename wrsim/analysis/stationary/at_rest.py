@@ -11,21 +11,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.analysis.assessment.sections import CANT_BASE
+from wrsim.analysis.conicity.conicity import wheelset_conicity
 from wrsim.analysis.stationary import loops
 from wrsim.analysis.stationary.loops import RotationTest, TwistTest
 from wrsim.analysis.stationary.statics import StaticState, canted, static_state
 from wrsim.errors import InputError, SimulationError
+from wrsim.geometry.profile.profile import Profile
 from wrsim.inputs.section import given
 from wrsim.results.rules import About, rule_set
 from wrsim.results.table import Column, Table, formatted, quantity
+from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.simulation.modes import natural_modes
 from wrsim.vehicle.axle import whirl
+from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle
 
 Numbers = Mapping[str, Any]
 
 LOOPS, CANTED = "en14363-stationary", "49cfr213"
-"""Rule sets by which tests that go there and back, and rest on canted track, are judged."""
+"""Rule sets by which stationary tests, and the rest on canted track, are judged."""
+CONICITY_AMPLITUDE = 3e-3
+"""At which the equivalent conicity is judged [m], [mem] EN 14363, for 7 mm of clearance or more."""
+TINY = 1.0  # load of a lifted wheel in a ratio of loads [N]
 
 
 def numbers_at_rest(
@@ -42,6 +49,7 @@ def numbers_at_rest(
         "bodies": [b.name for b in vehicle.bodies],
         "elements": len(vehicle.elements),
         **_wheel_loads(vehicle, level.wheel_loads),
+        "weighing": weighing(level),
         "modes": [
             {"frequency_Hz": mode.frequency, "damping": mode.damping, "motion": mode.name}
             for mode in natural_modes(trimmed)
@@ -64,10 +72,13 @@ def numbers_at_rest(
     return found
 
 
-def judged(rules: str, quantity: str, value: float) -> dict[str, Any]:
-    """A value [SI units] of a vehicle at rest beside its limit in a rule set, both in the unit for readers."""
+def judged(rules: str, quantity: str, value: float, about: About | None = None) -> dict[str, Any]:
+    """A value [SI units] of a vehicle at rest beside its limit in a rule set, both in the unit for readers.
+
+    about: what the limit depends on, where it is no constant.
+    """
     clause = given(rule_set(rules).about(quantity))
-    limit, shown = given(clause.limit_at(About())), clause.judged.shown
+    limit, shown = given(clause.limit_at(about or About())), clause.judged.shown
     return {
         "clause": clause.id,
         "symbol": clause.judged.symbol,
@@ -79,6 +90,33 @@ def judged(rules: str, quantity: str, value: float) -> dict[str, Any]:
         "lowest": clause.judged.lowest,
         "limit_source": limit.words,
     }
+
+
+def weighing(level: StaticState) -> dict[str, Any]:
+    """The verdict on the wheel loads of every wheelset at rest on level track."""
+    loads = level.wheel_loads
+    return judged(LOOPS, "wheel_load_ratio", float((loads.max(axis=1) / np.maximum(loads.min(axis=1), TINY)).max()))
+
+
+def settling(vehicle: Vehicle, payload: float) -> dict[str, Any]:
+    """The verdict on how far the car body sinks under a payload [kg] at its centre."""
+    body = vehicle.parts[vehicle.reference]
+    load = Load.constant("payload", body.name, (0.0, 0.0, -payload * vehicle.gravity), body.centre)
+    names = [each.name for each in vehicle.bodies]
+    rest = static_state(replace(vehicle, loads=(load,)))
+    return judged(LOOPS, "settling", -float(rest.moved[names.index(body.name), 1]))
+
+
+def conicity(vehicle: Vehicle, rails: tuple[Profile, Profile], gauge: float, speed: float) -> dict[str, Any]:
+    """The verdict on the largest equivalent conicity of the wheelsets at `CONICITY_AMPLITUDE`, with the gauge [m].
+
+    speed: the highest one of the vehicle [m/s]. Raises InputError where a wheelset has no place to swing about.
+    """
+    plan = ConicityPlan((CONICITY_AMPLITUDE,))
+    kinds = dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets)
+    found = [wheelset_conicity(own, rails, gauge, plan, vehicle.name).dataset for own in kinds]
+    largest = max(float(own["equivalent_conicity"].max()) for own in found)
+    return judged(LOOPS, "conicity", largest, About(speed=speed))
 
 
 def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
@@ -97,7 +135,10 @@ def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
 
 
 def leaning(vehicle: Vehicle, level: StaticState, cant_deficiency: float) -> dict[str, Any]:
-    """Wheel loads and roll of a vehicle on rails canted by so much [mm]; level: its state on level ones."""
+    """Wheel loads and roll of a vehicle on rails canted by so much [mm]; level: its state on level ones.
+
+    The verdicts are those of 49 CFR 213.57, and that on the flexibility coefficient of the car body.
+    """
     angle = asin(cant_deficiency / 1e3 / CANT_BASE)
     rest = static_state(canted(vehicle, angle))
     rolls = {b.name: -float(roll) for b, roll in zip(vehicle.bodies, rest.moved[:, 2], strict=True)}
@@ -105,9 +146,11 @@ def leaning(vehicle: Vehicle, level: StaticState, cant_deficiency: float) -> dic
         "flexibility_coefficient": {name: roll / angle for name, roll in rolls.items()},
         "roll_deg": {name: degrees(roll) for name, roll in rolls.items()},
     }
-    floor = angle + rolls[vehicle.parts[vehicle.reference].name]  # against the horizontal
+    body = vehicle.parts[vehicle.reference].name
+    floor = angle + rolls[body]  # against the horizontal
     share = float((rest.wheel_loads / level.wheel_loads).min())
     verdicts = [judged(CANTED, "lean_Q_share", share), judged(CANTED, "lean_roll", abs(floor))]
+    verdicts.append(judged(LOOPS, "flexibility", rolls[body] / angle))
     return _unloading(vehicle, level, rest) | sway | {"verdicts": verdicts}
 
 
@@ -199,7 +242,8 @@ def tables_at_rest(found: Numbers) -> list[Table]:
         f"{axis} {formatted(round(c, 3) + 0.0, 'g')}" for axis, c in zip("xyz", found["centre_mm"], strict=True)
     )
     mass = f"mass {quantity(found['mass_kg'], 'kg', '.6g')}, centre at {centre} mm"
-    tables = [Table(found["name"], notes=(found["source"], mass)), _loads_table(found, "static wheel loads")]
+    loads = replace(_loads_table(found, "static wheel loads"), notes=(_verdict(found["weighing"]),))
+    tables = [Table(found["name"], notes=(found["source"], mass)), loads]
     if "under_loads" in found:
         tables += _under_loads_tables(found["under_loads"])
     if "leaning" in found:
