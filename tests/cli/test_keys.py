@@ -158,8 +158,9 @@ def test_examples_of_keys_are_values_that_they_take() -> None:
     used = set()
     for table in tables:
         for entry in entries(table):
+            assert '"..."' not in entry.example, f"{entry.table} {entry.key} has no example"
             given = numbers.get(table.header, {}).get(entry.key, numbers.get(entry.key))
-            if given is not None and entry.default in ("needed", "none") and entry.example == shown_value(given):
+            if given is not None and entry.default in ("needed", "none", "") and entry.example == shown_value(given):
                 used |= {(table.header, entry.key), entry.key}
     for key, value in numbers.items():
         keys = [(key, inner) for inner in value] if isinstance(value, dict) else [key]

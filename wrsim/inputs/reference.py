@@ -97,7 +97,7 @@ def entries(section: type[Section]) -> list[Entry]:
         aliases = tuple(section.aliases.get(key, "").split())
         given = _examples().get(section.header, {}).get(key) or _examples().get(key)
         example = default if default not in ("needed", "none", "") else example_of(annotation)
-        if example and default in ("needed", "none") and accepts(annotation, given):
+        if example and default in ("needed", "none", "") and accepts(annotation, given):
             example = shown_value(given)
         unit, meaning = UNITS.get(unit_of(key), ""), meanings(section).get(key, "")
         found.append(Entry(section.header, key, meaning, unit, words(annotation), default, aliases, example))

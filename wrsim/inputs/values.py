@@ -86,7 +86,6 @@ Three = Annotated[
 ]
 Source = Annotated[str, text("where the data come from")]
 Day = Annotated[datetime.date, Field(description="a date without quotes, like 2026-01-31")]
-Switch = Annotated[bool, Field(description="true or false (without quotes)")]
 
 Plain = TypeVar("Plain")
 OrTable = Annotated[
@@ -159,6 +158,8 @@ def words(annotation: Any) -> str:
         return description.replace("{each}", words(entry_of(annotation)) if entry_of(annotation) else "")
     if get_origin(base) is Literal:
         return choice(get_args(base))
+    if base is bool:
+        return "true or false (without quotes)"
     if table_header(annotation):
         return f"a table ({table_header(annotation)})"
     if is_union(base):
@@ -185,10 +186,10 @@ ELSEWHERE: dict[str, tuple[str, ...]] = {
 """Words of other programs and of the field, and what comes nearest to them here."""
 
 
-def choice(allowed: tuple[str, ...], value: Any = None) -> str:
+def choice(allowed: tuple[Any, ...], value: Any = None) -> str:
     """Text: which words are allowed, and which of them ``value`` was probably meant to be."""
-    quoted = [f'"{word}"' for word in allowed]
-    return one_of(quoted) + (meant(value, allowed) if isinstance(value, str) else "")
+    quoted = [f'"{word}"' if isinstance(word, str) else str(word) for word in allowed]
+    return one_of(quoted) + (meant(value, [w for w in allowed if isinstance(w, str)]) if isinstance(value, str) else "")
 
 
 def meant(word: str, allowed: Sequence[str]) -> str:

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import List, Switch, Two, number, text
+from wrsim.inputs.values import List, Two, number, text
 from wrsim.recording.systems import BANDS, BaseDifference, Chord, Inertial, MeasuringSystem, Plain
 
 Quantity = Literal[
@@ -69,7 +69,7 @@ class ChannelSection(Section, header="[[channels]]"):
     """Another band of wavelengths of an inertial system."""
     base_m: Annotated[float, number(0.5, 30, "m")] | None = None
     """Base of twist, 3 m unless given, or length over which curvature was measured."""
-    with_curvature: Switch | None = None
+    with_curvature: bool | None = None
     """Whether alignment holds the curve itself; left out: by the record."""
 
     def consistency(self) -> Iterator[Fault]:

@@ -15,7 +15,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.checking import fault_line
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.toml_files import noting_reads
-from wrsim.inputs.values import List, Switch, number, positive, text
+from wrsim.inputs.values import List, number, positive, text
 from wrsim.results.rules import USUAL, RulesFile, rule_set
 from wrsim.scenario.sections.irregularities import IrregularitySection
 from wrsim.scenario.sections.steady import SHARPEST
@@ -65,7 +65,7 @@ class ProgrammeRun(Section, header="[[runs]]"):
     """Number of sections, each as long as the rule set asks for."""
     transition_m: Annotated[float, number(1, 1000, "m")] = 100.0
     """Length of the transitions, clothoids."""
-    uneven: Switch = True
+    uneven: bool = True
     """Whether the track is uneven, where [irregularities] are given."""
     irregularities: List[Annotated[IrregularitySection, Field(discriminator="kind")]] = ()
     """Irregularities of this run besides, as in [[track.irregularities]]: defects, waves of 49 CFR 213 (mcat)."""

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field
 
 from wrsim.contact.wear.laws import LawName
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import List, Switch, number, positive, refuse, spread, text
+from wrsim.inputs.values import List, number, positive, refuse, spread, text
 from wrsim.results import CHANNELS
 from wrsim.results.rules import OF_RUNS
 from wrsim.vehicle.vehicle_sections import WheelName
@@ -102,7 +102,7 @@ class SampledKey(Section, header="[[vary.over]]"):
     """Mean of a normal distribution, in place of low and high."""
     deviation: Annotated[float, positive()] | None = None
     """Standard deviation of a normal distribution."""
-    whole: Switch = False
+    whole: bool = False
     """Whether values are rounded to whole numbers."""
 
     def consistency(self) -> Iterator[Fault]:

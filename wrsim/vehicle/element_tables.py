@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from wrsim.inputs.section import Choice, Fault, kinds_in
-from wrsim.inputs.values import Switch, Three, Two, number, positive, refuse, text
+from wrsim.inputs.values import Three, Two, number, positive, refuse, text
 from wrsim.vehicle.elements import (
     ZERO,
     BilinearSpring,
@@ -117,7 +117,7 @@ class ElementTable(Choice, header="[[elements]]"):
     """Body or bodies that it leads to; forces in results are those on it."""
     origin: Literal["part", "body", "to"] = "part"
     """What the points of the element are measured from: the part's origin or the centre of a body."""
-    both_sides: Switch = False
+    both_sides: bool = False
     """Whether the element has a twin at -y."""
 
     def __init_subclass__(cls, glyph: Glyph | None = None, **rest: Any) -> None:
@@ -237,7 +237,7 @@ class BumpStopTable(AxialTable, kind="bump-stop", glyph=Glyph("X", "#B00020")):
 
     travel_mm_force_kN: ForceOfTravel
     """Force over travel, row by row; the free travel has no force."""
-    both_ways: Switch = True
+    both_ways: bool = True
     """Whether it stops both directions alike, or the positive one alone."""
 
     def consistency(self) -> Iterator[Fault]:

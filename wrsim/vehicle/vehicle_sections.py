@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from wrsim.inputs.section import Fault, Section, both_or_sides, given
-from wrsim.inputs.values import Day, List, RisingRows, Row, Source, Switch, Three, number, positive, text, within, words
+from wrsim.inputs.values import Day, List, RisingRows, Row, Source, Three, number, positive, text, within, words
 from wrsim.vehicle.axle import AxleTable
 from wrsim.vehicle.couplings import AnyCouplingTable
 from wrsim.vehicle.element_tables import AnyElementTable, Axes, Metre, Name, Place
@@ -84,7 +84,7 @@ class WheelsetTable(Section, header="[wheelset]"):
     """Rolling radius of the left wheel."""
     radius_right_mm: Radius | None = None
     """Rolling radius of the right wheel."""
-    independent_wheels: Switch = False
+    independent_wheels: bool = False
     """Whether each wheel turns on its own, with half of the spin inertia."""
     torsional_stiffness_kNm_per_rad: Annotated[float, positive(1e7, "between the wheels, some 5000")] | None = None
     """Stiffness of the axle between its two wheels in spin; rigid where it is not given."""
@@ -409,9 +409,9 @@ class MemberTable(Section, header="[[vehicles]]"):
     """Where the middle of that length lies, from the origin of its file."""
     body: Name | None = None
     """Body that its couplings hold on to; the heaviest unless given."""
-    reversed: Switch = False
+    reversed: bool = False
     """Whether it runs the other way round."""
-    driven: Switch = True
+    driven: bool = True
     """Whether a drive of its own holds its speed; if not, its couplings alone take it along."""
 
     @property

@@ -19,7 +19,7 @@ from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading,
 from wrsim.geometry.profile.flange import flange_dimensions
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.inputs.section import Choice, Fault
-from wrsim.inputs.values import Day, List, Source, Switch, Two, number, positive, text
+from wrsim.inputs.values import Day, List, Source, Two, number, positive, text
 
 MM = 1e-3
 REACH = 0.13  # length of the tread of a wheel of kind "flanged", more than a wheel's width [m]
@@ -333,7 +333,7 @@ class PointsFile(ProfileFile, kind="points"):
     """The points: two columns, SIMPACK or MiniProf."""
     format: Literal[*PROFILE_FILES] | None = None  # type: ignore[valid-type]
     """How the file is to be read; left out, its suffix decides."""
-    measured: Switch | None = None
+    measured: bool | None = None
     """Whether points are measured, so smoothed, or exact, so interpolated; left out: MiniProf is measured."""
     cutoff_mm: Annotated[float, positive(100.0)] | None = None
     """Length of the waves that smoothing halves; left out: 5 mm."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Series, Switch, number
+from wrsim.inputs.values import Series, number
 from wrsim.scenario.sections.steady import SHARPEST, Radius, Speed
 from wrsim.scenario.sections.table import Given, PlanTable
 from wrsim.scenario.sections.track import Cant
@@ -78,7 +78,7 @@ class OverturningSection(PlanTable, header="[overturning]"):
     """Speed at which it ends where the vehicle still stands."""
     tolerance_kmh: Annotated[float, number(0.05, 20, "km/h")] = 0.5
     """How closely the limits are found."""
-    run: Switch = False
+    run: bool = False
     """Whether the vehicle also runs from straight track into the curve, at speeds that enclose its limit."""
     transition_m: Annotated[float, number(1, 1000, "m")] = 100.0
     """Length of the clothoid ahead of the curve in these runs."""

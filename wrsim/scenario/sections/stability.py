@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from wrsim.inputs.section import Fault
-from wrsim.inputs.values import Series, Switch, number
+from wrsim.inputs.values import Series, number
 from wrsim.scenario.sections.table import Given, PlanTable
 
 Speed = Annotated[float, number(1, 1000, "km/h")]
@@ -59,7 +59,7 @@ class StabilitySection(PlanTable, header="[stability]"):
     """Speeds at which the modes are computed."""
     highest_Hz: Annotated[float, number(0.1, 1000, "Hz")] = 25.0
     """Highest frequency of modes that are stored."""
-    nonlinear: Switch = True
+    nonlinear: bool = True
     """Whether limit cycles and the nonlinear critical speed are looked for."""
     cycle_start_kmh: Speed | None = None
     """Speed at which the first limit cycle is looked for; above the linear critical speed unless given."""

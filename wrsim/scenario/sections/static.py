@@ -15,7 +15,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.section import Fault
 from wrsim.inputs.toml_files import shown_value
-from wrsim.inputs.values import Series, Switch, number, positive, text, words
+from wrsim.inputs.values import Series, number, positive, text, words
 from wrsim.scenario.sections.table import Given, PlanTable
 
 Lateral = Annotated[float, number(-100, 100, "mm, positive to the left")]
@@ -72,7 +72,7 @@ class StaticSection(PlanTable, header="[static]"):
     """Angle by which wheels out of round have rolled."""
     cases: Annotated[str, text('a CSV file such as "poses.csv"')] | None = None
     """Table of poses, one a row, in place of all combinations."""
-    rolling: Switch = True
+    rolling: bool = True
     """Whether the wheels roll and creep, or rest without friction."""
 
     @classmethod
