@@ -10,7 +10,7 @@ from support.runs import SCENARIOS
 
 from wrsim import InputError, SimulationError, load, load_profile, run
 from wrsim.analysis.assessment.nadal import nadal_limit
-from wrsim.analysis.overturning import at_speed, side_force
+from wrsim.analysis.overturning import at_speed, stopped_at
 from wrsim.analysis.stationary.statics import static_state
 from wrsim.geometry.profile.flange import flange_dimensions, flank_of
 from wrsim.plots.climb import climb_figure
@@ -18,7 +18,6 @@ from wrsim.plots.overturning import overturning_figures
 from wrsim.results.climb import climb_tables, summarise_climb
 from wrsim.results.overturning import overturning_tables, summarise_overturning
 from wrsim.scenario.build import build
-from wrsim.scenario.sections.overturning import Wind
 
 table = rows_of(__file__)
 
@@ -121,7 +120,6 @@ def test_what_cannot_climb_is_refused(keys, words):
 
 def test_what_cannot_be_looked_for_or_does_not_fit_is_refused(tmp_path):
     for keys, words in (
-        (wind(20.0) | {"run": True}, "wind"),
         ({"highest_kmh": 10.0}, "highest_kmh"),
         ({"radius_m": 5.0}, "radius_m"),
     ):
@@ -191,11 +189,11 @@ def test_left_and_right_curves_are_mirrored():
     assert right == pytest.approx(left[:, ::-1], rel=1e-6)
 
 
-def test_the_wind_on_a_vehicle_at_rest_is_its_pressure_times_the_side():
-    side = Wind((30.0,), 75.0, 2.3, 1.2, 1.225)
-    assert side_force(side, 30.0, 0.0) == pytest.approx(0.5 * 1.225 * 30.0**2 * 75.0 * 1.2)
-    # of a running one sin(angle) of the larger pressure: linear in the speed far above that of the wind
-    assert side_force(side, 30.0, 400.0) == pytest.approx(side_force(side, 15.0, 400.0) * 2.0, rel=1e-2)
+def test_a_coach_that_comes_through_a_curve_falls_there_in_a_gust():
+    gusty = wind(40.0)["wind"] | {"gust": "EN 14067-6"}
+    calm, windy = (build(in_wind(run=True, **more)) for more in ({}, {"wind": gusty}))
+    assert not stopped_at(calm, 150.0 / 3.6)
+    assert stopped_at(windy, 150.0 / 3.6)
 
 
 @pytest.mark.campaign

@@ -1,7 +1,7 @@
 """Loads and payloads of a vehicle: hand calculations of tilt and wheel loads, balances of momentum."""
 
 from dataclasses import replace
-from math import asin, cos, sin
+from math import asin, cos, radians, sin
 
 import numpy as np
 import pytest
@@ -19,6 +19,7 @@ from wrsim.simulation.placement import design_state, poses_on_track
 from wrsim.simulation.steady_state import lower_on_rails, steady_state
 from wrsim.vehicle.loads import Load, Payload
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+from wrsim.vehicle.wind import Air
 
 SHIPPED = sorted((ROOT / "models/vehicles").glob("*.toml"))
 HEIGHT = 2.2  # of the wind [m]
@@ -39,8 +40,9 @@ class Coach:
     TRAVEL = 1e-3 * np.array([0, 25, 30, 35, 40, 45, 50, 55, 60, 65])
     STOP = 1e3 * np.array([0, 0, 0.6, 1.76, 3.73, 6.87, 11.58, 17.17, 29.2, 230])
 
-    def __init__(self, force: float) -> None:
-        self.force = force
+    def __init__(self, *pushes: tuple[float, float, float, float]) -> None:
+        """pushes: to the left and up [N], at a place to the left and above the rails [m]."""
+        self.pushes = pushes
         start = np.zeros(6)
         self.car, self.frame = np.split(minimize(self.energy, start, tol=1e-14, options={"gtol": 1e-4}).x, 2)
 
@@ -76,20 +78,24 @@ class Coach:
         fine = np.linspace(0.0, travel, 2001)
         total += 2.0 * np.trapezoid(np.interp(fine, self.TRAVEL, self.STOP), fine)
         total += STANDARD_GRAVITY * (self.CAR * zc + 2.0 * self.FRAME * zf)
-        return total - self.force * (point(yc, zc, rc, 1.8, (0.0, HEIGHT))[0])
+        return total - sum(np.dot(push[:2], point(yc, zc, rc, 1.8, push[2:])) for push in self.pushes)
 
     @property
     def transfer(self) -> float:
-        """What a left wheel gains [N]: wind over the rails, and weight that has swayed."""
+        """What a left wheel gains [N] on a right one: wind over the rails, and weight that has swayed."""
         sway = self.CAR * self.car[0] + 2.0 * self.FRAME * self.frame[0]
-        height = HEIGHT + self.car[1]
-        return float((self.force * height + STANDARD_GRAVITY * sway) / (8.0 * HALF))
+        y, z, roll = self.car
+        turning = STANDARD_GRAVITY * sway
+        for left, up, a, b in self.pushes:
+            at = y + a * np.cos(roll) - (b - 1.8) * np.sin(roll), 1.8 + z + a * np.sin(roll) + (b - 1.8) * np.cos(roll)
+            turning += left * at[1] - up * at[0]
+        return float(turning / (8.0 * HALF))
 
 
 @pytest.mark.parametrize("force", [1e3, -10e3, 40e3, 80e3])
 def test_a_coach_in_the_wind_tilts_and_unloads_as_calculated_by_hand(force: float) -> None:
     """Below some 10 kN on its springs alone, above on its bump stops, which the body meets at 25 mm."""
-    rest, hand = static_state(in_wind(force)), Coach(force)
+    rest, hand = static_state(in_wind(force)), Coach((force, 0.0, 0.0, HEIGHT))
     y, _, roll = rest.moved[0]
     assert [y, roll] == pytest.approx([hand.car[0], hand.car[2]], rel=1e-3)
     assert rest.moved[1:, 2] == pytest.approx(hand.frame[2], rel=2e-3)
@@ -98,6 +104,22 @@ def test_a_coach_in_the_wind_tilts_and_unloads_as_calculated_by_hand(force: floa
     stop = [e.name for e in manchester().elements].index("front.lateral stop")
     assert (abs(rest.readings[stop, 1]) > 0.0) == (abs(force) > 20e3)
     assert 62e-3 < abs(40e3 / 640e3) < 63e-3 < abs(y) or abs(force) < 40e3  # more than the springs alone would give
+
+
+@pytest.mark.parametrize(("wind", "left"), [(5.0, 1.0), (32.0, -1.0)])
+def test_five_masses_by_hand_rest_in_the_wind_of_a_tunnels_coefficients_as_the_vehicle_does(wind, left) -> None:
+    """Car body, two frames, wheelsets before and behind, as in EN 14067-6, at 120 km/h; on springs and on stops."""
+    table = ((0.0, 0.0, 0.0, 0.0), (radians(30.0), 3.0, 1.2, 2.4), (radians(60.0), 5.2, 1.9, 4.1))
+    loads = Air(10.0, 0.0, 0.0, 1.225, table, 3.0).loads(manchester(), 0.0, wind, 120.0 / 3.6, left)
+    rest = static_state(replace(manchester(), loads=loads))
+    hand = Coach(*((*load.largest[1:], *load.at[1:]) for load in loads))
+    y, _, roll = rest.moved[0]
+    assert [y, roll] == pytest.approx([hand.car[0], hand.car[2]], rel=1e-3)
+    assert rest.moved[0, 1] == pytest.approx(hand.car[1], rel=1e-3, abs=6e-6)  # supports sink by 5.4 um
+    assert rest.moved[1:, 2] == pytest.approx(hand.frame[2], rel=2e-3)
+    assert (abs(y) > 0.025) == (wind > 20.0)  # on the stops
+    gain = rest.wheel_loads[:, 0] - rest.wheel_loads.mean(axis=1)
+    assert gain.mean() == pytest.approx(hand.transfer, rel=1e-3)
 
 
 def test_a_small_load_tilts_a_car_by_its_lever_over_the_roll_stiffness() -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import atan2, cos, hypot, sin
+from math import cos, sin
 from typing import Any
 
 import numpy as np
@@ -23,14 +23,16 @@ from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc, Straight, Transition
 from wrsim.results import Result, assemble
 from wrsim.scenario.build import Setup
-from wrsim.scenario.sections.overturning import OverturningPlan, Wind
+from wrsim.scenario.sections.overturning import OverturningPlan
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.system import Array
-from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.wind import felt
 
 STEPS = 40  # speeds from the lowest to the highest at which a rest is looked for, at least
 RUN_ON = 2.0  # time in the full curve after which the vehicle has come through [s]: the period of a car body's sway
+RISING = 3.0 * RUN_ON
+"""Time on straight track in which the wind rises, in runs [s]: long for the sway, which overshoots in a short one."""
 ENDED = 0.05  # part of the last speed within which an overturning vehicle's inner wheels lose the rest of their load
 SPAN = 1.5  # fastest run over the quasi-static limit
 
@@ -57,7 +59,7 @@ def run_overturning(setup: Setup[OverturningPlan], progress: Progress | None = N
     Raises SimulationError when the vehicle overturns at the lowest speed already.
     """
     plan, report = setup.plan, Report(progress)
-    winds = plan.wind.speeds if plan.wind is not None else (0.0,)
+    winds = plan.winds
     rests: list[list[Rest]] = []
     outcome: dict[str, Any] = {}
     try:
@@ -138,25 +140,16 @@ def _last(found: Sequence[Rest]) -> Rest:
 
 
 def at_speed(setup: Setup[OverturningPlan], vehicle: Vehicle, speed: float, wind: float) -> Vehicle:
-    """The vehicle under all that acts on it in the curve, in the axes of the track; the wind blows outward."""
+    """The vehicle under all that acts on it in the curve, in the axes of the track, also the wind, which is outward."""
     plan, tilt = setup.plan, np.arcsin(setup.plan.cant / setup.track.cant_base)
     outward = float(-np.sign(plan.radius))  # positive to the left
     inertia, g = speed**2 / abs(plan.radius), vehicle.gravity
     left = outward * (inertia * cos(tilt) - g * sin(tilt))
     down = g * cos(tilt) + inertia * sin(tilt) - g
     pressed = accelerated(vehicle, left, down)
-    if plan.wind is None or wind == 0.0:
+    if plan.air is None:
         return pressed
-    force, body = side_force(plan.wind, wind, speed), max(vehicle.bodies, key=lambda each: each.mass)
-    at = (body.centre[0], 0.0, plan.wind.height)
-    blown = Load.constant("wind", body.name, (0.0, outward * force * cos(tilt), -force * sin(tilt)), at)
-    return replace(pressed, loads=(*pressed.loads, blown))
-
-
-def side_force(wind: Wind, speed: float, running: float) -> float:
-    """Force on the side [N] of a wind square to a running vehicle: its coefficient falls with the angle as the sine."""
-    angle = atan2(speed, running)
-    return 0.5 * wind.density * wind.area * wind.coefficient * sin(angle) * hypot(speed, running) ** 2
+    return replace(pressed, loads=(*pressed.loads, *plan.air.loads(vehicle, 0.0, wind, speed, outward, tilt)))
 
 
 def runs_into_curve(setup: Setup[OverturningPlan], limit: float, report: Report) -> dict[str, Any]:
@@ -178,14 +171,26 @@ def runs_into_curve(setup: Setup[OverturningPlan], limit: float, report: Report)
 
 
 def stopped_at(setup: Setup[OverturningPlan], speed: float) -> str:
-    """Why a run into the curve at a speed [m/s] has ended before its end; empty where the vehicle comes through."""
+    """Why a run into the curve at a speed [m/s] has ended before its end; empty where the vehicle comes through.
+
+    The wind begins at the start and has its peak in the middle of the full curve that is run through.
+    """
     plan = setup.plan
     places = [part.centre[0] for part in setup.vehicle.parts]
     start, ahead, on = MARGIN - min(places), MARGIN + max(places), RUN_ON * speed
+    if plan.air is not None:
+        ahead += RISING * speed
     straight, arc = Straight(start + ahead), Arc(on + ahead, plan.radius, plan.cant)
     track = setup.track.relaid([straight, Transition(plan.transition), arc])
     run: Any = RunPlan(start, straight.length + plan.transition + on, speed)
-    held: Any = replace(setup, track=track, plan=run)
+    vehicle = setup.vehicle
+    if plan.air is not None:
+        peak, length = straight.length + plan.transition + 0.5 * on, max(places) - min(places)
+        felt_at, wind = felt(plan.winds[0], start, peak, length, plan.gust)
+        tilt = np.arcsin(plan.cant / setup.track.cant_base)
+        loads = plan.air.loads(vehicle, felt_at, wind, speed, float(-np.sign(plan.radius)), tilt)
+        vehicle = replace(vehicle, loads=(*vehicle.loads, *loads))
+    held: Any = replace(setup, vehicle=vehicle, track=track, plan=run)
     try:
         return str(run_in_time(held).dataset.attrs.get("stop_reason", ""))
     except SimulationError as error:

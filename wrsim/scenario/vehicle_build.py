@@ -20,6 +20,7 @@ from wrsim.vehicle.out_of_round import parts_of
 from wrsim.vehicle.preload import preloads, with_ballast
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import Change, load_vehicle
+from wrsim.vehicle.wind import felt
 
 
 def vehicle_model(name: str, models: Sequence[str | Path] | None) -> Vehicle:
@@ -51,7 +52,21 @@ def vehicle_of(scenario: Scenario) -> Vehicle:
         height = vehicle.carried[0].height if vehicle.carried else 0.0
         carried = CarriedMass(vehicle.wheelsets[0].name, section.sprung_mass_kg, height)
         vehicle = replace(vehicle, carried=(carried,))
-    return _with_efforts(scenario, _with_loads(scenario, vehicle))
+    return _in_wind(scenario, _with_efforts(scenario, _with_loads(scenario, vehicle)))
+
+
+def _in_wind(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
+    """The vehicle with the loads of the wind along the track of its run."""
+    own, speed = scenario.spec.vehicle.wind, scenario.spec.vehicle.speed_kmh
+    if own is None:
+        return vehicle
+    if not vehicle.bodies or not isinstance(speed, float):
+        words = "needs a vehicle with bodies and one speed_kmh, from which the angle of the air follows"
+        raise scenario.fault(("vehicle", "wind"), words)
+    ends = [part.centre[0] for part in vehicle.parts]
+    places, wind = felt(own.speed_m_s, own.begins_m, own.peak_m, max(ends) - min(ends), own.gust is not None)
+    loads = own.air().loads(vehicle, places, wind, speed / 3.6, 1.0 if own.towards == "left" else -1.0)
+    return replace(vehicle, loads=(*vehicle.loads, *loads))
 
 
 def _out_of_round(scenario: Scenario, vehicle: Vehicle) -> Vehicle:

@@ -6,36 +6,29 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Series, number
 from wrsim.scenario.sections.steady import SHARPEST, Radius, Speed
 from wrsim.scenario.sections.table import Given, PlanTable
 from wrsim.scenario.sections.track import Cant
-
-
-@dataclass(frozen=True)
-class Wind:
-    """speeds of the wind [m/s]; area of the vehicle's side [m2], height of the pressure's centre above the rails [m],
-    coefficient of the side force, density of the air [kg/m3]."""
-
-    speeds: tuple[float, ...]
-    area: float
-    height: float
-    coefficient: float
-    density: float
+from wrsim.scenario.sections.wind import AirSection, Largest
+from wrsim.vehicle.wind import Air
 
 
 @dataclass(frozen=True)
 class OverturningPlan:
     """radius [m], positive to the left; cant [m]; speeds [m/s]: the lowest, the highest, the closeness of the limits;
-    wind: None for none; run: whether the vehicle also runs into the curve, over a transition [m]."""
+    air: None for no wind; winds: their speeds [m/s]; gust: whether runs meet a gust; run: whether the vehicle also runs
+    into the curve, over a transition [m]."""
 
     radius: float
     cant: float
     lowest: float
     highest: float
     tolerance: float
-    wind: Wind | None
+    air: Air | None
+    winds: tuple[float, ...]
+    gust: bool
     run: bool
     transition: float
 
@@ -43,21 +36,13 @@ class OverturningPlan:
         return {"radius_m": self.radius, "cant_mm": 1e3 * self.cant, "runs": "yes" if self.run else "no"}
 
 
-class WindSection(Section, header="[overturning.wind]"):
+class WindSection(AirSection, header="[overturning.wind]"):
     """Wind across the track, from the inside of the curve."""
 
-    aliases = {"speed_m_s": "wind_m_s speeds_m_s", "side_area_m2": "area_m2", "coefficient": "c_y cy side_coefficient"}
+    aliases = AirSection.aliases | {"speed_m_s": "wind_m_s speeds_m_s"}
 
-    speed_m_s: Series[Annotated[float, number(0, 80)]]
-    """Speeds of the wind, each on its own."""
-    side_area_m2: Annotated[float, number(0.1, 1000)]
-    """Area of the vehicle's side."""
-    height_m: Annotated[float, number(0.1, 6, "m above the rails")]
-    """Height of the centre of the wind's pressure."""
-    coefficient: Annotated[float, number(0, 5)] = 1.2
-    """Side force over area and dynamic pressure of the wind and the headwind together."""
-    density_kg_m3: Annotated[float, number(0.5, 2)] = 1.225
-    """Density of the air."""
+    speed_m_s: Series[Largest]
+    """Speeds of the wind, each on its own; of a gust the largest."""
 
 
 class OverturningSection(PlanTable, header="[overturning]"):
@@ -91,17 +76,18 @@ class OverturningSection(PlanTable, header="[overturning]"):
             yield Fault("radius_m", message)
         if self.highest_kmh <= self.lowest_kmh:
             yield Fault("highest_kmh", f"must be above lowest_kmh ({self.lowest_kmh:g})")
-        if self.run and self.wind is not None:
-            yield Fault(
-                "run", "cannot be true with wind: the runs have none; a load over time is one ([[vehicle.loads]])"
-            )
+        if self.wind is not None and self.run and len(self.wind.speed_m_s) > 1:
+            yield Fault(("wind", "speed_m_s"), "one speed with run = true")
+        if self.wind is not None and self.wind.gust is not None and not self.run:
+            yield Fault("run", "must be true with a gust: it is for runs")
 
     def plan(self, given: Given) -> OverturningPlan:
         if not given.vehicle.bodies:
             raise given.fault(("vehicle", "model"), 'is a single wheelset; analysis = "overturning" knows vehicles')
-        wind = None
-        if self.wind is not None:
-            own = self.wind
-            wind = Wind(own.speed_m_s, own.side_area_m2, own.height_m, own.coefficient, own.density_kg_m3)
+        wind = self.wind
+        air, winds = (None, (0.0,)) if wind is None else (wind.air(), wind.speed_m_s)
+        gust = wind is not None and wind.gust is not None
         speeds = (self.lowest_kmh / 3.6, self.highest_kmh / 3.6, self.tolerance_kmh / 3.6)
-        return OverturningPlan(self.radius_m, self.cant_mm / 1e3, *speeds, wind, self.run, self.transition_m)
+        return OverturningPlan(
+            self.radius_m, self.cant_mm / 1e3, *speeds, air, winds, gust, self.run, self.transition_m
+        )

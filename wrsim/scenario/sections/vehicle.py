@@ -10,6 +10,7 @@ from pydantic import Field
 
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import List, OrTable, RisingRows, Row, Two, number, text, within
+from wrsim.scenario.sections.wind import WindTable
 from wrsim.vehicle.loads import Effort, Over
 from wrsim.vehicle.out_of_round import AnyOutOfRoundTable
 from wrsim.vehicle.speed import SpeedProfile
@@ -148,6 +149,8 @@ class VehicleSection(Section, header="[vehicle]"):
     """Mass that presses on the axle of a single wheelset, in place of that in its file."""
     loads: List[LoadTable] = ()
     """Further forces on bodies, such as wind; bodies go by their full names."""
+    wind: WindTable | None = None
+    """Wind along the track, in runs."""
     payloads: List[PayloadTable] = ()
     """Further masses or forces that the vehicle is trimmed with; bodies go by their full names."""
     out_of_round: List[AnyOutOfRoundTable] = ()
