@@ -44,9 +44,11 @@ _NO_FILES = {
 def read_text(path: Path, what: str = "file", latin: bool = False) -> str:
     """Return the text of a UTF-8 file (a byte order mark is allowed); latin: of a Latin-1 file too, of spreadsheets.
 
-    Raises InputError as `read_bytes` does, and for bytes that are not UTF-8 (naming the line).
+    Raises InputError as `read_bytes` does, for zero bytes, and for bytes that are not UTF-8 (naming the line).
     """
     data = read_bytes(path, what)
+    if b"\0" in data and data[:2] not in (b"\xff\xfe", b"\xfe\xff"):  # UTF-16 is text
+        raise InputError(f"{path}: is no text file; a {what} is needed here")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

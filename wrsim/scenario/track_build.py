@@ -20,7 +20,7 @@ from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sec
 from wrsim.geometry.track.segments import Grade, Laws, Segment, Straight, laws
 from wrsim.geometry.track.table import IRREGULARITIES, TrackTable
 from wrsim.geometry.track.track import MAX_OFFSET, ROUNDING, Track
-from wrsim.inputs.checking import dotted, opened
+from wrsim.inputs.checking import dotted, kind_of, opened
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import SIDES, on_side
 from wrsim.inputs.toml_files import write_toml
@@ -37,7 +37,9 @@ TABLE_FADE = 20.0
 
 def track_model(path: Path, models: Sequence[str | Path] = ()) -> Track:
     """The track of a scenario or of a track file. Raises InputError."""
-    data, _ = opened(path, "scenario or track file")
+    data, _ = opened(path, what := "scenario or track file")
+    if (kind := kind_of(path)) and not kind.startswith(("a scenario", "a track")):
+        raise InputError(f"{path}: is {kind}; a {what} is needed here")
     if "track" in data and not {"analysis", "vehicle", BASE} & {*data}:
         runs = {"analysis": "curving", "vehicle": {"model": "any", "speed_kmh": 60}}
         scenario = load_text(write_toml(runs | {"track": {FILE: str(path.absolute())}}), path.parent, models)

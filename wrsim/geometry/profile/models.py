@@ -150,7 +150,8 @@ def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
 
 
 def profiles_in(folder: Path, kind: Kind | None) -> tuple[dict[str, Profile], tuple[str, ...]]:
-    """Profiles of a kind, or of both, in a folder by the names of their files without ending; faults of other files.
+    """Profiles of a kind, or of both, in a folder by the names of their files without ending; faults of other files, those
+    refused for the same reason in one line.
 
     Profile files (TOML) and files of points; of files that share a name without ending the TOML file, which describes
     the points. Raises InputError where there are none.
@@ -159,19 +160,23 @@ def profiles_in(folder: Path, kind: Kind | None) -> tuple[dict[str, Profile], tu
     files = {f.stem: f for f in sorted(folder.iterdir()) if f.suffix.lower() in endings}
     files = {stem: f for stem, f in files.items() if kind is None or endings[f.suffix.lower()] in (None, kind)}
     files |= {f.stem: f for f in sorted(folder.glob("*.toml"))}
-    found, faults = {}, list[str]()
+    found, refused = {}, dict[str, list[str]]()
     for stem, file in sorted(files.items()):
         try:
             profile = load_profile(file, None if file.suffix == ".toml" else kind)
         except InputError as error:
-            faults.append(in_one_line(error))
+            text = in_one_line(error)
+            why = text.removeprefix(str(file)) if text.startswith(str(file)) else f": {text}"
+            refused.setdefault(why, []).append(file.name)
             continue
         if kind in (None, profile.kind):
             found[stem] = profile
+    more = {why: f" and {len(names) - 3} more" if len(names) > 3 else "" for why, names in refused.items()}
+    faults = tuple(f"{folder / ', '.join(names[:3])}{more[why]}{why}" for why, names in refused.items())
     if not found:
         head = f"{folder}: has no {kind or 'wheel or rail'} profiles"
         raise InputError("\n".join((f"{head} (files that end in .toml or {' '.join(sorted(endings))})", *faults)))
-    return found, tuple(faults)
+    return found, faults
 
 
 def gathered(
