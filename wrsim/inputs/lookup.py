@@ -49,7 +49,7 @@ class Finder:
                 raise InputError("no such file" if not os.path.isdir(file) else "is a directory, a file is needed")
             near = self._nearest(file)
         if "\\" in name and os.sep != "\\":
-            raise InputError(f'folders are separated by /: write "{name.replace(chr(92), "/")}"')
+            raise InputError(f'folders are separated by /: write "{name.strip(chr(34)).replace(chr(92), "/")}"')
         searched = ", ".join(dict.fromkeys(str(folder.absolute()) for folder in self.folders))
         raise InputError(f"not found in {searched}" + (f'; did you mean "{near}"?' if near else ""))
 

@@ -243,7 +243,7 @@ def value_hint(value: str) -> str:
 
 
 _HINTS = {
-    r'".*\\.*"': "\n    in a path write / for folders, or take single quotes: they leave every \\ as it is",
+    r'".*\\.*"': "\n    in a path write / for folders; in other texts single quotes leave every \\ as it is",
     r"[-+]?\d+,\d+": "\n    decimals need a point: {1}",
     r"[-+]?(\.\d+|\d+\.)": "\n    a decimal point needs digits on both sides: 0.5, 1.0",
     r"[-+]?[\d.]+\s*[A-Za-z/%]+": "\n    a number has no unit: the unit is part of the key",
