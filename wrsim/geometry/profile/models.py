@@ -150,8 +150,8 @@ def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
 
 
 def profiles_in(folder: Path, kind: Kind | None) -> tuple[dict[str, Profile], tuple[str, ...]]:
-    """Profiles of a kind, or of both, in a folder by the names of their files without ending; faults of other files, those
-    refused for the same reason in one line.
+    """Profiles of a kind, or of both, in a folder by the names of their files without ending; faults of other files, a
+    line for each reason.
 
     Profile files (TOML) and files of points; of files that share a name without ending the TOML file, which describes
     the points. Raises InputError where there are none.
