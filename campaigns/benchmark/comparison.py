@@ -17,7 +17,7 @@ from campaigns.benchmark.adapter import Answer, Code
 from wrsim.errors import InputError, SimulationError
 from wrsim.inputs.checking import check_section, opened
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import List, Switch, choice, number, positive, text
+from wrsim.inputs.values import List, choice, number, positive, text
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -105,9 +105,9 @@ class ComparisonFile(Section, header="a comparison"):
     """Function of the adapter."""
     cost: Annotated[float, positive()]
     """About how long it takes [s]: cheap ones run first."""
-    whole: Switch = False
+    whole: bool = False
     """Whether the function takes columns as lists, and not a case at a time."""
-    short: Switch = True
+    short: bool = True
     """Whether it is part of a short run."""
     inputs: dict[str, Word] = {}
     """Arguments of the function and the columns that they come from."""
