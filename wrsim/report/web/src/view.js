@@ -96,7 +96,8 @@ class Viewer {
     document.addEventListener("keydown", (event) => {
       pointed = false;
       const { target, key } = event;
-      const typed = target.matches?.("select, input:not([type=range])");
+      const along = key === "ArrowLeft" || key === "ArrowRight"; // in a list up and down choose
+      const typed = target.matches?.(along ? "input:not([type=range])" : "select, input:not([type=range])");
       if (typed || event.ctrlKey || event.altKey || event.metaKey) return;
       if (key === " ") {
         if (target.matches?.("button, summary, a") || $("play").hidden) return;
