@@ -14,6 +14,7 @@ from support import examples  # noqa: F401 (its profiles)
 from support.pictures import leave_unpainted, sketch
 
 gc.disable()  # until all modules are there
+os.fsync = lambda handle: None  # what tests write needs to outlive no power cut
 sys.exudynFast = False  # the module that checks ranges and lengths
 os.environ.setdefault("NUMBA_NUM_THREADS", "2")  # two threads can be tried on one core
 # threads that wait awake take turns with the other workers of the suite: a test of two took minutes beside them
@@ -41,7 +42,8 @@ FIRST = (
     "cli/test_users_files.py", "cli/test_cli.py", "tests/plots/", "tests/results/", "cli/test_words.py",
     "study/test_study.py", "study/test_evolution.py", "tests/report/", "analysis/test_train.py",
     "analysis/test_shipped_scenarios.py", "campaigns/test_gz18.py", "analysis/test_vehicle_run.py",
-    "contact/test_strip_model.py", "analysis/test_resume.py",
+    "contact/test_strip_model.py", "analysis/test_resume.py", "contact/test_library.py", "contact/test_crossing.py",
+    "core/test_shipped.py", "simulation/test_energy.py", "vehicle/test_vehicle_loads.py",
 )  # fmt: skip
 """What comes first: the test that compiles nearly all kernels, beside it tests that need none, then the longest."""
 
@@ -49,6 +51,7 @@ FIRST = (
 def pytest_collection_finish() -> None:
     """What all modules hold is no garbage and need not be looked through again."""
     gc.freeze()
+    gc.set_threshold(50_000, 20, 20)  # seldom: little of what tests make refers to itself
     gc.enable()
 
 

@@ -6,7 +6,6 @@ from math import pi, sqrt, tan
 import numpy as np
 import pytest
 from scipy.special import ndtr, stdtrit
-from support.commands import ok, refusal
 from support.rows import rows_of
 from support.scenario_texts import CURVE, faults
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
@@ -360,16 +359,6 @@ def test_a_constructed_derailment_exceeds_every_limit_that_it_should():
     assert beyond["climb_distance"].value == pytest.approx(10.0 + 2.0 * 2.0 * (1.0 - limit / 1.3), abs=0.4)
 
 
-def test_a_wheel_pushed_sideways_without_load_is_beyond_any_limit():
-    def q(s):
-        return Q0 + 0.0 * s, np.where(np.abs(s - 100.0) < 20.0, -500.0, Q0)
-
-    found = assess_runs(run(250.0, q=q, y=lambda s: (0.0 * s, 5e3 + 0.0 * s)), NADAL)
-    assert only(found, "Y_over_Q", "right") == np.inf
-    assert found.passed is False
-    assert json.loads(assessment_json(found))["values"]  # infinite values do not break the file
-
-
 def limit_of(quantity: str, **about) -> float | None:
     found = EN.about(quantity).limit_at(About(**about))
     return found and found.value
@@ -408,15 +397,6 @@ def test_sections_of_several_runs_count_together():
     assert zone.worst.section.run == "2" and zone.worst.value == pytest.approx(40e3, rel=1e-3)
 
 
-def test_estimated_maxima_need_fewer_runs_when_these_count_together():
-    runs = [run(1000.0, y=lambda s, k=k: (k * 2e3 + 0.0 * s, 0.0 * s)) for k in range(3)]
-    (zone,) = [z for z in assess_runs(runs).zones if z.worst.quantity.key == "sum_Y"]
-    per_section = np.repeat([0.0, 2e3, 4e3], 4)
-    assert zone.sections == 12 and zone.mean == pytest.approx(per_section.mean(), abs=1.0)
-    assert zone.estimate == pytest.approx(per_section.mean() + 3.0 * per_section.std(ddof=1), rel=1e-3)
-    assert all(z.estimate is None for one in runs for z in assess_runs(one).zones)
-
-
 def test_curves_count_at_cant_deficiencies_of_a_test_only():
     # 72 km/h without cant: 1.5 v^2 / (g R) = 204, 185 and 157 mm in R 300, 331 and 390 m
     several = [of_radius(300.0, 30e3), of_radius(331.0, 40e3), of_radius(390.0, 20e3)]
@@ -444,21 +424,6 @@ def test_runs_of_different_vehicles_or_settings_are_no_test():
     assert assess_runs([one, other], AssessmentSettings()).settings["vehicle_kind"] == "passenger"
     with pytest.raises(InputError, match="run b: the result cannot be assessed: it has no Q"):
         assess_runs([one, Result(one.dataset.drop_vars("Q"))], names=("a", "b"))
-
-
-@pytest.mark.usefixtures("unpainted")
-def test_the_command_assesses_several_runs_as_one(tmp_path):
-    for name, radius in (("slow", 300.0), ("fast", 390.0)):
-        (tmp_path / name).mkdir()
-        of_radius(radius, 30e3).save(tmp_path / name / "result.nc")
-    folders = [str(tmp_path / "slow"), str(tmp_path / "fast" / "result.nc")]
-    assert "-o DIR is missing" in refusal("assess", *folders)
-    assert "given twice" in refusal("assess", folders[0], tmp_path / "slow" / "result.nc", "-o", tmp_path)
-    ok("assess", *folders, "-o", tmp_path / "both")
-    found = json.loads((tmp_path / "both" / "assessment.json").read_text())
-    assert found["runs"] == ["slow", "fast"] and {s["run"] for s in found["sections"]} == {"slow", "fast"}
-    pictures = {p.name for p in (tmp_path / "both").glob("*.png")}
-    assert pictures == {"assessment.png", "assessment_history_1.png", "assessment_history_2.png"}
 
 
 def test_a_run_that_was_stopped_is_assessed_without_its_last_odd_sample():
@@ -546,19 +511,6 @@ def test_without_influences_many_sections_give_the_one_dimensional_method(k):
     assert found.estimate == pytest.approx(y.mean() + k * y.std(ddof=1), rel=1e-5)
 
 
-def test_one_more_section_stays_below_its_bound_as_often_as_that_says():
-    generator = np.random.default_rng(SEED)
-    below, trials, scatter = 0, 4000, 2e3
-    for _ in range(trials):
-        known = sections(14, generator)
-        y = force(known) + generator.normal(0.0, scatter, 14)
-        bound = regression(y, known, tuple(SLOPES), AT, 2.2).estimate
-        below += force(AT) + generator.normal(0.0, scatter) <= bound
-    share = ndtr(2.2)
-    # three standard deviations of the count
-    assert below / trials == pytest.approx(share, abs=3.0 * np.sqrt(share * (1.0 - share) / trials))
-
-
 def test_influences_that_go_together_or_do_not_vary_are_told_apart():
     known = sections(20, np.random.default_rng(SEED))
     y = force(known)
@@ -591,17 +543,6 @@ def test_an_assessment_estimates_at_a_cant_deficiency_beyond_that_of_the_run():
     assert (over["influence"], over["unit"], over["at"]) == ("cant_deficiency", "mm", pytest.approx(150.0))
     assert over["slope"] == pytest.approx(0.1, rel=0.05)
     assert row["estimated_maximum"] == pytest.approx(1e-3 * zone.estimate)
-
-
-@pytest.mark.usefixtures("sketched")
-def test_the_command_tells_and_draws_what_values_depend_on(tmp_path):
-    file = tmp_path / "settings.toml"
-    over = 'estimate_over = ["cant_deficiency", "speed"]\nestimate_cant_deficiency_mm = 150\n'
-    file.write_text(f"{CURVE}\n[assessment]\n{over}")
-    result = run(3000.0, **CANTED).save(tmp_path / "result.nc")
-    told = ok("assess", result, "--scenario", file)
-    assert "estimated values by regression [mem]" in told.output and "at 150 mm" in told.output
-    assert (tmp_path / "assessment_estimates.png").is_file()
 
 
 @pytest.mark.parametrize(("lines", "said"), table("bad_influences_are_refused_with_file_and_key"))

@@ -47,18 +47,13 @@ def climb(wheel, **keys):
 @pytest.fixture(scope="module")
 def climbs(wheel):
     """Below, just above and far above Nadal's limit, at two angles of attack."""
-    return climb(wheel, angle_of_attack_mrad=[5.0, 20.0], Y_over_Q=[0.95 * LIMIT, 1.1 * LIMIT, 1.99])
+    asked = {"angle_of_attack_mrad": [5.0, 20.0], "Y_over_Q": [0.95 * LIMIT, 1.1 * LIMIT, 1.99]}
+    return climb(wheel, longest_m=8.0, **asked)
 
 
 def test_a_wheel_climbs_above_nadals_limit_and_not_below_it(climbs):
     assert climbs["climbed"].values.tolist() == [0, 1, 1, 0, 1, 1]
     assert climbs["nadal_limit"].values == pytest.approx(LIMIT, rel=1e-6)
-
-
-@pytest.mark.campaign
-def test_the_rail_holds_a_wheel_below_nadals_limit_for_200_m(wheel):
-    held = climb(wheel, angle_of_attack_mrad=[2.5, 10.0, 20.0], Y_over_Q=[0.97 * LIMIT], longest_m=200.0)
-    assert not held["climbed"].values.any()
 
 
 def test_the_way_of_a_climb_depends_on_force_and_angle_and_hardly_on_speed_and_model(climbs, wheel):
@@ -145,7 +140,7 @@ def in_wind(**keys):
 @pytest.fixture(scope="module")
 def found():
     """Without wind and with some."""
-    keys = {"tolerance_kmh": 2.0, "lowest_kmh": 150.0, "highest_kmh": 350.0}
+    keys = {"tolerance_kmh": 5.0, "lowest_kmh": 150.0, "highest_kmh": 350.0}
     return run(in_wind(**wind(0.0, 25.0), **keys)).dataset
 
 

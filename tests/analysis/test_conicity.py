@@ -16,7 +16,6 @@ from support.runs import ROOT
 from wrsim import InputError, Profile, Result, load, load_profile, run
 from wrsim.analysis.conicity.conicity import equivalent_conicity, wheelset_conicity
 from wrsim.analysis.conicity.pairs import conicity_map
-from wrsim.analysis.conicity.rigid import rigid_contact
 from wrsim.geometry.profile.flange import FLANGE_FROM
 from wrsim.geometry.profile.models import profiles_in
 from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections
@@ -59,13 +58,6 @@ def test_the_tables_of_en_15302_are_met(column, right):
     assert error[middle].max() < 0.01
 
 
-def test_s1002_on_60e1_by_the_shift_of_the_wheelsets_centre():
-    wheel, rail = pair("S1002", "60E1")
-    found = swing((wheel, rail.inclined(1 / 40)), 1.435, (0.46, 0.46), "centre", 1e-3 * np.arange(1.0, 7.0))
-    # first-order check of the reference data, 0.02 wide
-    assert found["equivalent_conicity"].values == pytest.approx([0.355, 0.221, 0.177, 0.159, 0.183, 0.295], abs=0.02)
-
-
 def flat_headed() -> Profile:
     """A rail with a straight head of 46 mm between two corners of 13 mm."""
     head, corner, foot = 0.023, 0.013, -0.036
@@ -91,7 +83,7 @@ def test_a_swing_beyond_the_known_shifts_or_over_a_hill_has_no_conicity():
 
 
 @pytest.mark.parametrize(("rail", "gauge"), [(ROUND, ROUND_GAUGE), (flat_headed(), 1.435)], ids=["round", "flat"])
-@pytest.mark.parametrize("slope", [0.025, 0.05, 0.2])
+@pytest.mark.parametrize("slope", [0.025, 0.2])
 def test_a_cone_gives_its_own_conicity(slope, rail, gauge):
     wheel = cone("cone", "wheel", slope, -0.06, 0.06)
     found = swing((wheel, rail), gauge, (RADIUS, RADIUS), "none", 1e-3 * np.array([0.5, 3.0, 7.0]))
@@ -143,17 +135,6 @@ def test_the_wavelength_of_a_nonlinear_swing_is_that_of_its_elliptic_integral():
     c = 2.0 * k / (1.5 * 0.46)
     # spacing of 3 um: piecewise linear to 1e-6
     assert found.wavelength[0] == pytest.approx(4.0 * ellipk(0.5) / (a * np.sqrt(c)), rel=2e-6)
-
-
-def test_mirrored_wheels_mirror_the_radius_difference():
-    wheel, rail = pair("S1002", "60E1")
-    worn, rail = wheel.shifted(dw=1e-3), rail.inclined(1 / 40)
-    shift = 1e-3 * np.linspace(-6.0, 6.0, 25)
-    one = rigid_contact((wheel, worn), (0.46, 0.458), (rail, rail), 1.5, 1.433, shift)
-    other = rigid_contact((worn, wheel), (0.458, 0.46), (rail, rail), 1.5, 1.433, -shift)
-    assert one.radius_difference == pytest.approx(-other.radius_difference, abs=1e-9)
-    assert one.angle == pytest.approx(other.angle[:, ::-1], abs=1e-7)
-    assert one.roll == pytest.approx(-other.roll, abs=1e-9)
 
 
 @pytest.mark.usefixtures("sketched")
@@ -224,8 +205,8 @@ def steering(wheels, **options):
     return summary["radial_steering"][0], summary
 
 
-@pytest.mark.parametrize("slope", [0.025, 0.2])
-def test_a_cone_steers_radially_at_e_r0_over_r_times_its_slope(slope):
+def test_a_cone_steers_radially_at_e_r0_over_r_times_its_slope():
+    slope = 0.2
     wheel = cone("cone", "wheel", slope, -0.06, 0.06)
     reach = float(found((wheel, wheel))["lateral_shift"].max())
     for radius in (300.0, 2000.0):

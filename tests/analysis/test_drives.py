@@ -250,8 +250,7 @@ def struts(kind: str) -> tuple[Element, ...]:
 
 @pytest.mark.parametrize(
     "kind",
-    ["damper", "damper by a table", "damper behind a spring", "field", "coulomb", "coulomb with damping", "in a plane",
-     "fancher", "berg"],
+    ["damper by a table", "damper behind a spring", "field", "coulomb with damping", "in a plane", "fancher", "berg"],
 )  # fmt: skip
 def test_what_is_told_as_lost_is_what_a_swing_has_lost(kind):
     law = on_springs(box(*struts(kind)))

@@ -11,7 +11,7 @@ from support.rows import rows_of
 from support.runs import SCENARIOS
 
 from wrsim import InputError, Result, load, run
-from wrsim.analysis import cost_of, exact_run_warning, recorded
+from wrsim.analysis import cost_of, exact_run_warning
 from wrsim.results.exports import export_result
 from wrsim.results.table import duration
 from wrsim.scenario.build import build
@@ -51,19 +51,6 @@ def test_the_other_channels_stay_to_the_bit_and_common_instants_have_the_same_nu
         assert_array_equal(fast[f"fast_{name}"][::10], fast[name].values[common])
     between = np.interp(fast["fast_time"], fast["time"], fast["Q"][:, 0, 0])
     assert np.abs(fast["fast_Q"][:, 0, 0] - between).max() > 5e3
-
-
-def test_an_interrupted_run_goes_on_with_the_same_fast_channels_to_the_bit(tmp_path, monkeypatch):
-    monkeypatch.setattr("wrsim.simulation.recorder.FLUSH_INTERVAL", 0.0)
-    path = tmp_path / "x.part"
-    whole = run(sleepers(**FAST), record=path)
-    assert whole.dataset.identical(struck().dataset)
-    path.write_bytes(path.read_bytes()[: int(0.6 * path.stat().st_size)])
-    cut = recorded(path)
-    n = cut.dataset.sizes["fast_time"] - 1
-    assert_array_equal(cut.dataset["fast_Q"][:n], whole.dataset["fast_Q"][:n])
-    assert cut.status == "stopped" and "bent" not in cut.pictures
-    assert run(sleepers(**FAST), record=path, resume=True).dataset.identical(whole.dataset)
 
 
 def test_the_rail_is_bent_where_the_wheel_strikes_at_the_largest_force_of_all_steps():
@@ -116,12 +103,6 @@ def test_the_table_has_a_row_a_sample(tmp_path):
     assert rows[0].split(",")[:2] == ["fast_time_s", "fast_distance_m"]
     assert "fast_Q_left_kN" in rows[0] and "fast_axle_box_acceleration_right_m_s2" in rows[0]
     assert len(rows) == 1 + struck().dataset.sizes["fast_time"]
-
-
-def test_fast_channels_are_drawn_like_the_others():
-    figure = struck().plot("fast_Q")
-    (line, *_) = figure.axes[0].lines
-    assert len(line.get_xdata()) == struck().dataset.sizes["fast_time"]
 
 
 @pytest.mark.parametrize("keys, words", table("what_cannot_be_stored_is_refused_with_its_key"))

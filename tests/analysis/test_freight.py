@@ -118,7 +118,6 @@ def test_a_wagon_that_lifts_off_its_springs_says_that_nothing_presses_its_guides
 
 
 # Loads at rest, in runs, in steady motion and in stability: balances of forces and moments, a gust, resuming.
-COACH = "vehicles/manchester_1.toml"
 BODIES = {"carbody": 32000.0, "front.frame": 2615.0, "rear.frame": 2615.0}
 AXLE, HEIGHT, GRAVITY = 1813.0, 2.2, 9.80665
 
@@ -126,32 +125,6 @@ AXLE, HEIGHT, GRAVITY = 1813.0, 2.2, 9.80665
 def wind(**force: Any) -> list[dict[str, Any]]:
     """Wind on the coach."""
     return [{"name": "wind", "on": "carbody", "at_mm": [0, 0, 1e3 * HEIGHT], "axes": "track"} | force]
-
-
-def at_rest(force: float) -> Any:
-    """The coach at rest, pushed to the left [kN]."""
-    values = FAST | {"vehicle.model": COACH, "vehicle.loads": wind(force_kN=[0, force, 0])}
-    return run(load(SCENARIOS / "equilibrium_s1002.toml").with_values(values)).dataset.isel(time=0)
-
-
-def test_forces_and_moments_on_a_coach_at_rest_in_the_wind_are_in_balance() -> None:
-    """About the middle of the track at the height of the rails; nothing needs friction."""
-    force = -40.0
-    rest = at_rest(force)
-    patches = rest.N.fillna(0.0) * np.cos(rest.contact_angle.fillna(0.0))
-    assert rest.Q.sum().item() == pytest.approx((sum(BODIES.values()) + 4 * AXLE) * GRAVITY, rel=1e-6)
-    y = rest.Y.transpose("wheelset", "wheel").values
-    assert (y[:, 0] - y[:, 1]).sum() == pytest.approx(1e3 * force, rel=1e-5)
-    # where a wheel stands on two patches, each carries its part
-    share = patches / patches.sum(dim="patch")
-    up = float((rest.Q * share * rest.y_contact.fillna(0.0)).sum())
-    inward = {"left": -1.0, "right": 1.0}
-    side = sum(inward[w] * float((rest.Y * share * rest.z_contact.fillna(0.0)).sel(wheel=w).sum()) for w in inward)
-    sway = sum(mass * rest.body_lateral.sel(body=name).item() for name, mass in BODIES.items())
-    sway += AXLE * rest.lateral_shift.sum().item()
-    overturning = 1e3 * force * (HEIGHT + rest.body_vertical.sel(body="carbody").item()) + GRAVITY * sway
-    assert up - side == pytest.approx(overturning, rel=1e-2)
-    assert rest.external_fy.item() == 1e3 * force
 
 
 ROWS = [[22, 0, 0, 0], [24, 0, 30, 0], [32, 0, 30, 0], [35, 0, 0, 0]]

@@ -194,7 +194,7 @@ def test_work_of_the_motors_is_kinetic_energy_or_lost_in_creep():
         places = np.array(list(law.gears.values()))
         return float(0.5 * TURNING * np.sum(q_t[places + 1] ** 2) + 0.5 * STIFFNESS * np.sum(q_t[places] ** 2))
 
-    driven = scenario(vehicle__drive="free", vehicle__efforts=efforts, run__time_s=4.0)
+    driven = scenario(vehicle__drive="free", vehicle__efforts=efforts, run__time_s=2.6)
     _times, energy, spent, lost = balance(driven, of_gears)
     work, loss, gained = spent[-1], lost[-1], energy[-1]
     assert gained > 3e5

@@ -12,14 +12,13 @@ import numpy as np
 import pytest
 from support.commands import call, forked, ok, refusal
 from support.runs import FAST, SCENARIOS, straight
-from support.waiting import wait_until
 
 import wrsim.analysis.motion.record as record_module
 import wrsim.analysis.motion.run as run_module
 from wrsim import InputError, Result, WrsimError, load, run
 from wrsim.analysis import recorded
 from wrsim.analysis.motion.monitor import Monitor
-from wrsim.results.run_file import RunFile, is_running, records_of
+from wrsim.results.run_file import RunFile, records_of
 from wrsim.simulation import recorder as recorders
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.force_law import ForceLaw
@@ -122,29 +121,6 @@ def test_a_whole_file_is_played_back_without_a_step_a_damaged_one_up_to_its_dama
     monkeypatch.setattr(BodySystem, "solve", None)
     assert same(resumed(kept), whole)
     assert same(recorded_motion(kept), whole)
-
-
-@pytest.mark.parametrize("size", [30_000, pytest.param(300_000, marks=pytest.mark.campaign)])
-def test_a_killed_process_loses_less_than_a_second_and_goes_on_to_the_bit(tmp_path, size, monkeypatch):
-    monkeypatch.setattr(recorders, "FLUSH_INTERVAL", 0.02)
-    path = tmp_path / "x.part"
-    child = os.fork()
-    if child == 0:
-        play(Recorder.create(path, HEADER, 6), seconds=600.0)
-        os._exit(0)
-    try:
-        wait_until(lambda: path.exists() and path.stat().st_size > size)
-        assert is_running(path)
-        with pytest.raises(InputError, match="another run is writing to it"):
-            Recorder.continued(path)
-    finally:
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-    assert not is_running(path)
-    reached = recorded_motion(path).end
-    with closing(Recorder.continued(path)) as recorder:
-        motion = play(recorder, seconds=max(1.0, reached + 0.1))
-    assert same(motion, play(seconds=max(1.0, reached + 0.1)))
 
 
 def test_a_full_disk_ends_the_run_with_one_sentence_and_a_readable_file(kept):

@@ -19,8 +19,8 @@ from wrsim.scenario.plausibility import facts
 
 FILES = sorted(SCENARIOS.glob("*.toml"))
 RUN = {
-    "curve_r150_lubricator", "equilibrium_s1002", "gz18_r300", "independent_wheels", "manchester_twist", "mixed_line",
-    "motor_coach", "stability_manchester", "static_measured", "steady_manchester",
+    "curve_r150_lubricator", "equilibrium_s1002", "independent_wheels", "manchester_twist", "motor_coach",
+    "stability_manchester", "static_measured", "steady_manchester",
 }  # fmt: skip
 """What the suite runs here: one of each kind; most of the others are run by tests of what is in them."""
 

@@ -130,7 +130,7 @@ def test_an_interrupted_or_useless_search_for_limit_cycles_says_so():
 def test_a_study_reads_well_on_screen_on_disk_and_as_pictures(tmp_path):
     result = run(
         cooperrider(
-            speed_kmh=[200, 260], cycle_start_kmh=250, cycle_step_kmh=15, tolerance_kmh=15, window_s=0.6, longest_s=1.2
+            speed_kmh=[200, 260], cycle_start_kmh=250, cycle_step_kmh=15, tolerance_kmh=15, window_s=0.4, longest_s=1.0
         )
     )
     assert result.dataset["cycle_amplitude"].dims == ("cycle", "wheelset")
@@ -173,7 +173,6 @@ def test_conical_wheels_are_for_stability_alone(tmp_path):
 
 
 # The CRH380A: weights, its yaw dampers, and two ends of one speed; on cones, for which no contact has to be solved.
-KMH = 1.0 / 3.6
 BETWEEN = 480
 """Above 401 and 256, below 557 km/h, the linear critical speeds of docs/user/stability.md."""
 
@@ -217,15 +216,3 @@ def test_steeper_wheels_and_missing_yaw_dampers_make_it_hunt():
     assert growth() < 0.0
     assert growth(conicity=0.5) > 0.0
     assert growth(yaw_dampers=False) > 0.0
-
-
-@pytest.mark.parametrize(("speed", "shift", "ending"), [(400, 8.0, "cycle"), (400, 0.3, "rest"), (240, 8.0, "rest")])
-def test_between_both_critical_speeds_the_disturbance_decides(speed, shift, ending):
-    """Its yaw dampers hold small motions and blow off in large ones."""
-    assert speed < BETWEEN
-    whole = build(load(SCENARIOS / "stability_crh380a.toml").with_values({"stability.window_s": 1.5}))
-    search = CycleSearch(RollingVehicle(whole, speed * KMH), whole.plan.cycles, [], lambda part: None)
-    found, _ = search.hold(speed * KMH, "from above", search.kicked(speed * KMH, 1e-3 * shift))
-    assert found.ending == ending
-    if ending == "cycle":  # from flange to flange, which touch at 8.5 mm
-        assert 7e-3 < found.amplitudes.max() < 12e-3

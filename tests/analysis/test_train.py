@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from scipy.optimize import linear_sum_assignment
-from support.runs import FAST, SCENARIOS, arc, straight, transition
+from support.runs import FAST, SCENARIOS, arc, straight
 from support.vehicles import coaches, manchester, on_track
 
 from wrsim import Arc, Scenario, Straight, load, run
@@ -56,17 +55,21 @@ def test_vehicles_that_nothing_couples_run_as_each_does_alone() -> None:
         found = steady_state(one.law)
         q[places], q_t[places] = found.q, found.q_t
         alone.append(
-            (places, Integration(one.system, duration=0.2, step=5e-4, integrator="rk44").run(found.q, found.q_t))
+            (places, Integration(one.system, duration=0.1, step=5e-4, integrator="rk44").run(found.q, found.q_t))
         )
-    together = Integration(both.system, duration=0.2, step=5e-4, integrator="rk44").run(q, q_t)
-    assert np.ptp(alone[0][1].q[:, 2]) > 1e-4  # the first one is in the curve, and steers
+    together = Integration(both.system, duration=0.1, step=5e-4, integrator="rk44").run(q, q_t)
+    assert np.ptp(alone[0][1].q[:, 2]) > 2e-5  # the first one is in the curve, and steers
     bodies = 6 * 7
     for places, motion in alone:
         np.testing.assert_allclose(together.q[:, places[:bodies]], motion.q[:, :bodies], rtol=0.0, atol=1e-9)
         np.testing.assert_allclose(together.q_t[:, places], motion.q_t, rtol=0.0, atol=1e-7)
 
 
-@pytest.mark.parametrize("segment", [straight(200.0), arc(200.0, 300.0, 100.0)], ids=["straight", "curve"])
+@pytest.mark.parametrize(
+    "segment",
+    [pytest.param(straight(200.0), marks=pytest.mark.campaign), arc(200.0, 300.0, 100.0)],
+    ids=["straight", "curve"],
+)
 def test_coupled_coaches_start_on_uneven_track(segment: dict[str, Any], tmp_path: Path) -> None:
     """Neighbours stand some millimetres beside each other in height: plates and buffers stick there, which slip by the
     first derivative; in the curve the first wheelsets of the bogies lie on their flanges. The forces balance within the
@@ -112,22 +115,6 @@ def test_the_ends_of_vehicles_swing_through_an_s_curve_as_chords_do(tmp_path: Pa
     overhang = ((0.5 * LENGTH) ** 2 - (0.5 * PIVOTS) ** 2) / (2.0 * 190.0)
     assert np.abs(offset).max() < 2.0 * overhang  # the two ends lie on opposite sides at most
     assert np.abs(d["coupling_force"].values).max() < 500.0
-
-
-def two_coaches_at(place: float, start: float, tmp_path: Path, keys: dict[str, Any]) -> xr.Dataset:
-    """The moment at which two coaches that start there come to a place [m]."""
-    own = keys | {"run.start_distance_m": start, "run.distance_m": place - start}
-    return run(scenario(tmp_path, ("count = 3", "count = 2"), **own)).dataset.isel(time=-1)
-
-
-@pytest.mark.campaign  # in the suite: a coach that does
-def test_a_train_starts_where_a_transition_is_beneath_it(tmp_path: Path) -> None:
-    """It has come along the track: Y and Q are those of a run that passes there, within 1 % of the largest Q."""
-    curves = [straight(60.0), transition(30.0), arc(60.0, 300.0, 60.0)]
-    keys = {"track.segments": curves, "vehicle.speed_kmh": 40.0, "run.step_us": 5000, "run.output_interval_ms": 10.0}
-    passed, began = (two_coaches_at(89.0, start, tmp_path, keys) for start in (56.0, 84.0))
-    for name in ("Y", "Q"):
-        np.testing.assert_allclose(began[name], passed[name], atol=0.01 * float(passed["Q"].max()), rtol=0.0)
 
 
 def test_modes_of_a_train_that_hardly_anything_couples_are_those_of_each_vehicle(tmp_path: Path) -> None:

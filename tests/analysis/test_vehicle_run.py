@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numba.core import sigutils
-from support.runs import FAST, LEADING, SCENARIOS, STEERING, arc, setup_of, straight, transition
+from support.runs import FAST, SCENARIOS, STEERING, arc, setup_of, straight, transition
 from support.vehicles import ROOT, SHORT, into_the_curve, manchester
 
 from wrsim import InputError, Scenario, load, run
@@ -43,26 +43,6 @@ def test_every_wheelset_of_the_result_can_be_taken_out() -> None:
         result.wheelset("front.oter")
     with pytest.raises(InputError, match=r"choose a wheelset: 1 front\.outer, 2 "):
         result.wheelset()
-
-
-def test_a_coach_at_rest_on_canted_track_leans_and_its_loads_sum_to_the_weight() -> None:
-    cant = 59.0  # at 60 mm the search ends at 2e-6 of the weight, between two kinks of a contact some nanometres apart
-    values = {
-        "analysis": "equilibrium",
-        "track.segments": [{"kind": "straight", "length_m": 60.0, "cant_start_mm": cant, "cant_end_mm": cant}],
-        "run.start_distance_m": 30.0,
-    }
-    dataset = run(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT | values)).dataset
-    loads = dataset["Q"].values[0]
-    angle = np.arcsin(cant / 1500.0)
-    assert loads.sum() == pytest.approx(manchester().weight * np.cos(angle), rel=1e-4)
-    assert (loads[:, 0] > loads[:, 1]).all()  # the right rail is the higher one
-    leaning = -dataset["body_roll"].sel(body=["carbody", "front.frame"]).values[0]
-    assert leaning[0] > 5e-3  # further to the left than the track
-    # an accelerometer shows the share of gravity along its body: the body leans with the track, and on its springs
-    for lean, point in zip(leaning, ("floor front", "frame front"), strict=True):
-        shown = dataset["point_ay"].sel(point=point).values[0]
-        assert shown == pytest.approx(-9.80665 * np.sin(angle + lean), rel=1e-4)
 
 
 def test_driven_axles_hold_the_speed_as_a_pull_does() -> None:
@@ -144,7 +124,7 @@ def test_points_ride_with_their_wheelset_and_events_in_the_file_are_those_noted(
     assert evaluate_ride(result).as_dict()["points"]["box"]["rms_m_s2"]["z"] > 0.0
     assert any("bump stop stop is beyond the end of its table" in str(e) for e in result.dataset["event_label"].values)
     # samples so far apart that none of them sees the stop at its end
-    seldom = over_a_dip(tmp_path, **{"run.distance_m": 60.0, "run.output_interval_ms": 1500.0})
+    seldom = over_a_dip(tmp_path, **{"run.distance_m": 40.0, "run.output_interval_ms": 1500.0})
     result = run(seldom, record=tmp_path / "x.part")
     assert result.dataset.sizes["event"] > 0
     assert recorded(tmp_path / "x.part").dataset.identical(result.dataset)
@@ -163,7 +143,7 @@ def test_an_accelerometer_on_the_axle_box_shows_the_unbalanced_acceleration(tmp_
 
 @pytest.mark.parametrize("model", [STEERING, pytest.param("vehicles/manchester_1.toml", marks=pytest.mark.campaign)])
 def test_a_run_with_the_exact_solver_starts_in_balance_and_keeps_it(model: str) -> None:
-    values = {"contact.normal": "half-space", "contact.tangential": "half-space", "contact.half_space.resolution": 12}
+    values = {"contact.normal": "half-space", "contact.tangential": "half-space", "contact.half_space.resolution": 8}
     values |= {"run.distance_m": 0.02, "run.output_interval_ms": 0.5, "output.patches_at_m": []}
     result = run_in_time(setup_of([straight(60.0)], 20.0, model, start=20.0, values=values))
     assert result.status == "completed"
@@ -197,28 +177,9 @@ def peaks(dataset: xr.Dataset) -> list[float]:
     return [float(dataset[name].isel(wheel=w).max()) for name in ("Y_over_Q", "Q") for w in (0, 1)]
 
 
-@pytest.mark.parametrize(
-    ("vehicle", "integrator", "contact"),
-    [
-        (LEADING, "generalised-alpha", FAST),
-        pytest.param(LEADING, "generalised-alpha", {}, marks=pytest.mark.campaign),
-        pytest.param(LEADING, "rk44", {}, marks=pytest.mark.campaign),
-        pytest.param(STEERING, "generalised-alpha", {}, marks=pytest.mark.campaign),
-    ],
-)
-def test_half_the_step_changes_the_peak_y_over_q_in_a_sharp_curve_by_less_than_a_hundredth(
-    vehicle, integrator, contact
-):
-    # the sharp curve in short: into 150 m within 12 m, flange root contact
-    segments = [straight(2.0), transition(12.0), arc(6.0, 150.0, 50.0, 5.0)]
-    chosen, half, _ = both_steps(segments, 10.0, vehicle, 5.0, integrator, contact)
-    assert peaks(chosen)[:2] == pytest.approx(peaks(half)[:2], rel=1e-2)
-    assert max(peaks(half)[:2]) > (0.3 if vehicle is LEADING else 0.1)
-
-
 SPEEDS = ((1.0, 0.1, 150.0, STEERING, 26), (5.0, 1.5, 150.0, STEERING, 6), (20.0, 10.0, 400.0, STEERING, 2),
           (100.0, 50.0, 6000.0, STIFF, 1))  # fmt: skip
-SHORT_FORMS = [(*of, "generalised-alpha", FAST) for of in (SPEEDS[0], *SPEEDS[2:])] + [(*SPEEDS[3], "rk44", FAST)]
+SHORT_FORMS = [(*of, "generalised-alpha", FAST) for of in (SPEEDS[0], SPEEDS[3])] + [(*SPEEDS[3], "rk44", FAST)]
 BOTH = ("generalised-alpha", "rk44")
 LONG_FORMS = [pytest.param(*of, by, {}, marks=pytest.mark.campaign) for of in SPEEDS for by in BOTH]
 

@@ -4,8 +4,6 @@ import errno
 import json
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -85,13 +83,6 @@ def test_models_of_the_user_are_found(scenario: Path, tmp_path: Path) -> None:
     assert call("check", scenario, "--models", tmp_path / "mine").exit_code == 0
 
 
-def test_results_go_to_a_folder_named_after_the_scenario_unless_told(scenario, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    analysis_that(monkeypatch, completed)
-    call("run", scenario, "--no-pictures")
-    assert (tmp_path / "results/curve/result.nc").is_file()
-
-
 @pytest.mark.usefixtures("unpainted")
 def test_a_run_that_stops_keeps_what_was_computed_and_says_why(scenario, tmp_path, monkeypatch):
     analysis_that(monkeypatch, stopped)
@@ -101,7 +92,6 @@ def test_a_run_that_stops_keeps_what_was_computed_and_says_why(scenario, tmp_pat
     assert f"wrsim plot {tmp_path / 'out'}" in result.stderr
     kept = Result.load(tmp_path / "out")
     assert kept.status == "stopped"
-    assert call("plot", tmp_path / "out").exit_code == 0, "what was computed can be drawn"
 
 
 def failing(error: BaseException) -> Any:
@@ -159,7 +149,6 @@ def test_the_command_ends_quietly_when_the_reader_of_its_output_goes(scenario: P
 
 
 # What reaches the terminal, whatever it is, and whoever wrote the text.
-COMMAND = [sys.executable, "-c", "from wrsim.cli import main; main()"]
 
 
 @pytest.fixture(scope="module")
@@ -219,12 +208,6 @@ def test_a_terminal_that_cannot_take_every_letter_gets_what_it_can(folder: Path)
     done = forked("show", folder, encoding="ascii")
     assert done.returncode == 0, done.stderr
     assert "Kurve \\xe4" in done.stdout
-
-
-@pytest.mark.campaign
-def test_closed_outputs_do_not_spoil_the_work(folder: Path) -> None:
-    command = ["sh", "-c", '"$@" >&- 2>&-', "sh", *COMMAND, "show", str(folder)]
-    assert subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
 @pytest.mark.parametrize(("arguments", "words"), table("wrong_usage_is_json_for_machines"))

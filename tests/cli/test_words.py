@@ -11,7 +11,6 @@ import pytest
 import xarray as xr
 from support.commands import call, ok, refusal
 from support.rows import rows_of
-from support.runs import SCENARIOS
 from support.scenario_texts import CURVE
 from support.synthetic_result import curve_run, static_poses
 from typer.main import get_command
@@ -132,7 +131,7 @@ def test_the_same_place_means_the_same_to_plot_and_resolve(tmp_path: Path) -> No
     assert (tmp_path / f"wheelset_2/patches_at_{here - 17.5:.1f}.png").is_file(), told.output
 
 
-@pytest.mark.parametrize("command", ["diff", "resolve", "assess", "ride"])
+@pytest.mark.parametrize("command", ["diff", "resolve", "ride"])
 def test_a_result_that_cannot_be_used_is_named_in_one_line(command: str, run: Result, tmp_path: Path) -> None:
     """Of a scenario with several faults the first is told: its reader has not written it."""
     file, other = tmp_path / "odd.nc", tmp_path / "other.nc"
@@ -175,7 +174,6 @@ def test_a_shortened_run_leaves_out_the_patches_that_it_does_not_reach(tmp_path:
 
 
 # Two results side by side, and keys that are set on the command line.
-EQUILIBRIUM = str(SCENARIOS / "equilibrium_s1002.toml")
 
 
 @pytest.fixture(scope="module")
@@ -223,10 +221,3 @@ def test_a_number_that_cannot_be_told_from_zero_has_no_change_in_percent() -> No
 @pytest.mark.parametrize(("options", "message"), table("faults_of_a_comparison_are_one_sentence"))
 def test_faults_of_a_comparison_are_one_sentence(options: list[str], message: str, runs: tuple[str, str]) -> None:
     assert message in refusal("diff", runs[0], runs[1], *options)
-
-
-def test_a_key_is_set_on_the_command_line() -> None:
-    values = ["--set", "track.gauge_mm=1440", "-s", "contact.normal=strips", "--set", 'title="mine"']
-    answer = ok("check", EQUILIBRIUM, "--json", *values)
-    found = json.loads(answer.output)
-    assert (found["gauge_mm"], found["normal"], found["title"]) == (pytest.approx(1440.0), "strips", "mine")

@@ -56,15 +56,6 @@ def test_full_sliding_gives_mu_n_against_the_slip(model, aspect):
         np.testing.assert_allclose(force, -FRICTION * ellipse(aspect)["N"].sum() * np.sign([xi, eta]), rtol=1e-4)
 
 
-@pytest.mark.parametrize(("model", "degrees"), [("fastrip", 0.5), ("polach", 1e-6), ("fastsim, blended", 1e-3)])
-def test_oblique_sliding_is_opposite_to_the_slip(model, degrees):
-    # FaStrip's first cells still turn; in FASTSIM's first cell a part that falls with the square of the slip sticks
-    for aspect in (0.1, 0.5, 2.0, 10.0):
-        for angle in np.linspace(0.0, 0.5 * np.pi, 7):
-            force = total(roll(aspect, 0.5 * np.cos(angle), 0.5 * np.sin(angle), model=model))
-            assert abs(np.degrees(np.arctan2(-force[1], -force[0]) - angle)) < degrees
-
-
 @pytest.mark.parametrize("model", BOUNDED)
 @given(aspect=aspects, xi=signed, eta=signed, phi=spins, friction=st.floats(0.0, 2.0))
 @example(aspect=1.0, xi=0.1, eta=0.0, phi=0.0, friction=1e-308)
@@ -122,11 +113,11 @@ def assert_no_jump(forces, at, small):
 
 
 @pytest.mark.parametrize("model", BOUNDED)
-@pytest.mark.parametrize("aspect", [0.3, 1.0, 3.0, 10.0])
+@pytest.mark.parametrize("aspect", [0.3, 3.0])
 def test_the_direction_of_next_to_no_creepage_does_not_matter(model, aspect):
     # to the strip in the middle under any spin; a run that jumps there rings
     odd = {"strips": 7, "cells": 8, "model": model}
-    for phi in 0.1 * 1.06 ** np.arange(50):
+    for phi in 0.1 * 1.3 ** np.arange(11):
         still = total(roll(aspect, phi=phi, **odd))[:2]
         for angle in np.arange(0.0, 2.0 * np.pi, 0.7):
             creeping = total(roll(aspect, 1e-9 * np.cos(angle), 1e-9 * np.sin(angle), phi, **odd))[:2]
@@ -141,11 +132,11 @@ def test_forces_have_no_jumps_along_a_rise_of_creepage(model, aspect, turn, spin
         creepages = 0.02 * np.array([np.cos(turn), np.sin(turn), spin / MEAN_RADIUS])
         return np.array([total(roll(aspect, *(f * creepages), model=model, **few))[:2] for f in scales])
 
-    assert_no_jump(forces, np.linspace(0.0, 1.0, 201), 1e-3 * FRICTION * FORCE)
+    assert_no_jump(forces, np.linspace(0.0, 1.0, 101), 1e-3 * FRICTION * FORCE)
 
 
 @pytest.mark.parametrize("rising", [True, False])
-@pytest.mark.parametrize("start", [1.0, 0.9, 0.4])
+@pytest.mark.parametrize("start", [1.0, 0.4])
 def test_without_slip_a_traction_rises_with_the_bound_by_its_eighth_power_and_falls_with_it(start, rising):
     # the march alone; a traction at the bound stays at it (rising), one below keeps its size until the bound cuts it
     strip, work, shape = ellipse(1.0, 1), np.zeros((12, 1)), bound_over_cells(20, False)

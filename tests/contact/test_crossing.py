@@ -56,18 +56,18 @@ def test_the_felt_section_is_the_upper_envelope_where_branches_cross() -> None:
 def test_an_edge_far_from_the_contact_makes_no_step_there() -> None:
     """At .877 m the edge beside the nose's gap is felt 3 mm longer from one station to the next: rows were counted from
     it, and between them the gauge corner stood up to 38 um too low."""
-    felt = rolled_rail(crossing(0.83, 0.92), RADIUS)
+    felt = rolled_rail(crossing(0.84, 0.91), RADIUS)
     heights = []
-    for s in np.arange(0.865, 0.89, 2.5e-4):
+    for s in np.arange(0.87, 0.885, 2.5e-4):
         rows = felt.section(float(s))
         top = rows[(rows[:, 1] > -5e-3) & (rows[:, 0] < 0.0)]
         heights.append(np.interp((-0.024, -0.01), top[:, 0], top[:, 1]))
     assert np.ptp(np.array(heights), axis=0).max() < 1e-6
 
 
-@pytest.fixture(scope="module")
-def over_the_crossing() -> ContactModel:
-    surface = crossing(0.1, 0.33)
+@cache
+def over_the_crossing(start: float) -> ContactModel:
+    surface = crossing(start, 0.32)
     model = contact_model(
         wheel_profile("S1002"), surface.sections[0].profile, normal="strips", tangential="fastrip", friction=0.3
     )
@@ -87,13 +87,13 @@ def at_rest(model: ContactModel, lateral: float, load: float, place: float) -> t
 @pytest.mark.parametrize(
     "shifts", [("0.97",), pytest.param(("0.81", "0.89", "1.05", "1.15"), marks=pytest.mark.campaign)]
 )
-def test_the_load_passes_from_wing_to_nose_as_in_contact(over_the_crossing: ContactModel, shifts) -> None:
+def test_the_load_passes_from_wing_to_nose_as_in_contact(shifts) -> None:
     """CONTACT's numbers: shared reference, crossing_56e1/transfer_s239.csv."""
     with (CROSSING / "transfer_s239.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["y_ws_mm"] in shifts]
     for lateral in dict.fromkeys(row["y_ws_mm"] for row in rows):
         own = [row for row in rows if row["y_ws_mm"] == lateral]
-        contact, sunk = at_rest(over_the_crossing, 1e-3 * float(lateral), 1e4, 0.239)
+        contact, sunk = at_rest(over_the_crossing(0.16), 1e-3 * float(lateral), 1e4, 0.239)
         assert 1e3 * sunk == pytest.approx(float(own[0]["z_ws_mm"]), abs=0.0005)
         for row in own:
             y = 1e-3 * float(row["y_tr_mm"]) - 0.75
@@ -107,9 +107,10 @@ def test_the_load_passes_from_wing_to_nose_as_in_contact(over_the_crossing: Cont
                 assert patch["p0"] == pytest.approx(1e6 * float(row["pmax_MPa"]), rel=off)
 
 
-def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact(over_the_crossing: ContactModel) -> None:
+@pytest.mark.campaign  # in the suite: 239 mm behind it
+def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact() -> None:
     """CONTACT's numbers: shared reference, crossing_56e1/README.md. 1 um sideways moves 150 N from one to the other."""
-    patches = at_rest(over_the_crossing, 3.52e-3, 1e4, 0.16)[0].patches
+    patches = at_rest(over_the_crossing(0.1), 3.52e-3, 1e4, 0.16)[0].patches
     assert len(patches) == 2
     for o, y, force, p0 in ((-1.0, 718.20, 4790.0, 1584e6), (1.0, 782.08, 6171.0, 635e6)):
         patch = next(p for p in patches if p["o"] * o > 0.0)
@@ -147,7 +148,10 @@ def as_in_contact(start: float, corner: float, features: tuple[float, float]) ->
     return through(filed, [0.0, *features, filed.length], 0.5e-3)
 
 
-@pytest.mark.parametrize(("normal", "force", "p0"), [("strips", 0.05, 0.02), ("half-space", 0.01, 0.01)])
+@pytest.mark.parametrize(
+    ("normal", "force", "p0"),
+    [("strips", 0.05, 0.02), pytest.param("half-space", 0.01, 0.01, marks=pytest.mark.campaign)],
+)
 def test_an_artificial_nose_is_touched_and_pressed_as_in_contact(normal: str, force: float, p0: float) -> None:
     """S1002 on a nose that rises 1:10, where its corner of 5 mm meets the level top: 10 090 N, 2 478 MPa, approach
     .03368 mm, 45.757 mm ahead of the axle (shared reference; section: test bank of CONTACT,
@@ -170,7 +174,9 @@ def test_an_artificial_nose_is_touched_and_pressed_as_in_contact(normal: str, fo
 @pytest.mark.parametrize("top", [
     pytest.param(blunt(0.02, 0.01), marks=pytest.mark.campaign), as_in_contact(0.02, 0.01, (36.1086e-3, 61.8166e-3)),
 ])  # fmt: skip
-@pytest.mark.parametrize(("normal", "share"), [("strips", 0.015), ("half-space", 0.01)])
+@pytest.mark.parametrize(
+    ("normal", "share"), [("strips", 0.015), pytest.param("half-space", 0.01, marks=pytest.mark.campaign)]
+)
 def test_an_artificial_wing_that_recedes_is_touched_and_pressed_as_in_contact(top, normal: str, share: float) -> None:
     """S1002 100 mm along a wing that recedes 1:10, .6589 mm deep: 10 160 N, 29.231 mm outside, 2 589 MPa (shared
     reference; section, a level top with corners of 10 mm: test bank of CONTACT, testbank/profiles/wing_rail); as it is
@@ -247,6 +253,8 @@ def on_60e1(normal: str, lateral: float, axle: tuple[float, float, float]) -> tu
 
     # the flange may not be pressed deeper than an overlap: from above, in steps
     z = RADIUS + 0.04
+    while (away := model.evaluate((0.0, lateral, z), axle).closest) > 1e-4:
+        z -= away
     while lacking(z) < 0.0:
         z -= 1e-4
     return model, np.array([0.0, lateral, brentq(lacking, z, z + 1e-4, xtol=1e-10)])
@@ -283,7 +291,7 @@ def test_a_rising_rail_is_touched_ahead_and_pushes_back(ramp, normal: str) -> No
     assert abs(own.moment[1]) < 1e-4 * patch["N"] * RADIUS
 
 
-@pytest.mark.parametrize(("normal", "share"), [("strips", 2e-3), ("kik-piotrowski", 2e-3), ("half-space", 5e-3)])
+@pytest.mark.parametrize(("normal", "share"), [("strips", 2e-3), ("kik-piotrowski", 2e-3)])
 @pytest.mark.parametrize("bend", [2.0, -2.0])
 def test_on_a_hump_a_wheel_is_pressed_as_a_smaller_one_and_in_a_hollow_as_a_larger_one(normal, share, bend) -> None:
     """Curvatures of wheel and rail along the track add up, and half of the square of their place is the gap."""
@@ -296,7 +304,7 @@ def test_on_a_hump_a_wheel_is_pressed_as_a_smaller_one_and_in_a_hollow_as_a_larg
 
 
 @pytest.mark.parametrize(("normal", "share"), [("strips", 1e-2), ("half-space", 5e-4)])
-@pytest.mark.parametrize("angle", [0.05, 0.15])
+@pytest.mark.parametrize("angle", [0.15])
 def test_a_rail_whose_section_moves_sideways_is_a_yawed_cylinder(normal: str, share: float, angle: float) -> None:
     """The section in the track's plane of a cylinder that runs off at an angle is wider than the cylinder."""
     across = circle("across", "rail", 0.02, 8e-3)
@@ -311,7 +319,7 @@ def test_a_rail_whose_section_moves_sideways_is_a_yawed_cylinder(normal: str, sh
 
 @pytest.mark.parametrize(
     ("rise", "yaw", "lateral", "share"),
-    [(0.03, 0.01, 3e-3, 0.025), (0.03, -0.01, 3e-3, 0.025), (0.01, 0.02, 8e-3, 0.045), (0.01, -0.02, 8e-3, 0.045)],
+    [(0.03, 0.01, 3e-3, 0.025), (0.01, -0.02, 8e-3, 0.045)],
 )
 def test_a_yawed_wheel_on_a_rising_rail_is_one_on_an_inclined_plane(rise, yaw, lateral, share):
     # its outline runs ahead of the axle by another way at every row, and each is as high, and as steep across, as the
@@ -326,6 +334,8 @@ def test_a_yawed_wheel_on_a_rising_rail_is_one_on_an_inclined_plane(rise, yaw, l
         return plain.evaluate(to_ramp @ (0.0, lateral, z), to_ramp @ axle)
 
     z = RADIUS + 0.04
+    while (away := found(z).closest) > 1e-5:
+        z -= away
     while found(z).force[2] < 5e4:
         z -= 2e-5
     force, other = to_ramp.T @ found(z).force, own.evaluate((0.0, lateral, z), axle)

@@ -8,11 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 from support.contacts import RADIUS, bench, columns, numbers, pair_model, settle, strips_of
-from support.examples import examples
 from support.rows import rows_of
 from support.runs import FAST, LEADING, arc, setup_of
 from support.scenario_texts import CURVE, edited, faults
@@ -21,7 +18,7 @@ from wrsim import ContactModel, ContactSettings, Friction, Result, load_text
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.contact.half_space import HalfSpace
 from wrsim.contact.models import fast_model
-from wrsim.contact.settings import FrictionAlong, HalfSpaceSettings
+from wrsim.contact.settings import FrictionAlong
 from wrsim.scenario.build import build
 
 table = rows_of(__file__)
@@ -58,16 +55,6 @@ def test_friction_changes_by_zones_of_the_angle_and_falls_from_static_to_its_lim
     assert np.abs(np.diff(fine, 2)).max() < 1e-8
     slip = np.array([0.0, 1.0, 1e3])
     assert FALLING.coefficient(normals(np.zeros(3)), slip) == pytest.approx([0.4, 0.2 * (1.0 + np.exp(-0.6)), 0.2])
-
-
-@settings(max_examples=examples(40))
-@given(lateral=st.floats(-5e-3, 8e-3), along=st.floats(-0.05, 0.05), speed=st.floats(0.0, 80.0))
-def test_strips_have_the_friction_of_their_place_and_slip(lateral, along, speed):
-    model, contact = slide(BOTH, lateral, along, speed=speed)
-    rows = strips_of(contact)
-    rigid = np.sqrt(rows["xi"] ** 2 + rows["eta"] ** 2 + (rows["phi"] * rows["a"]) ** 2 / 3.0)
-    slip = np.hypot(speed, model.arrays.settings["least_speed"]) * rigid
-    np.testing.assert_allclose(rows["mu"], BOTH.coefficient(columns(rows, "no nb"), slip), rtol=1e-12)
 
 
 @pytest.mark.parametrize("tangential", MODELS)
@@ -171,14 +158,6 @@ def test_a_wheel_feels_the_law_of_its_place(normal: str, tangential: str) -> Non
         plain = rolling(pair_model(PAIR, friction=ALONG.at(place), **choices), 0.0)
         assert numbers(there) == pytest.approx(numbers(plain), rel=1e-12, abs=1e-12)
         np.testing.assert_allclose(strips_of(there)["mu"], strips_of(plain)["mu"], rtol=1e-13)
-
-
-def test_the_exact_solver_feels_the_law_of_its_place() -> None:
-    coarse = HalfSpaceSettings(resolution=8)
-    exact = {"normal": "half-space", "tangential": "half-space", "max_patches": 1, "half_space": coarse}
-    there = rolling(pair_model(PAIR, friction=FrictionAlong((0.0, 1.0), (DRY, FALLS)), **exact), 0.5)
-    plain = rolling(pair_model(PAIR, friction=Friction(0.3, falling_ratio=0.75), **exact), 0.0)
-    assert numbers(there) == pytest.approx(numbers(plain), rel=1e-12, abs=1e-12)
 
 
 def test_the_same_law_at_all_places_is_a_plain_law_and_others_change_smoothly() -> None:

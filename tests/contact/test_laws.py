@@ -178,23 +178,6 @@ def assert_alike(found, expected, normal, size):
 
 
 @every_normal
-def test_rolling_the_other_way_is_the_mirror_image_across_the_section(normal):
-    # the plane t = 0: forces along the rail, yaw and rolling turn round, nothing else
-    @settings(max_examples=examples(normal, 25))
-    @given(state=states)
-    def law(state):
-        wheel, rail, (origin, axle, velocity, omega) = pressed(state)
-        model = build(wheel, rail, normal)
-        one = model.evaluate(origin, axle, velocity, omega)
-        vector, pseudo = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
-        other = model.evaluate(origin, axle * vector, velocity * vector, omega * pseudo)
-        assert_alike(other.force, one.force * vector, normal, one.normal_force)
-        assert_alike(other.moment, one.moment * pseudo, normal, RADIUS * one.normal_force)
-
-    law()
-
-
-@every_normal
 def test_mirrored_profiles_give_mirrored_forces(normal):
     # the plane o = 0; the axle still points outward
     @settings(max_examples=examples(normal, 25))

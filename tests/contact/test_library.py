@@ -13,7 +13,6 @@ import numba
 import numpy as np
 import pytest
 from support.contacts import RADIUS, bench, pair_model, rail_profile, settle, wheel_profile
-from support.scripts import script
 
 from wrsim import Friction, Harmonic, InputError, WrsimError, contact_model
 from wrsim.contact.library_file import MAGIC
@@ -24,7 +23,6 @@ from wrsim.core.jit import kernel
 from wrsim.library.build import HEADER, LIBRARY, SOURCE, build_library
 
 ROOT = Path(__file__).parents[2]
-TABLES = ROOT.parent / "shared/reference/contact"
 CC = os.environ.get("CC", "cc")
 PAIR = "S1002/60E1 1:40"
 NORMALS = ("kik-piotrowski", "strips")
@@ -328,24 +326,6 @@ def test_the_example_of_the_manual_runs(built, tmp_path):
     assert there == pytest.approx(here, abs=1.0)
     failed = subprocess.run([built / "example"], cwd=built, capture_output=True, text=True)
     assert failed.returncode == 1 and "s1002_60e1.contact: the file cannot be read" in failed.stderr
-
-
-@pytest.mark.campaign
-@pytest.mark.skipif(not TABLES.is_dir(), reason="the reference tables are not here")
-@pytest.mark.parametrize("normal", NORMALS)
-def test_the_poses_of_the_reference_tables_have_the_bits_of_python(built, normal):
-    reference = script("campaigns/reference_contact.py")
-    chosen, found = reference.Chosen.parse(normal), {}
-    for methods in reference.by_case(reference.read(TABLES / "own_static.csv")).values():
-        row = next(iter(methods.values()))[0]
-        place = reference.own_place(row["wheel"], row["rail"], row["cant_label"], row["tang"] == "3")
-        reference.solve(chosen, place, reference.pose_of(row), abs(float(row["vpitch_radps"])))
-        settings = chosen.settings if place.rolling else chosen.with_tangential("none")
-        model = reference._model(place.wheel, place.rail, place.radius, settings)
-        found.setdefault(id(model), (model, []))[1].append([*model.arrays.pose, 0.0])
-    assert sum(len(rows) for _, rows in found.values()) >= 809
-    for model, rows in found.values():
-        assert contacts_in_c(built, model, rows) == contacts_in_python(model, np.array(rows))
 
 
 @pytest.mark.campaign

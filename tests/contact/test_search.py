@@ -21,7 +21,7 @@ from support.contacts import (
     wheel_at,
     wheel_profile,
 )
-from support.sweeps import jumps, normal_forces
+from support.sweeps import jumps
 
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.records import ProfileTable
@@ -81,7 +81,7 @@ def test_a_root_is_met_in_few_steps_where_one_end_of_its_bracket_stays(bent):
 def test_the_line_between_main_points_is_normal_to_both_bodies(pair):
     model = pair_model(pair, **PLAIN)
     found = 0
-    for origin, axle in random_poses(model, 200, seed=1):
+    for origin, axle in random_poses(model, 80, seed=1):
         contact = model.evaluate(origin, axle)
         for lobe in contact.patches:
             wheel, wheel_tangent = wheel_point(model, origin, axle, lobe["arc_wheel"])
@@ -92,7 +92,7 @@ def test_the_line_between_main_points_is_normal_to_both_bodies(pair):
             # the normal of the rail's table is a unit vector to 6e-7 beside a join of arcs, to 1e-10 elsewhere
             assert lobe["approach"] == pytest.approx(np.hypot(*line), rel=1e-6)
             found += 1
-    assert found > 100
+    assert found > 40
 
 
 def brute_force(model, points=4001):
@@ -154,7 +154,7 @@ def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
     model = pair_model(pair, **PLAIN)
     peaks = brute_force(model)
     several = 0
-    for origin, axle in random_poses(model, 30, seed=3):
+    for origin, axle in random_poses(model, 24, seed=3):
         contact = model.evaluate(origin, axle)
         found = columns(contact.patches, "arc_wheel approach")
         zones = peaks()
@@ -168,15 +168,6 @@ def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
         for arc, depth in found[found[:, 1] > 1e-6]:
             assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d, _ in zones), (origin, axle, zones)
     assert several > 1
-
-
-def test_tread_root_and_flange_are_found_at_once():
-    model = pair_model("S1002/60E1 1:20", **PLAIN)
-    o, b = rail_origin(model.rail)
-    contact = model.evaluate((0.0, HALF_SPACING + 5.84e-3 - o, 0.45983 - b), axle_of(0.02, 0.00065))
-    assert contact.patches["angle"] == pytest.approx([1.22, 0.44, 0.116], abs=0.01)
-    assert (contact.patches["approach"] > 1e-6).all()
-    assert len(set(contact.patches["group"])) == 3
 
 
 @pytest.mark.parametrize("yaw", [0.0, 20e-3, 28e-3, 33e-3, 40e-3])
@@ -264,12 +255,3 @@ def test_forces_do_not_jump_by_more_than_two_permille_of_the_load(pair, yaw):
     if pair.startswith("S1002") and yaw:
         found = found[(found[:, 0] < EQUAL_RADII[0]) | (found[:, 0] > EQUAL_RADII[1])]
     assert found[:, 1].max() < 2e-3
-
-
-@pytest.mark.campaign  # in the suite: random profiles (test_laws)
-@PAIRS_AND_YAWS
-def test_normal_force_grows_with_depth_at_a_given_pose(pair, yaw):
-    depths = np.arange(1, 101) * 1.5e-6
-    for lateral in np.arange(-6e-3, 9.1e-3, 1e-3):
-        forces = normal_forces(pair, lateral, yaw, depths)
-        assert (np.diff(forces) > 0.0).all(), (lateral, depths[np.argmin(np.diff(forces))])

@@ -25,7 +25,7 @@ from support.contacts import (
 )
 from support.hertz import hertz
 from support.rows import rows_of
-from support.sweeps import jumps, normal_forces, steepest
+from support.sweeps import jumps, steepest
 
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.models import contact_model as wheel_on_rail
@@ -60,11 +60,11 @@ def potential(xi, t):
                 points=[nearest], epsabs=1e-12, epsrel=1e-12, limit=400)[0]  # fmt: skip
 
 
-BESIDE = [0.0, 0.02, 0.3, 0.866, 0.99, 1.0, 1.01, 1.3, 4.0, 60.0]
+BESIDE = [0.0, 0.3, 0.99, 1.0, 1.01, 4.0, 60.0]
 
 
 @pytest.mark.parametrize("xi", BESIDE)
-@pytest.mark.parametrize("t", [1e-3, 0.03, 0.5, 1.0, 4.0, 30.0, 300.0])
+@pytest.mark.parametrize("t", [1e-3, 0.5, 4.0, 300.0])
 def test_primitive_of_the_influence_of_a_strip(xi, t):
     # int sqrt(1 - x^2) asinh(t/|xi - x|) dx: the other order of the two integrals
     nearest = np.arcsin(min(xi, 1.0))
@@ -313,7 +313,7 @@ def test_random_poses_are_solved_afresh(pair):
     random = np.random.default_rng(5)
     stand = bench(pair_model(pair, **STRIPS, **PLAIN), rolling=False)
     model = stand.wheels[0].model
-    for _ in range(20):
+    for _ in range(10):
         lateral, yaw = random.uniform(-12e-3, 12e-3), random.uniform(-60e-3, 60e-3)
         touching = settle(stand, lateral, yaw, 10.0)[0].height
         for depth in 1e-6 * 300.0 ** random.uniform(0.0, 1.0, 4):
@@ -365,18 +365,6 @@ def test_where_the_penetration_bends_within_a_strip_newton_s_method_is_quadratic
         stand.evaluate(lateral, height + less, 0.0, 0.0)
         assert not model.arrays.call() & STATUS_NOT_CONVERGED
         assert model.arrays.rows.memo[0].iterations < 60
-
-
-def test_a_cold_start_depends_on_the_pose_alone():
-    model = pair_model("S1002/60E1 1:40", **STRIPS, **PLAIN)
-    arrays = model.arrays
-    settle(bench(model, rolling=False), 6.5e-3, 8e-3, 50e3)
-    arrays.call()
-    pose, first = arrays.pose.copy(), arrays.total.copy()
-    settle(bench(model, rolling=False), 0.0, 0.0, 100e3)
-    arrays.pose[:] = pose
-    arrays.call()
-    assert arrays.total == first
 
 
 def rippled(seed, strips):
@@ -431,7 +419,7 @@ def jumping(name: str) -> list[Any]:
 
 @pytest.mark.parametrize(("pair", "yaw", "load", "span"), jumping("between_equal_radii"))
 def test_forces_between_equal_radii_do_not_jump(pair, yaw, load, span):
-    assert jumps(pair, yaw, load, tuple(span), most=6, **STRIPS, **PLAIN)[:, 1].max() < 0.005
+    assert jumps(pair, yaw, load, tuple(span), most=4, **STRIPS, **PLAIN)[:, 1].max() < 0.005
 
 
 @pytest.mark.parametrize(("pair", "yaw", "lateral", "load"), jumping("as_a_wheel_comes_down"))
@@ -507,8 +495,3 @@ def test_long_strips_far_shifted_against_each_other_press_as_the_half_space_does
     assert model.arrays.rows.memo[0].result == SETTLED
     own = contact_of(stand).normal_force
     assert own == pytest.approx(HalfSpace(resolution=12).solve_pose(model).normal_force, rel=0.02)
-
-
-def test_normal_force_grows_with_depth_between_equal_radii():
-    forces = normal_forces("S1002/60E1 1:20", 6.5e-3, 0.0, np.arange(1, 101) * 1e-6, **STRIPS)
-    assert (np.diff(forces) > 0.0).all()

@@ -248,23 +248,6 @@ def test_interpolation_converges_with_order_six_in_position_five_in_tangent_four
     assert order == pytest.approx([6.0, 5.0, 4.0], abs=0.15)
 
 
-def test_position_tangent_and_curvature_are_continuous_at_every_row() -> None:
-    """Also where the data of the rows do not fit together, as at a joint: here they are noise on a line."""
-    rng = np.random.default_rng(3)
-    table = np.zeros((20, len(COLUMNS)))
-    table[:, 0] = np.arange(20.0)
-    table[:, 3] = 1.0
-    table[:, 1] = 0.01 * rng.normal(size=20)
-    table[:, 9] = 0.01 * rng.normal(size=20)
-    path = Path(table, 1.0)
-    rows = np.arange(1.0, 19.0)
-    tiny = 1e-9
-    before, behind = path.frame(rows - tiny), path.frame(rows + tiny)
-    assert np.abs(before - behind)[:, 0].max() < 3.0 * tiny  # the point moves by 2 tiny
-    assert np.abs(before - behind)[:, 1:].max() < 1.0 * tiny  # slopes here are below 0.5 / m
-    assert np.abs(curvature(path, rows - tiny) - curvature(path, rows + tiny)).max() < 20.0 * tiny
-
-
 def test_a_path_continues_straight_and_its_frame_turns_by_its_rates(spiral: Path) -> None:
     for end, sign in ((0.0, -1.0), (spiral.length, 1.0)):
         at, beyond = spiral.frame(end), spiral.frame(end + sign * 7.0)

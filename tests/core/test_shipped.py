@@ -74,19 +74,15 @@ def test_a_new_users_first_contact_compiles_nothing_and_is_the_same_to_the_bit(p
 
 
 def test_kernels_that_compute_a_wrong_bit_are_not_taken(package: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "wrsim" / "kernels"
-    shutil.copytree(package / "wrsim", tmp_path / "wrsim")
+    folder = with_about(package, tmp_path, dict)
     path = folder / CONTACT.format("kik-piotrowski")
     stored = dict(np.load(path))
     changed = np.flatnonzero(stored["after"] != stored["before"])[0]
     stored["after"][changed] = np.nextafter(stored["after"][changed], np.inf)
     np.savez(path, **stored)
-    code = "from wrsim.core.jit.cache import KernelCache; print(KernelCache.shipped.usable)"
-    home = tmp_path / "home"
-    home.mkdir()
-    env = os.environ | {"PYTHONPATH": str(tmp_path), "XDG_CACHE_HOME": str(home)}
-    done = subprocess.run([sys.executable, "-P", "-c", code], env=env, capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "False" and not kept(home)
+    tried = shipped(str(tmp_path), folder)
+    assert tried is not None and not tried.usable
+    assert json.loads((tmp_path / "shipped.json").read_text()) == {"usable": False}
 
 
 @pytest.mark.parametrize("what", ["numba", "llvmlite", "python", "platform", "sources"])

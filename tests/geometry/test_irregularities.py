@@ -197,17 +197,6 @@ def test_slope_and_curvature_of_a_shape_are_its_derivatives(shape) -> None:
     assert np.abs(value).max() > 4e-3
 
 
-def test_the_rows_of_a_rail_follow_waves_of_a_metre() -> None:
-    s = np.linspace(0.0, 100.0, 801)
-    wave = Sampled.through(s, 1e-4 * np.sin(2.0 * math.pi * s), 10.0, 1.0)
-    track = Track.build([Straight(100.0)], irregularities=[Disturbance.of(wave, "level")])
-    assert 0.24 < track.left.step <= 0.25
-    places = np.linspace(20.0, 80.0, 4001)
-    height = track.left.position(track.rail_distance("left", places))[:, 2]
-    error = height - 1e-4 * np.sin(2.0 * math.pi * places)
-    assert np.abs(error).max() < 5e-3 * 1e-4  # of the amplitude; found is 0.4 %
-
-
 @pytest.fixture(scope="module")
 def long_track() -> Track:
     """10 km on ERRI B176 high, waves of 1 to 100 m."""
@@ -224,8 +213,7 @@ def third_octaves(values: np.ndarray, step: float, shortest: float, longest: flo
     return edges, np.array([lines[(numbers >= a) & (numbers < b)].sum() for a, b in pairwise(edges)])
 
 
-@pytest.mark.parametrize("channel", ["level", "cross-level", pytest.param("alignment", marks=pytest.mark.campaign)])
-def test_third_octaves_of_the_rails_hold_the_spectrum_within_1_db(long_track: Track, channel) -> None:
+def test_third_octaves_of_the_rails_hold_the_spectrum_within_1_db(long_track: Track) -> None:
     step = 0.125
     s = np.arange(0.0, 10_000.0, step)
     # from where the rails lie, not from what was drawn
@@ -234,14 +222,12 @@ def test_third_octaves_of_the_rails_hold_the_spectrum_within_1_db(long_track: Tr
         "alignment": 0.5 * (left[:, 1] + right[:, 1]),
         "level": 0.5 * (left[:, 2] + right[:, 2]),
         "cross-level": right[:, 2] - left[:, 2],
-    }[channel]
-    edges, found = third_octaves(measured, step, 1.25, 100.0)
-    density = SPECTRA["ERRI-high"][channel]
-    wanted = []
-    for a, b in pairwise(edges):
-        w = np.linspace(a, b, 201)
-        wanted.append(np.trapezoid(density(w), w))
-    assert np.abs(10.0 * np.log10(found / np.array(wanted))).max() < 1.0
+    }
+    for channel, own in measured.items():
+        edges, found = third_octaves(own, step, 1.25, 100.0)
+        bands = [np.linspace(a, b, 201) for a, b in pairwise(edges)]
+        wanted = np.array([np.trapezoid(SPECTRA["ERRI-high"][channel](w), w) for w in bands])
+        assert np.abs(10.0 * np.log10(found / wanted)).max() < 1.0, channel
     gauge = left[:, 1] - right[:, 1]
     assert np.abs(gauge - gauge[0]).max() < 1e-8  # B176 has none; what is left are the rows
 
@@ -419,7 +405,7 @@ def test_a_fault_in_a_track_is_told_where_it_stands(tmp_path: Path, text: str, m
 
 def test_a_wheelset_follows_a_dip_and_tells_where_its_rails_were() -> None:
     defect = '[[track.irregularities]]\nkind = "dip"\nat_m = 40\nlength_m = 20\namplitude_mm = 6\n'
-    text = SCENARIO + defect + "[run]\nstart_distance_m = 25\ndistance_m = 25\n"
+    text = SCENARIO + defect + "[run]\nstart_distance_m = 29\ndistance_m = 13\n"
     dataset = run(load_text(text)).wheelset()
     distance = dataset["distance"].values
     fallen = dataset["rail_vertical"].values

@@ -34,7 +34,7 @@ def places(profile: Profile, n: int = 20_011) -> np.ndarray:
 def test_the_parameter_is_true_arclength(profile):
     # 1e-8: where S1002's rounded sections are faded into each other, a third derivative jumps inside an interval.
     h = 1e-6
-    L = np.linspace(h, profile.length - h, 20_011)
+    L = np.linspace(h, profile.length - h, 5_003)
     inside = np.abs(L[:, None] - profile.arclength).min(axis=1) > h  # difference quotients span no node
     (u1, w1), (u0, w0) = profile.at(L[inside] + h), profile.at(L[inside] - h)
     speed = np.hypot(u1 - u0, w1 - w0) / (2.0 * h)
@@ -62,19 +62,6 @@ def test_position_and_direction_are_continuous_at_every_node(profile):
     tiny = 1e-12
     np.testing.assert_allclose(profile.at(L - tiny), profile.at(L), atol=3e-12)
     np.testing.assert_allclose(profile.slope_angle(L - tiny), profile.slope_angle(L), atol=1e-9)
-
-
-@given(radius=st.floats(0.005, 10.0), part=st.floats(0.05, 0.95), hollow=st.booleans())
-def test_an_arc_has_the_curvature_of_its_radius(radius, part, hollow):
-    sign = -1.0 if hollow else 1.0
-    half_width = min(part * radius, 0.05)
-    arc = circle("arc", "rail", sign * radius, half_width)
-    L = places(arc, 101)
-    u, w = arc.at(L)
-    np.testing.assert_allclose(np.hypot(u, w + sign * radius), radius, rtol=1e-12)
-    # round-off of coordinates up to 50 mm over the square of the shortest interval, 5 um
-    np.testing.assert_allclose(arc.curvature(L), -sign / radius, atol=1e-5)
-    assert arc.length == pytest.approx(2.0 * radius * np.arcsin(half_width / radius), rel=1e-12)
 
 
 @settings(max_examples=examples(25))
@@ -255,29 +242,6 @@ def test_a_worn_profile_is_kept_by_true_arclength(profile):
     # 2e-5 on the bridged corners, whose quintics are given their own lengths
     assert np.abs(speed - 1.0).max() < 2e-5
     assert np.percentile(np.abs(speed - 1.0), 99.0) < 1e-8
-
-
-@pytest.mark.parametrize("kind", ["rail", "wheel"])
-@pytest.mark.parametrize("direction", ["vertical", "normal"])
-@pytest.mark.parametrize("depth", [1e-3, -0.5e-3])
-def test_curvature_in_the_middle_of_a_bell_on_an_arc(kind, direction, depth):
-    radius, half = 0.08, 0.01
-    new = circle("arc", kind, radius, 0.03)
-    profile = worn(new, [Removal(direction, depth, 0.0, half)], "worn arc")
-    into = -1.0 if kind == "rail" else 1.0  # upward component of what is taken off
-    second = -0.5 * np.pi**2 * depth / half**2  # of the depth
-    stretch = 1.0 - into * -1.0 / radius * depth if direction == "normal" else 1.0
-    expected = (-stretch / radius + into * second) / stretch**2
-    middle = profile.arclength_of(0.0)
-    assert profile.at(middle)[1] == pytest.approx(into * depth, abs=1e-12)
-    assert profile.curvature(middle) == pytest.approx(expected, rel=1e-7)
-
-
-def test_nothing_taken_off_leaves_the_profile_as_it_was():
-    same = worn(RAIL, [Removal("normal", 0.0, -0.03, 0.01), Removal("vertical", 0.0, 0.0, 0.02)], "same")
-    L = np.linspace(0.0, RAIL.length, 4001)
-    np.testing.assert_allclose(same.at(L), RAIL.at(L), rtol=0, atol=1e-12)
-    np.testing.assert_allclose(same.curvature_after.min(), RAIL.curvature_after.min(), rtol=1e-6)
 
 
 HEAD = 'name = "w"\nbody = "rail"\ndate = 2026-01-31\nsource = "test"\nkind = "worn"\n'

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
-from support.commands import call, ok, refusal
+from support.commands import ok, refusal
 from support.recording_car import Car, shipped_line
 from support.rows import rows_of
 from support.runs import FAST, SCENARIOS
@@ -382,7 +382,6 @@ def test_one_command_leads_from_a_recording_to_a_run(car: Car, by_chord: Restore
     assert np.abs(in_band(track.irregularity("left", s)[0] - true, 0.5)[160:-160]).max() < 0.1e-3
     result = run(scenario.with_values(FAST | {"run.start_distance_m": 300.0, "run.distance_m": 2.0}))
     assert result.status == "completed"
-    assert call(*asked).exit_code == 0  # its own files may be written anew
     (out / "track.toml").write_text("mine")
     assert "would be written over" in refusal(*asked)
     assert (out / "track.toml").read_text() == "mine"

@@ -13,7 +13,6 @@ from wrsim.plots.histories import channels_figure, contact_angle, history, track
 from wrsim.plots.marks import broken
 from wrsim.plots.moments import PatchAt
 from wrsim.plots.patches import contact_patch, pressure_scale
-from wrsim.plots.static import against_pose
 from wrsim.plots.theme import WHEEL_COLOUR
 from wrsim.results import Result
 
@@ -132,20 +131,6 @@ def test_the_section_shows_both_outlines_and_the_patch_on_them(axes):
     y0, y1 = axes.get_ylim()
     assert x0 < centre[:, 0].min() < centre[:, 0].max() < x1
     assert y0 < centre[:, 1].min() < centre[:, 1].max() < y1
-
-
-def test_static_curves_have_a_line_for_every_wheel_and_yaw(axes):
-    dataset = static_poses()
-    against_pose(axes, dataset, "p0")
-    lines = [line for line in lines_of(axes, "left") if line.get_gid() is None]
-    assert len(lines) == 2
-    for line, yaw in zip(lines, (0.0, 0.012), strict=True):
-        poses = np.flatnonzero(np.abs(dataset["yaw"] - yaw) < 1e-12)
-        expected = dataset["p0"].isel(pose=poses, patch=0).sel(wheel="left") * 1e-6
-        x, y = line.get_xdata(), line.get_ydata()
-        finite = np.isfinite(y)
-        np.testing.assert_allclose(y[finite], expected[np.isfinite(expected)])
-        np.testing.assert_allclose(x[finite], dataset["lateral_shift"][poses][np.isfinite(expected.values)] * 1e3)
 
 
 @pytest.mark.parametrize(

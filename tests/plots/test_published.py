@@ -140,7 +140,7 @@ def drawn_texts(figure, patch: pytest.MonkeyPatch) -> list[Text]:
 @pytest.mark.parametrize(
     ("width", "look", "moments"),
     [
-        (80.0, {"font": "DejaVu Sans Mono"}, 3),
+        (80.0, {"font": "DejaVu Sans Mono"}, 2),
         pytest.param(80.0, {"font": "DejaVu Sans Mono"}, None, marks=pytest.mark.campaign),
         pytest.param(125.0, {"style": "big"}, None, marks=pytest.mark.campaign),
         pytest.param(80.0, {}, None, marks=pytest.mark.campaign),

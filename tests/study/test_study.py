@@ -330,9 +330,8 @@ deviation = 0.5
         assert {c.name for c in other.cases}.isdisjoint(c.name for c in first.cases)
 
 
-def test_workers_on_this_machine_leave_ctrl_c_of_the_terminal_to_the_command() -> None:
-    with local_workers(1) as client:
-        assert signal.SIGINT in client.submit(signal.pthread_sigmask, signal.SIG_BLOCK, ()).result()
+def test_workers_on_this_machine_leave_ctrl_c_of_the_terminal_to_the_command(workers: Client) -> None:
+    assert signal.SIGINT in workers.submit(signal.pthread_sigmask, signal.SIG_BLOCK, ()).result()
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
 
@@ -356,7 +355,7 @@ def test_jobs_of_slurm_have_one_thread_and_leave_ctrl_c_as_it_was(monkeypatch: p
 
 
 def test_nobody_or_something_else_at_the_address_of_the_scheduler_is_one_sentence(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("wrsim.study.cluster.WAIT", 5)
+    monkeypatch.setattr("wrsim.study.cluster.WAIT", 2)
     with (
         pytest.raises(InputError, match=r"--scheduler tcp://127\.0\.0\.1:9: no dask scheduler answers there"),
         workers_at("tcp://127.0.0.1:9", None),

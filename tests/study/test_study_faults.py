@@ -6,7 +6,6 @@ import socket
 import ssl
 import stat
 import struct
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -109,14 +108,6 @@ def listening() -> set[tuple[str, int]]:
     for process in (own := psutil.Process(), *own.children(recursive=True)):
         found |= {tuple(one.laddr) for one in process.net_connections("inet") if one.status == psutil.CONN_LISTEN}
     return found
-
-
-def test_a_script_without_a_guard_has_workers(tmp_path: Path) -> None:
-    script = tmp_path / "plain.py"
-    work = "with local_workers(1) as client:\n    print(client.submit(abs, -3).result())\nprint(__name__)\n"
-    script.write_text(f"from wrsim.study.cluster import local_workers\n{work}")
-    ran = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=100, check=False)
-    assert (ran.stdout.split(), ran.stderr) == (["3", "__main__"], "")
 
 
 @pytest.fixture(scope="module")

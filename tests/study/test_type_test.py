@@ -2,7 +2,9 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -52,6 +54,14 @@ def test_every_state_makes_every_run_with_speed_and_length_by_the_rules(programm
     assert seeds == [7, 8, 9]
 
 
+@cache
+def invented(radius: float, **forces) -> bytes:
+    """The file of a result with these forces, in a curve of that radius."""
+    curvature = synthetic_run.curve(radius) if radius else np.zeros_like
+    with TemporaryDirectory() as folder:
+        return synthetic_run.run(step=4e-3, curvature=curvature, **forces).save(Path(folder) / RESULT).read_bytes()
+
+
 def filled(folder: Path, statuses=(COMPLETED,) * 6, file: Path | None = None, **forces) -> Path:
     """The file of a programme whose runs are all done, with invented forces in those of the first state."""
     file = file or programme_file(folder)
@@ -59,10 +69,8 @@ def filled(folder: Path, statuses=(COMPLETED,) * 6, file: Path | None = None, **
     for i, (case, status) in enumerate(zip(plan.cases, statuses, strict=True)):
         own = plan.folder_of(case)
         own.mkdir(parents=True)
-        curvature = (
-            np.zeros_like if case.place[1] == 0 else synthetic_run.curve(300.0 if case.place[1] == 1 else -300.0)
-        )
-        synthetic_run.run(step=4e-3, curvature=curvature, **forces if i < 3 else {}).save(own / RESULT)
+        radius = (0.0, 300.0, -300.0)[case.place[1]]
+        (own / RESULT).write_bytes(invented(radius, **forces if i < 3 else {}))
         ended = Marker(
             case.name, case.label, status, "" if status == COMPLETED else "it fell", outputs=plan.outputs_digest
         )

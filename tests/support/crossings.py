@@ -22,7 +22,6 @@ from wrsim.geometry.track.rolled_rail import rolled_rail
 CROSSING = Path(__file__).parents[3] / "shared" / "reference" / "crossing_56e1"
 NOSE_DEPTH = -30.0  # [mm]
 OUTER_EDGE = (31.0, 25.0, 3.8)  # of the head: where it is, at least so far from the corner; how far it falls off [mm]
-SHARES = (0.03, 0.475, 0.6, 0.97)  # of a section's length: near its ends, in the gap, on the wing's face
 
 
 def lifted(rail: Profile, places: NDArray[np.float64], heights: NDArray[np.float64]) -> RailSurface:

@@ -283,16 +283,6 @@ def test_matrices_that_do_not_fit_are_refused(tmp_path: Path) -> None:
         free_modes(stiffness, mass, nodes, POINTS, count=0)
 
 
-# Elastic axles: natural frequencies of shafts, whirl, and the axle bent by its load in a vehicle.
-LONG, THIN = 4.0, 0.04
-AXLE = Axle(((0.25, 0.13), (0.2, 0.19), (1.3, 0.165), (0.2, 0.19), (0.25, 0.13)))
-
-
-def bending(axle: Axle, diameter: float) -> tuple[float, float]:
-    """E I [N m2] and mass [kg/m] of a section."""
-    return axle.young * np.pi / 64.0 * diameter**4, axle.density * np.pi / 4.0 * diameter**2
-
-
 def test_a_uniform_shaft_has_the_frequencies_of_a_free_beam() -> None:
     axle = Axle(((LONG, THIN),))
     stiffness, mass = bending(axle, THIN)
@@ -320,6 +310,16 @@ def test_a_shaft_with_discs_at_its_ends_has_the_frequencies_of_theory() -> None:
     found = [brentq(law, a, b) for law in (even, odd) for a, b in itertools.pairwise(grid) if law(a) * law(b) < 0.0]
     theory = np.sort(found)[:4] ** 2 * np.sqrt(stiffness / mass) / (2.0 * np.pi)
     assert axle.modes(()).frequencies[:4] == pytest.approx(theory, rel=5e-3)
+
+
+# Elastic axles: natural frequencies of shafts, whirl, and the axle bent by its load in a vehicle.
+LONG, THIN = 4.0, 0.04
+AXLE = Axle(((0.25, 0.13), (0.2, 0.19), (1.3, 0.165), (0.2, 0.19), (0.25, 0.13)))
+
+
+def bending(axle: Axle, diameter: float) -> tuple[float, float]:
+    """E I [N m2] and mass [kg/m] of a section."""
+    return axle.young * np.pi / 64.0 * diameter**4, axle.density * np.pi / 4.0 * diameter**2
 
 
 def test_a_stepped_shaft_has_the_frequencies_of_theory() -> None:

@@ -11,7 +11,6 @@ from support.boxes import (
     AT,
     FIXED,
     HEIGHT,
-    INERTIA,
     MASS,
     X,
     Z,
@@ -135,17 +134,6 @@ def test_in_a_plane_friction_is_against_the_velocity_and_on_a_circle() -> None:
         np.testing.assert_allclose(path, paths[0], atol=1e-9)
 
 
-def test_friction_in_a_plane_along_an_axis_is_that_of_one_direction() -> None:
-    force, k = 8e3, 2e6
-    found = []
-    for friction in (slides(force, k, 1), in_plane(force, k)):
-        law = on_springs(box(spring(stiffness=(0.0, 4e5, 4e6), turning_stiffness=(4e6, 4e6, 4e6)), friction))
-        q, q_t = design_state(law)
-        q[8] += 0.1
-        found.append(motion(law, q, q_t, 0.5, 5e-4, "rk44").q[:, 8])
-    np.testing.assert_allclose(found[0], found[1], atol=1e-12)
-
-
 def test_friction_takes_power_whatever_its_bound_does() -> None:
     """Power into the element less the growth of what its spring stores is nowhere negative, also where the normal force
     has just fallen and the spring holds more than the bound."""
@@ -257,15 +245,6 @@ def test_a_run_with_friction_that_is_cut_goes_on_to_the_bit(integrator: Integrat
     )
     np.testing.assert_array_equal(rest.q[-1], whole.q[-1])
     np.testing.assert_array_equal(rest.q_t[-1], whole.q_t[-1])
-
-
-def test_a_state_within_the_bounds_is_settled_already() -> None:
-    """A search for steady motion that starts from a run's slips finds them as they were; one beyond the bound slips."""
-    law = on_springs(box(FIXED, slides(8e3, 2e6, 0), replace(slides(4e3, 2e6, 1), name="other")))
-    q, q_t = design_state(law)
-    q[7], q[8], q_t[12:] = q[7] + 0.1, q[8] + 0.02, (0.0975, 0.015)
-    found = law.settled_rates(q, q_t)
-    np.testing.assert_allclose(found[12:], (0.0975, 0.018), atol=1e-12)
 
 
 # Leaf springs, rubber, air springs, nested springs and play: their loops against closed forms.
@@ -434,19 +413,6 @@ def test_elements_between_bodies_keep_momentum_and_angular_momentum() -> None:
     q, q_t = displaced(law)
     law(0.0, q, q_t, np.zeros(law.size))
     moment_kept(law)
-
-
-def test_a_mass_on_springs_swings_at_its_natural_frequency() -> None:
-    k = (2e5, 3e5, 4e5)
-    modes = natural_modes(box(spring(stiffness=k, turning_stiffness=(1e5, 2e5, 3e5))))
-    x, y, z = np.sqrt(np.array(k) / MASS) / (2.0 * np.pi)
-    roll, pitch, yaw = np.sqrt(np.array((1e5, 2e5, 3e5)) / np.array(INERTIA)) / (2.0 * np.pi)
-    expected = {"longitudinal": x, "lateral": y, "vertical": z, "roll": roll, "pitch": pitch, "yaw": yaw}
-    found = {mode.name.removeprefix("box "): mode for mode in modes}
-    assert set(found) == set(expected)
-    for name, frequency in expected.items():
-        assert found[name].frequency == pytest.approx(frequency, rel=1e-6)
-        assert abs(found[name].damping) < 1e-9
 
 
 @pytest.mark.parametrize("damping", [5e2, 2e4, 5e5])

@@ -80,21 +80,6 @@ def test_each_wheel_may_have_its_own_profile_and_radius(tmp_path: Path) -> None:
     assert (changed.right.profile.name, changed.right.radius, w.right.radius) == ("S1002", 0.449, 0.449)
 
 
-def test_the_shipped_s1002_wheelset_is_that_of_manchester_vehicle_1() -> None:
-    """Iwnicki 1998: wheelset 1813 kg, 1120 / 112 / 1120 kg m2, flange backs 1360 mm, R 460 mm; bodies per axle."""
-    vehicle = load_vehicle(MODELS / "vehicles/wheelset_s1002.toml", FIND)
-    w = vehicle.wheelsets[0].wheelset
-    assert (w.mass, w.inertia) == (1813.0, (1120.0, 112.0, 1120.0))
-    assert (w.profile_spacing, w.mean_radius) == (pytest.approx(1.5), 0.46)
-    left = springs(vehicle)[0]
-    assert left.stiffness[:2] == (31.391e6, 3.884e6)
-    assert left.damping == (15e3, 2e3, 4e3)
-    assert left.at[1] == 1.0
-    assert vehicle.carried[0].mass == 32000 / 4 + 2615 / 2
-    height = (8000 * 1.8 + 1307.5 * 0.6) / 9307.5 - 0.46
-    assert vehicle.carried[0].height == pytest.approx(height, abs=1e-3)
-
-
 @pytest.mark.parametrize(("old", "new", "message"), table("one_fault"))
 def test_one_fault_in_a_vehicle_file_is_one_line(tmp_path: Path, old: str, new: str, message: str) -> None:
     said = fault(tmp_path, (old, new), text=VEHICLE)
