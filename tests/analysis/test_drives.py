@@ -87,8 +87,8 @@ def test_a_brake_beyond_adhesion_stops_the_wheels_and_is_told():
     assert force == pytest.approx(-0.1 * first["Q"].sum("wheel").values[-1], rel=0.02)
 
 
-@pytest.mark.parametrize("creepage", [0.01, 0.05])
-def test_slip_control_keeps_the_slip_below_its_limit(creepage):
+def test_slip_control_keeps_the_slip_below_its_limit():
+    creepage = 0.05
     result = braked(creepage)
     first = result.dataset.sel(wheelset="front.outer")
     assert 0.5 * creepage < float(first["axle_creepage"].max()) < creepage
