@@ -184,12 +184,17 @@ def test_a_folder_gives_its_profiles_of_a_kind_and_names_what_is_none(tmp_path):
     assert list(profiles_in(SCANS, None)[0]) == ["rail", "wheel"]
     with pytest.raises(InputError, match=r"has no wheel profiles \(files that end in \.toml or \.ban"):
         profiles_in(tmp_path, "wheel")
-    (tmp_path / "broken.whl").write_text("no numbers\n")
+    for name in ("broken.whl", *(f"broken_{i}.whl" for i in range(3))):
+        (tmp_path / name).write_text("no numbers\n")
     with pytest.raises(InputError, match=r"has no wheel profiles(?s:.*)broken\.whl"):
         profiles_in(tmp_path, "wheel")
     shutil.copy(SCANS / "wheel.whl", tmp_path)
     found, faults = profiles_in(tmp_path, "wheel")
-    assert list(found) == ["wheel"] and len(faults) == 1 and "broken.whl" in faults[0]
+    assert (
+        list(found) == ["wheel"]
+        and len(faults) == 1
+        and "broken.whl, broken_0.whl, broken_1.whl and 1 more:" in faults[0]
+    )
 
 
 # Radial steering index: cones by hand, sides that differ, what is asked for wrongly.

@@ -141,6 +141,12 @@ def test_bytes_that_are_not_utf8_are_told_and_marks_and_line_ends_do_no_harm(tmp
     (tmp_path / "case.toml").write_bytes("# Weiche\ntitle = 'Gleisbogen für alle'\n".encode("latin-1"))
     with pytest.raises(InputError, match=r"case\.toml:2: byte 0xfc is not UTF-8"):
         load(tmp_path / "case.toml")
+    (tmp_path / "case.toml").write_bytes(CURVE.encode("utf-16"))
+    with pytest.raises(InputError, match=r"case\.toml:1: byte 0xff is not UTF-8"):
+        load(tmp_path / "case.toml")
+    (tmp_path / "picture").write_bytes(b"\x89PNG\r\n\0\0")
+    with pytest.raises(InputError, match=r"picture: is no text file; a scenario file is needed here"):
+        load(tmp_path / "picture")
     (tmp_path / "case.toml").write_bytes(b"\xef\xbb\xbf" + CURVE.replace("\n", "\r\n").encode())
     assert load(tmp_path / "case.toml").title == "a curve"
 
@@ -355,7 +361,9 @@ def test_no_bytes_give_anything_but_text_or_an_input_error(content: bytes) -> No
         try:
             read_text(path)
         except InputError as error:
-            assert "not UTF-8" in str(error)
+            assert (
+                "no text file" if b"\0" in content and content[:2] not in (b"\xff\xfe", b"\xfe\xff") else "not UTF-8"
+            ) in str(error)
 
 
 # What a name in a file may reach: plain files of a sensible size, and for the scenario of a result only its own.
