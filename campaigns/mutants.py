@@ -1,7 +1,6 @@
 """Do the tests notice a fault in the code? Mutants of it, one operator changed in each, and who survives them.
 
     python campaigns/mutants.py PACKAGE ... [--number 100] [--seed 1] [--folder build/mutants] -- TEST_FILE ...
-    python campaigns/mutants.py PACKAGE ... --yardstick REFERENCE [--number 50] ...
 
 PACKAGE is a folder of modules or one module, as wrsim/contact. Works with cosmic-ray (extra ``campaign``) in a copy of
 the sources, so run it from their root. First all mutants are tried without the compiler, each in a fork of one process
@@ -11,10 +10,6 @@ differences; ``--only NUMBER ...`` tries these again.
 
 Tests run until one fails: those that call the changed function (`campaigns.calls`, once for each test file, kept in
 build/calls), one of each test function before its other parameters, quick ones first, as many as take LONG.
-
---yardstick: signs, operators and factors (numbers with a point) change, and the short form of campaigns/benchmark runs
-until its first red comparison: quick ones without the compiler, then the others with compiled kernels. The caches of
-kernels in wrsim/core/jit are left out, not its splines.
 """
 
 import argparse
@@ -167,35 +162,6 @@ def run_compiled(command: list[str], changed: Path | None = None, **others: str)
     return done.returncode == 0
 
 
-class Yardstick:
-    """Comparisons of the benchmark look at mutants."""
-
-    options = ("--short", "--first-red", "--jobs", "1", "--cost")
-    quick_cost = "8"  # of all that run without the compiler [s]
-
-    def __init__(self, reference: Path) -> None:
-        self.reference, self.seconds = str(reference.resolve()), 0.0
-
-    def everything(self) -> int:
-        """Imports what `quick` does."""
-        from campaigns.benchmark.__main__ import main
-
-        return main([self.reference, *self.options, "0", self.quick_cost])
-
-    def ready(self) -> bool:
-        """Whether all is well where nothing is changed."""
-        well, self.seconds = run_tests(self.everything, 3600)
-        return well and run_compiled(self.slow())
-
-    def quick(self, mutant: Mutant) -> tuple[Check, float] | None:
-        """What to try without the compiler, and its usual time [s]."""
-        return None if "body" in mutant.file.parts else (self.everything, self.seconds)
-
-    def slow(self, mutant: Mutant | None = None) -> list[str] | None:
-        """The command to try with compiled kernels."""
-        return [sys.executable, "-m", "campaigns.benchmark", self.reference, *self.options, self.quick_cost, "inf"]
-
-
 LONG = 60.0
 """Tests of a mutant, without the compiler and again with it [s]."""
 PYTEST = ["-q", "-p", "no:cacheprovider"]
@@ -261,7 +227,7 @@ class Tests:
         return [sys.executable, "-m", "pytest", *PYTEST, "-x", *tests] if tests else None
 
 
-def survives(mutant: Mutant, judge: Yardstick | Tests, slowly: bool) -> tuple[bool, list[str]]:
+def survives(mutant: Mutant, judge: Tests, slowly: bool) -> tuple[bool, list[str]]:
     """Whether nobody notices it, and its difference or what does."""
     file, code, times = mutant.file, mutant.file.read_text(), mutant.file.stat()
     changed = mutate_code(code, OPERATORS[mutant.operator], mutant.occurrence)
@@ -290,12 +256,11 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", type=int, nargs="+")
     parser.add_argument("--folder", type=Path, default=Path("build/mutants"))
-    parser.add_argument("--yardstick", type=Path, metavar="REFERENCE")
     cut = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
     options, tests = parser.parse_args(sys.argv[1:cut]), sys.argv[cut + 1 :]
-    if bool(tests) == bool(options.yardstick):
-        parser.error("give tests, or --yardstick REFERENCE")
-    judge = Yardstick(options.yardstick) if options.yardstick else Tests(tests, Path("build/calls"))
+    if not tests:
+        parser.error("give tests behind --")
+    judge = Tests(tests, Path("build/calls"))
     os.environ["NUMBA_DISABLE_JIT"] = "1"
     shutil.rmtree(options.folder, ignore_errors=True)
     place = options.folder.resolve() / "sources"
@@ -315,8 +280,7 @@ def main() -> None:
     if not (first and judge.ready()):
         sys.exit(f"the tests must pass where nothing is changed: see {place / 'output'}")
     files = [f for each in options.packages for f in ([each] if each.is_file() else sorted(each.rglob("*.py")))]
-    chosen = [file for file in files if not (options.yardstick and no_kernels(file))]
-    every = [mutant for file in chosen for mutant in mutants_of(file, bool(options.yardstick))]
+    every = [mutant for file in files for mutant in mutants_of(file)]
     drawn = dict(enumerate(random.Random(options.seed).sample(every, min(options.number, len(every)))))
     alive = {i: drawn[i] for i in options.only or drawn}
     tried = len(alive)

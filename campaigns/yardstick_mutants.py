@@ -1,0 +1,212 @@
+"""Does the yardstick notice a wrong sign or factor in a kernel? Many of them in one build, switched in forks.
+
+    python campaigns/yardstick_mutants.py REFERENCE [--number 50] [--seed 1] [--folder build/yardstick_mutants]
+        [--only NUMBER ...] [--comparisons NAME ...]
+
+Draws mutants of signs, operators and factors of `wrsim/core` (`campaigns.mutants`), writes them all into a copy of the
+sources as ``changed if which() == number else original``, compiles that once and runs the short form of the benchmark,
+which must be green. Then a fork for each mutant runs it until its first red comparison, cheap ones first. A mutant
+that makes an index of a quotient, or changes a constant of a module, has no switch; it is told as such. Needs a C
+compiler (cc). A fork that is stopped, also by its time, counts as red.
+"""
+
+import argparse
+import ast
+import ctypes
+import os
+import random
+import re
+import resource
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+os.environ["NUMBA_DISABLE_JIT"] = "0"
+ROOT = Path(__file__).parents[1]
+PATIENCE = 150  # processor time of a mutant [s]
+C_CODE = "static long at = -1;\nlong wrsim_mutant(void) { return at; }\nvoid wrsim_set(long to) { at = to; }\n"
+WHICH = '''"""Which mutant is at work."""
+import llvmlite.binding
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic
+
+llvmlite.binding.load_library_permanently({library!r})
+
+
+@intrinsic
+def which(context):
+    def code(context, builder, signature, arguments):
+        known = builder.module.globals.get("wrsim_mutant")
+        kind = ir.FunctionType(ir.IntType(64), [])
+        return builder.call(known or ir.Function(builder.module, kind, "wrsim_mutant"), [])
+
+    return types.int64(), code
+'''
+Place = tuple[str, int, int, int | None, int | None]
+
+
+def place(node: ast.AST) -> Place:
+    """What an expression is and where."""
+    numbers = (getattr(node, name, 0) for name in ("lineno", "col_offset", "end_lineno", "end_col_offset"))
+    return (type(node).__name__, *numbers)  # type: ignore[return-value]
+
+
+def difference(one: ast.AST, other: ast.AST) -> tuple[ast.AST, ast.AST]:
+    """The smallest pair of nodes that holds all that differs between two trees."""
+    pairs = []
+    for name, value in ast.iter_fields(one) if type(one) is type(other) else ():
+        beside = getattr(other, name)
+        values, besides = (value, beside) if isinstance(value, list) else ([value], [beside])
+        if len(values) != len(besides):
+            return one, other
+        for a, b in zip(values, besides, strict=True):
+            if not isinstance(a, ast.AST):
+                if a != b:
+                    return one, other
+            elif ast.dump(a) != ast.dump(b):
+                pairs.append((a, b))
+    if len(pairs) != 1:
+        return one, other
+    inner = difference(*pairs[0])
+    return (one, other) if isinstance(inner[0], ast.operator | ast.unaryop) else inner
+
+
+class Switches(ast.NodeTransformer):
+    """Puts mutants beside the expressions that they change."""
+
+    def __init__(self, mutants: dict[Place, tuple[int, ast.expr]]) -> None:
+        self.mutants = mutants
+
+    def visit(self, node: ast.AST) -> ast.AST:
+        at = place(node)
+        self.generic_visit(node)
+        if at not in self.mutants or not isinstance(node, ast.expr):
+            return node
+        number, changed = self.mutants.pop(at)
+        asked = ast.Compare(ast.Call(ast.Name("which", ast.Load()), [], []), [ast.Eq()], [ast.Constant(number)])
+        return ast.IfExp(asked, changed, node)
+
+
+def build(folder: Path, number: int, seed: int) -> dict[int, str]:
+    """A copy of the sources with a switch for each mutant of the draw; the mutants in words."""
+    from cosmic_ray.mutating import mutate_code
+
+    from campaigns.mutants import OPERATORS, mutants_of, no_kernels
+
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for name in ("wrsim", "models", "scenarios", "campaigns", "docs", "tests"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    (folder / "w.c").write_text(C_CODE)
+    library = str(folder / "libw.so")
+    subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-o", library, str(folder / "w.c")], check=True)
+    (folder / "wrsim/core/jit/which.py").write_text(WHICH.format(library=library))
+    os.chdir(folder)
+    every = [m for f in sorted(Path("wrsim/core").rglob("*.py")) if not no_kernels(f) and f.name != "which.py"
+             for m in mutants_of(f, factors=True)]  # fmt: skip
+    words: dict[int, str] = {}
+    of_files: dict[Path, dict[Place, tuple[int, ast.expr]]] = {}
+    for i, mutant in enumerate(random.Random(seed).sample(every, number)):
+        code = mutant.file.read_text()
+        old, new = difference(*map(ast.parse, (code, mutate_code(code, OPERATORS[mutant.operator], mutant.occurrence))))
+        words[i] = f"{mutant.file}:{mutant.function} {ast.unparse(old)} -> {ast.unparse(new)}"
+        if not mutant.function or not isinstance(old, ast.expr) or not isinstance(new, ast.expr) or index(old, new):
+            words[i] += " (no switch)"
+        else:
+            of_files.setdefault(mutant.file, {})[place(old)] = i, new
+    for file, mutants in of_files.items():
+        tree = Switches(mutants).visit(ast.parse(file.read_text()))
+        first = next(i for i, node in enumerate(tree.body) if isinstance(node, ast.ImportFrom | ast.Import))
+        tree.body.insert(first, ast.parse("from wrsim.core.jit.which import which").body[0])
+        file.write_text(ast.unparse(ast.fix_missing_locations(tree)))
+        for number, _ in mutants.values():
+            words[number] += " (no switch)"
+    return words
+
+
+def index(old: ast.expr, new: ast.expr) -> bool:
+    """Whether a product of whole numbers turns into a quotient, which is no index: counts n, and constants by name."""
+    if not (isinstance(old, ast.BinOp) and isinstance(old.op, ast.Mult) and isinstance(new, ast.BinOp)):
+        return False
+    return all(
+        isinstance(part.value, int) if isinstance(part, ast.Constant) else re.fullmatch("n|[A-Z_]+", ast.unparse(part))
+        for part in (old.left, old.right)
+    )
+
+
+def first_red(reference: Path, names: Sequence[str], warm: bool = False) -> str:
+    """The first red comparison of the short form, or of those named, with its errors; empty where all are green."""
+    from campaigns.benchmark.__main__ import code_of, comparisons
+    from campaigns.benchmark.comparison import run_comparison
+
+    code = code_of("wrsim", reference)
+    for name, comparison in comparisons(names).items():
+        if not comparison.short:
+            continue
+        verdict = run_comparison(name, comparison, code, True)
+        if verdict.word == "red":
+            beyond = [f"{own.quantity} {', '.join(own.beyond)}" for own in verdict.outcomes if own.word == "red"]
+            return f"red {name}: {'; '.join(beyond)} {verdict.problem or ''}".strip()
+        if warm:
+            print(f"{name} {verdict.word}", flush=True)
+    return ""
+
+
+def judged(number: int, reference: Path, names: Sequence[str], library: ctypes.CDLL) -> str:
+    """What the yardstick says of a mutant."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        limit = int(time.process_time()) + PATIENCE
+        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+        library.wrsim_set(number)
+        try:
+            found = first_red(reference, names) or "survives"
+        except Exception as problem:
+            found = f"red, stopped: {type(problem).__name__}: {problem}"
+        os.write(writing, found.encode())
+        os._exit(0)
+    os.close(writing)
+    with os.fdopen(reading) as told:
+        found = told.read()
+    _, status = os.waitpid(child, 0)
+    return found or f"red, stopped by signal {os.WTERMSIG(status)}"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("reference", type=Path)
+    parser.add_argument("--number", type=int, default=50)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", type=int, nargs="+")
+    parser.add_argument("--comparisons", nargs="+", default=[], metavar="NAME")
+    parser.add_argument("--folder", type=Path, default=Path("build/yardstick_mutants"))
+    given = parser.parse_args()
+    reference, folder = given.reference.resolve(), given.folder.resolve()
+    words = build(folder, given.number, given.seed)
+    for name in [name for name in sys.modules if name.split(".")[0] in ("wrsim", "campaigns", "support")]:
+        del sys.modules[name]  # those of the copy are taken
+    sys.path[:0] = [str(folder), str(folder / "tests")]
+    os.environ["NUMBA_CACHE_DIR"] = str(folder / "cache")
+    names = given.comparisons
+    if red := first_red(reference, names, warm=True) or first_red(reference, names):
+        sys.exit(f"the yardstick must be green where nothing is changed: {red}")
+    library = ctypes.CDLL(str(folder / "libw.so"))
+    tried = [i for i in given.only or words if not words[i].endswith("(no switch)")]
+    count = 0
+    for i in tried:
+        found = judged(i, reference, names, library)
+        count += found.startswith("red")
+        print(f"{i} {words[i]}: {found}", flush=True)
+    for i in words.keys() - set(tried) if not given.only else ():
+        print(f"{i} {words[i]}")
+    print(f"{count} of {len(tried)} mutants turn the yardstick red or stop it; {len(words) - len(tried)} not tried")
+
+
+if __name__ == "__main__":
+    main()
