@@ -1,6 +1,6 @@
 """Jumps of the contact forces over lateral shift, yaw, approach and load.
 
-    python campaigns/contact_continuity.py [--over shift yaw approach load] [--normal strips] [--strips 20] [--step 1]
+    python campaigns/contact_continuity.py [--over shift yaw approach load] [--normal strips] [--strips 16] [--step 1]
         [--pair 0 1 2 3 4] [--yaw 0 12] [--load 24 100] [--lateral 2 6]
 
 A wheel is carried along a smooth path of heights: those at which Kik-Piotrowski bears the load, which is given or goes
@@ -123,7 +123,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--over", nargs="+", choices=("shift", "yaw", "approach", "load"), default=["shift", "yaw"])
     parser.add_argument("--normal", default="strips")
-    parser.add_argument("--strips", type=int, default=20)
+    parser.add_argument("--strips", type=int, default=16)
     parser.add_argument("--step", type=float, default=1.0, help="[um, urad, kN]")
     parser.add_argument("--pair", type=int, nargs="+", default=range(5), help="Numbers of the pairs.")
     parser.add_argument("--yaw", type=float, nargs="+", default=[0.0, 12.0], help="[mrad]")

@@ -163,7 +163,9 @@ def strip_regions(strips: Array, place: float) -> tuple[Region, ...]:
         angle = np.arctan2(-own["no"], own["nb"])
         ends = (angle[0], angle[-1])
         if len(own) > 1:  # at the outer edges of the outer strips
-            ends = (1.5 * angle[0] - 0.5 * angle[1], 1.5 * angle[-1] - 0.5 * angle[-2])
+            ds = own["ds"]
+            beyond = ds[[0, -1]] / (ds[[0, -1]] + ds[[1, -2]])
+            ends = tuple(angle[[0, -1]] + beyond * (angle[[0, -1]] - angle[[1, -2]]))
         force = own["N"]
         found.append(
             Region(

@@ -1,6 +1,6 @@
 """Poses at which the strip model has failed once, each beside the half-space solver and as a sweep.
 
-    python campaigns/strip_known_poses.py [--strips 20] [--json FILE]
+    python campaigns/strip_known_poses.py [--strips 16] [--json FILE]
 
 At the pose: p0 and N over those of the half-space solver at the same height. Over the sweep around it, at a height
 that lies straight between those that bear the load at both ends: how many poses are not solved, the largest N over
@@ -92,7 +92,7 @@ def measure(stand: Stand, known: Known) -> dict[str, object]:
 def main() -> None:
     """Print a line for each pose."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--strips", type=int, default=20)
+    parser.add_argument("--strips", type=int, default=16)
     parser.add_argument("--json", type=Path)
     a = parser.parse_args()
     rows = []

@@ -1,7 +1,7 @@
 """Random poses for the strip model: is every one solved, is any force out of proportion, how long does it take?
 
-    python campaigns/strip_robustness.py [--poses 100000] [--strips 20] [--seed 1] [--keep FILE] [--json FILE]
-    python campaigns/strip_robustness.py --walks 600 [--strips 20] [--seed 1] [--json FILE]
+    python campaigns/strip_robustness.py [--poses 100000] [--strips 16] [--seed 1] [--keep FILE] [--json FILE]
+    python campaigns/strip_robustness.py --walks 600 [--strips 16] [--seed 1] [--json FILE]
 
 Six pairs of profiles, lateral shift +-12 mm, yaw +-60 mrad, approach from 1 to 300 um by its logarithm; poses that bear
 1 to 500 kN count. Every pose is solved afresh; "straight": solved, but without shifts along the rail
@@ -236,7 +236,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--poses", type=int, default=100_000)
     parser.add_argument("--walks", type=int, default=0, help="Walks instead of poses.")
-    parser.add_argument("--strips", type=int, default=20)
+    parser.add_argument("--strips", type=int, default=16)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--keep", type=Path, help="File of blocks, added to.")
     parser.add_argument("--json", type=Path)

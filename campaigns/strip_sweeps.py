@@ -1,6 +1,6 @@
 """The strip model beside the half-space solver on sweeps over the lateral shift: p0, N, and strips that stand out.
 
-    python campaigns/strip_sweeps.py [--strips 20] [--load 54] [--every 5] [--from -4 --to 4] [--yaw 0] [--json FILE]
+    python campaigns/strip_sweeps.py [--strips 16] [--load 54] [--every 5] [--from -4 --to 4] [--yaw 0] [--json FILE]
 
 Steps of 20 um at the load; the strip model finds the height, the half-space solver is asked at every N-th of these
 poses, at the same height (never with --every 0). "ends": what the end of a stretch of contact, or of a lobe within it,
@@ -100,7 +100,7 @@ def sweep(stand: Stand, yaw: float, load: float, shifts: np.ndarray, every: int,
 def main() -> None:
     """Print a line for each sweep."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--strips", type=int, default=20)
+    parser.add_argument("--strips", type=int, default=16)
     parser.add_argument("--load", type=float, nargs="+", default=[54.0], help="[kN]")
     parser.add_argument("--every", type=int, default=5)
     parser.add_argument("--from", dest="first", type=float, default=-4.0, help="[mm]")

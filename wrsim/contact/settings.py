@@ -34,7 +34,7 @@ class Usual:
 
 USUAL: dict[Normal, Usual] = {
     "kik-piotrowski": Usual("fastsim", 40, 3),
-    "strips": Usual("fastrip", 20, 4),
+    "strips": Usual("fastrip", 16, 4),
     "half-space": Usual("half-space", 40, 4),
 }
 """Defaults that depend on another choice. Such a key is None in ContactSettings unless given."""

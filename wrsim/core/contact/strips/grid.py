@@ -4,11 +4,16 @@ Rows stand at equal steps of the rail's arclength, each with the point of the wh
 penetration d(s) belongs to the pose alone, wherever it is counted from. Strips lie between the edges of the contact,
 denser where d bends more (Hertz: equally): as equal pieces of the integral of
 
-    density = sqrt(|d''|), a mean over neighbouring rows, + FLOOR times its mean.
+    density = |d''|^(2/3), a mean over neighbouring rows, + FLOOR times its mean.
+
+Strips are constants in place of p(s): the square of their error is least where they stand as |p'|^(2/3) (de Boor, Good
+Approximation by Splines with Variable Knots, 1973), and across the rail p' goes with d'', as in plane contact.
 """
 
 from math import sqrt
 from typing import NamedTuple
+
+import numpy as np
 
 from wrsim.core.contact.patch import bisector
 from wrsim.core.contact.profile import length
@@ -160,11 +165,11 @@ def grade_rows(grid, rows, axle):
     """
     h = grid.spacing
     total = 0.0
-    unit = 1.0 / (h * sqrt(grid.deepest))
+    unit = 1.0 / (h * h * grid.deepest)
     skew = 0.7 * abs(axle.x) / h
     for r in range(ROWS):
         c = min(max(r, 1), ROWS - 2)
-        rows[r].xi = unit * sqrt(abs(rows[c - 1].d - 2.0 * rows[c].d + rows[c + 1].d))
+        rows[r].xi = np.cbrt((unit * (rows[c - 1].d - 2.0 * rows[c].d + rows[c + 1].d)) ** 2)
         total += rows[r].xi
     floor = FLOOR * total / ROWS
     for r in range(ROWS):

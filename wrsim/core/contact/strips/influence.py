@@ -24,9 +24,9 @@ from wrsim.core.jit.spline import difference, difference_in_row, with_slope_in_r
 
 LOWEST, HIGHEST, STEPS = -12, 12, 6
 """Octaves of t in the table, and steps in each; below the first t counts as its start."""
-SHARP, OUTER, STEPS_BESIDE = 128.0, 24, 8
-"""Of the other axis: how fine it is at xi = 1; octaves beyond, and steps in each."""
-INNER = -8  # octave of xi = 0
+INNER, OUTER, STEPS_BESIDE = -8, 24, 8
+"""Of the other axis: octaves of xi = 0 and of its end, and steps in each."""
+SHARP = 0.5 * (2.0**-INNER - 2.0**INNER)  # how fine it is at xi = 1
 _MOST_T = (HIGHEST - LOWEST) * STEPS - 1e-6
 _MOST_XI = (OUTER - INNER) * STEPS_BESIDE - 1e-6
 _LEAST_T = 2.0**LOWEST
