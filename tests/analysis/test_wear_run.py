@@ -20,7 +20,7 @@ table = rows_of(__file__)
 STRETCH = 5.0, 14.0
 VALUES = {
     "wear.laws": ["usfd", "archard", "brr"], "wear.from_m": STRETCH[0], "wear.to_m": STRETCH[1], "run.distance_m": 15.0,
-    "contact.strips": 12, "contact.cells": 6,
+    "contact.cells": 6,
 }  # fmt: skip
 
 
