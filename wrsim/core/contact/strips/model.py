@@ -170,8 +170,8 @@ def _report(settings, pose, lobe, strips):
     n = lobe.n_strips
     set_creepages(pose, settings.least_speed, lobe, strips, n)
     factor = max(1.0 + settings.damping * lobe.closing, 0.0)
-    _largest, lobe.N, lobe.area, longest = set_pressures(strips, n, factor)
-    lobe.p0 = _peak(strips, n)
+    largest, lobe.N, lobe.area, longest = set_pressures(strips, n, factor)
+    lobe.p0 = _peak(strips, n, largest)
     lobe.start = strips[0].s - 0.5 * strips[0].ds if n > 0 else 0.0
     lobe.end = strips[n - 1].s + 0.5 * strips[n - 1].ds if n > 0 else 0.0
     lobe.width = lobe.end - lobe.start
@@ -180,9 +180,9 @@ def _report(settings, pose, lobe, strips):
 
 
 @kernel
-def _peak(strips, n):
+def _peak(strips, n, largest):
     """Peak of the pressure: p^2 over s is a parabola where the contact is Hertz's, through the largest strip and those
-    beside it, or that strip's own at an end.
+    beside it; at an end that strip's own, ``largest``.
 
     A strip of width h spreads its pressure evenly. In its middle, a wave cos(w s) of pressure thus presses the surface
     down by sin(w h/2)/(w h/2) of what it would, and the strips' pressures are 1 + (w h)^2/24 times the true ones to
@@ -192,17 +192,14 @@ def _peak(strips, n):
     for j in range(1, n):
         if strips[j].p > strips[i].p:
             i = j
-    if n == 0:
-        return 0.0
-    middle = strips[i]
     if i == 0 or i == n - 1:
-        return middle.p
-    left, right = strips[i - 1], strips[i + 1]
+        return largest
+    left, middle, right = strips[i - 1], strips[i], strips[i + 1]
     to_left, to_right = middle.s - left.s, right.s - middle.s
     before = (middle.p * middle.p - left.p * left.p) / to_left
     behind = (right.p * right.p - middle.p * middle.p) / to_right
     bend = (behind - before) / (to_left + to_right)
     if bend >= 0.0:
-        return middle.p
+        return largest
     slope = before + bend * to_left
     return sqrt(middle.p * middle.p - 0.25 * slope * slope / bend + middle.ds * middle.ds * bend / 12.0)
