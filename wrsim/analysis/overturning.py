@@ -27,7 +27,6 @@ from wrsim.scenario.sections.overturning import OverturningPlan
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.system import Array
 from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.wind import felt
 
 STEPS = 40  # speeds from the lowest to the highest at which a rest is looked for, at least
 RUN_ON = 2.0  # time in the full curve after which the vehicle has come through [s]: the period of a car body's sway
@@ -141,8 +140,7 @@ def _last(found: Sequence[Rest]) -> Rest:
 
 def at_speed(setup: Setup[OverturningPlan], vehicle: Vehicle, speed: float, wind: float) -> Vehicle:
     """The vehicle under all that acts on it in the curve, in the axes of the track, also the wind, which is outward."""
-    plan, tilt = setup.plan, np.arcsin(setup.plan.cant / setup.track.cant_base)
-    outward = float(-np.sign(plan.radius))  # positive to the left
+    plan, (outward, tilt) = setup.plan, _outward_and_tilt(setup)
     inertia, g = speed**2 / abs(plan.radius), vehicle.gravity
     left = outward * (inertia * cos(tilt) - g * sin(tilt))
     down = g * cos(tilt) + inertia * sin(tilt) - g
@@ -150,6 +148,12 @@ def at_speed(setup: Setup[OverturningPlan], vehicle: Vehicle, speed: float, wind
     if plan.air is None:
         return pressed
     return replace(pressed, loads=(*pressed.loads, *plan.air.loads(vehicle, 0.0, wind, speed, outward, tilt)))
+
+
+def _outward_and_tilt(setup: Setup[OverturningPlan]) -> tuple[float, float]:
+    """1 where outward is to the left, -1 to the right; tilt of the full curve [rad]."""
+    plan = setup.plan
+    return float(-np.sign(plan.radius)), float(np.arcsin(plan.cant / setup.track.cant_base))
 
 
 def runs_into_curve(setup: Setup[OverturningPlan], limit: float, report: Report) -> dict[str, Any]:
@@ -185,11 +189,9 @@ def stopped_at(setup: Setup[OverturningPlan], speed: float) -> str:
     run: Any = RunPlan(start, straight.length + plan.transition + on, speed)
     vehicle = setup.vehicle
     if plan.air is not None:
-        peak, length = straight.length + plan.transition + 0.5 * on, max(places) - min(places)
-        felt_at, wind = felt(plan.winds[0], start, peak, length, plan.gust)
-        tilt = np.arcsin(plan.cant / setup.track.cant_base)
-        loads = plan.air.loads(vehicle, felt_at, wind, speed, float(-np.sign(plan.radius)), tilt)
-        vehicle = replace(vehicle, loads=(*vehicle.loads, *loads))
+        outward, tilt = _outward_and_tilt(setup)
+        way = plan.winds[0], start, straight.length + plan.transition + 0.5 * on, plan.gust
+        vehicle = plan.air.along_track(vehicle, *way, speed, left=outward, tilt=tilt)
     held: Any = replace(setup, vehicle=vehicle, track=track, plan=run)
     try:
         return str(run_in_time(held).dataset.attrs.get("stop_reason", ""))

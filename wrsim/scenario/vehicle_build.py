@@ -20,7 +20,6 @@ from wrsim.vehicle.out_of_round import parts_of
 from wrsim.vehicle.preload import preloads, with_ballast
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import Change, load_vehicle
-from wrsim.vehicle.wind import felt
 
 
 def vehicle_model(name: str, models: Sequence[str | Path] | None) -> Vehicle:
@@ -63,10 +62,8 @@ def _in_wind(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
     if not vehicle.bodies or not isinstance(speed, float):
         words = "needs a vehicle with bodies and one speed_kmh, from which the angle of the air follows"
         raise scenario.fault(("vehicle", "wind"), words)
-    ends = [part.centre[0] for part in vehicle.parts]
-    places, wind = felt(own.speed_m_s, own.begins_m, own.peak_m, max(ends) - min(ends), own.gust is not None)
-    loads = own.air().loads(vehicle, places, wind, speed / 3.6, 1.0 if own.towards == "left" else -1.0)
-    return replace(vehicle, loads=(*vehicle.loads, *loads))
+    way, left = (own.speed_m_s, own.begins_m, own.peak_m, own.gust is not None), 1.0 if own.towards == "left" else -1.0
+    return own.air().along_track(vehicle, *way, speed / 3.6, left=left)
 
 
 def _out_of_round(scenario: Scenario, vehicle: Vehicle) -> Vehicle:

@@ -13,7 +13,7 @@ square root of (integral S dn over integral n^2 S dn), S von Karman's spectrum w
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, sin
 
 import numpy as np
@@ -53,6 +53,14 @@ class Air:
         angles, *coefficients = np.transpose(self.table)
         side, lift, roll = (push * np.interp(yaw, angles, own) for own in coefficients)
         return side, lift, self.length * roll
+
+    def along_track(
+        self, vehicle: Vehicle, largest: float, begins: float, peak: float, gusty: bool, running: float, **across: float
+    ) -> Vehicle:
+        """The vehicle in a wind along its way (`felt`); across: ``left`` and ``tilt`` as `loads` takes them."""
+        centres = [part.centre[0] for part in vehicle.parts]
+        places, wind = felt(largest, begins, peak, max(centres) - min(centres), gusty)
+        return replace(vehicle, loads=(*vehicle.loads, *self.loads(vehicle, places, wind, running, **across)))
 
     def loads(
         self, vehicle: Vehicle, places: ArrayLike, wind: ArrayLike, running: float, left: float = 1.0, tilt: float = 0.0
