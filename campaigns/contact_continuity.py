@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
-from strip_robustness import PAIRS, Stand, force, stand
+from strip_robustness import PAIRS, STRIPS, Stand, force, stand
 
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.pose import Pose
@@ -123,7 +123,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--over", nargs="+", choices=("shift", "yaw", "approach", "load"), default=["shift", "yaw"])
     parser.add_argument("--normal", default="strips")
-    parser.add_argument("--strips", type=int, default=16)
+    parser.add_argument("--strips", type=int, default=STRIPS)
     parser.add_argument("--step", type=float, default=1.0, help="[um, urad, kN]")
     parser.add_argument("--pair", type=int, nargs="+", default=range(5), help="Numbers of the pairs.")
     parser.add_argument("--yaw", type=float, nargs="+", default=[0.0, 12.0], help="[mrad]")

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from strip_robustness import PAIRS, Stand
+from strip_robustness import PAIRS, STRIPS, Stand
 
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.pose import Pose
@@ -77,7 +77,7 @@ def spread(errors: np.ndarray) -> dict[str, float]:
 def main() -> None:
     """Print a line for each kind."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--strips", type=int, default=16)
+    parser.add_argument("--strips", type=int, default=STRIPS)
     parser.add_argument("--poses", type=int, default=200)
     parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--resolution", type=int, default=24)

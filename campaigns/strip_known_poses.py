@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from strip_robustness import PAIRS, Stand, force
+from strip_robustness import PAIRS, STRIPS, Stand, force
 from strip_sweeps import worst_end
 
 from wrsim.contact.half_space.solver import HalfSpace
@@ -92,7 +92,7 @@ def measure(stand: Stand, known: Known) -> dict[str, object]:
 def main() -> None:
     """Print a line for each pose."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--strips", type=int, default=16)
+    parser.add_argument("--strips", type=int, default=STRIPS)
     parser.add_argument("--json", type=Path)
     a = parser.parse_args()
     rows = []

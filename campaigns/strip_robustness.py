@@ -27,7 +27,7 @@ from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.models import contact_model
-from wrsim.contact.settings import ContactSettings
+from wrsim.contact.settings import USUAL, ContactSettings
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.core.contact.strips.solution import STRAIGHT
 from wrsim.geometry.profile.models import load_profile
@@ -38,6 +38,7 @@ PAIRS = (
     ("S1002_worn", "60E1_worn", 40), ("S1002", "60E1_worn", 40),
 )  # fmt: skip
 RADIUS = 0.46
+STRIPS = USUAL["strips"].strips
 LEAST, MOST = 1e3, 500e3  # normal force [N]
 SUSPECT = 1.6
 TOO_MUCH = 1.3  # of the half-space solver's force
@@ -236,7 +237,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--poses", type=int, default=100_000)
     parser.add_argument("--walks", type=int, default=0, help="Walks instead of poses.")
-    parser.add_argument("--strips", type=int, default=16)
+    parser.add_argument("--strips", type=int, default=STRIPS)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--keep", type=Path, help="File of blocks, added to.")
     parser.add_argument("--json", type=Path)

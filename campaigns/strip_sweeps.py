@@ -13,7 +13,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-from strip_robustness import PAIRS, Stand
+from strip_robustness import PAIRS, STRIPS, Stand
 
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.pose import Pose
@@ -100,7 +100,7 @@ def sweep(stand: Stand, yaw: float, load: float, shifts: np.ndarray, every: int,
 def main() -> None:
     """Print a line for each sweep."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--strips", type=int, default=16)
+    parser.add_argument("--strips", type=int, default=STRIPS)
     parser.add_argument("--load", type=float, nargs="+", default=[54.0], help="[kN]")
     parser.add_argument("--every", type=int, default=5)
     parser.add_argument("--from", dest="first", type=float, default=-4.0, help="[mm]")
