@@ -51,7 +51,7 @@ def _values(vehicle: Vehicle) -> Iterator[tuple[str, float, tuple[float, float],
         yield f"mass_kg of wheelset '{mounted.name}'", wheelset.mass, USUAL_WHEELSET, "kg"
         for side, wheel in (("left", wheelset.left), ("right", wheelset.right)):
             yield f"radius_mm of the {side} wheel of '{mounted.name}'", 1e3 * wheel.radius, USUAL_RADIUS, "mm"
-    for body in vehicle.bodies:
+    for body in {body.mass: body for body in vehicle.bodies[::-1]}.values():
         yield f"mass_kg of body '{body.name}'", body.mass, USUAL_BODY, "kg"
     load = 0.5 * vehicle.weight / len(vehicle.wheelsets) / 1e3
     yield f"mean static wheel load of '{vehicle.name}'", load, USUAL_WHEEL_LOAD, "kN"

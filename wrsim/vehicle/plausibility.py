@@ -23,15 +23,19 @@ Array = NDArray[np.float64]
 RIGID_UP_TO = 100.0
 """Frequency [Hz] above which no body of a railway vehicle is rigid: frames and car bodies bend at 8 to 50 Hz, wheelsets
 from 50 Hz on. A rigid body that oscillates faster on its springs has no counterpart."""
+LONG, LONG_UP_TO = 5.0, 25.0
+"""Car bodies, held at points more than 5 m apart as no bogie is, bend first at 8 to 20 Hz: the same [Hz] for them."""
 ARMS_UP_TO = 250.0
 """Frequency [Hz] of axle boxes on their bushings: a bar of mass m that turns about the axle on a bushing of stiffness k
 at its end has omega^2 = 3 k / m whatever its length, 247 Hz with the stiffest bushings, 40 kN/mm, and 50 kg."""
 SLOWEST = 1e-3
 """Frequency [Hz] below which a direction is free: within the minutes of a run nothing returns."""
+ROOF = 4.28
+"""Height [m] of the roof of the reference profile G1 (EN 15273-2)."""
 HIGHEST = 4.0
-"""Height [m] of a centre of mass above the rails: the roof of the reference profile G1 is at 4.28 m (EN 15273-2). Also
-the largest static deflection of a body: a spring with more is longer than the vehicle is high."""
-HALF_GAUGE = hypot(1.645, 4.28)
+"""Height [m] of a centre of mass above the rails, below the roof. Also the largest static deflection of a body: a
+spring with more is longer than the vehicle is high."""
+HALF_GAUGE = hypot(1.645, ROOF)
 """Distance [m] from the axis of the track in the plane of the rails to the corner of the reference profile G1."""
 OVERHANG = 4.5
 """Length [m] of a body beyond the outermost point that holds it: with LONGEST_SPAN n (a + n) / 2 R, 0.45 m in a curve
@@ -108,27 +112,32 @@ def doubts(vehicle: Vehicle, known: Collection[str] = ()) -> list[str]:
 
 def _of_vehicle(springs: _Springs, moved: list[tuple[Array, Array]], known: Collection[str]) -> list[str]:
     vehicle, named = springs.vehicle, set(known)
-    heights, apart = dict(_heights(vehicle)), [*_distances(vehicle)]
-    named |= heights.keys()
+    apart = [*_distances(vehicle)]
     radii = dict(_gyration(vehicle, named, bool(apart)))
     named |= radii.keys()
+    heights = dict(_heights(vehicle, named))
+    named |= heights.keys()
     dense = dict(_density(vehicle, named))
     light = [] if named else [*_masses(vehicle)]
     named |= dense.keys()
-    free = [*_free_directions(springs)]
-    fast = [] if apart else [*_frequencies(springs, named)]
+    free = [] if apart else [*_free_directions(springs)]
+    fast = [] if apart or light else [*_frequencies(springs, named)]
     loads = preloads(vehicle)
-    uneven = [] if free else [*_wheel_loads(vehicle, moved, loads)]
-    one_a_part = (*heights.values(), *radii.values(), *dense.values())
+    uneven = [] if free or apart else [*_wheel_loads(vehicle, moved, loads)]
+    one_a_part = (*radii.values(), *heights.values(), *dense.values())
     return [*one_a_part, *apart, *light, *free, *fast, *_compression(vehicle, loads), *uneven]
 
 
-def _heights(vehicle: Vehicle) -> Iterator[tuple[str, str]]:
-    """Bodies whose centres are too high or too low, with a sentence each."""
+def _heights(vehicle: Vehicle, known: Collection[str]) -> Iterator[tuple[str, str]]:
+    """Bodies whose centres are too high or too low, with a sentence each; of known ones the moments of inertia say
+    nothing. Heights from 0 to ROOF with the mean c have a variance of at most c (ROOF - c) (Bhatia and Davis, 2000)."""
     for body in {(body.mass, body.centre[2]): body for body in vehicle.bodies[::-1]}.values():
-        if not 0.0 <= body.centre[2] <= HIGHEST:
+        roll, pitch, yaw = body.inertia
+        least = 0.0 if body.name in known else max(0.5 * (roll + pitch - yaw) / body.mass / ROOF, 0.0)
+        if not least <= body.centre[2] <= HIGHEST:
             words = f"centre of mass of body '{body.name}' is at a height of {body.centre[2]:.4g} m above the rails"
-            yield body.name, f"{words}; plausible is 0 to {HIGHEST:g} m, below the roof of the loading gauge"
+            words += f"; plausible is {least:.3g} to {HIGHEST:g} m, or it reaches below the rails"
+            yield body.name, f"{words} or above the loading gauge"
 
 
 def _distances(vehicle: Vehicle) -> Iterator[str]:
@@ -181,10 +190,9 @@ def _masses(vehicle: Vehicle) -> Iterator[str]:
 def _gyration(vehicle: Vehicle, known: Collection[str], misplaced: bool) -> Iterator[tuple[str, str]]:
     """Parts whose radii of gyration are beyond their size, with a sentence each; of misplaced ones the length is not
     known."""
-    held = [end for e in vehicle.elements for end in zip((e.first, e.second), e.points, strict=True)]
     for part in _alike(vehicle):
         if isinstance(part, Body):
-            reach = max(abs(end[0] - part.centre[0]) for name, end in held if name == part.name) + OVERHANG
+            reach = max(abs(x - part.centre[0]) for x in _held(vehicle, part.name)) + OVERHANG
             most = (HALF_GAUGE, hypot(reach, HIGHEST), hypot(reach, 0.5 * HIGHEST))
             most = (most[0], inf, inf) if misplaced else most
             what, mass, inertia = f"body '{part.name}'", part.mass, part.inertia
@@ -200,6 +208,11 @@ def _gyration(vehicle: Vehicle, known: Collection[str], misplaced: bool) -> Iter
             limits = _joined([f"{most[k]:.3g}" for k in wrong])
             words = f"radius of gyration of {what} of {mass:.4g} kg is {each}"
             yield part.name, f"{words}; plausible is up to {limits} m, as far as any mass"
+
+
+def _held(vehicle: Vehicle, part: str) -> list[float]:
+    """Where along the vehicle elements hold a part [m]."""
+    return [end[0] for e in vehicle.elements for n, end in zip((e.first, e.second), e.points, strict=True) if n == part]
 
 
 def _density(vehicle: Vehicle, known: Collection[str]) -> Iterator[tuple[str, str]]:
@@ -280,11 +293,12 @@ def _frequencies(springs: _Springs, known: Collection[str]) -> Iterator[str]:
         scale = inertia[places] ** -0.5
         values, vectors = np.linalg.eigh(scale[:, None] * whole[places, places] * scale)
         frequency, shape = max(values[-1], 0.0) ** 0.5 / (2.0 * pi), scale * vectors[:, -1]
-        if frequency > RIGID_UP_TO and part.name not in on_axle and part.mass not in wrong:
+        limit = LONG_UP_TO if np.ptp(_held(vehicle, part.name) or [0.0]) > LONG else RIGID_UP_TO
+        if frequency > limit and part.name not in on_axle and part.mass not in wrong:
             element = vehicle.elements[int(np.argmax([shape @ own[places, places] @ shape for own in springs.of]))]
             along = WORDS[int(np.argmax(np.abs(vectors[:, -1])))]
             words = f"{_what(vehicle, i)} oscillates {along} at {frequency:.4g} Hz on '{element.name}'"
-            words += f"; plausible is up to {RIGID_UP_TO:g} Hz, above which it bends: stiffness or mass is wrong"
+            words += f"; plausible is up to {limit:g} Hz, above which it bends: stiffness or mass is wrong"
             alike = element.stiffness_at_rest.tobytes()
             fastest[alike] = max(fastest.get(alike, (0.0, "")), (frequency, words))
     for at, name in enumerate(vehicle.boxes, 6 * len(vehicle.parts)):

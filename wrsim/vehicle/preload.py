@@ -69,11 +69,15 @@ def preloads(vehicle: Vehicle) -> list[Preload]:
     left = right - stiffness @ u
     if n and np.max(np.abs(left)) > TOLERANCE * vehicle.mass * vehicle.gravity:
         worst = int(np.argmax(np.abs(left)))
-        loose, direction = divmod(worst, 6)
-        what = f"body '{vehicle.bodies[loose].name}'" if loose < n else f"axle box '{boxes[worst - 6 * n]}'"
-        direction = direction if loose < n else PITCH
+        direction = worst % 6 if worst < 6 * n else PITCH
+        together = np.abs(left[direction : 6 * n : 6]) > 0.1 * abs(left[worst])
+        names = [f"'{vehicle.bodies[i].name}'" for i in np.flatnonzero(together)]
+        what = f"{'bodies' if names[1:] else 'body'} {', '.join(names)}"
+        what = what if worst < 6 * n else f"axle box '{boxes[worst - 6 * n]}'"
         rest = f"{left[worst]:.4g} {'N' if direction < 3 else 'N m'} residual"
-        raise InputError(f"the preload cannot be found: nothing holds {what} {WORDS[direction]} ({rest})")
+        given = [f"; preload_kN of '{e.name}' is given" for e in vehicle.elements if e.preload is not None][:1]
+        words = f"the preload cannot be found: nothing holds {what} {WORDS[direction]} ({rest})"
+        raise InputError(words + "".join(given))
     found = []
     for element, (travel, turning) in zip(vehicle.elements, of_bodies, strict=True):
         force = -element.stiffness_at_rest * (travel @ u) if element.preload is None else np.array(element.preload)
