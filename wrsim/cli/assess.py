@@ -7,13 +7,14 @@ from typing import Annotated
 
 import typer
 
+import wrsim
+from wrsim.api.outcome import Outcome, folder_beside
 from wrsim.cli import options
-from wrsim.cli.console import print_error, print_lines, print_numbers, print_outcome
-from wrsim.cli.errors import writing_files
 from wrsim.errors import InputError
 
 
 @options.drawing
+@options.writing(of="results")
 def assess_command(
     results: Annotated[
         list[Path],
@@ -29,40 +30,30 @@ def assess_command(
         ),
     ] = None,
     pictures: options.Pictures = True,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Assess a run by a rule set: quantities section by section, limits, margins; writes tables and pictures.
 
     Sections of several runs of one vehicle count together; they need a folder to write to (-o).
     """
-    with writing_files(as_json, force, *results[1:], of=results[0]):
-        from wrsim.api.analyses import assess
-        from wrsim.api.outcome import folder_beside
-
-        if len(results) > 1 and output is None:
-            raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
-        print_outcome(as_json, assess(results, scenario, folder_beside(results[0], output), pictures, rules))
+    if len(results) > 1 and output is None:
+        raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
+    return wrsim.assess(results, scenario, folder_beside(results[0], output), pictures, rules)
 
 
 @options.drawing
+@options.writing(of="result")
 def ride_command(
     result: options.ResultFile,
     output: options.BesideResult = None,
     scenario: options.SectionsOf = None,
     pictures: options.Pictures = True,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
-    with writing_files(as_json, force, of=result):
-        from wrsim.api.analyses import ride
-        from wrsim.api.outcome import folder_beside
-
-        print_outcome(as_json, ride(result, scenario, folder_beside(result, output), pictures))
+    return wrsim.ride(result, scenario, folder_beside(result, output), pictures)
 
 
 @options.drawing
+@options.writing(of="result")
 def spectra_command(
     result: options.ResultFile,
     channel: Annotated[str, typer.Argument(metavar="CHANNEL", help="Such as Q or axle_box_acceleration.")],
@@ -77,22 +68,16 @@ def spectra_command(
     ] = 2.0,
     output: options.BesideResult = None,
     pictures: options.Pictures = True,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Spectra of a channel of a run: power spectral density, third-octaves, spectrogram over the distance."""
-    with writing_files(as_json, force, of=result):
-        from wrsim.api.analyses import spectra
-        from wrsim.api.outcome import folder_beside
-
-        found = spectra(
-            result, channel, derivative=derivative, from_m=from_m, to_m=to_m, resolution_Hz=resolution_Hz,
-            piece_m=piece_m, output=folder_beside(result, output), pictures=pictures,
-        )  # fmt: skip
-        print_outcome(as_json, found)
+    return wrsim.spectra(
+        result, channel, derivative=derivative, from_m=from_m, to_m=to_m, resolution_Hz=resolution_Hz,
+        piece_m=piece_m, output=folder_beside(result, output), pictures=pictures,
+    )  # fmt: skip
 
 
 @options.drawing
+@options.writing()
 def conicity_command(
     wheel: Annotated[
         str, typer.Argument(metavar="WHEEL", help="Wheel profile, such as wheels/S1002.toml, or a folder of them.")
@@ -122,23 +107,17 @@ def conicity_command(
         Path | None, options.into(metavar="DIR", help="Write a table, every 0.1 mm, and pictures there.")
     ] = None,
     pictures: options.Pictures = True,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
-    with writing_files(as_json, force):
-        from wrsim.api.analyses import conicity
-
-        found = conicity(
-            wheel, rail, gauge_mm=gauge_mm, gauges_mm=gauges_mm, flange_back_mm=flange_back_mm, inclination=inclination,
-            radius_mm=radius_mm, diameters_mm=diameters_mm, wheel_right=wheel_right, rail_right=rail_right, roll=roll,
-            curve_m=curve_m or (), flange_from_deg=flange_from_deg, models=models or (), output=output,
-            pictures=pictures,
-        )  # fmt: skip
-        print_outcome(as_json, found)
+    return wrsim.conicity(
+        wheel, rail, gauge_mm=gauge_mm, gauges_mm=gauges_mm, flange_back_mm=flange_back_mm, inclination=inclination,
+        radius_mm=radius_mm, diameters_mm=diameters_mm, wheel_right=wheel_right, rail_right=rail_right, roll=roll,
+        curve_m=curve_m or (), flange_from_deg=flange_from_deg, models=models or (), output=output, pictures=pictures,
+    )  # fmt: skip
 
 
 @options.drawing_to
+@options.writing()
 def vehicle(
     file: Annotated[str, typer.Argument(metavar="FILE", help="Vehicle file, such as vehicles/manchester_1.toml.")],
     output: Annotated[Path | None, options.into(metavar="PNG|SVG|PDF", help="Draw it there, from three sides.")] = None,
@@ -170,23 +149,12 @@ def vehicle(
         typer.Option(metavar="PNG|SVG|PDF", help="Draw the frequencies of its elastic axles over the speed there."),
     ] = None,
     models: options.Models = None,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Print mass, centre, static wheel loads, natural modes and stationary tests of a vehicle; draw it."""
-    with writing_files(as_json, force):
-        from wrsim.api.analyses import stationary
-
-        options.check_ending("-o", output, *options.PICTURES)
-        options.check_ending("--loops", loops, *options.PICTURES)
-        options.check_ending("--campbell", campbell, *options.PICTURES)
-        found = stationary(
-            file, cant_deficiency=cant_deficiency, twist=twist, twist_test=twist_test, twists=twists,
-            rotation_test=rotation_test, rotation_radius_m=rotation_radius_m, picture=output, loops=loops,
-            campbell=campbell, models=models or (),
-        )  # fmt: skip
-        for words in [] if as_json else found["warnings"]:
-            print_error(f"{file}: warning: {words}")
-        print_numbers(as_json, found.numbers, found.tables)
-        if not as_json:
-            print_lines(*map(str, found.files))
+    for option, picture in (("-o", output), ("--loops", loops), ("--campbell", campbell)):
+        options.check_ending(option, picture, *options.PICTURES)
+    return wrsim.stationary(
+        file, cant_deficiency=cant_deficiency, twist=twist, twist_test=twist_test, twists=twists,
+        rotation_test=rotation_test, rotation_radius_m=rotation_radius_m, picture=output, loops=loops,
+        campbell=campbell, models=models or (),
+    )  # fmt: skip

@@ -7,12 +7,15 @@ from typing import Annotated
 
 import typer
 
+import wrsim
+from wrsim.api.outcome import Outcome
 from wrsim.cli import options
 from wrsim.cli.console import print_error, print_lines, print_outcome
 from wrsim.cli.errors import writing_files
 
 
 @options.drawing_to
+@options.writing(reads="files")
 def profile(
     files: Annotated[
         list[str],
@@ -51,40 +54,30 @@ def profile(
         float | None, typer.Option(min=1.0, max=500.0, help="--on: of a wheel, for p0; default: 60.")
     ] = None,
     models: options.Models = None,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Draw and measure profiles: Sh, Sd, qR, hollow of wheels, wear of rail heads; what smoothing does to points."""
-    with writing_files(as_json, force, *map(Path, files)):
-        from wrsim.api.analyses import profiles
-
-        picture = output or Path(Path(files[0]).resolve().stem + ".png")
-        options.check_ending("-o", picture, *options.PICTURES)
-        found = profiles(
-            files, picture, kind=kind, cutoff=cutoff or (), reference=reference, on=on, gauge_mm=gauge_mm,
-            flange_back_mm=flange_back_mm, inclination=inclination, radius_mm=radius_mm, load_kN=load_kn,
-            models=models or (),
-        )  # fmt: skip
-        print_outcome(as_json, found)
+    picture = output or Path(Path(files[0]).resolve().stem + ".png")
+    options.check_ending("-o", picture, *options.PICTURES)
+    return wrsim.profiles(
+        files, picture, kind=kind, cutoff=cutoff or (), reference=reference, on=on, gauge_mm=gauge_mm,
+        flange_back_mm=flange_back_mm, inclination=inclination, radius_mm=radius_mm, load_kN=load_kn,
+        models=models or (),
+    )  # fmt: skip
 
 
 @options.drawing_to
+@options.writing(reads="file")
 def track(
     file: options.ScenarioFile,
     output: Annotated[
         Path | None, options.into(metavar="PNG|SVG|PDF", help="Default: <name of FILE>_track.png here.")
     ] = None,
     models: options.Models = None,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Draw the track of a scenario or of a track file: plan, curvature, cant, gauge, height, irregularities."""
-    with writing_files(as_json, force, file):
-        from wrsim.api.pages import draw_track
-
-        picture = output or Path(f"{file.stem}_track.png")
-        options.check_ending("-o", picture, *options.PICTURES)
-        print_outcome(as_json, draw_track(file, picture, models or ()))
+    picture = output or Path(f"{file.stem}_track.png")
+    options.check_ending("-o", picture, *options.PICTURES)
+    return wrsim.draw_track(file, picture, models or ())
 
 
 @options.drawing
@@ -126,10 +119,8 @@ def recording(
     beside = file.with_suffix(".toml")
     chosen = columns if columns is not None else beside if beside.is_file() else None
     with writing_files(as_json, force, *([file] if chosen is None else [file, chosen])):
-        from wrsim.api.data import read_recording
-
         directory = output or Path(file.stem)
-        found = read_recording(
+        found = wrsim.read_recording(
             file, directory, columns=chosen, chord_m=chord_m, band=band, wavelength_m=wavelength_m,
             amplification=amplification, transitions=transitions, from_m=from_m, to_m=to_m, vehicle=vehicle,
             speed_kmh=speed_kmh, models=models or (), pictures=pictures,
@@ -141,6 +132,7 @@ def recording(
             print_lines(f"run it with: wrsim run {directory / 'scenario.toml'}")
 
 
+@options.writing(of="result")
 def export_command(
     result: options.ResultFile,
     to: Annotated[
@@ -148,28 +140,19 @@ def export_command(
         typer.Option("--to", metavar="FORMAT,...", help="mat, csv, parquet, mdf, tables; one or more with commas."),
     ],
     output: options.BesideResult = None,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Write a result for other programs: MATLAB, CSV, Parquet, MDF (result.mat, .csv, .parquet, .mf4), all tables."""
-    with writing_files(as_json, force, of=result):
-        from wrsim.api.data import export
-
-        print_outcome(as_json, export(result, to, output))
+    return wrsim.export(result, to, output)
 
 
+@options.writing(reads="file")
 def fmu(
     file: options.ScenarioFile,
     output: Annotated[Path | None, options.into(metavar="FMU", help="Default: <name of FILE>.fmu here.")] = None,
     values: options.Set = None,
     step_ms: Annotated[float, typer.Option(min=1e-3, max=5.0, help="Step of the integration.")] = 1.0,
     models: options.Models = None,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Write the vehicle of a run as a co-simulation unit (FMI 3.0, Linux, a C compiler is needed)."""
-    with writing_files(as_json, force, file):
-        from wrsim.api.data import write_unit
-
-        options.check_ending("-o", output, ".fmu")
-        print_outcome(as_json, write_unit(file, output, values or (), step=1e-3 * step_ms, models=models or ()))
+    options.check_ending("-o", output, ".fmu")
+    return wrsim.write_unit(file, output, values or (), step=1e-3 * step_ms, models=models or ())

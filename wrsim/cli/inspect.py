@@ -7,38 +7,35 @@ from typing import Annotated
 
 import typer
 
+import wrsim
+from wrsim.api.outcome import Outcome
 from wrsim.cli import options
-from wrsim.cli.console import print_lines, print_numbers, print_outcome
-from wrsim.cli.errors import reporting_errors, writing_files
+from wrsim.cli.console import print_lines, print_numbers
+from wrsim.cli.errors import reporting_errors
 
 
 def show_command(result: options.ResultFile, as_json: options.Json = False) -> None:
     """Print the summary of a result, or of what there is of a run."""
     with reporting_errors(as_json):
-        from wrsim.api.runs import show
-
-        found = show(result)
+        found = wrsim.show(result)
         print_numbers(as_json, found.numbers, found.tables)
         if not as_json:
             print_lines(*found.lines)
 
 
 @options.drawing
+@options.writing(of="result")
 def plot(
     result: options.ResultFile,
     output: options.BesideResult = None,
     at: options.At = None,
     wheelset: options.OneWheelset = None,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
-    with writing_files(as_json, force, of=result):
-        from wrsim.api.pages import write_pictures
-
-        print_outcome(as_json, write_pictures(result, output, at or (), wheelset))
+    return wrsim.write_pictures(result, output, at or (), wheelset)
 
 
+@options.writing(of="results")
 def report(
     results: Annotated[
         list[Path],
@@ -54,41 +51,32 @@ def report(
     date: Annotated[str, typer.Option(metavar="TEXT", help="Default: today.")] = "",
     with_view: Annotated[bool, typer.Option("--view", help="With the viewer of each result inside.")] = False,
     models: options.Models = None,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Write a page about a result, several results beside each other, a study, or a profile evolution.
 
     It holds a summary, verdict, assessment, histories, contacts and wear; of a study outputs, pictures and cases.
     Versions and digests are in its appendix.
     """
-    with writing_files(as_json, force, *results[1:], of=results[0]):
-        from wrsim.api.pages import write_report
-
-        options.check_ending("-o", output, ".html")
-        found = write_report(
-            results, output, title=title, author=author, company=company, logo=logo, date=date, with_view=with_view,
-            models=models or (),
-        )  # fmt: skip
-        print_outcome(as_json, found)
+    options.check_ending("-o", output, ".html")
+    return wrsim.write_report(
+        results, output, title=title, author=author, company=company, logo=logo, date=date, with_view=with_view,
+        models=models or (),
+    )  # fmt: skip
 
 
+@options.writing(of="result")
 def view(
     result: options.ResultFile,
     output: Annotated[Path | None, options.into(metavar="HTML", help="Default: view.html beside the result.")] = None,
     models: options.Models = None,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Write a page to look at a run: wheels on their rails, the vehicle on its track, modes of a stability analysis."""
-    with writing_files(as_json, force, of=result):
-        from wrsim.api.pages import write_view
-
-        options.check_ending("-o", output, ".html")
-        print_outcome(as_json, write_view(result, output, models or ()))
+    options.check_ending("-o", output, ".html")
+    return wrsim.write_view(result, output, models or ())
 
 
 @options.drawing
+@options.writing(reads="first second")
 def diff_command(
     first: options.ResultFile,
     second: options.ResultFile,
@@ -102,14 +90,6 @@ def diff_command(
     output: Annotated[
         Path | None, options.into(metavar="DIR", help="Write a table and an overlay picture there.")
     ] = None,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Compare two results: peaks, medians in full curves, other numbers; exit code 4 when they differ."""
-    with writing_files(as_json, force, first, second):
-        from wrsim.api.analyses import diff
-
-        found = diff(first, second, tolerance, only or (), output)
-        print_outcome(as_json, found)
-        if found.code:
-            raise typer.Exit(found.code)
+    return wrsim.diff(first, second, tolerance, only or (), output)

@@ -11,8 +11,10 @@ from typing import Annotated, Any
 
 import typer
 
-from wrsim.cli.console import show_times
-from wrsim.cli.errors import reporting_errors
+import wrsim
+from wrsim.api.outcome import Outcome
+from wrsim.cli.console import print_error, print_outcome, show_times
+from wrsim.cli.errors import reporting_errors, writing_files
 from wrsim.errors import InputError
 
 Models = Annotated[
@@ -99,25 +101,56 @@ def drawing(command: Callable[..., None], kinds: bool = True) -> Callable[..., N
     named as a whole, with its ending."""
     added: dict[str, Any] = ({"formats": Formats} if kinds else {}) | LOOK
 
-    @wraps(command)
     def looked(**given: Any) -> None:
         chosen = {name: value for name in added if (value := given.pop(name)) is not None}
         with reporting_errors(given["as_json"]), ExitStack() as stack:
             if chosen:
-                from wrsim.api.pages import look
-
-                stack.enter_context(look(**chosen))
+                stack.enter_context(wrsim.look(**chosen))
             command(**given)
 
-    signature = inspect.signature(command, eval_str=True)
-    here = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY, default=None)
-    own = [here(name, annotation=of) for name, of in added.items()]
-    looked.__signature__ = signature.replace(parameters=[*signature.parameters.values(), *own])  # type: ignore[attr-defined]
-    looked.__annotations__ = command.__annotations__ | added
-    return looked
+    return _with_options(looked, command, added)
 
 
 drawing_to = partial(drawing, kinds=False)
+
+
+def writing(of: str = "", reads: str = "") -> Callable[[Callable[..., Outcome]], Callable[..., None]]:
+    """A command that writes files, from the function that gives what it found: with the options ``--force`` and
+    ``--json``. It prints what was found and ends with its exit code. of, reads: parameters with the result that it
+    reports on and with files that it reads; of several results the first one counts."""
+
+    def decorated(function: Callable[..., Outcome]) -> Callable[..., None]:
+        def command(force: bool, as_json: bool, **given: Any) -> None:
+            result, *others = _paths(given.get(of)) or [None]
+            read = [path for name in reads.split() for path in _paths(given[name])]
+            with writing_files(as_json, force, *others, *read, of=result):
+                found = function(**given)
+                for words in [] if as_json else found.numbers.get("warnings", ()):
+                    print_error(f"{given['file']}: warning: {words}")
+                print_outcome(as_json, found)
+                if found.code:
+                    raise typer.Exit(found.code)
+
+        return _with_options(command, function, {"force": Force, "as_json": Json}, False)
+
+    return decorated
+
+
+def _paths(given: Any) -> list[Any]:
+    return [] if given is None else list(map(Path, given)) if isinstance(given, list) else [Path(given)]
+
+
+def _with_options(
+    wrapper: Callable[..., None], function: Callable[..., Any], added: dict[str, Any], default: object = None
+) -> Callable[..., None]:
+    """The wrapper as a command with the parameters of a function and further options."""
+    signature = inspect.signature(function, eval_str=True)
+    here = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY, default=default)
+    own = [here(name, annotation=of) for name, of in added.items()]
+    command = wraps(function)(wrapper)
+    command.__signature__ = signature.replace(parameters=[*signature.parameters.values(), *own])  # type: ignore[attr-defined]
+    command.__annotations__ = function.__annotations__ | added
+    return command
 
 
 def check_ending(option: str, path: Path | None, *endings: str) -> None:

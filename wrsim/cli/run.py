@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
+import wrsim
 from wrsim.cli import console, options
 from wrsim.cli.errors import reporting_errors, writing_files
 
@@ -44,11 +45,9 @@ def run_command(
     While it lasts, a run is stored in DIR/result.nc.part, so that one that was cut off goes on with --resume.
     """
     with reporting_errors(as_json):
-        from wrsim.api.runs import run_scenario
-
         if quiet:
             logging.getLogger("wrsim").setLevel(logging.ERROR)
-        found = run_scenario(
+        found = wrsim.run_scenario(
             file, output, values or (), models=models or (), resume=resume, threads=threads, pictures=pictures,
             force=force, bar=_bar(quiet or as_json), warn=_warn(quiet),
         )  # fmt: skip
@@ -99,9 +98,7 @@ def study(
 ) -> None:
     """Run a scenario many times with some keys varied; start it again and only what is missing runs."""
     with reporting_errors(as_json):
-        from wrsim.api.studies import run_study
-
-        found = run_study(
+        found = wrsim.run_study(
             file, output, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, retry=retry, dry_run=dry_run,
             models=models or (), pictures=pictures, force=force, **_progress(quiet or as_json),
         )  # fmt: skip
@@ -138,9 +135,7 @@ def type_test(
     Start it again and only what is missing runs. The exit code is 4 where a limit is exceeded.
     """
     with reporting_errors(as_json):
-        from wrsim.api.studies import run_type_test
-
-        found = run_type_test(
+        found = wrsim.run_type_test(
             file, output, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, retry=retry, dry_run=dry_run,
             models=models or (), force=force, **_progress(quiet or as_json),
         )  # fmt: skip
@@ -173,9 +168,7 @@ def wear(
 ) -> None:
     """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on."""
     with reporting_errors(as_json):
-        from wrsim.api.studies import run_wear
-
-        found = run_wear(
+        found = wrsim.run_wear(
             file, output, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, models=models or (),
             pictures=pictures, force=force, **_progress(quiet or as_json),
         )  # fmt: skip
@@ -206,9 +199,7 @@ def compare_command(
 ) -> None:
     """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""
     with writing_files(as_json, force, file):
-        from wrsim.api.runs import compare
-
-        found = compare(
+        found = wrsim.compare(
             file, contact, reference, output or Path("results") / f"{file.stem}_compared", models=models or (),
             pictures=pictures, bar=_bar(quiet or as_json), warn=_warn(quiet),
         )  # fmt: skip
@@ -239,9 +230,7 @@ def resolve_command(
 ) -> None:
     """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model."""
     with reporting_errors(as_json):
-        from wrsim.api.runs import resolve
-
-        found = resolve(
+        found = wrsim.resolve(
             result, contact, output, at=at or (), wheelset=wheelset, same=same, models=models or (),
             pictures=pictures, force=force, bar=_bar(quiet or as_json),
         )  # fmt: skip

@@ -7,12 +7,15 @@ from typing import Annotated
 
 import typer
 
+import wrsim
+from wrsim.api.outcome import Outcome
 from wrsim.cli import options
-from wrsim.cli.console import print_error, print_json, print_lines, print_numbers, print_outcome
-from wrsim.cli.errors import reporting_errors, writing_files
+from wrsim.cli.console import print_error, print_json, print_lines, print_numbers
+from wrsim.cli.errors import reporting_errors
 from wrsim.register import ANALYSES, FILES
 
 
+@options.writing()
 def new(
     kind: Annotated[
         str,
@@ -31,14 +34,9 @@ def new(
         ),
     ] = None,
     output: Annotated[Path | None, options.into(metavar="FILE", help="Default: <KIND>.toml here.")] = None,
-    force: options.Force = False,
-    as_json: options.Json = False,
-) -> None:
+) -> Outcome:
     """Write a file to start from, which can be used as it is: a scenario that names all keys, or another kind."""
-    with writing_files(as_json, force):
-        from wrsim.api.data import new_file
-
-        print_outcome(as_json, new_file(kind, template, output))
+    return wrsim.new_file(kind, template, output)
 
 
 def check_command(
@@ -46,9 +44,7 @@ def check_command(
 ) -> None:
     """Check a scenario and all the files it names, without running it."""
     with reporting_errors(as_json):
-        from wrsim.api.runs import check
-
-        found = check(file, values or (), models or ())
+        found = wrsim.check(file, values or (), models or ())
         print_numbers(as_json, found.numbers, found.tables)
         for words in [] if as_json else found["warnings"]:
             print_error(f"{file}: warning: {words}")
@@ -67,9 +63,7 @@ def keys_command(
 ) -> None:
     """List the keys of a table: unit, what is allowed, default, other names, an example."""
     with reporting_errors(as_json):
-        from wrsim.api.data import keys
-
-        found = keys(section, file, schema)
+        found = wrsim.keys(section, file, schema)
         if as_json and not schema:
             print_json(found.numbers)
         else:
@@ -79,8 +73,6 @@ def keys_command(
 def warm_command(quiet: options.Quiet = False) -> None:
     """Compile ahead what runs and poses need, so that the first of them starts at once."""
     with reporting_errors(False):
-        from wrsim import warm
-
-        words = warm()
+        words = wrsim.warm()
         if not quiet:
             print_lines(words)
