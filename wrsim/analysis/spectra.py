@@ -11,11 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.signal import spectrogram
 
 from wrsim.analysis.assessment.filters import sampling_rate
-from wrsim.analysis.ride import spectrum, stretch_of, third_octaves
+from wrsim.analysis.ride import Array, spectrum, stretch_of, third_octaves
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.checking import check_section
 from wrsim.results import CHANNELS, Result
@@ -23,7 +22,6 @@ from wrsim.results.spectra import ORDERS
 from wrsim.results.wheelsets import fast_of
 from wrsim.scenario.sections.run import StretchTable
 
-Array = NDArray[np.float64]
 LEAST_LINES = 16  # samples of a piece of the spectrogram at least
 
 

@@ -9,15 +9,12 @@ from importlib.resources import files
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-from wrsim.contact.settings import ContactSettings
+from wrsim.contact.settings import Array, ContactSettings
 from wrsim.core.contact.strips.influence import HIGHEST, INNER, LOWEST, OUTER, RISE, SHARP, STEPS, STEPS_BESIDE
 from wrsim.geometry.profile.distance_field import DistanceField, distance_field
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rolled_rail import RolledRail, station_fields
-
-Array = NDArray[np.float64]
 
 TABLE_STEP = 0.1e-3  # of the profile tables [m]
 

@@ -14,17 +14,14 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.path import Path
-from numpy.typing import NDArray
 
 from wrsim.plots import gallery
 from wrsim.plots.marks import few_ticks, minus, stop_note
 from wrsim.plots.moments import PatchAt, choose_moments, select, select_elements, touching_runs
 from wrsim.plots.theme import INK, QUIET, WHEEL_COLOUR, pressure_map, shown
 from wrsim.results import CHANNELS
-from wrsim.results.moments import sample_of
+from wrsim.results.moments import Array, sample_of
 from wrsim.results.table import formatted
-
-Array = NDArray[np.float64]
 
 ACROSS = 49  # points along each strip of the raster
 NEAR_EDGE = np.array([0.0, 0.05, 0.2, 0.5])

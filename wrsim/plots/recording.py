@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from wrsim.plots.marks import panels
 from wrsim.plots.theme import CANT_COLOUR, INK, TWO_COLUMNS, WHEEL_COLOUR, full_width
 from wrsim.recording.restoring import Restored
 from wrsim.results.channels import WHEELS
+from wrsim.results.moments import Array
 
-Array = NDArray[np.float64]
 KINDS = ("curvature", "cant", "twist", "gauge", "gauge_deviation", "alignment", "level")
 
 

@@ -8,10 +8,10 @@ from functools import partial
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from wrsim.plots.marks import panels
 from wrsim.plots.theme import GROUP_LINE, GROUP_MARK, SERIES_COLOURS
+from wrsim.results.moments import Array
 from wrsim.results.ride import Ride
 
 DIRECTIONS = {"x": "longitudinal", "y": "lateral", "z": "vertical"}
@@ -23,7 +23,6 @@ PICTURES = {
 """Variables, label, least frequency drawn [Hz], decades drawn beneath the highest value, size of the marks; the rms of
 third-octaves is a root of density."""
 
-Array = NDArray[np.float64]
 Rides = Mapping[str, Ride]
 """By the names of their runs."""
 

@@ -15,11 +15,9 @@ from wrsim.plots.marks import jumps
 from wrsim.plots.theme import INK, SERIES_COLOURS, WHEEL_COLOUR, shown
 from wrsim.results import CHANNELS
 from wrsim.results.channels import PATCHES
-from wrsim.results.moments import is_history
+from wrsim.results.moments import Array, is_history
 from wrsim.results.table import quantity
 from wrsim.results.wheelsets import numbered, wheelsets, worst_wheelset
-
-Array = NDArray[np.float64]
 
 PIECES = 400  # pieces that a history is cut into; each gives two points
 

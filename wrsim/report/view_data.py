@@ -24,15 +24,13 @@ from wrsim.plots.wear import LAW_WORDS
 from wrsim.report.page import page_template
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import PATCHES
-from wrsim.results.moments import has_patches, is_history, moment_dim, sample_of
+from wrsim.results.moments import Array, has_patches, is_history, moment_dim, sample_of
 from wrsim.results.summary import events, has_wear
 from wrsim.results.table import quantity
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
-
-Array = NDArray[np.float64]
 
 MOST_SAMPLES = 20000  # samples that a page holds; of longer runs every second, third, ... one
 SECTIONS = 240  # places, evenly spread, at which wheels are drawn on their rails

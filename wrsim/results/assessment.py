@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 
 from wrsim.results.channels import SHOWN, Shown
 from wrsim.results.files import as_csv, as_json
+from wrsim.results.moments import Array
 from wrsim.results.rules import Limit, Quantity, RulesFile
 from wrsim.results.table import Cell, Column, Table, as_rows, finite, formatted, quantity
 
 if TYPE_CHECKING:
     import xarray as xr
-
-Array = NDArray[np.float64]
 
 Influence = Literal["cant_deficiency", "curvature", "speed"]
 """What the sections of a class differ in, by which values are estimated."""

@@ -17,14 +17,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from wrsim.results.moments import Array
 from wrsim.results.summary import summarise_contacts
 from wrsim.results.table import Column, Table, finite, formatted, quantity
 from wrsim.results.tables import Row, csv_of_contacts, wide
 from wrsim.results.wheelsets import of_wheelset, wheelsets
-
-Array = NDArray[np.float64]
 
 CONTACT_DISTANCE = 1.5  # 2 e, between the contact points of both wheels by EN 15302 [m]
 

@@ -69,7 +69,6 @@ def csv_of_overturning(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
 def overturning_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
     """One line a wind."""
     names = f"ΔQ/Q₀ {UNLOADING:g}", "lifts", "overturns"
-    names = f"ΔQ/Q₀ {UNLOADING:g}", "lifts", "overturns"
     heads = (Column("wind", "m/s", "g"), *(Column(name, "km/h", ".1f") for name in names), Column("first"))
     rows = [tuple("-" if value is None else value for value in limits.values()) for limits in summary["limits"]]
     radius, cant = dataset["pose_radius"].values[0], 1e3 * dataset["pose_cant"].values[0]

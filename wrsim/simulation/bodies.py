@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.core.body import rigid_body as kernel
+from wrsim.vehicle.elements import Array
 from wrsim.vehicle.vehicle import MountedWheelset, Vehicle
 from wrsim.vehicle.wheelset import Wheelset
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from wrsim.contact.workspace import WARM_TOLERANCE
 from wrsim.core.body import derivative as k
+from wrsim.vehicle.elements import Array
 
-Array = NDArray[np.float64]
 Groups = Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]
 """Groups of places (n,) that may be changed at once, each of which acts on its own row of places (n, m) alone."""
 

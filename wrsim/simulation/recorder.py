@@ -20,14 +20,13 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter, ValidationError
 
 from wrsim.errors import InputError
 from wrsim.results.files import LARGE, plain_disk_errors
 from wrsim.results.run_file import Header, Record, RunFile, records_of, run_header
+from wrsim.vehicle.elements import Array
 
-Array = NDArray[np.float64]
 Cause = Literal["", "monitor", "interrupt", "not-finite", "forces", "cut-off"]
 
 FLUSH_INTERVAL = 0.5

@@ -20,9 +20,8 @@ from wrsim.errors import InputError
 from wrsim.geometry.track.beams import bending_matrices
 from wrsim.inputs.section import Section
 from wrsim.inputs.values import List, number, positive
+from wrsim.vehicle.elements import Array
 from wrsim.vehicle.flexible import Modes
-
-Array = NDArray[np.float64]
 
 ELEMENT = 0.02
 """Longest element [m]; of a shaft 0.16 m thick it adds less than 0.01 % to the first six frequencies."""

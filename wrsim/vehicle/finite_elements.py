@@ -6,16 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.io import mmread
 from scipy.linalg import eigh
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import ArpackError, eigsh
 
 from wrsim.errors import InputError
+from wrsim.vehicle.elements import Array
 from wrsim.vehicle.flexible import PointModes
-
-Array = NDArray[np.float64]
 
 RIGID = 6
 """Motions of a free body without deformation."""

@@ -19,8 +19,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.mode_tables import of_modes, read_mode_table
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import number, positive, text
-
-Array = NDArray[np.float64]
+from wrsim.vehicle.elements import Array
 
 _Frequency = Annotated[float, positive(1500, "Hz")]
 _Damping = Annotated[float, number(0, 1, "of critical")]

@@ -14,11 +14,9 @@ from math import hypot, inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.vehicle.elements import Element
+from wrsim.vehicle.elements import Array, Element
 from wrsim.vehicle.preload import WORDS, Preload, motions, preloads
 from wrsim.vehicle.vehicle import Body, MountedWheelset, Vehicle
-
-Array = NDArray[np.float64]
 
 RIGID_UP_TO = 100.0
 """Frequency [Hz] above which no body of a railway vehicle is rigid: frames and car bodies bend at 8 to 50 Hz, wheelsets

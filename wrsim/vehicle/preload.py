@@ -13,13 +13,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
-from wrsim.vehicle.elements import BilinearSpring, Element, Triple
+from wrsim.vehicle.elements import Array, BilinearSpring, Element, Triple
 from wrsim.vehicle.vehicle import Body, Vehicle
-
-Array = NDArray[np.float64]
 
 WORDS = ("along x", "along y", "vertically", "in roll", "in pitch", "in yaw")
 PITCH = WORDS.index("in pitch")

@@ -8,9 +8,8 @@ from itertools import pairwise
 from math import inf, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from wrsim.vehicle.elements import Array
 
 Row = tuple[float, float]
 

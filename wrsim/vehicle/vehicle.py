@@ -13,16 +13,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.inputs.notebook import card
 from wrsim.vehicle.axle import AxleModes, Disc
-from wrsim.vehicle.elements import GUIDE, TRACK, ZERO, Element, Spring, Triple
+from wrsim.vehicle.elements import GUIDE, TRACK, ZERO, Array, Element, Spring, Triple
 from wrsim.vehicle.flexible import Modes
 from wrsim.vehicle.loads import CarriedMass, Drive, Effort, GearedMotor, Load, Payload, SlipControl
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

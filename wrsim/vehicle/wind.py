@@ -17,12 +17,12 @@ from dataclasses import dataclass, replace
 from math import cos, sin
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from wrsim.vehicle.elements import Array
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle
 
-Array = NDArray[np.float64]
 GUST_FACTOR = 1.6946  # largest over mean wind
 STEP = 0.5  # between places along the track at which the force is given [m]
 ARM = 1.0  # half the distance of the couple of vertical forces [m]

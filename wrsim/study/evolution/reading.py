@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
@@ -20,11 +19,9 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.study.axes import AxisPoints, axis_points
-from wrsim.study.evolution.stages import STAGES
+from wrsim.study.evolution.stages import STAGES, Array
 from wrsim.study.plan import Plan, StudyInput, with_cases
 from wrsim.study.spec import CasesSection, CsvAxis, EvolutionFile, OutputsSection
-
-Array = NDArray[np.float64]
 
 SHARE = "share"
 """Column of the table of cases."""

@@ -26,7 +26,6 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AliasChoices, ConfigDict, Field, FiniteFloat, TypeAdapter, ValidationError
 
 from wrsim.errors import InputError, SimulationError
@@ -38,12 +37,11 @@ from wrsim.results.files import as_json
 from wrsim.results.table import formatted, quantity
 from wrsim.study.engine import missing
 from wrsim.study.evolution.reading import Evolution
-from wrsim.study.evolution.stages import tableau
+from wrsim.study.evolution.stages import Array, tableau
 from wrsim.study.plan import Plan
 from wrsim.study.task import COMPLETED, RESULT, read_marker
 from wrsim.timing import timed
 
-Array = NDArray[np.float64]
 Work = Callable[[Plan, Sequence[int]], None]
 """Writes a plan into its folder and runs some of its cases to their markers."""
 
