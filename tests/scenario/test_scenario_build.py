@@ -256,6 +256,8 @@ def test_what_is_set_in_text_or_by_name_is_in_the_whole_vehicle_or_train() -> No
     )
     assert [b.mass for b in changed.bodies if b.name.endswith("carbody")] == [40_000.0] * 3
     assert not any(member.driven for member in changed.members)
+    tram = load(SCENARIOS / "tram_car_r25.toml").with_values({'vehicle.frame."frame".mass_kg': 2000})
+    assert [b.mass for b in vehicle_of(tram).bodies[1:]] == [2000.0] * 2  # a body of the name of its part
 
 
 @pytest.mark.parametrize(("key", "words"), table("a_mistake_in_set_is_named_as_such"))

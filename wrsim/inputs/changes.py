@@ -21,7 +21,7 @@ def key_path(dotted_key: str) -> KeyPath:
         raise InputError(f"key {dotted_key!r:.60}: must be a text like track.segments[2].radius_m")
     path: list[str | int] = []
     for part in dotted_key.split("."):
-        name, *places = part.replace("]", "").split("[")
+        name, *places = part.replace("]", "").replace('"', "").split("[")
         path.append(name)
         if not all(place.isdecimal() for place in places) or not name:
             raise InputError(f"key {shown_value(dotted_key)}: must be written like track.segments[2].radius_m")
@@ -91,7 +91,13 @@ def _entry(data: list[Any], part: str | int, done: KeyPath) -> int:
         of = f"the names are {', '.join(known)}{suggest(part, known)}" if known else "entries are numbered from 0"
         raise InputError(f"{dotted((*done, part))}: {dotted(done)} has no one entry '{part}'; {of}")
     if int(part) >= len(data):
-        words = f"there are {len(data)}, [0] to [{len(data) - 1}]" if data else "it is empty"
+        words = (
+            f"there are {len(data)}, [0] to [{len(data) - 1}]"
+            if data[1:]
+            else "there is [0]"
+            if data
+            else "it is empty"
+        )
         raise InputError(f"{dotted((*done, part))}: there is no such entry; {words}")
     return int(part)
 
@@ -100,8 +106,8 @@ def _named(tree: dict[str, Any], name: str, done: KeyPath, rest: KeyPath) -> Key
     """The way from a table to the one table of a name that lies in it, however deep; rest: of the key, behind it."""
     known = list(_tables(tree, ()))
     ways = [way for own, way in known if own == name]
-    if len(ways) == 1:
-        return ways[0]
+    if ways and all(way[: len(ways[0])] == ways[0] for way in ways):
+        return ways[0]  # the others lie in it
     inside = f" in {dotted(done)}" if done else ""
     if ways:
         full = " and ".join(dotted((*done, *way)) for way in ways)
@@ -110,6 +116,7 @@ def _named(tree: dict[str, Any], name: str, done: KeyPath, rest: KeyPath) -> Key
     listed = shortened(", ".join(names or tree), 300)
     near, known_words = suggest(name, [*names, *tree]), f"there is {listed or 'no table'}"
     whole = f"; a new table is given as a whole, such as {dotted((*done, name))}={{{dotted(rest)} = ...}}"
+    whole = f"; it is a place of '{tree['part']}', whose tables all its places share" if "part" in tree else whole
     raise InputError(f"there is no '{name}'{inside}{near}; {known_words}{whole if done and not near else ''}")
 
 
