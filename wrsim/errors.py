@@ -4,8 +4,6 @@ Every message is written for the person who meets it: it names the file, the key
 and what is allowed. The command line prints the message alone, without a traceback.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from difflib import get_close_matches
 from functools import lru_cache

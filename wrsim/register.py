@@ -5,8 +5,6 @@ register. A new analysis is a table of the scenario (``scenario.sections``), a f
 summary and tables (``results``), its pictures (``plots``), and one entry here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module

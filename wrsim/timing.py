@@ -1,7 +1,5 @@
 """What a command does, part after part, and how long each takes: records of the logger ``wrsim.timing``, for ``-v``."""
 
-from __future__ import annotations
-
 import logging
 import time
 from collections.abc import Callable, Iterator

@@ -7,8 +7,6 @@ where the contact has left the flank and passes the place of the flange's tip at
 there on friction alone holds the wheel up (TCRP Report 71, volume 5).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import atan

@@ -5,8 +5,6 @@ over its patches, and the angle of the largest one. Samples are those of the ref
 them in time.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass

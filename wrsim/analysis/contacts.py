@@ -1,7 +1,5 @@
 """Contact models for both wheels of a set-up, and the force law of its vehicle."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -6,8 +6,6 @@ rises until there is no rest any more; each rest is looked for from the one befo
 In runs the speed is halved into between one at which the vehicle comes through and one at which it does not.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import cos, sin

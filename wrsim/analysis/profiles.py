@@ -1,8 +1,6 @@
 """Profiles as workshops measure them, one row each: dimensions of wheels, head wear of rails, conicity and pressure of
 each on a common partner; distances of the active faces of wheelsets."""
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence

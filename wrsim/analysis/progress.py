@@ -1,7 +1,5 @@
 """Progress of an analysis whose steps take about as long as each other."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

@@ -8,8 +8,6 @@ of the wheelset, by the model of the run. Rates of the pose are left out: they a
 some thousandths of the force.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace

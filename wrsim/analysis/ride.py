@@ -15,8 +15,6 @@ vertically and Wd horizontally (EN 12299); ISO 2631-1 has Wk vertically instead 
 Signals are weighted in the frequency domain, with the analogue H itself: no warping near half the sampling rate.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf, pi
 from typing import Literal

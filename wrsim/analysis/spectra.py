@@ -5,8 +5,6 @@
 times that of the channel.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

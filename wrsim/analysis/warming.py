@@ -1,7 +1,5 @@
 """Compiling ahead: short runs and poses with every contact model that is made of kernels."""
 
-from __future__ import annotations
-
 import time
 
 from wrsim.analysis import run

@@ -1,7 +1,5 @@
 """``wrsim assess``, ``ride``, ``spectra``, ``conicity``, ``vehicle``: runs by rule sets, comfort, profiles, rest."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

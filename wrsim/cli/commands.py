@@ -3,8 +3,6 @@
 Commands import what they need when they run, so that ``wrsim --help`` answers at once.
 """
 
-from __future__ import annotations
-
 import gc
 import sys
 from typing import Annotated

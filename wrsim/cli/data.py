@@ -1,7 +1,5 @@
 """``wrsim profile``, ``track``, ``recording``, ``export``, ``fmu``: data from and for other programs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -13,8 +13,6 @@ The message goes to stderr, with ``--json`` one JSON object to stdout.
 ==== ==================================================================
 """
 
-from __future__ import annotations
-
 import errno
 import os
 import sys

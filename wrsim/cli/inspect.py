@@ -1,7 +1,5 @@
 """``wrsim show``, ``plot``, ``report``, ``view``, ``diff``: results in numbers, pictures and pages."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Options and arguments that several commands take."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable
 from contextlib import ExitStack

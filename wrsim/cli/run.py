@@ -1,7 +1,5 @@
 """``wrsim run``, ``study``, ``wear``, ``compare``, ``resolve``: what computes results."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable
 from contextlib import AbstractContextManager

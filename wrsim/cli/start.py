@@ -1,7 +1,5 @@
 """``wrsim new``, ``check``, ``keys``, ``warm``: a scenario to start from, checked; kernels compiled ahead."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Many poses of one wheel on one rail in one compiled call, and the search for the height that carries a load."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Tables that the contact kernel computes with, made once: profiles, rails, bounds of the traction, Kalker's creep
 coefficients, a strip's influence."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib.resources import files

@@ -4,8 +4,6 @@ Entries of lists are counted from 0, or named by their ``name``. In model files 
 alone, wherever it lies, as long as there is one of that name.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

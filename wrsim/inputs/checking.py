@@ -1,7 +1,5 @@
 """All faults of one file in one InputError, a line each: where, what was found, what is allowed."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Callable, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tables in CSV files: a header with the unit in every column's name, then rows of numbers and names."""
 
-from __future__ import annotations
-
 import csv
 from collections import Counter
 from collections.abc import Mapping, Sequence

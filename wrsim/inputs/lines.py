@@ -1,7 +1,5 @@
 """Which line of a TOML file holds which key, so that a message can point at it."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from functools import lru_cache

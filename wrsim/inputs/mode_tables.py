@@ -1,7 +1,5 @@
 """Tables of modes of vibration: CSV files with a row for every mode at every place."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple

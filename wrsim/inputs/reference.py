@@ -1,7 +1,5 @@
 """What a file may hold, by its sections: tables of keys for people, and a JSON schema for editors."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 import re

@@ -8,8 +8,6 @@ pydantic checks the fields; on top of it a Section
   is not reported missing as well).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from inspect import signature

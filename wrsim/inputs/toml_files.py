@@ -1,7 +1,5 @@
 """TOML files in and out, with errors for the person who wrote them."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -8,8 +8,6 @@ Limits and an example are beside the type::
 ``{each}`` in one is replaced by the words of an entry.
 """
 
-from __future__ import annotations
-
 import datetime
 import math
 import types

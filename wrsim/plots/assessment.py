@@ -1,7 +1,5 @@
 """Pictures of an assessment: used part of each limit, signals against distance, values estimated by influences."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import cycle, product

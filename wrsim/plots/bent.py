@@ -1,7 +1,5 @@
 """The picture of what bends: rails on sleepers or a bridge, and elastic axles, at the largest vertical force."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Distances to climb over the angle of attack."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from itertools import cycle

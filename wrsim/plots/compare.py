@@ -1,7 +1,5 @@
 """Results side by side: patches of contact models, their values and differences; histories over each other."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import cycle, islice

@@ -1,8 +1,6 @@
 """Rolling radius difference, contact points and angles over the lateral shift; equivalent conicity over amplitude and
 gauge."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

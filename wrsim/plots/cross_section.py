@@ -3,8 +3,6 @@
 Axes are o (outward) and b (up) from the rail's profile origin; the field side is to the right on both wheels.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from typing import Any

@@ -5,8 +5,6 @@ both take picture after picture until all are drawn. What the second one does no
 met here, as they are without it.
 """
 
-from __future__ import annotations
-
 import ctypes
 import multiprocessing
 import os

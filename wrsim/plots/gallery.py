@@ -3,8 +3,6 @@
 With one or two moments and both wheels, every wheel gets a column of its own and the rows are for the patches.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product

@@ -1,7 +1,5 @@
 """Histories of a run against distance, of a wheelset or a vehicle, with the curvature and cant of the track beneath."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import cycle

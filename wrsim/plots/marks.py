@@ -1,7 +1,5 @@
 """What pictures write and draw alike: small words, ticks, entries of legends, lines with gaps, where a run stopped."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from math import ceil
 from typing import Any

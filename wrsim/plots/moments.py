@@ -1,7 +1,5 @@
 """Moments: snapshots of a run and poses of a static analysis; their titles, patches and strips; lines of poses."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from string import ascii_lowercase
 from typing import Any

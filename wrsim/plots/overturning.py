@@ -1,7 +1,5 @@
 """Unloading of wheels over the speed, and limits of the speed over the wind."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from itertools import cycle

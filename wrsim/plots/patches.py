@@ -3,8 +3,6 @@
 As Fig. 9 of the paper. Every patch is drawn with the field side to the right and equal scales on both axes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from functools import partial
 

@@ -1,7 +1,5 @@
 """The pictures that every analysis gets."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Pictures of a profile, with slope and curvature beneath, and of several over each other, with their measures."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import ceil
 from textwrap import shorten

@@ -1,7 +1,5 @@
 """Picture of a recorded track: what was measured, the design that was found, and what is left."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Pictures of a ride: power spectral densities and third-octaves of accelerations, one panel an axis."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 

@@ -1,7 +1,5 @@
 """The picture of a channel's spectra: power spectral density, third-octaves, and a spectrogram over the distance."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Root locus, damping and frequency of the modes over speed, and the bifurcation diagram of the limit cycles."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any

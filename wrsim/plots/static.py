@@ -1,7 +1,5 @@
 """Static analyses: contact quantities against lateral shift, a line for every yaw and load."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from itertools import cycle

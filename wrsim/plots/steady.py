@@ -1,7 +1,5 @@
 """Quasi-static forces and poses of every wheelset over the curves of a steady analysis."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from itertools import cycle

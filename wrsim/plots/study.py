@@ -3,8 +3,6 @@
 Only completed cases count; what derailed, or has no result, is marked where it lies.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import cycle

@@ -4,8 +4,6 @@ Colours are from Okabe and Ito's set: they differ with any common colour vision 
 is blue and the right one vermilion in every picture.
 """
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Pictures of a track: plan view; curvature, cant, gauge, height and irregularities against distance."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """A vehicle from the side, from behind and from above; loops of stationary tests of it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any

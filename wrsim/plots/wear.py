@@ -1,7 +1,5 @@
 """Pictures of wear: depths and rolling contact fatigue of a run; evolution of profiles, flange and conicity."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any

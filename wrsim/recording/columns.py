@@ -1,7 +1,5 @@
 """The columns of a recording: given by a TOML file beside the CSV, or guessed from their names."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from collections.abc import Iterator, Sequence

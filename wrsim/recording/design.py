@@ -8,8 +8,6 @@ ramp x > 0 under a Gaussian of deviation w is x Phi(x/w) + w phi(x/w). The forms
 the records, where a change of form along the line has its price.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """A recording: its columns in SI units and our signs, at even distances."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass

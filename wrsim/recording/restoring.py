@@ -4,8 +4,6 @@ The share of the design in a record is taken off before the record is inverted: 
 cant under one rail's level. Alignment of many cars is free of the curve already; the record itself shows whether it is.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

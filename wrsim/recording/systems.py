@@ -7,8 +7,6 @@ a third, the inverse fades to nothing. So no wave of the record, and none of its
 a filter fades over the wavelengths, the less far reaches the record's unknown continuation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

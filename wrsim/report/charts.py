@@ -1,7 +1,5 @@
 """Histories of one run or several as charts over one abscissa: numbers that the page's script draws."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """The report of one result or several: one page that needs nothing else."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import io

@@ -1,7 +1,5 @@
 """The reports of a study, one page about all its cases, and of a profile evolution."""
 
-from __future__ import annotations
-
 import shlex
 from collections import Counter
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Words and tables of a report: verdict, identity, assessment, peaks, contacts, wear, events. Nothing is drawn here."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import zip_longest

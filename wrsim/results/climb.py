@@ -1,7 +1,5 @@
 """Summary and table of an analysis of flange climbing."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -8,8 +8,6 @@ wheel reaches before its flange does (EN 14363:2016 [mem]; where the flange begi
 can be radial, beyond that it cannot.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import degrees

@@ -1,7 +1,5 @@
 """The labelled dataset of a Result: built from plain arrays, and checked against the register of channels."""
 
-from __future__ import annotations
-
 import platform
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from functools import cache

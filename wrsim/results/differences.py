@@ -1,7 +1,5 @@
 """Two results side by side: peaks, medians in full curves, and other numbers of their summaries."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence

@@ -4,8 +4,6 @@ MATLAB gets every channel with its dimensions, in SI units. The others get one w
 pose), a column for every channel of every wheelset, wheel, patch, body, point, ..., in units for readers.
 """
 
-from __future__ import annotations
-
 import io
 import logging
 import tempfile

@@ -1,7 +1,5 @@
 """The moments of which a result holds contact patches, snapshots of a run or poses; one patch as arrays."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

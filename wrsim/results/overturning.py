@@ -1,7 +1,5 @@
 """Summary and table of an analysis of overturning: the speeds at which limits are reached."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

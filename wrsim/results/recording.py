@@ -1,7 +1,5 @@
 """A track made of a recording, in numbers: its columns, how they were undone, its design."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Ride: what was evaluated of the accelerations at the points of a vehicle. Made by ``wrsim.analysis.ride``."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any

@@ -5,8 +5,6 @@ of this module with parameters of the file; ``About`` is what laws depend on. Ma
 itself, [pub] in a published source about it, [mem] from memory, to be confirmed against the text.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property

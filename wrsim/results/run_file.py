@@ -9,8 +9,6 @@ operating system at every record, the disk when the system writes them: after a 
 a whole record all the same.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

@@ -1,7 +1,5 @@
 """Which keys decide on the outputs of a study: rows of indices, as the study stores them, and their tables."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

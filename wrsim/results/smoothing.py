@@ -5,8 +5,6 @@ change well above the scatter of the points means that shape was smoothed away, 
 the drawing that noise was left.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Spectra of a channel: names of its parts, table and files. Made by ``wrsim.analysis.spectra``."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Summary and table of a steady analysis."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

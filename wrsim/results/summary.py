@@ -3,8 +3,6 @@
 Units are in the keys. Nothing here is filtered: these are raw peaks, not the quantities of EN 14363.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """The tables of a run or of poses: peaks of wheels and wheelsets, medians in full curves, energy, what happened."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """One wheelset, or the fast channels, out of the dataset of a result."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """From a Scenario to what the analyses take: vehicle, rails, track and contact. Units of files end here."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace

@@ -6,8 +6,6 @@ scenario is frictionless, and other pressures their usual creep forces where the
 the scenario's own choice.
 """
 
-from __future__ import annotations
-
 from typing import Any, get_args
 
 from wrsim.contact.settings import USUAL, Normal, Tangential

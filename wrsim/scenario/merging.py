@@ -1,7 +1,5 @@
 """A scenario that starts from another (``base``): the tables merged, and where each key came from."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass, field, replace
 from functools import reduce

@@ -1,7 +1,5 @@
 """What a scenario describes, and values that are allowed but most likely slips: wrong units, lost zeros."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A recorded track as files of a scenario: track, irregularities, and a scenario that runs on them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from pathlib import Path

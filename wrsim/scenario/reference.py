@@ -1,7 +1,5 @@
 """What the files of users may hold: their kinds, tables of keys for people, schemas for editors."""
 
-from __future__ import annotations
-
 import json
 from re import findall
 from textwrap import fill

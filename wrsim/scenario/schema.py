@@ -1,7 +1,5 @@
 """A scenario file as a whole: which tables there are and how they go together."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 

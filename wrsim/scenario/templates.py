@@ -1,7 +1,5 @@
 """Files to start from: scenarios with every key of an analysis, and copies of shipped files of the other kinds."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from textwrap import wrap
 from typing import Any

@@ -1,7 +1,5 @@
 """The vehicle of a scenario: its file with what the scenario changes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """The arrays of elastic bodies and axles for their kernel (``core.body.flexible``), and their attachments."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

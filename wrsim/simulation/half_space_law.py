@@ -1,7 +1,5 @@
 """The force law of a vehicle on its track with the contact forces of the exact half-space solver. Slow."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Newton's method within the implicit steps of generalised alpha: first guess, estimates, and failure."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

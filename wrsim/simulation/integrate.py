@@ -4,8 +4,6 @@ A run is a sequence of segments of ``SEGMENT`` steps with checkpoints between th
 and the states of law and monitor alone. Which step is accurate, or stable: ``step_size``.
 """
 
-from __future__ import annotations
-
 import signal
 import threading
 import time

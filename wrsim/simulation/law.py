@@ -1,8 +1,6 @@
 """Force laws of a vehicle on its track: suspension, gravity, drive and all contacts in one compiled call; the same on
 conical wheels with a prescribed creep law. With the exact contact solver: ``half_space_law``."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any

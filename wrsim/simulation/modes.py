@@ -1,8 +1,6 @@
 """Small motions about a state: mass, damping and stiffness matrices, state matrix; natural modes of a vehicle on its
 springs with its wheelsets fixed, and names of modes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

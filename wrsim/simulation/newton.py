@@ -1,7 +1,5 @@
 """Equations of equilibrium: damped Newton's method, a bracketing search, and pseudo-transient continuation."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 

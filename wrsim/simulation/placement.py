@@ -1,7 +1,5 @@
 """States and poses on a track: of a wheelset; of a whole vehicle in its design position."""
 
-from __future__ import annotations
-
 from cmath import exp, phase
 from math import asin
 from typing import NamedTuple

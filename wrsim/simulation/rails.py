@@ -1,7 +1,5 @@
 """Rails on sleepers under a vehicle: a window of them that travels along with it, and their part in every step."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

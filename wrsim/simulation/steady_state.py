@@ -5,8 +5,6 @@ From a design position (`simulation.placement`) ``lower_on_rails`` lowers the wh
 of rest. All states are at the time 0, with the vehicle's origin at the start of its law.
 """
 
-from __future__ import annotations
-
 from cmath import exp, phase
 from dataclasses import dataclass
 from functools import partial

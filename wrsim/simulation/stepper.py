@@ -1,7 +1,5 @@
 """A vehicle that another program moves on step by step: test benches, control in the loop, co-simulation."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 

@@ -6,8 +6,6 @@ calls the force law. This is the only file that imports Exudyn: quietly, and the
 (``sys.exudynFast = False`` gives the one that checks ranges; the tests use it).
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

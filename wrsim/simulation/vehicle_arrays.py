@@ -1,8 +1,6 @@
 """The arrays of a vehicle on its track for its kernel, in the order of ``core.body.vehicle_forces``, and the places of
 all unknowns in its state."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, get_args
 

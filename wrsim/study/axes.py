@@ -1,7 +1,5 @@
 """The values of an axis of a study."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

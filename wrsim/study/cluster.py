@@ -4,8 +4,6 @@ Whoever can talk to a scheduler or a worker can let it execute anything, and the
 TLS, and each shows a certificate (docs/user/security.md).
 """
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import os

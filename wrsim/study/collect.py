@@ -1,7 +1,5 @@
 """One dataset of all cases that have come to an end."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Workers for a study, and the cases that they are given; all that lasts is in the folders of the cases."""
 
-from __future__ import annotations
-
 import logging
 import secrets
 import time

@@ -1,7 +1,5 @@
 """How long the cases of a study will take."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """The numbers that a study keeps of one result."""
 
-from __future__ import annotations
-
 import hashlib
 import importlib.util
 import symtable

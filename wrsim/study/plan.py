@@ -5,8 +5,6 @@ a case keeps its name, and its result, when other values are added to the study,
 is edited.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

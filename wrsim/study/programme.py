@@ -1,7 +1,5 @@
 """The file of a type test: vehicle states, runs on track that is made for them, stationary tests, a rule set."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ Numbers of keys d, samples n. Designs are rows of numbers between 0 and 1, which
 - regression: a Latin hypercube of n cases. Standardised coefficients of a linear fit, intervals by Student's t.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """The files of a study and of profile evolution: a base scenario, its cases, what is stored of them."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator

@@ -8,8 +8,6 @@ A case that takes too long is ended by its progress function; one that does not 
 watchdog that ends the process. Who is handed the case next finds the watchdog's note.
 """
 
-from __future__ import annotations
-
 import faulthandler
 import os
 import platform

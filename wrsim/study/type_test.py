@@ -1,7 +1,5 @@
 """The verdict of a type test: every clause in every state, from the runs that have come to an end."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -4,8 +4,6 @@ Inside of a part, names refer to its own bodies or to those of the parts around 
 ``place.name`` (``front.frame``). Repeated elements get names of their own: ``primary leading left``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath

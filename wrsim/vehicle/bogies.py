@@ -1,7 +1,5 @@
 """The bogies of a vehicle: which body holds which wheelsets; the level of suspension of a body."""
 
-from __future__ import annotations
-
 from collections.abc import Container, Iterator
 from dataclasses import dataclass
 from typing import Literal

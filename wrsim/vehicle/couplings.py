@@ -4,8 +4,6 @@ Each gear (draw gear, buffer) is a spring along the line between two hinges, one
 only. Both neighbours have the same gear, and these lie in series: a coupling gives way twice as far as one of them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, NamedTuple
 

@@ -5,8 +5,6 @@ A new kind is a subclass of `ElementTable` and an entry in ``AnyElementTable``. 
 function in ``core.body.suspension``.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

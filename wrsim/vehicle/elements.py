@@ -5,8 +5,6 @@ position: x forward, y left, z up above the rails. The axes of an element are th
 on the second one. The keys of vehicle files: ``element_tables``; the forces: ``core.body.suspension``.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field

@@ -1,7 +1,5 @@
 """Modes of a free body from its finite element matrices: Matrix Market files, or Exudyn's ``FEMinterface``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,8 +1,6 @@
 """Tables [[wheelset.out_of_round]] of vehicle files and [[vehicle.out_of_round]] of scenarios, and the files they name:
 measured radii over the angle, sections of a wheel at angles."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal

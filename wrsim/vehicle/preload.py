@@ -6,8 +6,6 @@ moves. A preload in the file is part of f, and its spring not of K. Masses that 
 bodies. The preload also gives the normal forces of friction elements.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple

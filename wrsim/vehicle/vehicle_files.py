@@ -5,8 +5,6 @@ A file with bodies, parts, elements or [wheelsets] is assembled from its parts; 
 docs/user/vehicles.md and docs/user/trains.md for the formats.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

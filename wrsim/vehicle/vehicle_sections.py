@@ -1,7 +1,5 @@
 """Tables of vehicle and train files: bodies, wheelsets, elements, parts and their places, in the user's units."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 

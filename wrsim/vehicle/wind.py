@@ -11,8 +11,6 @@ square root of (integral S dn over integral n^2 S dn), S von Karman's spectrum w
 1 Hz. What a vehicle feels is the mean over its length.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import cos, sin
 

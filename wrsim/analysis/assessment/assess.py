@@ -1,7 +1,5 @@
 """From results to their assessment: filtered signals, their values section by section, limits."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import inf

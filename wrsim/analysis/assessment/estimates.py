@@ -16,8 +16,6 @@ Source of bounds for one more observation: any text on linear regression, such a
 Analysis (1998), section 3.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import get_args

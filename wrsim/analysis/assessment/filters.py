@@ -9,8 +9,6 @@ instability criterion would take 10 % off f0 itself.
 Sliding values are integrals over distance, exact for a signal that is linear between its samples.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import atan, pi, tan
 

@@ -1,7 +1,5 @@
 """Flange climbing: Nadal's limit, from the friction and the flange's angle of a run, and how far it is exceeded."""
 
-from __future__ import annotations
-
 from math import degrees, radians, tan
 from typing import Any
 

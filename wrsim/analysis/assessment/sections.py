@@ -9,8 +9,6 @@ A full curve shorter than a section is one section, marked as short. What change
 between two curves.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import groupby, pairwise
 from typing import Any

@@ -4,8 +4,6 @@ Ride characteristics are of points on car bodies, instability also of bogie fram
 distance of the vehicle's reference body.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 

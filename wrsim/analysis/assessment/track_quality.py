@@ -5,8 +5,6 @@ deviation and by the largest value; EN 14363, annex M, a band TL90 of the standa
 acceptance run should lie. The numbers come from a program that cites them [mem].
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -18,8 +18,6 @@ and the equivalent conicity at the amplitude (y2 - y1) / 2 is that of Klingel's 
 No time steps, no tolerance: the quadrature is the exact solution for the piecewise linear Delta r given.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

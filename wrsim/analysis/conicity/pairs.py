@@ -1,7 +1,5 @@
 """The conicity of profiles that are named: two wheels on two rails, or a map over gauges and folders of profiles."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace

@@ -15,8 +15,6 @@ are simplest there: a conical wheelset on rails with sharp edges has exactly the
 The wheelset's centre is shifted by less, R phi, when it rolls: see `RigidContact.centre_shift`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Channels from sampled states: bodies, points, frames, the track under a wheelset, energies, couplings."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

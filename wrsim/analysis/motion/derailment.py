@@ -8,8 +8,6 @@ They lie in geometry rather than in forces: neither an impact nor a lost contact
 And what acts on a vehicle as a whole: how hard it is pushed aside, and whether that would overturn it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

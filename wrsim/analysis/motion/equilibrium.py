@@ -1,7 +1,5 @@
 """Equilibrium: a vehicle at rest on its track, without friction."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

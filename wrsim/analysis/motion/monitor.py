@@ -6,8 +6,6 @@ are no distance. An overlap of wheel and rail beyond what any contact law covers
 a step.
 """
 
-from __future__ import annotations
-
 import logging
 from dataclasses import replace
 

@@ -5,8 +5,6 @@ starts from those of the sample before, and ends with the same). Strips are stor
 largest Y/Q of each wheel.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A run along the track: time integration at speed, from steady motion at the start."""
 
-from __future__ import annotations
-
 import logging
 from contextlib import closing, nullcontext, suppress
 from dataclasses import replace

@@ -1,8 +1,6 @@
 """The steady motion that a run starts from: rolling straight, or curving with all poses held; in a transition, where
 nothing is steady, the motion that the vehicle has come to along its track from straight."""
 
-from __future__ import annotations
-
 import logging
 from contextlib import suppress
 from dataclasses import replace

@@ -4,8 +4,6 @@ What a `Stepper` computes in is packed into the unit's library with the kernels 
 it needs no Python when it runs, and gives the bits of the `Stepper`.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json

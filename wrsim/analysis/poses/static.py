@@ -1,7 +1,5 @@
 """Poses at prescribed vertical loads: static analysis of a wheel or a wheelset; tables of contacts for other codes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

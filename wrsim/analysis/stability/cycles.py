@@ -7,8 +7,6 @@ From below: at the same speeds, a small shift of the wheelsets that run straight
 When the speed falls by d all bodies lose d and the axles d over their radius: nothing but the speed changes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal

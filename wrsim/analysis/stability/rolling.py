@@ -4,8 +4,6 @@ Modes are eigenvalues of the state matrix about steady rolling on straight track
 nothing depends, are left out, so that no eigenvalue is zero by nature.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The stability analysis of a scenario, from its set-up to its result."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A vehicle at rest in numbers: mass, wheel loads, modes, sway, unloading on twisted track, rotation of bogies."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import asin, degrees

@@ -5,8 +5,6 @@ turntable turns as far as a curve of small radius does, while the other wheelset
 radius and rates are from memory of the standard [mem].
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import asin, radians
 

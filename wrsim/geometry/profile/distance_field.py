@@ -4,8 +4,6 @@ The field is a guide, not a measure: the search corrects every point that matter
 the steel, and holds the arclength of the nearest rail point as well.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 The kind that starts from another profile is in `wrsim.geometry.profile.models`, which reads all of them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal

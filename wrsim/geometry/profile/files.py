@@ -4,8 +4,6 @@ Exact points (designs, exported splines) are interpolated, measured ones smoothe
 the shape: steps back, zig-zags, gaps and crossings are refused with their line.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path

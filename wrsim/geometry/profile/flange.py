@@ -1,7 +1,5 @@
 """Dimensions of a wheel: flange thickness Sd, height Sh, qR for its steepness (EN 15313, UIC 510-2); tread hollow."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import degrees, radians
 

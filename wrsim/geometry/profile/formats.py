@@ -4,8 +4,6 @@ A `Scan` holds what is in the file, in the file's own units and axes; `wrsim.geo
 profile. What is read of each format: docs/user/profiles.md.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -4,8 +4,6 @@ Both profiles are upright and in the same axes: a scan is laid on the unworn rai
 web, foot), as instruments do; it is not moved here.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

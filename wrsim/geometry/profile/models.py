@@ -4,8 +4,6 @@ The TOML file names the body (wheel or rail), its source and the kind of its sha
 docs/user/profiles.md); the kind that starts from another profile is here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextvars import ContextVar
 from pathlib import Path

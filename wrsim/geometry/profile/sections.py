@@ -7,8 +7,6 @@ A section is a smooth curve r(t), t from ``start`` to ``end`` in the direction o
 gives r, dr/dt, d2r/dt2 at t (n,), each (n, 2) with columns u, w.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache

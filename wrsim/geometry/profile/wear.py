@@ -12,8 +12,6 @@ smoothing Gaussian keeps the sum and puts no material back. A depth e takes off 
 from the area with the curvature smoothed alike, and one factor near 1 makes the total area the one lost.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

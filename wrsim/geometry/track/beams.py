@@ -16,8 +16,6 @@ Comput. Methods Appl. Mech. Eng. 2 (1973) 69); the pinned-pinned frequency of 60
 elements a bay.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

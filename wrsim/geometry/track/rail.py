@@ -8,8 +8,6 @@ profile origin and irregularities, and p' = A t + B n + C b, so that
 Its arclength is the integral of |p'|. The heading psi is not wrapped.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

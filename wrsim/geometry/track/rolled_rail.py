@@ -8,8 +8,6 @@ Stations along s have tables of the effective section, so close that cubics betw
 of a piece have equal steps of arclength from its anchor, whose row is the same in all tables; beyond its ends, and
 where it does not exist, its rows lie where no wheel comes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache

@@ -7,8 +7,6 @@ path tables spread the jump over one step. A vertical curve has half of its leng
 behind (docs/theory/track.md).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -13,8 +13,6 @@ at the nodes up to the next sleeper those of the rail; at the end of the last ba
 deflection and turn, laterally also the twist.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 

@@ -5,8 +5,6 @@ Densities are one-sided over the wave number W = 2 pi / wavelength, in m2/(rad/m
 the literature.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """[assessment]: what an assessment rests on besides the result."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Literal, get_args

@@ -1,7 +1,5 @@
 """[climb]: angles of attack and lateral forces under which a wheelset may climb its flange."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product

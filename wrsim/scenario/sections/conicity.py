@@ -1,7 +1,5 @@
 """[conicity]: at which amplitudes, and how the wheelset's shift is counted."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import degrees, radians
 from typing import Annotated, Any, Literal

@@ -1,7 +1,5 @@
 """[contact]: models and numbers of the wheel-rail contact; friction by contact angle, slip speed and place."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import pairwise
 from math import radians

@@ -1,7 +1,5 @@
 """[[track.irregularities]] and [[track.grades]]: where rails leave their designed place, how the line climbs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal

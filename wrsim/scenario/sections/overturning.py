@@ -1,7 +1,5 @@
 """[overturning]: a curve, and the wind, in which the speed is looked for at which a vehicle overturns."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any

@@ -1,7 +1,5 @@
 """[run], [output], [ride] and [wear]: where a run along the track goes, what is stored and what is evaluated of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal

@@ -1,7 +1,5 @@
 """[stability]: speeds of the linearised modes, and how limit cycles are looked for."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any

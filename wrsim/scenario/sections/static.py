@@ -1,7 +1,5 @@
 """[static]: poses of one wheel or of a wheelset, every combination of a grid or the rows of a CSV table."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product

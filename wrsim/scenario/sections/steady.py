@@ -1,7 +1,5 @@
 """[steady]: curves, cants and speeds at which the steady motion of a vehicle is looked for."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product

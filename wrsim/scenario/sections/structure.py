@@ -1,7 +1,5 @@
 """[track.structure]: what the rails rest on."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Literal

@@ -1,7 +1,5 @@
 """A table of a scenario that belongs to some analyses only, by the register."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """[track]: gauge, rails and the row of segments that the wheelset runs along."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Iterator

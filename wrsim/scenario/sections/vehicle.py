@@ -1,7 +1,5 @@
 """[vehicle]: which vehicle runs, how fast, and what differs from its file."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, Any, Literal

@@ -1,7 +1,5 @@
 """The air against the side of a vehicle, and [vehicle.wind]: wind along the track of a run."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from math import radians
 from typing import Annotated, Any, ClassVar, Literal

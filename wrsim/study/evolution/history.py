@@ -1,7 +1,5 @@
 """How wheels have worn: profiles, flange and conicity against the mileage, written and read again."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path

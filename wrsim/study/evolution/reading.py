@@ -1,7 +1,5 @@
 """A profile evolution, read and checked, and the plan of the cases of one step."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Sequence
 from copy import copy

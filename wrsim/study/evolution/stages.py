@@ -7,8 +7,6 @@ Mathematics 88, 1998) is stable for steps of 0.65 (s^2 - 1) over the fastest rat
 two steps of Heun's method have 4.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

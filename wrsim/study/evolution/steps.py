@@ -15,8 +15,6 @@ All wheels wear alike: by the mean over all wheels of the vehicle and over the c
 were turned round now and then.
 """
 
-from __future__ import annotations
-
 import contextlib
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
