@@ -219,6 +219,7 @@ def test_what_a_notebook_shows_of_objects_names_them_and_runs_nothing() -> None:
         (lambda pair: wrsim.contact_model(*pair, radius=460.0), "radius = 460"),
         (lambda pair: wrsim.contact_model("wheels/S1002.toml", pair[1], 0.46), "must be a Profile"),
         (lambda pair: wrsim.contact_model(*pair, 0.46, friction=-0.1), "friction = -0.1"),
+        (lambda pair: wrsim.contact_model(*pair, 0.46, friction=wrsim.Friction(0.3, -0.2)), "friction = -0.2"),
         (lambda pair: wrsim.contact_model(*pair, 0.46, friction="dry"), "friction = 'dry'"),
         (lambda pair: wrsim.contact_model(*pair, 0.46, {"strips": 30}), "not dict"),
         (lambda pair: wrsim.contact_model(*pair, 0.46, wrsim.ContactSettings(strips=-1)), "strips = -1"),

@@ -10,7 +10,7 @@ from wrsim.api.outcome import Outcome, as_result, as_scenario, folder_beside
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
-    from wrsim.api.outcome import Given
+    from wrsim.api.outcome import Given, Values
     from wrsim.scenario.loading import Scenario
 
 
@@ -89,7 +89,7 @@ def read_recording(
 
 
 def write_unit(
-    scenario: Scenario | str | Path, output: str | Path | None = None, values: Sequence[str] = (), *,
+    scenario: Scenario | str | Path, output: str | Path | None = None, values: Values = (), *,
     step: float = 1e-3, models: Sequence[str | Path] = (),
 ) -> Outcome:  # fmt: skip
     """Write the vehicle of a run as a co-simulation unit of FMI 3.0, for Linux; it needs no Python when it runs.
@@ -100,7 +100,7 @@ def write_unit(
         Of a run along the track, from whose start the unit starts.
     output : str or Path, optional
         The file; <name of the scenario's file>.fmu here unless given.
-    values : sequence of str
+    values : sequence of str, or mapping
         Keys to be changed, ``"vehicle.drive=free"``.
     step : float
         Of the integration [s]. models: as of `check`.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from wrsim.scenario.loading import Scenario
 
 Given: TypeAlias = "Result | str | Path"
+Values: TypeAlias = Sequence[str] | Mapping[str, Any]
 Bar: TypeAlias = Callable[[], AbstractContextManager[Any]]
 
 

@@ -20,21 +20,21 @@ from wrsim.api.outcome import (
 from wrsim.timing import timed
 
 if TYPE_CHECKING:
-    from wrsim.api.outcome import Bar, Given
+    from wrsim.api.outcome import Bar, Given, Values
     from wrsim.scenario.loading import Scenario
 
 log = logging.getLogger("wrsim.api")
 
 
-def check(scenario: Scenario | str | Path, values: Sequence[str] = (), models: Sequence[str | Path] = ()) -> Outcome:
+def check(scenario: Scenario | str | Path, values: Values = (), models: Sequence[str | Path] = ()) -> Outcome:
     """Check a scenario and all the files it names, without running it.
 
     Parameters
     ----------
     scenario : Scenario, str or Path
         A scenario or its file.
-    values : sequence of str
-        Keys to be changed, ``"vehicle.speed_kmh=60"``.
+    values : sequence of str, or mapping
+        Keys to be changed, ``"vehicle.speed_kmh=60"`` or ``{"vehicle.speed_kmh": 60}``.
     models : sequence of str or Path
         Folders with model files of your own.
 
@@ -63,7 +63,7 @@ def check(scenario: Scenario | str | Path, values: Sequence[str] = (), models: S
 
 
 def run_scenario(
-    file: str | Path, output: str | Path | None = None, values: Sequence[str] = (), *,
+    file: Scenario | str | Path, output: str | Path | None = None, values: Values = (), *,
     models: Sequence[str | Path] = (), resume: bool = False, threads: int | None = None, pictures: bool = True,
     force: bool = False, bar: Bar = no_bar, warn: Callable[[str], None] = log.warning,
 ) -> Outcome:  # fmt: skip
@@ -71,12 +71,12 @@ def run_scenario(
 
     Parameters
     ----------
-    file : str or Path
-        Scenario file.
+    file : Scenario, str or Path
+        A scenario or its file.
     output : str or Path, optional
         Folder; results/<name of the file> unless given.
-    values : sequence of str
-        Keys to be changed, ``"vehicle.speed_kmh=60"``. All others as of ``wrsim run``; bar, warn as of `run_study`.
+    values : sequence of str, or mapping
+        As of `check`. All others as of ``wrsim run``; bar, warn as of `run_study`.
 
     Returns
     -------
@@ -91,15 +91,15 @@ def run_scenario(
     from wrsim.analysis import exact_run_warning
     from wrsim.report.output_folder import run_into
     from wrsim.scenario.build import build
-    from wrsim.scenario.loading import load
     from wrsim.scenario.plausibility import warnings
 
-    path, directory = Path(file), results_folder(file, output)
     with timed("scenario read and checked"):
-        scenario = load(path, models).with_set(values)
+        scenario = as_scenario(file, models).with_set(values)
+    path = scenario.path or Path("scenario")
+    directory = results_folder(path, output)
     with timed("vehicle, track and profiles built"):
         setup = build(scenario)  # what cannot run leaves nothing behind
-    for words in (*(f"{file}: warning: {w}" for w in warnings(setup)), *exact_run_warning(setup)):
+    for words in (*(f"{path}: warning: {w}" for w in warnings(setup)), *exact_run_warning(setup)):
         warn(words)
     written = run_into(
         directory, scenario, setup, path, resume=resume, threads=threads, pictures=pictures, force=force, progress=bar()

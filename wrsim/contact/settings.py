@@ -122,11 +122,11 @@ class Friction:
     @classmethod
     def of(cls, friction: "float | Friction") -> "Friction":
         """The law itself, or that of a mere coefficient. Raises InputError for what is neither."""
-        if isinstance(friction, Friction):
-            return friction
-        if not (isinstance(friction, Real) and 0.0 <= float(friction) <= MOST_FRICTION):
-            raise InputError(f"friction = {friction!r:.40}: must be a number from 0 to {MOST_FRICTION:g}, or a law")
-        return cls(friction)
+        law = friction if isinstance(friction, Friction) else cls(friction)
+        for own in (law.static, law.at_corner):
+            if not (isinstance(own, Real) and 0.0 <= float(own) <= MOST_FRICTION):
+                raise InputError(f"friction = {own!r:.40}: must be a number from 0 to {MOST_FRICTION:g}, or a law")
+        return law
 
     @property
     def at_corner(self) -> float:

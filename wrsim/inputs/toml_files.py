@@ -205,7 +205,7 @@ def similar_files(path: Path) -> str:
     for whole in (path.with_suffix(".toml"), path.parent / "scenarios" / f"{path.stem}.toml"):
         if os.path.isfile(whole):
             return f"; did you mean '{whole}'?"
-    names = [p.name for p in path.parent.iterdir() if os.path.isfile(p)]
+    names = [p.name for p in path.parent.iterdir() if os.path.isfile(p) and not p.name.startswith(".")]
     if near := get_close_matches(path.name, names, n=3):
         return "; did you mean " + " or ".join(f"'{path.parent / n}'" for n in near) + "?"
     return _listing(sorted(n for n in names if n.endswith(path.suffix or ".toml")))

@@ -44,9 +44,13 @@ class Result:
     dataset: xr.Dataset
 
     def __repr__(self) -> str:
+        return f"<Result: {self.title}>\n{as_text(self._tables())}"
+
+    def _tables(self) -> list[Table]:
+        """The overview; behind it, where no wheel has forces, the numbers."""
         from wrsim.results.summary_tables import overview
 
-        return f"<Result: {self.title}>\n{as_text(overview(self.dataset))}"
+        return overview(self.dataset) + ([] if "Q" in self.dataset else self.numbers())
 
     def numbers(self) -> list[Table]:
         """The tables that people read first: peaks, medians in full curves, critical speeds."""
@@ -55,9 +59,7 @@ class Result:
         return numbers_of(self.dataset, self.summary())
 
     def _repr_html_(self) -> str:
-        from wrsim.results.summary_tables import overview
-
-        tables = Markup("").join(map(as_html, overview(self.dataset)))
+        tables = Markup("").join(map(as_html, self._tables()))
         return Markup("<div><strong>{}</strong>{}</div>").format(self.title, tables)
 
     @property

@@ -90,8 +90,9 @@ def extent_words(dataset: xr.Dataset) -> str:
         unsolved = int((dataset["pose_message"].values != "").sum()) if "pose_message" in dataset else 0
         words = f"{dataset.sizes['pose']} pose{'s' * (dataset.sizes['pose'] != 1)}"
         return words + (f", {unsolved} of them without a solution" if unsolved else "")
-    words, time = f"{dataset.sizes['time']} samples", dataset["time"].values
-    if time.size and "distance" in dataset.coords:
+    time = dataset["time"].values
+    words = f"{time.size} sample{'s' * (time.size != 1)}"
+    if time.size > 1 and "distance" in dataset.coords:
         first, last = dataset["distance"].values[[0, -1]].tolist()
         words += f" over {quantity(float(np.ptp(time)), 's')}"
         words += f", {formatted(first, '.1f')} to {quantity(last, 'm', '.1f')}"

@@ -108,15 +108,17 @@ class Scenario:
             named, message = f"{dotted(path)} in {self.locate(path)}", str(error)
             raise InputError(f"{message}\nnamed by {named}" if "\n" in message else f"{message} ({named})") from None
 
-    def with_set(self, options: Sequence[str]) -> Scenario:
+    def with_set(self, options: Sequence[str] | Mapping[str, Any]) -> Scenario:
         """The scenario with keys changed by ``--set key=value``: values as in TOML, bare words are texts; model
-        files are looked up in the working directory, too.
+        files are looked up in the working directory, too. A mapping has values, as `with_values` takes them.
 
         Raises InputError.
         """
         scenario = self
         if options and not self.finder.closed:  # names typed here are meant from here
             scenario = replace(self, finder=replace(self.finder, folders=(*self.finder.folders, Path())))
+        if isinstance(options, Mapping):
+            return scenario.with_values(options)
         for option in [options] if isinstance(options, str) else options:
             key, _, value = (part.strip() for part in option.partition("="))
             if not key or not value:
