@@ -14,8 +14,6 @@ from support.waiting import wait_until
 from wrsim.plots import drawing
 from wrsim.plots.theme import new_figure, rendered
 
-HERE = os.getpid()
-
 
 def maker(height: float) -> Callable[[], Figure]:
     """A figure that differs from others by its height [mm]."""
@@ -43,8 +41,10 @@ def test_pictures_of_two_processes_are_those_of_one_in_their_order() -> None:
 
 
 def test_all_pictures_are_there_when_the_second_process_is_killed() -> None:
+    here = os.getpid()
+
     def deadly() -> Figure:
-        if os.getpid() != HERE:
+        if os.getpid() != here:
             os.kill(os.getpid(), signal.SIGKILL)
         return FIGURES["picture 0"]()
 

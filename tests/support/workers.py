@@ -1,0 +1,106 @@
+"""`--workers N`: tests are collected once, then N forked processes take file after file.
+
+Imports and collected tests are shared; each worker has its own capture, temporary folder and fixtures of a session.
+"""
+
+import os
+import signal
+import traceback
+from array import array
+from itertools import groupby
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection, wait
+from types import SimpleNamespace
+
+import pytest
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--workers", type=int, default=0, help="processes that share the files of tests")
+
+
+class _Sender:
+    """Sends the reports of a worker."""
+
+    def __init__(self, config: pytest.Config, there: Connection) -> None:
+        self.config, self.there = config, there
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self.there.send(self.config.hook.pytest_report_to_serializable(config=self.config, report=report))
+
+
+def _work(session: pytest.Session, name: str, files: list[list[pytest.Item]], queue: int, there: Connection) -> None:
+    """Runs the tests of the files whose numbers are taken from the queue; never returns."""
+    config = session.config
+    config.get_terminal_writer()._file = open(os.devnull, "w")  # noqa: SIM115
+    capture = config.pluginmanager.getplugin("capturemanager")
+    capture.stop_global_capturing()  # writes into a file that all would share
+    capture.start_global_capturing()
+    factory = config._tmp_path_factory  # type: ignore[attr-defined]
+    factory._basetemp = factory.mktemp(name, numbered=False)
+    config.pluginmanager.register(_Sender(config, there))
+    status = 1
+    try:
+        while number := os.read(queue, 2):
+            items = files[array("H", number)[0]]
+            for item, following in zip(items, [*items[1:], session], strict=True):  # a session's fixtures stay
+                config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+        status = 0
+    except KeyboardInterrupt:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    except BaseException:
+        capture.suspend_global_capture()
+        traceback.print_exc()
+    finally:
+        session._setupstate.teardown_exact(None)
+        os._exit(status)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop(session: pytest.Session) -> bool | None:
+    """Forks the workers and takes their reports. A test of which none came to its end has failed."""
+    config = session.config
+    if not config.option.workers or config.option.collectonly or session.testsfailed:
+        return None
+    files = [list(items) for _, items in groupby(session.items, lambda item: item.path)]
+    queue, entrance = os.pipe()
+    os.write(entrance, array("H", range(len(files))).tobytes())
+    os.close(entrance)
+    workers: dict[Connection, int] = {}
+    names = {}
+    for name in (f"worker{i}" for i in range(config.option.workers)):
+        here, there = Pipe(duplex=False)
+        names[here] = SimpleNamespace(gateway=SimpleNamespace(id=name), _workerinfocache=name)
+        pid = os.fork()
+        if pid == 0:
+            for connection in names:
+                connection.close()  # a worker's pipe is to break with this process
+            _work(session, name, files, queue, there)
+        there.close()
+        workers[here] = pid
+    open_, unfinished = set(workers), {item.nodeid: item for item in session.items}
+    try:
+        while open_:
+            for here in wait(open_):
+                try:
+                    data = here.recv()
+                except EOFError:
+                    open_.remove(here)
+                    continue
+                report = config.hook.pytest_report_from_serializable(config=config, data=data)
+                report.node = names[here]
+                if report.when == "teardown":
+                    del unfinished[report.nodeid]
+                config.hook.pytest_runtest_logreport(report=report)
+                if session.shouldfail:
+                    raise session.Failed(session.shouldfail)
+    finally:
+        for here in open_:
+            os.kill(workers[here], signal.SIGINT)
+        ends = [os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) for pid in workers.values()]
+    for item in unfinished.values():
+        why = f"not run to its end; the workers ended with {ends}"
+        config.hook.pytest_runtest_logreport(
+            report=pytest.TestReport(item.nodeid, item.location, {}, "failed", why, "call")
+        )
+    return True
