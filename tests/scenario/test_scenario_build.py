@@ -233,7 +233,7 @@ def springs(vehicle: Vehicle, name: str) -> list[Spring]:
 
 def test_a_number_of_an_element_is_changed_wherever_its_part_is_placed() -> None:
     whole = load(COACH).with_set(["vehicle.bogie.primary.stiffness_kN_per_m.2=1500"])
-    assert whole.data == load(COACH).with_set({"vehicle.bogie.primary.stiffness_kN_per_m.2": 1500}).data
+    assert whole.text == load(COACH).with_set({"vehicle.bogie.primary.stiffness_kN_per_m.2": 1500}).text
     found = springs(vehicle_of(whole), "primary")
     assert len(found) == 8
     assert {e.stiffness for e in found} == {(31391e3, 3884e3, 1500e3)}
