@@ -96,8 +96,8 @@ class Viewer {
     document.addEventListener("keydown", (event) => {
       pointed = false;
       const { target, key } = event;
-      const along = key === "ArrowLeft" || key === "ArrowRight"; // in a list up and down choose
-      const typed = target.matches?.(along ? "input:not([type=range])" : "select, input:not([type=range])");
+      const ours = [" ", "ArrowLeft", "ArrowRight"].includes(key); // in a list up and down choose, Enter opens it
+      const typed = target.matches?.(ours ? "input:not([type=range])" : "select, input:not([type=range])");
       if (typed || event.ctrlKey || event.altKey || event.metaKey) return;
       if (key === " ") {
         if (target.matches?.("button, summary, a") || $("play").hidden) return;
