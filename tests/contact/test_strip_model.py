@@ -485,15 +485,15 @@ def test_force_does_not_jump_where_the_gap_between_two_lobes_opens():
     assert force[1] == pytest.approx(force[0], rel=1e-4)
 
 
-@pytest.mark.parametrize(("pair", "height", "yaw"), [
-    ("S1002/60E1 1:20", 0.459917289, -18.8e-3), ("S1002/54E1 1:20", 0.460119058, -16.2e-3),
-    ("S1002/60E1 1:40", *FAR_SHIFTED[1:]),
+@pytest.mark.parametrize(("pair", "lateral", "height", "yaw"), [
+    ("S1002/60E1 1:20", 6.6e-3, 0.459917289, -18.8e-3), ("S1002/54E1 1:20", 6.6e-3, 0.460119058, -16.2e-3),
+    ("S1002/60E1 1:40", *FAR_SHIFTED), ("worn/worn 1:40", 6.737723e-3, 0.4607864238615616, 16.476367e-3),
 ])  # fmt: skip
-def test_long_strips_far_shifted_against_each_other_press_as_the_half_space_does(pair, height, yaw):
-    # 5 and 7 % too low where shifts are left out
+def test_long_strips_far_shifted_against_each_other_press_as_the_half_space_does(pair, lateral, height, yaw):
+    # 5 and 7 % too low where shifts are left out; the last one has no solution with 16 strips, one with 15
     stand = bench(pair_model(pair, **STRIPS, **PLAIN), rolling=False)
     model = stand.wheels[0].model
-    stand.evaluate(6.6e-3, height, yaw, 0.0)
+    stand.evaluate(lateral, height, yaw, 0.0)
     assert model.arrays.rows.memo[0].result == SETTLED
     own = contact_of(stand).normal_force
     assert own == pytest.approx(HalfSpace(resolution=12).solve_pose(model).normal_force, rel=0.02)

@@ -28,28 +28,6 @@ def _point(system, n, g, i, h, point, x):
 
 
 @kernel
-def _press_held(system, n, g, i):
-    """Derivatives of the displacement in the middle of strip i of grid g by a^2 of all strips, to ``matrix``."""
-    memo, vectors, m = system.memo[0], system.vectors, system.matrix
-    unit = 1.0 / (memo.stiffness * memo.deepest)
-    row, x = g * block_of(n) + i, vectors[MIDDLE, g * n + i]
-    p, p_xi, turn = vectors[TERMS], vectors[TERMS + 1], vectors[TERMS + 2]
-    no, nb, s = vectors[NO, g * n + i], vectors[NB, g * n + i], system.places[g * n + i].s
-    for h in range(memo.grids):
-        part = unit * fading(system, h, g)
-        if part == 0.0:
-            continue
-        _point(system, n, g, i, h, 0, x)
-        column = h * (block_of(n) - n)
-        for j in range(h * n, (h + 1) * n):
-            place = system.places[j]
-            if place.y > 0.0:
-                xi = (x - vectors[MIDDLE, j]) / place.root
-                share = part * facing(vectors, j, no, nb, s)
-                m[row, column + j] = share * place.q * (p[j] - 0.5 * (xi * p_xi[j] + turn[j]))
-
-
-@kernel
 def _press_row(system, n, g, i):
     """Derivatives of the displacements at all points of strip i of grid g, through the strips, to ``matrix``."""
     memo, places, vectors, m = system.memo[0], system.places, system.vectors, system.matrix
@@ -172,11 +150,8 @@ def jacobian(system, n, held):
         for i in range(n if grids[g].on else 0):
             if places[g * n + i].y <= 0.0:
                 continue
-            if held:
-                _press_held(system, n, g, i)
-            else:
-                _press_row(system, n, g, i)
-                _own_row(system, n, g, i)
+            _press_row(system, n, g, i)
+            _own_row(system, n, g, i)
         if grids[g].on and not held:
             _even_rows(system, n, g)
             _edge_rows(system, n, g)

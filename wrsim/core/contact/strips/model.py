@@ -32,7 +32,6 @@ from wrsim.core.contact.strips.solution import UNSOLVED, solve
 from wrsim.core.jit.compiling import kernel
 
 OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the same grid
-LEAST_PART = 1e-6  # of a strip's width that is worth a row of its own
 
 
 @kernel
@@ -54,8 +53,8 @@ def press_strips(a, wheel, rail, pose, count):
     _set_sides(system, n, settings.E / settings.G - 1.0, a.strips)
     status = set_grids(system, a.found, wheel, rail, pose, count)
     known = memo.known > 0 and _same_grids(system, n, memo.known)
-    result = solve(system, n, known, settings.tolerance)
-    memo.known = memo.grids if result != UNSOLVED else 0
+    result, used = solve(system, n, known, settings.tolerance)
+    memo.known = memo.grids if result != UNSOLVED and used == n else 0
     memo.result = result
     for i in range(count):
         lobes[i].n_strips = 0
@@ -63,7 +62,7 @@ def press_strips(a, wheel, rail, pose, count):
         memo.substitutes += 1
         return status | STATUS_NOT_CONVERGED
     for g in range(memo.grids):
-        _hand_out(system, n, g, a.found, lobes, a.strips)
+        _hand_out(system, used, g, a.found, lobes, a.strips)
     for i in range(count):
         _report(settings, pose, lobes[i], a.strips[i])
     return status
@@ -138,7 +137,7 @@ def _hand_out(system, n, g, found, lobes, strips):
         for j in range(n):
             place = system.places[g * n + j]
             lo, hi = max(place.lo, least), min(place.hi, most)
-            if place.y <= 0.0 or hi - lo <= LEAST_PART * (place.hi - place.lo):
+            if place.y <= 0.0 or hi <= lo:
                 continue
             place.lobe, place.row = i, lobe.n_strips
             strip = strips[i, lobe.n_strips]

@@ -101,7 +101,7 @@ def newton(system, n, tolerance):
             memo.inverted = 0
             looked = False
         if not whole:
-            last = 1e9
+            last = 1e9 if residual < last else last  # where it grows, the inverse is too old
         elif again:
             # first steps of calls go where the ones before went, and say nothing of others
             memo.rate = max(

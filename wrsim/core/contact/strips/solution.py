@@ -3,8 +3,9 @@
 In a run the last contact is the first guess. Else Hertz's slanted ellipses, or wider ones, and Newton's method for all
 at once. If both fail, every grid is solved for alone, then they come to press each other down step by step; where
 Newton's method does not get on, half lengths for given factors and edges (a monotone problem: strips leave and enter as
-they like), edges from the outer strips and factors from the second condition in turns before it. If that fails, the
-same without shifts along the rail, which then grow step by step. At last strips count as not shifted."""
+they like), edges from the outer strips and factors from the second condition in turns before it. The conditions of so
+many strips may have no solution at a pose where those of one less have: that is tried next. If that fails, the same
+without shifts along the rail, which then grow step by step. At last strips count as not shifted."""
 
 from math import inf
 from typing import NamedTuple
@@ -30,7 +31,6 @@ TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 WIDE = 0.15  # of a grid's depth: where contact ends at most
 LEAST_PORTION = 1 / 32  # of what grows, at which a solution is given up
-ROUGHLY = 5e-3  # residual of half lengths for given factors and edges
 ROUNDS = 8  # of half lengths, edges and factors in turn
 SETTLED, STRAIGHT, UNSOLVED = range(3)
 """How a solution was found: as it is, as if no strip were shifted along the rail; or not."""
@@ -39,22 +39,23 @@ SETTLED, STRAIGHT, UNSOLVED = range(3)
 @kernel
 def solve(system, n, known, tolerance):
     """Solve; known: the unknowns are those of a contact near by, solved to the tolerance. Returns SETTLED, STRAIGHT or
-    UNSOLVED."""
+    UNSOLVED, and the number of strips of a grid with which it was solved."""
     memo = system.memo[0]
     memo.iterations = memo.factorisations = 0
     if known and _solved(system, n, tolerance):
-        return SETTLED
-    if _from_nothing(system, n):
-        return SETTLED
-    if not memo.shifted:
-        return UNSOLVED
-    memo.shifted = 0
-    if not _from_nothing(system, n):
-        return UNSOLVED
-    if _grow(system, n, True):
-        return SETTLED
-    memo.shifted = 0
-    return STRAIGHT if _from_nothing(system, n) else UNSOLVED
+        return SETTLED, n
+    for strips in (n, n - 1):
+        if _from_nothing(system, strips):
+            return SETTLED, strips
+    if memo.shifted:
+        memo.shifted = 0
+        if _from_nothing(system, n):
+            if _grow(system, n, True):
+                return SETTLED, n
+            memo.shifted = 0
+            if _from_nothing(system, n):
+                return STRAIGHT, n
+    return UNSOLVED, n
 
 
 @kernel
@@ -249,7 +250,7 @@ def _descend(system, n):
 def _take_turns(system, n):
     """Half lengths, edges and factors in turns."""
     for _ in range(ROUNDS):
-        descend(system, n, True, ROUGHLY)
+        descend(system, n, True, NEAR)
         for g in range(system.memo[0].grids):
             if system.grids[g].on:
                 _draw_edges(system, n, g)
