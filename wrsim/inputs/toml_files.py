@@ -229,7 +229,7 @@ def _syntax_message(reason: str, text: str, name: str) -> str:
     if 0 < row <= len(source) and len(source[row - 1]) <= 120:
         line = source[row - 1].expandtabs(1)
         message += f"\n    {line}\n    {' ' * (column - 1)}^"
-        value = line.split("=", 1)[1].split("#")[0].strip() if "=" in line else ""
+        value = line.split("=", 1)[1].split("#")[0].strip() if "=" in line else line.strip() if ":" in line else ""
         message += value_hint(value)
     return message
 
@@ -246,7 +246,10 @@ _HINTS = {
     r"[-+]?(\.\d+|\d+\.)": "\n    a decimal point needs digits on both sides: 0.5, 1.0",
     r"[-+]?[\d.]+\s*[A-Za-z/%]+": "\n    a number has no unit: the unit is part of the key",
     r"(?i)true|false|yes|no|on|off": "\n    a switch is true or false, in small letters",
-    r"[A-Za-z][\w./-]*": '\n    text needs quotes: "{0}"',
+    r"\d+:\d+|[A-Za-z][\w./-]*": '\n    text needs quotes: "{0}"',
+    r"\w+:.*": "\n    = stands between a key and its value",
+    r".*;": "\n    nothing stands behind a value, but for # and a comment",
+    r"[“”„‘’«».].*": "\n    quotes are straight, \" or '",
 }
 """Hints for values that are no TOML, by their pattern; the first that matches counts."""
 
