@@ -169,7 +169,7 @@ def look(formats: str = "png", width_mm: float | None = None, font: str = "", st
 
     Returns
     -------
-    context manager
+    contextlib.AbstractContextManager
         Pictures outside of its block look as before.
 
     Raises

@@ -14,7 +14,8 @@ from matplotlib.lines import Line2D
 
 from wrsim.errors import InputError
 from wrsim.plots.gallery import GalleryColumn, GalleryRow, Page, draw_gallery, most_moments
-from wrsim.plots.marks import draw_line, few_ticks, panels, wheel_entries
+from wrsim.plots.histories import ANGLE_JUMP
+from wrsim.plots.marks import broken, draw_line, few_ticks, panels, wheel_entries
 from wrsim.plots.moments import (
     PatchAt,
     beyond_railways,
@@ -87,7 +88,7 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
     quantities = [q for q in (HISTORIES if runs else STATIC) if np.isfinite(values[q].values).any()]
     groups = [("", np.arange(values.sizes["time"]))] if runs else pose_groups(values)
     across = ("distance" if "distance" in values.coords else "time") if runs else pose_abscissa(values)
-    x = shown(values, across)
+    x, angles = shown(values, across), shown(values, "contact_angle")
     wheels = [str(w) for w in values["wheel"].values]
     colours = dict(zip(names, cycle(MODEL_COLOUR)))
     lines = [(label, member, w, wheel) for label, member in groups for w, wheel in enumerate(wheels)]
@@ -107,7 +108,8 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
             for n, (_, member, w, _) in enumerate(lines):
                 look: Any = {"color": colours[model], "linestyle": looks[n], "lw": 0.9, "markersize": 1.8}
                 look["zorder"] = 3.0 if model == reference else 2.0
-                draw_line(axes, x[member], y[i, member, w], marker="" if runs else "o", **look)
+                line = broken(x[member], y[i, member, w], ANGLE_JUMP, by=angles[i, member, w])
+                draw_line(axes, *line, marker="" if runs else "o", **look)
         axes.set_xlabel(CHANNELS[across].label)
         if differences:
             axes.set_ylabel(f"$\\Delta$ {unit}")

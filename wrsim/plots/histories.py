@@ -230,9 +230,10 @@ def _legend_lines(letters: Sequence[int], most: float) -> int:
 
 
 def overview_figure(dataset: xr.Dataset) -> Figure:
-    """The run at a glance: contact angles of both wheels, Y/Q, lateral shift, yaw."""
+    """The run at a glance: contact angles of both wheels, Y/Q, wear number, lateral shift, yaw."""
     panels: list[Panel] = [partial(contact_angle, wheel=str(wheel)) for wheel in dataset["wheel"].values]
-    panels += [partial(history, name=name) for name in ("Y_over_Q", "lateral_shift", "yaw") if name in dataset]
+    names = ("Y_over_Q", "T_gamma", "lateral_shift", "yaw")
+    panels += [partial(history, name=name) for name in names if name in dataset]
     legend = [
         *marks.wheel_entries(dataset["wheel"].values),
         Line2D([], [], color=theme.QUIET, linewidth=1.6, label="main contact point"),
