@@ -11,6 +11,7 @@ import numba
 import numpy as np
 import pytest
 from support.commands import refusal
+from support.machine_code import kept_object
 from support.runs import FAST, arc, straight, transition
 from support.vehicles import ROOT
 
@@ -77,7 +78,9 @@ class Unit(FMU3Slave):
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return Path(write_unit(COACH, tmp_path_factory.mktemp("unit") / "coach.fmu").files[0])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("wrsim.library.build.emit_object", kept_object)
+        return Path(write_unit(COACH, tmp_path_factory.mktemp("unit") / "coach.fmu").files[0])
 
 
 @pytest.fixture(scope="module")

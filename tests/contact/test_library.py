@@ -13,6 +13,7 @@ import numba
 import numpy as np
 import pytest
 from support.contacts import RADIUS, bench, pair_model, rail_profile, settle, wheel_profile
+from support.machine_code import kept_object
 
 from wrsim import Friction, Harmonic, InputError, WrsimError, contact_model
 from wrsim.contact.library_file import MAGIC
@@ -77,6 +78,7 @@ def built(tmp_path_factory):
     folder = tmp_path_factory.mktemp("library")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("CC", f"{CC} -Wall -Wextra -Werror")
+        patch.setattr("wrsim.library.build.emit_object", kept_object)
         build_library(folder)
     compile_program(folder, Path(__file__).with_name("library_poses.c"), "-pthread")
     return folder

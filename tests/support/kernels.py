@@ -25,6 +25,7 @@ import wrsim.core
 from support.contacts import bench, contact_of, numbers, pair_model, settle, strip_system
 from support.ellipse import roll
 from support.knife_edge import KnifeEdgeForces, example_wheelset
+from support.machine_code import kept_object
 from support.paths import curvature, locate
 from support.vehicles import manchester, on_track, shipped
 from wrsim import Arc, ContactModel, ContactSettings, Flat, Friction, contact_model
@@ -380,7 +381,7 @@ def note_first_calls() -> set[tuple[str, str]]:
     return worked
 
 
-def main(file: str = "", form: str = "few") -> None:
+def main(file: str = "", form: str = "few") -> object:
     """Do the cases without the compiler, and note which functions of the kernels' files work; without a file: compile
     for the tests to come."""
     if not file:
@@ -391,7 +392,8 @@ def main(file: str = "", form: str = "few") -> None:
         for kernel in (residuals, jacobian):
             kernel(*strip_system(pair_model(PAIR, normal="strips", **SMALL)), False)
         settle(bench(pair_model(PAIR, normal="strips", **SMALL), rolling=False), 0.0, 0.0, 1e4)
-        return compile_stages(*STAGES)
+        compile_stages(*STAGES)
+        return kept_object({f"wrsim_stage_{number}": stage for number, stage in STAGES.items()})
     kernels()  # all are imported
     worked = note_first_calls()
     Path(file).write_bytes(pickle.dumps((cases(form == "full"), worked)))
