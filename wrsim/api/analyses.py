@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wrsim.api.outcome import Outcome, as_list, as_result, as_scenario, paths_among
+from wrsim.api.outcome import Given, Outcome, as_list, as_result, as_scenario, paths_among
 from wrsim.errors import DIFFERENT, InputError, SimulationError
 
 if TYPE_CHECKING:
-    from wrsim.api.outcome import Given
     from wrsim.scenario.loading import Scenario
     from wrsim.vehicle.vehicle import Vehicle
 

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from wrsim.api.outcome import Outcome, as_result, as_scenario, folder_beside
+from wrsim.api.outcome import Given, Outcome, Values, as_result, as_scenario, folder_beside
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
-    from wrsim.api.outcome import Given, Values
     from wrsim.scenario.loading import Scenario
 
 

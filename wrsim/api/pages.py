@@ -7,11 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wrsim.api.outcome import Outcome, as_list, as_result, folder_beside, paths_among
+from wrsim.api.outcome import Given, Outcome, as_list, as_result, folder_beside, paths_among
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
-    from wrsim.api.outcome import Given
     from wrsim.report.document import Cover
 
 

@@ -8,7 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wrsim.api.outcome import (
+    Bar,
+    Given,
     Outcome,
+    Values,
     as_result,
     as_scenario,
     exit_code,
@@ -20,7 +23,6 @@ from wrsim.api.outcome import (
 from wrsim.timing import timed
 
 if TYPE_CHECKING:
-    from wrsim.api.outcome import Bar, Given, Values
     from wrsim.scenario.loading import Scenario
 
 log = logging.getLogger("wrsim.api")

@@ -9,12 +9,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wrsim.api.outcome import Outcome, no_bar, results_folder
+from wrsim.api.outcome import Bar, Outcome, no_bar, results_folder
 from wrsim.errors import STOPPED
 from wrsim.timing import timed
 
 if TYPE_CHECKING:
-    from wrsim.api.outcome import Bar
     from wrsim.study.plan import Plan
 
 log = logging.getLogger("wrsim.api")

@@ -8,9 +8,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.results.channels import SHOWN, Shown
@@ -18,9 +19,6 @@ from wrsim.results.files import as_csv, as_json
 from wrsim.results.moments import Array
 from wrsim.results.rules import Limit, Quantity, RulesFile
 from wrsim.results.table import Cell, Column, Table, as_rows, finite, formatted, quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 Influence = Literal["cant_deficiency", "curvature", "speed"]
 """What the sections of a class differ in, by which values are estimated."""
