@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any
@@ -63,6 +64,16 @@ def print_files(count: int, directory: Path | None, removed: int = 0) -> None:
 def print_lines(*lines: str) -> None:
     for line in lines:
         print(plain(line))
+
+
+def silent(words: str) -> None:
+    """In place of what prints."""
+
+
+def progress_of(mute: bool) -> dict[str, Callable[..., Any]]:
+    """``bar``, which gives a context with the callback of a progress bar, and ``notify``, which takes lines on the
+    progress of a study; neither shows anything if mute."""
+    return {"bar": partial(progress_bar, not mute), "notify": silent if mute else print_lines}
 
 
 class _StatusLine(logging.Handler):

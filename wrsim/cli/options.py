@@ -5,13 +5,13 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial, wraps
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 import typer
 
 import wrsim
 from wrsim.api.outcome import Outcome
-from wrsim.cli.console import print_error, print_outcome, show_times
+from wrsim.cli.console import print_error, print_outcome, progress_of, show_times, silent
 from wrsim.cli.errors import reporting_errors, writing_files
 from wrsim.errors import InputError
 
@@ -112,24 +112,39 @@ def drawing(command: Callable[..., None], kinds: bool = True) -> Callable[..., N
 drawing_to = partial(drawing, kinds=False)
 
 
-def writing(of: str = "", reads: str = "") -> Callable[[Callable[..., Outcome]], Callable[..., None]]:
+WORKERS = {"workers": Workers, "scheduler": Scheduler, "slurm": Slurm, "tls": Tls}
+"""Where cases run."""
+
+
+def writing(
+    of: str = "", reads: str = "", takes: str = "", workers: bool = False
+) -> Callable[[Callable[..., Outcome]], Callable[..., None]]:
     """A command that writes files, from the function that gives what it found: with the options ``--force`` and
-    ``--json``. It prints what was found and ends with its exit code. of, reads: parameters with the result that it
-    reports on and with files that it reads; of several results the first one counts."""
+    ``--json``. It prints what was found and ends with its exit code.
+
+    of, reads: parameters with the result that it reports on and with files that it reads; of several results the first
+    one counts. takes: what the function takes by name of "force", "bar", "notify" and "warn", where it takes long: with
+    ``--quiet`` and ``--verbose``. workers: whether it also takes where its cases run.
+    """
+    added = (WORKERS if workers else {}) | {"force": Force, "as_json": Json}
+    added |= {"quiet": Quiet, "verbose": Verbose} if takes else {}
 
     def decorated(function: Callable[..., Outcome]) -> Callable[..., None]:
-        def command(force: bool, as_json: bool, **given: Any) -> None:
+        def command(force: bool, as_json: bool, quiet: bool = False, verbose: bool = False, **given: Any) -> None:
             result, *others = _paths(given.get(of)) or [None]
             read = [path for name in reads.split() for path in _paths(given[name])]
+            own = {"force": force, "warn": silent if quiet and not workers else print_error}
+            own |= progress_of(quiet or as_json)
             with writing_files(as_json, force, *others, *read, of=result):
-                found = function(**given)
+                found = function(**given, **{name: own[name] for name in takes.split()})
                 for words in [] if as_json else found.numbers.get("warnings", ()):
                     print_error(f"{given['file']}: warning: {words}")
-                print_outcome(as_json, found)
+                if as_json or not quiet:
+                    print_outcome(as_json, found)
                 if found.code:
                     raise typer.Exit(found.code)
 
-        return _with_options(command, function, {"force": Force, "as_json": Json}, False)
+        return _with_options(command, function, added)
 
     return decorated
 
@@ -139,14 +154,15 @@ def _paths(given: Any) -> list[Any]:
 
 
 def _with_options(
-    wrapper: Callable[..., None], function: Callable[..., Any], added: dict[str, Any], default: object = None
+    wrapper: Callable[..., None], function: Callable[..., Any], added: dict[str, Any]
 ) -> Callable[..., None]:
-    """The wrapper as a command with the parameters of a function and further options."""
+    """The wrapper as a command with the parameters of a function and further options, which are off or not given."""
     signature = inspect.signature(function, eval_str=True)
-    here = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY, default=default)
-    own = [here(name, annotation=of) for name, of in added.items()]
+    here = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY)
+    own = [here(name, annotation=of, default=False if get_args(of)[0] is bool else None) for name, of in added.items()]
+    given = [each for each in signature.parameters.values() if each.kind is not inspect.Parameter.VAR_KEYWORD]
     command = wraps(function)(wrapper)
-    command.__signature__ = signature.replace(parameters=[*signature.parameters.values(), *own])  # type: ignore[attr-defined]
+    command.__signature__ = signature.replace(parameters=[*given, *own])  # type: ignore[attr-defined]
     command.__annotations__ = function.__annotations__ | added
     return command
 

@@ -1,17 +1,15 @@
 """``wrsim run``, ``study``, ``wear``, ``compare``, ``resolve``: what computes results."""
 
 import logging
-from collections.abc import Callable
-from contextlib import AbstractContextManager
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 import wrsim
+from wrsim.api.outcome import Outcome
 from wrsim.cli import console, options
-from wrsim.cli.errors import reporting_errors, writing_files
+from wrsim.cli.errors import reporting_errors
 
 
 @options.drawing
@@ -47,7 +45,8 @@ def run_command(
             logging.getLogger("wrsim").setLevel(logging.ERROR)
         found = wrsim.run_scenario(
             file, output, values or (), models=models or (), resume=resume, threads=threads, pictures=pictures,
-            force=force, bar=_bar(quiet or as_json), warn=_warn(quiet),
+            force=force, bar=console.progress_of(quiet or as_json)["bar"],
+            warn=console.silent if quiet else console.print_error,
         )  # fmt: skip
         if as_json:
             console.print_json(found.numbers)
@@ -66,15 +65,6 @@ def run_command(
                     console.print_error("go on with the same command and --resume")
         if found.code:
             raise typer.Exit(found.code)
-
-
-def _bar(mute: bool) -> Callable[[], AbstractContextManager[Any]]:
-    """Gives a context with the callback of a progress bar; of none where it is mute."""
-    return partial(console.progress_bar, not mute)
-
-
-def _warn(mute: bool) -> Callable[[str], None]:
-    return (lambda words: None) if mute else console.print_error
 
 
 @options.drawing
@@ -98,7 +88,8 @@ def study(
     with reporting_errors(as_json):
         found = wrsim.run_study(
             file, output, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, retry=retry, dry_run=dry_run,
-            models=models or (), pictures=pictures, force=force, **_progress(quiet or as_json),
+            models=models or (), pictures=pictures, force=force, warn=console.print_error,
+            **console.progress_of(quiet or as_json),
         )  # fmt: skip
         if dry_run:
             console.print_numbers(as_json, found.numbers, found.tables)
@@ -113,68 +104,37 @@ def study(
             raise typer.Exit(found.code)
 
 
+@options.writing(takes="force bar notify warn", workers=True)
 def type_test(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File of a type test (TOML).")],
     output: options.Output = None,
-    workers: options.Workers = None,
-    scheduler: options.Scheduler = None,
-    slurm: options.Slurm = False,
-    tls: options.Tls = None,
     dry_run: options.DryRun = False,
     retry: options.Retry = False,
     models: options.Models = None,
-    force: options.Force = False,
-    as_json: options.Json = False,
-    quiet: options.Quiet = False,
-    verbose: options.Verbose = False,
-) -> None:
+    **computed: Any,
+) -> Outcome:
     """Type test: states of a vehicle through runs and stationary tests, judged clause by clause.
 
     Start it again and only what is missing runs. The exit code is 4 where a limit is exceeded.
     """
-    with reporting_errors(as_json):
-        found = wrsim.run_type_test(
-            file, output, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, retry=retry, dry_run=dry_run,
-            models=models or (), force=force, **_progress(quiet or as_json),
-        )  # fmt: skip
-        if as_json or not quiet:
-            console.print_outcome(as_json, found)
-        if found.code:
-            raise typer.Exit(found.code)
-
-
-def _progress(mute: bool) -> dict[str, Any]:
-    """A bar and lines on the progress of a study, unless mute; warnings."""
-    notify = (lambda line: None) if mute else console.print_lines
-    return {"bar": _bar(mute), "notify": notify, "warn": console.print_error}
+    return wrsim.run_type_test(file, output, dry_run=dry_run, retry=retry, models=models or (), **computed)
 
 
 @options.drawing
+@options.writing(takes="force bar notify warn", workers=True)
 def wear(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File of a profile evolution (TOML).")],
     output: options.Output = None,
-    workers: options.Workers = None,
-    scheduler: options.Scheduler = None,
-    slurm: options.Slurm = False,
-    tls: options.Tls = None,
     models: options.Models = None,
     pictures: options.Pictures = True,
-    force: options.Force = False,
-    as_json: options.Json = False,
-    quiet: options.Quiet = False,
-    verbose: options.Verbose = False,
-) -> None:
+    **computed: Any,
+) -> Outcome:
     """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on."""
-    with reporting_errors(as_json):
-        found = wrsim.run_wear(
-            file, output, workers=workers, scheduler=scheduler, slurm=slurm, tls=tls, models=models or (),
-            pictures=pictures, force=force, **_progress(quiet or as_json),
-        )  # fmt: skip
-        if as_json or not quiet:
-            console.print_outcome(as_json, found)
+    return wrsim.run_wear(file, output, models=models or (), pictures=pictures, **computed)
 
 
 @options.drawing
+@options.writing(reads="file", takes="bar warn")
 def compare_command(
     file: options.ScenarioFile,
     contact: Annotated[
@@ -190,24 +150,15 @@ def compare_command(
     output: Annotated[Path | None, options.into(metavar="DIR", help="Default: results/<FILE>_compared.")] = None,
     models: options.Models = None,
     pictures: options.Pictures = True,
-    force: options.Force = False,
-    as_json: options.Json = False,
-    quiet: options.Quiet = False,
-    verbose: options.Verbose = False,
-) -> None:
+    **computed: Any,
+) -> Outcome:
     """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""
-    with writing_files(as_json, force, file):
-        found = wrsim.compare(
-            file, contact, reference, output or Path("results") / f"{file.stem}_compared", models=models or (),
-            pictures=pictures, bar=_bar(quiet or as_json), warn=_warn(quiet),
-        )  # fmt: skip
-        if as_json or not quiet:
-            console.print_outcome(as_json, found)
-        if found.code:
-            raise typer.Exit(found.code)
+    output = output or Path("results") / f"{file.stem}_compared"
+    return wrsim.compare(file, contact, reference, output, models=models or (), pictures=pictures, **computed)
 
 
 @options.drawing
+@options.writing(takes="force bar")
 def resolve_command(
     result: options.ResultFile,
     contact: Annotated[
@@ -221,16 +172,10 @@ def resolve_command(
     output: Annotated[Path | None, options.into(metavar="DIR", help="Default: <folder of RESULT>/<NAME>.")] = None,
     models: options.Models = None,
     pictures: options.Pictures = True,
-    force: options.Force = False,
-    as_json: options.Json = False,
-    quiet: options.Quiet = False,
-    verbose: options.Verbose = False,
-) -> None:
+    **computed: Any,
+) -> Outcome:
     """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model."""
-    with reporting_errors(as_json):
-        found = wrsim.resolve(
-            result, contact, output, at=at or (), wheelset=wheelset, same=same, models=models or (),
-            pictures=pictures, force=force, bar=_bar(quiet or as_json),
-        )  # fmt: skip
-        if as_json or not quiet:
-            console.print_outcome(as_json, found)
+    return wrsim.resolve(
+        result, contact, output, at=at or (), wheelset=wheelset, same=same, models=models or (), pictures=pictures,
+        **computed,
+    )  # fmt: skip
