@@ -12,13 +12,14 @@ from support.runs import FAST, SCENARIOS
 from support.scenario_texts import CURVE, STATIC
 
 from wrsim import InputError, Result, load, load_text, run
-from wrsim.analysis.compare import compare_models, of_wheels
+from wrsim.analysis.compare import _at_samples, compare_models, of_wheels
 from wrsim.analysis.resolve import resolve_contacts
+from wrsim.plots.compare import values_figure
 from wrsim.scenario.contact_choice import split_names, with_contact_model
 
 table = rows_of(__file__)
 
-POSES = STATIC.replace("lateral_mm = 0\n", "lateral_mm = [0, 5.06, -100]\n")
+POSES = STATIC.replace("lateral_mm = 0\n", "lateral_mm = [0, 5.4, -100]\n")
 SHORT = CURVE.replace("[run]\n", "[run]\nstart_distance_m = 60\ntime_s = 0.06\n")
 
 
@@ -43,6 +44,9 @@ def test_differences_are_those_of_the_results():
     of_reference = c.values.sel(model="half-space")
     assert (np.nanmax(abs(of_reference["p0_difference"])), np.nanmax(abs(of_reference["Y_difference"]))) == (0.0, 0.0)
     assert np.nanmax(abs(told["N_difference"])) < 0.02
+    # the contact jumps to the flange between both poses: no line crosses the jump
+    lines = [line for axes in values_figure(c.values, "half-space", "").axes for line in axes.lines]
+    assert all(np.isnan(line.get_ydata()[2]) for line in lines if line.get_marker() == "o")
 
 
 def test_runs_are_compared_at_the_reference_s_samples():
@@ -52,6 +56,11 @@ def test_runs_are_compared_at_the_reference_s_samples():
     assert np.nanmax(abs(c.values["X_difference"].sel(model="file+friction=0.2"))) > 0.01
     assert c.values["time"].values == pytest.approx(c.main.result.dataset["time"].values)
     assert (np.diff(c.values["distance"].values) > 0.0).all()
+    own = c.main.result.dataset  # other samples, which end earlier
+    other = _at_samples(own.isel(time=slice(0, -1, 2)), own)["Q"].values
+    force = of_wheels(own)["Q"].values
+    assert np.array_equal(other[0:-2:2], force[0:-2:2]) and np.isnan(other[-1]).all()
+    assert other[1:-2:2] == pytest.approx(0.5 * (force[0:-3:2] + force[2:-1:2]), rel=1e-12)
 
 
 def chosen(name, contact=""):
