@@ -184,7 +184,9 @@ def test_left_and_right_curves_are_mirrored():
     assert right == pytest.approx(left[:, ::-1], rel=1e-6)
 
 
-def test_a_coach_that_comes_through_a_curve_falls_there_in_a_gust():
+def test_a_coach_that_comes_through_a_curve_falls_there_in_a_gust(monkeypatch):
+    monkeypatch.setattr("wrsim.analysis.overturning.RUN_ON", 1.0)
+    monkeypatch.setattr("wrsim.analysis.overturning.RISING", 3.0)
     gusty = wind(40.0)["wind"] | {"gust": "EN 14067-6"}
     calm, windy = (build(in_wind(run=True, **more)) for more in ({}, {"wind": gusty}))
     assert not stopped_at(calm, 150.0 / 3.6)

@@ -19,16 +19,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--workers", type=int, default=0, help="processes that share the files of tests")
 
 
-class _Sender:
-    """Sends the reports of a worker."""
-
-    def __init__(self, config: pytest.Config, there: Connection) -> None:
-        self.config, self.there = config, there
-
-    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        self.there.send(self.config.hook.pytest_report_to_serializable(config=self.config, report=report))
-
-
 def _work(session: pytest.Session, name: str, files: list[list[pytest.Item]], queue: int, there: Connection) -> None:
     """Runs the tests of the files whose numbers are taken from the queue; never returns."""
     config = session.config
@@ -38,22 +28,24 @@ def _work(session: pytest.Session, name: str, files: list[list[pytest.Item]], qu
     capture.start_global_capturing()
     factory = config._tmp_path_factory  # type: ignore[attr-defined]
     factory._basetemp = factory.mktemp(name, numbered=False)
-    config.pluginmanager.register(_Sender(config, there))
-    status = 1
+    written = config.hook.pytest_report_to_serializable
+    sender = SimpleNamespace(pytest_runtest_logreport=lambda report: there.send(written(config=config, report=report)))
+    config.pluginmanager.register(sender)
     try:
         while number := os.read(queue, 2):
             items = files[array("H", number)[0]]
             for item, following in zip(items, [*items[1:], session], strict=True):  # a session's fixtures stay
                 config.hook.pytest_runtest_protocol(item=item, nextitem=following)
-        status = 0
+        session._setupstate.teardown_exact(None)
+        os._exit(0)
     except KeyboardInterrupt:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+        session._setupstate.teardown_exact(None)
     except BaseException:
         capture.suspend_global_capture()
         traceback.print_exc()
     finally:
-        session._setupstate.teardown_exact(None)
-        os._exit(status)
+        os._exit(1)
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -66,13 +58,11 @@ def pytest_runtestloop(session: pytest.Session) -> bool | None:
     queue, entrance = os.pipe()
     os.write(entrance, array("H", range(len(files))).tobytes())
     os.close(entrance)
-    workers: dict[Connection, int] = {}
-    names = {}
+    names, workers = {}, {}
     for name in (f"worker{i}" for i in range(config.option.workers)):
         here, there = Pipe(duplex=False)
         names[here] = SimpleNamespace(gateway=SimpleNamespace(id=name), _workerinfocache=name)
-        pid = os.fork()
-        if pid == 0:
+        if (pid := os.fork()) == 0:
             for connection in names:
                 connection.close()  # a worker's pipe is to break with this process
             _work(session, name, files, queue, there)
@@ -100,7 +90,6 @@ def pytest_runtestloop(session: pytest.Session) -> bool | None:
         ends = [os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) for pid in workers.values()]
     for item in unfinished.values():
         why = f"not run to its end; the workers ended with {ends}"
-        config.hook.pytest_runtest_logreport(
-            report=pytest.TestReport(item.nodeid, item.location, {}, "failed", why, "call")
-        )
+        report = pytest.TestReport(item.nodeid, item.location, {}, "failed", why, "call")
+        config.hook.pytest_runtest_logreport(report=report)
     return True
