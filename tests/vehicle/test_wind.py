@@ -9,7 +9,7 @@ from support.rows import rows_of
 from support.runs import SCENARIOS
 from support.vehicles import manchester
 
-from wrsim import InputError, load, run
+from wrsim import InputError, load, load_vehicle, run
 from wrsim.analysis.stationary.statics import static_state
 from wrsim.scenario.build import build
 from wrsim.vehicle.wind import GUST_FACTOR, Air, felt, gust, gust_decay
@@ -20,6 +20,11 @@ SIDE = Air(75.0, 2.3, 1.2, 1.225)
 
 def test_no_wind_is_no_force_and_twice_the_wind_is_four_times_the_force():
     assert np.array(SIDE.forces(0.0, 40.0)) == pytest.approx(0.0)
+    train = SIDE.along_track(load_vehicle("trains/manchester_3.toml"), 30.0, 0.0, 100.0, False, 20.0)
+    assert [each.body for each in train.loads] == [f"coach{k}.carbody" for k in (1, 2, 3)]
+    assert {each.table for each in train.loads} == {
+        SIDE.along_track(manchester(), 30.0, 0.0, 100.0, False, 20.0).loads[0].table
+    }
     side, lift, roll = SIDE.forces(30.0, 0.0)
     assert side == pytest.approx(0.5 * 1.225 * 30.0**2 * 75.0 * 1.2)
     assert [lift, roll] == pytest.approx([0.0, 2.3 * side])

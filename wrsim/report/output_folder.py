@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from wrsim.errors import InputError, WrsimError, in_one_line
+from wrsim.errors import InputError, SimulationError, WrsimError, in_one_line
 from wrsim.register import ANALYSES, resolved
 from wrsim.results import Result, write_atomically, write_run
 from wrsim.results.files import Keeper, Manifest, digest_of, keeping, sweep
@@ -206,7 +206,7 @@ def run_into(
             took = ({}, "") if resume else _times(result, wall, compiling)
             return Written(result, *took, files, keeper.clear(files))
         except (KeyboardInterrupt, WrsimError) as error:
-            if record.exists() and type(error) in (KeyboardInterrupt, WrsimError):  # Ctrl-C, or nothing can be written
+            if record.exists() and not isinstance(error, InputError | SimulationError):  # Ctrl-C, or a full disk
                 words = f"{str(error) or 'interrupted'}; the run is safe in {record}: go on with --resume"
                 raise type(error)(words) from None
             raise

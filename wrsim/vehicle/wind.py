@@ -55,22 +55,28 @@ class Air:
     def along_track(
         self, vehicle: Vehicle, largest: float, begins: float, peak: float, gusty: bool, running: float, **across: float
     ) -> Vehicle:
-        """The vehicle in a wind along its way (`felt`); across: ``left`` and ``tilt`` as `loads` takes them."""
-        centres = [part.centre[0] for part in vehicle.parts]
-        places, wind = felt(largest, begins, peak, max(centres) - min(centres), gusty)
-        return replace(vehicle, loads=(*vehicle.loads, *self.loads(vehicle, places, wind, running, **across)))
+        """The vehicle, or each of a train, in a wind along its way (`felt`); across: as `loads` takes it."""
+        found = list(vehicle.loads)
+        for unit in vehicle.units:
+            centres = [vehicle.parts[i].centre[0] for i in (*unit.wheelsets, *unit.bodies)]
+            way = felt(largest, begins, peak, max(centres) - min(centres), gusty)
+            found += self.loads(vehicle, *way, running, on=unit.reference, **across)
+        return replace(vehicle, loads=tuple(found))
 
     def loads(
-        self, vehicle: Vehicle, places: ArrayLike, wind: ArrayLike, running: float, left: float = 1.0, tilt: float = 0.0
-    ) -> tuple[Load, ...]:
-        """Loads on the heaviest body: of a wind (n,) [m/s] over rising places of its centre along the track (n,) [m].
+        self, vehicle: Vehicle, places: ArrayLike, wind: ArrayLike, running: float, left: float = 1.0,
+        tilt: float = 0.0, on: int | None = None,
+    ) -> tuple[Load, ...]:  # fmt: skip
+        """Loads on a reference body (on: its number; of the first vehicle unless given), as `Vehicle.reference`: of a
+        wind (n,) [m/s] over rising places of its centre along the track (n,) [m].
 
         The side force acts at its height, or with coefficients at the rails; a couple of vertical forces is the rest
         of the roll moment. left: 1 for a wind towards the left, -1 to the right; tilt: of the track, its lee side
         higher, in a level wind [rad].
         """
         side, lift, roll = self.forces(np.atleast_1d(wind), running)
-        body, height = max(vehicle.bodies, key=lambda each: each.mass), 0.0 if self.table else self.height
+        body, height = vehicle.parts[vehicle.reference if on is None else on], 0.0 if self.table else self.height
+        whose = f"{body.name}: " if vehicle.members else ""
         across, up = left * (side * cos(tilt) + lift * sin(tilt)), lift * cos(tilt) - side * sin(tilt)
         couple, none = -0.5 / ARM * left * (roll - height * side), np.zeros_like(side)
         found = [("wind", 0.0, height, across, up)]
@@ -79,7 +85,7 @@ class Air:
         rows = np.atleast_1d(places)
         tables = [tuple(map(tuple, np.column_stack([rows, none, y, z]).tolist())) for *_, y, z in found]
         return tuple(
-            Load(name, body.name, (body.centre[0], y, z), table, "distance")
+            Load(whose + name, body.name, (body.centre[0], y, z), table, "distance")
             for (name, y, z, *_), table in zip(found, tables, strict=True)
         )
 

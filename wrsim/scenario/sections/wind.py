@@ -50,7 +50,7 @@ class AirSection(Section, header="wind"):
 
 
 class WindTable(AirSection, header="[vehicle.wind]"):
-    """Wind across the track on the heaviest body of a vehicle in a run at constant speed."""
+    """Wind across the track on the heaviest body of a vehicle, or of each of a train, in a run at constant speed."""
 
     speed_m_s: Largest
     """Speed of the wind; of a gust the largest."""
