@@ -26,6 +26,8 @@ from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 MOST_LINES = 10  # events and remarks that are listed
 MOST_NAMES = 8  # wheelsets and moments that the overview lists
+ROUND_OFF = {"kN": 1e-3, "mm": 1e-4, "mrad": 1e-4}
+"""What is printed as 0: 1 N, how far that moves against 10 kN/mm, a stiff primary suspension, and turns over 1 m."""
 MOST_CURVES = 3  # full curves that are listed; summary.json has all of them
 
 Summary = Mapping[str, Any]
@@ -40,8 +42,15 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
         tables = wheelset_tables(own, [""], title=title)
     else:
         tables = [vehicle_table(title, labels, [each["wheels"] for each in own])]
-        known = {key: peak for key, peak in OF_WHEELSET.items() if any(_placed(each.get(key)).value for each in own)}
-        rows = [(label, *(_placed(each.get(key)) for key in known)) for label, each in zip(labels, own, strict=True)]
+        known = {
+            key: peak
+            for key, peak in OF_WHEELSET.items()
+            if any(_placed(each.get(key), peak.unit).value for each in own)
+        }
+        rows = [
+            (label, *(_placed(each.get(key), known[key].unit) for key in known))
+            for label, each in zip(labels, own, strict=True)
+        ]
         heads = (Column("wheelset"), *(Column(peak.short or peak.words, peak.unit) for peak in known.values()))
         tables += [Table("largest either way", heads, rows)] if known else []
     tables += curve_tables(labels, own)
@@ -107,7 +116,7 @@ def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: 
     wheels = [(each, name, wheel) for each, name in pairs for wheel in (each["wheels"] if each else WHEELS)]
     rows: list[Sequence[Cell]] = []
     for key, peak in PEAKS.items():
-        cells = [_placed(each["wheels"][wheel].get(key) if each else None) for each, _, wheel in wheels]
+        cells = [_placed(each["wheels"][wheel].get(key) if each else None, peak.unit) for each, _, wheel in wheels]
         rows.append((with_unit(peak.words, peak.unit), *cells, *(_changes(cells) if two else ())))
     heads = [Column(f"{name}: {wheel}" if len(own) > 1 else wheel) for _, name, wheel in wheels]
     if two:
@@ -115,7 +124,7 @@ def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: 
     tables = [Table(title, (Column(), *heads), _known(rows))]
     rows = []
     for key, peak in OF_WHEELSET.items():
-        cells = [_placed((each or {}).get(key)) for each in own]
+        cells = [_placed((each or {}).get(key), peak.unit) for each in own]
         change = _changes(cells) if two else ()
         rows.append((with_unit(f"{peak.words}, largest either way", peak.unit), *cells, *change))
     if rows := _known(rows):
@@ -134,7 +143,7 @@ def vehicle_table(title: str, labels: Sequence[str], own: Sequence[Summary]) -> 
     """Peaks of several wheelsets, a row a wheel. own: by wheel and name."""
     short = {key: peak for key, peak in PEAKS.items() if peak.short}
     rows = [
-        (label if j == 0 else "", wheel, *(_placed(peaks.get(key)).value for key in short))
+        (label if j == 0 else "", wheel, *(_placed(peaks.get(key), short[key].unit).value for key in short))
         for label, wheels in zip(labels, own, strict=True)
         for j, (wheel, peaks) in enumerate(wheels.items())
     ]
@@ -204,12 +213,13 @@ def integration(summary: Summary) -> list[str]:
     return [words + (f"{cut}, {took['explicit_steps']} of them for rk44" if took["cut_steps"] else "")]
 
 
-def _placed(found: Summary | None) -> Placed:
+def _placed(found: Summary | None, unit: str = "") -> Placed:
     if found is None or found["value"] is None:
         return Placed(None, "")
+    value = found["value"] if abs(found["value"]) >= ROUND_OFF.get(unit, 0.0) else 0.0
     if "distance_m" in found:
-        return Placed(found["value"], quantity(found["distance_m"], "m", ".1f"))
-    return Placed(found["value"], found["pose"] if "pose" in found else quantity(found["time_s"], "s", ".3f"))
+        return Placed(value, quantity(found["distance_m"], "m", ".1f"))
+    return Placed(value, found["pose"] if "pose" in found else quantity(found["time_s"], "s", ".3f"))
 
 
 def _known(rows: Sequence[Sequence[Cell]]) -> list[Sequence[Cell]]:

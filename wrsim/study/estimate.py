@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from math import ceil
 from typing import Any
 
 from wrsim.analysis import run
@@ -19,6 +20,8 @@ PROBES = 3
 """Cases that are tried, spread over the study."""
 PROBE = 2.0
 """How long each is tried [s]."""
+START = 8.0
+"""Until a worker's first case runs [s]: imports take 3.5 s of a processor, kernels from their cache some 4 s."""
 
 
 def time_of_cases(plan: Plan, todo: Sequence[int], markers: Sequence[Marker]) -> tuple[float, str]:
@@ -63,7 +66,7 @@ def estimated_cost(plan: Plan, workers: int | None) -> tuple[dict[str, Any], Tab
     markers, todo = markers_of(plan), missing(plan)
     each, source = time_of_cases(plan, todo, markers)
     workers, count = workers or processors(), len(plan.cases)
-    total = each * len(todo) / min(workers, max(len(todo), 1))
+    total = START + each * ceil(len(todo) / workers) if todo else 0.0
     pairs = list(zip(plan.cases, markers, strict=True))
     cases = [{"case": c.name, "label": c.label, "values": c.values, "status": m.status} for c, m in pairs]
     expected = {"of_one_case_s": each, "on_workers": workers, "of_all_s": total}
