@@ -248,10 +248,7 @@ def struts(kind: str) -> tuple[Element, ...]:
     return (FIXED, own, *elements[kind])
 
 
-@pytest.mark.parametrize(
-    "kind",
-    ["damper by a table", "damper behind a spring", "field", "coulomb with damping", "in a plane", "fancher", "berg"],
-)  # fmt: skip
+@pytest.mark.parametrize("kind", table("what_is_told_as_lost_is_what_a_swing_has_lost"))
 def test_what_is_told_as_lost_is_what_a_swing_has_lost(kind):
     law = on_springs(box(*struts(kind)))
     q, q_t = design_state(law)

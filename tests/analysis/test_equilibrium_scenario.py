@@ -230,8 +230,7 @@ def overturning(curve: Curve) -> float:
     """Moment outward about the centre line, at the height of the rail tops [N m], of all but the wheels.
 
     Centrifugal force at the axle and at the sprung mass, springs at the axle, the spin that is carried round the curve,
-    and the weight at the shifted centre of mass.
-    """
+    and the weight at the shifted centre of mass."""
     wheelset = curve.setup.wheelset
     radius, height = wheelset.mean_radius, curve.setup.vehicle.carried[0].height
     mass, sprung = curve.masses

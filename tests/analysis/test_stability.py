@@ -62,8 +62,7 @@ def test_the_same_mode_is_followed_from_speed_to_speed():
 
 
 @pytest.mark.parametrize(
-    ("speed", "growth", "frequency"),
-    [(29.9, -0.927, 11.268), (44.8, -0.555, 16.874), (54.7, 0.177, 20.433), (64.7, 1.302, 23.743)],
+    ("speed", "growth", "frequency"), table("eigenvalues_of_the_three_dimensional_example_are_its_growth_rates")
 )
 def test_eigenvalues_of_the_three_dimensional_example_are_its_growth_rates(speed, growth, frequency):
     vehicle, law = example_wheelset(), KnifeEdge()

@@ -85,8 +85,7 @@ def test_coupled_coaches_start_on_uneven_track(segment: dict[str, Any], tmp_path
 @pytest.mark.campaign
 def test_the_ends_of_vehicles_swing_through_an_s_curve_as_chords_do(tmp_path: Path) -> None:
     """Slowly, with couplings that hold nothing: pivots on the centre line, ends on the chords through them. The largest
-    lateral offset within 1 %, the angle at every place within 1 % of its largest value.
-    """
+    lateral offset within 1 %, the angle at every place within 1 % of its largest value."""
     curves = [straight(14.0), arc(26.0, 190.0), straight(6.0), arc(26.0, -190.0), straight(30.0)]
     keys = {"track.segments": curves, "run.start_distance_m": 1.0, "run.distance_m": 59.0, "vehicle.speed_kmh": 10.0}
     asked = scenario(

@@ -118,8 +118,7 @@ def test_no_creep_forces_lengthwise_steer():
 @pytest.mark.parametrize("normal", ["kik-piotrowski", pytest.param("strips", marks=pytest.mark.campaign)])
 def test_it_stays_where_the_search_for_its_steady_motion_puts_it(normal):
     """A run that starts in the full curve: the wheels stay within 20 um and Q within 1 % for 3 m, with the front bogie
-    at the outer rail and the rear one at the inner rail.
-    """
+    at the outer rail and the rear one at the inner rail."""
     found = through(normal)
     shift, load_ = found["lateral_shift"].values, found["Q"].values
     assert np.abs(shift - shift[0]).max() < 20e-6

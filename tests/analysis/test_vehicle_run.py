@@ -67,8 +67,7 @@ def test_driven_axles_hold_the_speed_as_a_pull_does() -> None:
 def test_a_run_may_start_in_a_transition_as_one_does_that_has_come_there(caplog: pytest.LogCaptureFixture) -> None:
     """The search for a balance finds none there; a run from the straight track behind passes the same place.
 
-    What goes on before the first step of the run is told.
-    """
+    What goes on before the first step of the run is told."""
     coarse = {key: value for key, value in SHORT.items() if key.startswith("contact.")}
     curve = load(ROOT / "scenarios/manchester_r150.toml").with_values(coarse | {"run.output_interval_ms": 2.0})
     there = curve.with_values({"run.start_distance_m": 28.0, "run.distance_m": 0.5})

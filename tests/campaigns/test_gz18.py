@@ -1,8 +1,7 @@
 """GZ18, a metro car, in steady curves against two other codes; needs the tables of its source (campaigns/gz18.py).
 
 The figures are those of ORVD 4706df9 for the leading wheelset in the full curve, turned into our axes; they equal the
-curves published for SIMPACK to the width of a line. Forces of a contact are taken apart at the contact angle.
-"""
+curves published for SIMPACK to the width of a line. Forces of a contact are taken apart at the contact angle."""
 
 import numpy as np
 import pytest

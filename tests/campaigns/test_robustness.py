@@ -1,7 +1,6 @@
 """Small samples of the figures of robustness (docs/user/robustness.md): mutants, corrupted files, long runs.
 
-Kills are sampled by tests/analysis/test_resume.py (a run) and tests/cli/test_users_files.py (tables, pictures).
-"""
+Kills are sampled by tests/analysis/test_resume.py (a run) and tests/cli/test_users_files.py (tables, pictures)."""
 
 import json
 import random

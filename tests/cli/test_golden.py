@@ -1,8 +1,7 @@
 """What commands print, word by word, and which files they leave: tests/data/golden has a file for each.
 
 Words are compared to the letter, spaces between them and the last digits of numbers are not. After a change that is
-meant: WRSIM_GOLDEN=write python -m pytest tests/cli/test_golden.py, and read what ``git diff`` says.
-"""
+meant: WRSIM_GOLDEN=write python -m pytest tests/cli/test_golden.py, and read what ``git diff`` says."""
 
 import os
 import re

@@ -130,8 +130,7 @@ def as_in_contact(start: float, corner: float, features: tuple[float, float]) ->
     """A section ``blunt`` as CONTACT has it: its file has points .2 mm apart, and its surface is cubic between points
     .5 mm apart from feature to feature: a jump of curvature from 200 to 0 1/m is rounded.
 
-    features: that its file of sections marks, counted from 30 mm below the first corner on [m].
-    """
+    features: that its file of sections marks, counted from 30 mm below the first corner on [m]."""
     top, steep, flank = blunt(start, corner), np.radians(80.0), 0.03
     along = flank * np.array([cos(steep), sin(steep)])
     (u0, w0), (u1, w1) = (np.array(top.at(a)).ravel() for a in (0.0, top.length))

@@ -4,28 +4,14 @@ Between paraboloids A x^2 + B y^2 both have closed forms. With Carlson's R_F and
 over the half axes a, b (Johnson, Contact Mechanics, 1985, section 3.2, 3.3):
 
     Hertz             A = p0 a b R_D(0, b^2, a^2) / (3 E*),  B likewise,  delta = p0 a b R_F(0, a^2, b^2) / E*
-    Kik-Piotrowski    a = sqrt(eps delta / A),  b = sqrt(eps delta / B),  delta as above
-"""
+    Kik-Piotrowski    a = sqrt(eps delta / A),  b = sqrt(eps delta / B),  delta as above"""
 
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from scipy.special import elliprd, elliprf
-from support.contacts import (
-    HALF_SPACING,
-    MODELS,
-    PLAIN,
-    RADIUS,
-    bench,
-    columns,
-    contact_model,
-    flat_rail,
-    pair_model,
-    rail_origin,
-    round_wheel,
-    settle,
-)
+from support import contacts
 from support.hertz import Ellipse, hertz
 
 from wrsim import Profile, load_profile
@@ -63,7 +49,9 @@ def over_hertz(ratio: float) -> tuple[float, ...]:
 def test_strips_give_the_known_ratios_over_hertz(ratio):
     # a wheel of lateral radius R_y = ratio R on a plane: A/B = R_y/R. At 5 um the circle is a parabola to 1e-4.
     radius, approach = 0.46, 5e-6
-    model = contact_model(round_wheel(ratio * radius), flat_rail(), strips=200, approach="constant", **PLAIN)
+    model = contacts.contact_model(
+        contacts.round_wheel(ratio * radius), contacts.flat_rail(), strips=200, approach="constant", **contacts.PLAIN
+    )
     lobe = model.evaluate((0.0, 0.0, radius - approach)).patches[0]
     length = 2.0 * ratio * radius  # the unit of length in which B is 1
     exact = hertz(ratio, approach / length)
@@ -81,8 +69,8 @@ def test_strips_give_the_known_ratios_over_hertz(ratio):
 
 GAMMA = np.arctan(0.05)
 CYLINDER = cone("cylinder", "wheel", 0.0, -0.03, 0.03)
-CONE = load_profile(MODELS / "wheels/cone_1in20.toml")
-CROWN = load_profile(MODELS / "rails/crown_300.toml")
+CONE = load_profile(contacts.MODELS / "wheels/cone_1in20.toml")
+CROWN = load_profile(contacts.MODELS / "rails/crown_300.toml")
 GROOVE = circle("groove", "rail", -0.5, 0.03)
 
 
@@ -99,10 +87,10 @@ class Bodies:
 
 
 BODIES = {
-    "sphere on a plane": Bodies(round_wheel(0.46), flat_rail(), 0.46, 0.46, 0.46),
+    "sphere on a plane": Bodies(contacts.round_wheel(0.46), contacts.flat_rail(), 0.46, 0.46, 0.46),
     "crossed cylinders": Bodies(CYLINDER, CROWN, 0.46, 0.46, 0.3),
     "equal crossed cylinders": Bodies(CYLINDER, CROWN, 0.3, 0.3, 0.3),
-    "ball in a groove": Bodies(round_wheel(0.3), GROOVE, 0.46, 0.46, 1.0 / (1.0 / 0.3 - 1.0 / 0.5)),
+    "ball in a groove": Bodies(contacts.round_wheel(0.3), GROOVE, 0.46, 0.46, 1.0 / (1.0 / 0.3 - 1.0 / 0.5)),
     # it touches the crown where the slopes are equal, R_y sin(gamma) inside of its middle, and rolls there on r / cos
     "cone on crown": Bodies(CONE, CROWN, 0.46, (0.46 + 0.05 * 0.3 * np.sin(GAMMA)) / np.cos(GAMMA), 0.3, GAMMA),
 }
@@ -111,9 +99,11 @@ BODIES = {
 @pytest.mark.parametrize("load", [1e3, 1e4, 1e5])
 @pytest.mark.parametrize("bodies", BODIES.values(), ids=BODIES)
 def test_approach_and_peak_pressure_at_given_load(bodies, load):
-    model = contact_model(bodies.wheel, bodies.rail, radius=bodies.radius, **PLAIN)
-    stand = PoseSolver([WheelOnRail(model, 1, HALF_SPACING, (HALF_SPACING, 0.0))], False, bodies.radius)
-    _, contact = settle(stand, 0.0, 0.0, load)
+    model = contacts.contact_model(bodies.wheel, bodies.rail, radius=bodies.radius, **contacts.PLAIN)
+    stand = PoseSolver(
+        [WheelOnRail(model, 1, contacts.HALF_SPACING, (contacts.HALF_SPACING, 0.0))], False, bodies.radius
+    )
+    _, contact = contacts.settle(stand, 0.0, 0.0, load)
     (lobe,) = contact.patches
     normal = load / np.cos(bodies.angle)
     assert lobe["angle"] == pytest.approx(bodies.angle, abs=1e-9)
@@ -141,7 +131,9 @@ def figures(contact):
 @pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
 def test_force_and_pressure_converge_at_second_order(ratio):
     def at(strips):
-        model = contact_model(round_wheel(0.46 * ratio), flat_rail(), strips=strips, **PLAIN)
+        model = contacts.contact_model(
+            contacts.round_wheel(0.46 * ratio), contacts.flat_rail(), strips=strips, **contacts.PLAIN
+        )
         return figures(model.evaluate((0.0, 0.0, 0.46 - 2e-5)))
 
     # twice the strips, a quarter of the error; p0 a little less: the middle strips of an even number stand half a
@@ -174,18 +166,18 @@ POSES = [("S1002/60E1 1:40", 2e-3), ("S1002/60E1 1:40", 6e-3), ("S1002/60E1 1:40
 def patch(request):
     """(model, origin of the wheel in rail axes, lobe, strips) of a single patch without yaw, 60 kN."""
     pair, lateral = request.param
-    model = pair_model(pair, strips=41, **PLAIN)
-    solved, contact = settle(bench(model, rolling=False), lateral, 0.0, 60e3)
-    o, b = rail_origin(model.rail)
+    model = contacts.pair_model(pair, strips=41, **contacts.PLAIN)
+    solved, contact = contacts.settle(contacts.bench(model, rolling=False), lateral, 0.0, 60e3)
+    o, b = contacts.rail_origin(model.rail)
     (lobe,), (strips,) = contact.patches, contact.strips
-    return model, np.array([HALF_SPACING + lateral - o, solved.height - b]), lobe, strips
+    return model, np.array([contacts.HALF_SPACING + lateral - o, solved.height - b]), lobe, strips
 
 
 def points(model, origin, lobe, s):
     """Points of rail and wheel at arclength s from the main points, with their unit tangents; (2, n) each."""
     rail = np.array(model.rail.at(lobe["arc_rail"] + s)), np.array(model.rail.tangent(lobe["arc_rail"] + s))
     u, w = model.wheel.at(lobe["arc_wheel"] + s)
-    wheel = origin[:, None] + np.array([u, w - RADIUS]), np.array(model.wheel.tangent(lobe["arc_wheel"] + s))
+    wheel = origin[:, None] + np.array([u, w - contacts.RADIUS]), np.array(model.wheel.tangent(lobe["arc_wheel"] + s))
     return rail, wheel
 
 
@@ -200,12 +192,12 @@ def test_strips_tile_the_patch_from_edge_to_edge_midway_between_points(patch):
     # 2e-8: where curvature jumps the kernel's table leaves the profile by up to 1e-8 m
     model, origin, lobe, strips = patch
     (rail, _), (wheel, _) = points(model, origin, lobe, strips["s"])
-    np.testing.assert_allclose(columns(strips, "o b").T, 0.5 * (rail + wheel), atol=2e-8)
+    np.testing.assert_allclose(contacts.columns(strips, "o b").T, 0.5 * (rail + wheel), atol=2e-8)
 
 
 def test_normals_are_unit_vectors_on_the_bisector_and_across_the_midline(patch):
     model, origin, lobe, strips = patch
-    normals = columns(strips, "no nb")
+    normals = contacts.columns(strips, "no nb")
     # the tables' tangents are unit vectors to (step times curvature)^4; beside a join to 6e-7, turned by 2e-4
     np.testing.assert_allclose(np.hypot(*normals.T), 1.0, rtol=1e-6)
     assert np.median(np.abs(np.hypot(*normals.T) - 1.0)) < 1e-8
@@ -214,7 +206,7 @@ def test_normals_are_unit_vectors_on_the_bisector_and_across_the_midline(patch):
     mean /= np.hypot(*mean)
     np.testing.assert_allclose(normals.T, [-mean[1], mean[0]], atol=2e-4)
     # [S 27], the difference quotient over two strips
-    chord = columns(strips[2:], "o b") - columns(strips[:-2], "o b")
+    chord = contacts.columns(strips[2:], "o b") - contacts.columns(strips[:-2], "o b")
     along = np.abs((chord * normals[1:-1]).sum(axis=1)) / np.hypot(*chord.T)
     assert along.max() < 0.25 * strips["ds"][0] / 13e-3  # a jump of curvature from 0 to 1/13 mm within the chord
     assert (normals[:, 1] > 0.0).all()  # from rail to wheel
@@ -223,13 +215,13 @@ def test_normals_are_unit_vectors_on_the_bisector_and_across_the_midline(patch):
 @pytest.mark.parametrize("approach", ["constant", "projected"])
 def test_strips_are_as_long_as_the_closed_gap_demands(approach):
     # [S 22-25] written out: gap of the separated outlines along the bisector, h = eps delta c - g, x_L = sqrt(2 R h)
-    model = pair_model("S1002/60E1 1:40", strips=41, approach=approach, **PLAIN)
-    solved, contact = settle(bench(model, rolling=False), 6e-3, 0.0, 60e3)
-    o, b = rail_origin(model.rail)
+    model = contacts.pair_model("S1002/60E1 1:40", strips=41, approach=approach, **contacts.PLAIN)
+    solved, contact = contacts.settle(contacts.bench(model, rolling=False), 6e-3, 0.0, 60e3)
+    o, b = contacts.rail_origin(model.rail)
     (lobe,), (strips,) = contact.patches, contact.strips
-    origin = np.array([HALF_SPACING + 6e-3 - o, solved.height - b])
+    origin = np.array([contacts.HALF_SPACING + 6e-3 - o, solved.height - b])
     (rail, _), (wheel, _) = points(model, origin, lobe, strips["s"])
-    main, normals = columns(lobe, "no nb"), columns(strips, "no nb")
+    main, normals = contacts.columns(lobe, "no nb"), contacts.columns(strips, "no nb")
     delta = lobe["approach"]
     gap = ((wheel + delta * main[:, None] - rail) * normals.T).sum(axis=0)
     share = normals @ main if approach == "projected" else 1.0
@@ -238,23 +230,25 @@ def test_strips_are_as_long_as_the_closed_gap_demands(approach):
     np.testing.assert_allclose(strips["a"] ** 2 / (2.0 * strips["r_t"]), h, atol=2e-8)
     _, w = model.wheel.at(lobe["arc_wheel"] + strips["s"])
     tu, tw = model.wheel.tangent(lobe["arc_wheel"] + strips["s"])
-    np.testing.assert_allclose(strips["r_t"], (RADIUS - w) * np.hypot(1.0, tw / tu), rtol=1e-3)  # [S 19]
+    np.testing.assert_allclose(strips["r_t"], (contacts.RADIUS - w) * np.hypot(1.0, tw / tu), rtol=1e-3)  # [S 19]
 
 
 def groove(wheel_radius, rail_radius, approach, strips=41):
     """A round wheel that lies in a hollow rail; radii in metres."""
     rail = circle("hollow", "rail", -rail_radius, 0.9 * rail_radius)
-    return contact_model(round_wheel(wheel_radius, 0.9 * wheel_radius), rail, approach=approach, strips=strips, **PLAIN)
+    return contacts.contact_model(
+        contacts.round_wheel(wheel_radius, 0.9 * wheel_radius), rail, approach=approach, strips=strips, **contacts.PLAIN
+    )
 
 
 @pytest.mark.parametrize("yaw", [0.005, 0.02])
 def test_yaw_shifts_the_strips_along_the_rail(yaw):
     # on a cone of half angle g the line of contact leans: x = r sin(theta), sin(theta) = rho' e_t / q from the locus
-    model = pair_model("S1002/60E1 1:40", **PLAIN)
-    _, contact = settle(bench(model, rolling=False), 0.007, yaw, 60e3)
+    model = contacts.pair_model("S1002/60E1 1:40", **contacts.PLAIN)
+    _, contact = contacts.settle(contacts.bench(model, rolling=False), 0.007, yaw, 60e3)
     lobe, strips = contact.patches[0], contact.strips[0]
     u, w = model.wheel.at(lobe["arc_wheel"])
     tu, tw = model.wheel.tangent(lobe["arc_wheel"])
     sine = tw / tu * np.tan(yaw)
-    assert lobe["x"] == pytest.approx(-u * np.sin(yaw) + (RADIUS - w) * sine * np.cos(yaw), rel=1e-3)
+    assert lobe["x"] == pytest.approx(-u * np.sin(yaw) + (contacts.RADIUS - w) * sine * np.cos(yaw), rel=1e-3)
     assert np.ptp(strips["x"]) > 1e-6

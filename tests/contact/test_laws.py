@@ -2,8 +2,7 @@
 mirrors, rotation, scales; and bad input ends in numbers or in a word about it.
 
 Models are taken from ``Normal``: a new one is under test as soon as it can be chosen. Sections of the shipped profiles
-with random wear make the profiles; see test_properties for standing states of slip, damping and search.
-"""
+with random wear make the profiles; see test_properties for standing states of slip, damping and search."""
 
 from dataclasses import replace
 from functools import cache

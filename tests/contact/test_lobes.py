@@ -4,17 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support.contacts import (
-    PLAIN,
-    RADIUS,
-    bench,
-    contact_model,
-    contact_of,
-    pair_model,
-    rail_profile,
-    settle,
-    wheel_profile,
-)
+from support import contacts
 
 from wrsim.contact.model import EPSILON
 from wrsim.contact.tables import combined_modulus
@@ -98,12 +88,12 @@ CYLINDER = cone("cylinder", "wheel", 0.0, -0.06, 0.06)
 
 def test_lobes_that_grow_together_become_one_patch_without_a_step():
     # deeper and deeper: apart, one patch of two lobes when the virtual penetrations meet, coupled ever more
-    model = contact_model(CYLINDER, two_heads(0.02), **PLAIN)
+    model = contacts.contact_model(CYLINDER, two_heads(0.02), **contacts.PLAIN)
     valley = 0.6 * (1.0 - np.cos(np.arcsin(0.005 / 0.3)))
     depths = valley * np.linspace(0.5, 20.0, 400)
     forces, couplings = [], []
     for depth in depths:
-        lobes = model.evaluate((0.0, 0.0, RADIUS - depth)).patches
+        lobes = model.evaluate((0.0, 0.0, contacts.RADIUS - depth)).patches
         assert len(lobes) == 2
         expected = max(1.0 - valley / (EPSILON * depth), 0.0) if depth > valley else 0.0
         assert lobes["coupling"] == pytest.approx([expected, expected], abs=1e-6)
@@ -119,8 +109,8 @@ def test_lobes_that_grow_together_become_one_patch_without_a_step():
 
 
 def test_one_lobe_is_equation_29():
-    stand = bench(pair_model("S1002/60E1 1:40", **PLAIN), rolling=False)
-    _, contact = settle(stand, 2e-3, 0.0, 60e3)
+    stand = contacts.bench(contacts.pair_model("S1002/60E1 1:40", **contacts.PLAIN), rolling=False)
+    _, contact = contacts.settle(stand, 2e-3, 0.0, 60e3)
     (lobe,), (strips,) = contact.patches, contact.strips
     integral = own_influence(strips, len(strips), lobe["half_length"])
     modulus = combined_modulus(stand.wheels[0].model.settings)
@@ -133,14 +123,17 @@ def test_every_lobe_that_is_looked_at_carries_its_share():
     """A furrowed wheel touches at six places and more; shallower ones carry less and take little from the others."""
     random = np.random.default_rng(8)
     furrows = [Removal("vertical", random.uniform(2e-5, 6e-5), c, 0.8e-3) for c in np.arange(-42e-3, 20e-3, 1.2e-3)]
-    profiles = worn(wheel_profile("S1002"), furrows, "furrowed"), rail_profile("60E1", 40)
-    usual = bench(contact_model(*profiles, normal="kik-piotrowski", **PLAIN), rolling=False)
-    height = settle(usual, -2.4e-3, 0.0, 60e3)[0].height
+    profiles = worn(contacts.wheel_profile("S1002"), furrows, "furrowed"), contacts.rail_profile("60E1", 40)
+    usual = contacts.bench(contacts.contact_model(*profiles, normal="kik-piotrowski", **contacts.PLAIN), rolling=False)
+    height = contacts.settle(usual, -2.4e-3, 0.0, 60e3)[0].height
     borne = []
     for most in range(3, 7):
-        stand = bench(contact_model(*profiles, normal="kik-piotrowski", max_patches=most, **PLAIN), rolling=False)
+        stand = contacts.bench(
+            contacts.contact_model(*profiles, normal="kik-piotrowski", max_patches=most, **contacts.PLAIN),
+            rolling=False,
+        )
         stand.evaluate(-2.4e-3, height, 0.0, 0.0)
-        forces = contact_of(stand).patches["N"]
+        forces = contacts.contact_of(stand).patches["N"]
         assert len(forces) == most and (forces > 0.0).all()
         borne.append(forces.sum())
     more = np.diff(borne)

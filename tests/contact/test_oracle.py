@@ -5,8 +5,7 @@ on the rail are compared along x, outward and down. CONTACT's contact point is t
 the force-weighted mean over our strips is set beside it, and the main point (the deepest) as well.
 
 "Away from jumps": the reference's contact point moves by less than 2 mm to both neighbouring lateral shifts of the same
-load and yaw. "Tread": contact angle below 0.2 rad.
-"""
+load and yaw. "Tread": contact angle below 0.2 rad."""
 
 import csv
 from dataclasses import dataclass

@@ -3,24 +3,7 @@
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
-from support.contacts import (
-    HALF_SPACING,
-    MODELS,
-    PAIRS,
-    PLAIN,
-    RADIUS,
-    bench,
-    columns,
-    contact_model,
-    contact_of,
-    flat_rail,
-    pair_model,
-    rail_origin,
-    round_wheel,
-    settle,
-    wheel_at,
-    wheel_profile,
-)
+from support import contacts
 from support.sweeps import jumps
 
 from wrsim.core.contact.profile import profile_point
@@ -33,7 +16,7 @@ from wrsim.geometry.profile.sections import ProfileArc, profile_from_sections, r
 YAWS = (0.0, 0.012, -0.03)
 OTHERS = ("S1002/60E1 1:20", "S1002/54E1 1:20")
 SOME_PAIRS = pytest.mark.parametrize(
-    "pair", [pytest.param(pair, marks=[pytest.mark.campaign] * (pair in OTHERS)) for pair in PAIRS]
+    "pair", [pytest.param(pair, marks=[pytest.mark.campaign] * (pair in OTHERS)) for pair in contacts.PAIRS]
 )
 
 
@@ -44,10 +27,10 @@ def axle_of(yaw, roll):
 def random_poses(model, count, seed, deepest=0.4e-3):
     """Origins and axles of a wheel that was lowered on its rail and pressed in by up to ``deepest``."""
     rng = np.random.default_rng(seed)
-    o, _ = rail_origin(model.rail)
+    o, _ = contacts.rail_origin(model.rail)
     for _ in range(count):
         axle = axle_of(rng.choice(YAWS), rng.uniform(-0.01, 0.01))
-        origin = np.array([0.0, HALF_SPACING + rng.uniform(-6e-3, 9e-3) - o, RADIUS + 0.035])
+        origin = np.array([0.0, contacts.HALF_SPACING + rng.uniform(-6e-3, 9e-3) - o, contacts.RADIUS + 0.035])
         while (closest := model.evaluate(origin, axle).closest) > 0.0:
             origin[2] -= max(closest, 1e-6)
         origin[2] -= rng.uniform(0.0, deepest)
@@ -57,7 +40,7 @@ def random_poses(model, count, seed, deepest=0.4e-3):
 def wheel_point(model, origin, axle, arc):
     """(o, b) and tangent of the outline of the kernel's wheel."""
     a = model.arrays
-    at = locus_point(wheel_at(a.wheel, a.settings.wheel_step, model.radius, origin, axle), arc)
+    at = locus_point(contacts.wheel_at(a.wheel, a.settings.wheel_step, model.radius, origin, axle), arc)
     return np.array([at.o, at.b]), np.array([-at.nb, at.no])
 
 
@@ -79,7 +62,7 @@ def test_a_root_is_met_in_few_steps_where_one_end_of_its_bracket_stays(bent):
 
 @SOME_PAIRS
 def test_the_line_between_main_points_is_normal_to_both_bodies(pair):
-    model = pair_model(pair, **PLAIN)
+    model = contacts.pair_model(pair, **contacts.PLAIN)
     found = 0
     for origin, axle in random_poses(model, 80, seed=1):
         contact = model.evaluate(origin, axle)
@@ -127,19 +110,25 @@ def brute_force(model, points=4001):
 
 def test_the_deepest_zone_is_found_where_the_back_of_a_flange_lies_in_a_check_rail():
     """Its outline is too steep there to touch (`LARGEST_SINE`); a search of it went to and fro for ever."""
-    model = contact_model(wheel_profile("S1002"), load_profile(MODELS / "rails/60E1_check.toml"), **PLAIN)
-    peaks, (o, _) = brute_force(model), rail_origin(model.rail)
+    model = contacts.contact_model(
+        contacts.wheel_profile("S1002"), load_profile(contacts.MODELS / "rails/60E1_check.toml"), **contacts.PLAIN
+    )
+    peaks, (o, _) = brute_force(model), contacts.rail_origin(model.rail)
     for lateral, height, yaw, roll in (  # these did not end
         (-0.01084672309824293, -0.0008972988942744877, 0.0007092974820154044, 0.009009273926518705),
         (-0.010496791413067173, 0.0008897067453338636, 0.006006031557939238, 0.004571210536235892),
     ):
-        model.evaluate(np.array([0.0, HALF_SPACING + lateral - o, RADIUS + height]), axle_of(yaw, roll))
+        model.evaluate(
+            np.array([0.0, contacts.HALF_SPACING + lateral - o, contacts.RADIUS + height]), axle_of(yaw, roll)
+        )
     rng = np.random.default_rng(2)
     at_the_back = 0
     for _ in range(80):
-        origin = np.array([0.0, HALF_SPACING + rng.uniform(-12e-3, -5e-3) - o, RADIUS + rng.uniform(-1e-3, 1e-3)])
+        origin = np.array(
+            [0.0, contacts.HALF_SPACING + rng.uniform(-12e-3, -5e-3) - o, contacts.RADIUS + rng.uniform(-1e-3, 1e-3)]
+        )
         contact = model.evaluate(origin, axle_of(rng.uniform(-0.02, 0.02), rng.uniform(-0.01, 0.01)))
-        found = columns(contact.patches, "arc_wheel approach")
+        found = contacts.columns(contact.patches, "arc_wheel approach")
         if any(depth > 4e-3 for _, depth in found):  # brute force looks no deeper than 5 mm
             continue
         arc, depth, _ = max(peaks(), key=lambda zone: zone[1], default=(0.0, 0.0, 0.0))
@@ -151,12 +140,12 @@ def test_the_deepest_zone_is_found_where_the_back_of_a_flange_lies_in_a_check_ra
 
 @SOME_PAIRS
 def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
-    model = pair_model(pair, **PLAIN)
+    model = contacts.pair_model(pair, **contacts.PLAIN)
     peaks = brute_force(model)
     several = 0
     for origin, axle in random_poses(model, 24, seed=3):
         contact = model.evaluate(origin, axle)
-        found = columns(contact.patches, "arc_wheel approach")
+        found = contacts.columns(contact.patches, "arc_wheel approach")
         zones = peaks()
         # peaks that stand out by less than 1 um are ripples on a zone (at joins of arcs), narrower than the
         # search's stride, and touch shallower than 1 um are below the brute force's own resolution
@@ -173,9 +162,9 @@ def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
 @pytest.mark.parametrize("yaw", [0.0, 20e-3, 28e-3, 33e-3, 40e-3])
 def test_a_steep_face_is_found_as_soon_as_it_is_touched_at_any_yaw(yaw):
     """The back of a tram's flange: at 33 mrad 0.8 mm of its tip are 6 mm of the outline."""
-    rail = load_profile(MODELS / "rails/grooved_narrow.toml")
-    model = contact_model(wheel_profile("tram"), rail, radius=0.33, normal="strips", **PLAIN)
-    stand, depths = bench(model, rolling=False), []
+    rail = load_profile(contacts.MODELS / "rails/grooved_narrow.toml")
+    model = contacts.contact_model(contacts.wheel_profile("tram"), rail, radius=0.33, normal="strips", **contacts.PLAIN)
+    stand, depths = contacts.bench(model, rolling=False), []
     for lateral in np.arange(1e-3, -4.6e-3, -1e-5):
         stand.evaluate(lateral, 0.33 + 1e-4, yaw, 0.0)  # the tread is lifted
         steep = [lobe["approach"] for lobe in model.arrays.patches[: model.arrays.total.lobes] if lobe["angle"] < -1.0]
@@ -194,9 +183,9 @@ def test_a_vertical_rail_side_is_touched_like_the_crown(depth):
         "ball", "wheel", [ProfileArc(0.0, 14e-3, 14e-3, -np.radians(110.0), np.radians(110.0))]
     )
     rail = rail_head("upright", (0.3, 0.08, 0.013), (10.228e-3, 26.0265e-3), 0.0, 0.038)
-    model = contact_model(ball, rail, **PLAIN)
+    model = contacts.contact_model(ball, rail, **contacts.PLAIN)
     side = rail.u.min()
-    (lobe,) = model.evaluate((0.0, side - 14e-3 + depth, RADIUS - 36e-3)).patches
+    (lobe,) = model.evaluate((0.0, side - 14e-3 + depth, contacts.RADIUS - 36e-3)).patches
     assert lobe["approach"] == pytest.approx(depth, abs=1e-12)
     assert lobe["angle"] == pytest.approx(0.5 * np.pi, abs=1e-9)
     assert (lobe["o"], lobe["b"]) == pytest.approx((side + 0.5 * depth, -22e-3), abs=1e-7)
@@ -205,12 +194,12 @@ def test_a_vertical_rail_side_is_touched_like_the_crown(depth):
 
 def test_contact_ends_with_the_rail_and_not_between_parallel_bodies():
     # a plane of 60 mm, whose ends are straight on both sides: 2 mm within them, and half a row of its table beyond
-    model = contact_model(round_wheel(0.05, 0.01), flat_rail(0.03), **PLAIN)
+    model = contacts.contact_model(contacts.round_wheel(0.05, 0.01), contacts.flat_rail(0.03), **contacts.PLAIN)
     for side in (1.0, -1.0):
-        found = [model.evaluate((0.0, side * o, RADIUS - 1e-5)).patches for o in (0.028, 0.03005)]
+        found = [model.evaluate((0.0, side * o, contacts.RADIUS - 1e-5)).patches for o in (0.028, 0.03005)]
         assert list(map(len, found)) == [1, 0]
     # beside the flange root the distance is nearly even over millimetres, and the samples' slopes have any sign
-    stand = bench(pair_model("S1002/60E1 1:40", **PLAIN), rolling=False)
+    stand = contacts.bench(contacts.pair_model("S1002/60E1 1:40", **contacts.PLAIN), rolling=False)
     total = stand.wheels[0].model.arrays.total
     for height in np.linspace(0.46082350, 0.46082370, 41):
         stand.evaluate(6.6217876170330205e-3, height, 0.0, 0.0)
@@ -219,12 +208,12 @@ def test_contact_ends_with_the_rail_and_not_between_parallel_bodies():
 
 @pytest.mark.parametrize("lateral", [-4e-3, 0.0, 5e-3, 8e-3])
 def test_without_contact_there_are_no_patches_but_a_distance(lateral):
-    stand = bench(pair_model("S1002/60E1 1:40", **PLAIN), rolling=False)
-    solved, touching = settle(stand, lateral, 0.0, 1.0)
+    stand = contacts.bench(contacts.pair_model("S1002/60E1 1:40", **contacts.PLAIN), rolling=False)
+    solved, touching = contacts.settle(stand, lateral, 0.0, 1.0)
     lean = touching.patches["nb"][0]
     for gap in (1e-5, 1e-4, 1e-3, 0.02):
         stand.evaluate(lateral, solved.height + gap, 0.0, 0.0)
-        contact = contact_of(stand)
+        contact = contacts.contact_of(stand)
         assert len(contact.patches) == 0
         assert not contact.force.any() and not contact.moment.any()
         assert contact.closest > 0.0

@@ -1,7 +1,6 @@
 """What all kernels promise: the same numbers without the compiler, and no allocation.
 
-The kernels are found by walking wrsim.core, so a new one that no case in `support.kernels` sets to work fails here.
-"""
+The kernels are found by walking wrsim.core, so a new one that no case in `support.kernels` sets to work fails here."""
 
 import os
 import pickle

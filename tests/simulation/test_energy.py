@@ -1,8 +1,7 @@
 """Energy: kept where nothing takes it away, and taken away by creep forces alone, never given.
 
 The potential energy of the contact is the integral of its own static force law, so these tests ask for nothing but
-that the integrator, the wheelset and the contact agree with each other.
-"""
+that the integrator, the wheelset and the contact agree with each other."""
 
 from functools import cache
 from itertools import product
@@ -13,26 +12,7 @@ import pytest
 import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
-from support.runs import (
-    AXLE_LOAD,
-    CONICITY,
-    CROWN,
-    FAST,
-    HALF_CONTACTS,
-    HALF_TOPS,
-    LEADING,
-    RADIUS,
-    SCENARIOS,
-    STEERING,
-    arc,
-    cone_ride,
-    mirrored,
-    relaid,
-    ride,
-    setup_of,
-    straight,
-    transition,
-)
+from support import runs
 
 from wrsim import Arc, ContactSettings, Straight, load
 from wrsim.analysis.contacts import force_law
@@ -57,8 +37,8 @@ class Bouncing:
     """The loaded axle as one rigid body of 10.2 t on cones and crowns, free of springs, dampers and friction."""
 
     def __init__(self) -> None:
-        mass = AXLE_LOAD / STANDARD_GRAVITY
-        self.ride = cone_ride([Straight(100.0)], 0.0, start=10.0, settings=PLAIN, mass=mass)
+        mass = runs.AXLE_LOAD / STANDARD_GRAVITY
+        self.ride = runs.cone_ride([Straight(100.0)], 0.0, start=10.0, settings=PLAIN, mass=mass)
         found = self.ride.steady(("z",))
         self.q, self.rest = found.q, found.q_t
         deep = self.contact(self.q)[0][0]
@@ -76,7 +56,7 @@ class Bouncing:
 
     def potential(self, q: np.ndarray) -> float:
         """Energy of both contacts and of the weight against rest [J]."""
-        return sum(float(self.work(a)) for a, _ in self.contact(q)) + AXLE_LOAD * (q[0] - self.q[0])
+        return sum(float(self.work(a)) for a, _ in self.contact(q)) + runs.AXLE_LOAD * (q[0] - self.q[0])
 
     def energy(self, q: np.ndarray, q_t: np.ndarray) -> float:
         """Potential and kinetic energy above rest [J]."""
@@ -111,12 +91,12 @@ def test_a_bouncing_wheelset_keeps_its_energy():
 def test_a_ramp_of_cant_takes_no_energy(normal):
     # both rails turn by 67 mrad and lift and lower a wheel of 54 kN by 50 mm: 2.7 kJ to either side. What the rails'
     # slopes beside their origins have in it, 8 J, would come from nowhere if they were not counted
-    segments = [straight(20.0), transition(20.0), arc(30.0, 300.0, cant_mm=100.0)]
+    segments = [runs.straight(20.0), runs.transition(20.0), runs.arc(30.0, 300.0, cant_mm=100.0)]
     values = {
         "contact.normal": normal, "contact.tangential": "none", "contact.damping_s_per_m": 0.0, "contact.strips": 12,
         "run.distance_m": 30.0, "output.patches_at_m": [],
     }  # fmt: skip
-    setup = setup_of(segments, 15.0, start=15.0, values=values)
+    setup = runs.setup_of(segments, 15.0, start=15.0, values=values)
     law = force_law(setup)
     q, q_t = start_state(setup, law)
     motion = Integration(BodySystem(law.bodies, law), duration=2.0, step=1e-3, weight=law.vehicle.weight,
@@ -136,11 +116,11 @@ def test_a_ramp_of_cant_takes_no_energy(normal):
 
 
 CURVES = {
-    "steering, R 300": lambda: setup_of([arc(30.0, 300.0, 60.0)], 20.0, STEERING, start=10.0),
-    "leading, R 160": lambda: setup_of([arc(30.0, 160.0, 60.0)], 10.0, LEADING, start=10.0),
+    "steering, R 300": lambda: runs.setup_of([runs.arc(30.0, 300.0, 60.0)], 20.0, runs.STEERING, start=10.0),
+    "leading, R 160": lambda: runs.setup_of([runs.arc(30.0, 160.0, 60.0)], 10.0, runs.LEADING, start=10.0),
     # the back of a flange touches the guard face 60 mm behind its axle, where the rail has turned by 2.4 mrad
     "tram, R -25": lambda: build(
-        load(SCENARIOS / "tram_r25.toml").with_values(
+        load(runs.SCENARIOS / "tram_r25.toml").with_values(
             {"run.start_distance_m": 13.0, "run.distance_m": 1.0, "output.patches_at_m": []}
         )
     ),
@@ -151,7 +131,7 @@ CURVES = {
 def test_the_frame_gives_what_the_creep_forces_dissipate(curve):
     """In steady curving the power of springs and weight on the wheelset is the wear number times the rolling speed."""
     setup = CURVES[curve]()
-    own = ride(setup)
+    own = runs.ride(setup)
     q, q_t = start_state(setup, own.law)
     own.law.look_near(own.law.start)
     own.law(0.0, q, q_t, np.zeros(own.law.size))
@@ -205,8 +185,8 @@ LONG = [case for case in product(FAST_MODELS, CREEP, POSES) if case not in CASES
 def test_the_derivative_is_that_of_the_forces(normal: str, creep: str, pose: str) -> None:
     """Off by no more than theory allows, twice h/2 f'' of a forward difference and 2 e/h of forces known to e; and that
     is little."""
-    setup = setup_of(
-        [straight(100.0)], 20.0, start=50.0, values={"contact.normal": normal, "contact.tangential": creep}
+    setup = runs.setup_of(
+        [runs.straight(100.0)], 20.0, start=50.0, values={"contact.normal": normal, "contact.tangential": creep}
     )
     law = force_law(setup)
     q, q_t = pressed(law, *POSES[pose])
@@ -258,13 +238,13 @@ def test_the_derivative_is_that_of_the_forces(normal: str, creep: str, pose: str
 # (on knife edges, Rr = 0, the roll has no influence at all), and in a curve of radius R
 #
 #     y = r0 l / (lambda R) (l - r0 lambda) / (l + Rr lambda)  outward.
-KLINGEL = 2.0 * np.pi * np.sqrt(RADIUS * HALF_CONTACTS / CONICITY)
+KLINGEL = 2.0 * np.pi * np.sqrt(runs.RADIUS * runs.HALF_CONTACTS / runs.CONICITY)
 """The textbook's wavelength, without roll [m]."""
 
-ROLLING_LINE = RADIUS * HALF_CONTACTS / CONICITY
+ROLLING_LINE = runs.RADIUS * runs.HALF_CONTACTS / runs.CONICITY
 """y R of the textbook, without roll [m2]."""
 
-ROLL_FACTOR = (HALF_CONTACTS - RADIUS * CONICITY) / (HALF_CONTACTS + CROWN * CONICITY)
+ROLL_FACTOR = (runs.HALF_CONTACTS - runs.RADIUS * runs.CONICITY) / (runs.HALF_CONTACTS + runs.CROWN * runs.CONICITY)
 """What roll and crown make of the line."""
 
 FEW = ContactSettings("kik-piotrowski", strips=12, cells=6)
@@ -275,7 +255,7 @@ FEW = ContactSettings("kik-piotrowski", strips=12, cells=6)
 def wave():
     """A wheelset released 2 mm beside the centre, two waves long; slow, so that its inertia shortens nothing."""
     speed = 7.0
-    free = cone_ride([Straight(200.0)], speed, settings=FEW)
+    free = runs.cone_ride([Straight(200.0)], speed, settings=FEW)
     start = free.steady(("z", "roll", "spin"), lateral=2e-3)
     motion = free.run(start.q, start.q_t, 35.0 / speed)
     return motion.q[:, 1], motion.q[:, 2], motion.q[:, 4]
@@ -288,10 +268,10 @@ def test_klingels_wave_has_its_length_rolls_the_wheelset_and_neither_dies_nor_gr
     assert len(zeros) >= 4
     wavelength = 2.0 * (zeros[-1] - zeros[0]) / (len(zeros) - 1)
     # 1 % is asked; found is 0.11 %. The textbook's wave, without roll, is 1 % longer
-    assert wavelength == pytest.approx(KLINGEL * np.sqrt(HALF_CONTACTS / HALF_TOPS), rel=2e-3)
+    assert wavelength == pytest.approx(KLINGEL * np.sqrt(runs.HALF_CONTACTS / runs.HALF_TOPS), rel=2e-3)
     _, y, roll = wave
     slope = np.polyfit(y, roll, 1)[0]
-    assert slope == pytest.approx(CONICITY / (HALF_CONTACTS - RADIUS * CONICITY), rel=5e-3)
+    assert slope == pytest.approx(runs.CONICITY / (runs.HALF_CONTACTS - runs.RADIUS * runs.CONICITY), rel=5e-3)
     _, y, _ = wave
     assert y.min() == pytest.approx(-2e-3, rel=0.05)
     assert y[len(y) // 2 :].max() == pytest.approx(2e-3, rel=0.05)
@@ -302,14 +282,14 @@ def test_a_free_conical_wheelset_in_a_curve_sits_on_its_rolling_line(radius):
     # the cant carries the centrifugal force: nothing pushes the wheelset off its line
     speed = 20.0
     cant = 1.565 * np.sin(np.arctan(speed**2 / (9.80665 * abs(radius))))
-    free = cone_ride([Arc(400.0, radius, cant=cant)], speed, start=50.0)
+    free = runs.cone_ride([Arc(400.0, radius, cant=cant)], speed, start=50.0)
     found = free.steady(("z", "y", "heading", "roll", "spin"))
     motion = free.run(found.q, found.q_t, 1e-3)
     outward = -np.sign(radius) * free.poses(motion).lateral[0]
     assert outward == pytest.approx(ROLLING_LINE * ROLL_FACTOR / abs(radius), rel=5e-3)
     # in terms of where the wheels run, which is what rolls: no factor but that of the true spacing
     roll = -np.sign(radius) * free.poses(motion).roll[0]
-    assert outward + (RADIUS + CROWN) * roll == pytest.approx(ROLLING_LINE / abs(radius), rel=5e-3)
+    assert outward + (runs.RADIUS + runs.CROWN) * roll == pytest.approx(ROLLING_LINE / abs(radius), rel=5e-3)
 
 
 # A run knows neither where north is nor what is left: turned, shifted and mirrored tracks, more than a full circle. The
@@ -323,9 +303,11 @@ LATERAL = ("lateral_shift", "yaw", "roll", "curvature", "cant", "y_contact", "gu
 @cache
 def setup(vehicle: str) -> Setup:
     """2 m straight, 6 m of transition, 2 m of the arc at 12 m/s. Newton's method leaves the last digits open."""
-    coarse = FAST if vehicle == LEADING else {"contact.strips": 12, "contact.cells": 6}
+    coarse = runs.FAST if vehicle == runs.LEADING else {"contact.strips": 12, "contact.cells": 6}
     values = {"run.integrator": "rk44"} | coarse
-    return setup_of([straight(2.0), transition(6.0), arc(2.0, 150.0, 50.0, 5.0)], 12.0, vehicle, values=values)
+    return runs.setup_of(
+        [runs.straight(2.0), runs.transition(6.0), runs.arc(2.0, 150.0, 50.0, 5.0)], 12.0, vehicle, values=values
+    )
 
 
 @cache
@@ -353,21 +335,21 @@ def largest_differences(one: xr.Dataset, other: xr.Dataset) -> dict[str, float]:
 @pytest.mark.parametrize(
     ("vehicle", "heading", "start"),
     [
-        (LEADING, 15.0, (1000.0, 2000.0, 300.0)),
-        pytest.param(STEERING, np.pi, (30.0, -40.0, 5.0), marks=pytest.mark.campaign),
+        (runs.LEADING, 15.0, (1000.0, 2000.0, 300.0)),
+        pytest.param(runs.STEERING, np.pi, (30.0, -40.0, 5.0), marks=pytest.mark.campaign),
     ],
 )
 def test_a_run_does_not_depend_on_the_direction_and_the_place_of_the_track(vehicle, heading, start):
-    laid = run_in_time(relaid(setup(vehicle), heading, start)).wheelset()
+    laid = run_in_time(runs.relaid(setup(vehicle), heading, start)).wheelset()
     differences = largest_differences(reference(vehicle), laid)
     # 1e-6 is asked; 2 km from the origin a coordinate has a round-off of 2e-13 m, 5e-9 of the approach
     worst = max(differences, key=lambda name: differences[name])
     assert differences[worst] < 1e-6, worst
 
 
-@pytest.mark.parametrize("vehicle", [LEADING, pytest.param(STEERING, marks=pytest.mark.campaign)])
+@pytest.mark.parametrize("vehicle", [runs.LEADING, pytest.param(runs.STEERING, marks=pytest.mark.campaign)])
 def test_a_left_curve_mirrors_a_right_curve(vehicle):
-    mirror = run_in_time(mirrored(setup(vehicle))).wheelset()
+    mirror = run_in_time(runs.mirrored(setup(vehicle))).wheelset()
     mirror = mirror.isel(wheel=[1, 0])
     for name in LATERAL:
         mirror[name] = -mirror[name]
@@ -387,9 +369,11 @@ def test_more_than_a_full_circle_is_steady_all_the_way_round(start, end):
     # 25 m of radius is tight even for a tram. The circle is long, hence few strips and cells, and a step that only the
     # saturated creep forces of such a curve allow
     radius, speed = 25.0, 10.0
-    coarse = FAST | {"contact.strips": 8, "run.output_interval_ms": 20, "run.step_us": 500}
+    coarse = runs.FAST | {"contact.strips": 8, "run.output_interval_ms": 20, "run.step_us": 500}
     way = 2.0 * np.pi * radius
-    circle = setup_of([arc(end * way, radius, 160.0, 15.0)], speed, STEERING, start=start * way, values=coarse)
+    circle = runs.setup_of(
+        [runs.arc(end * way, radius, 160.0, 15.0)], speed, runs.STEERING, start=start * way, values=coarse
+    )
     dataset = run_in_time(circle).wheelset()
     assert dataset.attrs["status"] == "completed"
     assert dataset["distance"].values[0] < way < dataset["distance"].values[-1]

@@ -75,8 +75,7 @@ def steps(evolution: Evolution, folder: Path) -> list[Step]:
 def test_mass_off_the_wheels_is_mass_lost(evolution: Evolution, steps: list[Step]) -> None:
     """What is off the section, times the ring and the density, against what tread and flange lost on the way.
 
-    The ring's radius at each place is that of the profile that ran there.
-    """
+    The ring's radius at each place is that of the profile that ran there."""
     lost = sum(step.way * (step.tread + step.flange) for step in steps)
     areas = np.array(steps[-1].areas)
     middles = 0.5 * (evolution.places[1:] + evolution.places[:-1])

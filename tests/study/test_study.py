@@ -80,8 +80,7 @@ def markers(plan: Plan) -> list[Marker]:
 def cluster() -> Iterator[Client]:
     """One worker in a process of its own; more on demand.
 
-    They are forked from a process that has imported everything; those that commands start begin with nothing.
-    """
+    They are forked from a process that has imported everything; those that commands start begin with nothing."""
     with dask.config.set({"distributed.worker.multiprocessing-method": "forkserver"}):
         get_mp_context().set_forkserver_preload([task.__name__])
         with local_workers(1) as client:

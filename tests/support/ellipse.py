@@ -48,8 +48,7 @@ def roll(
     """A tangential model on the ellipse; xi, eta at its centre, spin phi [1/m]. Returns the strips.
 
     model: a choice of ContactSettings.tangential, or "fastsim, parabolic", or "fastsim, blended"; direction: speed
-    along x [m/s]; numbers: of SETTINGS.
-    """
+    along x [m/s]; numbers: of SETTINGS."""
     rows = ellipse(aspect, strips, radius, peak)
     rows["xi"], rows["eta"], rows["phi"] = xi - phi * rows["s"], eta, phi
     force = rows["N"].sum()

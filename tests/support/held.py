@@ -18,8 +18,7 @@ def held_state(
 ) -> Equilibrium:
     """The steady motion near (q, q_t) in the unknown coordinates, all others held; "spin" stands for the spin rate.
 
-    equations: coordinates whose forces vanish, by default those of the unknowns.
-    """
+    equations: coordinates whose forces vanish, by default those of the unknowns."""
     law.look_near(law.start)
     steady = SteadyMotion(law)
     if "roll" in unknowns:

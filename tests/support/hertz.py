@@ -20,8 +20,7 @@ class Ellipse:
     """Hertz' contact of half axes a (along x), b (along s) [m] and peak pressure p0 [Pa]; modulus: E* [Pa].
 
     With Carlson's integrals (Johnson, Contact Mechanics, 1985, sections 3.2 and 3.3): the surfaces part by
-    A x^2 + B s^2, A = p0 a b R_D(0, b^2, a^2)/(3 E*), the approach is p0 a b R_F(0, a^2, b^2)/E*.
-    """
+    A x^2 + B s^2, A = p0 a b R_D(0, b^2, a^2)/(3 E*), the approach is p0 a b R_F(0, a^2, b^2)/E*."""
 
     a: float
     b: float

@@ -1,15 +1,15 @@
 """Work for every kernel of wrsim.core: small cases whose numbers are the same compiled and not.
 
 Run as a program without the compiler (NUMBA_DISABLE_JIT=1) it writes to a file what the cases gave and which kernels
-worked; with it and no file it compiles ahead (`.ci/test`).
-"""
+worked; with it and no file it compiles ahead (`.ci/test`)."""
 
 import copy
+import hashlib
 import importlib
 import pickle
 import pkgutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import wraps
 from math import sqrt
@@ -25,7 +25,6 @@ import wrsim.core
 from support.contacts import bench, contact_of, numbers, pair_model, settle, strip_system
 from support.ellipse import roll
 from support.knife_edge import KnifeEdgeForces, example_wheelset
-from support.machine_code import kept_object
 from support.paths import curvature, locate
 from support.vehicles import manchester, on_track, shipped
 from wrsim import Arc, ContactModel, ContactSettings, Flat, Friction, contact_model
@@ -40,6 +39,8 @@ from wrsim.core.contact.strips.derivatives import jacobian
 from wrsim.core.contact.strips.equations import residuals
 from wrsim.core.contact.strips.records import OF_A_STRIP, X
 from wrsim.core.contact.wheel_rail import STAGES, compile_stages
+from wrsim.core.jit.cache import CACHE
+from wrsim.core.jit.objects import emit_object, target
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.bridge import Bridge
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
@@ -379,6 +380,19 @@ def note_first_calls() -> set[tuple[str, str]]:
         for own, name in places:
             own[name] = watched(kernel, places)
     return worked
+
+
+def kept_object(stages: Mapping[str, Any]) -> bytes:
+    """`emit_object` of stages of the package, kept beside its kernels: the strip model's takes ten seconds."""
+    if CACHE is None:
+        return emit_object(stages)
+    names = [(name, stage.py_func.__module__, stage.py_func.__name__, *target(stage)) for name, stage in stages.items()]
+    path = Path(CACHE) / f"{hashlib.sha256(repr(names).encode()).hexdigest()[:16]}.o"
+    if not path.exists():
+        made = path.with_suffix(".part")
+        made.write_bytes(emit_object(stages))
+        made.replace(path)
+    return path.read_bytes()
 
 
 def main(file: str = "", form: str = "few") -> object:

@@ -10,8 +10,7 @@ of the track-following frame; no spin. The law behind the growth rates of the th
 (found by comparing variants with the published figures: all four speeds agree to 3 digits, no other variant
 does): the wheel is touched at half_spacing -+ y along its axle, y the lateral shift of the centre of mass,
 straight below the axle; the contact frame is the wheelset's own, tilted by the cone angle; the approach is
-how deep that point lies below the edge.
-"""
+how deep that point lies below the edge."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
@@ -54,8 +53,7 @@ def edge_contact(body, own, side, law):
 @kernel
 def edge_forces(body, own, side, speed, law):
     """Force and moment (about the centre of mass) of one edge on the wheelset, and N. side: +1 left, -1
-    right.
-    """
+    right."""
     delta, at, t, s, n = edge_contact(body, own, side, law)
     if not delta > 0.0:
         zero = 0.0 * delta
@@ -78,8 +76,7 @@ def edge_forces(body, own, side, speed, law):
 def knife_edge_forces(q, q_t, curve, speed, law, memory, out):
     """Add the generalised forces of both edges on the wheelset; memory: last place s, N left, N right.
 
-    Returns the status of ``locate``.
-    """
+    Returns the status of ``locate``."""
     body = kinematics(q, q_t)
     memory[0], status = locate(curve, body.position, memory[0])
     own = frame_at(curve, memory[0])
@@ -173,8 +170,7 @@ def example_wheelset(
 ) -> Vehicle:
     """The vehicle of the three-dimensional example: springs kx = ky [N/m] a side at +-1 m.
 
-    push: lateral force at the centre of mass [N]; options: of ``single_wheelset``.
-    """
+    push: lateral force at the centre of mass [N]; options: of ``single_wheelset``."""
     wheelset = wheelset or bare_wheelset()
     stiffness = spring if isinstance(spring, tuple) else (spring, spring, 0.0)
     vehicle = single_wheelset(wheelset, stiffness=stiffness, damping=damping, **options)

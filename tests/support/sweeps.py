@@ -25,8 +25,7 @@ def jumps(pair, yaw, load, span, most=15, **choices):
 def steepest(force, xs, most, found=None):
     """(place, change) of a function of one number at its steepest places, halved until a jump is left.
 
-    found: its values at ``xs``, where they are known.
-    """
+    found: its values at ``xs``, where they are known."""
     found = [force(x) for x in xs] if found is None else found
     change = np.abs(np.diff(found, axis=0)).max(axis=1)
     usual = np.array([np.median(change[max(0, i - 4) : i + 5]) for i in range(len(change))])

@@ -1,7 +1,6 @@
 """Results that look like real ones, made without a simulation, to develop and test tables and pictures.
 
-S1002 rolls on 60E1 (1:40) by Kik-Piotrowski; the motion through the curve is invented.
-"""
+S1002 rolls on 60E1 (1:40) by Kik-Piotrowski; the motion through the curve is invented."""
 
 from functools import lru_cache
 from typing import Any

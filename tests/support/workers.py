@@ -1,7 +1,6 @@
 """`--workers N`: tests are collected once, then N forked processes take file after file.
 
-Imports and collected tests are shared; each worker has its own capture, temporary folder and fixtures of a session.
-"""
+Imports and collected tests are shared; each worker has its own capture, temporary folder and fixtures of a session."""
 
 import os
 import signal

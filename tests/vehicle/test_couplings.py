@@ -214,8 +214,7 @@ def test_a_stroke_that_is_used_up_is_an_event() -> None:
 
 def turned(law: VehicleOnTrack, moved: float, lateral: float, yaw: float) -> dict[str, np.ndarray]:
     """Readings of the elements with the second wagon moved forward and to the left [m] and turned to the left [rad],
-    and ``on``: force and moment about the vertical on that wagon (x, y, about z).
-    """
+    and ``on``: force and moment about the vertical on that wagon (x, y, about z)."""
     q, q_t = design_state(law)
     second = q[12:18]
     second[1] += moved

@@ -7,27 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.boxes import (
-    AT,
-    FIXED,
-    HEIGHT,
-    MASS,
-    X,
-    Z,
-    box,
-    derivatives,
-    displaced,
-    driven,
-    element,
-    in_plane,
-    last_loop,
-    moment_kept,
-    motion,
-    on_springs,
-    slides,
-    spring,
-    symmetric,
-)
+from support import boxes
+from support.boxes import element, motion
 from support.commands import refusal
 from support.runs import FAST
 from support.vehicles import ROOT, manchester, shipped
@@ -54,7 +35,7 @@ INTEGRATORS: tuple[Integrator, ...] = ("rk44", "generalised-alpha")
 
 def pushed(elements: tuple[Element, ...], force: Triple) -> VehicleOnTrack:
     """A box under a constant force: the weight along a slope."""
-    return on_springs(replace(box(*elements), loads=(Load.constant("slope", "box", force, AT),)))
+    return boxes.on_springs(replace(boxes.box(*elements), loads=(Load.constant("slope", "box", force, boxes.AT),)))
 
 
 def accelerations(law: VehicleOnTrack, q: Any, q_t: Any) -> Any:
@@ -68,8 +49,8 @@ def test_a_block_on_a_slope_stays_below_the_angle_of_friction_and_slides_above_i
     """With N = m g cos(a) it accelerates by g (sin(a) - mu cos(a)) where tan(a) > mu, and stays where not."""
     friction, k = 0.3, 4e6
     for slope in (0.27, 0.33):
-        along, across = MASS * 9.81 * np.sin(slope), MASS * 9.81 * np.cos(slope)
-        law = pushed((FIXED, slides(friction * across, k)), (along, 0.0, 0.0))
+        along, across = boxes.MASS * 9.81 * np.sin(slope), boxes.MASS * 9.81 * np.cos(slope)
+        law = pushed((boxes.FIXED, boxes.slides(friction * across, k)), (along, 0.0, 0.0))
         q, q_t = design_state(law)
         if np.tan(slope) < friction:
             part = np.tan(slope) / friction  # of the bound: on the bend of the stick spring
@@ -93,8 +74,8 @@ def test_the_swing_of_a_block_decays_by_the_same_length_every_period(integrator:
     stroke loses A_n - A_n+1 = 2 F/k (1 - 2 F/(s (A_n + A_n+1)))."""
     force, k = 4e3, 4e5
     for stick, textbook in ((4e7, 0.01), (4e6, 0.1)):
-        rails = spring(stiffness=(k, 0.0, 4e6), turning_stiffness=(4e6, 4e6, 4e6))
-        law = on_springs(box(rails, slides(force, stick)))
+        rails = boxes.spring(stiffness=(k, 0.0, 4e6), turning_stiffness=(4e6, 4e6, 4e6))
+        law = boxes.on_springs(boxes.box(rails, boxes.slides(force, stick)))
         q, q_t = design_state(law)
         at = q[6 + 1]
         q[6 + 1] += 0.1
@@ -114,13 +95,13 @@ def test_in_a_plane_friction_is_against_the_velocity_and_on_a_circle() -> None:
     force, k = 8e3, 2e6
     paths = []
     for turn in (0.0, 0.7, 2.1):
-        law = on_springs(box(FIXED, in_plane(force, k)))
+        law = boxes.on_springs(boxes.box(boxes.FIXED, boxes.in_plane(force, k)))
         q, q_t = design_state(law)
         c, s = np.cos(turn), np.sin(turn)
         q_t[7], q_t[8] = 0.8 * c, 0.8 * s
         # a push across the way bends it
-        push = Load.constant("push", "box", (-2e3 * s, 2e3 * c, 0.0), AT)
-        law = on_springs(replace(law.vehicle, loads=(push,)))
+        push = Load.constant("push", "box", (-2e3 * s, 2e3 * c, 0.0), boxes.AT)
+        law = boxes.on_springs(replace(law.vehicle, loads=(push,)))
         found = motion(law, q, q_t, 0.25, 5e-4, "rk44")
         x, v = found.q[:, 7:9] - found.q[0, 7:9], found.q_t[:, 7:9]
         paths.append(np.stack([c * x[:, 0] + s * x[:, 1], c * x[:, 1] - s * x[:, 0]]))
@@ -139,7 +120,7 @@ def test_friction_takes_power_whatever_its_bound_does() -> None:
     has just fallen and the spring holds more than the bound."""
     rng = np.random.default_rng(3)
     for bound in (0.0, 3e3, 8e3):
-        law = on_springs(box(FIXED, in_plane(bound, 2e6)))
+        law = boxes.on_springs(boxes.box(boxes.FIXED, boxes.in_plane(bound, 2e6)))
         q, q_t = design_state(law)
         for _ in range(40):
             z, v = rng.normal(0.0, 3e-3, 2), rng.normal(0.0, 0.3, 2)
@@ -154,12 +135,12 @@ def test_friction_between_bodies_keeps_momentum_and_its_derivatives_are_those_of
     """The Jacobian by differences of half the length is the same, stuck and in slip."""
     struts = tuple(
         replace(element, name=f"{i}", first="box", second="lid")
-        for i, element in enumerate((slides(3e3, 2e6, 1), in_plane(4e3, 1e6), FIXED))
+        for i, element in enumerate((boxes.slides(3e3, 2e6, 1), boxes.in_plane(4e3, 1e6), boxes.FIXED))
     )
-    two = box(FIXED, *struts)
+    two = boxes.box(boxes.FIXED, *struts)
     lid = replace(two.bodies[0], name="lid")
-    law = on_springs(replace(two, bodies=(*two.bodies, lid)))
-    q, q_t = displaced(law)
+    law = boxes.on_springs(replace(two, bodies=(*two.bodies, lid)))
+    q, q_t = boxes.displaced(law)
     for stretched in (1e-4, 1.5e-3, 8e-3):
         q_t[18:] = law.settled_rates(q, q_t)[18:] * (1.0 - stretched)
         jacobian = force_derivative(law, q, q_t, 3, 0.0, 0.7, 300.0)
@@ -182,31 +163,31 @@ def test_the_friction_of_a_link_follows_the_load_of_its_spring() -> None:
     while the spring pulls."""
     vertical, k, friction = 4e5, 2e6, 0.3
     # along x, with the force of the vertical spring
-    carries = spring(stiffness=(0.0, 0.0, vertical), turning_stiffness=(4e6, 4e6, 4e6))
+    carries = boxes.spring(stiffness=(0.0, 0.0, vertical), turning_stiffness=(4e6, 4e6, 4e6))
     slider = Slider("coulomb", k, friction=friction, normal=Normal("spring", 1.5))
-    link = Strut("link", "friction", TRACK, "box", (AT, AT), 0, slider=slider)
-    vehicle = box(link, carries)
-    law = on_springs(vehicle, gravity=vehicle.gravity)
+    link = Strut("link", "friction", TRACK, "box", (boxes.AT, boxes.AT), 0, slider=slider)
+    vehicle = boxes.box(link, carries)
+    law = boxes.on_springs(vehicle, gravity=vehicle.gravity)
     q, q_t = design_state(law)
     q_t[7] = 0.4
     q[7] += 0.05  # far in slip
     for lower in (0.0, 0.03, -0.05, -0.2):
         q[6] -= lower
         out = accelerations(law, q, q_t)
-        load = max(0.0, MASS * vehicle.gravity + vertical * lower)
+        load = max(0.0, boxes.MASS * vehicle.gravity + vertical * lower)
         assert -out[7] == pytest.approx(friction * 1.5 * load, rel=1e-12, abs=1e-9)
         q[6] += lower
-    swapped = on_springs(replace(vehicle, elements=vehicle.elements[::-1]), gravity=vehicle.gravity)
+    swapped = boxes.on_springs(replace(vehicle, elements=vehicle.elements[::-1]), gravity=vehicle.gravity)
     np.testing.assert_array_equal(accelerations(swapped, q, q_t), accelerations(law, q, q_t))
 
 
 def test_what_nothing_presses_and_more_threads_than_cores_are_refused(monkeypatch) -> None:
-    level = spring(name="level", stiffness=(1e6, 1e6, 0.0))
+    level = boxes.spring(name="level", stiffness=(1e6, 1e6, 0.0))
     for of, words in (("level", "carries nothing along z at rest"), ("levle", "there is no spring 'levle'.*level")):
         slider = Slider("coulomb", 1e6, friction=0.3, normal=Normal(of))
-        link = Strut("link", "friction", TRACK, "box", (AT, AT), 0, slider=slider)
+        link = Strut("link", "friction", TRACK, "box", (boxes.AT, boxes.AT), 0, slider=slider)
         with pytest.raises(InputError, match=words):
-            on_springs(box(level, FIXED, link))
+            boxes.on_springs(boxes.box(level, boxes.FIXED, link))
     with pytest.raises(InputError, match=r"threads: must be a whole number from 1 to \d+.*not 100000"):
         force_law(replace(build(load(SCENARIO).with_values(FAST)), threads=100_000))
     assert "threads: must be" in refusal("run", str(SCENARIO), "--threads", "100000")
@@ -218,12 +199,12 @@ def test_what_nothing_presses_and_more_threads_than_cores_are_refused(monkeypatc
 def test_in_small_motions_friction_sticks() -> None:
     """Natural modes and the linearised system have the stick stiffness, and no unknown of a slider."""
     stick = (4e6, 6e6)
-    first = slides(1e3, stick[0], 0)
-    second = replace(slides(1e3, stick[1], 1), name="other")
-    law = on_springs(box(FIXED, first, second))
+    first = boxes.slides(1e3, stick[0], 0)
+    second = replace(boxes.slides(1e3, stick[1], 1), name="other")
+    law = boxes.on_springs(boxes.box(boxes.FIXED, first, second))
     modes = {mode.name: mode.frequency for mode in natural_modes(law.vehicle)}
-    assert modes["box longitudinal"] == pytest.approx(np.sqrt(stick[0] / MASS) / (2.0 * np.pi), rel=1e-6)
-    assert modes["box lateral"] == pytest.approx(np.sqrt(stick[1] / MASS) / (2.0 * np.pi), rel=1e-6)
+    assert modes["box longitudinal"] == pytest.approx(np.sqrt(stick[0] / boxes.MASS) / (2.0 * np.pi), rel=1e-6)
+    assert modes["box lateral"] == pytest.approx(np.sqrt(stick[1] / boxes.MASS) / (2.0 * np.pi), rel=1e-6)
     q, q_t = design_state(law)
     q[7] += 5e-3  # far in slip
     linear = linearise(law, law.bodies, q, law.settled_rates(q, q_t))
@@ -234,13 +215,15 @@ def test_in_small_motions_friction_sticks() -> None:
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_a_run_with_friction_that_is_cut_goes_on_to_the_bit(integrator: Integrator) -> None:
     """Everything that friction remembers stands in the state."""
-    law = on_springs(box(spring(stiffness=(4e5, 4e5, 4e6), turning_stiffness=(4e6,) * 3), in_plane(4e3, 4e6)))
+    law = boxes.on_springs(
+        boxes.box(boxes.spring(stiffness=(4e5, 4e5, 4e6), turning_stiffness=(4e6,) * 3), boxes.in_plane(4e3, 4e6))
+    )
     q, q_t = design_state(law)
     q[7], q[8] = q[7] + 0.05, q[8] + 0.02
     whole = motion(law, q, q_t, 0.4, 1e-3, integrator)
     system = BodySystem(law.bodies, law)
     half = motion(law, q, q_t, 0.2, 1e-3, integrator)
-    rest = Integration(system, start=0.2, duration=0.2, step=1e-3, integrator=integrator, weight=MASS * 0.01).run(
+    rest = Integration(system, start=0.2, duration=0.2, step=1e-3, integrator=integrator, weight=boxes.MASS * 0.01).run(
         half.q[-1], half.q_t[-1]
     )
     np.testing.assert_array_equal(rest.q[-1], whole.q[-1])
@@ -252,12 +235,12 @@ def test_a_run_with_friction_that_is_cut_goes_on_to_the_bit(integrator: Integrat
 def test_a_spring_with_an_uneven_table_pushes_back_by_it_also_in_a_part_that_is_turned_round(turned: bool) -> None:
     keys = {"direction": "x", "travel_mm_force_kN": [[-50, -4], [0, 0], [20, 2], [50, 20]]}
     axes = replace(VEHICLE_AXES, signs=(-1.0, -1.0, 1.0)) if turned else VEHICLE_AXES
-    law = on_springs(box(FIXED, element("tabulated-spring", axes, **keys)))
+    law = boxes.on_springs(boxes.box(boxes.FIXED, element("tabulated-spring", axes, **keys)))
     for travel, force in ((-0.05, -4e3), (0.01, 1e3), (0.035, 11e3)):
         q, q_t = design_state(law)
-        q[X] += -travel if turned else travel
+        q[boxes.X] += -travel if turned else travel
         law(0.0, q, q_t, out := np.zeros(law.size))
-        assert out[X] == pytest.approx(force if turned else -force, rel=1e-9)
+        assert out[boxes.X] == pytest.approx(force if turned else -force, rel=1e-9)
 
 
 K, LIMIT, X2 = 2e5, 3e3, 4e-3
@@ -271,7 +254,7 @@ def test_the_loops_of_rubber_are_those_of_berg(amplitude: float) -> None:
     rubber = element(
         "rubber-spring", stiffness_kN_per_m=1e-3 * K, friction_force_kN=1e-3 * LIMIT, friction_travel_mm=1e3 * X2
     )
-    travel, force = last_loop(on_springs(box(FIXED, rubber)), amplitude, loops=12, steps=200)
+    travel, force = boxes.last_loop(boxes.on_springs(boxes.box(boxes.FIXED, rubber)), amplitude, loops=12, steps=200)
     a, x2 = amplitude, X2
     f0 = LIMIT * (np.sqrt(x2**2 + 6.0 * a * x2 + a**2) - x2 - a) / (2.0 * x2)
     m = f0 / LIMIT
@@ -292,29 +275,29 @@ def test_the_loops_of_a_leaf_spring_are_those_of_fancher(share: bool) -> None:
     amplitude, distance = 8e-3, 3e-3
     if share:
         amplitude = 0.8e-3  # of 98 mm of static travel
-        law = on_springs(
-            box(
-                spring(stiffness=(4e6, 4e6, 0.0), turning_stiffness=(4e6,) * 3),
+        law = boxes.on_springs(
+            boxes.box(
+                boxes.spring(stiffness=(4e6, 4e6, 0.0), turning_stiffness=(4e6,) * 3),
                 element("leaf-spring", direction="z", stiffness_kN_per_m=400, friction_share=0.1,
                         friction_travel_mm=1e3 * distance),
             ),
             gravity=9.80665,
         )  # fmt: skip
-        limit = 0.1 * MASS * 9.80665
+        limit = 0.1 * boxes.MASS * 9.80665
         q, q_t = design_state(law)
         for lower, sign in ((amplitude, 1.0), (-amplitude, -1.0)):
-            q[Z] -= lower
+            q[boxes.Z] -= lower
             out = np.zeros(law.size)
             law(0.0, q, law.settled_rates(q, q_t), out)
             bound = limit + sign * 0.1 * 4e5 * amplitude
             virgin = bound * (1.0 - np.exp(-amplitude / distance * limit / bound))
-            assert out[Z] == pytest.approx(sign * (4e5 * amplitude + virgin), rel=1e-9)
-            q[Z] += lower
+            assert out[boxes.Z] == pytest.approx(sign * (4e5 * amplitude + virgin), rel=1e-9)
+            q[boxes.Z] += lower
         return
     leaf = element(
         "leaf-spring", stiffness_kN_per_m=1e-3 * K, friction_force_kN=1e-3 * LIMIT, friction_travel_mm=1e3 * distance
     )
-    travel, force = last_loop(on_springs(box(FIXED, leaf)), amplitude)
+    travel, force = boxes.last_loop(boxes.on_springs(boxes.box(boxes.FIXED, leaf)), amplitude)
     corner = LIMIT * np.tanh(amplitude / distance)
     assert force.max() == pytest.approx(K * amplitude + corner, rel=2e-3)
     up = np.gradient(travel) > 0.0
@@ -331,11 +314,11 @@ def test_an_air_spring_is_soft_when_slow_stiff_when_fast_and_damps_in_between() 
         "air-spring", stiffness_kN_per_m=1e-3 * K, series_stiffness_kN_per_m=1e-3 * series,
         orifice_damping=1e-3 * c, orifice_exponent=1.0,
     )  # fmt: skip
-    law = on_springs(box(FIXED, air))
+    law = boxes.on_springs(boxes.box(boxes.FIXED, air))
     for part, stiffness, loss in ((0.02, K, None), (1.0, K + 0.5 * series, 0.5 * series), (50.0, K + series, None)):
         w = part * series / c
         times = np.linspace(0.0, 4.0 * 2.0 * np.pi / w, 2401)
-        force = driven(law, lambda t, w=w: amplitude * np.sin(w * t), times)
+        force = boxes.driven(law, lambda t, w=w: amplitude * np.sin(w * t), times)
         late = slice(1800, None)  # the last period
         inphase = 2.0 * np.trapezoid(force[late] * np.sin(w * times[late]), w * times[late]) / (2.0 * np.pi)
         quadrature = 2.0 * np.trapezoid(force[late] * np.cos(w * times[late]), w * times[late]) / (2.0 * np.pi)
@@ -354,26 +337,26 @@ def test_an_orifice_has_the_force_of_its_power_law() -> None:
 
 
 def test_a_nest_of_springs_stands_on_its_line_where_its_load_is_and_never_pulls() -> None:
-    k, inner, inner_from = 1e6, 1.5e6, 0.6 * MASS * 9.81
+    k, inner, inner_from = 1e6, 1.5e6, 0.6 * boxes.MASS * 9.81
     more = {"second_stiffness": inner, "second_from": inner_from}
-    nest = BilinearSpring("nest", "bilinear-spring", TRACK, "box", (AT, AT), 2, k, **more)
+    nest = BilinearSpring("nest", "bilinear-spring", TRACK, "box", (boxes.AT, boxes.AT), 2, k, **more)
     for times in (0.5, 1.0):  # below and beyond the bend
         gravity = 9.81 * times
-        vehicle = box(spring(stiffness=(4e6, 4e6, 0.0), turning_stiffness=(4e6,) * 3), nest)
-        law = on_springs(replace(vehicle, gravity=gravity), gravity=gravity)
+        vehicle = boxes.box(boxes.spring(stiffness=(4e6, 4e6, 0.0), turning_stiffness=(4e6,) * 3), nest)
+        law = boxes.on_springs(replace(vehicle, gravity=gravity), gravity=gravity)
         q, q_t = design_state(law)
-        weight = MASS * gravity
+        weight = boxes.MASS * gravity
         compressed = min(weight, inner_from) / k + max(0.0, weight - inner_from) / (k + inner)
         for lower in (0.0, 5e-3, -5e-3, -compressed - 1e-3):
             total = max(0.0, compressed + lower)
             expected = k * total + inner * max(0.0, total - inner_from / k)
-            q[Z] -= lower
+            q[boxes.Z] -= lower
             law(0.0, q, q_t, out := np.zeros(law.size))
-            assert out[Z] == pytest.approx(expected - weight, abs=1e-6 * weight)
-            q[Z] += lower
+            assert out[boxes.Z] == pytest.approx(expected - weight, abs=1e-6 * weight)
+            q[boxes.Z] += lower
         (bounce,) = (mode for mode in natural_modes(law.vehicle) if mode.name == "box vertical")
         stiffness = k if times == 0.5 else k + inner
-        assert bounce.frequency == pytest.approx(np.sqrt(stiffness / MASS) / (2.0 * np.pi), rel=1e-6)
+        assert bounce.frequency == pytest.approx(np.sqrt(stiffness / boxes.MASS) / (2.0 * np.pi), rel=1e-6)
 
 
 def test_a_mass_between_two_stops_with_play_swings_with_the_time_that_it_flies() -> None:
@@ -382,18 +365,20 @@ def test_a_mass_between_two_stops_with_play_swings_with_the_time_that_it_flies()
     rod = KINDS["traction-rod"].model_validate(
         {
             "kind": "traction-rod", "name": "rod", "body": "track", "to": ["box"], "stiffness_kN_per_m": 1e-3 * k,
-            "clearance_mm": 1e3 * play, "body_mm": [-3000, 0, 1e3 * HEIGHT], "to_mm": [0, 0, 1e3 * HEIGHT],
+            "clearance_mm": 1e3 * play, "body_mm": [-3000, 0, 1e3 * boxes.HEIGHT], "to_mm": [0, 0, 1e3 * boxes.HEIGHT],
         }
     )  # fmt: skip
-    law = on_springs(box(FIXED, rod.element(Joint("rod", "traction-rod", TRACK, "box"), VEHICLE_AXES)))
+    law = boxes.on_springs(
+        boxes.box(boxes.FIXED, rod.element(Joint("rod", "traction-rod", TRACK, "box"), VEHICLE_AXES))
+    )
     q, q_t = design_state(law)
-    place = q[X]
-    q_t[X] = speed
+    place = q[boxes.X]
+    q_t[boxes.X] = speed
     found = motion(law, q, q_t, 1.3, 2e-4, "rk44")
-    x = found.q[:, X] - place - 1e-6
+    x = found.q[:, boxes.X] - place - 1e-6
     crossings = found.times[1:][(x[:-1] < 0.0) & (x[1:] >= 0.0)]
     assert len(crossings) >= 3
-    period = 2.0 * np.pi * np.sqrt(MASS / k) + 4.0 * play / speed
+    period = 2.0 * np.pi * np.sqrt(boxes.MASS / k) + 4.0 * play / speed
     np.testing.assert_allclose(np.diff(crossings), period, rtol=3e-3)
 
 
@@ -401,29 +386,31 @@ def test_a_mass_between_two_stops_with_play_swings_with_the_time_that_it_flies()
 @pytest.mark.parametrize("name", ["manchester_1", "cooperrider_bogie"])
 def test_springs_have_a_potential_at_any_displacement(name: str) -> None:
     """The derivative of the generalised forces with respect to the coordinates is symmetric where nothing moves."""
-    law = on_springs(shipped(name))
-    q, q_t = displaced(law)
+    law = boxes.on_springs(shipped(name))
+    q, q_t = boxes.displaced(law)
     q_t[: 6 * len(law.bodies)] = 0.0
     spins = range(5, 6 * len(law.vehicle.wheelsets), 6)  # which move no spring
-    assert symmetric(derivatives(law, q, q_t, 6 * len(law.bodies)), *spins)
+    assert boxes.symmetric(boxes.derivatives(law, q, q_t, 6 * len(law.bodies)), *spins)
 
 
 def test_elements_between_bodies_keep_momentum_and_angular_momentum() -> None:
-    law = on_springs(manchester())
-    q, q_t = displaced(law)
+    law = boxes.on_springs(manchester())
+    q, q_t = boxes.displaced(law)
     law(0.0, q, q_t, np.zeros(law.size))
-    moment_kept(law)
+    boxes.moment_kept(law)
 
 
 @pytest.mark.parametrize("damping", [5e2, 2e4, 5e5])
 def test_a_mass_on_a_spring_and_a_damper_behind_a_spring_has_the_roots_of_its_cubic(damping: float) -> None:
     """m x_tt + k x + k_s (x - x_d) = 0, c x_d,t = k_s (x - x_d)."""
     k, series = 4e5, 6e5
-    struts = Strut("d", "damper", TRACK, "box", ((0.0, 0.0, HEIGHT),) * 2, 2, damping=damping, series_stiffness=series)
-    modes = natural_modes(box(spring(stiffness=(1e7, 2e7, k)), struts))
+    struts = Strut(
+        "d", "damper", TRACK, "box", ((0.0, 0.0, boxes.HEIGHT),) * 2, 2, damping=damping, series_stiffness=series
+    )
+    modes = natural_modes(boxes.box(boxes.spring(stiffness=(1e7, 2e7, k)), struts))
     mode = next(m for m in modes if m.name == "box vertical")
     lag = damping / series
-    roots = np.roots([MASS * lag, MASS, (k + series) * lag, k])
+    roots = np.roots([boxes.MASS * lag, boxes.MASS, (k + series) * lag, k])
     root = roots[np.argmax(roots.imag)]
     assert mode.frequency == pytest.approx(abs(root) / (2.0 * np.pi), rel=1e-6)
     assert mode.damping == pytest.approx(-root.real / abs(root), rel=1e-6)
@@ -432,15 +419,15 @@ def test_a_mass_on_a_spring_and_a_damper_behind_a_spring_has_the_roots_of_its_cu
 def test_a_flexible_column_bends_like_a_cantilever() -> None:
     """Shear stiffness 12 E I/h^3 and bending stiffness E I/h at its middle: the loaded end yields by F h^3/(3 E I)."""
     stiffness, h = 2e6, 0.6
-    column = spring(
-        (0.0, 0.0, HEIGHT - 0.5 * h),
+    column = boxes.spring(
+        (0.0, 0.0, boxes.HEIGHT - 0.5 * h),
         stiffness=(12.0 * stiffness / h**3, 12.0 * stiffness / h**3, 1e8),
         turning_stiffness=(stiffness / h, stiffness / h, 1e8),
         column=True,
     )
-    vehicle = box(column)
+    vehicle = boxes.box(column)
     weightless = replace(vehicle, bodies=(replace(vehicle.bodies[0], mass=1e-3),))  # a load would push the column over
-    law = on_springs(weightless)
+    law = boxes.on_springs(weightless)
     q, q_t = design_state(law)
     matrix = linearise(law, law.bodies, q, q_t).stiffness[6:12, 6:12]
     yields = np.linalg.inv(matrix)
@@ -452,7 +439,7 @@ def test_a_bump_stop_follows_its_table_both_ways_and_goes_on_beyond_it() -> None
     stop = next(e for e in manchester().elements if e.name == "front.lateral stop")
     assert isinstance(stop, Strut)
     assert stop.limits == (-0.065, 0.065)
-    law = on_springs(box(replace(stop, first=TRACK, second="box"), spring(stiffness=(1.0, 0.0, 1e6))))
+    law = boxes.on_springs(boxes.box(replace(stop, first=TRACK, second="box"), boxes.spring(stiffness=(1.0, 0.0, 1e6))))
     q, q_t = design_state(law)
     out = np.zeros(law.size)
     for travel, force in ((0.02, 0.0), (0.03, 600.0), (0.0425, 5300.0), (0.065, 230e3), (0.066, 270160.0)):

@@ -38,8 +38,7 @@ def in_wind(force: float, height: float = HEIGHT, at: float = 0.0) -> Vehicle:
 
 class Coach:
     """The coach by hand, as a plane model: its energy over (y, z, roll) of car body and frames, roll to the left
-    negative. Numbers: ``models/vehicles/manchester_1.toml``. Springs turn with the bodies that they are fixed to.
-    """
+    negative. Numbers: ``models/vehicles/manchester_1.toml``. Springs turn with the bodies that they are fixed to."""
 
     CAR, FRAME = 32000.0, 2615.0
     TRAVEL = 1e-3 * np.array([0, 25, 30, 35, 40, 45, 50, 55, 60, 65])
@@ -368,8 +367,7 @@ def test_load_transfer_in_a_canted_curve_is_that_of_the_closed_form() -> None:
     """Moments about the track: sum b_i Q_i = sum m (a_q z + g_n y_o) + sum I omega kappa V, a_q the cant deficiency.
 
     b_i is the arm of a wheel's contact, y_o is how far the masses have swayed outward against the wheels; a curve so
-    wide that nothing touches a flange.
-    """
+    wide that nothing touches a flange."""
     radius, cant, speed = 2500.0, 0.08, 55.0
     law = on_track(manchester(), speed, curved(radius, cant), start=200.0).law
     q, q_t = design_state(law)
