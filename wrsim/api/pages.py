@@ -168,7 +168,7 @@ def look(formats: str = "png", width_mm: float | None = None, font: str = "", st
 
     Returns
     -------
-    contextlib.AbstractContextManager
+    AbstractContextManager
         Pictures outside of its block look as before.
 
     Raises

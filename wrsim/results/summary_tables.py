@@ -42,15 +42,9 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
         tables = wheelset_tables(own, [""], title=title)
     else:
         tables = [vehicle_table(title, labels, [each["wheels"] for each in own])]
-        known = {
-            key: peak
-            for key, peak in OF_WHEELSET.items()
-            if any(_placed(each.get(key), peak.unit).value for each in own)
-        }
-        rows = [
-            (label, *(_placed(each.get(key), known[key].unit) for key in known))
-            for label, each in zip(labels, own, strict=True)
-        ]
+        cells = {key: [_placed(each.get(key), peak.unit) for each in own] for key, peak in OF_WHEELSET.items()}
+        known = {key: peak for key, peak in OF_WHEELSET.items() if any(cell.value for cell in cells[key])}
+        rows = [(label, *(cells[key][i] for key in known)) for i, label in enumerate(labels)]
         heads = (Column("wheelset"), *(Column(peak.short or peak.words, peak.unit) for peak in known.values()))
         tables += [Table("largest either way", heads, rows)] if known else []
     tables += curve_tables(labels, own)

@@ -28,11 +28,9 @@ ARMS_UP_TO = 250.0
 at its end has omega^2 = 3 k / m whatever its length, 247 Hz with the stiffest bushings, 40 kN/mm, and 50 kg."""
 SLOWEST = 1e-3
 """Frequency [Hz] below which a direction is free: within the minutes of a run nothing returns."""
-ROOF = 4.28
-"""Height [m] of the roof of the reference profile G1 (EN 15273-2)."""
-HIGHEST = 4.0
-"""Height [m] of a centre of mass above the rails, below the roof. Also the largest static deflection of a body: a
-spring with more is longer than the vehicle is high."""
+HIGHEST, ROOF = 4.0, 4.28
+"""Height [m] of a centre of mass, below the roof of the reference profile G1 (EN 15273-2). The former is also the most
+that a spring deflects at rest: with more it is longer than the vehicle is high."""
 HALF_GAUGE = hypot(1.645, ROOF)
 """Distance [m] from the axis of the track in the plane of the rails to the corner of the reference profile G1."""
 OVERHANG = 4.5
