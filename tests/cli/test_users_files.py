@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
@@ -128,8 +129,6 @@ def test_a_manifest_that_is_no_plain_file_is_refused_and_not_written_through(kin
 
 def test_every_name_that_write_run_uses_is_looked_at_beforehand(tmp_path: Path) -> None:
     """The patterns of the early look cover all tables of runs."""
-    from fnmatch import fnmatch
-
     written = write_run(Result(curve_run(samples=40)), tmp_path)
     assert all(any(fnmatch(f.name, pattern) for pattern in OUTPUTS) for f in written)
 

@@ -16,6 +16,7 @@ from wrsim.core.frames import BodyMotion, point_velocity
 from wrsim.core.linalg import Vec
 from wrsim.core.track import path
 from wrsim.core.track import path as core
+from wrsim.errors import SimulationError
 from wrsim.geometry.track.path import COLUMNS, Path
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.law import VehicleOnTrack
@@ -120,8 +121,6 @@ def test_a_placed_wheelset_moves_with_the_track_frame(curve, distance):
 
 
 def test_a_state_far_from_the_track_has_no_pose(curve):
-    from wrsim.errors import SimulationError
-
     with pytest.raises(SimulationError, match="sample 0 has no place"):
         poses_on_track(curve.centre, np.full((1, 6), np.nan), np.zeros((1, 6)))
 

@@ -1,5 +1,6 @@
 """Pictures draw the data they are given. Artists are inspected; nobody compares pixels."""
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
@@ -158,8 +159,6 @@ def test_pictures_have_the_same_bytes_for_the_same_data_and_leave_settings_alone
     assert all(content.startswith(b"\x89PNG") for content in first.values())
     again = {p.name: p.read_bytes() for p in standard_pictures(dataset, tmp_path)}
     assert first == again
-    import matplotlib as mpl
-
     before = dict(mpl.rcParams)
     channels_figure(curve_run(), ("Q",))
     assert dict(mpl.rcParams) == before

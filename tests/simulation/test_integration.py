@@ -1,9 +1,11 @@
 """How a time integration goes and how it ends: samples, progress, stops, faults; convergence, derivatives of forces."""
 
+import gc
 import os
 import shutil
 import signal
 import threading
+import weakref
 from pathlib import Path
 
 import numpy as np
@@ -203,9 +205,6 @@ def test_exudyn_writes_neither_to_the_console_nor_to_files(capfd, tmp_path, monk
 
 
 def test_a_system_and_its_law_are_freed():
-    import gc
-    import weakref
-
     class Law:
         def __call__(self, t, q, q_t, out):
             out.fill(0.0)

@@ -1,5 +1,6 @@
 """A headless Chromium for pages, without network."""
 
+import io
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from matplotlib.image import imread
 
 from support.waiting import wait_until
 
@@ -52,10 +54,6 @@ class Browser:
 
     def colours(self, selector: str = "") -> int:
         """How many colours are seen in the window or in one element."""
-        import io
-
-        from matplotlib.image import imread
-
         seen = self.driver.find_element("css selector", selector) if selector else None
         content = seen.screenshot_as_png if seen is not None else self.driver.get_screenshot_as_png()
         picture = (255.0 * imread(io.BytesIO(content))[..., :3]).astype(int)

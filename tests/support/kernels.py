@@ -34,11 +34,12 @@ from wrsim.contact.settings import ConicalWheels, FrictionAlong, HalfSpaceSettin
 from wrsim.core.body.kinematics import first_not_finite, is_near
 from wrsim.core.body.rigid_body import kinetic_energies
 from wrsim.core.contact.rail import unfold
+from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.contact.strips.changes import leave
 from wrsim.core.contact.strips.derivatives import jacobian
 from wrsim.core.contact.strips.equations import residuals
 from wrsim.core.contact.strips.records import OF_A_STRIP, X
-from wrsim.core.contact.wheel_rail import STAGES, compile_stages
+from wrsim.core.contact.wheel_rail import STAGES, bodies, compile_stages
 from wrsim.core.jit.cache import CACHE
 from wrsim.core.jit.objects import emit_object, target
 from wrsim.geometry.profile.sections import circle
@@ -406,6 +407,7 @@ def main(file: str = "", form: str = "few") -> object:
         for kernel in (residuals, jacobian):
             kernel(*strip_system(pair_model(PAIR, normal="strips", **SMALL)), False)
         settle(bench(pair_model(PAIR, normal="strips", **SMALL), rolling=False), 0.0, 0.0, 1e4)
+        locus_point(bodies(pair_model(PAIR, **SMALL).arrays.rows)[0], 0.03)
         compile_stages(*STAGES)
         return kept_object({f"wrsim_stage_{number}": stage for number, stage in STAGES.items()})
     kernels()  # all are imported

@@ -87,6 +87,8 @@ def pytest_runtestloop(session: pytest.Session) -> bool | None:
         for here in open_:
             os.kill(workers[here], signal.SIGINT)
         ends = [os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) for pid in workers.values()]
+    if any(ends) and not unfinished:
+        raise session.Failed(f"the workers ended with {ends}")
     for item in unfinished.values():
         why = f"not run to its end; the workers ended with {ends}"
         report = pytest.TestReport(item.nodeid, item.location, {}, "failed", why, "call")
