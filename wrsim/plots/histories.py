@@ -27,6 +27,8 @@ from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 ANGLE_JUMP = 6.0
 """Degrees between two samples beyond which a contact has jumped elsewhere: the line is interrupted."""
+SMALLEST, STEADY = 1e-5, 0.02
+"""Least span of an axis in its unit, below what steps are solved to (1e-4 mm, 1 N), and as a part of its values."""
 CLOSE = 0.015  # share of the axis within which letters of snapshots are written together
 ANGLES = ("contact_angle", "contact_angle_min", "contact_angle_max", "contact_angle_mean")
 
@@ -65,6 +67,9 @@ def history(axes: Axes, dataset: xr.Dataset, name: str, *, largest: float | None
             marks.draw_line(axes, *line, **(look | crowded(values[:, j, k])))
     if name == "Y_over_Q":
         _derailment_limit(axes, dataset, largest or float(np.nanmax(np.abs(values), initial=0.0)))
+    low, high = axes.get_ylim()
+    if high - low < (least := max(SMALLEST, STEADY * max(abs(low), abs(high)))):  # round-off is a straight line
+        axes.set_ylim(0.5 * (low + high - least), 0.5 * (low + high + least))
     before = "$" if CHANNELS[name].symbol else "["
     axes.set_ylabel(CHANNELS[name].label.replace(f" {before}", f"\n{before}", 1))
     return axes
