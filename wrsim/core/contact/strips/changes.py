@@ -2,14 +2,13 @@
 
 from wrsim.core.contact.strips.equations import block_of, edge_wish, lay_strips, pressed, set_conditions
 from wrsim.core.contact.strips.hertz import hertz_ellipse
-from wrsim.core.contact.strips.records import EDGES, NB, NO, OF_A_STRIP, ROWS, STEP, X
+from wrsim.core.contact.strips.records import EDGES, OF_A_STRIP, ROWS, STEP, X
 from wrsim.core.dense import copy
 from wrsim.core.jit.compiling import inlined, kernel
 
 ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
 FEWEST = 3  # strips in contact below which a grid leaves
 RETURN, LEAVE = 1e-3, 4e-4  # closing at which a grid comes into contact; a^2/R_x at which it leaves; over the deepest
-REACH = 0.01  # closing at which edges move out over a gap, as well: a hump so flat bears some .001 of the load
 HUMP = 0.45  # closing, over its largest, about where contact ends
 
 
@@ -101,10 +100,7 @@ def enter(system, n, held):
             if place.gap < -ENTRY:
                 x[base + j] = -place.gap * memo.deepest / place.bend
                 changed = True
-        if held:
-            continue
-        changed = _reach_out(system, n, g) or changed
-        for side in range(EDGES):
+        for side in range(0 if held else EDGES):
             if (grid.start_held if side == 0 else grid.end_held) and edge_wish(places, g * n, n, side) < 0.0:
                 if side == 0:
                     grid.start_held = 0
@@ -148,80 +144,6 @@ def _grid_enters(system, n, g):
     bend, half = rows[main].bend, 0.5 * (end - start)
     factor = hertz_ellipse(2.0 * (1.0 - HUMP) * most / (bend * half * half), 0.0, most, bend).factor
     begin(system, n, g, start, end, most, bend, factor)
-    return True
-
-
-@inlined
-def _may_close(rows, r, step, rise):
-    """Whether a gap beside the contact may close again by so much from row r on: no more than the penetration bends up
-    there, for what the strips press down bends up everywhere beside them."""
-    slope = risen = 0.0
-    while 0 < r < ROWS - 1:
-        slope += max(rows[r - 1].d + rows[r + 1].d - 2.0 * rows[r].d, 0.0)
-        risen += slope
-        if risen > rise:
-            return True
-        r += step
-    return False
-
-
-@kernel
-def _reach_out(system, n, g):
-    """Edges of a grid move out over a gap to where it has closed again beyond, and strips come into contact there.
-    True if so."""
-    memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
-    least = REACH * memo.deepest
-    start, end = grid.start, grid.end
-    for side in range(2):
-        step = -1 if side == 0 else 1
-        r = int(((start if side == 0 else end) - grid.least) / grid.spacing) + (0 if side == 0 else 1)
-        if not _may_close(rows, r, step, 0.5 * least):
-            continue
-        apart = beyond = False
-        # displacements at the last two rows that were asked; it bends up, so beyond it is more than in line with them
-        u = slope = 0.0
-        asked = -1
-        while 0 <= r < ROWS:
-            closing = -1.0
-            if rows[r].d > least and (slope == 0.0 or rows[r].d > u + slope * abs(r - asked)):
-                last = u
-                u = rows[r].d - _closing(system, n, g, r)
-                slope = (u - last) / abs(r - asked) if asked >= 0 else 0.0
-                asked = r
-                closing = rows[r].d - u
-            if closing < 0.0:
-                apart = True
-                if beyond:
-                    break
-            elif apart and closing > least:
-                beyond = True
-                if side == 0:
-                    start = max(rows[r].s - 0.5 * grid.spacing, grid.least)
-                else:
-                    end = min(rows[r].s + 0.5 * grid.spacing, grid.most)
-            r += step
-    if start == grid.start and end == grid.end:
-        return False
-    before, held = (grid.start, grid.end), (grid.start_held, grid.end_held)
-    move_edges(system, n, g, start, end)
-    x, base = system.vectors[X], g * block_of(n)
-    touch = 0
-    for j in range(n):
-        place = system.places[g * n + j]
-        if before[0] <= place.s <= before[1]:
-            continue
-        # what presses down still are the strips as they lay before
-        no, nb = system.vectors[NO, g * n + j], system.vectors[NB, g * n + j]
-        u = pressed(system, n, g, place.s, place.x if memo.shifted else grid.x, 0.0, 1, no, nb)
-        x[base + j] = max(place.d - u.middle, 0.0) / place.bend
-        touch += int(x[base + j] > 0.0)
-    if touch < 2:
-        # an edge takes two: one strip alone would be drawn in again
-        copy(OF_A_STRIP * n, system.vectors[STEP], x[base:])
-        x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1] = before
-        grid.start_held, grid.end_held = held
-        lay_strips(system, n)
-        return False
     return True
 
 

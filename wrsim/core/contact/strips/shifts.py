@@ -7,7 +7,7 @@ Where it does not, all strips have one middle, and their third condition holds b
 from wrsim.core.contact.strips.records import FADING, ROWS
 from wrsim.core.jit.compiling import inlined, kernel
 
-CALM = 0.6  # weight that holds a^2 on a parabola where strips lie far shifted against one another
+CALM = 0.15  # weight that holds a^2 on a parabola where strips lie far shifted against one another
 FAINT = 3e-3  # spread of the shifts over the half length below which they do not matter: it acts by its square
 
 
