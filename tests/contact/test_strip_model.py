@@ -23,7 +23,6 @@ from wrsim.core.contact.strips.derivatives import jacobian
 from wrsim.core.contact.strips.equations import residuals
 from wrsim.core.contact.strips.influence import find_terms, pressed_at
 from wrsim.core.contact.strips.records import EDGES, FROM, INVERSE, MIDDLE, NB, PUSH, SOLVED, TERMS, TO, VECTORS, F, X
-from wrsim.core.contact.strips.solution import SETTLED
 from wrsim.core.contact.wheel_rail import wheel_rail
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import circle
@@ -483,6 +482,5 @@ def test_long_strips_far_shifted_against_each_other_press_as_the_half_space_does
     stand = contacts.bench(contacts.pair_model(pair, **STRIPS, **contacts.PLAIN), rolling=False)
     model = stand.wheels[0].model
     stand.evaluate(lateral, height, yaw, 0.0)
-    assert model.arrays.rows.memo[0].result == SETTLED
     own = contacts.contact_of(stand).normal_force
     assert own == pytest.approx(HalfSpace(resolution=12).solve_pose(model).normal_force, rel=0.02)

@@ -67,7 +67,7 @@ CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 CORE = str(Path(wrsim.core.__file__).parent)
 FULL_ALONE = {
-    "_closing", "_grid_enters", "_predict", "_scale_shifts", "all_touch", "leave", "make_room", "rise", "step_ratio",
+    "_closing", "_grid_enters", "_predict", "all_touch", "leave", "make_room", "rise", "step_ratio",
     "third_difference",
 }  # fmt: skip
 """What the strip model does where Newton's method fails, where grids come and go, and in runs: slow uncompiled."""
@@ -133,7 +133,7 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
     stand = bench(model, rolling=False)
     if full:
         stand.evaluate(6.4942e-3, 0.4605551, 0.015033, 0.0)
-        found["shifts that grow"] = numbers(contact_of(stand))
+        found["no solution with so many strips"] = numbers(contact_of(stand))
     coarse = HalfSpaceSettings(resolution=6 if full else 4, tolerance=1e-9)
     level = replace(coarse, pairing="level", influence="angle-corrected")
     for name, settings, tangential, rail in (

@@ -28,7 +28,7 @@ from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.grid import opposite
 from wrsim.core.contact.strips.ground import set_grids
 from wrsim.core.contact.strips.records import LIFT, OF_A_STRIP, ROWS, SIDE, System, X
-from wrsim.core.contact.strips.solution import UNSOLVED, solve
+from wrsim.core.contact.strips.solution import solve
 from wrsim.core.jit.compiling import kernel
 
 OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the same grid
@@ -53,16 +53,15 @@ def press_strips(a, wheel, rail, pose, count):
     _set_sides(system, n, settings.E / settings.G - 1.0, a.strips)
     status = set_grids(system, a.found, wheel, rail, pose, count)
     known = memo.known > 0 and _same_grids(system, n, memo.known)
-    result, used = solve(system, n, known, settings.tolerance)
-    memo.known = memo.grids if result != UNSOLVED and used == n else 0
-    memo.result = result
+    memo.strips = solve(system, n, known, settings.tolerance)
+    memo.known = memo.grids if memo.strips == n else 0
     for i in range(count):
         lobes[i].n_strips = 0
-    if result == UNSOLVED:
+    if memo.strips == 0:
         memo.substitutes += 1
         return status | STATUS_NOT_CONVERGED
     for g in range(memo.grids):
-        _hand_out(system, used, g, a.found, lobes, a.strips)
+        _hand_out(system, memo.strips, g, a.found, lobes, a.strips)
     for i in range(count):
         _report(settings, pose, lobes[i], a.strips[i])
     return status
@@ -108,11 +107,6 @@ def _same_grids(system, n, before):
         common = min(x[e + 1], grid.most) - max(x[e], grid.least)
         if common < OVERLAP * (x[e + 1] - x[e]):
             return False
-    for g in range(before):
-        grid = system.grids[g]
-        if not grid.on:
-            continue
-        e = g * block_of(n) + OF_A_STRIP * n
         if grid.start_held or x[e] < grid.least:
             x[e] = grid.least
             memo.inverted = memo.inverted if grid.start_held else 0

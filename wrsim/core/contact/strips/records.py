@@ -41,14 +41,14 @@ Whether it is in contact, whether its edges are held at their bounds, its first 
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",
-    "known grids alone shifted curved turn inverted unknowns iterations factorisations result substitutes",
+    "known grids alone shifted curved turn inverted unknowns iterations factorisations strips substitutes",
 )
 """Of the whole system: about the worst of what the last steps left of the residual, pi E*, E*, deepest penetration,
 distances of grids up to which they press each other down fully and from which on not at all [m].
 Number of grids in the last call (0: nothing is known), grids now; whether they are solved for one by
 one; whether shifts along x count, and the angles between strips; how often creep forces were found in this call;
 whether ``matrix`` is an inverse of use, and of how many unknowns; residuals taken and Jacobians made in this call, and
-how it ended (`solution`); calls so far without a whole solution."""
+with how many strips of a grid it was solved (0: not); calls so far without a whole solution."""
 
 (
     X, F, STEP, SAVED, NEXT, LAST, WISH, PIVOT, SCALE, SOLVED, FADING, FROM, TO, INVERSE, PUSH, MIDDLE, NO, NB, SIDE,
@@ -59,8 +59,8 @@ step, the last one and the residuals; rows exchanged in the factors; weights of 
 solved for; how much of the influence of a grid reaches another one, row after row; of all strips both ends, 1/a,
 amplitude times a^2 (0 out of contact), middle along x, normal (0, 1 where angles do not count), lateral
 over normal force, and that times nu/(1 - nu);
-unknowns of the last solution while something grows; from TERMS on what all strips do to the derivatives at three
-points (`influence.find_terms`)."""
+unknowns of the last solution while grids come to press each other down; from TERMS on what all strips do to the
+derivatives at three points (`influence.find_terms`)."""
 POINTS, OF_A_POINT = 3, 5
 VECTORS = TERMS + POINTS * OF_A_POINT
 

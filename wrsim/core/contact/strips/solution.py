@@ -4,13 +4,12 @@ In a run the last contact is the first guess. Else Hertz's slanted ellipses, or 
 at once. If both fail, every grid is solved for alone, then they come to press each other down step by step; where
 Newton's method does not get on, half lengths for given factors and edges (a monotone problem: strips leave and enter as
 they like), edges from the outer strips and factors from the second condition in turns before it. The conditions of so
-many strips may have no solution at a pose where those of one less have: that is tried next. If that fails, the same
-without shifts along the rail, which then grow step by step. At last strips count as not shifted."""
+many strips may have no solution at a pose where those of fewer have: one less a grid each is tried after that."""
 
 from math import inf
 from typing import NamedTuple
 
-from wrsim.core.contact.strips.changes import FEWEST, HUMP, RETURN, begin, in_contact, leave, move_edges
+from wrsim.core.contact.strips.changes import HUMP, RETURN, begin, in_contact, leave, move_edges, trim
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     REACH,
@@ -30,57 +29,35 @@ from wrsim.core.jit.compiling import kernel
 TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 WIDE = 0.15  # of a grid's depth: where contact ends at most
-LEAST_PORTION = 1 / 32  # of what grows, at which a solution is given up
+LEAST_PORTION = 1 / 32  # of the coupling of grids, at which a solution is given up
 ROUNDS = 8  # of half lengths, edges and factors in turn
-SETTLED, STRAIGHT, UNSOLVED = range(3)
-"""How a solution was found: as it is, as if no strip were shifted along the rail; or not."""
 
 
 @kernel
 def solve(system, n, known, tolerance):
-    """Solve; known: the unknowns are those of a contact near by, solved to the tolerance. Returns SETTLED, STRAIGHT or
-    UNSOLVED, and the number of strips of a grid with which it was solved."""
+    """Solve; known: the unknowns are those of a contact near by, solved to the tolerance. Returns the number of strips
+    of a grid that have a solution: n or fewer; 0 if none down to half of n have one."""
     memo = system.memo[0]
     memo.iterations = memo.factorisations = 0
     if known and _solved(system, n, tolerance):
-        return SETTLED, n
-    for strips in (n, n - 1):
-        if _from_nothing(system, strips):
-            return SETTLED, strips
-    if memo.shifted:
-        memo.shifted = 0
-        if _from_nothing(system, n):
-            if _grow(system, n, True):
-                return SETTLED, n
-            memo.shifted = 0
-            if _from_nothing(system, n):
-                return STRAIGHT, n
-    return UNSOLVED, n
+        return n
+    for strips in range(n, n // 2, -1):
+        if _at_once(system, strips, 0.0) or _at_once(system, strips, WIDE) or _one_by_one(system, strips):
+            return strips
+    return 0
 
 
 @kernel
-def _from_nothing(system, n):
-    """Solve for all grids at once from two first guesses, then one by one. True if that leads to a solution."""
-    return _at_once(system, n, 0.0) or _at_once(system, n, WIDE) or _one_by_one(system, n)
-
-
-@kernel
-def _grow(system, n, shifts):
-    """Solve while shifts along the rail, or else what grids do to each other, grow from nothing, where there is a
-    solution. True if that works: a continuation whose portions are halved until Newton's method follows, and doubled
-    behind (Deuflhard, Newton Methods for Nonlinear Problems, 2004, chapter 5)."""
-    memo, vectors = system.memo[0], system.vectors
-    size = memo.grids * block_of(n)
-    memo.shifted = int(shifts or memo.shifted)
-    done, portion, now = 0.0, 1.0, 1.0
+def _couple(system, n):
+    """Solve while grids come to press each other down more and more. True if that works: a continuation in their
+    coupling, whose portions are halved until Newton's method follows, and doubled behind (Deuflhard, Newton Methods for
+    Nonlinear Problems, 2004, chapter 5)."""
+    vectors, size = system.vectors, system.memo[0].grids * block_of(n)
+    done, portion = 0.0, 1.0
     while done < 1.0:
         share = min(done + portion, 1.0)
         copy(size, vectors[X], vectors[SOUND])
-        if shifts:
-            _scale_shifts(system, share / now)
-            now = share
-        else:
-            set_fading(system, share)
+        set_fading(system, share)
         if _descend(system, n):
             done = share
             portion *= 2.0
@@ -90,21 +67,8 @@ def _grow(system, n, shifts):
             break
         copy(size, vectors[SOUND], vectors[X])
         _switch(system, n)
-    if shifts:
-        _scale_shifts(system, 1.0 / now)
-    else:
-        set_fading(system, 1.0)
+    set_fading(system, 1.0)
     return done == 1.0 and _solved(system, n, TOLERANCE)
-
-
-@kernel
-def _scale_shifts(system, factor):
-    """Strips lie shifted by so much more along the rail."""
-    for g in range(system.memo[0].grids):
-        grid = system.grids[g]
-        for r in range(ROWS):
-            row = system.rows[g, r]
-            row.x = grid.x + factor * (row.x - grid.x)
 
 
 @kernel
@@ -214,8 +178,7 @@ def _at_once(system, n, level):
 
 @kernel
 def _one_by_one(system, n):
-    """Solve for each grid as if it were alone, then let them press each other down more and more. True if that works:
-    a continuation in the coupling of the grids (Deuflhard, Newton Methods for Nonlinear Problems, 2004, chapter 5)."""
+    """Solve for each grid as if it were alone, then let them press each other down. True if that works."""
     memo, grids = system.memo[0], system.grids
     _clear(system, n)
     set_fading(system, 0.0)
@@ -224,7 +187,7 @@ def _one_by_one(system, n):
             leave(system, n, g)
         grids[g].on = 0
     _switch(system, n)
-    return _grow(system, n, False)
+    return _couple(system, n)
 
 
 @kernel
@@ -268,12 +231,9 @@ def _draw_edges(system, n, g):
     """
     x, base = system.vectors[X], g * block_of(n)
     grid, places = system.grids[g], system.places[g * n : (g + 1) * n]
-    first, last, count = in_contact(x[base : base + n])
-    if count < FEWEST:
-        leave(system, n, g)
+    trim(system, n, g)
+    if not grid.on:
         return
-    if first > 0 or last < n - 1:
-        move_edges(system, n, g, places[first].lo, places[last].hi)
     ends = grid.start, grid.end
     for side in range(2):
         outer, inner = (0, 1) if side == 0 else (n - 1, n - 2)
