@@ -4,7 +4,6 @@ from math import sqrt
 
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
-    EVEN_MIDDLES,
     EVENNESS,
     REACH,
     THIRD,
@@ -174,7 +173,7 @@ def _even_rows(system, n, g):
             for p in range(4):
                 for q in range(4):
                     m[r + p, r + q] += weight * THIRD[p] * THIRD[q]
-    e, weight = base + OF_A_STRIP * n, EVEN_MIDDLES / system.grids[g].reach
+    e, weight = base + OF_A_STRIP * n, 1.0 / system.grids[g].reach
     for j in range(2, n if system.memo[0].shifted else 0):
         one, two, three = places[g * n + j - 2], places[g * n + j - 1], places[g * n + j]
         ratio, r = step_ratio(places, g * n + j), base + 2 * n + j - 2

@@ -30,7 +30,6 @@ EDGE_RATIO = (
 )
 LESS = 0.1  # weight of an edge's residual
 EVENNESS = 0.03  # weight with which factors of neighbouring strips are held alike
-EVEN_MIDDLES = 0.3  # weight with which the middles of neighbouring strips are held on a line
 THIRD = -1.0, 3.0, -3.0, 1.0  # difference
 WEAKENING = 0.8  # exponent, as in contact.half_space.zones
 
@@ -190,7 +189,7 @@ def residuals(system, n, held):
             i = g * n + j
             ratio, row = step_ratio(places, i), base + 2 * n + j
             one, two, three = places[i - 2].off, places[i - 1].off, places[i].off
-            uneven = EVEN_MIDDLES / grid.reach * (three - two - ratio * (two - one))
+            uneven = (three - two - ratio * (two - one)) / grid.reach  # middles lie nearly on a line
             out[row - 2] += ratio * uneven
             out[row - 1] -= (1.0 + ratio) * uneven
             out[row] += uneven

@@ -37,8 +37,7 @@ ROUNDS = 8  # of half lengths, edges and factors in turn
 @kernel
 def solve(system, n, known, tolerance):
     """Solve; known: the unknowns are those of a contact near by, solved to the tolerance. Returns the number of strips
-    of a grid that have a solution: n or fewer; 0 if none down to half of n have one, or none is found by MOST residuals.
-    """
+    of a grid that have a solution: n or fewer; 0 if none down to half of n have one, or MOST residuals found none."""
     memo = system.memo[0]
     memo.iterations = memo.factorisations = 0
     if known and _solved(system, n, tolerance):
@@ -67,7 +66,7 @@ def _couple(system, n):
             portion *= 2.0
             continue
         portion *= 0.5
-        if portion < LEAST_PORTION:
+        if portion < LEAST_PORTION or system.memo[0].grids == 1:
             break
         copy(size, vectors[SOUND], vectors[X])
         _switch(system, n)
