@@ -133,7 +133,7 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
     stand = bench(model, rolling=False)
     if full:
         stand.evaluate(6.4942e-3, 0.4605551, 0.015033, 0.0)
-        found["no solution with so many strips"] = numbers(contact_of(stand))
+        found["many attempts"] = numbers(contact_of(stand))
     coarse = HalfSpaceSettings(resolution=6 if full else 4, tolerance=1e-9)
     level = replace(coarse, pairing="level", influence="angle-corrected")
     for name, settings, tangential, rail in (

@@ -89,13 +89,8 @@ def _entry(data: list[Any], part: str | int, done: KeyPath) -> int:
         of = f"the names are {', '.join(known)}{suggest(part, known)}" if known else "entries are numbered from 0"
         raise InputError(f"{dotted((*done, part))}: {dotted(done)} has no one entry '{part}'; {of}")
     if int(part) >= len(data):
-        words = (
-            f"there are {len(data)}, [0] to [{len(data) - 1}]"
-            if data[1:]
-            else "there is [0]"
-            if data
-            else "it is empty"
-        )
+        several = f"there are {len(data)}, [0] to [{len(data) - 1}]"
+        words = ("it is empty", "there is [0]", several)[min(len(data), 2)]
         raise InputError(f"{dotted((*done, part))}: there is no such entry; {words}")
     return int(part)
 

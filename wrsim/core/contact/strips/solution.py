@@ -30,7 +30,7 @@ TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 WIDE = 0.15  # of a grid's depth: where contact ends at most
 LEAST_PORTION = 1 / 32  # of the coupling of grids, at which a solution is given up
-MOST = 4000  # residuals of a call: more than any of 210 000 random poses takes, a second or two
+MOST = 4000  # residuals, from which on no fewer strips are tried: one of a million random poses takes as many
 ROUNDS = 8  # of half lengths, edges and factors in turn
 
 
