@@ -330,11 +330,11 @@ def stationary(
     if campbell is not None and not found["axles"]:
         raise InputError("--campbell draws elastic axles: this vehicle has none; [wheelset.axle] gives them")
     if picture is not None or loops is not None or campbell is not None:
-        from wrsim.report.outputs import draw_campbell, draw_loops, draw_model
+        from wrsim.report.outputs import draw_loops, draw_model
 
         found |= {"picture": str(draw_model("vehicle", picture, loaded))} if picture else {}
         found |= {"loops": str(draw_loops(loaded, twisted, turned, loops))} if loops else {}
-        found |= {"campbell": str(draw_campbell(loaded.name, found["axles"], campbell))} if campbell else {}
+        found |= {"campbell": str(draw_model("campbell", campbell, loaded.name, found["axles"]))} if campbell else {}
     files = [Path(found[key]) for key in ("picture", "loops", "campbell") if key in found]
     return Outcome(at_rest.tables_at_rest(found), found, files, (twisted, turned))
 

@@ -101,7 +101,7 @@ def _content(path: Path, what: str) -> bytes:
 
 def open_plain(path: Path, what: str, flags: int = os.O_RDONLY) -> int:
     """A descriptor of a plain file; it never waits. Raises InputError for a pipe, a device, a directory; OSError."""
-    handle = os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0), 0o666)
+    handle = os.open(path, flags | os.O_NONBLOCK, 0o666)
     if kind := other_kind(os.fstat(handle).st_mode):
         os.close(handle)
         raise InputError(f"{path}: is {kind}, a {what} is needed")

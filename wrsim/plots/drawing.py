@@ -9,7 +9,6 @@ import ctypes
 import multiprocessing
 import os
 import signal
-import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -30,7 +29,7 @@ Finish = Callable[[], dict[str, Any]]
 @contextmanager
 def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
     """Draw pictures while other work is done in the block, if there is a second processor. paint: figure to content."""
-    alone = sys.platform != "linux" or multiprocessing.current_process().daemon or len(os.sched_getaffinity(0)) < 2
+    alone = multiprocessing.current_process().daemon or len(os.sched_getaffinity(0)) < 2
     if alone or len(figures) < 2:
         yield lambda: {name: paint(make()) for name, make in figures.items()}
         return

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from wrsim.inputs.toml_files import write_toml
 from wrsim.plots import patch_gallery, save, section_gallery, standard_figures, standard_pictures
 from wrsim.plots.assessment import assessment_figures
 from wrsim.plots.compare import has_curves, overlay_figure, patches_figure, values_figure
@@ -129,7 +130,7 @@ def write_recording(
     from wrsim.scenario.loading import load
 
     contents = {
-        recorded.COLUMNS: recorded.columns_file(restored).encode(),
+        recorded.COLUMNS: write_toml(restored.recording.columns.model_dump(exclude_none=True)).encode(),
         recorded.IRREGULARITIES: as_csv(recorded.irregularity_rows(restored)),
         recorded.TRACK: recorded.track_file(restored, datetime.date.today().isoformat()).encode(),
         recorded.SCENARIO: recorded.scenario_file(restored, vehicle, speed or recorded.usual_speed(restored)).encode(),
@@ -157,11 +158,12 @@ MODELS: dict[str, Callable[..., Figure]] = {
     "profile": profile_figure,  # a profile, and reports of its smoothing
     "track": track_figure,
     "vehicle": vehicle_figure,
+    "campbell": campbell_figure,  # a title, and the numbers of every kind of elastic axle
 }
 
 
 def draw_model(kind: str, picture: Path, *model: object) -> Path:
-    """Draw a profile with slope and curvature, a track or a vehicle."""
+    """Draw a profile with slope and curvature, a track, a vehicle, or Campbell's diagram of its axles."""
     return save(MODELS[kind](*model), picture)
 
 
@@ -177,11 +179,6 @@ def write_profiles(
         like = unworn if unworn is not None and unworn.kind == kind else None
         files.append(save(profiles_figure([p for p in profiles.values() if p.kind == kind], table, like), path))
     return files
-
-
-def draw_campbell(title: str, axles: Sequence[Mapping[str, Any]], path: Path) -> Path:
-    """Campbell's diagram of every kind of elastic axle."""
-    return save(campbell_figure(title, axles), path)
 
 
 def draw_loops(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest], path: Path) -> Path:

@@ -3,7 +3,7 @@
 import platform
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -35,12 +35,7 @@ STATUSES = ("completed", "stopped")
 def versions() -> dict[str, str]:
     """Versions of what shapes the numbers, as attributes: ``wrsim_version``, ``numpy_version``, ..."""
     found = {"wrsim_version": __version__, "python_version": platform.python_version()}
-    for package in ("numpy", "numba", "exudyn", "scipy"):
-        try:
-            found[f"{package}_version"] = version(package)
-        except PackageNotFoundError:
-            found[f"{package}_version"] = "not installed"
-    return found
+    return found | {f"{package}_version": version(package) for package in ("numpy", "numba", "exudyn", "scipy")}
 
 
 def assemble(

@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import csv
 import errno
+import fcntl
 import hashlib
 import io
 import json
@@ -28,12 +29,6 @@ from typing import IO, Any
 
 from wrsim.errors import InputError, WrsimError
 from wrsim.inputs.toml_files import open_plain, other_kind
-
-try:
-    import fcntl
-except ImportError:  # no such locks on this system: two runs into one folder go unnoticed
-    fcntl = None  # type: ignore[assignment]
-
 
 KEEPER: ContextVar[Keeper | None] = ContextVar("KEEPER", default=None)
 """The `Keeper` that checks and notes every file before it is written; commands set one."""
@@ -114,7 +109,7 @@ def sweep(folder: Path) -> None:
 def open_no_link(path: Path, flags: int) -> IO[bytes]:
     """Open a file of wrsim's own, unbuffered; a symbolic link in its place is refused (``InputError``)."""
     try:
-        handle = open_plain(path, "plain file", flags | getattr(os, "O_NOFOLLOW", 0))
+        handle = open_plain(path, "plain file", flags | os.O_NOFOLLOW)
     except OSError as problem:
         if problem.errno == errno.ELOOP:
             raise InputError(f"{path}: is a symbolic link; wrsim does not write through it: move it away") from None
@@ -124,8 +119,6 @@ def open_no_link(path: Path, flags: int) -> IO[bytes]:
 
 def lock(stream: IO[bytes]) -> bool:
     """Lock an open file against other processes until it is closed; False if one of them holds it."""
-    if fcntl is None:
-        return True
     try:
         fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as problem:

@@ -1,6 +1,5 @@
 """A track made of a recording, in numbers: its columns, how they were undone, its design."""
 
-from collections.abc import Sequence
 from typing import Any
 
 from wrsim.geometry.track.segments import Arc, Transition
@@ -8,6 +7,8 @@ from wrsim.recording.restoring import Restored
 from wrsim.results.table import Cell, Column, Table, formatted
 
 LONGEST_BAND = 500.0  # wavelength from which on a band counts as open [m]
+
+LEFT_OUT = "columns left out: {}; if one of them is of use, name it in a column map (--columns)"
 
 
 def recording_numbers(restored: Restored) -> dict[str, Any]:
@@ -20,7 +21,7 @@ def recording_numbers(restored: Restored) -> dict[str, Any]:
         "guessed": read.guessed,
         "columns": [{"column": c.column, "is": c.words()} for c in read.columns.channels],
         "unused": list(read.unused),
-        "warnings": [_left_out(read.unused)] if read.unused and read.guessed else [],
+        "warnings": [LEFT_OUT.format(", ".join(read.unused))] if read.unused and read.guessed else [],
         "undone": [
             {
                 "column": c.column,
@@ -35,11 +36,6 @@ def recording_numbers(restored: Restored) -> dict[str, Any]:
         ],
         "notes": list(restored.notes),
     }
-
-
-def _left_out(names: Sequence[str]) -> str:
-    """The columns whose names name no quantity that is of use, in words."""
-    return f"columns left out: {', '.join(names)}; if one of them is of use, name it in a column map (--columns)"
 
 
 def recording_tables(restored: Restored) -> list[Table]:

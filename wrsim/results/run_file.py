@@ -10,6 +10,7 @@ a whole record all the same.
 """
 
 import contextlib
+import fcntl
 import json
 import os
 import struct
@@ -24,7 +25,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import open_plain
-from wrsim.results.files import fcntl, lock, open_no_link, plain_disk_errors
+from wrsim.results.files import lock, open_no_link, plain_disk_errors
 
 SIGNATURE = b"wrsim run\r\n\x1a\x04\x00\x00\x00"  # last four bytes: version of the layout
 _NAMED = 12  # bytes of the signature before the version
@@ -130,8 +131,6 @@ class RunFile:
 
 def is_running(path: str | Path) -> bool:
     """True while a run is writing to the file (as far as the system knows)."""
-    if fcntl is None:
-        return False
     with contextlib.suppress(OSError), open(path, "rb") as stream:
         try:
             fcntl.flock(stream, fcntl.LOCK_SH | fcntl.LOCK_NB)

@@ -53,11 +53,6 @@ def usual_speed(restored: Restored) -> float:
     return max(SLOWEST, 5.0 * math.floor(min(speeds) / 5.0))
 
 
-def columns_file(restored: Restored) -> str:
-    """The column map that was used, as a file."""
-    return write_toml(restored.recording.columns.model_dump(exclude_none=True))
-
-
 def track_file(restored: Restored, date: str) -> str:
     """The track file; date: of today, as 2026-11-22."""
     recording = restored.recording

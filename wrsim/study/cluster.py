@@ -96,9 +96,6 @@ def _without_script() -> Iterator[None]:
 def _deaf_to_ctrl_c() -> Iterator[None]:
     """A terminal sends Ctrl-C to all processes: those that are started here, and later by threads that begin here, do
     not take it; they end with their cluster. This process takes it when the block ends."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
     resource_tracker.ensure_running()  # its start would undo the mask
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -281,4 +278,4 @@ def check_threads(client: Client) -> None:
 
 def processors() -> int:
     """How many processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return len(os.sched_getaffinity(0))

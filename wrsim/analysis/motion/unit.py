@@ -9,7 +9,6 @@ import io
 import json
 import platform
 import re
-import sys
 import uuid
 import zipfile
 from collections.abc import Mapping
@@ -24,7 +23,6 @@ from wrsim.core.body import outputs, wheel_forces
 from wrsim.core.body import stepper as kernel
 from wrsim.core.contact import records, wheel_rail
 from wrsim.core.jit.cache import digest_of_sources
-from wrsim.errors import InputError
 from wrsim.library.build import shared_library
 from wrsim.scenario.build import build, name_among_models
 from wrsim.scenario.loading import Scenario
@@ -71,8 +69,6 @@ def packed_unit(scenario: Scenario, name: str, step: float = BENCH_STEP) -> tupl
     name: of the file, without its ending. Raises InputError and SimulationError as `stepper`, InputError on systems
     other than Linux; WrsimError without a C compiler.
     """
-    if sys.platform != "linux":
-        raise InputError(f"a co-simulation unit is made on Linux, for Linux; this is {sys.platform}")
     bench, setup = stepper(scenario, step), build(scenario)
     identifier = re.sub(r"\W|^(?=\d)", "_", name, flags=re.ASCII)
     variables = bench.inputs | bench.outputs
