@@ -12,7 +12,7 @@ import pytest
 from hypothesis import settings
 from support import examples  # noqa: F401 (its profiles)
 from support.pictures import leave_unpainted, sketch
-from support.workers import pytest_addoption, pytest_runtestloop  # noqa: F401
+from support.workers import pytest_addoption, pytest_configure, pytest_runtestloop  # noqa: F401
 
 gc.disable()  # until all modules are there
 os.fsync = lambda handle: None  # what tests write needs to outlive no power cut

@@ -71,6 +71,15 @@ def test_a_wheelset_that_rests_in_a_canted_curve_leans_to_the_inner_rail():
     assert guided == pytest.approx(weight * np.sin(angle) - held, rel=1e-5)
 
 
+def test_a_coach_that_rests_where_cant_rises_leans_on_its_rails_with_its_weight():
+    scenario = load(SCENARIOS / "manchester_r300.toml")  # 100 mm of cant rise from 40 to 90 m
+    scenario = scenario.with_values(FAST | {"analysis": "equilibrium", "run.start_distance_m": 75.0})
+    setup, rest = build(scenario), run(scenario).dataset.isel(time=0)
+    sine, weight = 0.07 / setup.track.cant_base, setup.vehicle.weight
+    assert float(rest.Q.sum()) == pytest.approx(weight * np.sqrt(1.0 - sine**2), rel=1e-4)
+    assert float(rest.sum_Y.sum()) == pytest.approx(weight * sine, rel=1e-3)
+
+
 # Unequal wheels on straight track: the wheelset runs towards the smaller one, to its flange root if need be.
 def wheelset(left_mm: float, right_mm: float, **values: Any) -> Setup:
     """Five metres of straight track at 54 km/h."""

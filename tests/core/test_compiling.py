@@ -68,11 +68,12 @@ def test_types_in_words_are_kept_in_the_cache_as_those_of_a_call(monkeypatch):
 
 
 COUNTED = """
-import gc, logging, os, sys
+import gc, logging, sys
 from numba.core import event
+from wrsim import load, run, warm
 from wrsim.core.jit.compiling import COUNT, Kernel, LOGGER
-from wrsim.analysis.warming import warm
-from wrsim import load, run
+from wrsim.scenario.build import build
+import wrsim.analysis.motion.run
 LOGGER.setLevel(logging.INFO)
 if sys.argv[2:]:
     warm()
@@ -85,14 +86,17 @@ class Compiling(event.Listener):
         pass
 event.register("numba:compile", Compiling())
 short = {"run": {"distance_m": 0.3}, "contact": {"strips": 12, "cells": 4}, "output": {"patches_at_m": [0.2]}}
-run(load(sys.argv[1]).with_values(short))
+scenario = load(sys.argv[1]).with_values(short)
+setup = build(scenario)
+heavy = {"scipy.signal", "scipy.stats", "scipy.ndimage", "matplotlib", "dask"} & set(sys.modules)
+run(scenario, setup=setup)
 called = {one.py_func for one in gc.get_objects() if isinstance(one, Kernel) and one.overloads}
 assert len(called) > 15
-print(*compiled, *(function.__name__ for function in called - COUNT.due))
+print(*heavy, *compiled, *(function.__name__ for function in called - COUNT.due))
 """
 
 
-def test_nothing_is_left_to_compile_after_warming_up_and_every_kernel_of_a_run_is_counted_ahead():
+def test_a_run_finds_all_kernels_after_warming_up_has_them_counted_ahead_and_is_built_with_light_imports():
     paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     environment = os.environ | {"PYTHONPATH": paths}
     scenario = str(ROOT / "scenarios/curve_r300.toml")

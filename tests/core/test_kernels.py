@@ -2,34 +2,24 @@
 
 The kernels are found by walking wrsim.core, so a new one that no case in `support.kernels` sets to work fails here."""
 
-import os
 import pickle
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from numba import njit
 from support import kernels
 from support.allocations import allocations
+from support.workers import EARLY, uncompiled
 
 from wrsim.core.contact.wheel_rail import STAGES, compile_stages
 
-ROOT = Path(__file__).parents[1]
-
 
 @pytest.fixture(scope="module", params=["few", pytest.param("full", marks=pytest.mark.campaign)])
-def plain(request, tmp_path_factory):
+def plain(request):
     """Results without the compiler, and kernels that worked; how many cases."""
-    file = tmp_path_factory.mktemp("kernels") / "plain"
-    paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-    subprocess.run(
-        [sys.executable, kernels.__file__, file, request.param],
-        env=os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": paths},
-        check=True,
-    )
-    return *pickle.loads(file.read_bytes()), request.param
+    early = request.config.stash.get(EARLY, None) if request.param == "few" else None
+    with early or uncompiled(request.param) as process:
+        return *pickle.load(process.stdout), request.param
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 """Work for every kernel of wrsim.core: small cases whose numbers are the same compiled and not.
 
-Run as a program without the compiler (NUMBA_DISABLE_JIT=1) it writes to a file what the cases gave and which kernels
-worked; with it and no file it compiles ahead (`.ci/test`)."""
+Run as a program without the compiler (`support.workers.uncompiled`) it writes what the cases gave and which kernels
+worked; with it and no form it compiles ahead (`.ci/test`)."""
 
 import copy
 import hashlib
@@ -396,10 +396,10 @@ def kept_object(stages: Mapping[str, Any]) -> bytes:
     return path.read_bytes()
 
 
-def main(file: str = "", form: str = "few") -> object:
-    """Do the cases without the compiler, and note which functions of the kernels' files work; without a file: compile
+def main(form: str = "") -> object:
+    """Do the cases without the compiler, and note which functions of the kernels' files work; without a form: compile
     for the tests to come."""
-    if not file:
+    if not form:
         cases(True)
         roll(1.0)
         wheelset = KnifeEdgeForces(example_wheelset(), 30.0)
@@ -412,7 +412,7 @@ def main(file: str = "", form: str = "few") -> object:
         return kept_object({f"wrsim_stage_{number}": stage for number, stage in STAGES.items()})
     kernels()  # all are imported
     worked = note_first_calls()
-    Path(file).write_bytes(pickle.dumps((cases(form == "full"), worked)))
+    sys.stdout.buffer.write(pickle.dumps((cases(form == "full"), worked)))
 
 
 if __name__ == "__main__":

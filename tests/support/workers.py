@@ -4,18 +4,39 @@ Imports and collected tests are shared; each worker has its own capture, tempora
 
 import os
 import signal
+import subprocess
+import sys
 import traceback
 from array import array
 from itertools import groupby
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection, wait
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+TESTS = Path(__file__).parents[1]
+EARLY = pytest.StashKey[subprocess.Popen[bytes]]()
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--workers", type=int, default=0, help="processes that share the files of tests")
+
+
+def uncompiled(form: str) -> subprocess.Popen[bytes]:
+    """A process that does "few" cases of the kernels or the "full" ones without the compiler; what they give is its
+    output."""
+    paths = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": paths}
+    command = [sys.executable, TESTS / "support/kernels.py", form]
+    return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """One processor collects the whole suite; another one begins with what takes longest."""
+    if config.option.workers and config.args == config.getini("testpaths"):
+        config.stash[EARLY] = uncompiled("few")
 
 
 def _work(session: pytest.Session, name: str, files: list[list[pytest.Item]], queue: int, there: Connection) -> None:

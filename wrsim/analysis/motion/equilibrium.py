@@ -1,5 +1,6 @@
 """Equilibrium: a vehicle at rest on its track, without friction."""
 
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +21,15 @@ from wrsim.simulation.integrate import Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import damped_newton, roots
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.steady_state import GOAL, TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails, steady_state
+from wrsim.simulation.steady_state import (
+    GOAL,
+    TOLERANCE,
+    Equilibrium,
+    SteadyMotion,
+    lower_on_rails,
+    relaxed_state,
+    steady_state,
+)
 from wrsim.simulation.system import Array
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset
@@ -67,25 +76,32 @@ def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     law.look_near(law.start)
     q, q_t = design_state(law)
     for i in range(len(law.vehicle.wheelsets)):
-        q[6 * i : 6 * i + 6] = _seat(setup, i)
-    try:
+        with suppress(SimulationError):  # of a vehicle it may be held where it is not by itself
+            q[6 * i : 6 * i + 6] = _seat(setup, i)
+    with suppress(SimulationError):
         return on_the_rails(law, steady_state(law, (q, q_t), tolerance=ENOUGH))
+    try:
+        near = relaxed_state(law, (q, q_t))
+        return on_the_rails(law, steady_state(law, (near.q, near.q_t), tolerance=ENOUGH))
     except SimulationError as fault:
         raise NoSteadyMotion.of(fault) from None
 
 
-def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
-    """A wheelset looked for further and further to where cant or loads push it and springs or a flange hold it."""
+def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack, tolerance: float = TOLERANCE) -> Equilibrium:
+    """A wheelset looked for further and further to where cant or loads push it and springs or a flange hold it.
+    tolerance: largest residual over the weight that is accepted."""
     problems = []
     for shift in _shifts(setup):
         try:
             law.look_near(law.start)
-            return steady_state(law, lower_on_rails(law, *design_state(law, lateral=shift)))
+            start = lower_on_rails(law, *design_state(law, lateral=shift))
+            return on_the_rails(law, steady_state(law, start, tolerance=tolerance))
         except SimulationError as problem:
             problems.append(problem)
     try:
         law.look_near(law.start)
-        return steady_state(law, _slid(law, *lower_on_rails(law, *design_state(law))))
+        start = _slid(law, *lower_on_rails(law, *design_state(law)))
+        return on_the_rails(law, steady_state(law, start, tolerance=tolerance))
     except SimulationError:
         raise NoSteadyMotion(problems[0]) from None
 
@@ -143,7 +159,7 @@ def _seat(setup: Setup[RunPlan], i: int) -> Array:
     share_of_loads = _share_of_loads(vehicle, run.start, mounted.x, alone.names[0])
     alone = replace(alone, loads=share_of_loads, gravity=vehicle.gravity)
     there = replace(setup, vehicle=alone, plan=replace(run, start=run.start + mounted.x))
-    return _wheelset_at_rest(there, force_law(there, drive="free")).q[:6]
+    return _wheelset_at_rest(there, force_law(there, drive="train"), ENOUGH).q[:6]
 
 
 def _share_of_loads(vehicle: Vehicle, distance: float, x: float, wheelset: str) -> tuple[Load, ...]:
