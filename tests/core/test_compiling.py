@@ -1,9 +1,9 @@
 """Kernels are compiled once: for their types, not for values, and with all that they call."""
 
 import logging
-import os
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numba
@@ -78,31 +78,22 @@ LOGGER.setLevel(logging.INFO)
 if sys.argv[2:]:
     warm()
     sys.exit()
-compiled = []
-class Compiling(event.Listener):
-    def on_start(self, event):
-        compiled.append(event.data["dispatcher"].__name__)
-    def on_end(self, event):
-        pass
-event.register("numba:compile", Compiling())
 short = {"run": {"distance_m": 0.3}, "contact": {"strips": 12, "cells": 4}, "output": {"patches_at_m": [0.2]}}
 scenario = load(sys.argv[1]).with_values(short)
 setup = build(scenario)
 heavy = {"scipy.signal", "scipy.stats", "scipy.ndimage", "matplotlib", "dask"} & set(sys.modules)
-run(scenario, setup=setup)
+with event.install_recorder("numba:compile") as compiled:
+    run(scenario, setup=setup)
 called = {one.py_func for one in gc.get_objects() if isinstance(one, Kernel) and one.overloads}
 assert len(called) > 15
-print(*heavy, *compiled, *(function.__name__ for function in called - COUNT.due))
+names = [one.data["dispatcher"].__name__ for _, one in compiled.buffer]
+print(*heavy, *names, *(function.__name__ for function in called - COUNT.due))
 """
 
 
 def test_a_run_finds_all_kernels_after_warming_up_has_them_counted_ahead_and_is_built_with_light_imports():
-    paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-    environment = os.environ | {"PYTHONPATH": paths}
-    scenario = str(ROOT / "scenarios/curve_r300.toml")
-    command = [sys.executable, "-c", COUNTED, scenario]
-    told = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
-    if told.stdout.split():  # they may not have been compiled yet
-        subprocess.run([*command, "warm"], env=environment, check=True, capture_output=True)
-        told = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
-    assert told.stdout.split() == []
+    command = [sys.executable, "-c", COUNTED, "scenarios/curve_r300.toml"]
+    counted = partial(subprocess.run, check=True, capture_output=True, text=True, cwd=ROOT)
+    if counted(command).stdout.split():  # they may not have been compiled yet
+        counted([*command, "warm"])
+        assert counted(command).stdout.split() == []

@@ -1,7 +1,7 @@
 """Scripts of the repository as modules."""
 
-import importlib.util
 import sys
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
@@ -13,11 +13,6 @@ def script(path: str) -> ModuleType:
     file = ROOT / path
     sys.path.insert(0, str(file.parent))
     try:
-        spec = importlib.util.spec_from_file_location(file.stem, file)
-        assert spec is not None and spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[file.stem] = module
-        spec.loader.exec_module(module)
-        return module
+        return import_module(file.stem)
     finally:
         sys.path.remove(str(file.parent))

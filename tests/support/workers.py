@@ -25,12 +25,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def uncompiled(form: str) -> subprocess.Popen[bytes]:
-    """A process that does "few" cases of the kernels or the "full" ones without the compiler; what they give is its
-    output."""
-    paths = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
-    environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": paths}
-    command = [sys.executable, TESTS / "support/kernels.py", form]
-    return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE)
+    """A process whose output is what "few" cases of the kernels, or the "full" ones, give without the compiler."""
+    command = [sys.executable, "-m", "support.kernels", form]
+    return subprocess.Popen(command, cwd=TESTS, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, stdout=subprocess.PIPE)
 
 
 def pytest_configure(config: pytest.Config) -> None:
