@@ -94,7 +94,7 @@ def _take_channel(found: Outputs, result: Result, one: ChannelOutput) -> None:
             found.faults.append(f'{what}: {dim} = "{label}": there is {", ".join(names)}{hint}')
             return
         data = data.sel({dim: label})
-    if (one.from_m is not None or one.to_m is not None) and "distance" in result.dataset:
+    if one.from_m is not None or one.to_m is not None:
         if data.dims[0] != "time":
             found.faults.append(f"{what}: from_m and to_m are for channels over time")
             return
