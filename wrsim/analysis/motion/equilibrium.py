@@ -12,20 +12,16 @@ from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.start import EXACT, on_the_rails
 from wrsim.analysis.progress import Progress, Report
-from wrsim.core.body.kinematics import X, Y
 from wrsim.errors import SimulationError
 from wrsim.results import Result
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.newton import damped_newton, roots
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import (
-    GOAL,
     TOLERANCE,
     Equilibrium,
-    SteadyMotion,
     lower_on_rails,
     relaxed_state,
     steady_state,
@@ -100,8 +96,8 @@ def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack, tolerance: flo
             problems.append(problem)
     try:
         law.look_near(law.start)
-        start = _slid(law, *lower_on_rails(law, *design_state(law)))
-        return on_the_rails(law, steady_state(law, start, tolerance=tolerance))
+        near = relaxed_state(law, lower_on_rails(law, *design_state(law)))
+        return on_the_rails(law, steady_state(law, (near.q, near.q_t), tolerance=tolerance))
     except SimulationError:
         raise NoSteadyMotion(problems[0]) from None
 
@@ -115,35 +111,6 @@ def _shifts(setup: Setup[RunPlan]) -> list[float]:
     ways = [*sides, np.sign(wheelset.right.radius - wheelset.left.radius)]
     steps = np.arange(SHIFT, PLAY + 0.5 * max(widening, 0.0), SHIFT)
     return [0.0, *(float(step * way) for step in steps for way in ways if way)]
-
-
-def _slid(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Array]:
-    """The state of a wheelset after sliding from this one to where nothing pushes it aside.
-
-    The normal forces answer to a micrometre, so everything else finds its balance at every lateral place.
-    """
-    law.look_near(law.start)
-    steady = SteadyMotion(law)
-    start = steady.unknowns(q, q_t)
-    heading = float(law.track.heading(law.start))
-    axes = np.eye(start.size)
-    axes[X : Y + 1, X : Y + 1] = [[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]]
-    across, others = axes[:, Y], np.delete(axes, Y, axis=1)
-    found, place = np.zeros(start.size - 1), start.copy()
-
-    def push(shifts: Array) -> Array:
-        """Force to the left (1,), over the weight, that is left over at a shift with everything else in balance."""
-
-        def residual(rest: Array) -> Array:
-            return steady.residual(start + shifts * across + others @ rest) @ others
-
-        found[:] = damped_newton(residual, found.copy(), np.delete(steady.small, Y), GOAL, 20)[0]
-        place[:] = start + shifts * across + others @ found
-        return across[None] @ steady.residual(place)
-
-    if not roots(push, np.zeros(1), steady.small[Y], TOLERANCE, PLAY)[1].all():
-        raise SimulationError(f"nothing holds wheelset '{law.vehicle.names[0]}' within {1e3 * PLAY:g} mm of the middle")
-    return steady.state(place)
 
 
 def _seat(setup: Setup[RunPlan], i: int) -> Array:
