@@ -99,7 +99,7 @@ def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack, tolerance: flo
         near = relaxed_state(law, lower_on_rails(law, *design_state(law)))
         return on_the_rails(law, steady_state(law, (near.q, near.q_t), tolerance=tolerance))
     except SimulationError:
-        raise NoSteadyMotion(problems[0]) from None
+        raise NoSteadyMotion.of(problems[0]) from None
 
 
 def _shifts(setup: Setup[RunPlan]) -> list[float]:
