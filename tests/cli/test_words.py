@@ -3,6 +3,7 @@
 import json
 import re
 import time
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -107,9 +108,10 @@ def test_one_option_means_one_thing_in_all_commands() -> None:
             for name in getattr(option, "opts", ()):
                 meanings.setdefault(name, set()).add(str(option.name))
     assert {name: own for name, own in meanings.items() if name.startswith("-") and len(own) > 1} == {}
-    assert meanings["-o"] == {"output"}
-    assert meanings["--models"] == {"models"}
-    assert "--picture" not in meanings
+    assert (meanings["-o"], meanings["--models"]) == ({"output"}, {"models"})
+    orders = ([o.name for o in c.params if o.opts[0].startswith("-")] for c in COMMANDS.values())
+    pairs = {pair for own in orders for pair in combinations(own, 2)}
+    assert not {(a, b) for a, b in pairs if (b, a) in pairs}, "the same order in the help of all commands"
     assert {o.metavar for c in COMMANDS.values() for o in c.params if "--models" in getattr(o, "opts", ())} == {"DIR"}
 
 

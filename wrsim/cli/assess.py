@@ -55,6 +55,7 @@ def ride_command(
 def spectra_command(
     result: options.ResultFile,
     channel: Annotated[str, typer.Argument(metavar="CHANNEL", help="Such as Q or axle_box_acceleration.")],
+    output: options.BesideResult = None,
     derivative: Annotated[int, typer.Option(min=0, max=2, help="Of the channel: 2 of a displacement.")] = 0,
     from_m: Annotated[float | None, typer.Option(metavar="M", help="Where the stretch that counts begins.")] = None,
     to_m: Annotated[float | None, typer.Option(metavar="M", help="Where it ends.")] = None,
@@ -64,7 +65,6 @@ def spectra_command(
     piece_m: Annotated[
         float, typer.Option(metavar="M", min=1e-3, help="Track of one spectrum of the spectrogram.")
     ] = 2.0,
-    output: options.BesideResult = None,
     pictures: options.Pictures = True,
 ) -> Outcome:
     """Spectra of a channel of a run: power spectral density, third-octaves, spectrogram over the distance."""
@@ -83,6 +83,9 @@ def conicity_command(
     rail: Annotated[
         str, typer.Argument(metavar="RAIL", help="Rail profile, such as rails/60E1.toml, or a folder of them.")
     ],
+    output: Annotated[
+        Path | None, options.into(metavar="DIR", help="Write a table, every 0.1 mm, and pictures there.")
+    ] = None,
     gauge_mm: options.Gauge = 1435.0,
     gauges_mm: Annotated[
         tuple[float, float, float] | None, typer.Option(metavar="FROM TO STEP", help="A map over the gauge instead.")
@@ -101,9 +104,6 @@ def conicity_command(
     ] = None,
     flange_from_deg: Annotated[float, typer.Option(help="For that: contact angle where the flange begins.")] = 40.0,
     models: options.Models = None,
-    output: Annotated[
-        Path | None, options.into(metavar="DIR", help="Write a table, every 0.1 mm, and pictures there.")
-    ] = None,
     pictures: options.Pictures = True,
 ) -> Outcome:
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""

@@ -71,14 +71,14 @@ def run_command(
 def study(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Study file (TOML).")],
     output: options.Output = None,
-    workers: options.Workers = None,
-    scheduler: options.Scheduler = None,
-    slurm: options.Slurm = False,
-    tls: options.Tls = None,
     dry_run: options.DryRun = False,
     retry: options.Retry = False,
     models: options.Models = None,
     pictures: options.Pictures = True,
+    workers: options.Workers = None,
+    scheduler: options.Scheduler = None,
+    slurm: options.Slurm = False,
+    tls: options.Tls = None,
     force: options.Force = False,
     as_json: options.Json = False,
     quiet: options.Quiet = False,
@@ -144,10 +144,10 @@ def compare_command(
             help="Contact models: half-space, kik-piotrowski+polach, kik-piotrowski+strips=80; file: as in FILE.",
         ),
     ],
+    output: Annotated[Path | None, options.into(metavar="DIR", help="Default: results/<FILE>_compared.")] = None,
     reference: Annotated[
         str | None, typer.Option(metavar="A", help="Whom the others are measured against; default: the first.")
     ] = None,
-    output: Annotated[Path | None, options.into(metavar="DIR", help="Default: results/<FILE>_compared.")] = None,
     models: options.Models = None,
     pictures: options.Pictures = True,
     **computed: Any,
@@ -164,12 +164,12 @@ def resolve_command(
     contact: Annotated[
         str, typer.Option(metavar="NAME", help="Contact model, such as half-space+fastsim.")
     ] = "half-space",
+    output: Annotated[Path | None, options.into(metavar="DIR", help="Default: <folder of RESULT>/<NAME>.")] = None,
     at: options.At = None,
     wheelset: options.OneWheelset = None,
     same: Annotated[
         str, typer.Option(metavar="load|pose", help="What every wheel keeps: its vertical force or its height.")
     ] = "load",
-    output: Annotated[Path | None, options.into(metavar="DIR", help="Default: <folder of RESULT>/<NAME>.")] = None,
     models: options.Models = None,
     pictures: options.Pictures = True,
     **computed: Any,

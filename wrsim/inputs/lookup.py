@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import out_of_reach, reading_within
@@ -97,14 +98,22 @@ def shipped_models() -> Path:
     return inside if inside.is_dir() else package.parent / "models"
 
 
+def as_path(given: Any, what: str) -> Path:
+    """What is given from Python, as a path. what: the file that it names. Raises InputError for what is no path."""
+    if not isinstance(given, str | os.PathLike):
+        raise InputError(f"{given!r:.60}: must be the name of {what}, a text or a Path")
+    return Path(given)
+
+
 def model_file(name: str | Path, extra: Sequence[str | Path] | None = ()) -> Path:
     """A file that is named from Python or on a command line: as it is, or among the models.
 
     Folders ``extra``, and those of the environment variable WRSIM_MODELS, come before the models that are shipped.
     Raises InputError for a relative name that is not found.
     """
-    if os.path.isabs(name) or os.path.exists(name):
-        return Path(name)
+    path = as_path(name, "a model file")
+    if path.is_absolute() or os.path.exists(path):
+        return path
     try:
         return usual_finder(extra).find(str(name))
     except InputError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from datetime import date, time
 from pathlib import Path
@@ -15,7 +15,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.changes import changed, found, key_path
 from wrsim.inputs.checking import check_section, dotted, fault_line, refuse_other_kind
 from wrsim.inputs.lines import KeyPath
-from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+from wrsim.inputs.lookup import Finder, as_path, shipped_models, user_folders
 from wrsim.inputs.notebook import card, folded
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import parse_value, shortened, value_hint, write_toml
@@ -123,9 +123,14 @@ class Scenario:
             key, _, value = (part.strip() for part in option.partition("="))
             if not key or not value:
                 raise InputError(f"--set {shortened(option)}: must be key=value, such as vehicle.speed_kmh=60")
+            owner, given = f"--set {shortened(option)}", parse_value(value)
             try:
-                scenario = scenario.with_values({key: parse_value(value)}, f"--set {shortened(option)}")
+                scenario = scenario.with_values({key: given}, owner)
             except InputError as error:  # bare words are texts here, only numbers may be meant otherwise
+                if isinstance(given, float):
+                    with suppress(InputError):  # the name 60E1 is a number in TOML
+                        scenario = scenario.with_values({key: value}, owner)
+                        continue
                 raise InputError(f"{error}{value_hint(value) if value[0] in '+-.0123456789' else ''}") from None
         return scenario
 
@@ -197,13 +202,14 @@ def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
     >>> from wrsim import load, run
     >>> result = run(load("scenarios/curve_r300.toml"))
     """
-    merged = read_merged(Path(path))
+    path = as_path(path, "a scenario file")
+    merged = read_merged(path)
     analysis = ANALYSES.get(str(merged.data.get("analysis")))
     inherited = {key for key in merged.data if merged.owners.get((key,)) != str(merged.files[0])}
     if analysis is not None and (unused := inherited & {*analysis.unused}):
         merged.data = {key: value for key, value in merged.data.items() if key not in unused}
         merged.text = write_toml(merged.data)
-    scenario = _scenario(merged, Path(path), models)
+    scenario = _scenario(merged, path, models)
     vehicle, track = scenario.spec.vehicle, scenario.spec.track
     named = {"vehicle": (vehicle, ("model", "wheel", "wheel_left", "wheel_right"))}
     for table, (section, keys) in (named | {"track": (track, ("rail", "rail_left", "rail_right"))}).items():

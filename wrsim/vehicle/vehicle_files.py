@@ -103,6 +103,8 @@ def _changed_file(path: Path, changes: Sequence[Change]) -> tuple[dict[str, Any]
         for own, owner in owners.items():
             if key and (key == own[: len(key)] or own == key[: len(own)]) and len(key) >= len(own) - 1:
                 return owner
+            if own[-1] == "kind" and own[:-1] == key[: len(own) - 1]:  # its table has other keys now
+                return owner
         return written(key)
 
     return data, locate, inner
