@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from shlex import quote
+from threading import Event, Thread
 from typing import TYPE_CHECKING, Any
 
 from wrsim.errors import plain
@@ -150,16 +151,25 @@ def _bar() -> Iterator[tuple[Callable[[str], None], Progress]]:
 
 @contextmanager
 def _lines() -> Iterator[tuple[Callable[[str], None], Progress]]:
-    """The same in lines, one every ``LINES_APART`` at most."""
-    last = time.monotonic()
+    """The same in lines, one every ``LINES_APART``, the last one again where nothing new is told for so long."""
+    last, latest, done = time.monotonic(), "", Event()
 
     def show(words: str) -> None:
-        nonlocal last
-        if words and time.monotonic() - last >= LINES_APART:
-            print_error(words)
+        nonlocal last, latest
+        latest = words or latest
+        if latest and time.monotonic() - last >= LINES_APART:
+            print_error(latest)
             last = time.monotonic()
 
-    yield show, lambda fraction, seconds_left: show(f"{fraction:.0%}, {time_left(seconds_left)}".removesuffix(", "))
+    def repeat() -> None:
+        while not done.wait(1.0):
+            show("")
+
+    Thread(target=repeat, daemon=True).start()
+    try:
+        yield show, lambda fraction, seconds_left: show(f"{fraction:.0%}, {time_left(seconds_left)}".removesuffix(", "))
+    finally:
+        done.set()
 
 
 def time_left(seconds: float) -> str:

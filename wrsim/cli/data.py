@@ -19,9 +19,7 @@ def profile(
         list[str],
         typer.Argument(metavar="FILE...", help="Profiles, TOML or points, such as wheels/S1002.toml; folders of them."),
     ],
-    output: Annotated[
-        Path | None, options.into(metavar="PNG|SVG|PDF", help="Default: <name of FILE>.png here.")
-    ] = None,
+    output: Annotated[Path | None, options.into(metavar="PNG|SVG|PDF", help="Default: <FILE>.png here.")] = None,
     kind: Annotated[str | None, typer.Option(metavar="wheel|rail", help="For files of two columns only.")] = None,
     cutoff: Annotated[
         list[float] | None,
@@ -42,14 +40,12 @@ def profile(
             min=300.0, max=1900.0, help="Measured back to back: active faces of wheelsets; --on: 1360 if none."
         ),
     ] = None,
-    inclination: Annotated[
-        str | None, typer.Option(help='--on: of the rails, 1:20 ... or "none"; default: 1:40.')
-    ] = None,
+    inclination: Annotated[str | None, typer.Option(help='--on: of rails, 1:20 ... or "none"; default: 1:40.')] = None,
     radius_mm: Annotated[
         float | None, typer.Option(min=100.0, max=1500.0, help="--on: of the wheels at the tape circle; default: 460.")
     ] = None,
     load_kn: Annotated[
-        float | None, typer.Option(min=1.0, max=500.0, help="--on: of a wheel, for p0; default: 60.")
+        float | None, typer.Option(min=1.0, max=500.0, help="--on: of a wheel for p0; default 60.")
     ] = None,
     models: options.Models = None,
 ) -> Outcome:
@@ -67,9 +63,7 @@ def profile(
 @options.writing(reads="file")
 def track(
     file: options.ScenarioFile,
-    output: Annotated[
-        Path | None, options.into(metavar="PNG|SVG|PDF", help="Default: <name of FILE>_track.png here.")
-    ] = None,
+    output: Annotated[Path | None, options.into(metavar="PNG|SVG|PDF", help="Default: <FILE>_track.png here.")] = None,
     models: options.Models = None,
 ) -> Outcome:
     """Draw the track of a scenario or of a track file: plan, curvature, cant, gauge, height, irregularities."""
@@ -102,9 +96,7 @@ def recording(
     ] = "either",
     from_m: Annotated[float | None, typer.Option(help="Take the recording from this distance on.")] = None,
     to_m: Annotated[float | None, typer.Option(help="Take it up to this distance.")] = None,
-    vehicle: Annotated[
-        str, typer.Option(metavar="MODEL", help="Vehicle of the scenario.")
-    ] = "vehicles/manchester_1.toml",
+    vehicle: Annotated[str, typer.Option(metavar="MODEL", help="Of the scenario.")] = "vehicles/manchester_1.toml",
     speed_kmh: Annotated[
         float | None, typer.Option(help="Speed of the scenario; default: 100 mm of cant deficiency, 160 at most.")
     ] = None,

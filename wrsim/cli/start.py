@@ -1,5 +1,6 @@
 """``wrsim new``, ``check``, ``keys``, ``warm``: a scenario to start from, checked; kernels compiled ahead."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -8,7 +9,7 @@ import typer
 import wrsim
 from wrsim.api.outcome import Outcome
 from wrsim.cli import options
-from wrsim.cli.console import print_error, print_json, print_lines, print_numbers
+from wrsim.cli.console import print_error, print_json, print_lines, print_numbers, progress_bar
 from wrsim.cli.errors import reporting_errors
 from wrsim.register import ANALYSES, FILES
 
@@ -70,7 +71,7 @@ def keys_command(
 
 def warm_command(quiet: options.Quiet = False) -> None:
     """Compile ahead what runs and poses need, so that the first of them starts at once."""
-    with reporting_errors(False):
+    with reporting_errors(False), progress_bar(not (quiet or sys.stderr.isatty())):
         words = wrsim.warm()
         if not quiet:
             print_lines(words)

@@ -101,9 +101,8 @@ def _changed_file(path: Path, changes: Sequence[Change]) -> tuple[dict[str, Any]
 
     def locate(key: KeyPath) -> str:
         for own, owner in owners.items():
-            if key and (key == own[: len(key)] or own == key[: len(own)]) and len(key) >= len(own) - 1:
-                return owner
-            if own[-1] == "kind" and own[:-1] == key[: len(own) - 1]:  # its table has other keys now
+            table = own[:-1] if own[-1] == "kind" else own  # which has other keys then
+            if key and (key == own[: len(key)] or table == key[: len(table)]) and len(key) >= len(own) - 1:
                 return owner
         return written(key)
 
