@@ -44,9 +44,7 @@ def profile(
     radius_mm: Annotated[
         float | None, typer.Option(min=100.0, max=1500.0, help="--on: of the wheels at the tape circle; default: 460.")
     ] = None,
-    load_kn: Annotated[
-        float | None, typer.Option(min=1.0, max=500.0, help="--on: of a wheel for p0; default 60.")
-    ] = None,
+    load_kn: Annotated[float | None, typer.Option(min=1.0, max=500.0, help="--on: for p0; default: 60.")] = None,
     models: options.Models = None,
 ) -> Outcome:
     """Draw and measure profiles: Sh, Sd, qR, hollow of wheels, wear of rail heads; what smoothing does to points."""
