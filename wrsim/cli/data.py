@@ -31,19 +31,12 @@ def profile(
     on: Annotated[
         str | None, typer.Option(metavar="FILE", help="Rail of wheels, wheel of rails: conicity and p0 on it.")
     ] = None,
-    gauge_mm: Annotated[
-        float | None, typer.Option(min=400.0, max=2000.0, help="--on: 14 mm below the rail tops; default: 1435.")
-    ] = None,
+    gauge_mm: Annotated[float | None, typer.Option(min=400.0, max=2000.0, help="--on: track; default: 1435.")] = None,
     flange_back_mm: Annotated[
-        float | None,
-        typer.Option(
-            min=300.0, max=1900.0, help="Measured back to back: active faces of wheelsets; --on: 1360 if none."
-        ),
+        float | None, typer.Option(min=300.0, max=1900.0, help="Measured, for active faces; --on: 1360 if none.")
     ] = None,
     inclination: Annotated[str | None, typer.Option(help='--on: of rails, 1:20 ... or "none"; default: 1:40.')] = None,
-    radius_mm: Annotated[
-        float | None, typer.Option(min=100.0, max=1500.0, help="--on: of the wheels at the tape circle; default: 460.")
-    ] = None,
+    radius_mm: Annotated[float | None, typer.Option(min=100.0, max=1500.0, help="--on: wheels; default: 460.")] = None,
     load_kn: Annotated[float | None, typer.Option(min=1.0, max=500.0, help="--on: for p0; default: 60.")] = None,
     models: options.Models = None,
 ) -> Outcome:

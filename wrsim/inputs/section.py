@@ -208,7 +208,7 @@ class Section(BaseModel):
     @classmethod
     def _unknown(cls, key: str, raw: dict[str, Any]) -> tuple[str, str | None]:
         """The message for an unknown key and the key of this section that was meant, if any."""
-        allowed = list(cls.model_fields)
+        allowed = [*cls.model_fields, *cls.foreign]
         meant = next((ours for ours, names in cls.aliases.items() if key in names.split()), None)
         meant = meant or _same_stem(key, allowed)
         if meant is None and key not in cls.elsewhere:

@@ -223,8 +223,7 @@ def _syntax_message(reason: str, text: str, name: str) -> str:
     if place := _PLACE.search(reason):
         row, column = int(place[1]), int(place[2])
     reason = _PLACE.sub("", reason).replace(" (at end of document)", " at the end of the file")
-    if r"'\r'" in reason:
-        reason += "; lines end in LF or CR LF"
+    reason += next((hint for cause, hint in _CAUSES.items() if cause in reason), "")
     message = f"{name}:{row}:{column}: not valid TOML: {reason[:1].lower()}{reason[1:]}"
     if 0 < row <= len(source) and len(source[row - 1]) <= 120:
         line = source[row - 1].expandtabs(1)
@@ -232,6 +231,13 @@ def _syntax_message(reason: str, text: str, name: str) -> str:
         value = line.split("=", 1)[1].split("#")[0].strip() if "=" in line else line.strip() if ":" in line else ""
         message += value_hint(value)
     return message
+
+
+_CAUSES = {
+    r"'\r'": "; lines end in LF or CR LF", "overwrite a value": "; the key is given already",
+    "annot declare": "; it is given already: tables of which there are several have double brackets, [[...]]",
+}  # fmt: skip
+"""What reasons of the parser mean, by words of theirs."""
 
 
 def value_hint(value: str) -> str:

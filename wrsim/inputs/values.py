@@ -173,11 +173,11 @@ def words(annotation: Any) -> str:
 ELSEWHERE: dict[str, tuple[str, ...]] = {
     "hertz": ("strips", "half-space"), "hertzian": ("strips", "half-space"), "non-hertzian": ("strips",),
     "kalker": ("fastsim", "linear", "half-space"), "usetab": ("fastrip", "half-space"),
-    "simplified": ("fastsim",), "contact": ("half-space",),
+    "simplified": ("fastsim",), "contact": ("half-space",), "average": ("mean",), "std": ("deviation",),
     "multi-hertz": ("strips",), "stripes": ("strips",), "kp": ("kik-piotrowski",), "duvorol": ("half-space",),
     "newmark": ("generalised-alpha",), "hht": ("generalised-alpha",), "runge-kutta": ("rk44",), "rk4": ("rk44",),
     "sodasrt": ("generalised-alpha",), "sodasrt2": ("generalised-alpha",), "bdf": ("generalised-alpha",),
-    "implicit": ("generalised-alpha",), "explicit": ("rk44",),
+    "implicit": ("generalised-alpha",), "explicit": ("rk44",), "coil": ("spring", "shear-spring"),
     "clothoid": ("transition",), "curve": ("arc",), "circle": ("arc",), "tangent": ("straight",),
     "shear": ("shear-spring",), "bushing": ("spring",), "bumpstop": ("bump-stop",), "airspring": ("air-spring",),
 }  # fmt: skip
@@ -187,7 +187,9 @@ ELSEWHERE: dict[str, tuple[str, ...]] = {
 def choice(allowed: tuple[Any, ...], value: Any = None) -> str:
     """Text: which words are allowed, and which of them ``value`` was probably meant to be."""
     quoted = [f'"{word}"' if isinstance(word, str) else str(word) for word in allowed]
-    return one_of(quoted) + (meant(value, [w for w in allowed if isinstance(w, str)]) if isinstance(value, str) else "")
+    near = meant(value, [w for w in allowed if isinstance(w, str)]) if isinstance(value, str) else ""
+    # nobody reads a list of a hundred words beside the right one
+    return (one_of(quoted) if len(quoted) < 40 or not near else f"one of {len(quoted)} words") + near
 
 
 def meant(word: str, allowed: Sequence[str]) -> str:

@@ -150,7 +150,7 @@ class RunSection(PlanTable, header="[run]"):
     at_most_one = ("distance_m time_s",)
     aliases = {
         "time_s": "duration_s t_end_s end_time_s", "distance_m": "length_m",
-        "integrator": "method solver integration", "step_us": "dt_us h_us dt dt_s step_s step_ms time_step",
+        "integrator": "method solver integration", "step_us": "dt_us h_us dt dt_s step_s step_ms time_step_ms",
         "output_interval_ms": "output_step_ms sampling_ms", "channels_at_hz": "channels_at_Hz fast_Hz sampling_rate_Hz",
     }  # fmt: skip
 
