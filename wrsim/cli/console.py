@@ -152,12 +152,12 @@ def _bar() -> Iterator[tuple[Callable[[str], None], Progress]]:
 @contextmanager
 def _lines() -> Iterator[tuple[Callable[[str], None], Progress]]:
     """The same in lines, one every ``LINES_APART``, the last one again where nothing new is told for so long."""
-    last, latest, done = time.monotonic(), "", Event()
+    last, latest, done = time.monotonic(), "running", Event()
 
     def show(words: str) -> None:
         nonlocal last, latest
         latest = words or latest
-        if latest and time.monotonic() - last >= LINES_APART:
+        if time.monotonic() - last >= LINES_APART:
             print_error(latest)
             last = time.monotonic()
 
