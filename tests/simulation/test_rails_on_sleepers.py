@@ -44,22 +44,14 @@ def test_a_harmonic_force_moves_the_rail_as_its_receptance_says(frequency: float
 
 def energy(rails: RailsOnSleepers) -> float:
     """Kinetic and elastic energy of all systems [J]."""
-    total = 0.0
-    for pair in (rails.rails.vertical, rails.rails.lateral):
-        for r in range(2):
-            u, u_t = pair.rows[r, kernel.U], pair.rows[r, kernel.U_T]
-            total += 0.5 * u_t @ times(pair.mass[r], u_t) + 0.5 * u @ times(pair.stiffness[r], u)
-    return total
+    own = ((pair, r, *pair.rows[r, [kernel.U, kernel.U_T]]) for pair in rails.rails[:2] for r in range(2))
+    return sum(0.5 * (v @ times(pair.mass[r], v) + u @ times(pair.stiffness[r], u)) for pair, r, u, v in own)
 
 
 def lost(rails: RailsOnSleepers) -> float:
     """Power of all dampers [W]."""
-    total = 0.0
-    for pair in (rails.rails.vertical, rails.rails.lateral):
-        for r in range(2):
-            u_t = pair.rows[r, kernel.U_T]
-            total += u_t @ times(pair.damping[r], u_t) + pair.drag[r] @ u_t**2
-    return total
+    own = ((pair, r, pair.rows[r, kernel.U_T]) for pair in rails.rails[:2] for r in range(2))
+    return sum(v @ times(pair.damping[r], v) + pair.drag[r] @ v**2 for pair, r, v in own)
 
 
 def times(band: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -101,10 +93,12 @@ def test_a_step_ends_as_foretold_under_the_forces_that_were_foretold() -> None:
     rails, (q, q_t, q_tt) = standing(TRACK, 60.2), np.zeros((3, 4))
     for k in range(20):
         push(rails, 1e-4, np.array([[1e3 * k, -5e3 * k], [0.0, -2e3 * k]]))
+    before = np.column_stack([rails.ties["bent_n"], rails.ties["bent_b"]])
     rails.begin(1e-4, q, q_t, q_tt)
-    foretold = q_t.copy()
-    rails.end(q, q_t)
-    assert q_t == pytest.approx(foretold, rel=1e-9)
+    rails.end(q)
+    between = np.column_stack([rails.ties["bent_n"], rails.ties["bent_b"]])  # nodes
+    found = np.array([kernel.read(kernel.U_T, i, rails.rails) for i in range(2)]) + (between - before) / 1e-4
+    assert q_t.reshape(2, 2) == pytest.approx(found, rel=1e-9)
 
 
 def test_waves_do_not_come_back_from_the_ends_of_the_window() -> None:
@@ -150,7 +144,8 @@ def test_wheels_on_sleepers_rise_and_sink_with_the_sleepers() -> None:
 
 
 def test_what_wheels_lose_on_sleepers_goes_to_creep_and_to_the_track() -> None:
-    """Over whole bays. Rails that take their part from nobody would leave 19 %."""
+    """Over whole bays. Rails that take their part from nobody would leave 19 %; a rail that bends between its nodes
+    without a velocity 0.5 %, the more the shorter the step, and contacts of a step's end that are not those of it."""
     law = on_track(shipped("wheelset_s1002"), 20.0, start=48.002, structure=TRACK).law  # sleepers between two samples
     bare = VehicleOnTrack(law.vehicle, law.track, (), speed=law.speed, start=law.start, drive=law.drive)
     rails, rows = law.on_sleepers, []
@@ -164,10 +159,13 @@ def test_what_wheels_lose_on_sleepers_goes_to_creep_and_to_the_track() -> None:
         bare(t, q[: bare.size], q_t[: bare.size], rest)
         arrays = [wheel.model.arrays for wheel in law.wheels[0]]
         creep = sum(float(a.total["wear"]) * float(a.pose[6]) for a in arrays)
-        rows.append((t, (whole[:6] - rest[:6]) @ q_t[:6], creep, lost(rails), energy(rails)))
+        pressed = sum(0.4 * float(a.patches["N"][0] * a.patches["approach"][0]) for a in arrays)  # Hertz
+        rows.append((t, (whole[:6] - rest[:6]) @ q_t[:6], creep, lost(rails), energy(rails) + pressed))
+        across = [tie.last_n + tie.side * float(a.total["Fo"]) for tie, a in zip(rails.ties, arrays, strict=True)]
+        assert len(rows) < 3 or across == pytest.approx([0.0, 0.0], abs=50.0)
 
-    rolling(law, 0.09, 2e-4, look)
-    t, power, creep, damped, stored = np.array(rows)[149:].T  # two bays behind the first one
+    rolling(law, 0.09, 2.5e-5, look)
+    t, power, creep, damped, stored = np.array(rows)[1199:].T  # two bays behind the first one
     given = -trapezoid(power, t)
     assert trapezoid(creep, t) + trapezoid(damped, t) + stored[-1] - stored[0] == pytest.approx(given, rel=1e-3)
     assert trapezoid(damped, t) > 0.1 * given

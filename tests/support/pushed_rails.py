@@ -35,7 +35,7 @@ def push(rails: RailsOnSleepers, step: float, forces: np.ndarray) -> np.ndarray:
     n, b = forces[:, 0] - ties["push_n"], forces[:, 1] - ties["push_b"]
     q[0::2] += ties["nn"] * n + ties["nb"] * b
     q[1::2] += ties["nb"] * n + ties["bb"] * b
-    rails.end(q, q_t)
+    rails.end(q)
     return np.array([kernel.read(kernel.U, i, rails.rails) for i in range(len(forces))])
 
 

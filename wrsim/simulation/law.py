@@ -302,7 +302,7 @@ class VehicleOnTrack(Layout):
 
     def end_step(self, q: Array, q_t: Array) -> None:
         if self.on_sleepers is not None:
-            self.on_sleepers.end(q[self.size - self.rails :], q_t[self.size - self.rails :])
+            self.on_sleepers.end(q[self.size - self.rails :])
             self.on_sleepers.strike(q)
 
     @contextmanager

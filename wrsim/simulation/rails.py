@@ -134,8 +134,10 @@ class RailsOnSleepers:
 
     def begin_explicit(self, step: float, q: Array, q_t: Array) -> None:
         """Begin a step that is taken in parts by an explicit method: each rail is a mass whose acceleration by the
-        forces of its begin, and by the mean change of its wheel's force, leads to where the implicit step would."""
+        forces of its begin, and by the mean change of its wheel's force, leads to where the implicit step would.
+        Writes rates."""
         self.begin(step, *np.zeros((3, len(q))))
+        q_t[:] = self._found[1]
         rate = 2.0 / step**2
         for wheel, tie, u, u_t in zip(self._records, self.ties, q.reshape(-1, 2), q_t.reshape(-1, 2), strict=True):
             wheel.rate_n = wheel.rate_b = rate
@@ -143,11 +145,10 @@ class RailsOnSleepers:
             wheel.free_n = tie.guess_n - u[0] - step * u_t[0] - tie.nn * tie.push_n - tie.nb * tie.push_b
             wheel.free_b = tie.guess_b - u[1] - step * u_t[1] - tie.nb * tie.push_n - tie.bb * tie.push_b
 
-    def end(self, q: Array, q_t: Array) -> None:
-        """End the step with the displacements q that it has found; writes their rates."""
+    def end(self, q: Array) -> None:
+        """End the step with the displacements q that it has found."""
         self._found[0] = q
         kernel.end(self.method, self._found, *self._wheels, self.rails)
-        q_t[:] = self._found[1]
 
     def _prepare(self, step: float) -> None:
         """Factors for a step [s]."""

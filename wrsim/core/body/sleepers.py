@@ -31,19 +31,20 @@ from typing import NamedTuple
 
 from wrsim.core.body.wheel_forces import ARRAYS, IN_CONTACT, LOBES, POSE, pose_on_rail, wheel_record, wheel_total
 from wrsim.core.contact.records import LOBE, read_pose
-from wrsim.core.jit import Array, Ints, Records, inlined, kernel, record, records, vector
+from wrsim.core.jit import Array, Ints, Record, Records, inlined, kernel, record, records, vector
 from wrsim.core.linalg import ZERO, Vec, add, cross, norm, scale, shifted, sub
 from wrsim.core.root import neighbours
 from wrsim.core.track.banded import factorise, invert_band, quadratic_form, solve, subtract_product
 
 TIE = record(
     "side place speed offset push_n push_b last_n last_b guess_n guess_b rate_n rate_b nn nb bb own_nn own_nb own_bb"
-    " slope_nn slope_nb slope_bb"
+    " slope_nn slope_nb slope_bb bent_n bent_b"
 )
 """A wheel on its rail: +1 left, -1 right; distance along the centre line [m] and speed [m/s] at the end of the step;
 how far to the left of the rail's middle it pushes [m]; its force on the rail to the left and up that is foretold for
 the end of the step, and that at the last step's end [N]; displacement [m] and velocity [m/s] of the rail under it with
-that force; compliance g, the part of it that is the element's between its nodes [m/N], and its slope [1/N]."""
+that force; compliance g, the part of it that is the element's between its nodes [m/N], and its slope [1/N]; what that
+part is bent at the last step's end [m]."""
 
 U, U_T, U_TT, A, P, P_T, P_A = range(7)
 """Rows of a system: displacements, velocities, accelerations and those of the method; what it predicts."""
@@ -179,6 +180,9 @@ def rest(speed_too: bool, rails: Rails) -> None:
         for r in range(2):
             solve(pair.factors[r], pair.rows[r, U])
             solve(pair.factors[r], pair.rows[r, U_T])
+    for i in range(rails.ties.shape[0]):
+        tie = rails.ties[i]
+        tie.bent_n, tie.bent_b = _bent(tie, tie.push_n, tie.push_b)
 
 
 @kernel
@@ -244,15 +248,16 @@ def begin(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails)
     for i in range(rails.ties.shape[0]):
         tie, wheel = rails.ties[i], wheel_record(buffer, index, i)
         p, a = _read(P, i, rails.loads, rails), _read(U_TT, i, rails.loads, rails)
-        tie.guess_n = p[0] + c * a[0] + tie.own_nn * tie.push_n + tie.own_nb * tie.push_b
-        tie.guess_b = p[1] + c * a[1] + tie.own_nb * tie.push_n + tie.own_bb * tie.push_b
+        bent_n, bent_b = _bent(tie, tie.push_n, tie.push_b)
+        tie.guess_n, tie.guess_b = p[0] + c * a[0] + bent_n, p[1] + c * a[1] + bent_b
         p_t, p_x, a_x = (
             _read(P_T, i, rails.loads, rails),
             _read(P, i, rails.slopes, rails),
             _read(U_TT, i, rails.slopes, rails),
         )
-        tie.rate_n = p_t[0] + d * a[0] + tie.speed * (p_x[0] + c * a_x[0])
-        tie.rate_b = p_t[1] + d * a[1] + tie.speed * (p_x[1] + c * a_x[1])
+        own_n, own_b = (bent_n - tie.bent_n) / method[0], (bent_b - tie.bent_b) / method[0]
+        tie.rate_n = p_t[0] + d * a[0] + tie.speed * (p_x[0] + c * a_x[0]) + own_n
+        tie.rate_b = p_t[1] + d * a[1] + tie.speed * (p_x[1] + c * a_x[1]) + own_b
         # where a force moves along, half of what its own compliance changes is its slope
         wheel.slope_n = p_x[0] + c * a_x[0] + 0.5 * (tie.slope_nn * tie.push_n + tie.slope_nb * tie.push_b)
         wheel.slope_b = p_x[1] + c * a_x[1] + 0.5 * (tie.slope_nb * tie.push_n + tie.slope_bb * tie.push_b)
@@ -314,8 +319,8 @@ def _correct(method: Array, unknown: Array, more: float) -> None:
 
 @kernel
 def end(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -> None:
-    """End a step. found: displacements of the rails under the wheels, to the left and up in turn, that the vehicle's
-    step has found, and behind them (2, 2 wheels) in all their velocities, which are written."""
+    """End a step. found (1, 2 wheels) or more: displacements of the rails under the wheels, to the left and up in turn,
+    that the vehicle's step has found. Their velocities stay those of the step: its forces belong to them."""
     c, d, later = method[5], method[6], (1.0 - method[2]) / (1.0 - method[1])
     for pair in (rails.vertical, rails.lateral):
         for r in range(2):
@@ -330,6 +335,7 @@ def end(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -
         more_n, more_b = tie.push_n + more_n, tie.push_b + more_b
         tie.push_n, tie.push_b = more_n + TREND * (more_n - tie.last_n), more_b + TREND * (more_b - tie.last_b)
         tie.last_n, tie.last_b = more_n, more_b
+        tie.bent_n, tie.bent_b = _bent(tie, more_n, more_b)
         wheel = wheel_record(buffer, index, i)
         wheel.rate_n = wheel.rate_b = 0.0
     for pair in (rails.vertical, rails.lateral):
@@ -341,10 +347,12 @@ def end(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -
                 own[U, j] = own[P, j] + c * own[U_TT, j]
                 own[U_T, j] = own[P_T, j] + d * own[U_TT, j]
                 own[A, j] = own[P_A, j] + later * own[U_TT, j]
-    for i in range(rails.ties.shape[0]):
-        tie = rails.ties[i]
-        rate, slope = _read(U_T, i, rails.loads, rails), _read(U, i, rails.slopes, rails)
-        found[1, 2 * i], found[1, 2 * i + 1] = rate[0] + tie.speed * slope[0], rate[1] + tie.speed * slope[1]
+
+
+@inlined
+def _bent(tie: Record, push_n: float, push_b: float) -> tuple[float, float]:
+    """How far a wheel's force bends its element between the nodes [m]."""
+    return tie.own_nn * push_n + tie.own_nb * push_b, tie.own_nb * push_n + tie.own_bb * push_b
 
 
 @kernel
