@@ -97,7 +97,10 @@ def test_a_step_ends_as_foretold_under_the_forces_that_were_foretold() -> None:
     rails.begin(1e-4, q, q_t, q_tt)
     rails.end(q)
     between = np.column_stack([rails.ties["bent_n"], rails.ties["bent_b"]])  # nodes
-    found = np.array([kernel.read(kernel.U_T, i, rails.rails) for i in range(2)]) + (between - before) / 1e-4
+    found = (
+        np.array([kernel.read(kernel.U_T, i, rails.rails.loads, rails.rails) for i in range(2)])
+        + (between - before) / 1e-4
+    )
     assert q_t.reshape(2, 2) == pytest.approx(found, rel=1e-9)
 
 

@@ -36,7 +36,7 @@ def push(rails: RailsOnSleepers, step: float, forces: np.ndarray) -> np.ndarray:
     q[0::2] += ties["nn"] * n + ties["nb"] * b
     q[1::2] += ties["nb"] * n + ties["bb"] * b
     rails.end(q)
-    return np.array([kernel.read(kernel.U, i, rails.rails) for i in range(len(forces))])
+    return np.array([kernel.read(kernel.U, i, rails.rails.loads, rails.rails) for i in range(len(forces))])
 
 
 def response(rails: RailsOnSleepers, frequency: float, way: str, turns: int = 160) -> complex:

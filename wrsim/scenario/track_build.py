@@ -98,7 +98,9 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
     structure = None
     if section.structure is not None:
         with scenario.faults_at(("track", "structure")):
-            structure = section.structure.to_geometry(partial(scenario.find, ("track", "structure", "modes")))
+            above = ("bridge",) if section.structure.kind == "sleepers" else ()
+            find = partial(scenario.find, ("track", "structure", *above, "modes"))
+            structure = section.structure.to_geometry(find)
     with scenario.faults_at(("track",)):
         offsets = [(0.0, 0.0)] * 2  # of the profiles' origins, from half the gauge and from the track's plane
         if section.gauge_between == "gauge points":

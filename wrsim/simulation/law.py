@@ -123,8 +123,9 @@ class VehicleOnTrack(Layout):
             places = np.repeat([start + mounted.x for mounted in vehicle.wheelsets], 2)
             memory = self.workspace.buffer, self.workspace.index[first:]
             self.on_sleepers = RailsOnSleepers(
-                elasticity, track, memory, self._records_of_wheels, places, vehicle.weight, self.size
-            )
+                elasticity, track, memory, self._records_of_wheels, places, vehicle.weight, self.size,
+                views[vehicle_forces.MODES][self.attachments.count :],
+            )  # fmt: skip
             self._found_at += [records[slope] for records in own for slope in ("slope_n", "slope_b")]
             elasticity = self.on_sleepers.static
             # what the nodes do not know of the rail's motion is a spring without mass: short steps do not solve it
@@ -177,11 +178,13 @@ class VehicleOnTrack(Layout):
             for length in sorted(alike, reverse=True):
                 wheelsets = np.array(alike[length])
                 groups = [(c, wheelsets) for c in wheelsets.T]
-                if self.deck is not None:  # every wheelset acts on it, and it on every wheelset
+                if (
+                    self.deck is not None and self.beneath is None
+                ):  # every wheelset acts on it, and it on every wheelset
                     wide = [np.append(own, self.of_deck) for own in alike[length]]
                     groups = [(own[k : k + 1], own[None]) for own in wide for k in range(length)]
                 self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, groups))
-            if self.deck is not None:
+            if self.deck is not None and self.beneath is None:
                 on_all = np.r_[0 : 6 * len(self.wheels), self.of_deck][None]
                 by_deck = [(np.array([k]), on_all) for k in self.of_deck]
                 self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, by_deck))
@@ -290,6 +293,7 @@ class VehicleOnTrack(Layout):
     def begin_step(self, step: float, q: Array, q_t: Array, q_tt: Array) -> None:
         if self.on_sleepers is not None:
             rails = slice(self.size - self.rails, self.size)
+            self.on_sleepers.deck[:] = q[self.of_deck], q_t[self.of_deck]
             self.on_sleepers.begin(step, q[rails], q_t[rails], q_tt[rails])
             vehicle_forces.place_wheels(q, q_t, self.workspace.buffer, self.workspace.index)
             self.on_sleepers.look_at_wheels(q[rails], q_t[rails], q_tt[rails])
@@ -298,6 +302,7 @@ class VehicleOnTrack(Layout):
     def begin_explicit(self, t: float, step: float, q: Array, q_t: Array) -> None:
         if self.on_sleepers is not None:
             self(t, q, q_t, np.zeros(self.size))  # contacts and places at its begin
+            self.on_sleepers.deck[:] = q[self.of_deck] + step * q_t[self.of_deck], q_t[self.of_deck]
             self.on_sleepers.begin_explicit(step, q[self.size - self.rails :], q_t[self.size - self.rails :])
 
     def end_step(self, q: Array, q_t: Array) -> None:

@@ -1,12 +1,14 @@
 """Rails on sleepers under a vehicle: a window of them that travels along with it, and their part in every step."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.core.body import sleepers as kernel
 from wrsim.core.jit import Array, Ints
+from wrsim.errors import InputError
 from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.geometry.track.track import RailElasticity, Track
 from wrsim.simulation.implicit_step import METHOD, damping_by
@@ -30,13 +32,6 @@ RADIUS = 0.5
 the numerical damping of 100 Hz at 1 ms is 0.4 % of critical."""
 
 
-def method_of(step: float) -> Array:
-    """Numbers of generalised alpha with this factor as the kernel takes them (9,)."""
-    own = damping_by(RADIUS)
-    c, d = METHOD.changes(step)
-    return np.array([step, *own, *own.changes(step), 1.0 / c, d / c])
-
-
 class RailsOnSleepers:
     """Rails under the wheels of a vehicle, from their start on; see ``core.body.sleepers``.
 
@@ -46,11 +41,12 @@ class RailsOnSleepers:
 
     def __init__(
         self, own: SleeperTrack, track: Track, workspace: tuple[Array, Ints], wheels: Sequence[np.record],
-        places: Array, weight: float, size: int,
+        places: Array, weight: float, size: int, deck: NDArray[Any],
     ) -> None:  # fmt: skip
         """own: what the rails of the track lie on; workspace: buffer and index of the wheels
         (``core.body.wheel_forces``); wheels: their records WHEEL; places (wheels,) along the centre line [m]; weight
-        [N] and size of the state of the vehicle."""
+        [N] and size of the state of the vehicle; deck: records MODE of the bridge below. Raises InputError for wheels
+        on it."""
         self.sleepers, self._wheels, self._records = own, workspace, wheels
         self._moves = 1 if own.uniform else MOVE
         self.count = int(np.ceil((float(np.ptp(places)) + 2.0 * own.margin) / own.spacing)) + self._moves + 2
@@ -72,6 +68,11 @@ class RailsOnSleepers:
         )  # fmt: skip
         self.method = np.zeros(10)
         self._found = np.zeros((3, 2 * n))
+        self.deck = np.zeros((2, len(deck)))
+        """Where the bridge's modes are foretold for the end of the step, and their rates."""
+        self._pressed = deck["rest"]
+        if own.bridge is not None and own.bridge.at(places)[0].any():
+            raise InputError("a run on sleepers begins with no wheel on the bridge: change run.start_distance_m")
         self._deflections = own.layout(self.count, 0).nodes[:, 0]
         self.peak = np.zeros(3 + size + 3 * len(self.rails.nodes))
         """The largest force of a wheel on its rail so far [N], its number and place [m]; the state of the vehicle then;
@@ -88,44 +89,57 @@ class RailsOnSleepers:
         """Number of the window's first sleeper."""
         return int(self._state[0])
 
-    @property
-    def _matrices(self) -> int:
-        """What tells the matrices of one place of the window from those of another."""
-        return 0 if self.sleepers.uniform else self.first
-
     def strike(self, q: Array) -> None:
         """After a step, with the state of the vehicle at its end: note it in ``peak`` where a wheel presses on its rail
         with the largest force so far."""
         i = int(np.argmin(self.ties["last_b"]))
         if -self.ties["last_b"][i] > self.peak[0]:
-            rows = self.rails.vertical.rows[:, kernel.U, self._deflections]
-            self.peak[:] = np.concatenate(
-                [[-self.ties["last_b"][i], i, self.ties["place"][i]], q, self.rails.nodes, *rows]
-            )
+            hardest, rows = self.ties[i], self.rails.vertical.rows[:, kernel.U, self._deflections]
+            self.peak[:] = np.concatenate([[-hardest.last_b, i, hardest.place], q, self.rails.nodes, *rows])
 
     def memory(self) -> list[Array]:
         """Views of all that lasts from step to step."""
-        rails = self.rails
-        return [self._state, self.ties.view(np.float64), rails.vertical.rows, rails.lateral.rows, self.peak]
+        rows = self.rails.vertical.rows, self.rails.lateral.rows
+        return [self._state, self.ties.view(np.float64), *rows, self.peak, self._pressed]
 
     def resume(self) -> None:
         """After the memory has been restored: between two steps the rails under the wheels stay where they are."""
         if self._state[1]:
             if self.first != self._filled:
                 self._fill()
-            self._release()
+            for wheel in self._records:
+                wheel.rate_n = wheel.rate_b = 0.0
 
     def begin(self, step: float, q: Array, q_t: Array, q_tt: Array) -> None:
         """Begin a step [s]; q, q_t, q_tt: of the rails under the wheels, overwritten by guesses of its end."""
         if not self._state[1]:
-            self._start()
-        self._prepare(step)
-        if not kernel.begin(self.method, self._found, *self._wheels, self.rails):
-            self._move()
+            kernel.look_ahead(0.0, *self._wheels, self.rails)
+            kernel.push_on(*self._wheels, self.rails)
+            self._lie(True)
+            self._state[1] = 1.0
+        for _ in range(2):
             self._prepare(step)
-            kernel.begin(self.method, self._found, *self._wheels, self.rails)
+            self._carry()
+            if kernel.begin(self.method, self._found, *self._wheels, self.rails):
+                break
+            self._move()
+        self._press()
         self._found[2] = 0.0
         q[:], q_t[:], q_tt[:] = self._found
+
+    def _carry(self) -> None:
+        """Forces of the bridge on ballast and end zones at the end of the step."""
+        for r in range(2 if len(self._pressed) else 0):
+            self.rails.vertical.given[r] = self._held[r] @ self.deck[0] + self._dragged[r] @ self.deck[1]
+
+    def _press(self) -> None:
+        """What these do to the modes of the bridge, as foretold."""
+        c, d = self.method[5:7]
+        self._pressed[:] = 0.0
+        for r in range(2 if len(self._pressed) else 0):
+            own, given = self.rails.vertical.rows[r], self.rails.vertical.given[r]
+            u, u_t = own[kernel.P] + c * own[kernel.U_TT], own[kernel.P_T] + d * own[kernel.U_TT]
+            self._pressed[:] += self._follow.T @ given - self._held[r].T @ u - self._dragged[r].T @ u_t
 
     def look_at_wheels(self, q: Array, q_t: Array, q_tt: Array) -> None:
         """Better guesses, with the wheels at their places."""
@@ -153,31 +167,27 @@ class RailsOnSleepers:
     def _prepare(self, step: float) -> None:
         """Factors for a step [s]."""
         if self._prepared != (self._matrices, step):
-            self.method[:9] = method_of(step)
+            own, (c, d) = damping_by(RADIUS), METHOD.changes(step)
+            self.method[:9] = step, *own, *own.changes(step), 1.0 / c, d / c
             kernel.prepare(1.0, self.method[6], self.method[5], self.rails)
             self._prepared = self._matrices, step
 
-    def _start(self) -> None:
-        """The rails as wheels that roll along keep them deflected, under the forces of the last evaluation."""
-        kernel.look_ahead(0.0, *self._wheels, self.rails)
-        kernel.push_on(*self._wheels, self.rails)
+    def _lie(self, rolling: bool) -> None:
+        """Lay the rails, at rest or as wheels that roll along keep them deflected, under the forces of the ties."""
         self._move(True)
         kernel.place(self.rails)
-        self._prepare_statics()
-        kernel.rest(True, self.rails)
-        self._state[1] = 1.0
+        kernel.prepare(0.0, 0.0, 1.0, self.rails)
+        self._prepared = self._matrices, 0.0
+        kernel.rest(rolling, self.rails)
 
     def _rest_at_start(self) -> RailElasticity:
         """Place the wheels at rest; how a rail yields to its own wheel there."""
-        self._move(True)
-        kernel.place(self.rails)
-        self._prepare_statics()
-        kernel.rest(False, self.rails)
+        self._lie(False)
         kernel.compliances(1.0, self.rails)
         ties = self.ties
         stiffness = float(1.0 / ties["nn"].mean()), float(1.0 / ties["bb"].mean())
         for i, (tie, wheel) in enumerate(zip(ties, self._records, strict=True)):
-            n, b = kernel.read(kernel.U, i, self.rails)
+            n, b = kernel.read(kernel.U, i, self.rails.loads, self.rails)
             wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = tie.nn, tie.nb, tie.bb
             # the other wheels with their mean forces
             wheel.free_n = n - (tie.nb - tie.own_nb) * tie.push_b
@@ -187,14 +197,6 @@ class RailsOnSleepers:
         mass = STARTING_MASS * stiffness[0] / stiffness[1]
         return RailElasticity(stiffness, (0.0, 0.0), (mass, STARTING_MASS))
 
-    def _release(self) -> None:
-        for wheel in self._records:
-            wheel.rate_n = wheel.rate_b = 0.0
-
-    def _prepare_statics(self) -> None:
-        kernel.prepare(0.0, 0.0, 1.0, self.rails)
-        self._prepared = self._matrices, 0.0
-
     def _pair(self, system: int) -> kernel.Pair:
         own = self.sleepers
         layout = own.layout(self.count, system)
@@ -203,8 +205,8 @@ class RailsOnSleepers:
         rows, bending = np.zeros((2, kernel.ROWS, n)), np.zeros((2, self.count * own.elements))
         shear = np.array([own.rail.shear("vertical" if system < 2 else "lateral")])
         return kernel.Pair(
-            np.array([layout.own, own.elements]), mass, damping, stiffness, factors, inverse, np.zeros((2, n)), rows,
-            bending, shear,
+            np.array([layout.own, own.elements]), mass, damping, stiffness, factors, inverse, np.zeros((2, n)),
+            np.zeros((2, n)), rows, bending, shear,
         )  # fmt: skip
 
     def _move(self, fresh: bool = False) -> None:
@@ -221,10 +223,14 @@ class RailsOnSleepers:
             rows[:, :, : rows.shape[2] - shift] = rows[:, :, shift:].copy()
             rows[:, :, rows.shape[2] - shift :] = 0.0
         self._fill()
+        if len(self._pressed) and not fresh:  # what enters lies on the bridge
+            enters = slice(max(len(self._follow) - gone * own.layout(1, 0).bay, 0), None)
+            self.rails.vertical.rows[:, [kernel.U, kernel.U_T], enters] = (self._follow[enters] @ self.deck.T).T
 
     def _fill(self) -> None:
         """Matrices of the window, and its nodes."""
         own, rails, nodes = self.sleepers, self.rails, self.rails.nodes
+        self._matrices = 0 if own.uniform else self.first  # what tells them from those of another place
         if not own.uniform or np.isnan(self._filled):
             for pair, system in ((rails.vertical, 0), (rails.lateral, 2)):
                 for r in range(2):
@@ -236,4 +242,12 @@ class RailsOnSleepers:
             self._prepared = np.nan, np.nan
         nodes[:] = own.places(self.first, 1)[0] + self._along
         self._filled = self.first
+        if own.bridge is not None:
+            layout = own.layout(self.count, 0)
+            self._follow, held = own.following(self.first, self.count, own.bridge), np.zeros((2, 2, layout.size))
+            held[1] = rails.vertical.drag
+            for r in range(2):
+                part = own.bays(self._matrices, self.count, r).ballast
+                held[:, r, layout.sleepers] += np.outer((own.ballast.stiffness[1], own.ballast.damping[1]), part)
+            self._held, self._dragged = held[..., None] * self._follow
         self.method[9] = own.offset + own.spacing * (self.first + self._moves) + own.margin

@@ -55,7 +55,7 @@ class Layout(ForceLaw):
         self.vehicle, self.bodies, self.units = vehicle, bodies_of(vehicle), len(vehicle.units)
         twisting = [i for i, mounted in enumerate(vehicle.wheelsets) if mounted.wheelset.torsion is not None]
         structure = track.structure if on_rails else None
-        self.deck = structure if isinstance(structure, Bridge) else None
+        self.deck = track.bridge if on_rails else None
         self.beneath = None if isinstance(structure, Bridge) else structure
         self.rails = 0 if self.beneath is None else RAIL_COORDINATES * len(vehicle.wheelsets)
         elastic = self.attachments.count + (0 if self.deck is None else len(self.deck.frequencies))
@@ -190,7 +190,7 @@ def _modes(layout: Layout) -> list[Any]:
     if deck is None:
         return [rows, points, shapes, gyroscopic, np.zeros(0, deck_kernel.DECK), np.zeros((0, 2))]
     own = mode_records(deck, layout.of_deck.start)
-    at = np.array([(deck.start, deck.step, len(rows), len(own))], deck_kernel.DECK)
+    at = np.array([(deck.start, deck.step, len(rows), len(own))], deck_kernel.DECK)[: layout.beneath is None]
     gyroscopic = np.pad(gyroscopic, ((0, len(own)), (0, 0)))
     return [np.concatenate([rows, own]), points, shapes, gyroscopic, at, deck.shapes.reshape(len(deck.shapes), -1)]
 

@@ -115,26 +115,19 @@ class MeasuredTable(OutOfRoundTable):
     cutoff_mm: Annotated[float, number(0, 1000, "mm along the circumference")] = 10.0
     """Length of the waves that smoothing halves; a contact is some 10 mm long."""
 
-    def read_file(self, path: Path, profile: Profile) -> RadiusTable:
-        """The deviations in the file. Raises InputError."""
-        raise NotImplementedError
-
-    def part(self, profile: Profile, radius: float, find: Find) -> RadiusTable:
-        return self.read_file(find(self.file), profile)
-
 
 class RadiusFileTable(MeasuredTable, kind="radius"):
     """Measured deviations of the radius over the angle, perhaps over the place across the profile as well."""
 
-    def read_file(self, path: Path, profile: Profile) -> RadiusTable:
-        return read_radii(path, self.cutoff_mm / 1e3)
+    def part(self, profile: Profile, radius: float, find: Find) -> RadiusTable:
+        return read_radii(find(self.file), self.cutoff_mm / 1e3)
 
 
 class SectionsTable(MeasuredTable, kind="sections"):
     """Sections of the wheel at angles: profile files, compared with the wheel's own profile."""
 
-    def read_file(self, path: Path, profile: Profile) -> RadiusTable:
-        return read_sections(path, profile, self.cutoff_mm / 1e3)
+    def part(self, profile: Profile, radius: float, find: Find) -> RadiusTable:
+        return read_sections(find(self.file), profile, self.cutoff_mm / 1e3)
 
 
 AnyOutOfRoundTable = Annotated[HarmonicTable | FlatTable | RadiusFileTable | SectionsTable, Field(discriminator="kind")]

@@ -148,7 +148,7 @@ def bent_channels(
         forces = np.asarray(channels["Q"])
         sample, number = divmod(int(np.argmax(forces)), forces[0].size)
         place, q = np.asarray(channels["wheelset_distance"])[sample, number // 2], motion.q[sample]
-    if deck is not None:
+    if deck is not None and own is None:
         down = deck.shapes[..., 0] @ q[law.of_deck]
         found |= {"bent_place": deck.start + deck.step * np.arange(len(down)), "bent_rail": np.stack([down, down], 1)}
     bent = np.full((3, len(vehicle.wheelsets), AXLE_POINTS), np.nan)

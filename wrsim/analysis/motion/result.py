@@ -218,6 +218,8 @@ def _block(
         of_wheelsets.append(own)
     found = stack_wheelsets(of_wheelsets)
     found |= {"distance": reference, "drive_force": drive, **states.guide_channels(law, times, records)}
+    if law.on_sleepers is not None and len(motion.times) > 1:  # its forces on a bridge are those of a step
+        deck = np.gradient(motion.q_t[:, law.of_deck], motion.times, axis=0)[block]
     found |= states.deck_channels(law, q, deck)
     if law.twists:
         found |= states.twist_channels(law, q, q_t)

@@ -8,6 +8,7 @@ w_s; the wheels push the modes down,
 The slope w_s turns the force of the rail on a wheel. The modes are records MODE of ``core.body.flexible``.
 """
 
+from wrsim.core.contact.out_of_round import hermite
 from wrsim.core.jit import Array, Record, Records, kernel, record
 
 DECK = record("start step", "first count")
@@ -26,11 +27,9 @@ def _between(s: float, deck: Record, rows: Array) -> tuple[int, float, bool]:
 @kernel
 def _shape(k: int, i: int, x: float, step: float, rows: Array) -> tuple[float, float]:
     """Value [1] and slope [1/m] of a mode at a part x of the way from row i to the next."""
-    a, b = rows[i, 2 * k], rows[i + 1, 2 * k]
-    da, db = step * rows[i, 2 * k + 1], step * rows[i + 1, 2 * k + 1]
-    bend = 2.0 * (a - b) + da + db
-    lean = 3.0 * (b - a) - 2.0 * da - db
-    return a + x * (da + x * (lean + x * bend)), (da + x * (2.0 * lean + 3.0 * x * bend)) / step
+    own = 2 * k
+    value, slope, _ = hermite(rows[i, own], rows[i + 1, own], step * rows[i, own + 1], step * rows[i + 1, own + 1], x)
+    return value, slope / step
 
 
 @kernel

@@ -54,16 +54,14 @@ WIDEST = 0.04
 """Farthest from the rail's middle that a force acts [m]: half of a rail's head."""
 TREND = 0.5
 """Part of the last change of the forces that is extrapolated to the next step."""
-ASIDE = 1e-4
-"""Part of an element to either side for the slope of its compliance."""
 LEAST = 1e3
 """Vertical force [N] below which the place of a contact stays as it was."""
 
 
 class Pair(NamedTuple):
     """Two systems of the same layout: ``own`` unknowns a node in ``numbers`` (own, elements a bay). bands (2, n, k +
-    1): mass, damping, stiffness, factors, the band of the inverse; drag (2, n): dampers of the end zones; rows (2,
-    ROWS, n); bending (2, elements) [N m2]; shear (1,) [N]."""
+    1): mass, damping, stiffness, factors, the band of the inverse; drag (2, n): dampers of the end zones; given (2, n):
+    forces of what moves below; rows (2, ROWS, n); bending (2, elements) [N m2]; shear (1,) [N]."""
 
     numbers: Ints
     mass: Array
@@ -72,6 +70,7 @@ class Pair(NamedTuple):
     factors: Array
     inverse: Array
     drag: Array
+    given: Array
     rows: Array
     bending: Array
     shear: Array
@@ -150,14 +149,13 @@ def place(rails: Rails) -> None:
         for k in range(2):
             rails.places[i, 1, k], rails.places[i, 1, 2 + k] = first + k, second + k
         rails.places[i, 1, 4], rails.places[i, 1, 5] = first + 2, second + 2
-        bending = l_bending, l_shear, v_bending, v_shear
-        tie.own_nn, tie.own_nb, tie.own_bb = _own(xi, length, bending, twisting, head, tie.offset)
-        low, high = max(xi - ASIDE, 0.0), min(xi + ASIDE, 1.0)
-        one = _own(low, length, bending, twisting, head, tie.offset)
-        other = _own(high, length, bending, twisting, head, tie.offset)
-        way = (high - low) * length
-        tie.slope_nn, tie.slope_nb = (other[0] - one[0]) / way, (other[1] - one[1]) / way
-        tie.slope_bb = (other[2] - one[2]) / way
+        before, behind, offset = xi * length, (1.0 - xi) * length, tie.offset
+        twist, twist_x = before * behind / (length * twisting), (behind - before) / (length * twisting)
+        n, n_x = _between(before, behind, l_bending, l_shear)
+        v, v_x = _between(before, behind, v_bending, v_shear)
+        tie.own_nn, tie.slope_nn = n + head * head * twist, n_x + head * head * twist_x
+        tie.own_nb, tie.slope_nb = -head * offset * twist, -head * offset * twist_x
+        tie.own_bb, tie.slope_bb = v + offset * offset * twist, v_x + offset * offset * twist_x
 
 
 @kernel
@@ -207,17 +205,8 @@ def compliances(of_inverse: float, rails: Rails) -> None:
             nn += 0.5 * quadratic_form(band, places[1], load[1], load[1])
             nb += 0.5 * quadratic_form(band, places[1], load[1], load[2])
             bb += 0.5 * quadratic_form(band, places[1], load[2], load[2])
-        tie.nn, tie.nb, tie.bb = (
-            of_inverse * nn + tie.own_nn,
-            of_inverse * nb + tie.own_nb,
-            of_inverse * bb + tie.own_bb,
-        )
-
-
-@kernel
-def read(row: int, i: int, rails: Rails) -> tuple[float, float]:
-    """Displacements to the left and up under a wheel by a row of all systems, without its own between the nodes."""
-    return _read(row, i, rails.loads, rails)
+        tie.nn, tie.nb = of_inverse * nn + tie.own_nn, of_inverse * nb + tie.own_nb
+        tie.bb = of_inverse * bb + tie.own_bb
 
 
 @kernel
@@ -247,14 +236,11 @@ def begin(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails)
     compliances(c, rails)
     for i in range(rails.ties.shape[0]):
         tie, wheel = rails.ties[i], wheel_record(buffer, index, i)
-        p, a = _read(P, i, rails.loads, rails), _read(U_TT, i, rails.loads, rails)
+        p, a = read(P, i, rails.loads, rails), read(U_TT, i, rails.loads, rails)
         bent_n, bent_b = _bent(tie, tie.push_n, tie.push_b)
         tie.guess_n, tie.guess_b = p[0] + c * a[0] + bent_n, p[1] + c * a[1] + bent_b
-        p_t, p_x, a_x = (
-            _read(P_T, i, rails.loads, rails),
-            _read(P, i, rails.slopes, rails),
-            _read(U_TT, i, rails.slopes, rails),
-        )
+        p_t = read(P_T, i, rails.loads, rails)
+        p_x, a_x = read(P, i, rails.slopes, rails), read(U_TT, i, rails.slopes, rails)
         own_n, own_b = (bent_n - tie.bent_n) / method[0], (bent_b - tie.bent_b) / method[0]
         tie.rate_n = p_t[0] + d * a[0] + tie.speed * (p_x[0] + c * a_x[0]) + own_n
         tie.rate_b = p_t[1] + d * a[1] + tie.speed * (p_x[1] + c * a_x[1]) + own_b
@@ -323,9 +309,7 @@ def end(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -
     that the vehicle's step has found. Their velocities stay those of the step: its forces belong to them."""
     c, d, later = method[5], method[6], (1.0 - method[2]) / (1.0 - method[1])
     for pair in (rails.vertical, rails.lateral):
-        for r in range(2):
-            for j in range(pair.rows.shape[2]):
-                pair.rows[r, A, j] = 0.0  # for the correction
+        pair.rows[:, A] = 0.0  # for the correction
     for i in range(rails.ties.shape[0]):
         tie = rails.ties[i]
         n, b = found[0, 2 * i] - tie.guess_n, found[0, 2 * i + 1] - tie.guess_b
@@ -370,7 +354,7 @@ def _prepare(of_mass: float, of_damping: float, of_stiffness: float, pair: Pair)
 
 @kernel
 def _predict(method: Array, pair: Pair, r: int) -> None:
-    """Write what the method predicts, and - C p_t - K p to the row of accelerations."""
+    """Write what the method predicts, and given forces - C p_t - K p to the row of accelerations."""
     h, am, af, beta, gamma = method[0], method[1], method[2], method[3], method[4]
     own, drag = pair.rows[r], pair.drag[r]
     for j in range(own.shape[1]):
@@ -378,7 +362,7 @@ def _predict(method: Array, pair: Pair, r: int) -> None:
         own[P, j] = own[U, j] + h * own[U_T, j] + h * h * ((0.5 - beta) * own[A, j] + beta * a)
         own[P_T, j] = own[U_T, j] + h * ((1.0 - gamma) * own[A, j] + gamma * a)
         own[P_A, j] = a
-        own[U_TT, j] = -drag[j] * own[P_T, j]
+        own[U_TT, j] = pair.given[r, j] - drag[j] * own[P_T, j]
     subtract_product(pair.damping[r], own[P_T], own[U_TT])
     subtract_product(pair.stiffness[r], own[P], own[U_TT])
 
@@ -397,8 +381,9 @@ def _add(row: int, i: int, push_n: float, push_b: float, numbers: Array, rails: 
 
 
 @kernel
-def _read(row: int, i: int, numbers: Array, rails: Rails) -> tuple[float, float]:
-    """What a row of all systems gives for a wheel, to the left and up."""
+def read(row: int, i: int, numbers: Array, rails: Rails) -> tuple[float, float]:
+    """What a row of all systems gives for a wheel with the numbers of loads or slopes, to the left and up; without its
+    own displacement between the nodes."""
     own, places, side = numbers[i], rails.places[i], rails.ties[i].side
     vertical = rails.vertical.rows[0 if side > 0.0 else 1, row]
     n = b = 0.0
@@ -435,29 +420,10 @@ def _shapes(x: float, length: float, phi: float, value: Array, slope: Array) -> 
 
 
 @inlined
-def _own(
-    xi: float, length: float, stiffness: tuple[float, float, float, float], twisting: float, head: float, offset: float
-) -> tuple[float, float, float]:
-    """Compliances of an element between its nodes, at a part of its length: by its stiffness laterally in bending and
-    shear, vertically likewise, and in torsion."""
-    twist = xi * (1.0 - xi) * length / twisting
-    return (
-        _between(xi, length, stiffness[0], stiffness[1]) + head * head * twist,
-        -head * offset * twist,
-        _between(xi, length, stiffness[2], stiffness[3]) + offset * offset * twist,
-    )
-
-
-@kernel
-def _between(xi: float, length: float, bending: float, shear: float) -> float:
-    """Static deflection under a unit force on a beam clamped at both ends [m/N]: of the two elements that meet
-    there."""
-    nn = nt = tt = 0.0
-    for side in range(2):
-        part = max(xi if side == 0 else 1.0 - xi, 1e-9) * length
-        phi = 12.0 * bending / (shear * part * part)
-        unit = bending / (part * (1.0 + phi))
-        nn += 12.0 * unit / (part * part)
-        nt += (6.0 if side == 1 else -6.0) * unit / part
-        tt += (4.0 + phi) * unit
-    return tt / (nn * tt - nt * nt)
+def _between(a: float, b: float, bending: float, shear: float) -> tuple[float, float]:
+    """Static deflection under a unit force on a beam clamped at both ends, a behind one and b ahead of the other [m/N],
+    and its slope over a: of least energy of all reactions."""
+    whole, across = a + b, (a + b) ** 3 / (12.0 * bending) + (a + b) / shear
+    reaction = (b * b * (3.0 * a + b) / (12.0 * bending) + b / shear) / across
+    found = b * b * b * (whole / 3.0 - 0.25 * b) / (bending * whole) + b / shear - reaction * reaction * across
+    return found, reaction * (a * b / bending + 2.0 / shear) - a * b * b / (whole * bending) - 1.0 / shear

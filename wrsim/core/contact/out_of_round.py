@@ -65,7 +65,7 @@ class Touch(NamedTuple):
 
 
 @inlined
-def _hermite(a: float, b: float, da: float, db: float, r: float) -> tuple[float, float, float]:
+def hermite(a: float, b: float, da: float, db: float, r: float) -> tuple[float, float, float]:
     """Value and two derivatives of the cubic from a to b with slopes da, db, at r in 0 .. 1."""
     c = 3.0 * (b - a) - 2.0 * da - db
     e = 2.0 * (a - b) + da + db
@@ -100,17 +100,17 @@ def depth_at(shape: Shape, u: float, angle: float) -> Depth:
     i, k, r = _row(shape, angle)
     per = n / (2.0 * pi)
     if table.shape[0] == n:
-        d, a, aa = _hermite(table[i, 0], table[k, 0], table[i, 1], table[k, 1], r)
+        d, a, aa = hermite(table[i, 0], table[k, 0], table[i, 1], table[k, 1], r)
         return Depth(d, a * per, 0.0, aa * per * per, 0.0, 0.0)
     j, s = _column(shape, u)
     i, k, low, high = j * n + i, j * n + k, (j + 1) * n + i, (j + 1) * n + k
-    d0, a0, aa0 = _hermite(table[i, 0], table[k, 0], table[i, 1], table[k, 1], r)
-    d1, a1, aa1 = _hermite(table[low, 0], table[high, 0], table[low, 1], table[high, 1], r)
-    u0, v0, w0 = _hermite(table[i, 2], table[k, 2], table[i, 3], table[k, 3], r)
-    u1, v1, w1 = _hermite(table[low, 2], table[high, 2], table[low, 3], table[high, 3], r)
-    d, u_, uu = _hermite(d0, d1, u0, u1, s)
-    a, au, _ = _hermite(a0, a1, v0, v1, s)
-    aa, _, _ = _hermite(aa0, aa1, w0, w1, s)
+    d0, a0, aa0 = hermite(table[i, 0], table[k, 0], table[i, 1], table[k, 1], r)
+    d1, a1, aa1 = hermite(table[low, 0], table[high, 0], table[low, 1], table[high, 1], r)
+    u0, v0, w0 = hermite(table[i, 2], table[k, 2], table[i, 3], table[k, 3], r)
+    u1, v1, w1 = hermite(table[low, 2], table[high, 2], table[low, 3], table[high, 3], r)
+    d, u_, uu = hermite(d0, d1, u0, u1, s)
+    a, au, _ = hermite(a0, a1, v0, v1, s)
+    aa, _, _ = hermite(aa0, aa1, w0, w1, s)
     inverse = 1.0 / shape.step
     return Depth(d, a * per, u_ * inverse, aa * per * per, au * per * inverse, uu * inverse * inverse)
 
@@ -122,7 +122,7 @@ def _node_depth(shape: Shape, j: int, s: float, i: int) -> float:
     if table.shape[0] == n:
         return float(table[i, 0])
     low, high = j * n + i, (j + 1) * n + i
-    return _hermite(table[low, 0], table[high, 0], table[low, 2], table[high, 2], s)[0]
+    return hermite(table[low, 0], table[high, 0], table[low, 2], table[high, 2], s)[0]
 
 
 @inlined

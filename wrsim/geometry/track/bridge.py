@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.linalg import eigh
 
 from wrsim.errors import InputError
@@ -40,6 +40,12 @@ class Bridge:
     shapes: Array
     values: Array
     moments: Array | None
+
+    def at(self, places: Array) -> tuple[Array, Array]:
+        """Values [1] and slopes [1/m] of the modes at places along the track [m] (places, n), 0 beside the bridge."""
+        rows = self.start + self.step * np.arange(len(self.shapes))
+        spline = CubicHermiteSpline(rows, self.shapes[..., 0], self.shapes[..., 1], extrapolate=False)
+        return np.nan_to_num(spline(places)), np.nan_to_num(spline(places, 1))
 
     def beneath(self, elastic_length: float) -> Bridge:
         """The bridge as wheels meet it that rails on sleepers and ballast carry.

@@ -14,7 +14,7 @@ deflection and turn, laterally also the twist.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
 from wrsim.geometry.track.beams import STIFF, bending_mass, bending_stiffness, torsion_mass, torsion_stiffness
+from wrsim.geometry.track.bridge import Bridge
 
 Direction = Literal["vertical", "lateral"]
 SIDES = ("left", "right")
@@ -190,7 +191,7 @@ class SleeperTrack:
     a pad along and across the rail [m]; sleeper_mass: of a whole one [kg], None: pads on rigid ground. offset: place of
     one of the sleepers [m]. supports: factors of pads and ballast along the track, linear in between; unsupported:
     places of sleepers without ballast, by side; joints. elements: of the beam in a bay. margin: length of rail beyond
-    the first and the last wheel [m], ``end`` of it damped.
+    the first and the last wheel [m], ``end`` of it damped. bridge: what the ballast lies on.
     """
 
     rail: RailBeam
@@ -209,6 +210,7 @@ class SleeperTrack:
     elements: int = 4
     margin: float = 10.0
     end: float = 4.0
+    bridge: Bridge | None = None
 
     def __post_init__(self) -> None:
         if self.spacing - 2.0 * self.scatter < self.sleeper_width:
@@ -333,6 +335,15 @@ class SleeperTrack:
         found[layout.nodes] = rate * np.maximum(deep, 0.0)[:, None] ** 2 * mass[:, -1][layout.nodes]
         return found
 
+    def following(self, first: int, count: int, bridge: Bridge) -> Array:
+        """How the unknowns of a vertical system follow a unit of each mode of the bridge (n, modes)."""
+        layout, along = self.layout(count, 0), self.bays(first, count, 0).along
+        values, slopes = bridge.at(self.places(first, 1)[0] + along)
+        found = np.zeros((layout.size, values.shape[1]))
+        found[layout.nodes[:, 0]], found[layout.nodes[:, 1]] = values, slopes
+        found[layout.sleepers] = values[: -1 : self.elements]
+        return found
+
     def receptance(
         self,
         frequencies: ArrayLike,
@@ -362,38 +373,25 @@ class SleeperTrack:
         ndarray
             Complex; velocity per force is 2 pi i f times it.
         """
-        track = replace(self, elements=elements)
+        track, found = replace(self, elements=elements), np.zeros(np.shape(frequencies), dtype=complex)
         first = self.number_at(place) - bays // 2
-        omega, found = 2.0 * np.pi * np.asarray(frequencies, dtype=float), 0.0
-        for system, share in ((0, 1.0),) if direction == "vertical" else ((2, 0.5), (3, 0.5)):
-            load, response = track._under_a_force(first, bays, system, place, omega)
-            found = found + share * np.einsum("i,ni->n", load, response)
-        return np.asarray(found)
-
-    def _under_a_force(
-        self, first: int, count: int, system: int, place: float, omega: Array
-    ) -> tuple[Array, NDArray[Any]]:
-        """Load vector (n,) of a unit force on the rail's head at a node, and the complex amplitudes (f, n) under it."""
-        bays, layout = self.bays(first, count, system), self.layout(count, system)
-        bands = self.bands(first, count, system)
-        nodes = bays.places[0] + bays.along
-        own, load = layout.nodes[np.argmin(np.abs(nodes - place))], np.zeros(layout.size)
-        load[own[0]] = 1.0
-        if system >= 2:
-            load[own[2]] = self.rail.shear_centre - self.rail.height
         factors = 1.0 + 1j * np.array([self.rail.loss_factor, self.pad.loss_factor, self.ballast.loss_factor])
-        elastic = sum(f * part for f, part in zip(factors, bands.stiffness, strict=True))
-        k, n = layout.width, layout.size
-        found = np.zeros((len(omega), n), dtype=complex)
-        for i, w in enumerate(omega):
-            lower = elastic + 1j * w * bands.damping - w**2 * bands.mass
+        for system, share in ((0, 1.0),) if direction == "vertical" else ((2, 0.5), (3, 0.5)):
+            layout, bands = track.layout(bays, system), track.bands(first, bays, system)
+            own, load = track.bays(first, bays, system), np.zeros(layout.size)
+            at = layout.nodes[np.argmin(np.abs(own.places[0] + own.along - place))]
+            load[at[0]] = 1.0
+            if system >= 2:
+                load[at[2]] = self.rail.shear_centre - self.rail.height
+            elastic = sum(f * part for f, part in zip(factors, bands.stiffness, strict=True))
+            k, n = layout.width, layout.size
             whole = np.zeros((2 * k + 1, n), dtype=complex)
-            for j in range(k + 1):  # diagonal number j below the main one
-                part = lower[j:, k - j]
-                whole[k + j, : n - j] = part
-                whole[k - j, j:] = part
-            found[i] = scipy.linalg.solve_banded((k, k), whole, load)
-        return load, found
+            for i, w in enumerate(2.0 * np.pi * np.asarray(frequencies, dtype=float)):
+                lower = elastic + 1j * w * bands.damping - w**2 * bands.mass
+                for j in range(k + 1):  # diagonal number j below the main one
+                    whole[k + j, : n - j] = whole[k - j, j:] = lower[j:, k - j]
+                found[i] += share * load @ scipy.linalg.solve_banded((k, k), whole, load)
+        return np.asarray(found)
 
 
 def _uniform(numbers: NDArray[np.int_], seed: int) -> Array:

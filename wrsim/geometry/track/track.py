@@ -121,6 +121,12 @@ class Track:
         segments = tuple(segments)
         return cls.lay(laws(segments, gauge, rounding), gauge, segments=segments, **options)
 
+    @property
+    def bridge(self) -> Bridge | None:
+        """The bridge below stiff rails or below the ballast."""
+        found = self.structure.bridge if isinstance(self.structure, SleeperTrack) else self.structure
+        return found if isinstance(found, Bridge) else None
+
     @classmethod
     def lay(
         cls,

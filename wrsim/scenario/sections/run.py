@@ -235,7 +235,7 @@ class RunSection(PlanTable, header="[run]"):
         vehicle, structure = given.vehicle, given.track.structure
         there = {
             "point": vehicle.points, "body": vehicle.bodies, "suspension": vehicle.elements,
-            "coupling": vehicle.couplings, "span": isinstance(structure, Bridge),
+            "coupling": vehicle.couplings, "span": given.track.bridge is not None,
         }  # fmt: skip
         on_rails = structure is not None and not isinstance(structure, Bridge)
         for i, name in enumerate(self.fast_channels):

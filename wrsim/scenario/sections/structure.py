@@ -78,12 +78,10 @@ class RailBeamSection(Section, header="[track.structure.rail]"):
     """Height of the shear centre above the foot."""
 
     def to_geometry(self) -> RailBeam:
-        return RailBeam(
-            young=1e9 * self.young_GPa, shear_modulus=1e9 * self.shear_modulus_GPa, mass=self.mass_kg_per_m,
-            area=1e-4 * self.area_cm2, vertical=1e-8 * self.vertical_bending_cm4,
+        return self.to_si(
+            RailBeam, mass=self.mass_kg_per_m, area=1e-4 * self.area_cm2, vertical=1e-8 * self.vertical_bending_cm4,
             lateral=1e-8 * self.lateral_bending_cm4, torsion=1e-8 * self.torsion_cm4,
             shear_vertical=self.vertical_shear_coefficient, shear_lateral=self.lateral_shear_coefficient,
-            height=1e-3 * self.height_mm, shear_centre=1e-3 * self.shear_centre_mm,
         )  # fmt: skip
 
 
@@ -149,6 +147,41 @@ class JointSection(Section, header="[[track.structure.joints]]"):
         return Joint(self.at_m, 0.01 * self.bending_percent, 1e-3 * self.length_mm, self.side)
 
 
+class BridgeSection(Section, header="[track.structure.bridge]"):
+    """A bridge: a continuous beam over its spans, or modes from a file; it moves up and down."""
+
+    aliases = {"spans_m": "length_m span_m", "modes": "file", "count": "mode_count"}
+
+    at_m: Place
+    """Where it begins along the track."""
+    spans_m: List[Annotated[float, number(1, 500, "m")]] = ()
+    """Lengths of its spans on stiff supports."""
+    bending_GNm2: Annotated[float, positive(1e6, "GN m2, E I of the whole deck")] | None = None
+    """Bending stiffness of the deck."""
+    mass_t_per_m: Annotated[float, positive(1000, "t/m, with what lies on it")] | None = None
+    """Mass of the deck; under stiff rails with the whole track."""
+    damping_percent: Annotated[float, number(0, 100, "percent of critical")] = 1.0
+    """Damping of every mode of the beam."""
+    count: Annotated[int, number(1, 50)] = 10
+    """Modes of the beam."""
+    modes: Annotated[str, text('a CSV file such as "bridge_modes.csv"')] | None = None
+    """File of the modes of any deck, in place of a beam."""
+
+    def consistency(self) -> Iterator[Fault]:
+        beam = ("spans_m", "bending_GNm2", "mass_t_per_m")
+        if self.modes is not None:
+            if given := [key for key in (*beam, "damping_percent", "count") if key in self.model_fields_set]:
+                yield Fault(given[0], "cannot be given with modes: it is of a beam")
+        elif missing := [key for key in beam if not getattr(self, key)]:
+            yield Fault(missing[0], "must be given (or modes, a file)", missing=True)
+
+    def deck(self, find: Callable[[str], Path]) -> Bridge:
+        if self.modes is not None:
+            return read_bridge(find(self.modes), self.at_m)
+        bending, mass = 1e9 * given(self.bending_GNm2), 1e3 * given(self.mass_t_per_m)
+        return Bridge.of_spans(self.at_m, self.spans_m, bending, mass, 0.01 * self.damping_percent, self.count)
+
+
 class SleepersStructure(StructureTable, kind="sleepers"):
     """Each rail a beam on pads, sleepers and ballast, in a window that travels with the vehicle."""
 
@@ -180,6 +213,8 @@ class SleepersStructure(StructureTable, kind="sleepers"):
     """Sleepers without ballast beneath."""
     joints: List[JointSection] = ()
     """Joints of the rails."""
+    bridge: BridgeSection | None = None
+    """A bridge that the ballast lies on."""
     elements: Annotated[int, number(1, 50)] = 4
     """Finite elements of the rail from sleeper to sleeper."""
     margin_m: Annotated[float, number(1, 1000)] = 10.0
@@ -190,52 +225,23 @@ class SleepersStructure(StructureTable, kind="sleepers"):
     def to_geometry(self, find: Callable[[str], Path]) -> SleeperTrack:
         spacing = 1e-3 * self.spacing_mm
         unsupported = tuple((row.at_m + i * spacing, row.side) for row in self.unsupported for i in range(row.sleepers))
-        return SleeperTrack(
-            self.rail.to_geometry(), self.pad.to_geometry(), self.ballast.to_geometry(), self.sleeper_mass_kg,
-            spacing=spacing, offset=self.first_sleeper_m, scatter=1e-3 * self.scatter_mm, seed=self.seed,
-            sleeper_width=1e-3 * self.sleeper_width_mm, pad_width=1e-3 * self.pad_width_mm,
-            supports=tuple(row.to_geometry() for row in self.supports), unsupported=unsupported,
-            joints=tuple(row.to_geometry() for row in self.joints), elements=self.elements, margin=self.margin_m,
-            end=self.end_m,
+        return self.to_si(
+            SleeperTrack, rail=self.rail.to_geometry(), pad=self.pad.to_geometry(), ballast=self.ballast.to_geometry(),
+            sleeper_mass=self.sleeper_mass_kg, offset=self.first_sleeper_m, unsupported=unsupported,
+            supports=tuple(row.to_geometry() for row in self.supports),
+            joints=tuple(row.to_geometry() for row in self.joints),
+            bridge=None if self.bridge is None else self.bridge.deck(find),
         )  # fmt: skip
 
 
-class BridgeStructure(StructureTable, kind="bridge"):
-    """A bridge below stiff rails: a continuous beam over its spans, or modes from a file; it moves up and down."""
+class BridgeStructure(StructureTable, BridgeSection, kind="bridge"):
+    """A bridge below stiff rails."""
 
-    aliases = {"spans_m": "length_m span_m", "modes": "file", "count": "mode_count"}
-
-    at_m: Place
-    """Where it begins along the track."""
-    spans_m: List[Annotated[float, number(1, 500, "m")]] = ()
-    """Lengths of its spans on stiff supports."""
-    bending_GNm2: Annotated[float, positive(1e6, "GN m2, E I of the whole deck")] | None = None
-    """Bending stiffness of the deck."""
-    mass_t_per_m: Annotated[float, positive(1000, "t/m, with the track on it")] | None = None
-    """Mass of deck and track."""
-    damping_percent: Annotated[float, number(0, 100, "percent of critical")] = 1.0
-    """Damping of every mode of the beam."""
-    count: Annotated[int, number(1, 50)] = 10
-    """Modes of the beam."""
-    modes: Annotated[str, text('a CSV file such as "bridge_modes.csv"')] | None = None
-    """File of the modes of any deck, in place of a beam."""
     elastic_length_m: Annotated[float, number(0, 5, "m, (4 E I / k)^(1/4) of both rails on their supports")] = 0.8
     """Length with which rails, sleepers and ballast spread the load of a wheel over the deck; 0: not at all."""
 
-    def consistency(self) -> Iterator[Fault]:
-        beam = ("spans_m", "bending_GNm2", "mass_t_per_m")
-        if self.modes is not None:
-            if given := [key for key in (*beam, "damping_percent", "count") if key in self.model_fields_set]:
-                yield Fault(given[0], "cannot be given with modes: it is of a beam")
-        elif missing := [key for key in beam if not getattr(self, key)]:
-            yield Fault(missing[0], "must be given (or modes, a file)", missing=True)
-
     def to_geometry(self, find: Callable[[str], Path]) -> Bridge:
-        if self.modes is not None:
-            return read_bridge(find(self.modes), self.at_m).beneath(self.elastic_length_m)
-        bending, mass = 1e9 * given(self.bending_GNm2), 1e3 * given(self.mass_t_per_m)
-        beam = Bridge.of_spans(self.at_m, self.spans_m, bending, mass, 0.01 * self.damping_percent, self.count)
-        return beam.beneath(self.elastic_length_m)
+        return self.deck(find).beneath(self.elastic_length_m)
 
 
 AnyStructure = Annotated[MovingMassStructure | SleepersStructure | BridgeStructure, Field(discriminator="kind")]
