@@ -258,12 +258,18 @@ def test_modes_of_matrices_are_those_of_the_body_they_describe(tmp_path: Path) -
         found.save(tmp_path / "modes.npz")
 
 
-def test_modes_of_exudyns_interface_are_found_within_its_basis() -> None:
-    """Its own normal modes and the rigid motions span them."""
+@pytest.mark.parametrize("excluded", [None, True, False])
+def test_modes_of_exudyns_interface_are_found_within_its_basis(excluded: bool | None) -> None:
+    """Its own normal modes, or boundary modes of stiff ends (RBE2) and modes with held ends; without those of the first
+    end, as Exudyn makes them, rigid motions are no combinations of them."""
     stiffness, mass, nodes = box()
     fem = FEMinterface()
     fem.nodes, fem.massMatrix, fem.stiffnessMatrix = {"Position": nodes}, mass, stiffness
-    fem.ComputeEigenmodes(12, excludeRigidBodyModes=0, useSparseSolver=True)
+    if excluded is None:
+        fem.ComputeEigenmodes(12, excludeRigidBodyModes=0, useSparseSolver=True)
+    else:
+        ends = [np.flatnonzero(nodes[:, 0] == at) for at in (nodes[:, 0].min(), nodes[:, 0].max())]
+        fem.ComputeHurtyCraigBamptonModes(ends, 12, excludeRigidBodyMotion=excluded)
     matrices = fem.GetStiffnessMatrix(), fem.GetMassMatrix(), fem.GetNodePositionsAsArray()
     as_expected(free_modes(*matrices, POINTS, count=4, radius=0.1, basis=fem.modeBasis["matrix"]))
 

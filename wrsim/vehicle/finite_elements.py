@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.io import mmread
-from scipy.linalg import eigh
+from scipy.linalg import eigh, svd
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import ArpackError, eigsh
 
@@ -18,6 +18,8 @@ RIGID = 6
 """Motions of a free body without deformation."""
 DENSE = 600
 """Unknowns up to which all natural frequencies are computed at once."""
+SAME = 1e-8
+"""Part of a shape of a basis that the others lack, below which it is one of theirs."""
 SHIFT = 1.0
 """Where natural frequencies are searched from [Hz]: K + (2 pi)^2 M can be factorised, K of a free body cannot."""
 
@@ -44,7 +46,7 @@ def free_modes(
         The nodes within so far from a point [m] carry it as a stiff body, in the mean of least squares; at least three
         of them.
     basis : ndarray, optional
-        Shapes (3 n, b) in whose combinations the modes are searched, as those of Craig and Bampton.
+        Shapes (3 n, b) in whose combinations and rigid motions the modes are searched, as those of Craig and Bampton.
 
     Returns
     -------
@@ -75,6 +77,10 @@ def free_modes(
     if basis is not None:
         if np.ndim(basis) != 2 or len(basis) != size:
             raise InputError(f"basis: has the shape {np.shape(basis)}; allowed: ({size}, shapes)")
+        # boundary modes often leave out those of the first interface, and with them the rigid motions
+        shapes = np.hstack([_rigid(places - places.mean(axis=0)).reshape(size, RIGID), basis])
+        left, sizes, _ = svd(shapes / np.linalg.norm(shapes, axis=0), full_matrices=False)
+        basis = left[:, sizes > SAME * sizes[0]]
         k, m = (csc_matrix(basis.T @ (matrix @ basis)) for matrix in (k, m))
     if not 0 < count <= k.shape[0] - RIGID:
         raise InputError(f"count = {count}: must be from 1 to {k.shape[0] - RIGID}")
@@ -116,6 +122,12 @@ def _eigen(k: csc_matrix, m: csc_matrix, count: int) -> tuple[Array, Array]:
     return np.abs(squares[order]), vectors[:, order]
 
 
+def _rigid(arms: Array) -> Array:
+    """Displacements (p, 3, 6) of points at arms (p, 3) by units of displacement and turn."""
+    turned = np.cross(np.eye(3)[:, None], arms).transpose(1, 2, 0)
+    return np.concatenate([np.broadcast_to(np.eye(3), turned.shape), turned], axis=2)
+
+
 def _carried(places: Array, moved: Array, point: Array, radius: float) -> Array:
     """Displacement and turn (n, 6) of a point that the nodes (p, 3) near it carry; moved: their own (n, p, 3)."""
     near = np.flatnonzero(np.linalg.norm(places - point, axis=1) <= radius)
@@ -123,9 +135,7 @@ def _carried(places: Array, moved: Array, point: Array, radius: float) -> Array:
         x, y, z = point
         words = f"{len(near)} nodes within radius = {radius:g} m; allowed: at least 3, not on a line"
         raise InputError(f"point ({x:g}, {y:g}, {z:g}) m: has {words}")
-    arms = places[near] - point
-    rows = np.zeros((len(near), 3, 6))
-    rows[:, :, :3] = np.eye(3)
-    rows[:, :, 3:] = [[[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]] for x, y, z in arms]
-    found = np.linalg.lstsq(rows.reshape(-1, 6), moved[:, near].reshape(len(moved), -1).T, rcond=1e-9)[0]
+    found = np.linalg.lstsq(
+        _rigid(places[near] - point).reshape(-1, RIGID), moved[:, near].reshape(len(moved), -1).T, rcond=1e-9
+    )[0]
     return np.asarray(found.T)
