@@ -6,7 +6,7 @@ Modes are those of the free body. Their equations: ``core.body.flexible``.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, ClassVar
@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from wrsim.errors import InputError
 from wrsim.inputs.mode_tables import of_modes, read_mode_table
-from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.section import Section
 from wrsim.inputs.values import number, positive, text
 from wrsim.vehicle.elements import Array
 
@@ -202,6 +202,10 @@ class FlexibleTable(Section, header="[bodies.NAME.flexible]"):
     """[bodies.NAME.flexible]: elastic modes of a body, from a file or those of a free uniform beam along x."""
 
     aliases: ClassVar[dict[str, str]] = {"modes": "file", "first_vertical_Hz": "first_bending_Hz frequency_Hz"}
+    one_of = ("modes length_mm",)
+    goes_with: ClassVar[dict[str, str]] = dict.fromkeys(
+        ("first_vertical_Hz", "first_lateral_Hz", "count", "damping"), "length_mm"
+    ) | {"length_mm": "first_vertical_Hz first_lateral_Hz"}
 
     modes: Annotated[str, text('a CSV or NPZ file such as "carbody_modes.csv"')] | None = None
     """File of frequencies, damping, modal masses and mode shapes at points."""
@@ -217,17 +221,6 @@ class FlexibleTable(Section, header="[bodies.NAME.flexible]"):
     """Bending modes in each of these planes."""
     damping: _Damping = 0.015
     """Damping ratio of the modes of the beam."""
-
-    def consistency(self) -> Iterator[Fault]:
-        of_beam = [key for key in ("length_mm", "first_vertical_Hz", "first_lateral_Hz") if getattr(self, key)]
-        if self.modes is not None:
-            more = [*of_beam, *(key for key in ("count", "damping") if key in self.model_fields_set)]
-            if more:
-                yield Fault(more[0], "cannot be given with modes: it is of a beam")
-        elif self.length_mm is None:
-            yield Fault("modes", "must be a file (or give length_mm and first_vertical_Hz of a beam)", missing=True)
-        elif len(of_beam) == 1:
-            yield Fault("first_vertical_Hz", "must be a frequency in Hz (or give first_lateral_Hz)", missing=True)
 
     def of_body(
         self, mass: float, centre: tuple[float, float, float], origin: tuple[float, float, float],

@@ -71,6 +71,7 @@ class FlatTable(OutOfRoundTable, kind="flat"):
     """A flat: fresh, a chord whose edges are short, or rounded, a wave of the cosine."""
 
     aliases: ClassVar[dict[str, str]] = {"at_deg": "angle_deg place_deg", "shape": "form type"}
+    goes_with: ClassVar[dict[str, str]] = {"across_mm": "width_mm"}
 
     shape: Literal["fresh", "rounded"] = "fresh"
     """Fresh: a chord; rounded: depth/2 (1 + cos(2 pi x / length))."""
@@ -96,8 +97,6 @@ class FlatTable(OutOfRoundTable, kind="flat"):
                 yield Fault("depth_mm", "cannot be given with length_mm: of a fresh flat one gives the other")
             elif self.edge_mm > 0.5 * self.length_mm:
                 yield Fault("edge_mm", f"must be at most half of length_mm = {self.length_mm:g}")
-        if "across_mm" in self.model_fields_set and self.width_mm is None:
-            yield Fault("across_mm", "goes with width_mm")
 
     def part(self, profile: Profile, radius: float, find: Find) -> Flat:
         length, depth, width = (None if v is None else v / 1e3 for v in (self.length_mm, self.depth_mm, self.width_mm))
@@ -165,24 +164,15 @@ def read_radii(path: Path, shortest: float = 0.0) -> RadiusTable:
     if not place:
         check_rising(path, name, table[name], lines)
         return _checked(path, angle, np.zeros(0), deviation[:, None], shortest)
-    back = np.flatnonzero(np.diff(angle) < 0.0)
-    if back.size:
-        i = int(back[0])
-        words = f"{name} = {table[name][i + 1]:g} after {table[name][i]:g}: must rise"
-        raise InputError(f"{path}:{lines[i + 1]}: {words}")
-    angles, first, count = np.unique(angle, return_index=True, return_counts=True)
-    uneven = np.flatnonzero(count != count[0])
-    if uneven.size:
-        i = int(first[uneven[0]])
-        words = f"{name} = {table[name][i]:g} has {count[uneven[0]]} places; the first angle has {count[0]}"
-        raise InputError(f"{path}:{lines[i]}: {words}: a surface has the same places at every angle")
-    grid = across.reshape(angles.size, -1)
-    other = np.flatnonzero(np.abs(grid - grid[0]).max(axis=1) > 1e-9)
-    if other.size:
-        i = int(first[other[0]])
-        raise InputError(f"{path}:{lines[i]}: {place}: a surface has the same places at every angle")
-    check_rising(path, place, table[place][: count[0]], lines)
-    return _checked(path, angles, grid[0], deviation.reshape(grid.shape), shortest)
+    angles, first, counts = np.unique(angle, return_index=True, return_counts=True)
+    begins, count = np.sort(first), counts[0]
+    check_rising(path, name, table[name][begins], lines[begins])
+    for i, n in zip(begins, counts, strict=True):
+        if n != count or np.abs(across[i : i + n] - across[:n]).max() > 1e-9:
+            words = f"{name} = {table[name][i]:g}: {place}: a surface has the same places at every angle"
+            raise InputError(f"{path}:{lines[i]}: {words}")
+    check_rising(path, place, table[place][:count], lines)
+    return _checked(path, angles, across[:count], deviation.reshape(-1, count), shortest)
 
 
 def read_sections(path: Path, profile: Profile, shortest: float = 0.0) -> RadiusTable:

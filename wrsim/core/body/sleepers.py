@@ -142,13 +142,11 @@ def place(rails: Rails) -> None:
         load[2, 4], load[2, 5] = tie.offset * (1.0 - xi), tie.offset * xi
         slope[1, 4], slope[1, 5] = head / length, -head / length
         slope[2, 4], slope[2, 5] = -tie.offset / length, tie.offset / length
-        first, second = _node(rails.vertical.numbers, e), _node(rails.vertical.numbers, e + 1)
-        for k in range(2):
-            rails.places[i, 0, k], rails.places[i, 0, 2 + k] = first + k, second + k
-        first, second = _node(rails.lateral.numbers, e), _node(rails.lateral.numbers, e + 1)
-        for k in range(2):
-            rails.places[i, 1, k], rails.places[i, 1, 2 + k] = first + k, second + k
-        rails.places[i, 1, 4], rails.places[i, 1, 5] = first + 2, second + 2
+        for j, numbers in enumerate((rails.vertical.numbers, rails.lateral.numbers)):
+            first, second = _node(numbers, e), _node(numbers, e + 1)
+            for k in range(2):
+                rails.places[i, j, k], rails.places[i, j, 2 + k] = first + k, second + k
+            rails.places[i, j, 4], rails.places[i, j, 5] = first + 2, second + 2  # of a lateral one
         before, behind, offset = xi * length, (1.0 - xi) * length, tie.offset
         twist, twist_x = before * behind / (length * twisting), (behind - before) / (length * twisting)
         n, n_x = _between(before, behind, l_bending, l_shear)

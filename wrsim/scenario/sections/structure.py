@@ -1,6 +1,6 @@
 """[track.structure]: what the rails rest on."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -9,7 +9,7 @@ from pydantic import Field
 from wrsim.geometry.track.bridge import Bridge, read_bridge
 from wrsim.geometry.track.sleepers import Joint, Layer, RailBeam, SleeperTrack, SupportRow
 from wrsim.geometry.track.track import RailElasticity
-from wrsim.inputs.section import Choice, Fault, Section, given
+from wrsim.inputs.section import Choice, Section, given
 from wrsim.inputs.values import List, number, positive, text
 
 Stiffness = Annotated[float, number(0.1, 1e5)]
@@ -151,10 +151,13 @@ class BridgeSection(Section, header="[track.structure.bridge]"):
     """A bridge: a continuous beam over its spans, or modes from a file; it moves up and down."""
 
     aliases = {"spans_m": "length_m span_m", "modes": "file", "count": "mode_count"}
+    one_of = ("spans_m modes",)
+    together = ("spans_m bending_GNm2 mass_t_per_m",)
+    goes_with = {"damping_percent": "spans_m", "count": "spans_m"}
 
     at_m: Place
     """Where it begins along the track."""
-    spans_m: List[Annotated[float, number(1, 500, "m")]] = ()
+    spans_m: Annotated[List[Annotated[float, number(1, 500, "m")]], Field(min_length=1)] = ()
     """Lengths of its spans on stiff supports."""
     bending_GNm2: Annotated[float, positive(1e6, "GN m2, E I of the whole deck")] | None = None
     """Bending stiffness of the deck."""
@@ -166,14 +169,6 @@ class BridgeSection(Section, header="[track.structure.bridge]"):
     """Modes of the beam."""
     modes: Annotated[str, text('a CSV file such as "bridge_modes.csv"')] | None = None
     """File of the modes of any deck, in place of a beam."""
-
-    def consistency(self) -> Iterator[Fault]:
-        beam = ("spans_m", "bending_GNm2", "mass_t_per_m")
-        if self.modes is not None:
-            if given := [key for key in (*beam, "damping_percent", "count") if key in self.model_fields_set]:
-                yield Fault(given[0], "cannot be given with modes: it is of a beam")
-        elif missing := [key for key in beam if not getattr(self, key)]:
-            yield Fault(missing[0], "must be given (or modes, a file)", missing=True)
 
     def deck(self, find: Callable[[str], Path]) -> Bridge:
         if self.modes is not None:
