@@ -12,9 +12,10 @@ from wrsim.geometry.track.path import Path
 
 @kernel
 def curvature_many(curve: CurveNodes, s: Array, out: Array) -> None:
-    """`curvature_at` for an array s of shape (m,); values go to ``out`` of shape (m,)."""
+    """Rate of the heading over the horizontal way at s (m,), from `frame_rates`; goes to ``out`` (m,)."""
     for j in range(s.shape[0]):
-        out[j] = core.curvature_at(curve, s[j])
+        (turning, roll_rate), t = core.frame_rates(curve, s[j]), core.frame_at(curve, s[j]).t
+        out[j] = (turning.z - roll_rate * t.z) / (t.x * t.x + t.y * t.y) ** 0.5
 
 
 @kernel

@@ -178,15 +178,13 @@ class VehicleOnTrack(Layout):
             for length in sorted(alike, reverse=True):
                 wheelsets = np.array(alike[length])
                 groups = [(c, wheelsets) for c in wheelsets.T]
-                if (
-                    self.deck is not None and self.beneath is None
-                ):  # every wheelset acts on it, and it on every wheelset
-                    wide = [np.append(own, self.of_deck) for own in alike[length]]
+                if self.pushed:  # every wheelset acts on them, and they on every wheelset
+                    wide = [np.append(own, self.pushed) for own in alike[length]]
                     groups = [(own[k : k + 1], own[None]) for own in wide for k in range(length)]
                 self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, groups))
-            if self.deck is not None and self.beneath is None:
-                on_all = np.r_[0 : 6 * len(self.wheels), self.of_deck][None]
-                by_deck = [(np.array([k]), on_all) for k in self.of_deck]
+            if self.pushed:
+                on_all = np.r_[0 : 6 * len(self.wheels), self.pushed][None]
+                by_deck = [(np.array([k]), on_all) for k in self.pushed]
                 self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, by_deck))
         return self._blocks
 

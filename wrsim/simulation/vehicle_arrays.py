@@ -41,10 +41,10 @@ class Layout(ForceLaw):
 
     The last ``positions`` of them are positions: the pitch of the axle boxes, the twist of axles whose wheels turn
     against each other (``twists``, by wheelset), the elastic modes (``modes``: where they are) of parts and of the
-    bridge ``deck`` (``of_deck``), and ``rails`` displacements of the rails under the wheels on what is ``beneath``
-    them. ``attachments``: where elastic parts are held.
-    ``sliders``: places of the unknowns of friction. ``gears``: by wheelset the place of the twist of its geared motor's
-    hollow axle, ahead of that of its rate.
+    bridge ``deck`` (``of_deck``; ``pushed`` where wheels push it themselves), and ``rails`` displacements of the rails
+    under the wheels on what is ``beneath`` them. ``attachments``: where elastic parts are held. ``sliders``: places of
+    the unknowns of friction. ``gears``: by wheelset the place of the twist of its geared motor's hollow axle, ahead of
+    that of its rate.
     """
 
     def __init__(self, vehicle: Vehicle, track: Track, on_rails: bool) -> None:
@@ -68,6 +68,7 @@ class Layout(ForceLaw):
         self.gears = {vehicle.index(d.wheelset): first + 2 * j for j, d in enumerate(vehicle.drives)}
         self.modes = range(size - self.rails - elastic, size - self.rails)
         self.of_deck = self.modes[self.attachments.count :]
+        self.pushed = self.of_deck[: None if self.beneath is None else 0]
         self.twists = {wheelset: self.modes.start - len(twisting) + j for j, wheelset in enumerate(twisting)}
         self.boxes["coordinate"] = size - self.positions + np.arange(len(vehicle.boxes))
 

@@ -131,12 +131,10 @@ def _from_npz(path: Path) -> Given:
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: is no NPZ file of modes ({error})") from None
     n, p = len(np.atleast_1d(frequencies)), len(points)
-    wanted = {"frequency_Hz": (n,), "damping": (n,), "modal_mass_kg": (n,), "points_mm": (p, 3)}
-    for name, array in zip(names, (frequencies, damping, masses, points), strict=False):
-        if array.shape != wanted[name] or not np.isfinite(array).all():
-            raise InputError(f"{path}: array '{name}' must have the shape {wanted[name]} and finite numbers")
-    if values.shape not in ((n, p, 3), (n, p, 6)) or not np.isfinite(values).all():
-        raise InputError(f"{path}: array 'shapes' must have the shape {(n, p, 6)} or {(n, p, 3)} and finite numbers")
+    wanted = [(n,), (n,), (n,), (p, 3), (n, p, 3 if values.shape[-1:] == (3,) else 6)]
+    for name, array, shape in zip(names, (frequencies, damping, masses, points, values), wanted, strict=True):
+        if array.shape != shape or not np.isfinite(array).all():
+            raise InputError(f"{path}: array '{name}' must have the shape {shape} and finite numbers")
     if not (np.all(frequencies > 0.0) and np.all(masses > 0.0) and np.all(damping >= 0.0)):
         raise InputError(f"{path}: frequencies and modal masses must be above 0, damping ratios not below 0")
     if values.shape[2] == 3:

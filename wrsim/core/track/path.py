@@ -170,18 +170,6 @@ def locate(curve: CurveNodes, p: Any, s_guess: float) -> tuple[float, int]:
 
 
 @kernel
-def curvature_at(curve: CurveNodes, s: float) -> float:
-    """Curvature of the curve's horizontal projection at s, positive to the left [1/m]; zero outside."""
-    i, xi, beyond = _cell(curve, s)
-    if beyond != 0.0:
-        return 0.0 * beyond
-    t = _sum(curve, i, _quintic_slope(xi))
-    k = _sum(curve, i, _quintic_bend(xi))
-    horizontal = t.x * t.x + t.y * t.y
-    return (t.x * k.y - t.y * k.x) / (horizontal * math.sqrt(horizontal))
-
-
-@kernel
 def frame_rates(curve: CurveNodes, s: float) -> tuple[Vec, float]:
     """Rotation of the frame per metre: the vector w with dt/ds = w x t, dn/ds = w x n, db/ds = w x b. A frame that
     moves along the curve at speed V turns at V w. Returns (w, droll/ds), w in global axes [rad/m]: w = psi' z -
