@@ -260,8 +260,7 @@ def test_modes_of_matrices_are_those_of_the_body_they_describe(tmp_path: Path) -
 
 @pytest.mark.parametrize("excluded", [None, True, False])
 def test_modes_of_exudyns_interface_are_found_within_its_basis(excluded: bool | None) -> None:
-    """Its own normal modes, or boundary modes of stiff ends (RBE2) and modes with held ends; without those of the first
-    end, as Exudyn makes them, rigid motions are no combinations of them."""
+    """Normal modes, or modes of stiff ends (RBE2) and held ends; without the first end's they have no rigid motions."""
     stiffness, mass, nodes = box()
     fem = FEMinterface()
     fem.nodes, fem.massMatrix, fem.stiffnessMatrix = {"Position": nodes}, mass, stiffness

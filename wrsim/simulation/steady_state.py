@@ -155,9 +155,9 @@ class SteadyMotion:
         if law.units < 2:
             return all_on_all(end - begin)
         first = self.positions.start
-        places = (
-            np.append(own[own < n], own[own >= first] - first + n) for own in law.coordinates_of_units(alone=True)
-        )
+        of_units = law.coordinates_of_units(alone=True)
+        of_units[0] = np.append(of_units[0], np.array(law.of_deck, dtype=np.intp))
+        places = (np.append(own[own < n], own[own >= first] - first + n) for own in of_units)
         units = [own[(own >= begin) & (own < end)] - begin for own in places]
         return groups_in_a_row(units) if all(map(len, units)) else all_on_all(end - begin)
 

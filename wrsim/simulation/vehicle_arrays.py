@@ -101,6 +101,7 @@ class Layout(ForceLaw):
             owner[place : place + 2] = unit_of[wheelset]
         for part in self.attachments.modes:
             owner[self.modes_of(part)] = unit_of[part]
+        owner[self.of_deck.start : self.of_deck.stop] = -1 if alone else 0  # a bridge acts on itself alone
         if alone and self.rails:
             owner[self.size - self.rails :] = np.repeat(unit_of[: len(self.vehicle.wheelsets)], RAIL_COORDINATES)
         return [np.flatnonzero(owner == k) for k in range(len(self.vehicle.units))]

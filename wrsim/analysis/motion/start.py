@@ -74,8 +74,10 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibrium:
     for k, places in enumerate(law.coordinates_of_units(alone=True)):
         alone = replace(setup, vehicle=setup.vehicle.alone(k))
         LOGGER.info("steady motion at the start: %s", alone.vehicle.name)
-        own = steady_alone(force_law(alone, law.speed, held_by(alone)), STEADY_ENOUGH / len(alone.vehicle.wheelsets))
-        q[places], q_t[places] = own.q, own.q_t
+        of_one = force_law(alone, law.speed, held_by(alone))
+        own = steady_alone(of_one, STEADY_ENOUGH / len(alone.vehicle.wheelsets))
+        known = np.setdiff1d(np.arange(of_one.size), of_one.of_deck)  # of a bridge each knows its own part alone
+        q[places], q_t[places] = own.q[known], own.q_t[known]
     q_t[law.sliders] = 0.0  # friction goes on from the design position, as it did in each vehicle
     return on_the_rails(law, steady.steady_state(law, (q, q_t), tolerance=enough))
 
