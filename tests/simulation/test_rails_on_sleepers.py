@@ -147,7 +147,7 @@ def test_wheels_on_sleepers_rise_and_sink_with_the_sleepers() -> None:
 
 
 def test_what_wheels_lose_on_sleepers_goes_to_creep_and_to_the_track() -> None:
-    """Over whole bays. Rails that take their part from nobody would leave 19 %, without velocity between nodes 0.5 %."""
+    """Over whole bays. Rails that take their part from nobody leave 19 %, without velocity between nodes 0.5 %."""
     law = on_track(shipped("wheelset_s1002"), 20.0, start=48.002, structure=TRACK).law  # sleepers between two samples
     bare = VehicleOnTrack(law.vehicle, law.track, (), speed=law.speed, start=law.start, drive=law.drive)
     rails, rows = law.on_sleepers, []
