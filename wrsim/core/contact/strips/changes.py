@@ -2,7 +2,7 @@
 
 from wrsim.core.contact.strips.equations import block_of, edge_wish, lay_strips, pressed, set_conditions
 from wrsim.core.contact.strips.hertz import hertz_ellipse
-from wrsim.core.contact.strips.records import EDGES, OF_A_STRIP, ROWS, STEP, X
+from wrsim.core.contact.strips.records import EDGES, MIDDLES, OF_A_STRIP, ROWS, STEP, X
 from wrsim.core.dense import copy
 from wrsim.core.jit.compiling import inlined, kernel
 
@@ -58,16 +58,22 @@ def trim(system, n, g):
 
 @kernel
 def move_edges(system, n, g, start, end):
-    """New edges for a grid; half lengths, factors and distances from the locus stay where they are, ground that is new
-    has half of the half lengths beside it."""
+    """New edges for a grid; half lengths, factors and middles stay where they are, ground that is new has half of the
+    half lengths beside it."""
     grid, places = system.grids[g], system.places[g * n : (g + 1) * n]
     base = g * block_of(n)
     x, saved = system.vectors[X], system.vectors[STEP]
     for j in range(n):
         places[j].gap = places[j].s
     copy(OF_A_STRIP * n, x[base:], saved)
+    e = base + OF_A_STRIP * n
+    middle, width = x[e] + x[e + 1], x[e + 1] - x[e]
     grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
-    x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1] = max(start, grid.least), min(end, grid.most)
+    x[e], x[e + 1] = max(start, grid.least), min(end, grid.most)
+    move, stretch, middles = (x[e] + x[e + 1] - middle) / width, (x[e + 1] - x[e]) / width, x[e + EDGES :]
+    middles[0] += move * (middles[1] + move * middles[2])
+    middles[1] = stretch * (middles[1] + 2.0 * move * middles[2])
+    middles[2] *= stretch * stretch
     lay_strips(system, n)
     for j in range(n):
         s = places[j].s
@@ -159,5 +165,6 @@ def begin(system, n, g, start, end, depth, bend, factor):
         z = 2.0 * (j + 0.5) / n - 1.0
         x[base + j] = depth / bend * (1.0 - z * z)
     x[base + n : base + 2 * n] = factor
-    x[base + 2 * n : base + 3 * n] = 0.0
-    x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1] = start, end
+    e = base + OF_A_STRIP * n
+    x[e], x[e + 1] = start, end
+    x[e + EDGES : e + EDGES + MIDDLES] = 0.0

@@ -7,13 +7,24 @@ from wrsim.core.contact.strips.equations import (
     EVENNESS,
     REACH,
     THIRD,
-    all_touch,
     block_of,
     fading,
-    step_ratio,
+    four_touch,
+    weight_of,
 )
 from wrsim.core.contact.strips.influence import facing, find_terms
-from wrsim.core.contact.strips.records import EDGES, MIDDLE, NB, NO, OF_A_POINT, OF_A_STRIP, SOLVED, TERMS
+from wrsim.core.contact.strips.records import (
+    EDGES,
+    MIDDLE,
+    MIDDLES,
+    NB,
+    NO,
+    OF_A_POINT,
+    OF_A_STRIP,
+    SOLVED,
+    TERMS,
+    WISH,
+)
 from wrsim.core.jit.compiling import inlined, kernel
 
 
@@ -28,8 +39,10 @@ def _point(system, n, g, i, h, point, x):
 
 @kernel
 def _press_row(system, n, g, i):
-    """Derivatives of the displacements at all points of strip i of grid g, through the strips, to ``matrix``."""
+    """Derivatives of the displacements at all points of strip i of grid g, through the strips, to ``matrix``; those of
+    the third condition to ``vectors[WISH]``."""
     memo, places, vectors, m = system.memo[0], system.places, system.vectors, system.matrix
+    third = vectors[WISH]
     block = block_of(n)
     unit = 1.0 / (memo.stiffness * memo.deepest)
     at = places[g * n + i]
@@ -53,7 +66,7 @@ def _press_row(system, n, g, i):
                 continue
             _point(system, n, g, i, h, point, x)
             base = h * block
-            by_start = by_end = 0.0
+            by_start = by_end = by_place = by_lean = by_bend = 0.0
             for j in range(h * n, (h + 1) * n):
                 place = places[j]
                 if place.y <= 0.0:
@@ -75,53 +88,57 @@ def _press_row(system, n, g, i):
                 m[row, column + n] += level * by_k
                 m[row + n, column] += bow * by_y
                 m[row + n, column + n] += bow * by_k
-                if points == 3:
-                    m[row, column + 2 * n] -= level * shift
-                    m[row + n, column + 2 * n] -= bow * shift
-                    m[row + 2 * n, column] += turn * by_y
-                    m[row + 2 * n, column + n] += turn * by_k
-                    m[row + 2 * n, column + 2 * n] -= turn * shift
-            edge = base + OF_A_STRIP * n
-            _add_edges(m, row, n, edge, level, bow, turn, by_start, by_end)
+                third[column] += turn * by_y
+                third[column + n] += turn * by_k
+                by_place -= shift
+                by_lean -= shift * place.z
+                by_bend -= shift * place.z * place.z
+            of_grid = by_start, by_end, by_place, by_lean, by_bend
+            _add(m, third, row, n, base + OF_A_STRIP * n, level, bow, turn, of_grid)
         # the point moves with the strip's own middle, half length and place
         own_y = by_x * arm / (2.0 * at.y)
         m[row + n, row] += bow * own_y
+        third[row] += turn * own_y
         along = by_s + (by_x * at.x_s if points == 3 else 0.0)
-        _add_edges(m, row, n, e, level, bow, turn, along * at.mid_start, along * at.mid_end)
-        if points == 3:
-            m[row + 2 * n, row] += turn * own_y
-            m[row, row + 2 * n] += level * by_x
-            m[row + n, row + 2 * n] += bow * by_x
-            m[row + 2 * n, row + 2 * n] += turn * by_x
+        own = along * at.mid_start, along * at.mid_end, by_x, by_x * at.z, by_x * at.z * at.z
+        _add(m, third, row, n, e, level, bow, turn, own)
 
 
 @inlined
-def _add_edges(m, row, n, e, level, bow, turn, by_start, by_end):
-    """Add what a displacement does by both edges to the equations of a strip."""
-    m[row, e] += level * by_start
-    m[row, e + 1] += level * by_end
-    m[row + n, e] += bow * by_start
-    m[row + n, e + 1] += bow * by_end
-    m[row + 2 * n, e] += turn * by_start
-    m[row + 2 * n, e + 1] += turn * by_end
+def _add(m, third, row, n, e, level, bow, turn, own):
+    """Add what a displacement does by the unknowns of a grid behind those of its strips to the conditions of one."""
+    for k in range(EDGES + MIDDLES):
+        m[row, e + k] += level * own[k]
+        m[row + n, e + k] += bow * own[k]
+        third[e + k] += turn * own[k]
 
 
 @kernel
 def _own_row(system, n, g, i):
-    """Derivatives of the geometry at strip i of grid g, to ``matrix``."""
-    m, at, deepest = system.matrix, system.places[g * n + i], system.memo[0].deepest
+    """Derivatives of the geometry at strip i of grid g, to ``matrix`` and ``vectors[WISH]``."""
+    m, third, at = system.matrix, system.vectors[WISH], system.places[g * n + i]
     row, e = g * block_of(n) + i, g * block_of(n) + OF_A_STRIP * n
-    r, off = REACH * at.root, at.off
+    r, off, unit = REACH * at.root, at.off, 1.0 / system.memo[0].deepest
     # u - d + off^2/(2 R);  -r^2/(2 R);  2 r off/R
-    slopes = -at.d_s + 0.5 * at.bend_s * off * off, -0.5 * at.bend_s * r * r, 2.0 * at.bend_s * r * off
-    for equation in range(OF_A_STRIP if system.memo[0].shifted else 2):
-        m[row + equation * n, e] += slopes[equation] * at.mid_start / deepest
-        m[row + equation * n, e + 1] += slopes[equation] * at.mid_end / deepest
-    m[row + n, row] -= 0.5 * at.bend * REACH * REACH / deepest
-    if system.memo[0].shifted:
-        m[row, row + 2 * n] += at.bend * off / deepest
-        m[row + 2 * n, row] += at.bend * REACH * off / (at.root * deepest)
-        m[row + 2 * n, row + 2 * n] += 2.0 * at.bend * r / deepest
+    m[row + n, row] -= 0.5 * at.bend * REACH * REACH * unit
+    third[row] += at.bend * REACH * off / at.root * unit
+    first, second, last = -at.d_s + 0.5 * at.bend_s * off * off, -0.5 * at.bend_s * r * r, 2.0 * at.bend_s * r * off
+    _add(m, third, row, n, e, first * unit, second * unit, last * unit, (at.mid_start, at.mid_end, 0.0, 0.0, 0.0))
+    by_off = 0.0, 0.0, 1.0, at.z, at.z * at.z
+    _add(m, third, row, n, e, at.bend * off * unit, 0.0, 2.0 * at.bend * r * unit, by_off)
+
+
+@kernel
+def _add_to_middles(system, n, g, i):
+    """The share of strip i of grid g in the conditions of the middles. Its weight and its place on the line count as
+    fixed: with their derivatives Newton's method fails more often."""
+    memo, grid, at, third = system.memo[0], system.grids[g], system.places[g * n + i], system.vectors[WISH]
+    first, share = g * block_of(n) + OF_A_STRIP * n + EDGES, weight_of(at) / grid.weight
+    for j in range(memo.grids * block_of(n)):
+        part = share * third[j]
+        for k in range(MIDDLES):
+            system.matrix[first + k, j] += part
+            part *= at.z
 
 
 @kernel
@@ -129,8 +146,8 @@ def jacobian(system, n, held):
     """Derivatives of the equations by the unknowns that are solved for, to ``matrix``, for the state of the last
     ``residuals``; the numbers of these unknowns to ``vectors[SOLVED]``, how many there are to the memo.
 
-    Edges that are held and grids that are not on stay as they are; of strips out of contact factors and middles are
-    solved for, so that they come to be what they have when they touch; held: only half lengths move.
+    Edges that are held and grids that are not on stay as they are; of strips out of contact factors are solved
+    for, so that they come to be what they have when they touch; held: only half lengths move.
     """
     memo, places, grids = system.memo[0], system.places, system.grids
     m = system.matrix
@@ -149,8 +166,11 @@ def jacobian(system, n, held):
         for i in range(n if grids[g].on else 0):
             if places[g * n + i].y <= 0.0:
                 continue
+            system.vectors[WISH, :size] = 0.0
             _press_row(system, n, g, i)
             _own_row(system, n, g, i)
+            if memo.shifted:
+                _add_to_middles(system, n, g, i)
         if grids[g].on and not held:
             _even_rows(system, n, g)
             _edge_rows(system, n, g)
@@ -160,35 +180,20 @@ def jacobian(system, n, held):
 @kernel
 def _even_rows(system, n, g):
     """What holds neighbouring strips alike."""
-    places, m, base = system.places, system.matrix, g * block_of(n)
+    m, base = system.matrix, g * block_of(n)
     for j in range(1, n):
         r = base + n + j
         m[r, r] += EVENNESS
         m[r, r - 1] -= EVENNESS
         m[r - 1, r - 1] += EVENNESS
         m[r - 1, r] -= EVENNESS
+    places, grid = system.places, system.grids[g]
     for j in range(1, n - 2 if system.memo[0].shifted else 1):
-        if all_touch(places, g * n + j - 1, 4):
-            weight, r = system.grids[g].calm * places[g * n + j].bend / system.memo[0].deepest, base + j - 1
+        if four_touch(places, g * n + j - 1):
+            weight, r = grid.stairs * places[g * n + j].bend / system.memo[0].deepest, base + j - 1
             for p in range(4):
                 for q in range(4):
                     m[r + p, r + q] += weight * THIRD[p] * THIRD[q]
-    e, weight = base + OF_A_STRIP * n, 1.0 / system.grids[g].reach
-    for j in range(2, n if system.memo[0].shifted else 0):
-        one, two, three = places[g * n + j - 2], places[g * n + j - 1], places[g * n + j]
-        ratio, r = step_ratio(places, g * n + j), base + 2 * n + j - 2
-        parts, signs = (ratio, -1.0 - ratio, 1.0), (1.0, -1.0, 0.0)
-        uneven = three.off - two.off - ratio * (two.off - one.off)
-        # the ratio of their distances moves with the edges
-        step = two.s - one.s
-        by_start = three.mid_start - two.mid_start - ratio * (two.mid_start - one.mid_start)
-        by_end = three.mid_end - two.mid_end - ratio * (two.mid_end - one.mid_end)
-        for p in range(3):
-            for q in range(3):
-                m[r + p, r + q] += weight * parts[p] * parts[q]
-            own = signs[p] * uneven - parts[p] * (two.off - one.off)
-            m[r + p, e] += weight * own * by_start / step
-            m[r + p, e + 1] += weight * own * by_end / step
 
 
 @kernel
@@ -223,7 +228,7 @@ def _gather(system, n, held):
     size = 0
     for g in range(memo.grids):
         grid, base = grids[g], g * block_of(n)
-        for kind in range(1 if held else OF_A_STRIP if memo.shifted else 2):
+        for kind in range(1 if held else OF_A_STRIP):
             for j in range(n if grid.on else 0):
                 if kind > 0 or system.places[g * n + j].y > 0.0:
                     solved[size] = base + kind * n + j
@@ -232,6 +237,9 @@ def _gather(system, n, held):
             if not (grid.start_held if side == 0 else grid.end_held):
                 solved[size] = base + OF_A_STRIP * n + side
                 size += 1
+        for k in range(grid.middles if memo.shifted and grid.on and not held else 0):
+            solved[size] = base + OF_A_STRIP * n + EDGES + k
+            size += 1
     memo.unknowns = size
     for i in range(size):
         row = int(solved[i])

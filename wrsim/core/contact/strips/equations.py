@@ -1,6 +1,6 @@
 """The equations of the strip model: residuals of all conditions. Their derivatives: `core.contact.strips.derivatives`.
 
-Unknowns of a grid of n strips: a^2 of each, k of each, how far the middle of each lies off the locus; both edges.
+Unknowns of a grid of n strips: a^2 of each, k of each; both edges; a line, over the locus, that has their middles.
 Equations in the same order, see `core.contact.strips.model`, all over the deepest penetration or ratios.
 """
 
@@ -14,6 +14,7 @@ from wrsim.core.contact.strips.records import (
     FROM,
     INVERSE,
     MIDDLE,
+    MIDDLES,
     NB,
     NO,
     OF_A_STRIP,
@@ -25,9 +26,7 @@ from wrsim.core.contact.strips.records import (
 from wrsim.core.jit.compiling import inlined, kernel
 
 REACH = sqrt(0.75)  # of the half length: the outer ones of Chebyshev's three points
-EDGE_RATIO = (
-    0.85  # of p^2 in the two outer strips, over what a straight line would give: Hertz's ellipses keep their width
-)
+EDGE_RATIO = 0.85  # of p^2 in the outer strips, over what a straight line would give: Hertz's ellipses keep their width
 LESS = 0.1  # weight of an edge's residual
 EVENNESS = 0.03  # weight with which factors of neighbouring strips are held alike
 THIRD = -1.0, 3.0, -3.0, 1.0  # difference
@@ -37,7 +36,7 @@ WEAKENING = 0.8  # exponent, as in contact.half_space.zones
 @inlined
 def block_of(n):
     """Unknowns of a grid of n strips."""
-    return OF_A_STRIP * n + EDGES
+    return OF_A_STRIP * n + EDGES + MIDDLES
 
 
 @kernel
@@ -88,13 +87,20 @@ def lay_strips(system, n):
         base = g * block_of(n)
         if not grid.on:
             continue
-        grid.start, grid.end = x[base + OF_A_STRIP * n], x[base + OF_A_STRIP * n + 1]
+        edges = base + OF_A_STRIP * n
+        middles = x[edges + EDGES :]
+        grid.start, grid.end = x[edges], x[edges + 1]
+        if grid.middles < MIDDLES:
+            middles[2] = 0.0
         place_strips(system.wheel, system.rail, grid, system.rows[g], places[g * n : (g + 1) * n])
         for j in range(n):
             i, place = g * n + j, places[g * n + j]
             place.q = place.y = 0.0
             place.k = x[base + n + j]
-            place.off = x[base + 2 * n + j] if memo.shifted else 0.0
+            place.off = place.z = 0.0
+            if memo.shifted:
+                z = place.z = (2.0 * place.s - grid.start - grid.end) / (grid.end - grid.start)
+                place.off = middles[0] + z * (middles[1] + z * middles[2])
             inverse = 1.0
             if x[base + j] > 0.0:
                 place.y = x[base + j]
@@ -173,27 +179,22 @@ def residuals(system, n, held):
                 continue
             if place.y > 0.0:
                 out[base + n + j] += place.bow
-                out[base + 2 * n + j] += place.turn
             if j > 0:
                 uneven = EVENNESS * (place.k - places[g * n + j - 1].k)
                 out[base + n + j] += uneven
                 out[base + n + j - 1] -= uneven
         if held:
             continue
-        for j in range(1, n - 2 if memo.shifted else 1):
-            if all_touch(places, g * n + j - 1, 4):
-                calm = grid.calm * third_difference(places, g * n + j, memo.deepest)
-                for p in range(4):
-                    out[base + j + p - 1] += THIRD[p] * calm
-        for j in range(2, n if memo.shifted else 0):
-            i = g * n + j
-            ratio, row = step_ratio(places, i), base + 2 * n + j
-            one, two, three = places[i - 2].off, places[i - 1].off, places[i].off
-            uneven = (three - two - ratio * (two - one)) / grid.reach  # middles lie nearly on a line
-            out[row - 2] += ratio * uneven
-            out[row - 1] -= (1.0 + ratio) * uneven
-            out[row] += uneven
-        for i in range(base, base + OF_A_STRIP * n):
+        if memo.shifted:
+            grid.stairs = _find_stairs(system, g * n, n)
+            for j in range(1, n - 2):
+                i = g * n + j
+                if four_touch(places, i - 1):
+                    bent = places[i + 2].y - places[i - 1].y + 3.0 * (places[i].y - places[i + 1].y)
+                    for p in range(4):
+                        out[base + j + p - 1] += THIRD[p] * grid.stairs * places[i].bend / memo.deepest * bent
+            set_middles(system, n, g)
+        for i in range(base, base + block):
             largest = max(largest, abs(out[i]))
         for side in range(EDGES):
             e = base + OF_A_STRIP * n + side
@@ -204,26 +205,53 @@ def residuals(system, n, held):
     return largest
 
 
-@inlined
-def step_ratio(places, i):
-    """Distance of strip i from the one before, over that from there to the one before it."""
-    return (places[i].s - places[i - 1].s) / (places[i - 1].s - places[i - 2].s)
+@kernel
+def _find_stairs(system, first, n):
+    """Mean square of the steps along the rail from strip to strip, over 24 times that of the half lengths.
+
+    A strip has straight ends where the contact's are slanted: its middle should run over a step of as much. In the mean
+    over the strip that changes a function of x by the square of the step over 24 times its second derivative, and
+    displacements by that part of how far the bodies bend away over a half length. So firmly a^2 is held on a parabola.
+    """
+    middles, steps, squares = system.vectors[MIDDLE], 0.0, 0.0
+    for i in range(first, first + n):
+        y = system.places[i].y
+        squares += y
+        if i > first and y > 0.0 and system.places[i - 1].y > 0.0:
+            steps += (middles[i] - middles[i - 1]) ** 2
+    return steps / (24.0 * squares)
 
 
 @inlined
-def third_difference(places, j, deepest):
-    """What holds a^2 of four neighbours on a parabola: nothing for Hertz's ellipse."""
-    one, two, three, four = places[j - 1], places[j], places[j + 1], places[j + 2]
-    return two.bend / deepest * (four.y - one.y + 3.0 * (two.y - three.y))
+def four_touch(places, i):
+    """Whether four strips from one on are all in contact."""
+    return min(places[i].y, places[i + 1].y, places[i + 2].y, places[i + 3].y) > 0.0
 
 
 @inlined
-def all_touch(places, first, count):
-    """Whether so many strips from one on are all in contact."""
-    least = places[first].y
-    for j in range(first + 1, first + count):
-        least = min(least, places[j].y)
-    return least > 0.0
+def weight_of(place):
+    """By how much the complementary energy changes with the middle of a strip, over its third condition."""
+    return place.q * sqrt(place.y) * (place.hi - place.lo)
+
+
+@kernel
+def set_middles(system, n, g):
+    """Residuals of the middles of a grid's strips: the energy does not change with the line that they lie on."""
+    total, unknowns = 0.0, system.grids[g].middles
+    out = system.vectors[F, g * block_of(n) + OF_A_STRIP * n + EDGES :]
+    out[:MIDDLES] = 0.0
+    for i in range(g * n, (g + 1) * n):
+        place = system.places[i]
+        if place.y > 0.0:
+            part = weight_of(place)
+            total += part
+            part *= place.turn
+            for k in range(unknowns):
+                out[k] += part
+                part *= place.z
+    for k in range(unknowns):
+        out[k] /= total
+    system.grids[g].weight = total
 
 
 @inlined

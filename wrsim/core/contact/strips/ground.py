@@ -4,6 +4,9 @@ Neighbouring lobes and shoulders of a lobe share a grid where the ground between
 over it, the concave hull of d(s); where it is lower they have grids of their own, which end where d over the hull is
 least. So a hump that comes into contact beyond a gap has its own strips and edges, and its force grows from nothing.
 All this belongs to the pose alone.
+
+A yawed wheel touches its rail along the contact locus, a curve that runs ahead of the axle where the profile climbs.
+Where it does not, all strips have one middle, and their third condition holds by symmetry.
 """
 
 from math import sqrt
@@ -13,8 +16,7 @@ from wrsim.core.contact.records import STATUS_PROFILE_END
 from wrsim.core.contact.search.lobes import LEAST_ROOM, WIDEST, room_beside
 from wrsim.core.contact.strips.equations import set_fading
 from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, make_room, next_corner
-from wrsim.core.contact.strips.records import ROWS
-from wrsim.core.contact.strips.shifts import rise, set_shifts
+from wrsim.core.contact.strips.records import FADING, MIDDLES, ROWS
 from wrsim.core.jit.compiling import inlined, kernel
 
 GATHERED = 0.5  # saddle over the depth of the shallower lobe from which on their ground is looked at as one
@@ -22,6 +24,7 @@ MERGED = 0.9  # least d over the concave hull where equal humps share a grid
 LESS = 0.1  # by which it is less where the lower of two humps is far lower: it takes more to touch apart
 HUMP = 0.05  # of the deepest penetration: lower ground does not touch
 CHAINED = 0.0, 0.2  # saddle over the shallower depth: none and all of what reaches one lobe reaches the other
+FAINT = 3e-3  # spread of the shifts over the half length below which they do not matter: it acts by its square
 
 
 @kernel
@@ -60,22 +63,56 @@ def set_grids(system, found, wheel, rail, pose, count):
         for g in range(first, memo.grids):
             grid, rows = system.grids[g], system.rows[g]
             grid.first, grid.last = i, last
-            if memo.grids > first + 1:
+            parted = memo.grids > first + 1
+            if parted:
                 lay_rows(wheel, rail, grid, rows)
+            middles = MIDDLES if parted else MIDDLES - 1  # the line is straight, but for ground that goes on
+            if middles != grid.middles:
+                grid.middles, memo.inverted = middles, 0
             grade_rows(grid, rows, pose.axle)
             memo.deepest = max(memo.deepest, grid.deepest)
             _set_main_place(grid, rows)
         for g in range(first, memo.grids - 1):
             grid, other = system.grids[g], system.grids[g + 1]
-            grid.chain = rise(system.rows[g, ROWS - 1].d / min(grid.deepest, other.deepest), CHAINED)
+            grid.chain = _rise(system.rows[g, ROWS - 1].d / min(grid.deepest, other.deepest), CHAINED)
         grid = system.grids[memo.grids - 1]
         grid.chain = 0.0
         if last < count - 1:
-            grid.chain = rise(found[last].saddle / min(found[last].depth, found[last + 1].depth), CHAINED)
+            grid.chain = _rise(found[last].saddle / min(found[last].depth, found[last + 1].depth), CHAINED)
         i = last + 1
     set_fading(system, 1.0)
-    set_shifts(system)
+    _set_shifts(system)
     return status
+
+
+@inlined
+def _rise(x, ends):
+    """From 0 to 1 between two ends, smoothly."""
+    t = min(max((x - ends[0]) / (ends[1] - ends[0]), 0.0), 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
+@kernel
+def _set_shifts(system):
+    """Whether shifts along the rail matter."""
+    memo, grids = system.memo[0], system.grids
+    matter = 0
+    for g in range(memo.grids):
+        grid, rows = grids[g], system.rows[g]
+        total = mean = square = 0.0
+        for r in range(ROWS):
+            d = max(rows[r].d, 1e-30)
+            total += d
+            mean += d * rows[r].x
+            square += d * rows[r].x * rows[r].x
+        if square * total - mean * mean > (FAINT * grid.reach * total) ** 2:
+            matter = 1
+        for h in range(g):
+            if abs(grid.x - grids[h].x) > FAINT * grid.reach and system.vectors[FADING, g * memo.grids + h] > 0.0:
+                matter = 1
+    if matter != memo.shifted:
+        memo.shifted = matter
+        memo.inverted = 0
 
 
 @inlined

@@ -11,7 +11,8 @@ locus, x counted from there, R_x the wheel's radius along the rail:
     u = d - x^2/(2 R_x)    in the middle and sqrt(3)/2 a to both sides of it.
 
 There the derivatives of the complementary energy by Q, a and the middle vanish, its integrals by the rule of Gauss and
-Chebyshev with three points. A semi-ellipsoid over an ellipse meets the conditions everywhere with Q = k E*/(2 R_x), so
+Chebyshev with three points. In each grid of strips the middles lie on a line over the locus, so they have means of the
+third condition. A semi-ellipsoid over an ellipse meets the conditions everywhere with Q = k E*/(2 R_x), so
 Hertz's solution is exact up to the width of the strips; nothing is fitted. At either edge the ratio of p^2 of the outer
 strips is Hertz's. Strips that would have to pull carry nothing. s is the rail's arclength, and the distance of two
 strips is counted along it.

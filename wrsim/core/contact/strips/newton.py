@@ -18,10 +18,12 @@ from wrsim.core.contact.strips.equations import (
     edge_wish,
     lay_strips,
     residuals,
+    set_middles,
 )
 from wrsim.core.contact.strips.records import (
     EDGES,
     LAST,
+    MIDDLES,
     NEXT,
     OF_A_STRIP,
     PIVOT,
@@ -132,9 +134,11 @@ def _predict(system, n):
             f[base + j] = (f[base + j] - place.d) / memo.deepest if place.y > 0.0 else 0.0
             f[base + j] += 0.5 * bend * place.off * place.off
             f[base + n + j] = -0.5 * bend * r * r
-            f[base + 2 * n + j] = 2.0 * bend * r * place.off
+            place.turn = 2.0 * bend * r * place.off
         for side in range(EDGES):
             f[base + OF_A_STRIP * n + side] = edge_wish(places, g * n, n, side)
+        if memo.shifted:
+            set_middles(system, n, g)
     _multiply_inverse(system)
     _scatter(system, memo.grids * block)
     if _longest_step(system, n) < 1.0:
@@ -233,8 +237,9 @@ def _set_scale(system, n):
         middle = system.rows[g, ROWS // 2]
         scale[base : base + n] = (0.5 * middle.bend / grid.deepest) ** 2
         scale[base + n : base + 2 * n] = 1.0
-        scale[base + 2 * n : base + 3 * n] = 0.5 * middle.bend / grid.deepest
-        scale[base + OF_A_STRIP * n : base + block] = 1.0 / (grid.most - grid.least) ** 2
+        e = base + OF_A_STRIP * n
+        scale[e : e + EDGES] = 1.0 / (grid.most - grid.least) ** 2
+        scale[e + EDGES : base + block] = 0.5 * middle.bend / grid.deepest * n
 
 
 @kernel
@@ -281,9 +286,11 @@ def _longest_step(system, n):
             if x[j] > 0.0:
                 worst = max(worst, step[j] / (LARGEST * highest))
                 worst = max(worst, abs(step[j + n]) / (LARGEST * x[j + n]))
-                worst = max(worst, abs(step[j + 2 * n]) / (LARGEST * sqrt(highest)))
-        for e in range(base + OF_A_STRIP * n, base + block):
-            worst = max(worst, n * abs(step[e]) / (FARTHEST * (grid.end - grid.start)))
+        e = base + OF_A_STRIP * n
+        for k in range(MIDDLES):
+            worst = max(worst, abs(step[e + EDGES + k]) / (LARGEST * sqrt(highest)))
+        for side in range(EDGES):
+            worst = max(worst, n * abs(step[e + side]) / (FARTHEST * (grid.end - grid.start)))
     return 1.0 / worst
 
 
@@ -304,7 +311,6 @@ def _advance(system, n, held, share, calm):
             y = x[base + j]
             if not held:
                 x[base + n + j] += share * step[base + n + j]
-                x[base + 2 * n + j] += share * step[base + 2 * n + j]
             if y <= 0.0:
                 place = system.places[g * n + j]
                 if held and place.gap < -ENTRY:
@@ -326,6 +332,8 @@ def _advance(system, n, held, share, calm):
         e = base + OF_A_STRIP * n
         x[e] += share * step[e]
         x[e + 1] += share * step[e + 1]
+        for k in range(MIDDLES):
+            x[e + EDGES + k] += share * step[e + EDGES + k]
         if x[e] < grid.least:
             x[e] = grid.least
             changed = changed or not grid.start_held

@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 
 from wrsim.core.jit.arena import record
 
-OF_A_STRIP = 3  # unknowns: squares of half lengths, factors, distances from the locus
+OF_A_STRIP = 2  # unknowns: squares of half lengths, factors
 EDGES = 2  # unknowns of a grid behind those of its strips
+MIDDLES = 3  # unknowns of a grid behind its edges, at most: a line over the locus that has the middles of its strips
 ROWS = 48  # of the table of the geometry of a grid
 
 ROW = record("s arc d x o b no nb r_t slope bend density xi closing")
@@ -18,26 +19,27 @@ ROW = record("s arc d x o b no nb r_t slope bend density xi closing")
 over, density of strips and its integral; closing of the gap, penetration less displacement."""
 
 PLACE = record(
-    "lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x x_s no nb y q k off gap bow turn"
+    "lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x x_s no nb y q k off z gap bow turn"
     # for the derivatives
     " root half lean mid_start mid_end",
     "lobe row",
 )
 """A strip: from lo to hi, middle s; slopes of lo and hi over both edges; penetration d and its slope; 1/R_x and its
 slope; shift x of the locus and its slope; normal; a^2 (0 out of contact), amplitude, factor k, how far its middle lies
-off the locus; residuals of its three conditions, over the deepest penetration: u - d in its middle, how much more that
-is at its outer points, and the difference of both. a; amplitude over k; slope of the logarithm of 1/R_x; slopes of s
-over both edges.
+off the locus, place from -1 to 1 between the edges; residuals of its three conditions, over the deepest penetration:
+u - d in its middle, how much more that is at its outer points, and the difference of both. a; amplitude over k; slope
+of the logarithm of 1/R_x; slopes of s over both edges.
 Lobe and strip of it that it was handed out to."""
 
 GRID = record(
-    "start end least most deepest spacing x reach calm arc place chain",
-    "on start_held end_held first last",
+    "start end least most deepest spacing x reach stairs weight arc place chain",
+    "on start_held end_held first last middles",
 )
 """A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length of the
-overlap where it is deepest; how firmly half lengths are held on a parabola; arclengths on wheel and rail of a pair of
-opposite points; how far what reaches it reaches the next one.
-Whether it is in contact, whether its edges are held at their bounds, its first and last lobe."""
+overlap where it is deepest; how firmly a^2 is held on a parabola; sum of the weights of strips in the conditions of
+their middles; arclengths on wheel and rail of a pair of opposite points; how far what reaches it reaches the next one.
+Whether it is in contact, whether its edges are held at their bounds, its first and last lobe; unknowns of the line of
+its middles."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",

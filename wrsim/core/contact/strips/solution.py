@@ -22,13 +22,13 @@ from wrsim.core.contact.strips.equations import (
 )
 from wrsim.core.contact.strips.hertz import hertz_ellipse
 from wrsim.core.contact.strips.newton import NEAR, descend, newton
-from wrsim.core.contact.strips.records import OF_A_STRIP, ROWS, SOUND, X
+from wrsim.core.contact.strips.records import EDGES, OF_A_STRIP, ROWS, SOUND, X
 from wrsim.core.dense import copy
 from wrsim.core.jit.compiling import kernel
 
 TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
+WIDE = 0.15  # of a grid's depth: where contact ends at most in a second guess
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
-WIDE = 0.15  # of a grid's depth: where contact ends at most
 LEAST_PORTION = 1 / 32  # of the coupling of grids, at which a solution is given up
 MOST = 4000  # residuals, from which on no fewer strips are tried: one of a million random poses takes as many
 ROUNDS = 8  # of half lengths, edges and factors in turn
@@ -149,13 +149,15 @@ def _guess(system, n, g, level):
     end = min(rows[last].s + 0.5 * grid.spacing, grid.most)
     begin(system, n, g, start, end, depth, hump.bend, ellipse.factor)
     lay_strips(system, n)
+    if system.memo[0].shifted and level == edge:
+        middles, stretch = x[base + OF_A_STRIP * n + EDGES :], (ellipse.stretch - 1.0) * hump.slope
+        middles[0] = stretch * (0.5 * (start + end) - hump.s)
+        middles[1] = stretch * 0.5 * (end - start)
     most = ellipse.half_length**2 * hump.bend / (2.0 * depth)
     for j in range(n):
         place = system.places[g * n + j]
         share = max((place.d / depth - edge) / (1.0 - edge), 0.02)
         x[base + j] = 2.0 * most * depth / place.bend * share
-        if system.memo[0].shifted and level == edge:
-            x[base + 2 * n + j] = (ellipse.stretch - 1.0) * hump.slope * (place.s - hump.s)
 
 
 @kernel
@@ -196,11 +198,8 @@ def _one_by_one(system, n):
 @kernel
 def _alone(system, n, g):
     """Solve for one grid, the only one in contact. True if that works."""
-    for level in (0.0, WIDE):
-        _guess(system, n, g, level)
-        if _descend(system, n) and newton(system, n, TOLERANCE) and system.grids[g].on:
-            return True
-    return False
+    _guess(system, n, g, 0.0)
+    return _descend(system, n) and newton(system, n, TOLERANCE) and system.grids[g].on > 0
 
 
 @kernel
