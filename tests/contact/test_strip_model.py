@@ -185,12 +185,8 @@ def test_a_tip_against_a_steep_face_is_hertz_however_slanted(yaw):
     """The back of a tram's flange, an arc of 9 mm, on the straight guard face: a narrow ellipse along the wheel's
     circumference, which leans by 3 to 10 degrees against the rail. Strips lie beside one another along x by three half
     lengths and more."""
-    wheel, rail, radius = (
-        contacts.wheel_profile("tram"),
-        load_profile(contacts.MODELS / "rails/grooved_narrow.toml"),
-        0.33,
-    )
-    model = contacts.contact_model(wheel, rail, radius=radius, tangential="none", **STRIPS)
+    rail, radius = load_profile(contacts.MODELS / "rails/grooved_narrow.toml"), 0.33
+    model = contacts.contact_model(contacts.wheel_profile("tram"), rail, radius=radius, tangential="none", **STRIPS)
     stand = contacts.bench(model, rolling=False)
     lobes = model.arrays.patches
 
