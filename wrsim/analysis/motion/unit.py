@@ -66,8 +66,8 @@ MEANINGS = {
 def packed_unit(scenario: Scenario, name: str, step: float = BENCH_STEP) -> tuple[bytes, list[str]]:
     """The unit as the bytes of its file, and the names of its inputs; step: of the integration [s].
 
-    name: of the file, without its ending. Raises InputError and SimulationError as `stepper`, InputError on systems
-    other than Linux; WrsimError without a C compiler.
+    name: of the file, without its ending. Raises InputError and SimulationError as `stepper`, WrsimError without a
+    C compiler.
     """
     bench, setup = stepper(scenario, step), build(scenario)
     identifier = re.sub(r"\W|^(?=\d)", "_", name, flags=re.ASCII)
