@@ -67,8 +67,8 @@ CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 CORE = str(Path(wrsim.core.__file__).parent)
 FULL_ALONE = {
-    "_add_to_middles", "_closing", "_find_stairs", "_grid_enters", "_predict", "_rise", "four_touch", "leave",
-    "make_room", "set_middles", "weight_of",
+    "_add_to_middles", "_closing", "_find_stairs", "_grid_enters", "_predict", "_rise", "_straighten", "four_touch",
+    "leave", "make_room", "set_middles", "weight_of",
 }  # fmt: skip
 """What the strip model does where Newton's method fails, where grids come and go, and in runs: slow uncompiled."""
 

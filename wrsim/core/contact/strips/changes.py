@@ -9,6 +9,7 @@ from wrsim.core.jit.compiling import inlined, kernel
 ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
 FEWEST = 3  # strips in contact below which a grid leaves
 RETURN, LEAVE = 1e-3, 4e-4  # closing at which a grid comes into contact; a^2/R_x at which it leaves; over the deepest
+ENTRIES = 3  # of a grid in a solution: one that leaves as often bears nothing
 HUMP = 0.45  # closing, over its largest, about where contact ends
 
 
@@ -114,7 +115,7 @@ def enter(system, n, held):
                     grid.end_held = 0
                 changed = True
     for g in range(memo.grids if not memo.alone else 0):
-        if not system.grids[g].on:
+        if not system.grids[g].on and system.grids[g].entries < ENTRIES:
             changed = _grid_enters(system, n, g) or changed
     return changed
 
@@ -150,6 +151,7 @@ def _grid_enters(system, n, g):
     bend, half = rows[main].bend, 0.5 * (end - start)
     factor = hertz_ellipse(2.0 * (1.0 - HUMP) * most / (bend * half * half), 0.0, most, bend).factor
     begin(system, n, g, start, end, most, bend, factor)
+    grid.entries += 1
     return True
 
 

@@ -33,13 +33,13 @@ Lobe and strip of it that it was handed out to."""
 
 GRID = record(
     "start end least most deepest spacing x reach stairs weight arc place chain",
-    "on start_held end_held first last middles",
+    "on start_held end_held first last middles entries",
 )
 """A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length of the
 overlap where it is deepest; how firmly a^2 is held on a parabola; sum of the weights of strips in the conditions of
 their middles; arclengths on wheel and rail of a pair of opposite points; how far what reaches it reaches the next one.
 Whether it is in contact, whether its edges are held at their bounds, its first and last lobe; unknowns of the line of
-its middles."""
+its middles; how often it has come into contact in a solution."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",

@@ -4,7 +4,8 @@ In a run the last contact is the first guess. Else Hertz's slanted ellipses, or 
 at once. If both fail, every grid is solved for alone, then they come to press each other down step by step; where
 Newton's method does not get on, half lengths for given factors and edges (a monotone problem: strips leave and enter as
 they like), edges from the outer strips and factors from the second condition in turns before it. The conditions of so
-many strips may have no solution at a pose where those of fewer have: one less a grid each is tried after that."""
+many strips may have no solution at a pose where those of straight lines of middles have, or those of fewer strips:
+these are tried after that, with one strip less a grid each."""
 
 from math import inf
 from typing import NamedTuple
@@ -22,7 +23,7 @@ from wrsim.core.contact.strips.equations import (
 )
 from wrsim.core.contact.strips.hertz import hertz_ellipse
 from wrsim.core.contact.strips.newton import NEAR, descend, newton
-from wrsim.core.contact.strips.records import EDGES, OF_A_STRIP, ROWS, SOUND, X
+from wrsim.core.contact.strips.records import EDGES, MIDDLES, OF_A_STRIP, ROWS, SOUND, X
 from wrsim.core.dense import copy
 from wrsim.core.jit.compiling import kernel
 
@@ -40,14 +41,26 @@ def solve(system, n, known, tolerance):
     of a grid that have a solution: n or fewer; 0 if none down to half of n have one, or MOST residuals found none."""
     memo = system.memo[0]
     memo.iterations = memo.factorisations = 0
+    for g in range(memo.grids):
+        system.grids[g].entries = 0
     if known and _solved(system, n, tolerance):
         return n
     strips = n
     while strips > n // 2 and memo.iterations < MOST:
         if _at_once(system, strips, 0.0) or _at_once(system, strips, WIDE) or _one_by_one(system, strips):
             return strips
-        strips -= 1
+        strips -= 0 if _straighten(system) else 1
     return 0
+
+
+@kernel
+def _straighten(system):
+    """Make the lines of middles of all grids straight. True if one was not."""
+    bent = False
+    for g in range(system.memo[0].grids):
+        bent = bent or system.grids[g].middles == MIDDLES
+        system.grids[g].middles = MIDDLES - 1
+    return bent
 
 
 @kernel
@@ -167,7 +180,7 @@ def _clear(system, n):
     memo.inverted = 0
     system.vectors[X, : memo.grids * block_of(n)] = 0.0
     for g in range(memo.grids):
-        system.grids[g].on = 0
+        system.grids[g].on = system.grids[g].entries = 0
 
 
 @kernel
