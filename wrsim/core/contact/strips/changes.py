@@ -9,7 +9,6 @@ from wrsim.core.jit.compiling import inlined, kernel
 ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
 FEWEST = 3  # strips in contact below which a grid leaves
 RETURN, LEAVE = 1e-3, 4e-4  # closing at which a grid comes into contact; a^2/R_x at which it leaves; over the deepest
-ENTRIES = 3  # of a grid in a solution: one that leaves as often bears nothing
 HUMP = 0.45  # closing, over its largest, about where contact ends
 
 
@@ -115,7 +114,7 @@ def enter(system, n, held):
                     grid.end_held = 0
                 changed = True
     for g in range(memo.grids if not memo.alone else 0):
-        if not system.grids[g].on and system.grids[g].entries < ENTRIES:
+        if not system.grids[g].on:
             changed = _grid_enters(system, n, g) or changed
     return changed
 
@@ -133,7 +132,7 @@ def _closing(system, n, g, r):
 def _grid_enters(system, n, g):
     """A grid out of contact comes into it where its gap has closed. True if it does."""
     memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
-    most = RETURN * memo.deepest
+    most = RETURN * (1.0 + grid.entries) * memo.deepest  # more each time, so that no grid comes and goes without end
     main = -1
     for r in range(0, ROWS, 2):
         rows[r].closing = _closing(system, n, g, r) if rows[r].d > most else -1.0
