@@ -5,9 +5,9 @@
 
 Six pairs of profiles, lateral shift +-12 mm, yaw +-60 mrad, approach from 1 to 300 um by its logarithm; poses that bear
 1 to 500 kN count. Every pose is solved afresh; "fewer": solved with fewer strips (docs/theory/strip_model.md).
-Kik-Piotrowski screens the force: where the strip
-model has more than SUSPECT of it, or less than one over it, the half-space solver is asked. Poses come in blocks of their own seeds; --keep adds
-each to a file when it is done, and a run taken up again leaves out what stands there.
+Kik-Piotrowski screens the force: where the strip model has more than SUSPECT of it, or less than one over that, the
+half-space solver is asked. Poses come in blocks of their own seeds; --keep adds each to a file when it is done, and a
+run taken up again leaves out what stands there.
 
 --walks carries a wheel along its rail in small steps, as runs do: shift, yaw and approach go smoothly from one random
 pose to another some millimetres away, lobes come and go. The model that follows its last contact is set beside one that
@@ -126,7 +126,7 @@ def pose_block(stands: list[Stand], seed: tuple[int, int], wanted: int) -> dict[
             if unsolved:
                 said.append(f"unsolved: {place} ({ours / plain:.3f} of Kik-Piotrowski)")
             if not plain / SUSPECT < ours < SUSPECT * plain:
-                ratio = ours / stand.exact()
+                ratio = max(ours / stand.exact(), 1e-9)
                 count["suspects"] += 1
                 worst = max(worst, ratio, 1.0 / ratio)
                 if not 1.0 / TOO_MUCH < ratio < TOO_MUCH:
