@@ -7,7 +7,7 @@ from support.contacts import RADIUS, bench, pair_model, rail_profile, wheel_prof
 
 from wrsim import ContactSettings, InputError, contact_map
 from wrsim.contact.batch import LOAD_TOLERANCE, search_for
-from wrsim.core.contact.prescribed_load import REACHED, SEARCHING, begin, next_height
+from wrsim.core.contact.prescribed_load import REACHED, SEARCHING, begin_search, next_height
 from wrsim.core.contact.records import STATUS_BESIDE, STATUS_IN_A_JUMP, STATUS_OUT_OF_REACH
 from wrsim.core.jit.compiling import cores
 
@@ -79,7 +79,7 @@ def test_a_wheel_off_its_rail_or_a_load_in_a_jump_or_beyond_reach_has_a_status()
     assert found.status[1] & STATUS_BESIDE
     assert found.status[2] & STATUS_OUT_OF_REACH
     s = search_for([LOAD], 1e-4, RADIUS, 115e9)[0]
-    begin(s)
+    begin_search(s)
     outcome = SEARCHING
     while outcome == SEARCHING:
         force = 1.1e9 * max(-s.height, 0.0) + (0.5 * LOAD if s.height < -30e-6 else 0.0)
@@ -93,7 +93,7 @@ def test_a_wheel_off_its_rail_or_a_load_in_a_jump_or_beyond_reach_has_a_status()
 def test_the_load_is_met_in_few_steps_wherever_the_wheel_touches_first(approach, felt):
     """Hertz's force over the height; felt: approach that the contact reports, over the one along the height."""
     s = search_for([LOAD], -approach, RADIUS, 115e9)[0]
-    begin(s)
+    begin_search(s)
     outcome, asked = SEARCHING, 0
     while outcome == SEARCHING and asked < 60:
         depth = max(-float(s.height), 0.0)

@@ -13,7 +13,7 @@ from support.vehicles import on_track, shipped
 from wrsim.core.body import sleepers as kernel
 from wrsim.errors import InputError
 from wrsim.geometry.track.beams import bending_mass, bending_stiffness, torsion_mass, torsion_stiffness
-from wrsim.geometry.track.sleepers import Joint, Layer, RailBeam, SleeperTrack, SupportRow
+from wrsim.geometry.track.sleepers import Layer, RailBeam, RailJoint, SleeperTrack, SupportRow
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.rails import RailsOnSleepers
@@ -314,7 +314,7 @@ def test_supports_follow_their_table_and_a_joint_softens_its_element() -> None:
     assert bays.pad == pytest.approx(1.0 + np.arange(11) / 5.0)
     right = replace(SOFT, unsupported=((3.1, "right"),)).bays(0, 11, 1)
     assert np.array_equal(np.flatnonzero(right.ballast == 0.0), [5])
-    joined = replace(SOFT, joints=(Joint(3.28, 0.05, 0.06),)).bays(0, 11, 0)
+    joined = replace(SOFT, joints=(RailJoint(3.28, 0.05, 0.06),)).bays(0, 11, 0)
     more = np.sum(joined.length / joined.bending) * RAIL.bending("vertical") - 6.6
     assert more == pytest.approx(0.06 * (1.0 / 0.05 - 1.0))
 

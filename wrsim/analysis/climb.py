@@ -129,7 +129,7 @@ def climb_at(setup: Setup[ClimbPlan], point: ClimbPoint, flank: Flank, friction:
         plan=RunPlan(START, end + START, plan.speed),
     )
     force = 0.5 * first * wheelset.weight
-    at_first = replace(held, vehicle=pushed(wheelset, ((0.0, force),)))
+    at_first = replace(held, vehicle=pushed_aside(wheelset, ((0.0, force),)))
     law = force_law(at_first)
     try:
         q, q_t = rolling_state(law, flank)
@@ -140,7 +140,7 @@ def climb_at(setup: Setup[ClimbPlan], point: ClimbPoint, flank: Flank, friction:
     times = BEFORE / plan.speed, (BEFORE + RAMP) / plan.speed
     # the other wheel adds to the push by its contact angle, and roll to the vertical force
     rows = ((times[0], force), (times[1], force + point.quotient * float(left.Fb) + float(left.Fo)))
-    law = force_law(replace(held, vehicle=pushed(wheelset, rows)))
+    law = force_law(replace(held, vehicle=pushed_aside(wheelset, rows)))
     step = implicit_step(plan.speed, RAMP / LOOKS / plan.speed)
     watch = _Watch(law, flank.place(atan(friction)), end)
     motion = Integration(
@@ -192,7 +192,7 @@ def held_wheelset(vehicle: Vehicle, attack: float) -> Vehicle:
     return replace(held, loads=tuple(couple), gravity=vehicle.gravity)
 
 
-def pushed(wheelset: Vehicle, rows: Sequence[tuple[float, float]]) -> Vehicle:
+def pushed_aside(wheelset: Vehicle, rows: Sequence[tuple[float, float]]) -> Vehicle:
     """The wheelset pushed to the left at the height of the rails; rows: time [s] and force [N]."""
     table = tuple((time, 0.0, force, 0.0) for time, force in rows)
     push = Load("push", wheelset.names[0], (0.0, 0.0, 0.0), table)

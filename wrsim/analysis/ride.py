@@ -78,7 +78,7 @@ def spectrum(signal: Array, rate: float, resolution: float = RESOLUTION) -> Spec
 
 
 @dataclass(frozen=True, eq=False)
-class Bands:
+class RideBands:
     """Third-octave bands: nominal middle frequencies [Hz], edges [Hz], rms (bands, ...) [unit]."""
 
     nominal: tuple[float, ...]
@@ -90,7 +90,7 @@ class Bands:
 _NOMINAL = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
 
 
-def third_octaves(spectrum: Spectrum, lowest: float = 0.4) -> Bands:
+def third_octaves(spectrum: Spectrum, lowest: float = 0.4) -> RideBands:
     """rms in third-octave bands (IEC 61260: middles 10^(k/10) Hz) from a frequency [Hz] to half the sampling rate.
 
     A band narrower than the resolution of the spectrum is left out.
@@ -103,7 +103,7 @@ def third_octaves(spectrum: Spectrum, lowest: float = 0.4) -> Bands:
     )
     rms = [spectrum.rms(a, b) for a, b in zip(low[retained], high[retained], strict=True)]
     nominal = tuple(float(f"{_NOMINAL[i % 10] * 10.0 ** (i // 10):.6g}") for i in k[retained])
-    return Bands(nominal, low[retained], high[retained], np.array(rms))
+    return RideBands(nominal, low[retained], high[retained], np.array(rms))
 
 
 SETTLING = 10.0  # seconds of nothing behind a signal, in which the weighting's slowest part (0.4 Hz) dies away

@@ -19,11 +19,11 @@ from wrsim.results.overturning import UNLOADING, summarise_overturning
 def overturning_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures, by file name without ending; that over the wind where there are several winds."""
     several = np.unique(dataset["wind_speed"].values).size > 1
-    makers: dict[str, Callable[[], Figure]] = {"overturning": partial(over_speed, dataset)}
+    makers: dict[str, Callable[[], Figure]] = {"overturning": partial(unloading_over_speed, dataset)}
     return makers | ({"overturning_wind": partial(over_wind, dataset)} if several else {})
 
 
-def over_speed(dataset: xr.Dataset) -> Figure:
+def unloading_over_speed(dataset: xr.Dataset) -> Figure:
     """Unloading of the most unloaded wheel over the speed, a line a wind."""
     speed, wind = 3.6 * dataset["pose_speed"].values, dataset["wind_speed"].values
     largest = dataset["wheel_unloading"].max(["wheel", "wheelset"]).values

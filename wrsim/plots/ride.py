@@ -34,7 +34,7 @@ def ride_figures(found: Ride) -> dict[str, Callable[[], Figure]]:
 def ride_figure(rides: Rides, picture: str) -> Figure:
     """One of ``PICTURES``: all directions against frequency."""
     titles = "\n".join(dict.fromkeys(f"{one.title}: {one.stretch}" for one in rides.values()))
-    draws = [partial(spectra, found=rides, axis=axis, picture=picture) for axis in DIRECTIONS]
+    draws = [partial(ride_spectra, found=rides, axis=axis, picture=picture) for axis in DIRECTIONS]
     figure = panels(titles, draws, 150.0, legend=None, across=5)
     frequency_ticks(figure.axes[-1])
     return figure
@@ -50,7 +50,7 @@ def frequency_ticks(axes: Axes, upright: bool = False) -> None:
     axis.set_label_text("Frequency [Hz]")
 
 
-def spectra(axes: Axes, found: Rides, axis: str, picture: str) -> None:
+def ride_spectra(axes: Axes, found: Rides, axis: str, picture: str) -> None:
     """One of ``PICTURES`` in one direction: a line a point on logarithmic scales; with marks, if they have a size."""
     across, name, label, lowest, decades, markersize = PICTURES[picture]
     axes.set_ylabel(f"{DIRECTIONS[axis].capitalize()} {label}")

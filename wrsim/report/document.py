@@ -85,7 +85,7 @@ def is_lone(dataset: xr.Dataset) -> bool:
 def paragraph(result: Result, summary: Summary, found: Assessment | None) -> str:
     """Vehicle, track, speed, contact and what was asked, in sentences."""
     with_contact = "wheel" in result.dataset.dims or "resolved_with" in result.dataset.attrs
-    contact = contact_words(result.dataset) if with_contact else ""
+    contact = contact_sentence(result.dataset) if with_contact else ""
     return " ".join(filter(None, (_motion(result, summary, found), contact, _asked(result))))
 
 
@@ -133,7 +133,7 @@ def _curves(summary: Summary, found: Assessment | None) -> str:
     return f" with {'a full curve' if len(words) == 1 else 'full curves'} of {listed(words, 3)}" if words else ""
 
 
-def contact_words(dataset: xr.Dataset, of: str = "") -> str:
+def contact_sentence(dataset: xr.Dataset, of: str = "") -> str:
     """Contact model, creep forces and friction of a scenario, in a sentence; of: which one it is."""
     if "resolved_with" in dataset.attrs:
         return f"Contacts are solved again with {dataset.attrs['resolved_with']}."

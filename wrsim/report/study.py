@@ -10,9 +10,9 @@ import xarray as xr
 from wrsim import __version__
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, numbers_in, of_cases, study_figures
 from wrsim.plots.wear import LAW_WORDS, evolution_figures
-from wrsim.report.document import ASKED, NO_COVER, Cover, contact_words, vehicle_name
+from wrsim.report.document import ASKED, NO_COVER, Cover, contact_sentence, vehicle_name
 from wrsim.report.page import as_picture, last_part, page_template
-from wrsim.report.tables import BAD, OPEN, Verdict
+from wrsim.report.tables import BAD, OPEN, ReportVerdict
 from wrsim.results.sensitivity import sensitivity_in, sensitivity_tables
 from wrsim.results.table import Column, Table, formatted, listed, quantity
 
@@ -36,7 +36,7 @@ def study_page(dataset: xr.Dataset, source: str, cover: Cover = NO_COVER) -> str
     page = {
         "cover": cover.of(dataset.attrs["title"]),
         "version": __version__,
-        "verdict": Verdict(OPEN if set(counts) <= {COMPLETED, DERAILED} else BAD, verdict),
+        "verdict": ReportVerdict(OPEN if set(counts) <= {COMPLETED, DERAILED} else BAD, verdict),
         "paragraph": _study_paragraph(dataset, outputs, labels),
         "identity": [*rows, ("cases", str(status.size))],
         "versions": _versions(dataset),
@@ -71,7 +71,7 @@ def _study_paragraph(dataset: xr.Dataset, outputs: Sequence[str], labels: Sequen
     told = [f"{key} ({_span(dataset, name, MOST_TOLD)})" for name, key in keys.items()]
     words.append(f"Varied: {listed(told, MOST_TOLD)}." if told else "")
     changed = any(key.startswith("contact.") for key in keys.values())
-    words.append(contact_words(dataset, " of the base scenario" if changed else ""))
+    words.append(contact_sentence(dataset, " of the base scenario" if changed else ""))
     table = _outputs(dataset, outputs[:MOST_TOLD], labels)
     for name, low, at_low, median, high, at_high in table.rows if table else ():
         ends = f"{low} ({at_low}) and {high} ({at_high})"
@@ -91,7 +91,7 @@ def _evolution_paragraph(dataset: xr.Dataset) -> str:
     ]
     cases = str(about.get("cases_text", "")).strip().count("\n")
     words.append(f"Each of the {steps} steps runs {cases} cases by their shares, then the profile is made anew.")
-    words.append(contact_words(dataset))
+    words.append(contact_sentence(dataset))
     own = {"flange_thickness": "mm", "flange_height": "mm", "flange_steepness": "mm", "conicity": ""}
     for name, unit in own.items():
         first, last = (float(v) * (1e3 if unit else 1.0) for v in dataset[name].values[[0, -1]])
@@ -161,7 +161,7 @@ def type_test_page(
     page = {
         "cover": cover.of(title),
         "version": __version__,
-        "verdict": Verdict(OPEN if passed else BAD, words),
+        "verdict": ReportVerdict(OPEN if passed else BAD, words),
         "summary": summary,
         "tables": tables,
         "notes": notes,

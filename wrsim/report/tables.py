@@ -43,7 +43,7 @@ MOST_CURVES = 10  # full curves of a result that are listed; summary.json has al
 APART = 1.05  # limits that differ by less are one line in a chart
 
 
-class Verdict(NamedTuple):
+class ReportVerdict(NamedTuple):
     """One line: state and words."""
 
     state: str
@@ -58,7 +58,7 @@ def evaluated(evaluate: Callable[[Result], T], result: Result) -> tuple[T | None
         return None, str(problem)
 
 
-def verdict(result: Result, found: Assessment | None, why: str) -> Verdict:
+def verdict(result: Result, found: Assessment | None, why: str) -> ReportVerdict:
     """Within all limits or not, with the worst margin and what it rests on; how the analysis ended, if early."""
     stop = f"Stopped early: {result.stop_reason}. " if result.status == "stopped" else ""
     state, worst = OPEN, found.tightest() if found is not None else None
@@ -71,7 +71,7 @@ def verdict(result: Result, found: Assessment | None, why: str) -> Verdict:
     else:
         words = "Every assessed quantity is within its limit" if found.passed else "A limit is exceeded"
         words, state = f"{words}; {_tightest(worst)}. {basis(result.dataset, found)}", GOOD if found.passed else BAD
-    return Verdict(BAD if stop else state, stop + words)
+    return ReportVerdict(BAD if stop else state, stop + words)
 
 
 def _tightest(row: ZoneValue) -> str:

@@ -353,7 +353,7 @@ def _outline(mine: xr.Dataset, body: str, dim: str, error: float, worn: bool) ->
     share = np.linspace(0.0, 1.0, lines.shape[1])
     retained = [needed(lines[m, :, 0], lines[m, :, 1], error) for m in (new if body == "rail" else new[:1])]
     if worn:
-        retained.append(np.flatnonzero(depth_at(mine, body, share) > LEAST_DEPTH))
+        retained.append(np.flatnonzero(drawn_depth(mine, body, share) > LEAST_DEPTH))
     points = np.unique(np.concatenate(retained))
     return lines[_nearest(finite, len(lines))][:, points], finite, share[points]
 
@@ -366,7 +366,7 @@ def _nearest(known: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     return np.where(own - low <= high - own, low, high)
 
 
-def depth_at(mine: xr.Dataset, body: str, share: Array) -> Array:
+def drawn_depth(mine: xr.Dataset, body: str, share: Array) -> Array:
     """Depths by the first law over the largest, at shares of a profile's length; nothing where nothing wears."""
     depth = mine.isel(wear_law=0)[f"wear_{body}_depth"].values
     depth = depth[np.isfinite(depth)]  # profiles of other wheels may have more places
@@ -381,7 +381,7 @@ def worn_outlines(mine: xr.Dataset, on_wheel: Array, on_rail: Array) -> dict[str
     law, words = str(mine["wear_law"].values[0]), []
     found: dict[str, Any] = {}
     for body, points in (("wheel", on_wheel), ("rail", on_rail)):
-        found[body] = np.rint(100.0 * depth_at(mine, body, points)).astype(int).tolist()
+        found[body] = np.rint(100.0 * drawn_depth(mine, body, points)).astype(int).tolist()
         channel = CHANNELS[f"wear_{body}_depth"]
         most = float(mine.isel(wear_law=0)[channel.name].max())
         words.append(f"{body} to {quantity(most * channel.shown.factor, channel.shown.symbol, '.3g')}")

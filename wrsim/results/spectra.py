@@ -12,7 +12,7 @@ from wrsim.results.table import Column, Table, quantity
 ORDERS = ("", "rate of change of the ", "second derivative of the ")
 
 
-def in_words(data: xr.Dataset) -> tuple[str, Shown]:
+def spectra_in_words(data: xr.Dataset) -> tuple[str, Shown]:
     """What the spectra are of, and its unit for readers."""
     channel, order = CHANNELS[data.attrs["channel"]], int(data.attrs["derivative"])
     words, unit = f"{ORDERS[order]}{channel.long_name}", str(data.attrs["unit"])
@@ -20,7 +20,7 @@ def in_words(data: xr.Dataset) -> tuple[str, Shown]:
     return words[:1].upper() + words[1:], other if order else channel.shown
 
 
-def parts_of(data: xr.Dataset) -> dict[str, dict[str, int]]:
+def parts_of_channel(data: xr.Dataset) -> dict[str, dict[str, int]]:
     """The wheels, points, ... that have spectra: their places in the dataset by their names."""
     sizes = {str(dim): size for dim, size in data["rms"].sizes.items()}
     places = [dict(zip(sizes, at, strict=True)) for at in product(*map(range, sizes.values()))]
@@ -33,9 +33,9 @@ def parts_of(data: xr.Dataset) -> dict[str, dict[str, int]]:
 def spectra_table(data: xr.Dataset, run: str = "") -> Table:
     """A row for each wheel, point, ...: rms, the strongest line and third-octave. run: its name, where there are
     several."""
-    words, shown = in_words(data)
+    words, shown = spectra_in_words(data)
     rows: list[tuple[object, ...]] = []
-    for name, at in parts_of(data).items():
+    for name, at in parts_of_channel(data).items():
         one = data.isel(at)
         line, band = (int(np.argmax(one[of].values)) for of in ("density", "band_rms"))
         of_band = (float(one["band"][band]), shown.factor * float(one["band_rms"][band]))
@@ -56,4 +56,4 @@ def spectra_files(data: xr.Dataset) -> dict[str, bytes]:
     """Contents of files by names, in SI units."""
     unit = str(data.attrs["unit"])
     name = f"_{data.attrs['channel']}" + ("", "_rate", "_second")[int(data.attrs["derivative"])]
-    return csv_files(data, parts_of(data), unit.replace("/", "_"), f"({unit})2_per_Hz", name)
+    return csv_files(data, parts_of_channel(data), unit.replace("/", "_"), f"({unit})2_per_Hz", name)

@@ -20,7 +20,7 @@ from wrsim.inputs.notebook import card, folded
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import parse_value, shortened, value_hint, write_toml
 from wrsim.register import ANALYSES
-from wrsim.scenario.merging import BASE, TRACK_FILE, Merged, holds, of_text, read_merged, value_at, with_track_file
+from wrsim.scenario.merging import BASE, TRACK_FILE, Merged, holds_key, of_text, read_merged, value_at, with_track_file
 from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
 from wrsim.scenario.sections.vehicle import VehicleSection
 from wrsim.vehicle.vehicle_sections import TrainFile, VehicleFile, WheelsetFile
@@ -168,7 +168,7 @@ class Scenario:
         for key, value in values.items():
             try:
                 path = found(data, _own_path(key), by_name=False)
-                new = next((end for end in range(1, len(path)) if not holds(data, path[:end])), len(path))
+                new = next((end for end in range(1, len(path)) if not holds_key(data, path[:end])), len(path))
                 data = changed(data, path, _plain(key, value))
             except InputError as error:
                 raise InputError(f"{owner}: {error}") from None

@@ -119,7 +119,7 @@ def value_at(data: Any, path: KeyPath) -> Any:
     return reduce(getitem, path, data)
 
 
-def holds(data: Any, path: KeyPath) -> bool:
+def holds_key(data: Any, path: KeyPath) -> bool:
     """Whether a tree of tables has a key."""
     try:
         value_at(data, path)
@@ -191,5 +191,5 @@ def with_track_file(merged: Merged, finder: Finder) -> Merged:
 def _with_keys(merged: Merged, names: set[str]) -> Merged:
     """A scenario with these keys of its [track] alone, and with the owners of what it has."""
     data = {**merged.data, "track": {key: value for key, value in merged.data["track"].items() if key in names}}
-    owners = {path: owner for path, owner in merged.owners.items() if holds(data, path)}
+    owners = {path: owner for path, owner in merged.owners.items() if holds_key(data, path)}
     return replace(merged, data=data, owners=owners)

@@ -126,7 +126,7 @@ class SectionsTable(MeasuredTable, kind="sections"):
     """Sections of the wheel at angles: profile files, compared with the wheel's own profile."""
 
     def part(self, profile: Profile, radius: float, find: Find) -> RadiusTable:
-        return read_sections(find(self.file), profile, self.cutoff_mm / 1e3)
+        return read_wheel_sections(find(self.file), profile, self.cutoff_mm / 1e3)
 
 
 AnyOutOfRoundTable = Annotated[HarmonicTable | FlatTable | RadiusFileTable | SectionsTable, Field(discriminator="kind")]
@@ -175,7 +175,7 @@ def read_radii(path: Path, shortest: float = 0.0) -> RadiusTable:
     return _checked(path, angles, across[:count], deviation.reshape(-1, count), shortest)
 
 
-def read_sections(path: Path, profile: Profile, shortest: float = 0.0) -> RadiusTable:
+def read_wheel_sections(path: Path, profile: Profile, shortest: float = 0.0) -> RadiusTable:
     """Sections of a wheel: columns angle_deg and profile, the name of a profile file beside this one. The deviation is
     how far a section lies below the profile of the wheel at each place. Raises InputError."""
     table, lines = read_columns(path, {"angle_deg": _Angle, "profile": str}, ("angle_deg", "profile"), "sections")

@@ -13,7 +13,14 @@ from wrsim.analysis.assessment.estimates import zones_of
 from wrsim.analysis.assessment.filters import on_raster, sampling_rate
 from wrsim.analysis.assessment.nadal import Climbing
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, counts, sections_of
-from wrsim.analysis.assessment.signals import AssessedPoint, Axle, Bogie, Forces, assessed_points, quasi_static
+from wrsim.analysis.assessment.signals import (
+    AssessedPoint,
+    AxleSignals,
+    BogieSignals,
+    Forces,
+    assessed_points,
+    quasi_static,
+)
 from wrsim.analysis.assessment.track_quality import track_quality
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
@@ -128,7 +135,7 @@ class _Run:
         labels = numbered(wheelsets(dataset))
         named = labels if len(labels) > 1 else dict.fromkeys(labels, "")
         self.axles = [
-            Axle(axle if label else "", label, of_wheelset(dataset, axle), settings, rules)
+            AxleSignals(axle if label else "", label, of_wheelset(dataset, axle), settings, rules)
             for axle, label in named.items()
         ]
         self.bogies = self._bogies() if rules.judging("bogie") else []
@@ -145,15 +152,15 @@ class _Run:
         self.track = track_quality(dataset, self.sections, self.notes)
         self.points = list(assessed_points(dataset, settings, rules))
 
-    def _bogies(self) -> list[Bogie]:
+    def _bogies(self) -> list[BogieSignals]:
         """The bogies, by the bodies that hold the wheelsets; a note where the result does not have them."""
         if "wheelset_bogie" not in self.dataset:
             self.notes.append("sides of bogies: the result does not hold which bogie holds a wheelset")
             return []
-        groups: dict[str, list[Axle]] = {}
+        groups: dict[str, list[AxleSignals]] = {}
         for axle, holder in zip(self.axles, np.atleast_1d(self.dataset["wheelset_bogie"].values), strict=True):
             groups.setdefault(str(holder), []).append(axle)
-        return [Bogie(name, own) for name, own in groups.items() if name]
+        return [BogieSignals(name, own) for name, own in groups.items() if name]
 
     def values(self) -> Iterator[Value]:
         """All but the quasi-static values, which go by classes."""
@@ -171,7 +178,7 @@ class _Run:
     def known(self) -> Iterator[tuple[str, float]]:
         """Numbers of this run that the assessment rests on."""
         ahead = f"run_{self.name}_" if self.name else ""
-        parts: list[Axle | AssessedPoint] = [*self.axles, *(point for point in self.points if point.is_frame)]
+        parts: list[AxleSignals | AssessedPoint] = [*self.axles, *(point for point in self.points if point.is_frame)]
         for part in parts:
             if part.hunting is not None:
                 yield f"{ahead}instability_frequency{f'_{part.name}' if part.name else ''}_Hz", part.hunting.frequency
@@ -235,7 +242,7 @@ def _mean_radii(sections: Sequence[AssessedSection]) -> Mapping[str, float]:
     return radii
 
 
-def _signals(axles: Sequence[Axle], shown: HistorySection) -> xr.Dataset:
+def _signals(axles: Sequence[AxleSignals], shown: HistorySection) -> xr.Dataset:
     """Forces as they are shown, against distance: dimensions wheelset, place [m], wheel; not-a-number where none is."""
     signals: dict[str, Callable[[Forces, float | None], NDArray[np.float64]]] = {
         "sum_Y": Forces.sum_y,

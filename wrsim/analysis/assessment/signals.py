@@ -107,7 +107,7 @@ SIGNALS: dict[str, Callable[[Forces, float | None], Array]] = {
 """Signals (n,) of a wheelset or (n, 2) of wheels, of which percentiles are judged."""
 
 
-class Axle(Forces):
+class AxleSignals(Forces):
     """Signals of one wheelset. label: name with its number from the front, for tables; load: of both wheels [N]."""
 
     def __init__(
@@ -195,10 +195,10 @@ class Axle(Forces):
         return Value(clause.judged, section, self.name, wheel, float(value), limit, label=self.label)
 
 
-class Bogie(Forces):
+class BogieSignals(Forces):
     """Forces of both sides of a bogie: sums over its wheels. name: of its frame; load: mean of its wheelsets' [N]."""
 
-    def __init__(self, name: str, axles: Sequence[Axle]) -> None:
+    def __init__(self, name: str, axles: Sequence[AxleSignals]) -> None:
         self.name, self.axles = name, axles
         y, q = (sum(axle.forces(None)[i] for axle in axles) for i in (0, 1))
         distance = np.mean([axle.distance for axle in axles], axis=0)
@@ -218,7 +218,7 @@ class Bogie(Forces):
 
 
 def quasi_static(
-    runs: Sequence[tuple[Axle, Sequence[AssessedSection]]], radii: Mapping[str, float], rules: RulesFile
+    runs: Sequence[tuple[AxleSignals, Sequence[AssessedSection]]], radii: Mapping[str, float], rules: RulesFile
 ) -> Iterator[Value]:
     """What the outer wheel bears in the full curves of each class.
 

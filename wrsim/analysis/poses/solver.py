@@ -28,7 +28,7 @@ from wrsim.contact.pose import Pose
 from wrsim.contact.status import REMARKS, TOO_MANY, UNMET, status_words
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_forces import set_pose, wheel_wrench
-from wrsim.core.contact.prescribed_load import SEARCHING, approach_of, begin, meet_load, next_height
+from wrsim.core.contact.prescribed_load import SEARCHING, approach_of, begin_search, meet_load, next_height
 from wrsim.core.contact.records import STATUS_IN_A_JUMP, STATUS_TOO_DEEP
 from wrsim.core.frames import Frame
 from wrsim.core.linalg import Vec
@@ -266,7 +266,7 @@ def height_for_load(
     not met within ``farthest`` of the first contact [m]; a load in a jump of the force ends at the jump.
     """
     s = search_for([load], height, model.radius, model.arrays.settings.E, tolerance, farthest)[0]
-    begin(s)
+    begin_search(s)
     outcome = SEARCHING
     while outcome == SEARCHING:
         outcome = next_height(s, *carried(float(s.height)), tolerance)

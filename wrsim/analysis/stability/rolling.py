@@ -35,7 +35,7 @@ FAR = 0.7  # cost of two modes from which on they are no longer one: see ``_cost
 
 
 @dataclass(frozen=True)
-class Modes:
+class RollingModes:
     """Oscillating modes at one speed [m/s]: eigenvalues (n,) [1/s], imaginary parts positive; shapes (n, bodies, 6).
 
     largest: real part of the eigenvalue farthest to the right among all, oscillating or not.
@@ -47,7 +47,7 @@ class Modes:
     largest: float
 
 
-def follow(found: Sequence[Modes]) -> list[NDArray[np.intp]]:
+def follow(found: Sequence[RollingModes]) -> list[NDArray[np.intp]]:
     """For every speed the number of the branch that each mode belongs to; branches go on from speed to speed.
 
     A mode goes on as the one that is nearest in eigenvalue and shape; what has no such mode begins a branch.
@@ -67,7 +67,7 @@ def follow(found: Sequence[Modes]) -> list[NDArray[np.intp]]:
     return branches
 
 
-def _costs(before: Modes, after: Modes) -> Array:
+def _costs(before: RollingModes, after: RollingModes) -> Array:
     """How unlike two modes are, (n, m): distance of the eigenvalues over their size, and one minus their likeness.
 
     Likeness is the modal assurance criterion |a^H b|^2 / (|a|^2 |b|^2).
@@ -80,7 +80,7 @@ def _costs(before: Modes, after: Modes) -> Array:
     return np.asarray(apart / scale + 0.5 * (1.0 - likeness))
 
 
-def critical(at: Callable[[float], Modes], found: Sequence[Modes]) -> Modes | None:
+def critical(at: Callable[[float], RollingModes], found: Sequence[RollingModes]) -> RollingModes | None:
     """Modes at the lowest speed at which the largest real part passes zero upwards; None where it does not.
 
     at: modes at any speed; found: at rising speeds. Bisection between the two that embrace the passage. Already
@@ -138,7 +138,7 @@ class RollingVehicle:
         self.remark = contact_words(wheels)
         return found.q.copy(), found.q_t.copy()
 
-    def modes(self, speed: float, highest: float) -> Modes:
+    def modes(self, speed: float, highest: float) -> RollingModes:
         """Modes of the small motions about the steady state at a speed [m/s], up to a frequency [Hz]."""
         linear = linearise(self.law, self.law.bodies, *self.state(speed))
         m = 6 * linear.bodies
@@ -151,10 +151,10 @@ class RollingVehicle:
         oscillating = (values.imag > 2.0 * np.pi * SLOWEST) & (np.abs(values.imag) <= 2.0 * np.pi * highest)
         order = np.argsort(values[oscillating].imag)
         shapes = whole[:, oscillating].T[order].reshape(-1, linear.bodies, 6)
-        return Modes(speed, values[oscillating][order], shapes, float(values.real.max()))
+        return RollingModes(speed, values[oscillating][order], shapes, float(values.real.max()))
 
 
-def mode_shapes(setup: Setup[StabilityPlan], speeds: Sequence[float]) -> Iterator[tuple[Modes, list[str]]]:
+def mode_shapes(setup: Setup[StabilityPlan], speeds: Sequence[float]) -> Iterator[tuple[RollingModes, list[str]]]:
     """Modes of the set-up's vehicle at speeds [m/s], each with the names of its modes."""
     rolling = RollingVehicle(setup, speeds[0])
     for speed in speeds:

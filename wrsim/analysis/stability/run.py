@@ -6,7 +6,7 @@ import numpy as np
 
 from wrsim.analysis.progress import Progress, Report
 from wrsim.analysis.stability.cycles import Cycle, CycleSearch
-from wrsim.analysis.stability.rolling import Modes, RollingVehicle, critical, follow
+from wrsim.analysis.stability.rolling import RollingModes, RollingVehicle, critical, follow
 from wrsim.contact.channels import remarks_channel
 from wrsim.results import Result, assemble
 from wrsim.scenario.build import Setup
@@ -24,7 +24,7 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
     """
     plan, vehicle = setup.plan, setup.vehicle
     report = Report(progress)
-    found: list[Modes] = []
+    found: list[RollingModes] = []
     remarks: list[str] = []
     cycles: list[Cycle] = []
     outcome: dict[str, Any] = {}
@@ -52,7 +52,7 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
     return _result(setup, found, remarks, cycles, outcome, reason)
 
 
-def _critical_words(worst: Modes | None, found: list[Modes], vehicle: Vehicle) -> dict[str, Any]:
+def _critical_words(worst: RollingModes | None, found: list[RollingModes], vehicle: Vehicle) -> dict[str, Any]:
     """The linear critical speed, its frequency and its mode, as attributes."""
     if worst is None:
         top = 3.6 * found[-1].speed
@@ -71,7 +71,7 @@ def _critical_words(worst: Modes | None, found: list[Modes], vehicle: Vehicle) -
 
 
 def _result(
-    setup: Setup[StabilityPlan], found: list[Modes], remarks: list[str], cycles: list[Cycle],
+    setup: Setup[StabilityPlan], found: list[RollingModes], remarks: list[str], cycles: list[Cycle],
     outcome: dict[str, Any], reason: str,
 ) -> Result:  # fmt: skip
     most = max(len(m.values) for m in found)

@@ -34,7 +34,7 @@ from wrsim.core.contact.records import LOBE, read_pose
 from wrsim.core.jit import Array, Ints, Record, Records, inlined, kernel, record, records, vector
 from wrsim.core.linalg import ZERO, Vec, add, cross, norm, scale, shifted, sub
 from wrsim.core.root import neighbours
-from wrsim.core.track.banded import factorise, invert_band, quadratic_form, solve, subtract_product
+from wrsim.core.track.banded import factorise_bands, invert_band, quadratic_form, solve_bands, subtract_product
 
 TIE = record(
     "side place speed offset push_n push_b last_n last_b guess_n guess_b rate_n rate_b nn nb bb own_nn own_nb own_bb"
@@ -169,20 +169,20 @@ def rest(speed_too: bool, rails: Rails) -> None:
     what moves along with the wheels, else none."""
     for pair in (rails.vertical, rails.lateral):
         pair.rows[:] = 0.0
-    add_loads(U, rails.loads, rails)
+    add_rail_loads(U, rails.loads, rails)
     if speed_too:
-        add_loads(U_T, rails.slopes, rails)
+        add_rail_loads(U_T, rails.slopes, rails)
     for pair in (rails.vertical, rails.lateral):
         for r in range(2):
-            solve(pair.factors[r], pair.rows[r, U])
-            solve(pair.factors[r], pair.rows[r, U_T])
+            solve_bands(pair.factors[r], pair.rows[r, U])
+            solve_bands(pair.factors[r], pair.rows[r, U_T])
     for i in range(rails.ties.shape[0]):
         tie = rails.ties[i]
         tie.bent_n, tie.bent_b = _bent(tie, tie.push_n, tie.push_b)
 
 
 @kernel
-def add_loads(row: int, numbers: Array, rails: Rails) -> None:
+def add_rail_loads(row: int, numbers: Array, rails: Rails) -> None:
     """Add the ties' forces to a row of all systems, with the numbers of loads or, times the speed, of slopes."""
     for i in range(rails.ties.shape[0]):
         tie = rails.ties[i]
@@ -227,10 +227,10 @@ def begin(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails)
     for pair in (rails.vertical, rails.lateral):
         for r in range(2):
             _predict(method, pair, r)
-    add_loads(U_TT, rails.loads, rails)
+    add_rail_loads(U_TT, rails.loads, rails)
     for pair in (rails.vertical, rails.lateral):
         for r in range(2):
-            solve(pair.factors[r], pair.rows[r, U_TT])
+            solve_bands(pair.factors[r], pair.rows[r, U_TT])
     compliances(c, rails)
     for i in range(rails.ties.shape[0]):
         tie, wheel = rails.ties[i], wheel_record(buffer, index, i)
@@ -323,7 +323,7 @@ def end(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -
     for pair in (rails.vertical, rails.lateral):
         for r in range(2):
             own = pair.rows[r]
-            solve(pair.factors[r], own[A])
+            solve_bands(pair.factors[r], own[A])
             for j in range(own.shape[1]):
                 own[U_TT, j] += own[A, j]
                 own[U, j] = own[P, j] + c * own[U_TT, j]
@@ -346,7 +346,7 @@ def _prepare(of_mass: float, of_damping: float, of_stiffness: float, pair: Pair)
                 a[i, j] = of_mass * pair.mass[r, i, j] + of_damping * pair.damping[r, i, j]
                 a[i, j] += of_stiffness * pair.stiffness[r, i, j]
             a[i, k] += of_damping * pair.drag[r, i]
-        factorise(a)
+        factorise_bands(a)
         invert_band(a, pair.inverse[r])
 
 

@@ -227,7 +227,7 @@ def find_branches(wheel: PlacedWheel) -> None:
         own[SHIFT] = place
 
 
-class Along(NamedTuple):
+class SecondForm(NamedTuple):
     """What a wheel is along t where it is touched: second form in the directions of u and theta, P_uu; size of the
     normal d - P_theta/P d' - P_u e."""
 
@@ -251,10 +251,12 @@ def _bend(at: ProfilePoint) -> float:
 
 
 @inlined
-def second_form(at: ProfilePoint, on: Touch) -> Along:
+def second_form(at: ProfilePoint, on: Touch) -> SecondForm:
     """Second fundamental form, positive where the wheel is convex, times the size of the normal."""
     size = sqrt(1.0 + on.turn * on.turn + on.p_u * on.p_u)
-    return Along(-_bend(at) - on.uu, on.turn * on.p_u - on.au, on.p * (1.0 + 2.0 * on.turn * on.turn) - on.aa, size)
+    return SecondForm(
+        -_bend(at) - on.uu, on.turn * on.p_u - on.au, on.p * (1.0 + 2.0 * on.turn * on.turn) - on.aa, size
+    )
 
 
 @inlined

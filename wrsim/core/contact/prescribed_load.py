@@ -77,7 +77,7 @@ def _power(force: float) -> float:
 
 
 @kernel
-def begin(s: Record) -> None:
+def begin_search(s: Record) -> None:
     """Begin, or begin anew, at the height ``s.start``."""
     s.height, s.first = s.start, s.start
     s.rate = s.last_height = s.last_excess = 0.0
@@ -172,7 +172,7 @@ def meet_load(buffer: Array, index: Ints, s: Record) -> int:
     settings, memo = settings_of(buffer, own), records(buffer, own, _MEMO, MEMO)[0]
     start = settings.start
     outcome = SEARCHING
-    begin(s)
+    begin_search(s)
     if settings.normal == FREE_STRIPS:
         if start == COLD_START:
             memo.known = 0
@@ -185,7 +185,7 @@ def meet_load(buffer: Array, index: Ints, s: Record) -> int:
                 s.height -= (_power(results(buffer, own)[0].Fb) - _power(s.load)) / s.rate
             outcome = _search(buffer, own, s, s.tolerance)
         if outcome != REACHED:
-            begin(s)
+            begin_search(s)
     settings.start = COLD_START
     if outcome != REACHED:
         outcome = _search(buffer, own, s, s.tolerance)

@@ -12,7 +12,7 @@ RAIL, TWISTED_RAIL = 4, 6
 
 
 @kernel
-def factorise(a: Array) -> None:
+def factorise_bands(a: Array) -> None:
     """Factors of a positive definite matrix, in place."""
     n, k = a.shape[0], a.shape[1] - 1
     for i in range(n):
@@ -31,7 +31,7 @@ def factorise(a: Array) -> None:
 
 
 @kernel
-def solve(factors: Array, x: Array) -> None:
+def solve_bands(factors: Array, x: Array) -> None:
     """The solution in place of the right-hand side x (n,)."""
     if factors.shape[1] - 1 == RAIL:
         _solve(factors, RAIL, x)

@@ -78,7 +78,7 @@ class Laws:
     pitch: Piecewise | None = None
 
 
-def kind_of(segment: Segment) -> str:
+def kind_word(segment: Segment) -> str:
     """The word for a segment in files and messages: straight, arc, transition."""
     return type(segment).__name__.lower()
 
@@ -90,7 +90,7 @@ def check_segments(segments: Sequence[Segment], gauge: float) -> None:
     for number, segment in enumerate(segments, 1):
         if not isinstance(segment, Segment):
             raise InputError(f"segment {number} is a {type(segment).__name__}; allowed: Straight, Transition, Arc")
-        where = f"segment {number} ({kind_of(segment)})"
+        where = f"segment {number} ({kind_word(segment)})"
         for key, value in vars(segment).items():
             if key != "form":
                 _check_number(where, key, value)
@@ -134,8 +134,8 @@ def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
             signs = " (positive: right rail higher)" if key == "cant" else ""
             raise InputError(
                 f"{key}_mm jumps from {1e3 * before[i]:g} to {1e3 * behind[i]:g}{signs} between segment {i + 1} "
-                f"({kind_of(segments[i])}) and segment {i + 2} ({kind_of(segments[i + 1])}); allowed: equal values at "
-                f"a joint (put a transition between, or a straight with {key}_start_mm and {key}_end_mm)"
+                f"({kind_word(segments[i])}) and segment {i + 2} ({kind_word(segments[i + 1])}); allowed: equal values "
+                f"at a joint (put a transition between, or a straight with {key}_start_mm and {key}_end_mm)"
             )
     return Laws(curvature, cant.rounded(rounding), widening.rounded(rounding))
 

@@ -102,7 +102,7 @@ class SupportRow:
 
 
 @dataclass(frozen=True)
-class Joint:
+class RailJoint:
     """A joint of a rail at a place [m]: over the length [m] its bending stiffness is this part of the rail's."""
 
     at: float
@@ -138,7 +138,7 @@ class Bands(NamedTuple):
     stiffness: tuple[Array, Array, Array]
 
 
-class Layout(NamedTuple):
+class BayLayout(NamedTuple):
     """Places of the unknowns of a system: ``own`` a node (2 or 3), ``elements`` a bay, ``bays`` in a row."""
 
     own: int
@@ -206,7 +206,7 @@ class SleeperTrack:
     pad_width: float = 0.15
     supports: tuple[SupportRow, ...] = ()
     unsupported: tuple[tuple[float, Literal["left", "right", "both"]], ...] = ()
-    joints: tuple[Joint, ...] = ()
+    joints: tuple[RailJoint, ...] = ()
     elements: int = 4
     margin: float = 10.0
     end: float = 4.0
@@ -276,8 +276,8 @@ class SleeperTrack:
         rows = sorted((r.at, getattr(r, layer)) for r in self.supports if r.side in (side, "both"))
         return np.interp(places, *np.array(rows).T) if rows else np.ones(len(places))
 
-    def layout(self, count: int, system: int) -> Layout:
-        return Layout(2 if system < 2 else 3, self.elements, count)
+    def layout(self, count: int, system: int) -> BayLayout:
+        return BayLayout(2 if system < 2 else 3, self.elements, count)
 
     def bands(self, first: int, count: int, system: int) -> Bands:
         """Matrices of a row of bays from a sleeper on, with free ends."""

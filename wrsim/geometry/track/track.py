@@ -25,7 +25,17 @@ from wrsim.geometry.track.bridge import Bridge
 from wrsim.geometry.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.geometry.track.path import Path
 from wrsim.geometry.track.rail import CentreLine, SweptCurve
-from wrsim.geometry.track.segments import Arc, Grade, Laws, Segment, Transition, check_range, kind_of, laws, pitch_law
+from wrsim.geometry.track.segments import (
+    Arc,
+    Grade,
+    Laws,
+    Segment,
+    Transition,
+    check_range,
+    kind_word,
+    laws,
+    pitch_law,
+)
 from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.inputs.notebook import card
 
@@ -266,7 +276,7 @@ class Track:
         if not self.segments:
             return (Feature("table", "measured", 0.0, self.length),)
         ends = pairwise(self.centre_line.curvature_law.breaks.tolist())
-        return tuple(Feature(kind_of(s), _label(s), *ends) for s, ends in zip(self.segments, ends, strict=True))
+        return tuple(Feature(kind_word(s), _label(s), *ends) for s, ends in zip(self.segments, ends, strict=True))
 
     def _curve(self, side: str) -> SweptCurve:
         if side not in ("left", "right"):

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from wrsim.geometry.track.bridge import Bridge, read_bridge
-from wrsim.geometry.track.sleepers import Joint, Layer, RailBeam, SleeperTrack, SupportRow
+from wrsim.geometry.track.sleepers import Layer, RailBeam, RailJoint, SleeperTrack, SupportRow
 from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.section import Choice, Section, given
 from wrsim.inputs.values import List, number, positive, text
@@ -143,8 +143,8 @@ class JointSection(Section, header="[[track.structure.joints]]"):
     side: Which = "both"
     """Which rail has it."""
 
-    def to_geometry(self) -> Joint:
-        return Joint(self.at_m, 0.01 * self.bending_percent, 1e-3 * self.length_mm, self.side)
+    def to_geometry(self) -> RailJoint:
+        return RailJoint(self.at_m, 0.01 * self.bending_percent, 1e-3 * self.length_mm, self.side)
 
 
 class BridgeSection(Section, header="[track.structure.bridge]"):

@@ -149,13 +149,13 @@ def _grid_enters(system, n, g):
     end = min(rows[last].s + 0.5 * grid.spacing, grid.most)
     bend, half = rows[main].bend, 0.5 * (end - start)
     factor = hertz_ellipse(2.0 * (1.0 - HUMP) * most / (bend * half * half), 0.0, most, bend).factor
-    begin(system, n, g, start, end, most, bend, factor)
+    begin_grid(system, n, g, start, end, most, bend, factor)
     grid.entries += 1
     return True
 
 
 @kernel
-def begin(system, n, g, start, end, depth, bend, factor):
+def begin_grid(system, n, g, start, end, depth, bend, factor):
     """First guess of a grid: a hump of this depth between these edges. bend: 1/R_x [1/m];
     factor: of all strips."""
     grid, x = system.grids[g], system.vectors[X]

@@ -8,7 +8,7 @@ from wrsim.core.jit.compiling import kernel
 EXCENTRIC = 1.27  # power of the gap's ratio of curvatures that gives the ellipse's
 
 
-class Ellipse(NamedTuple):
+class SlantedEllipse(NamedTuple):
     """Contact of a slanted parabolic ground: half length [m] of the strip in its middle, half of its width [m], factor
     k, and how much farther apart along x the middles of its strips lie than the ridge."""
 
@@ -44,7 +44,7 @@ def hertz_ellipse(ratio, slope, depth, bend):
     in_x = 1.0 / long + (1.0 / short - 1.0 / long) * lean
     half_length = 1.0 / sqrt(in_x)
     more = (1.0 / (thin * thin) - 1.0) / max(apart, 1e-9)
-    return Ellipse(
+    return SlantedEllipse(
         half_length, sqrt(in_x * long * short), 2.0 * depth / (bend * sqrt(short) * integral * half_length),
         more / (1.0 + more * (1.0 - least)),
     )  # fmt: skip

@@ -10,7 +10,7 @@ these are tried after that, with one strip less a grid each."""
 from math import inf
 from typing import NamedTuple
 
-from wrsim.core.contact.strips.changes import HUMP, RETURN, begin, in_contact, leave, move_edges, trim
+from wrsim.core.contact.strips.changes import HUMP, RETURN, begin_grid, in_contact, leave, move_edges, trim
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     REACH,
@@ -160,7 +160,7 @@ def _guess(system, n, g, level):
             first, last = min(first, r), max(last, r)
     start = max(rows[first].s - 0.5 * grid.spacing, grid.least)
     end = min(rows[last].s + 0.5 * grid.spacing, grid.most)
-    begin(system, n, g, start, end, depth, hump.bend, ellipse.factor)
+    begin_grid(system, n, g, start, end, depth, hump.bend, ellipse.factor)
     lay_strips(system, n)
     if system.memo[0].shifted and level == edge:
         middles, stretch = x[base + OF_A_STRIP * n + EDGES :], (ellipse.stretch - 1.0) * hump.slope
