@@ -225,6 +225,7 @@ def test_what_a_notebook_shows_of_objects_names_them_and_runs_nothing() -> None:
         ),
         (lambda pair: pair[1].inclined(40), "slope = 40"),
         (lambda pair: wrsim.load(None), "None: must be the name of a scenario file"),
+        (lambda pair: wrsim.run_study(None), "None: must be the name of a file"),
     ],
 )
 def test_what_cannot_be_is_named_from_python_too(call, words: str) -> None:

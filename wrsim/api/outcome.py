@@ -52,10 +52,11 @@ class Outcome:
 
 
 def as_result(given: Given) -> Result:
+    from wrsim.inputs.lookup import as_path
     from wrsim.report.output_folder import read
     from wrsim.results import Result
 
-    return given if isinstance(given, Result) else read(Path(given))
+    return given if isinstance(given, Result) else read(as_path(given, "a result"))
 
 
 def as_list(given: Given | Sequence[Given]) -> list[Given]:
@@ -100,4 +101,6 @@ def folder_beside(given: Given, output: str | Path | None) -> Path:
 
 def results_folder(file: str | Path, output: str | Path | None) -> Path:
     """Where what a file asks for is written: ``output``, else results/<name of the file>."""
-    return Path(output) if output else Path("results") / Path(file).stem
+    from wrsim.inputs.lookup import as_path
+
+    return Path(output) if output else Path("results") / as_path(file, "a file").stem

@@ -250,6 +250,8 @@ def load_text(
     InputError
         With all faults of the text, one line each.
     """
+    if not isinstance(text, str):
+        raise InputError(f"{text!r:.60}: must be the text of a scenario")
     merged = of_text(text, "scenario", ())
     if BASE in merged.data:
         raise InputError("scenario: base: needs a file; this text has to be whole")
