@@ -60,7 +60,7 @@ with how many strips of a grid it was solved (0: not); calls so far without a wh
 step, the last one and the residuals; rows exchanged in the factors; weights of the unknowns; numbers of those that are
 solved for; how much of the influence of a grid reaches another one, row after row; of all strips both ends, 1/a,
 amplitude times a^2 (0 out of contact), middle along x, normal (0, 1 where angles do not count), lateral
-over normal force, and that times nu/(1 - nu);
+over normal force, and that times nu/(1 - nu); in ``jacobian`` WISH has the derivatives of a strip's third condition;
 unknowns of the last solution while grids come to press each other down; from TERMS on what all strips do to the
 derivatives at three points (`influence.find_terms`)."""
 POINTS, OF_A_POINT = 3, 5

@@ -31,7 +31,7 @@ TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
 WIDE = 0.15  # of a grid's depth: where contact ends at most in a second guess
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 LEAST_PORTION = 1 / 32  # of the coupling of grids, at which a solution is given up
-MOST = 4000  # residuals, from which on no fewer strips are tried: one of a million random poses takes as many
+MOST = 4000  # residuals, from which on no fewer strips are tried: more than any of a million random poses takes
 ROUNDS = 8  # of half lengths, edges and factors in turn
 
 
@@ -49,7 +49,8 @@ def solve(system, n, known, tolerance):
     while strips > n // 2 and memo.iterations < MOST:
         if _at_once(system, strips, 0.0) or _at_once(system, strips, WIDE) or _one_by_one(system, strips):
             return strips
-        strips -= 0 if _straighten(system) else 1
+        if not _straighten(system):
+            strips -= 1
     return 0
 
 
