@@ -34,7 +34,7 @@ from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.steady_state import lower_on_rails, relaxed_state, steady_state
+from wrsim.simulation.steady_state import crept_state, lower_on_rails
 from wrsim.simulation.step_size import implicit_step
 from wrsim.simulation.system import Array, BodySystem
 from wrsim.vehicle.elements import ZERO, Spring
@@ -159,8 +159,7 @@ def rolling_state(law: VehicleOnTrack, flank: Flank) -> tuple[Array, Array]:
     one on the flank or beside it.
     """
     law.look_near(law.start)
-    near = relaxed_state(law, lower_on_rails(law, *design_state(law)))
-    found = steady_state(law, (near.q, near.q_t), tolerance=STEADY_ENOUGH)
+    found = crept_state(law, lower_on_rails(law, *design_state(law)), STEADY_ENOUGH)
     law(0.0, found.q, found.q_t, np.zeros(law.size))
     if _main_contact(law) < flank.end:
         raise SimulationError("the wheel climbs already")

@@ -320,9 +320,9 @@ def steady_state(
     return Equilibrium(q, law.settled_rates(q, q_t), largest)
 
 
-def relaxed_state(law: VehicleOnTrack, guess: tuple[Array, Array]) -> Equilibrium:
-    """The state that a vehicle creeps to from a guess, near its steady motion: where flanges guide its axles, Newton's
-    method often does not converge from between them."""
+def crept_state(law: VehicleOnTrack, guess: tuple[Array, Array], tolerance: float = TOLERANCE) -> Equilibrium:
+    """The steady motion near where a vehicle creeps to from a guess: where flanges guide its axles, Newton's method
+    often does not converge from between them. tolerance and errors: as of `steady_state`."""
     law.look_near(law.start)
     steady = SteadyMotion(law)
     q, q_t = guess
@@ -331,9 +331,8 @@ def relaxed_state(law: VehicleOnTrack, guess: tuple[Array, Array]) -> Equilibriu
     with law.settled(steady.slips):
         _place_bodies(steady, x, MOST_STEPS)
         with law.following():
-            x, largest = relax(steady.residual, x, steady.small, steady.terms(), RELAXED, MOST_STEPS, steady.rolled)
-    q, q_t = steady.state(x)
-    return Equilibrium(q, q_t, largest)
+            x, _ = relax(steady.residual, x, steady.small, steady.terms(), RELAXED, MOST_STEPS, steady.rolled)
+    return steady_state(law, steady.state(x), tolerance=tolerance)
 
 
 def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> None:

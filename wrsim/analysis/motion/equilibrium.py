@@ -19,13 +19,7 @@ from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
-from wrsim.simulation.steady_state import (
-    TOLERANCE,
-    Equilibrium,
-    lower_on_rails,
-    relaxed_state,
-    steady_state,
-)
+from wrsim.simulation.steady_state import TOLERANCE, Equilibrium, crept_state, lower_on_rails, steady_state
 from wrsim.simulation.system import Array
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset
@@ -77,8 +71,7 @@ def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     with suppress(SimulationError):
         return on_the_rails(law, steady_state(law, (q, q_t), tolerance=ENOUGH))
     try:
-        near = relaxed_state(law, (q, q_t))
-        return on_the_rails(law, steady_state(law, (near.q, near.q_t), tolerance=ENOUGH))
+        return on_the_rails(law, crept_state(law, (q, q_t), ENOUGH))
     except SimulationError as fault:
         raise NoSteadyMotion.of(fault) from None
 
@@ -96,8 +89,7 @@ def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack, tolerance: flo
             problems.append(problem)
     try:
         law.look_near(law.start)
-        near = relaxed_state(law, lower_on_rails(law, *design_state(law)))
-        return on_the_rails(law, steady_state(law, (near.q, near.q_t), tolerance=tolerance))
+        return on_the_rails(law, crept_state(law, lower_on_rails(law, *design_state(law)), tolerance))
     except SimulationError:
         raise NoSteadyMotion.of(problems[0]) from None
 

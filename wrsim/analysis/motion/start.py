@@ -92,8 +92,7 @@ def steady_alone(law: VehicleOnTrack, tolerance: float = steady.TOLERANCE) -> st
         with suppress(SimulationError):
             return steady.steady_state(law, guess)
     with suppress(SimulationError):
-        near = steady.relaxed_state(law, guess)
-        return steady.steady_state(law, (near.q, near.q_t), tolerance=tolerance)
+        return steady.crept_state(law, guess, tolerance)
     return steady.steady_state(law, guess, tolerance=tolerance)
 
 
