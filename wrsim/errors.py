@@ -19,9 +19,16 @@ class WrsimError(Exception):
 
 
 class InputError(WrsimError):
-    """A file, key, value or combination of the user that cannot be used. Exit code 2."""
+    """A file, key, value or combination of the user that cannot be used. Exit code 2.
+
+    unknown: dotted keys that no table has, where nothing else is wrong.
+    """
 
     exit_code = 2
+
+    def __init__(self, message: str, unknown: tuple[str, ...] = ()) -> None:
+        super().__init__(message)
+        self.unknown = unknown
 
 
 class SimulationError(WrsimError):

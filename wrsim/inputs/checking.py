@@ -9,7 +9,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from wrsim.errors import InputError, nearest
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
-from wrsim.inputs.section import ABSENT, FAULT, MOST_FAULTS, STRICT, Section
+from wrsim.inputs.section import ABSENT, FAULT, MOST_FAULTS, STRICT, UNKNOWN, Section
 from wrsim.inputs.toml_files import parse_toml, shortened, shown_value, toml_text
 from wrsim.inputs.values import refusal
 from wrsim.register import COMMANDS, ENDINGS, FILES, resolved
@@ -37,7 +37,9 @@ def check_section(section: type[S], data: dict[str, Any], locate: Locate) -> S:
         return section.model_validate(data)
     except ValidationError as error:
         refuse_other_kind(section, data, locate)
-        raise InputError(first_faults(_lines(error, locate), locate(()))) from None
+        unknown = tuple(dotted(e["loc"]) for e in error.errors(include_url=False) if e["type"] == UNKNOWN)
+        told = first_faults(_lines(error, locate), locate(()))
+        raise InputError(told, unknown if len(unknown) == error.error_count() else ()) from None
 
 
 def refuse_other_kind(kind: Any, data: dict[str, Any], locate: Locate) -> None:

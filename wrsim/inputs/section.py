@@ -22,7 +22,7 @@ from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.values import choice, entry_of, fields, refusal, refuse, table_header, unpacked, words
 
 STRICT = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
-FAULT, ABSENT = "fault", "absent"
+FAULT, ABSENT, UNKNOWN = "fault", "absent", "unknown"
 """Types of faults whose messages are final; all others are pydantic's."""
 MOST_FAULTS = 50
 """Faults of one file that are listed; more are counted."""
@@ -162,7 +162,7 @@ class Section(BaseModel):
                 if e["type"] == "too_short" and e["loc"] == (key,) and key in inside:
                     continue  # pydantic counts good entries only, and the bad ones are reported
                 fault = _described(fields(cls)[key], e, data[key])
-                if e["type"] in (FAULT, ABSENT) or fault["loc"] not in known:
+                if e["type"] in (FAULT, ABSENT, UNKNOWN) or fault["loc"] not in known:
                     faults.append(fault)
                     known.add(fault["loc"])
         named = {f["loc"] for f in faults}
@@ -194,7 +194,7 @@ class Section(BaseModel):
                 continue
             few = len(faults) < MOST_FAULTS  # more are not listed
             message, meant = cls._unknown(str(key), raw) if few else ("unknown key", None)
-            faults.append(_detail(FAULT, message, (str(key),), value))
+            faults.append(_detail(UNKNOWN, message, (str(key),), value))
             if meant is not None and meant not in raw:
                 guessed.add(meant)
                 data[meant] = value
@@ -297,7 +297,7 @@ def _described(annotation: Any, error: Any, value: Any) -> InitErrorDetails:
         kind, depth = unpacked(entry_of(annotation)), 1
     if kind.tagged and len(place) > depth:
         del place[depth]  # pydantic's tag of the chosen type
-    if error["type"] in (FAULT, ABSENT):
+    if error["type"] in (FAULT, ABSENT, UNKNOWN):
         return _detail(error["type"], error["msg"], (key, *place), error["input"])
     if depth and table_header(entry_of(annotation)):
         return _choice_of_table(kind.base, error, (key, *place), table_header(entry_of(annotation)))

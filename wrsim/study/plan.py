@@ -202,6 +202,7 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
     groups: dict[tuple[str, ...], int] = {}
     changed = {"{}"}
     faults: list[str] = []
+    known = set[str | tuple[str, ...]]()
     for place in product(*(range(n) for n in plan.shape)):
         values: dict[str, Any] = {}
         for axis, i in zip(plan.axes, place, strict=True):
@@ -223,8 +224,9 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
                 files.append({str(path.resolve()): digest for path, digest in sorted(own.items())})
                 read += own
         except InputError as error:
-            told = str(error).partition(" = ")[0] if "unknown key" in str(error) else str(error)  # whatever its value
-            if not any(told in fault for fault in faults):
+            told = error.unknown or str(error)  # an unknown key once, whatever its values
+            if told not in known:
+                known.add(told)
                 faults.append(str(error) if owner in str(error) else f"{owner}: case {label}: {error}")
             if len(faults) > MOST_FAULTS:
                 break
