@@ -6,10 +6,10 @@
 REFERENCE: folder with rounded_flat_d09.csv, 15 poses by CONTACT 25.2 (rolling radius 450 mm, rail crown 300 mm, 10 kN),
 and flat_d09_depth.csv, the depth of the wheel at slices of its angle; not part of this repository.
 
-The wheel is taken twice: as the table, which has every fourth place across of CONTACT's slices; and at all of these
+The wheel is taken three times: as the table, which has every fourth place across of CONTACT's slices; at all of these
 places, by the closed form that the table follows within 6 nm: a rounded flat of 0.9 mm depth and 100.18 mm length cut
-by a crown of 300 mm. The spline of CONTACT over the angle has its slices as coefficients: its values there are
-(1, 4, 1)/6 of theirs, which both are given.
+by a crown of 300 mm; and as CONTACT resamples the slices, by cubic splines over at most 0.5 mm. The spline of CONTACT
+over the angle has its slices as coefficients: its values there are (1, 4, 1)/6 of theirs, which all are given.
 
 Height: of the wheelset where it carries the load [um]; place: of the normal force along the rail [mm]; approach: the
 penetration across from CONTACT's reference point [%]; p0 [%], where CONTACT has fewer than 1200 elements in contact.
@@ -23,11 +23,12 @@ import csv
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model
-from wrsim.contact.settings import ContactSettings, Material
+from wrsim.contact.settings import ContactSettings, HalfSpaceSettings, Material
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.out_of_round import Flat, Harmonic, Part, RadiusTable
 from wrsim.geometry.profile.sections import circle, cone
@@ -36,18 +37,25 @@ RADIUS, CROWN, LOAD = 0.45, 0.3, 1e4
 DEPTH, LENGTH = 0.9e-3, 0.10018
 STEEL = Material(2.0 * 82e9 * 1.28, 0.28)
 SURE = 1200  # elements up to which CONTACT's largest pressure does not show the joints of slices
+PLACES = ("all places", "resampled", "table")
+RESAMPLED, ELEMENT = 0.5e-3, 0.2e-3  # by CONTACT [m]
 BRACKET = 12e-6  # about CONTACT's height [m]
 
 
-def table(folder: Path, full: bool) -> RadiusTable:
-    """The wheel at CONTACT's slices, at all places across or at those of the file."""
+def table(folder: Path, places: str) -> RadiusTable:
+    """The wheel at CONTACT's slices, at one of PLACES across."""
     angle, across, depth = np.loadtxt(folder / "flat_d09_depth.csv", delimiter=",", skiprows=1).T
     angle, across = np.unique(angle), 1e-3 * np.unique(across)
     depth = 1e-3 * depth.reshape(angle.size, across.size)
-    if full:
+    if places != "table":
         across = np.linspace(across[0], across[-1], 4 * (across.size - 1) - 1)
         flat = Flat.rounded(RADIUS, LENGTH, DEPTH, width=2.0 * np.sqrt(2.0 * CROWN * DEPTH))
         depth = flat.depth(angle, across, RADIUS)
+    if places == "resampled":
+        count = 1 + int(np.ptp(across) / RESAMPLED)
+        for parts in (count, 5 * count):  # the finer places show its spline
+            known, across = across, np.linspace(across[0], across[-1], parts + 1)
+            depth = CubicSpline(known, depth, axis=1, bc_type="natural")(across)
     depth[1:-1] = (depth[:-2] + 4.0 * depth[1:-1] + depth[2:]) / 6.0
     return RadiusTable(angle, across, -depth)
 
@@ -118,9 +126,12 @@ def beside_contact(reference: Path, normals: list[str]) -> None:
         rows = list(csv.DictReader(file))
     wheel, rail = cone("cylinder", "wheel", 0.0, -0.0302, 0.0302), circle("crown", "rail", CROWN, 0.05)
     for normal in normals:
-        for name, full in (("all places", True), ("table", False)):
-            part = table(reference, full)
-            settings = ContactSettings(normal=normal, tangential="none", wheel=STEEL, rail=STEEL, damping=0.0)
+        for name in PLACES:
+            part = table(reference, name)
+            settings = ContactSettings(
+                normal=normal, tangential="none", wheel=STEEL, rail=STEEL, damping=0.0,
+                half_space=HalfSpaceSettings(element=(ELEMENT, ELEMENT)),
+            )  # fmt: skip
             model = contact_model(wheel, rail, RADIUS, settings, out_of_round=[part])
             errors = []
             print(f"\n{normal}, {name}\n  row  pitch  height um  place mm  approach %    p0 %")
