@@ -318,7 +318,7 @@ def implicit_step(law: VehicleOnTrack, q: Array, q_t: Array) -> list[float]:
     size, count = law.size, len(law.bodies)
     newton = ImplicitStep(q.copy(), q_t.copy(), np.linspace(-1.0, 1.0, size), count, 1e-3, 1e3, 1e4)
     derivative = force_derivative(law, q, q_t, count, 0.0, 1.0, 0.5, central=False)
-    forces = np.zeros(size)
+    forces, monitor = np.zeros(size), Monitor(law, law.speed)
     newton.begin_iteration(0)
     newton.update(np.ones(size))
     newton.set_jacobian(derivative, 1.0)
@@ -328,8 +328,8 @@ def implicit_step(law: VehicleOnTrack, q: Array, q_t: Array) -> list[float]:
         if not newton.estimate(forces):
             law(0.0, newton.q, newton.q_t, forces)
             newton.update(forces)
-    newton.end_step()
-    monitor = Monitor(law, law.speed)
+    for _ in range(5):  # so many as are combined
+        newton.end_step()
     monitor.step(0.0, True)
     ended = monitor.look(0.0, q, q_t)
     near = is_near(np.array([q, q_t]), newton.q, newton.q_t, 6 * count, 1e-3)

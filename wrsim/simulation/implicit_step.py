@@ -36,7 +36,7 @@ def damping_by(radius: float) -> Numbers:
 METHOD = damping_by(SPECTRAL_RADIUS)
 
 WEIGHTS = np.array([SMALL[name] for name in COORDINATES]) ** -2.0
-"""Of the coordinates of a body in Broyden's update."""
+"""Of the coordinates of a body in Broyden's update, and in the sums of which accelerations are predicted."""
 
 NOT_SOLVED = "Newton's method does not find the end of a time step"
 
@@ -62,11 +62,12 @@ class ImplicitStep:
         own["bodies"], own["iteration"], own["estimates"] = bodies, -1, loosest is not None
         self.own, self._iteration = own, own["iteration"]
         self.rows, self.jacobian = np.zeros((kernel.ROWS, q.size)), np.zeros((q.size, q.size))
+        self._sums, self._fit = np.zeros((kernel.ORDER + 1,) * 2), np.zeros((kernel.ORDER + 2, kernel.ORDER))
         self.rows[kernel.WEIGHTS, : 6 * bodies] = np.tile(WEIGHTS, bodies)
 
     def end_step(self) -> None:
         """Predict the accelerations of the next step."""
-        kernel.end_step(self.own, self.rows, self.q_tt)
+        kernel.end_step(self.own, self.rows, self._sums, self._fit, self.q_tt)
 
     def begin_iteration(self, iteration: int) -> None:
         """Called ahead of every residual; the first one of a step starts from the prediction."""

@@ -32,7 +32,7 @@ Progress = Callable[[float, float], None]
 PROGRESS_INTERVAL = 0.1
 """Least time between two calls of the progress function [s]."""
 
-SEGMENT = 100
+SEGMENT = 200
 """Steps from one checkpoint to the next."""
 
 TOLERANCE = 1e-4

@@ -1,8 +1,9 @@
 """Newton's method within the implicit steps of generalised alpha: first guess, estimates, and failure.
 
-First guess: a step starts from the accelerations of the last one and a part of their trend; without the trend the
-remaining residual lies on the same side step after step. q, q_t and q_tt change together, as in an iteration (Arnold
-and Bruls, Multibody System Dynamics 18 (2007), algorithm 1).
+First guess: a step starts from accelerations that are a combination of the last ones, the one that would have given
+those of the steps before with the least squares of errors (linear prediction: Makhoul, Proc. IEEE 63 (1975) 561).
+Wheels vibrate on their contacts with a few steps a period: a vibration takes two accelerations, a drift two more. q,
+q_t and q_tt change together, as in an iteration (Arnold and Bruls, Multibody System Dynamics 18 (2007), algorithm 1).
 
 Estimates: the forces after an iteration differ from those predicted by the Jacobian by a part (``ratio``) of the
 predicted change. It is measured wherever forces are computed, and there the estimating Jacobian is updated (Broyden,
@@ -15,6 +16,7 @@ Failure: where new Jacobians predict less than half of the change, the force is 
 from math import isfinite, sqrt
 
 from wrsim.core.body.kinematics import first_not_finite
+from wrsim.core.dense import copy, factorise, solve_factorised
 from wrsim.core.jit.arena import Array, Record, Records, record
 from wrsim.core.jit.compiling import kernel, summing
 
@@ -22,7 +24,12 @@ CONTRACTION = 0.5
 """Newton's method retains its Jacobian as long as an iteration reduces the residual below this part of it."""
 
 TREND = 0.5
-"""Part of the last change of the accelerations that is extrapolated to the next step."""
+"""Part of the last change of the accelerations that is extrapolated to the next step, as long as too few are known;
+without it the remaining residual lies on the same side step after step."""
+
+ORDER, FADE, HELD = 4, 0.98, 1e-4
+"""Accelerations that are combined; what a step counts in the sums of squares of the next one; part of these sums with
+which the combination is held to the trend, which decides where all accelerations are alike."""
 
 NEAR, UNSEEN, FORGET = 100.0, 8, 0.9
 """Forces are estimated, not computed, where the expected residual is within the tolerance and their change, also since
@@ -42,10 +49,11 @@ prediction over the predicted change. Bodies; steps done; iteration of this step
 may be estimated; whether there is a Jacobian; steps since ``ratio`` was measured; whether the Jacobian is of this step;
 how many of its predictions have failed."""
 
-AT, FORCES, MOVED, CHANGE, LAST, AHEAD, WEIGHTS = range(7)
+AT, FORCES, MOVED, CHANGE, AHEAD, WEIGHTS, PAST = range(7)
 """Rows (size,): coordinates of the last computed forces, these, the change of the coordinates since, the predicted one
-of the forces; accelerations at the end of the last step, and predicted for the next; weights in Broyden's update."""
-ROWS = 7
+of the forces; accelerations predicted for the next step; weights of coordinates in sums; the accelerations at the ends
+of the last steps, the last one first."""
+ROWS = PAST + ORDER + 1
 
 SOLVABLE, NOT_SOLVED = -1, -2
 """What `update` returns beside the index of a force that is not finite."""
@@ -64,14 +72,34 @@ def predict(step: Records, rows: Array, q: Array, q_t: Array, q_tt: Array) -> No
 
 
 @kernel
-def end_step(step: Records, rows: Array, q_tt: Array) -> None:
-    """Predict the accelerations of the next step."""
-    own = step[0]
+def end_step(step: Records, rows: Array, sums: Array, fit: Array, q_tt: Array) -> None:
+    """Predict the accelerations of the next step. sums (ORDER + 1, ORDER + 1): products of those of the last steps with
+    each other, of all steps; fit (ORDER + 2, ORDER): scratch, the last row receives the combination."""
+    own, n, by = step[0], q_tt.size, fit[ORDER + 1]
+    for k in range(ORDER, 0, -1):
+        copy(n, rows[PAST + k - 1], rows[PAST + k])
+    copy(n, q_tt, rows[PAST])
     trend = TREND if own.steps > 0 else 0.0
-    for i in range(q_tt.size):
-        rows[AHEAD, i] = q_tt[i] + trend * (q_tt[i] - rows[LAST, i])
-        rows[LAST, i] = q_tt[i]
     own.steps += 1
+    for k in range(ORDER):
+        by[k] = 1.0 + trend if k == 0 else (-trend if k == 1 else 0.0)
+    if own.steps > ORDER:
+        whole = 1e-300
+        for k in range(ORDER + 1):
+            for m in range(ORDER + 1):
+                sums[k, m] = FADE * sums[k, m] + _product(rows[WEIGHTS], rows[PAST + k], rows[PAST + m])
+            whole += sums[k, k]
+        for k in range(ORDER):
+            for m in range(ORDER):
+                fit[k, m] = sums[k + 1, m + 1]
+            fit[k, k] += HELD * whole
+            by[k] = sums[k + 1, 0] + HELD * whole * by[k]
+        factorise(fit, ORDER, fit[ORDER])
+        solve_factorised(fit, ORDER, fit[ORDER], by)
+    for i in range(n):
+        rows[AHEAD, i] = 0.0
+        for k in range(ORDER):
+            rows[AHEAD, i] += by[k] * rows[PAST + k, i]
 
 
 @kernel
@@ -153,6 +181,14 @@ def _dot(a: Array, b: Array) -> float:
     total = 0.0
     for i in range(a.size):
         total += a[i] * b[i]
+    return total
+
+
+@summing
+def _product(weights: Array, a: Array, b: Array) -> float:
+    total = 0.0
+    for i in range(a.size):
+        total += weights[i] * a[i] * b[i]
     return total
 
 
