@@ -57,15 +57,14 @@ class RailsOnSleepers:
         """First sleeper (of those that differ) and step that the factors belong to; step 0: statics."""
         ties = np.zeros(len(places), kernel.TIE)
         ties["side"] = [wheel.side for wheel in wheels]
-        ties["place"], ties["push_b"] = places, -weight / len(places)
+        ties["place"], ties["push_b"], ties["way"] = places, -weight / len(places), kernel.SHORTEST
         lines = np.append(np.arange(-BEFORE, track.length + BEYOND, APART), track.length + BEYOND)
         along = np.array([track.rail_distance("left", lines), track.rail_distance("right", lines), lines])
         beam, n = own.rail, len(places)
         head = np.array([beam.height - beam.shear_centre, beam.shear_modulus * beam.torsion])
-        self.rails = kernel.Rails(
-            self._pair(0), self._pair(2), np.zeros(self.count * own.elements + 1), ties,
-            np.zeros((n, 3, 6)), np.zeros((n, 3, 6)), np.zeros((n, 2, 6)), head, along,
-        )  # fmt: skip
+        here, behind = (kernel.Loads(np.zeros((n, 3, 6)), np.zeros((n, 2, 6), dtype=np.intp)) for _ in range(2))
+        nodes = np.zeros(self.count * own.elements + 1)
+        self.rails = kernel.Rails(self._pair(0), self._pair(2), nodes, ties, here, behind, head, along)
         self.method = np.zeros(10)
         self._found = np.zeros((3, 2 * n))
         self.deck = np.zeros((2, len(deck)))
@@ -223,9 +222,14 @@ class RailsOnSleepers:
             rows[:, :, : rows.shape[2] - shift] = rows[:, :, shift:].copy()
             rows[:, :, rows.shape[2] - shift :] = 0.0
         self._fill()
-        if len(self._pressed) and not fresh:  # what enters lies on the bridge
-            enters = slice(max(len(self._follow) - gone * own.layout(1, 0).bay, 0), None)
-            self.rails.vertical.rows[:, [kernel.U, kernel.U_T], enters] = (self._follow[enters] @ self.deck.T).T
+        if own.bridge is not None and not fresh:
+            joint = max(self.count - gone, 0) * own.elements
+            begin = self._deflections[joint]
+            on_deck = own.following(first, self.count, own.bridge.beneath(own.elastic_lengths[1])) @ self.deck.T
+            for moved in self.rails.vertical.rows:
+                ends = moved[[kernel.U, kernel.U_T], begin : begin + 2].T
+                enters = own.entering(first, self.count, joint, on_deck, ends)[begin + 2 :]
+                moved[[kernel.U, kernel.U_T], begin + 2 :] = enters.T
 
     def _fill(self) -> None:
         """Matrices of the window, and its nodes."""

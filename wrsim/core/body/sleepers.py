@@ -38,13 +38,13 @@ from wrsim.core.track.banded import factorise_bands, invert_band, quadratic_form
 
 TIE = record(
     "side place speed offset push_n push_b last_n last_b guess_n guess_b rate_n rate_b nn nb bb own_nn own_nb own_bb"
-    " slope_nn slope_nb slope_bb bent_n bent_b"
+    " before_nn before_nb before_bb way bent_n bent_b"
 )
 """A wheel on its rail: +1 left, -1 right; distance along the centre line [m] and speed [m/s] at the end of the step;
 how far to the left of the rail's middle it pushes [m]; its force on the rail to the left and up that is foretold for
 the end of the step, and that at the last step's end [N]; displacement [m] and velocity [m/s] of the rail under it with
-that force; compliance g, the part of it that is the element's between its nodes [m/N], and its slope [1/N]; what that
-part is bent at the last step's end [m]."""
+that force; compliance g, and the part of it that is the element's between its nodes, here and a way behind [m/N]; the
+way of the step [m]; what that part is bent at the last step's end [m]."""
 
 U, U_T, U_TT, A, P, P_T, P_A = range(7)
 """Rows of a system: displacements, velocities, accelerations and those of the method; what it predicts."""
@@ -56,6 +56,8 @@ TREND = 0.5
 """Part of the last change of the forces that is extrapolated to the next step."""
 LEAST = 1e3
 """Vertical force [N] below which the place of a contact stays as it was."""
+SHORTEST = 1e-4
+"""Least way over which the slope of a rail under a wheel is a mean [m]."""
 
 
 class Pair(NamedTuple):
@@ -76,20 +78,25 @@ class Pair(NamedTuple):
     shear: Array
 
 
+class Loads(NamedTuple):
+    """Load vectors of all wheels. numbers (wheels, 3, 6): of a vertical force in the vertical system, and of a lateral
+    and a vertical one in the lateral systems; places (wheels, 2, 6) of these."""
+
+    numbers: Array
+    places: Ints
+
+
 class Rails(NamedTuple):
-    """Vertical and lateral systems; nodes (n,) [m]; ties of the wheels; loads, slopes (wheels, 3, 6): numbers of the
-    load vector of a vertical force in the vertical system, and of a lateral and a vertical one in the lateral systems,
-    and their derivatives along the rail; places (wheels, 2, 6) of these; head (2,): height of the head above the shear
-    centre [m], torsional stiffness G J [N m2]; along (3, m): distances along the left, along the right rail, along the
-    centre line."""
+    """Vertical and lateral systems; nodes (n,) [m]; ties of the wheels; loads at their places, and a way behind these;
+    head (2,): height of the head above the shear centre [m], torsional stiffness G J [N m2]; along (3, m): distances
+    along the left, along the right rail, along the centre line."""
 
     vertical: Pair
     lateral: Pair
     nodes: Array
     ties: Records
-    loads: Array
-    slopes: Array
-    places: Array
+    loads: Loads
+    behind: Loads
     head: Array
     along: Array
 
@@ -106,6 +113,9 @@ def look_ahead(time: float, buffer: Array, index: Ints, rails: Rails) -> None:
         low = min(low, own.shape[0] - 2)
         slope = (rails.along[2, low + 1] - rails.along[2, low]) / (own[low + 1] - own[low])
         tie.place, tie.speed = rails.along[2, low] + slope * (s - own[low]), slope * pose[6]
+        tie.way = max(time * abs(tie.speed), SHORTEST)
+        if tie.speed < 0.0:
+            tie.way = -tie.way
         if total.Fb > LEAST:
             aside = (total.Mt + pose[1] * total.Fb - pose[2] * total.Fo) / total.Fb
             tie.offset = tie.side * min(max(aside, -WIDEST), WIDEST)
@@ -122,38 +132,40 @@ def push_on(buffer: Array, index: Ints, rails: Rails) -> None:
 
 @kernel
 def place(rails: Rails) -> None:
-    """Load vectors of all wheels at their places."""
+    """Load vectors and own compliances of all wheels at their places, and a way behind these."""
     for i in range(rails.ties.shape[0]):
         tie = rails.ties[i]
-        low, _high, _part = neighbours(rails.nodes, tie.place)
-        e = min(low, rails.nodes.shape[0] - 2)
-        length = rails.nodes[e + 1] - rails.nodes[e]
-        xi = (tie.place - rails.nodes[e]) / length
-        load, slope = rails.loads[i], rails.slopes[i]
-        rail = 0 if tie.side > 0.0 else 1
-        head, twisting = rails.head[0], rails.head[1]
-        v_bending, l_bending = rails.vertical.bending[rail, e], rails.lateral.bending[0, e]
-        v_shear, l_shear = rails.vertical.shear[0], rails.lateral.shear[0]
-        _shapes(xi, length, 12.0 * v_bending / (v_shear * length * length), load[0], slope[0])
-        _shapes(xi, length, 12.0 * l_bending / (l_shear * length * length), load[1], slope[1])
-        for k in range(4):
-            load[2, k] = slope[2, k] = 0.0
-        load[1, 4], load[1, 5] = -head * (1.0 - xi), -head * xi
-        load[2, 4], load[2, 5] = tie.offset * (1.0 - xi), tie.offset * xi
-        slope[1, 4], slope[1, 5] = head / length, -head / length
-        slope[2, 4], slope[2, 5] = -tie.offset / length, tie.offset / length
-        for j, numbers in enumerate((rails.vertical.numbers, rails.lateral.numbers)):
-            first, second = _node(numbers, e), _node(numbers, e + 1)
-            for k in range(2):
-                rails.places[i, j, k], rails.places[i, j, 2 + k] = first + k, second + k
-            rails.places[i, j, 4], rails.places[i, j, 5] = first + 2, second + 2  # of a lateral one
-        before, behind, offset = xi * length, (1.0 - xi) * length, tie.offset
-        twist, twist_x = before * behind / (length * twisting), (behind - before) / (length * twisting)
-        n, n_x = _between(before, behind, l_bending, l_shear)
-        v, v_x = _between(before, behind, v_bending, v_shear)
-        tie.own_nn, tie.slope_nn = n + head * head * twist, n_x + head * head * twist_x
-        tie.own_nb, tie.slope_nb = -head * offset * twist, -head * offset * twist_x
-        tie.own_bb, tie.slope_bb = v + offset * offset * twist, v_x + offset * offset * twist_x
+        tie.before_nn, tie.before_nb, tie.before_bb = _load(i, tie.place - tie.way, rails.behind, rails)
+        tie.own_nn, tie.own_nb, tie.own_bb = _load(i, tie.place, rails.loads, rails)
+
+
+@kernel
+def _load(i: int, at: float, loads: Loads, rails: Rails) -> tuple[float, float, float]:
+    """Load vectors of a wheel at a place [m]; returns the compliance of its element between the nodes [m/N]."""
+    tie, load, places = rails.ties[i], loads.numbers[i], loads.places[i]
+    low, _high, _part = neighbours(rails.nodes, at)
+    e = min(low, rails.nodes.shape[0] - 2)
+    length = rails.nodes[e + 1] - rails.nodes[e]
+    xi = (at - rails.nodes[e]) / length
+    rail = 0 if tie.side > 0.0 else 1
+    head, twisting, offset = rails.head[0], rails.head[1], tie.offset
+    v_bending, l_bending = rails.vertical.bending[rail, e], rails.lateral.bending[0, e]
+    v_shear, l_shear = rails.vertical.shear[0], rails.lateral.shear[0]
+    _shapes(xi, length, 12.0 * v_bending / (v_shear * length * length), load[0])
+    _shapes(xi, length, 12.0 * l_bending / (l_shear * length * length), load[1])
+    for k in range(4):
+        load[2, k] = 0.0
+    load[1, 4], load[1, 5] = -head * (1.0 - xi), -head * xi
+    load[2, 4], load[2, 5] = offset * (1.0 - xi), offset * xi
+    for j, numbers in enumerate((rails.vertical.numbers, rails.lateral.numbers)):
+        first, second = _node(numbers, e), _node(numbers, e + 1)
+        for k in range(2):
+            places[j, k], places[j, 2 + k] = first + k, second + k
+        places[j, 4], places[j, 5] = first + 2, second + 2  # of a lateral one
+    before, after = xi * length, (1.0 - xi) * length
+    twist = before * after / (length * twisting)
+    n, v = _between(before, after, l_bending, l_shear), _between(before, after, v_bending, v_shear)
+    return n + head * head * twist, -head * offset * twist, v + offset * offset * twist
 
 
 @kernel
@@ -169,9 +181,13 @@ def rest(speed_too: bool, rails: Rails) -> None:
     what moves along with the wheels, else none."""
     for pair in (rails.vertical, rails.lateral):
         pair.rows[:] = 0.0
-    add_rail_loads(U, rails.loads, rails)
-    if speed_too:
-        add_rail_loads(U_T, rails.slopes, rails)
+    for i in range(rails.ties.shape[0]):
+        tie = rails.ties[i]
+        _add(U, i, tie.push_n, tie.push_b, rails.loads, rails)
+        if speed_too:
+            rate = tie.speed / tie.way
+            _add(U_T, i, rate * tie.push_n, rate * tie.push_b, rails.loads, rails)
+            _add(U_T, i, -rate * tie.push_n, -rate * tie.push_b, rails.behind, rails)
     for pair in (rails.vertical, rails.lateral):
         for r in range(2):
             solve_bands(pair.factors[r], pair.rows[r, U])
@@ -182,19 +198,10 @@ def rest(speed_too: bool, rails: Rails) -> None:
 
 
 @kernel
-def add_rail_loads(row: int, numbers: Array, rails: Rails) -> None:
-    """Add the ties' forces to a row of all systems, with the numbers of loads or, times the speed, of slopes."""
-    for i in range(rails.ties.shape[0]):
-        tie = rails.ties[i]
-        factor = tie.speed if row == U_T else 1.0
-        _add(row, i, factor * tie.push_n, factor * tie.push_b, numbers, rails)
-
-
-@kernel
 def compliances(of_inverse: float, rails: Rails) -> None:
     """Write the compliances g of all wheels: of_inverse B^T S^-1 B, and the own ones between the nodes."""
     for i in range(rails.ties.shape[0]):
-        tie, load, places = rails.ties[i], rails.loads[i], rails.places[i]
+        tie, load, places = rails.ties[i], rails.loads.numbers[i], rails.loads.places[i]
         rail = 0 if tie.side > 0.0 else 1
         bb = quadratic_form(rails.vertical.inverse[rail], places[0, :4], load[0, :4], load[0, :4])
         nn = nb = 0.0
@@ -227,24 +234,29 @@ def begin(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails)
     for pair in (rails.vertical, rails.lateral):
         for r in range(2):
             _predict(method, pair, r)
-    add_rail_loads(U_TT, rails.loads, rails)
+    for i in range(rails.ties.shape[0]):
+        _add(U_TT, i, rails.ties[i].push_n, rails.ties[i].push_b, rails.loads, rails)
     for pair in (rails.vertical, rails.lateral):
         for r in range(2):
             solve_bands(pair.factors[r], pair.rows[r, U_TT])
     compliances(c, rails)
     for i in range(rails.ties.shape[0]):
         tie, wheel = rails.ties[i], wheel_record(buffer, index, i)
-        p, a = read(P, i, rails.loads, rails), read(U_TT, i, rails.loads, rails)
+        p, a, p_t = read(P, i, rails.loads, rails), read(U_TT, i, rails.loads, rails), read(P_T, i, rails.loads, rails)
+        u_n, u_b, u = p[0] + c * a[0], p[1] + c * a[1], read(U, i, rails.loads, rails)
+        was_p, was_a = read(P, i, rails.behind, rails), read(U_TT, i, rails.behind, rails)
+        was = read(U, i, rails.behind, rails)
+        # means over the way and the step: what single places miss where the rail has kinks over sleepers
+        slope_n = 0.5 * (u_n + u[0] - was_p[0] - c * was_a[0] - was[0]) / tie.way
+        slope_b = 0.5 * (u_b + u[1] - was_p[1] - c * was_a[1] - was[1]) / tie.way
         bent_n, bent_b = _bent(tie, tie.push_n, tie.push_b)
-        tie.guess_n, tie.guess_b = p[0] + c * a[0] + bent_n, p[1] + c * a[1] + bent_b
-        p_t = read(P_T, i, rails.loads, rails)
-        p_x, a_x = read(P, i, rails.slopes, rails), read(U_TT, i, rails.slopes, rails)
-        own_n, own_b = (bent_n - tie.bent_n) / method[0], (bent_b - tie.bent_b) / method[0]
-        tie.rate_n = p_t[0] + d * a[0] + tie.speed * (p_x[0] + c * a_x[0]) + own_n
-        tie.rate_b = p_t[1] + d * a[1] + tie.speed * (p_x[1] + c * a_x[1]) + own_b
+        tie.guess_n, tie.guess_b = u_n + bent_n, u_b + bent_b
+        tie.rate_n = p_t[0] + d * a[0] + tie.speed * slope_n + (bent_n - tie.bent_n) / method[0]
+        tie.rate_b = p_t[1] + d * a[1] + tie.speed * slope_b + (bent_b - tie.bent_b) / method[0]
         # where a force moves along, half of what its own compliance changes is its slope
-        wheel.slope_n = p_x[0] + c * a_x[0] + 0.5 * (tie.slope_nn * tie.push_n + tie.slope_nb * tie.push_b)
-        wheel.slope_b = p_x[1] + c * a_x[1] + 0.5 * (tie.slope_nb * tie.push_n + tie.slope_bb * tie.push_b)
+        bent_n -= tie.before_nn * tie.push_n + tie.before_nb * tie.push_b
+        bent_b -= tie.before_nb * tie.push_n + tie.before_bb * tie.push_b
+        wheel.slope_n, wheel.slope_b = slope_n + 0.5 * bent_n / tie.way, slope_b + 0.5 * bent_b / tie.way
         wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = tie.nn, tie.nb, tie.bb
         wheel.rate_n, wheel.rate_b = 1.0 / tie.nn, 1.0 / tie.bb
         wheel.held_n, wheel.held_b = 1.0 - method[7] * tie.nn, 1.0 - method[7] * tie.bb
@@ -366,32 +378,32 @@ def _predict(method: Array, pair: Pair, r: int) -> None:
 
 
 @kernel
-def _add(row: int, i: int, push_n: float, push_b: float, numbers: Array, rails: Rails) -> None:
+def _add(row: int, i: int, push_n: float, push_b: float, loads: Loads, rails: Rails) -> None:
     """Add a wheel's force to a row of all systems."""
-    own, places, side = numbers[i], rails.places[i], rails.ties[i].side
+    own, places, side = loads.numbers[i], loads.places[i], rails.ties[i].side
     vertical = rails.vertical.rows[0 if side > 0.0 else 1, row]
     for k in range(4):
-        vertical[int(places[0, k])] += own[0, k] * push_b
+        vertical[places[0, k]] += own[0, k] * push_b
     for r in range(2):
         lateral, share = rails.lateral.rows[r, row], sqrt(0.5) * (1.0 if r == 0 else side)
         for k in range(6):
-            lateral[int(places[1, k])] += share * (own[1, k] * push_n + own[2, k] * push_b)
+            lateral[places[1, k]] += share * (own[1, k] * push_n + own[2, k] * push_b)
 
 
 @kernel
-def read(row: int, i: int, numbers: Array, rails: Rails) -> tuple[float, float]:
-    """What a row of all systems gives for a wheel with the numbers of loads or slopes, to the left and up; without its
-    own displacement between the nodes."""
-    own, places, side = numbers[i], rails.places[i], rails.ties[i].side
+def read(row: int, i: int, loads: Loads, rails: Rails) -> tuple[float, float]:
+    """What a row of all systems gives for a wheel where its loads are, to the left and up; without its own displacement
+    between the nodes."""
+    own, places, side = loads.numbers[i], loads.places[i], rails.ties[i].side
     vertical = rails.vertical.rows[0 if side > 0.0 else 1, row]
     n = b = 0.0
     for k in range(4):
-        b += own[0, k] * vertical[int(places[0, k])]
+        b += own[0, k] * vertical[places[0, k]]
     for r in range(2):
         lateral, share = rails.lateral.rows[r, row], sqrt(0.5) * (1.0 if r == 0 else side)
         for k in range(6):
-            n += share * own[1, k] * lateral[int(places[1, k])]
-            b += share * own[2, k] * lateral[int(places[1, k])]
+            n += share * own[1, k] * lateral[places[1, k]]
+            b += share * own[2, k] * lateral[places[1, k]]
     return n, b
 
 
@@ -404,24 +416,19 @@ def _node(numbers: Ints, node: int) -> int:
 
 
 @kernel
-def _shapes(x: float, length: float, phi: float, value: Array, slope: Array) -> None:
-    """Shape functions of an element in bending at the part x of its length, and their derivatives along it [1/m]."""
+def _shapes(x: float, length: float, phi: float, value: Array) -> None:
+    """Shape functions of an element in bending at the part x of its length."""
     one = 1.0 / (1.0 + phi)
     value[0] = one * (1.0 - 3.0 * x * x + 2.0 * x * x * x + phi * (1.0 - x))
     value[1] = one * length * (x - 2.0 * x * x + x * x * x + 0.5 * phi * (x - x * x))
     value[2] = one * (3.0 * x * x - 2.0 * x * x * x + phi * x)
     value[3] = one * length * (x * x * x - x * x - 0.5 * phi * (x - x * x))
-    slope[0] = one / length * (6.0 * x * x - 6.0 * x - phi)
-    slope[1] = one * (1.0 - 4.0 * x + 3.0 * x * x + 0.5 * phi * (1.0 - 2.0 * x))
-    slope[2] = -slope[0]
-    slope[3] = one * (3.0 * x * x - 2.0 * x - 0.5 * phi * (1.0 - 2.0 * x))
 
 
 @inlined
-def _between(a: float, b: float, bending: float, shear: float) -> tuple[float, float]:
+def _between(a: float, b: float, bending: float, shear: float) -> float:
     """Static deflection under a unit force on a beam clamped at both ends, a behind one and b ahead of the other [m/N],
-    and its slope over a: of least energy of all reactions."""
+    of least energy of all reactions."""
     whole, across = a + b, (a + b) ** 3 / (12.0 * bending) + (a + b) / shear
     reaction = (b * b * (3.0 * a + b) / (12.0 * bending) + b / shear) / across
-    found = b * b * b * (whole / 3.0 - 0.25 * b) / (bending * whole) + b / shear - reaction * reaction * across
-    return found, reaction * (a * b / bending + 2.0 / shear) - a * b * b / (whole * bending) - 1.0 / shear
+    return b * b * b * (whole / 3.0 - 0.25 * b) / (bending * whole) + b / shear - reaction * reaction * across

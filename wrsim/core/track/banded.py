@@ -5,7 +5,7 @@ A matrix (n, n) with k diagonals below the main one is stored as its lower band 
 1/D in the last column. Loops of solutions and products have fixed lengths for k = 4 and 6, those of rails.
 """
 
-from wrsim.core.jit import Array, inlined, kernel
+from wrsim.core.jit import Array, Ints, inlined, kernel
 
 RAIL, TWISTED_RAIL = 4, 6
 """Diagonals of a rail in bending, and of one with torsion."""
@@ -107,12 +107,12 @@ def invert_band(factors: Array, inverse: Array) -> None:
 
 
 @kernel
-def quadratic_form(band: Array, places: Array, x: Array, y: Array) -> float:
+def quadratic_form(band: Array, places: Ints, x: Array, y: Array) -> float:
     """x^T a y for vectors whose only numbers, (m,), stand at these places within the band of a."""
     k = band.shape[1] - 1
     total = 0.0
     for i in range(x.shape[0]):
         for j in range(y.shape[0]):
-            row, column = int(max(places[i], places[j])), int(min(places[i], places[j]))
+            row, column = max(places[i], places[j]), min(places[i], places[j])
             total += x[i] * y[j] * band[row, k - row + column]
     return total
