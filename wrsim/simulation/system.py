@@ -163,18 +163,18 @@ class BodySystem:
         half = 0.5 * step
         return start + (2 * before + round(t / half)) * half
 
-    def _force(self, t: float, item: int, q: object, q_t: object) -> Array:
-        """Generalised forces at the current state. Exudyn's arguments are lists; the views hold the same numbers."""
+    def _force(self, t: float, item: int, q: object, q_t: object) -> list[float]:
+        """Generalised forces at the current state: a list, as the arguments are; the views hold the same numbers."""
         newton, out = self._newton, self._out
         if newton is not None and newton.estimate(out):
-            return out
+            return out.tolist()
         self.work.evaluations += 1
         time = self._time(t)
         self.forces(time, self.q, self.q_t, out)
         bad = first_not_finite(out, out) if newton is None else newton.update(out)
         if bad >= 0:
             raise NotFinite(bad, time)
-        return out
+        return out.tolist()
 
     def _jacobian(self, t: float, item: int, q: object, q_t: object, by_q: float, by_q_t: float) -> Any:
         self.work.jacobians += 1

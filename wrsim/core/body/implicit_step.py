@@ -31,7 +31,7 @@ ORDER, FADE, HELD = 4, 0.98, 1e-4
 """Accelerations that are combined; what a step counts in the sums of squares of the next one; part of these sums with
 which the combination is held to the trend, which decides where all accelerations are alike."""
 
-NEAR, UNSEEN, FORGET = 100.0, 8, 0.9
+NEAR, UNSEEN, FORGET = 100.0, 16, 0.9
 """Forces are estimated, not computed, where the expected residual is within the tolerance and their change, also since
 the last step, within so many tolerances; in at most so many steps in succession. The contraction in a step counts as
 this part of it in the next."""
