@@ -8,11 +8,44 @@ from functools import cached_property, lru_cache
 from math import factorial, perm
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 Jet = tuple[Array, Array, Array]  # value, slope and second derivative
+
+
+@dataclass(frozen=True, eq=False)
+class Polynomials:
+    """Polynomials between the places x (m + 1,): coefficients c (k, m) of falling powers of the distance from the
+    beginning of a piece. As scipy's PPoly, which takes longer to import than a track to lay."""
+
+    c: Array
+    x: Array
+
+    @classmethod
+    def hermite(cls, x: Array, values: Array, slopes: Array) -> Polynomials:
+        """The cubics with these values and slopes at x, each (m + 1,)."""
+        length, mean = np.diff(x), np.diff(values) / np.diff(x)
+        bend = (slopes[:-1] + slopes[1:] - 2.0 * mean) / length
+        return cls(np.array([bend / length, (mean - slopes[:-1]) / length - bend, slopes[:-1], values[:-1]]), x)
+
+    def derivative(self, order: int) -> Polynomials:
+        c = self.c
+        for _ in range(order):
+            c = c[:-1] * np.arange(len(c) - 1, 0, -1)[:, None]
+        return Polynomials(c if len(c) else np.zeros_like(self.c[:1]), self.x)
+
+    def antiderivative(self) -> Polynomials:
+        """The integral from the first place on."""
+        c = np.vstack([self.c / np.arange(len(self.c), 0, -1)[:, None], np.zeros_like(self.c[:1])])
+        c[-1, 1:] = np.cumsum(np.polyval(c, np.diff(self.x)))[:-1]
+        return Polynomials(c, self.x)
+
+    def __call__(self, s: ArrayLike, order: int = 0) -> Array:
+        """Value or a derivative at s; beyond the ends that of the first or the last piece."""
+        s = np.asarray(s, dtype=float)
+        i = np.clip(np.searchsorted(self.x, s, "right") - 1, 0, len(self.x) - 2)
+        return np.asarray(np.polyval(self.derivative(order).c[:, i], s - self.x[i]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,14 +55,14 @@ class Piecewise:
     At a joint the piece behind it holds. Outside, value and derivatives of the nearer end are held.
     """
 
-    pieces: scipy.interpolate.PPoly
+    pieces: Polynomials
 
     @classmethod
     def of_rows(cls, edges: Array, rows: ArrayLike) -> Piecewise:
         """c0 + c1 xi + c2 xi^2 + ... with xi = 0..1 in each piece; edges: (m + 1,) [m], rows: (m, k)."""
         coefficients = np.array(rows, dtype=np.float64).T
         powers = np.arange(len(coefficients))[:, None]
-        return cls(scipy.interpolate.PPoly((coefficients / np.diff(edges) ** powers)[::-1], edges))
+        return cls(Polynomials((coefficients / np.diff(edges) ** powers)[::-1], edges))
 
     @classmethod
     def through(cls, s: Array, values: Array) -> Piecewise:
@@ -52,7 +85,7 @@ class Piecewise:
         return not self.pieces.c.any()
 
     @cached_property
-    def _integral(self) -> scipy.interpolate.PPoly:
+    def _integral(self) -> Polynomials:
         return self.pieces.antiderivative()
 
     def __call__(self, s: ArrayLike, derivative: int = 0) -> Array:
@@ -72,7 +105,7 @@ class Piecewise:
     def joints(self, derivative: int = 0) -> tuple[Array, Array]:
         """Value or slope just before and just behind each inner joint, (m - 1,) each."""
         law = self.pieces.derivative(derivative)
-        return np.polyval(law.c[:, :-1], np.diff(law.x)[:-1]), law.c[-1, 1:]
+        return np.asarray(np.polyval(law.c[:, :-1], np.diff(law.x)[:-1])), law.c[-1, 1:]
 
     def rounded(self, half_width: float) -> Piecewise:
         """The function with its kinks rounded over +-half_width [m], never beyond a neighbour.
@@ -101,7 +134,7 @@ class Piecewise:
         for row, n in zip(c, orders, strict=True):
             slopes = sum(bump[4 - k] * powers[k - n] * perm(k, n) for k in range(n, 5))
             np.add.at(row, at, slopes / factorial(n))
-        return Piecewise(scipy.interpolate.PPoly(c, parts)) if real.any() else self
+        return Piecewise(Polynomials(c, parts)) if real.any() else self
 
 
 def arclengths(velocity: Callable[[Array], Array], t: Array, points: int = 8) -> Array:

@@ -12,9 +12,9 @@ from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from pydantic import Field
-from scipy.linalg import eigh
 
 from wrsim.errors import InputError
 from wrsim.geometry.track.beams import bending_matrices
@@ -125,7 +125,7 @@ class Axle:
             inertia[2 * i, 2 * i] += disc.mass
             inertia[2 * i + 1, 2 * i + 1] += disc.across
             turning[i] += disc.polar
-        squares, vectors = eigh(stiffness, inertia, subset_by_index=[2, 1 + self.count])
+        squares, vectors = scipy.linalg.eigh(stiffness, inertia, subset_by_index=[2, 1 + self.count])
         vectors = vectors.T.reshape(self.count, -1, 2)
         largest = np.abs(vectors[..., 0]).max(axis=1)
         twice = 2 * self.count

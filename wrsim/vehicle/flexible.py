@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Annotated, ClassVar
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from wrsim.errors import InputError
 from wrsim.inputs.mode_tables import of_modes, read_mode_table
@@ -145,7 +145,9 @@ def _from_npz(path: Path) -> Given:
 def free_roots(count: int) -> Array:
     """Roots of cos(x) cosh(x) = 1 above 0: wave numbers of the modes of a free beam times its length."""
     guesses = np.pi * (np.arange(count) + 1.5)
-    return np.array([brentq(lambda x: np.cos(x) - 1.0 / np.cosh(x), g - 0.1, g + 0.1, xtol=1e-14) for g in guesses])
+    return np.array(
+        [scipy.optimize.brentq(lambda x: np.cos(x) - 1.0 / np.cosh(x), g - 0.1, g + 0.1, xtol=1e-14) for g in guesses]
+    )
 
 
 @dataclass(frozen=True, eq=False)

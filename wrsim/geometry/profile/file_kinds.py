@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
+import scipy
 from pydantic import Field
-from scipy.optimize import brentq
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile import sections as shapes
@@ -256,7 +256,7 @@ class FlangedFile(ProfileFile, kind="flanged"):
             return flange_dimensions(on_tape_circle(u)).thickness - self.thickness_mm * MM
 
         try:
-            place = float(brentq(too_thick, root, root + REACH))
+            place = float(scipy.optimize.brentq(too_thick, root, root + REACH))
         except ValueError:
             raise InputError(f"thickness_mm = {self.thickness_mm:g}: root and tread do not fit beside it") from None
         return on_tape_circle(place)

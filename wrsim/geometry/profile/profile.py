@@ -16,7 +16,6 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.errors import InputError
@@ -239,8 +238,11 @@ class Profile:
         def climb(L: float) -> float:
             return float(self._evaluate(L, 1)[0][1])
 
-        inside = climb(lo) > 0.0 > climb(hi)
-        return float(scipy.optimize.brentq(climb, lo, hi, xtol=1e-16) if inside else self.arclength[i])
+        if not climb(lo) > 0.0 > climb(hi):
+            return float(self.arclength[i])
+        while lo < (middle := 0.5 * (lo + hi)) < hi:  # scipy takes longer to import
+            lo, hi = (middle, hi) if climb(middle) > 0.0 else (lo, middle)
+        return float(middle)
 
     @cached_property
     def top(self) -> tuple[float, float]:

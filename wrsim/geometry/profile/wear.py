@@ -76,7 +76,7 @@ class DepthTable:
         return float(self.places[0]), float(self.places[-1])
 
     @cached_property
-    def _spline(self) -> scipy.interpolate.CubicSpline:
+    def _spline(self) -> "scipy.interpolate.CubicSpline":
         return scipy.interpolate.CubicSpline(self.places, self.depths)
 
     def at(self, place: Array) -> tuple[Array, Array]:

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
-from scipy.linalg import eigh
+import scipy
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
@@ -44,7 +43,7 @@ class Bridge:
     def at(self, places: Array) -> tuple[Array, Array]:
         """Values [1] and slopes [1/m] of the modes at places along the track [m] (places, n), 0 beside the bridge."""
         rows = self.start + self.step * np.arange(len(self.shapes))
-        spline = CubicHermiteSpline(rows, self.shapes[..., 0], self.shapes[..., 1], extrapolate=False)
+        spline = scipy.interpolate.CubicHermiteSpline(rows, self.shapes[..., 0], self.shapes[..., 1], extrapolate=False)
         return np.nan_to_num(spline(places)), np.nan_to_num(spline(places, 1))
 
     def beneath(self, elastic_length: float) -> Bridge:
@@ -76,7 +75,9 @@ class Bridge:
         even = np.full(len(length), bending)
         stiffness, inertia = bending_matrices(length, even, STIFF * bending, mass, 0.0)
         free = np.setdiff1d(np.arange(2 * len(nodes)), 2 * ROWS * np.arange(len(spans) + 1))
-        squares, vectors = eigh(*(m[np.ix_(free, free)] for m in (stiffness, inertia)), subset_by_index=[0, count - 1])
+        squares, vectors = scipy.linalg.eigh(
+            *(m[np.ix_(free, free)] for m in (stiffness, inertia)), subset_by_index=[0, count - 1]
+        )
         moved = np.zeros((count, 2 * len(nodes)))
         moved[:, free] = vectors.T
         values, slopes = moved[:, ::2], moved[:, 1::2]
@@ -87,7 +88,9 @@ class Bridge:
         right = (6.0 * (a - b) / length + 2.0 * da + 4.0 * db) / length
         curvature = 0.5 * (np.pad(left, ((0, 0), (0, 1)), "edge") + np.pad(right, ((0, 0), (1, 0)), "edge"))
         along = np.linspace(0.0, ends[-1], len(nodes))
-        sampled = [CubicSpline(nodes, own / largest[:, None], axis=1)(along) for own in (values, slopes)]
+        sampled = [
+            scipy.interpolate.CubicSpline(nodes, own / largest[:, None], axis=1)(along) for own in (values, slopes)
+        ]
         middle = ROWS // 2 + ROWS * np.arange(len(spans))
         return cls(
             start, step, np.sqrt(squares) / (2.0 * np.pi), np.full(count, damping), largest**-2.0,
@@ -111,7 +114,7 @@ def read_bridge(path: Path, start: float) -> Bridge:
     if np.any(np.diff(at) <= 0.0) or at[0] != 0.0:
         raise InputError(f"{path}: column at_m: every mode needs the same places, rising from 0")
     along = np.linspace(0.0, at[-1], ROWS + 1)
-    spline = CubicSpline(at, uz, axis=1)
+    spline = scipy.interpolate.CubicSpline(at, uz, axis=1)
     values, slopes = spline(along), spline(along, 1)
     largest = np.abs(values).max(axis=1)
     if not largest.all():

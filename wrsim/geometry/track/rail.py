@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike
 
-from wrsim.geometry.piecewise import Array, Jet, Piecewise, gauss_integrals, subdivided
+from wrsim.geometry.piecewise import Array, Jet, Piecewise, Polynomials, gauss_integrals, subdivided
 from wrsim.geometry.track.irregularities import SMOOTH, RailIrregularity
 from wrsim.geometry.track.path import COLUMNS, Path
 
@@ -112,11 +111,11 @@ class SweptCurve:
         return np.concatenate(([0.0], np.cumsum(self._advance(self._anchors[:-1], self._anchors[1:]))))
 
     @cached_property
-    def _from_arclength(self) -> scipy.interpolate.CubicHermiteSpline:
+    def _from_arclength(self) -> Polynomials:
         """Distance at own arclength, nearly: the cubics through arclengths and rates at the anchors."""
         apart = np.append(np.diff(self._anchor_lengths) > 0.0, True)
         s = self._anchors[apart]
-        return scipy.interpolate.CubicHermiteSpline(self._anchor_lengths[apart], s, 1.0 / self._rate(s))
+        return Polynomials.hermite(self._anchor_lengths[apart], s, 1.0 / self._rate(s))
 
     @property
     def length(self) -> float:
