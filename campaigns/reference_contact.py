@@ -122,7 +122,7 @@ class Region:
 @dataclass(frozen=True)
 class Answer:
     """A model's contact at one pose: the patch with the largest force, all regions, forces on the wheel [N], seconds of
-    one evaluation at the pose that was found."""
+    one evaluation at the pose that was found; of strips the mean place of the normal force along the track [m]."""
 
     normal_force: float
     p0: float
@@ -133,6 +133,7 @@ class Answer:
     moment: Array
     regions: tuple[Region, ...]
     seconds: float
+    along: float = np.nan
 
     @property
     def angles(self) -> tuple[float, float]:
@@ -189,6 +190,7 @@ def answer_of_strips(model: ContactModel, contact: Contact, place: float, repeat
         return None
     groups = {g: float(lobes["N"][lobes["group"] == g].sum()) for g in set(lobes["group"])}
     main = lobes[lobes["group"] == max(groups, key=groups.__getitem__)]
+    strips = np.concatenate(contact.strips)
     return Answer(
         float(main["N"].sum()),
         float(main["p0"].max()),
@@ -197,8 +199,9 @@ def answer_of_strips(model: ContactModel, contact: Contact, place: float, repeat
         len(groups),
         contact.force,
         contact.moment,
-        strip_regions(np.concatenate(contact.strips), place),
+        strip_regions(strips, place),
         _seconds(model.arrays.call, repeats),
+        float(strips["N"] @ strips["x"] / strips["N"].sum()),
     )
 
 

@@ -5,9 +5,10 @@
 
 Draws mutants of signs, operators and factors of `wrsim/core` (`campaigns.mutants`), writes them all into a copy of the
 sources as ``changed if which() == number else original``, compiles that once and runs the short form of the benchmark,
-which must be green. Then a fork for each mutant runs it until its first red comparison, cheap ones first. A mutant
-that makes an index of a quotient, or changes a constant of a module, has no switch; it is told as such. Needs a C
-compiler (cc). A fork that is stopped, also by its time, counts as red.
+which must be green. Then a fork for each mutant runs it until its first red comparison, cheap ones first. A quotient
+of whole numbers in the place of their product, which may be an index, is rounded down. A mutant that changes a constant
+of a module or what writes kernels has no switch; it is told as such. Needs a C compiler (cc). A fork that is stopped,
+also by its time, counts as red.
 """
 
 import argparse
@@ -15,7 +16,6 @@ import ast
 import ctypes
 import os
 import random
-import re
 import resource
 import shutil
 import subprocess
@@ -29,6 +29,8 @@ ROOT = Path(__file__).parents[1]
 PATIENCE = 150  # processor time of a mutant [s]
 C_CODE = "static long at = -1;\nlong wrsim_mutant(void) { return at; }\nvoid wrsim_set(long to) { at = to; }\n"
 WHICH = '''"""Which mutant is at work."""
+import operator
+
 import llvmlite.binding
 from llvmlite import ir
 from numba.core import types
@@ -45,6 +47,19 @@ def which(context):
         return builder.call(known or ir.Function(builder.module, kind, "wrsim_mutant"), [])
 
     return types.int64(), code
+
+
+@intrinsic
+def quotient(context, a, b):
+    whole = isinstance(a, types.Integer) and isinstance(b, types.Integer)
+    divide = operator.floordiv if whole else operator.truediv
+    signature = context.resolve_function_type(divide, (types.unliteral(a), types.unliteral(b)), {{}})
+
+    def code(context, builder, own, arguments):
+        pairs = zip(arguments, own.args, signature.args)
+        return context.get_function(divide, signature)(builder, [context.cast(builder, *pair) for pair in pairs])
+
+    return signature.return_type(a, b), code
 '''
 Place = tuple[str, int, int, int | None, int | None]
 
@@ -87,6 +102,8 @@ class Switches(ast.NodeTransformer):
         if at not in self.mutants or not isinstance(node, ast.expr):
             return node
         number, changed = self.mutants.pop(at)
+        if isinstance(changed, ast.BinOp) and isinstance(changed.op, ast.Div):
+            changed = ast.Call(ast.Name("quotient", ast.Load()), [changed.left, changed.right], [])
         asked = ast.Compare(ast.Call(ast.Name("which", ast.Load()), [], []), [ast.Eq()], [ast.Constant(number)])
         return ast.IfExp(asked, changed, node)
 
@@ -114,28 +131,19 @@ def build(folder: Path, number: int, seed: int) -> dict[int, str]:
         code = mutant.file.read_text()
         old, new = difference(*map(ast.parse, (code, mutate_code(code, OPERATORS[mutant.operator], mutant.occurrence))))
         words[i] = f"{mutant.file}:{mutant.function} {ast.unparse(old)} -> {ast.unparse(new)}"
-        if not mutant.function or not isinstance(old, ast.expr) or not isinstance(new, ast.expr) or index(old, new):
+        switch = mutant.function and mutant.file.parent.name != "jit"
+        if not switch or not isinstance(old, ast.expr) or not isinstance(new, ast.expr):
             words[i] += " (no switch)"
         else:
             of_files.setdefault(mutant.file, {})[place(old)] = i, new
     for file, mutants in of_files.items():
         tree = Switches(mutants).visit(ast.parse(file.read_text()))
         first = next(i for i, node in enumerate(tree.body) if isinstance(node, ast.ImportFrom | ast.Import))
-        tree.body.insert(first, ast.parse("from wrsim.core.jit.which import which").body[0])
+        tree.body.insert(first, ast.parse("from wrsim.core.jit.which import quotient, which").body[0])
         file.write_text(ast.unparse(ast.fix_missing_locations(tree)))
         for number, _ in mutants.values():
             words[number] += " (no switch)"
     return words
-
-
-def index(old: ast.expr, new: ast.expr) -> bool:
-    """Whether a product of whole numbers turns into a quotient, which is no index: counts n, and constants by name."""
-    if not (isinstance(old, ast.BinOp) and isinstance(old.op, ast.Mult) and isinstance(new, ast.BinOp)):
-        return False
-    return all(
-        isinstance(part.value, int) if isinstance(part, ast.Constant) else re.fullmatch("n|[A-Z_]+", ast.unparse(part))
-        for part in (old.left, old.right)
-    )
 
 
 def first_red(reference: Path, names: Sequence[str], warm: bool = False) -> str:
@@ -151,8 +159,10 @@ def first_red(reference: Path, names: Sequence[str], warm: bool = False) -> str:
         if verdict.word == "red":
             beyond = [f"{own.quantity} {', '.join(own.beyond)}" for own in verdict.outcomes if own.word == "red"]
             return f"red {name}: {'; '.join(beyond)} {verdict.problem or ''}".strip()
+        if warm and verdict.word == "not offered":  # all of them are asked, or mutants go unseen
+            return f"{name} is not offered"
         if warm:
-            print(f"{name} {verdict.word}", flush=True)
+            print(f"{name} {verdict.word} {verdict.seconds:.1f} s", flush=True)
     return ""
 
 

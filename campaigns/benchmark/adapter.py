@@ -41,12 +41,15 @@ class Code:
 
     def pose(
         self, *, wheel: str, rail: str, inclination: str, y_mm: float, roll_rad: float, yaw_rad: float,
-        pitch_rad_per_s: float, load_N: float, friction: float, model: str,
+        pitch_rad_per_s: float, load_N: float, friction: float, model: str, form: str = "",
     ) -> Answer:  # fmt: skip
         """A right wheel of 460 mm radius carries a load on a rail: flange backs 1360 mm apart, gauge 1435 mm, 2 m/s,
-        steel of G 82 GPa and nu 0.28; model: "" (the code's best) or "half-space". Of the patch with the largest force
+        steel of G 82 GPa and nu 0.28; model: "" (the code's best), "half-space", or "half-space, level", which pairs
+        points of the same lateral place; form: "", or in disguise, as a wheel out of round by an axle beside its centre
+        ("eccentric") or as sections of a rail that lies at an angle ("askew"). Of the patch with the largest force
         ``p0_MPa``, ``area_mm2``, ``approach_mm``, ``N_N``, contact angles at its edges ``angle_smin_rad``,
-        ``angle_smax_rad`` (the latter nearer to the field side); of all patches ``X_N``, ``Y_N``."""
+        ``angle_smax_rad`` (the latter nearer to the field side); of all patches ``X_N``, ``Y_N``, and ``x_mm`` of the
+        normal force from the wheelset's centre along the track."""
         raise NotImplementedError
 
     def arcs(
@@ -122,6 +125,11 @@ class Code:
         nose outward; outer and inner wheel ``N_kN``, ``Tx_kN``, ``Ty_kN`` outward, as ``outer_N_kN`` ..."""
         raise NotImplementedError
 
+    def momentum(self, *, seed: int) -> Answer:
+        """A frame on the arms of two axle boxes, all displaced, turned and moving at random: what the changes of
+        momentum and of angular momentum add up to, ``force`` over the largest force and ``moment_m`` over it."""
+        raise NotImplementedError
+
     def friction_loop(self, *, kind: str, amplitude_mm: float) -> Answer:
         """The closed loop of a "rubber-spring" (Berg; x2 4 mm) or a "leaf-spring" (Fancher; 3 mm) with 0.2 MN/m and 3
         kN of friction: largest ``force_kN``, ``area_J``."""
@@ -141,6 +149,11 @@ class Code:
         raise NotImplementedError
 
     # --- track ----------------------------------------------------------------------------------------------------
+    def line(self, *, straight_m: float, clothoid_m: float, radius_m: float, s_m: float) -> Answer:
+        """Where a line is after a straight, a clothoid and so much of a curve to the left: ``x_m``, ``y_m`` and
+        ``heading_rad`` at a distance along it."""
+        raise NotImplementedError
+
     def rail_mobility(self, *, track: str, frequency_Hz: Sequence[float]) -> Answer:
         """Point mobilities ``v_m_per_s_per_N`` of a rail; track: "foundation" or "sleepers", above one."""
         raise NotImplementedError
@@ -153,6 +166,11 @@ class Code:
     def rolling_load(self, *, speed_m_per_s: float, stiffness_MN_per_m2: float, damping_kNs_per_m2: float) -> Answer:
         """A wheel that rolls along a rail UIC60 without loss on a foundation: ``down_m_per_N`` of the rail under it,
         and ``slope_per_N`` uphill: over the wheel load the force along the track that the foundation takes."""
+        raise NotImplementedError
+
+    def rolling_aside(self, *, speed_m_per_s: float, stiffness_MN_per_m2: float, push_kN: float) -> Answer:
+        """A wheelset that is pushed sideways rolls along rails UIC60 on a foundation, which bend
+        but neither shear nor twist: ``aside_m_per_N``, of both rails together over the force on both."""
         raise NotImplementedError
 
     def bridge(self, *, speed_km_per_h: float) -> Answer:

@@ -24,13 +24,14 @@ from out_of_round import RADIUS as OF_FLAT
 from out_of_round import table as flat_table
 from reference_contact import FRICTION, HALF_SPACING, STEEL, Chosen, Place, bench_place, own_place, solve
 from support import crossings
-from support.boxes import FIXED, box, element, last_loop, on_springs
+from support.boxes import FIXED, box, displaced, element, last_loop, on_springs, rows
 from support.contacts import RADIUS
 from support.ellipse import roll, total
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
-from support.pushed_rails import TRACK, response, rolled, standing
-from support.vehicles import manchester
+from support.pushed_rails import TRACK, response, rolled, rolling, standing
+from support.vehicles import manchester, on_track, shipped
 
+from campaigns.benchmark.moved import moved
 from wrsim.analysis import run
 from wrsim.analysis.conicity.conicity import wheelset_conicity
 from wrsim.analysis.overturning import stopped_at
@@ -44,15 +45,20 @@ from wrsim.contact.models import contact_model
 from wrsim.contact.pose import Pose
 from wrsim.contact.settings import ContactSettings, Material
 from wrsim.contact.tables import creep_coefficients
+from wrsim.core.body import vehicle_forces
 from wrsim.core.contact.tangential.flexibility import kalker_coefficients
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import circle, cone
+from wrsim.geometry.track.segments import Arc, Straight, Transition
 from wrsim.geometry.track.sleepers import Layer, RailBeam, SleeperTrack
+from wrsim.geometry.track.track import Track
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.simulation.modes import linearise
+from wrsim.vehicle.elements import Spring
 from wrsim.vehicle.loads import Load
+from wrsim.vehicle.vehicle import AxleBox, Body, Vehicle
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 
 
@@ -72,7 +78,8 @@ def _on_crossing(folder: Path) -> ContactModel:
     return crossings.on(surface, "strips", load_profile("wheels/S1002.toml"), tangential="fastrip", friction=FRICTION)
 
 
-STRIPS, EXACT = Chosen.parse("strips"), Chosen.parse("half-space/level")  # pairs points as the source does
+STRIPS = Chosen.parse("strips")
+MODELS = {"": STRIPS, "half-space": Chosen.parse("half-space"), "half-space, level": Chosen.parse("half-space/level")}
 SCENARIOS = ROOT / "scenarios"
 FALLING = {"fall_ratio": 0.1368 / 0.36, "fall_decay": np.log(2.0) / 0.99}
 REDUCED = {"slope_k0": 0.54, "slope_alpha_inf": 0.02, "slope_beta": 0.62}
@@ -99,19 +106,20 @@ class Wrsim(Code):
         return {"p0_MPa": 1e-6 * p0, "approach_mm": 1e3 * approach, "area_mm2": 1e6 * area}
 
     def pose(self, *, wheel: str, rail: str, inclination: str, y_mm: float, roll_rad: float, yaw_rad: float,
-             pitch_rad_per_s: float, load_N: float, friction: float, model: str):  # fmt: skip
+             pitch_rad_per_s: float, load_N: float, friction: float, model: str, form: str = ""):  # fmt: skip
         place = bench_place(self.contact)
         if "MBench" not in wheel:
             place = own_place(wheel, rail, inclination, friction > 0.0)
         pose = Pose("", 1e-3 * y_mm, yaw_rad, load_N, -roll_rad)
-        chosen = EXACT if model == "half-space" else STRIPS
-        answer = solve(chosen, place, pose, abs(pitch_rad_per_s), repeats=0)
+        chosen, spin = MODELS[model], abs(pitch_rad_per_s)
+        answer = moved(chosen, form, place, pose, spin) if form else solve(chosen, place, pose, spin, repeats=0)
         if answer is None:
             return None
         return {
             "p0_MPa": 1e-6 * answer.p0, "area_mm2": 1e6 * answer.area, "approach_mm": 1e3 * answer.approach,
             "N_N": answer.normal_force, "X_N": -float(answer.force[0]), "Y_N": -float(answer.force[1]),
             "angle_smin_rad": -max(answer.angles), "angle_smax_rad": -min(answer.angles),
+            "x_mm": 1e3 * (answer.along - HALF_SPACING * np.sin(yaw_rad)),
         }  # fmt: skip
 
     def arcs(self, *, wheel_radius_mm: float, rail_radius_mm: float, rolling_radius_mm: float, y_mm: float,
@@ -233,6 +241,21 @@ class Wrsim(Code):
             found |= {f"{name}_N_kN": q * c + y * s, f"{name}_Tx_kN": -x, f"{name}_Ty_kN": y * c - q * s}
         return found
 
+    def momentum(self, *, seed: int):
+        first, inertia = manchester().wheelsets[0], 3.0
+        boxes = tuple(AxleBox(f"box {y}", y, 5.0, (1.0, inertia, 1.0)) for y in (1.0, -1.0))
+        arms = [Spring(b.name, "spring", "frame", b.name, (0.5, b.y, 0.56), stiffness=(2e7, 9e6, 1e7)) for b in boxes]
+        frame = Body("frame", 4000.0, (1000.0, 3000.0, 3500.0), (0.3, 0.0, 0.7))
+        axle = replace(first, x=0.0, height=0.46, boxes=boxes)
+        law = on_springs(Vehicle("on arms", (axle,), (frame,), tuple(arms), gravity=0.0))
+        out = np.zeros(law.size)
+        law(0.0, *displaced(law, int(seed)), out)
+        bodies, wrenches = (law.workspace.views[k] for k in (vehicle_forces.BODIES, vehicle_forces.WRENCHES))
+        place, force, moment = (rows(a[:2]) for a in (bodies["position"], wrenches["force"], wrenches["moment"]))
+        turning = (np.cross(place, force) + moment).sum(axis=0) + inertia * out[12:].sum() * rows(bodies["left"])[0]
+        left = np.abs(force.sum(axis=0)).max(), np.abs(turning).max()
+        return dict(zip(("force", "moment_m"), left / np.abs(force).max(), strict=True))
+
     def friction_loop(self, *, kind: str, amplitude_mm: float):
         travel = {"rubber-spring": 4.0, "leaf-spring": 3.0}[kind]
         own = element(kind, stiffness_kN_per_m=200.0, friction_force_kN=3.0, friction_travel_mm=travel)
@@ -261,6 +284,12 @@ class Wrsim(Code):
         setup = build(load(SCENARIOS / "overturning.toml").with_values({"overturning.run": True}))
         return {"falls": float(bool(stopped_at(setup, speed_km_per_h / 3.6)))}
 
+    def line(self, *, straight_m: float, clothoid_m: float, radius_m: float, s_m: float):
+        pieces = Straight(straight_m), Transition(clothoid_m), Arc(1e3, radius_m)
+        track = Track.build(pieces, 1.5)
+        x, y, _z = track.centre.position(s_m)
+        return {"x_m": x, "y_m": y, "heading_rad": float(track.heading(s_m))}
+
     def rail_mobility(self, *, track: str, frequency_Hz: Sequence[float]):
         frequency, ground = np.array(frequency_Hz), Layer((50e6, 50e6), loss_factor=1.0)
         if track == "sleepers":
@@ -287,6 +316,22 @@ class Wrsim(Code):
             TRACK, pad=pads, ballast=pads, sleeper_mass=None, spacing=spacing, sleeper_width=0.01, elements=1
         )
         return rolled(track, speed_m_per_s)
+
+    def rolling_aside(self, *, speed_m_per_s: float, stiffness_MN_per_m2: float, push_kN: float):
+        spacing = 0.05
+        pads = Layer((1e6 * stiffness_MN_per_m2 * spacing,) * 2, (60e3 * spacing,) * 2)
+        rail = RailBeam(torsion=1.0, shear_lateral=None, loss_factor=0.0)
+        track = replace(
+            TRACK, rail=rail, pad=pads, ballast=pads, sleeper_mass=None, spacing=spacing, sleeper_width=0.01, elements=1
+        )
+        plain, seen = shipped("wheelset_s1002"), list[tuple[float, float]]()
+        push = Load.constant("push", plain.wheelsets[0].name, (0.0, 1e3 * push_kN, 0.0), (0.0, 0.0, 0.0))
+        law = on_track(replace(plain, loads=(push,)), speed_m_per_s, structure=track).law
+        rails = law.on_sleepers
+        assert rails is not None
+        rolling(law, 0.1, 2e-4, lambda t, q, q_t: seen.append((q[-4::2].sum(), rails.ties["last_n"].sum())))
+        aside, force = np.mean(seen[len(seen) // 2 :], axis=0)
+        return {"aside_m_per_N": aside / force}
 
     def bridge(self, *, speed_km_per_h: float):
         values = {"contact.normal": "kik-piotrowski", "run.distance_m": 62.0, "vehicle.speed_kmh": speed_km_per_h}
