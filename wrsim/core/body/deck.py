@@ -8,7 +8,7 @@ w_s; the wheels push the modes down,
 The slope w_s turns the force of the rail on a wheel. The modes are records MODE of ``core.body.flexible``.
 """
 
-from wrsim.core.contact.out_of_round import hermite
+from wrsim.core.curves import hermite
 from wrsim.core.jit import Array, Record, Records, kernel, record
 
 DECK = record("start step", "first count")

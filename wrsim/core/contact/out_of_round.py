@@ -24,6 +24,7 @@ from typing import NamedTuple
 
 from wrsim.core.contact.profile import ProfilePoint
 from wrsim.core.contact.records import PlacedWheel, Shape
+from wrsim.core.curves import hermite
 from wrsim.core.jit import inlined, kernel
 from wrsim.core.root import Bracket, crossing, narrowed
 
@@ -62,14 +63,6 @@ class Touch(NamedTuple):
     au: float
     uu: float
     rate: float
-
-
-@inlined
-def hermite(a: float, b: float, da: float, db: float, r: float) -> tuple[float, float, float]:
-    """Value and two derivatives of the cubic from a to b with slopes da, db, at r in 0 .. 1."""
-    c = 3.0 * (b - a) - 2.0 * da - db
-    e = 2.0 * (a - b) + da + db
-    return a + r * (da + r * (c + r * e)), da + r * (2.0 * c + 3.0 * r * e), 2.0 * c + 6.0 * r * e
 
 
 @inlined
