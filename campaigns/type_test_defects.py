@@ -84,6 +84,7 @@ HEAD = """title = "Planted defects"
 base = {base}
 stationary = ["twist", "rotation", "cant", "weighing", "settling", "conicity"]
 payload_kg = 8000
+flexibility_coefficient = 0.225
 [irregularities]
 spectrum = "ERRI-low"
 seed = {seed}

@@ -227,8 +227,7 @@ class BySpeed(LimitLaw, kind="speed"):
     """The limit at higher speeds."""
 
     def value_at(self, about: About, shown: Shown) -> tuple[float, str]:
-        kmh = 3.6 * about.speed - 1e-6
-        value = next((value for speed, value in self.most if kmh <= speed), self.beyond)
+        value = next((value for speed, value in self.most if 3.6 * about.speed - 1e-6 <= speed), self.beyond)
         return value, f"{3.6 * about.speed:.4g} km/h"
 
 

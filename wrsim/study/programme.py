@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from wrsim.analysis.assessment.sections import CANT_BASE, STRAIGHT, cant_deficiency, section_length, zone_of
+from wrsim.analysis.assessment.sections import CANT_BASE, cant_deficiency, section_length, zone_of
 from wrsim.errors import InputError
 from wrsim.inputs.checking import fault_line
 from wrsim.inputs.section import Fault, Section
@@ -89,11 +89,10 @@ class ProgrammeRun(Section, header="[[runs]]"):
 
     def track(self, sign: float, rules: RulesFile) -> list[dict[str, Any]]:
         """Segments of the track: a curve to the left (sign 1) or to the right, or straight track."""
-        if self.radius_m is None:
-            zone = rules.classes[0].name if rules.classes else STRAIGHT
-            return [_straight(AHEAD + self.sections * section_length(zone, self.speed, rules.classes) + AHEAD)]
-        zone = zone_of(1.0 / self.radius_m, rules.classes)
+        zone = zone_of(0.0 if self.radius_m is None else 1.0 / self.radius_m, rules.classes)
         length = self.sections * section_length(zone, self.speed, rules.classes)
+        if self.radius_m is None:
+            return [_straight(AHEAD + length + AHEAD)]
         arc = {"kind": "arc", "radius_m": sign * self.radius_m, "length_m": length, "cant_mm": self.cant_mm}
         transition = {"kind": "transition", "length_m": self.transition_m}
         return [_straight(AHEAD), transition, arc, dict(transition), _straight(AHEAD)]
@@ -131,6 +130,8 @@ class ProgrammeFile(Section, header="a type test"):
     at the highest speed of the runs."""
     payload_kg: Annotated[float, positive(1e6, "kg")] | None = None
     """Payload on the car body, for the test "settling"."""
+    flexibility_coefficient: Annotated[float, positive(1)] | None = None
+    """That of the design, with which the gauge is calculated: limit of s in the test "cant"; 0.4 unless given."""
     states: Annotated[List[StateSection], Field(min_length=1)]
     """States of the vehicle."""
     runs: Annotated[List[ProgrammeRun], Field(min_length=1)]

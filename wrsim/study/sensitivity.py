@@ -70,9 +70,8 @@ def sensitivity(spec: SensitivitySection, name: str, values: Array) -> Sensitivi
     """How the keys decide on an output. values (cases,): in the order of `design`, not-a-number where there is none."""
     n, d = spec.samples, len(spec.over)
     good = np.isfinite(values)
-    why = "" if good.all() else f"{int((~good).sum())} of {values.size} cases have no value"
-    if spec.method == "regression" and good.sum() >= d + 3:
-        why = ""
+    enough = good.sum() >= d + 3 if spec.method == "regression" else good.all()
+    why = "" if enough else f"{int((~good).sum())} of {values.size} cases have no value"
     if not why and float(np.ptp(values[good])) <= FLAT * float(np.abs(values[good]).max()):
         why = f"does not vary: {values[good][0]:.6g} in every case"
     if why:

@@ -1,7 +1,7 @@
 """The verdict of a type test: every clause in every state, from the runs that have come to an end."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -126,7 +126,7 @@ def _at_rest(programme: Programme, state: str, case: Case) -> list[Verdict]:
     file = programme.plan.folder_of(case) / AT_REST
     spec = programme.spec
     asked: dict[str, Any] = {"tests": list(spec.stationary), "cant_deficiency_mm": spec.deficiency}
-    asked |= {"payload_kg": spec.payload_kg, "speed": spec.speed}
+    asked |= {"payload_kg": spec.payload_kg, "speed": spec.speed, "flexibility": spec.flexibility_coefficient}
     stored = from_json(file.read_bytes()) if file.exists() else None
     if stored is None or any(stored.get(key) != value for key, value in asked.items()):
         stored = asked | {"found": _tests_at_rest(programme, case)}
@@ -160,7 +160,8 @@ def _test_at_rest(test: str, setup: Setup[Any], spec: ProgrammeFile) -> list[tup
     vehicle = setup.vehicle
     if test == "cant":
         place = f"on {quantity(spec.deficiency, 'mm', '.0f')} of cant"
-        return [(own, place) for own in leaning(vehicle, static_state(vehicle), spec.deficiency)["verdicts"]]
+        most = None if (s := spec.flexibility_coefficient) is None else Limit(s, "design of the vehicle", "file")
+        return [(own, place) for own in leaning(vehicle, static_state(vehicle), spec.deficiency, most)["verdicts"]]
     if test == "weighing":
         return [(weighing(static_state(vehicle)), "on level track")]
     if test == "settling":
@@ -178,11 +179,7 @@ def _test_at_rest(test: str, setup: Setup[Any], spec: ProgrammeFile) -> list[tup
 
 def whole_table(title: str, found: Sequence[Verdict]) -> Table:
     """Every clause with a limit, in every class of track."""
-    rows: list[list[Cell]] = [
-        [v.state, v.clause, v.symbol, v.unit, v.zone, v.worst, v.interval, v.estimate, v.limit, v.margin, v.word,
-         v.source, v.where]
-        for v in found
-    ]  # fmt: skip
+    rows: list[list[Cell]] = [[*own[:10], v.word, *own[10:12]] for v in found for own in (astuple(v),)]
     star = (TO_CONFIRM,) if any(v.source.endswith("*") for v in found) else ()
     words = "sections: those of the test, of those that the rules ask for; mean: over the sections"
     return Table(title, tuple(map(Column, HEADS)), rows, (words, *star))

@@ -85,9 +85,9 @@ class Climbing:
 
     def distance(self, attack: Array) -> Array | None:
         """`distance_to_climb` for angles of attack (n,) [rad]; None where it is unknown."""
-        if self.flange_length is None or self.flange_angle is None:
+        if self.flange_length is None or self.flange_angle is None or self.out_of_range():
             return None
-        return None if self.out_of_range() else distance_to_climb(attack, self.flange_angle, self.flange_length)
+        return distance_to_climb(attack, self.flange_angle, self.flange_length)
 
     def out_of_range(self) -> str:
         """Why a flange of known angle and length has no distance to climb; empty where it has one."""

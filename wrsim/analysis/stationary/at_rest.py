@@ -16,7 +16,7 @@ from wrsim.analysis.stationary.statics import StaticState, canted, static_state
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.profile import Profile
 from wrsim.inputs.section import given
-from wrsim.results.rules import About, rule_set
+from wrsim.results.rules import About, Limit, rule_set
 from wrsim.results.table import Column, Table, formatted, quantity
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.simulation.modes import natural_modes
@@ -70,13 +70,15 @@ def numbers_at_rest(
     return found
 
 
-def judged(rules: str, quantity: str, value: float, about: About | None = None) -> dict[str, Any]:
+def judged(
+    rules: str, quantity: str, value: float, about: About | None = None, own: Limit | None = None
+) -> dict[str, Any]:
     """A value [SI units] of a vehicle at rest beside its limit in a rule set, both in the unit for readers.
 
-    about: what the limit depends on, where it is no constant.
+    about: what the limit depends on, where it is no constant; own: a limit in its place.
     """
     clause = given(rule_set(rules).about(quantity))
-    limit, shown = given(clause.limit_at(about or About())), clause.judged.shown
+    limit, shown = own or given(clause.limit_at(about or About())), clause.judged.shown
     return {
         "clause": clause.id,
         "symbol": clause.judged.symbol,
@@ -132,10 +134,10 @@ def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
     return {"loads_kN": forces, **_wheel_loads(vehicle, rest.wheel_loads), "bodies": bodies, "bump_stops": stops}
 
 
-def leaning(vehicle: Vehicle, level: StaticState, cant_deficiency: float) -> dict[str, Any]:
+def leaning(vehicle: Vehicle, level: StaticState, cant_deficiency: float, most: Limit | None = None) -> dict[str, Any]:
     """Wheel loads and roll of a vehicle on rails canted by so much [mm]; level: its state on level ones.
 
-    The verdicts are those of 49 CFR 213.57, and that on the flexibility coefficient of the car body.
+    The verdicts are those of 49 CFR 213.57, and that on the flexibility coefficient of the car body; most: its limit.
     """
     angle = asin(cant_deficiency / 1e3 / CANT_BASE)
     rest = static_state(canted(vehicle, angle))
@@ -148,7 +150,7 @@ def leaning(vehicle: Vehicle, level: StaticState, cant_deficiency: float) -> dic
     floor = angle + rolls[body]  # against the horizontal
     share = float((rest.wheel_loads / level.wheel_loads).min())
     verdicts = [judged(CANTED, "lean_Q_share", share), judged(CANTED, "lean_roll", abs(floor))]
-    verdicts.append(judged(LOOPS, "flexibility", rolls[body] / angle))
+    verdicts.append(judged(LOOPS, "flexibility", rolls[body] / angle, own=most))
     return _unloading(vehicle, level, rest) | sway | {"verdicts": verdicts}
 
 
