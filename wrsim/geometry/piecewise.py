@@ -22,13 +22,6 @@ class Polynomials:
     c: Array
     x: Array
 
-    @classmethod
-    def hermite(cls, x: Array, values: Array, slopes: Array) -> Polynomials:
-        """The cubics with these values and slopes at x, each (m + 1,)."""
-        length, mean = np.diff(x), np.diff(values) / np.diff(x)
-        bend = (slopes[:-1] + slopes[1:] - 2.0 * mean) / length
-        return cls(np.array([bend / length, (mean - slopes[:-1]) / length - bend, slopes[:-1], values[:-1]]), x)
-
     def derivative(self, order: int) -> Polynomials:
         c = self.c
         for _ in range(order):

@@ -23,13 +23,9 @@ from wrsim.core.jit.compiling import kernel, summing
 CONTRACTION = 0.5
 """Newton's method retains its Jacobian as long as an iteration reduces the residual below this part of it."""
 
-TREND = 0.5
-"""Part of the last change of the accelerations that is extrapolated to the next step, as long as too few are known;
-without it the remaining residual lies on the same side step after step."""
-
 ORDER, FADE, HELD = 4, 0.98, 1e-4
 """Accelerations that are combined; what a step counts in the sums of squares of the next one; part of these sums with
-which the combination is held to the trend, which decides where all accelerations are alike."""
+which the combination is held to the last one, which decides where all are alike."""
 
 NEAR, UNSEEN, FORGET = 100.0, 16, 0.9
 """Forces are estimated, not computed, where the expected residual is within the tolerance and their change, also since
@@ -79,10 +75,9 @@ def end_step(step: Records, rows: Array, sums: Array, fit: Array, q_tt: Array) -
     for k in range(ORDER, 0, -1):
         copy(n, rows[PAST + k - 1], rows[PAST + k])
     copy(n, q_tt, rows[PAST])
-    trend = TREND if own.steps > 0 else 0.0
     own.steps += 1
-    for k in range(ORDER):
-        by[k] = 1.0 + trend if k == 0 else (-trend if k == 1 else 0.0)
+    by[:] = 0.0
+    by[0] = 1.0
     if own.steps > ORDER:
         whole = 1e-300
         for k in range(ORDER + 1):

@@ -1,6 +1,6 @@
 """One step of generalised alpha for a deadline: a fixed number of iterations with an inverse that was made beforehand.
 
-The method and the first guess are those of ``core.body.implicit_step`` (Arnold and Bruls, Multibody System Dynamics 18
+The method is that of ``core.body.implicit_step`` (Arnold and Bruls, Multibody System Dynamics 18
 (2007), algorithm 1); an iteration is one evaluation of the forces and one correction, whatever its residual. The
 inverse of M - q_of_q_tt dF/dq - q_t_of_q_tt dF/dq_t belongs to a state of the past. The coordinates x and y are global,
 so the residual of every body is turned back by what its heading has changed since then, and the correction forth. At
@@ -10,7 +10,6 @@ a small part of the residual.
 
 from math import cos, isfinite, sin, sqrt
 
-from wrsim.core.body.implicit_step import TREND
 from wrsim.core.body.kinematics import HEADING, X, Y
 from wrsim.core.body.rigid_body import INERTIA, mass_block, quadratic_forces
 from wrsim.core.body.vehicle_forces import vehicle_forces
@@ -33,6 +32,9 @@ OF_VEHICLE = 7
 """The first of those of ``vehicle_forces``, behind them."""
 
 NOT_FINITE = -1
+
+TREND = 0.5
+"""Part of the last change of the accelerations that is extrapolated to the next step."""
 
 
 @kernel

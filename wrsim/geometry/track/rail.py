@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wrsim.geometry.piecewise import Array, Jet, Piecewise, Polynomials, gauss_integrals, subdivided
+from wrsim.geometry.piecewise import Array, Jet, Piecewise, gauss_integrals, subdivided
 from wrsim.geometry.track.irregularities import SMOOTH, RailIrregularity
 from wrsim.geometry.track.path import COLUMNS, Path
 
@@ -110,13 +110,6 @@ class SweptCurve:
     def _anchor_lengths(self) -> Array:
         return np.concatenate(([0.0], np.cumsum(self._advance(self._anchors[:-1], self._anchors[1:]))))
 
-    @cached_property
-    def _from_arclength(self) -> Polynomials:
-        """Distance at own arclength, nearly: the cubics through arclengths and rates at the anchors."""
-        apart = np.append(np.diff(self._anchor_lengths) > 0.0, True)
-        s = self._anchors[apart]
-        return Polynomials.hermite(self._anchor_lengths[apart], s, 1.0 / self._rate(s))
-
     @property
     def length(self) -> float:
         return float(self._anchor_lengths[-1])
@@ -173,7 +166,7 @@ class SweptCurve:
         if self.side == 0:
             return arclength
         inside = np.clip(arclength, 0.0, self.length)
-        s = self._from_arclength(inside)
+        s = np.interp(inside, self._anchor_lengths, self._anchors)
         for _ in range(12):
             step = (inside - self.arclength(s)) / self._rate(s)
             s = np.clip(s + step, 0.0, self.centre.length)
