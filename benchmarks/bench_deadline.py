@@ -59,6 +59,7 @@ def figures(scenario: Scenario, iterations: int) -> dict[str, float]:
     law, q, q_t = own.law, own.q.copy(), own.q_t.copy()
     scratch = np.zeros(law.size)
     evaluation = call_time(lambda: law(0.0, q, q_t, scratch), 200)
+    own.step()  # what is compiled is compiled
     own = stepper(scenario, STEP, iterations)
     samples = int(build(scenario).plan.duration / STEP / EVERY)
     states, times = np.zeros((samples + 1, law.size)), np.zeros(samples * EVERY, dtype=np.int64)
