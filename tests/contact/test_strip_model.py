@@ -180,7 +180,7 @@ def test_a_ball_in_a_deep_groove_with_turned_influence(groove, spin, approach, p
     assert at(found).patches["p0"].max() == pytest.approx(p0, rel=0.005)
 
 
-@pytest.mark.parametrize("yaw", [12e-3, 16e-3, 20e-3, 24e-3, 28e-3])
+@pytest.mark.parametrize("yaw", [13e-3, 16e-3, 20e-3, 24e-3, 28e-3])
 def test_a_tip_against_a_steep_face_is_hertz_however_slanted(yaw):
     """The back of a tram's flange, an arc of 9 mm, on the straight guard face: a narrow ellipse along the wheel's
     circumference, which leans by 3 to 10 degrees against the rail. Strips lie beside one another along x by three half
@@ -201,7 +201,7 @@ def test_a_tip_against_a_steep_face_is_hertz_however_slanted(yaw):
     around = radius / np.cos(lobes[0]["angle"])
     exact = hertz(9e-3 / around, depth / (2.0 * 9e-3))
     modulus = combined_modulus(model.settings)
-    # measured: 0.044 with 28 mrad, 0.015 with 12: strips have straight ends (40 strips: 0.007)
+    # measured: 0.040 with 13, 20 and 24 mrad: strips have straight ends; 0.056 where a^2 is held half as firmly
     assert lobes[0]["p0"] / modulus == pytest.approx(exact.p0, rel=0.05)
     assert lobes[0]["N"] / (modulus * (2.0 * 9e-3) ** 2) == pytest.approx(exact.force, rel=0.03)
 
