@@ -88,7 +88,7 @@ def move_edges(system, n, g, start, end):
 
 
 @kernel
-def enter(system, n, held):
+def enter(system, n):
     """Strips, edges and grids that come into contact, edges that leave their bounds. True if there are any."""
     memo, places = system.memo[0], system.places
     x = system.vectors[X]
@@ -106,7 +106,7 @@ def enter(system, n, held):
             if place.gap < -ENTRY:
                 x[base + j] = -place.gap * memo.deepest / place.bend
                 changed = True
-        for side in range(0 if held else EDGES):
+        for side in range(EDGES):
             if (grid.start_held if side == 0 else grid.end_held) and edge_wish(places, g * n, n, side) < 0.0:
                 if side == 0:
                     grid.start_held = 0

@@ -142,12 +142,12 @@ def _add_to_middles(system, n, g, i):
 
 
 @kernel
-def jacobian(system, n, held):
+def jacobian(system, n):
     """Derivatives of the equations by the unknowns that are solved for, to ``matrix``, for the state of the last
     ``residuals``; the numbers of these unknowns to ``vectors[SOLVED]``, how many there are to the memo.
 
     Edges that are held and grids that are not on stay as they are; of strips out of contact factors are solved
-    for, so that they come to be what they have when they touch; held: only half lengths move.
+    for, so that they come to be what they have when they touch.
     """
     memo, places, grids = system.memo[0], system.places, system.grids
     m = system.matrix
@@ -171,10 +171,10 @@ def jacobian(system, n, held):
             _own_row(system, n, g, i)
             if memo.shifted:
                 _add_to_middles(system, n, g, i)
-        if grids[g].on and not held:
+        if grids[g].on:
             _even_rows(system, n, g)
             _edge_rows(system, n, g)
-    _gather(system, n, held)
+    _gather(system, n)
 
 
 @kernel
@@ -222,22 +222,22 @@ def _edge_rows(system, n, g):
 
 
 @kernel
-def _gather(system, n, held):
+def _gather(system, n):
     """Bring what is solved for to the first rows and columns of ``matrix``."""
     memo, grids, m, solved = system.memo[0], system.grids, system.matrix, system.vectors[SOLVED]
     size = 0
     for g in range(memo.grids):
         grid, base = grids[g], g * block_of(n)
-        for kind in range(1 if held else OF_A_STRIP):
+        for kind in range(OF_A_STRIP):
             for j in range(n if grid.on else 0):
                 if kind > 0 or system.places[g * n + j].y > 0.0:
                     solved[size] = base + kind * n + j
                     size += 1
-        for side in range(EDGES if grid.on and not held else 0):
+        for side in range(EDGES if grid.on else 0):
             if not (grid.start_held if side == 0 else grid.end_held):
                 solved[size] = base + OF_A_STRIP * n + side
                 size += 1
-        for k in range(grid.middles if memo.shifted and grid.on and not held else 0):
+        for k in range(grid.middles if memo.shifted and grid.on else 0):
             solved[size] = base + OF_A_STRIP * n + EDGES + k
             size += 1
     memo.unknowns = size

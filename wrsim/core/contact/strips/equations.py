@@ -152,11 +152,8 @@ def points_of(memo):
 
 
 @kernel
-def residuals(system, n, held):
-    """Residuals of all equations to ``vectors[F]``; returns the largest, edges counting LESS.
-
-    held: only half lengths are solved for; strips out of contact have their gaps, too.
-    """
+def residuals(system, n):
+    """Residuals of all equations to ``vectors[F]``; returns the largest, edges counting LESS."""
     memo, places, grids = system.memo[0], system.places, system.grids
     out = system.vectors[F]
     memo.iterations += 1
@@ -170,21 +167,14 @@ def residuals(system, n, held):
             continue
         for j in range(n):
             place = places[g * n + j]
-            if held or place.y > 0.0:
-                set_conditions(system, n, g, j, 1 if held else points)
             if place.y > 0.0:
+                set_conditions(system, n, g, j, points)
                 out[base + j] = place.gap
-            if held:
-                largest = max(largest, abs(out[base + j]))
-                continue
-            if place.y > 0.0:
                 out[base + n + j] += place.bow
             if j > 0:
                 uneven = EVENNESS * (place.k - places[g * n + j - 1].k)
                 out[base + n + j] += uneven
                 out[base + n + j - 1] -= uneven
-        if held:
-            continue
         if memo.shifted:
             grid.stairs = _find_stairs(system, g * n, n)
             for j in range(1, n - 2):

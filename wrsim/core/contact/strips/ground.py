@@ -22,7 +22,7 @@ from wrsim.core.jit.compiling import inlined, kernel
 GATHERED = 0.5  # saddle over the depth of the shallower lobe from which on their ground is looked at as one
 MERGED = 0.9  # least d over the concave hull where equal humps share a grid
 LESS = 0.1  # by which it is less where the lower of two humps is far lower: it takes more to touch apart
-HUMP = 0.05  # of the deepest penetration: lower ground does not touch
+LOW = 0.05  # of the deepest penetration: lower ground does not touch
 CHAINED = 0.0, 0.2  # saddle over the shallower depth: none and all of what reaches one lobe reaches the other
 FAINT = 3e-3  # spread of the shifts over the half length below which they do not matter: it acts by its square
 
@@ -160,12 +160,12 @@ def _find_waist(rows, first, last, deepest):
     """Between two rows: where the penetration over its concave hull is least between two humps, in rows, and how much
     it is, 1.0 where there are no two humps."""
     least, at = 1.0, 0.0
-    if not _may_have_two(rows, first, last, HUMP * deepest):
+    if not _may_have_two(rows, first, last, LOW * deepest):
         return at, least
     p = first
     while p < last:
         q, steep = next_corner(rows, p, last, 1)
-        if p > first and q < last and min(rows[p].d, rows[q].d) > HUMP * deepest:
+        if p > first and q < last and min(rows[p].d, rows[q].d) > LOW * deepest:
             more = LESS * (1.0 - min(rows[p].d, rows[q].d) / deepest)
             for r in range(p + 1, q):
                 ratio = rows[r].d / (rows[p].d + steep * (r - p)) + more

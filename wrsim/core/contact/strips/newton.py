@@ -10,7 +10,7 @@ What changes the equations (strips that leave and enter, edges that come to thei
 
 from math import sqrt
 
-from wrsim.core.contact.strips.changes import ENTRY, enter, leave, trim
+from wrsim.core.contact.strips.changes import enter, leave, trim
 from wrsim.core.contact.strips.derivatives import jacobian
 from wrsim.core.contact.strips.equations import (
     REACH,
@@ -65,20 +65,20 @@ def newton(system, n, tolerance):
     looked = whole = False  # whole: the last step was one by the kept inverse, of full length
     if memo.inverted:
         _predict(system, n)
-    residual = residuals(system, n, False)
+    residual = residuals(system, n)
     for _ in range(STEPS):
         if residual < NEAR and not looked:
             looked = True
-            if enter(system, n, False):
+            if enter(system, n):
                 looked = whole = False
                 memo.inverted = 0
                 last = 1e9
-                residual = residuals(system, n, False)
+                residual = residuals(system, n)
                 continue
         if residual < tolerance:
             return True
         if memo.inverted == 0 or residual > SLOW * last:
-            jacobian(system, n, False)
+            jacobian(system, n)
             invert(system.matrix, memo.unknowns, vectors[PIVOT])
             memo.factorisations += 1
             memo.inverted = 1
@@ -93,12 +93,12 @@ def newton(system, n, tolerance):
         _scatter(system, size)
         predicted = residual * max(memo.rate, residual / last if again else 0.0)
         share = _longest_step(system, n)
-        changed, whole = _advance(system, n, False, share, residual < CALM)
+        changed, whole = _advance(system, n, share, residual < CALM)
         if looked and whole and SURE * predicted < tolerance:
             lay_strips(system, n)
             return True
         last = residual
-        residual = residuals(system, n, False)
+        residual = residuals(system, n)
         if changed:
             memo.inverted = 0
             looked = False
@@ -143,16 +143,16 @@ def _predict(system, n):
     _scatter(system, memo.grids * block)
     if _longest_step(system, n) < 1.0:
         return
-    changed, _whole = _advance(system, n, False, 1.0, False)
+    changed, _whole = _advance(system, n, 1.0, False)
     if changed:
         memo.inverted = 0
 
 
 @kernel
-def descend(system, n, held, tolerance):
+def descend(system, n, tolerance):
     """Newton's method from far: new factors and a damped step each time. Returns as ``newton``.
 
-    held: factors and edges stay as they are. A step is halved until the next one by the same factors is shorter: a test
+    A step is halved until the next one by the same factors is shorter: a test
     that does not depend on how the equations are scaled (Deuflhard, Newton Methods for Nonlinear Problems, 2004,
     section 3.3).
     """
@@ -161,26 +161,26 @@ def descend(system, n, held, tolerance):
     _set_scale(system, n)
     memo.inverted = 0
     looked = False
-    residual = residuals(system, n, held)
+    residual = residuals(system, n)
     for _ in range(STEPS):
         if residual < NEAR and not looked:
             looked = True
-            if enter(system, n, held):
+            if enter(system, n):
                 looked = False
-                residual = residuals(system, n, held)
+                residual = residuals(system, n)
                 continue
         if residual < tolerance:
             return True
-        jacobian(system, n, held)
+        jacobian(system, n)
         factorise(system.matrix, memo.unknowns, vectors[PIVOT])
         memo.factorisations += 1
         length = _solve(system)
         _scatter(system, size)
         copy(size, vectors[X], vectors[SAVED])
-        share = 1.0 if held else _longest_step(system, n)
+        share = _longest_step(system, n)
         for halving in range(HALVINGS + 1):
-            changed, _whole = _advance(system, n, held, share, residual < CALM)
-            after = residuals(system, n, held)
+            changed, _whole = _advance(system, n, share, residual < CALM)
+            after = residuals(system, n)
             if changed:
                 looked = False
                 break
@@ -295,7 +295,7 @@ def _longest_step(system, n):
 
 
 @kernel
-def _advance(system, n, held, share, calm):
+def _advance(system, n, share, calm):
     """Take a share of the step; calm: strips may leave. Returns whether strips, edges or grids have come or gone, and
     whether it was the whole step in all unknowns."""
     memo = system.memo[0]
@@ -309,26 +309,16 @@ def _advance(system, n, held, share, calm):
             continue
         for j in range(n):
             y = x[base + j]
-            if not held:
-                x[base + n + j] += share * step[base + n + j]
+            x[base + n + j] += share * step[base + n + j]
             if y <= 0.0:
-                place = system.places[g * n + j]
-                if held and place.gap < -ENTRY:
-                    x[base + j] = -place.gap * memo.deepest / place.bend
-                    changed = True
                 continue
             new = y + share * step[base + j]
-            if held:
-                new = max(new, 0.0)
-                changed = changed or new == 0.0
-            elif new < KEPT * y:
+            if new < KEPT * y:
                 leaves = new < OVERSHOOT * y and (calm or y * system.places[g * n + j].bend < SPENT * memo.deepest)
                 changed = changed or leaves
                 whole = False
                 new = 0.0 if leaves else KEPT * y
             x[base + j] = new
-        if held:
-            continue
         e = base + OF_A_STRIP * n
         x[e] += share * step[e]
         x[e + 1] += share * step[e + 1]

@@ -1,26 +1,16 @@
 """First guesses of the strip model, and what is done until it has a solution.
 
-In a run the last contact is the first guess. Else Hertz's slanted ellipses, or wider ones, and Newton's method for all
-at once. If both fail, every grid is solved for alone, then they come to press each other down step by step; where
-Newton's method does not get on, half lengths for given factors and edges (a monotone problem: strips leave and enter as
-they like), edges from the outer strips and factors from the second condition in turns before it. The conditions of so
-many strips may have no solution at a pose where those of straight lines of middles have, or those of fewer strips:
-these are tried after that, with one strip less a grid each."""
+In a run the last contact is the first guess. Else Hertz's slanted ellipses, or all ground that may touch, and Newton's
+method for all at once. If both fail, every grid is solved for alone, then they come to press each other down step by
+step. The conditions of so many strips may have no solution at a pose where those of straight lines of middles have, or
+those of fewer strips: these are tried after that, with one strip less a grid each."""
 
 from math import inf
 from typing import NamedTuple
 
-from wrsim.core.contact.strips.changes import HUMP, RETURN, begin_grid, in_contact, leave, move_edges, trim
-from wrsim.core.contact.strips.equations import (
-    EDGE_RATIO,
-    REACH,
-    block_of,
-    lay_strips,
-    points_of,
-    residuals,
-    set_conditions,
-    set_fading,
-)
+from wrsim.core.contact.strips.changes import HUMP, RETURN, begin_grid, in_contact, leave
+from wrsim.core.contact.strips.equations import block_of, lay_strips, set_fading
+from wrsim.core.contact.strips.ground import LOW
 from wrsim.core.contact.strips.hertz import hertz_ellipse
 from wrsim.core.contact.strips.newton import NEAR, descend, newton
 from wrsim.core.contact.strips.records import EDGES, MIDDLES, OF_A_STRIP, ROWS, SOUND, X
@@ -28,11 +18,9 @@ from wrsim.core.dense import copy
 from wrsim.core.jit.compiling import kernel
 
 TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
-WIDE = 0.15  # of a grid's depth: where contact ends at most in a second guess
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 LEAST_PORTION = 1 / 32  # of the coupling of grids, at which a solution is given up
 MOST = 4000  # residuals, from which on no fewer strips are tried: more than any of a million random poses takes
-ROUNDS = 8  # of half lengths, edges and factors in turn
 
 
 @kernel
@@ -47,7 +35,7 @@ def solve(system, n, known, tolerance):
         return n
     strips = n
     while strips > n // 2 and memo.iterations < MOST:
-        if _at_once(system, strips, 0.0) or _at_once(system, strips, WIDE) or _one_by_one(system, strips):
+        if _at_once(system, strips, 0.0) or _at_once(system, strips, LOW) or _one_by_one(system, strips):
             return strips
         if not _straighten(system):
             strips -= 1
@@ -75,7 +63,7 @@ def _couple(system, n):
         share = min(done + portion, 1.0)
         copy(size, vectors[X], vectors[SOUND])
         set_fading(system, share)
-        if _descend(system, n):
+        if descend(system, n, NEAR):
             done = share
             portion *= 2.0
             continue
@@ -186,13 +174,13 @@ def _clear(system, n):
 
 @kernel
 def _at_once(system, n, level):
-    """Solve for all grids from Hertz's ellipses, or from wider ones, at once. True if that works."""
+    """Solve for all grids at once from Hertz's ellipses, or from all ground above a level. True if that works."""
     memo = system.memo[0]
     _clear(system, n)
     for g in range(memo.grids):
         if system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
-    return descend(system, n, False, NEAR) and _solved(system, n, TOLERANCE)
+    return descend(system, n, NEAR) and _solved(system, n, TOLERANCE)
 
 
 @kernel
@@ -213,64 +201,8 @@ def _one_by_one(system, n):
 def _alone(system, n, g):
     """Solve for one grid, the only one in contact. True if that works."""
     _guess(system, n, g, 0.0)
-    return _descend(system, n) and newton(system, n, TOLERANCE) and system.grids[g].on > 0
-
-
-@kernel
-def _descend(system, n):
-    """Newton's method at once, and after turns. True if that works."""
-    if descend(system, n, False, NEAR):
-        return True
-    _take_turns(system, n)
-    return descend(system, n, False, NEAR)
-
-
-@kernel
-def _take_turns(system, n):
-    """Half lengths, edges and factors in turns."""
-    for _ in range(ROUNDS):
-        descend(system, n, True, NEAR)
-        for g in range(system.memo[0].grids):
-            if system.grids[g].on:
-                _draw_edges(system, n, g)
-        residuals(system, n, True)
-        for g in range(system.memo[0].grids):
-            if system.grids[g].on:
-                _relax_factors(system, n, g)
-
-
-@kernel
-def _draw_edges(system, n, g):
-    """Move the edges of a grid to where its outer strips ask for them.
-
-    Near an edge a^2 is in proportion to the distance from it, so that the ratio of the outer strips' tells where it is.
-    """
-    x, base = system.vectors[X], g * block_of(n)
-    grid, places = system.grids[g], system.places[g * n : (g + 1) * n]
-    trim(system, n, g)
-    if not grid.on:
-        return
-    ends = grid.start, grid.end
-    for side in range(2):
-        outer, inner = (0, 1) if side == 0 else (n - 1, n - 2)
-        w0, w1 = places[outer].hi - places[outer].lo, places[inner].hi - places[inner].lo
-        weights = x[base + n + outer] ** 2 * x[base + outer], x[base + n + inner] ** 2 * x[base + inner]
-        ratio = min(weights[0] / max(weights[1], 1e-30) / EDGE_RATIO, 0.7)
-        out = (ratio * (w0 + 0.5 * w1) - 0.5 * w0) / (1.0 - ratio)
-        ends = (max(ends[0] - out, grid.least), ends[1]) if side == 0 else (ends[0], min(ends[1] + out, grid.most))
-    move_edges(system, n, g, ends[0], ends[1])
-
-
-@kernel
-def _relax_factors(system, n, g):
-    """Bring the factors of a grid nearer to what the conditions at the ends ask for."""
-    memo, x, base = system.memo[0], system.vectors[X], g * block_of(n) + n
-    for j in range(n):
-        place = system.places[g * n + j]
-        if place.y <= 0.0:
-            continue
-        set_conditions(system, n, g, j, points_of(memo))
-        # how far the surface bends away over the strip, over how far it should
-        should = 0.5 * place.bend * REACH * REACH * place.y / memo.deepest
-        ratio = 1.0 / max(1.0 + place.bow / should, 1e-9)
-        x[base + j] *= ratio
+    if not descend(system, n, NEAR):
+        _guess(system, n, g, LOW)
+        if not descend(system, n, NEAR):
+            return False
+    return newton(system, n, TOLERANCE) and system.grids[g].on > 0
