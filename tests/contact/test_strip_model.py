@@ -22,7 +22,7 @@ from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.core.contact.strips.derivatives import jacobian
 from wrsim.core.contact.strips.equations import block_of, residuals
 from wrsim.core.contact.strips.influence import find_terms, pressed_at
-from wrsim.core.contact.strips.records import EDGES, FROM, INVERSE, MIDDLE, NB, PUSH, SOLVED, TERMS, TO, VECTORS, F, X
+from wrsim.core.contact.strips.records import EDGES, VECTORS, V
 from wrsim.core.contact.wheel_rail import wheel_rail
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import circle
@@ -57,7 +57,7 @@ def test_primitive_of_the_influence_of_a_strip(xi, t):
     exact = quad(lambda v: np.cos(v) ** 2 * np.arcsinh(t / max(abs(xi - np.sin(v)), 1e-300)), -0.5 * np.pi,
                  0.5 * np.pi, points=[nearest], epsabs=1e-13, epsrel=1e-12, limit=400)[0]  # fmt: skip
     vectors = np.zeros((VECTORS, 1))
-    vectors[[FROM, TO, INVERSE, PUSH, MIDDLE, NB], 0] = 0.0, t, 1.0, 1.0, 0.0, 1.0
+    vectors[[V.FROM, V.TO, V.INVERSE, V.PUSH, V.MIDDLE, V.NB], 0] = 0.0, t, 1.0, 1.0, 0.0, 1.0
     found = pressed_at(influence_table(), vectors, 0, 1, 0.0, 0.0, xi, 3, 0.0, 1.0, False)
     assert found.fore == pytest.approx(exact, rel=2e-5)
     assert found.aft == pytest.approx(found.fore, rel=1e-12)
@@ -67,8 +67,8 @@ def test_primitive_of_the_influence_of_a_strip(xi, t):
 @pytest.mark.parametrize("t", [0.01, 0.4, 3.0])
 def test_terms_of_the_derivatives_are_those_of_the_displacement(xi, t):
     vectors = np.zeros((VECTORS, 1))
-    vectors[[FROM, TO, INVERSE, PUSH, MIDDLE, NB], 0] = -0.3 * t, 1.2 * t, 1.0, 1.0, 0.0, 1.0
-    terms = vectors[TERMS : TERMS + 5]
+    vectors[[V.FROM, V.TO, V.INVERSE, V.PUSH, V.MIDDLE, V.NB], 0] = -0.3 * t, 1.2 * t, 1.0, 1.0, 0.0, 1.0
+    terms = vectors[V.TERMS : V.TERMS + 5]
     find_terms(influence_table(), vectors, 0, 1, 0.0, xi, False, *terms)
     u, u_xi, turn, start, end = terms[:, 0]
     step = 1e-5
@@ -82,13 +82,13 @@ def test_terms_of_the_derivatives_are_those_of_the_displacement(xi, t):
 @pytest.mark.parametrize("t", [0.01, 0.4, 3.0])
 def test_the_row_of_the_middle_is_that_of_the_table(t):
     vectors = np.zeros((VECTORS, 1))
-    vectors[[FROM, TO, INVERSE, PUSH, MIDDLE, NB], 0] = -0.3 * t, 1.2 * t, 1.0, 1.0, 0.0, 1.0
+    vectors[[V.FROM, V.TO, V.INVERSE, V.PUSH, V.MIDDLE, V.NB], 0] = -0.3 * t, 1.2 * t, 1.0, 1.0, 0.0, 1.0
     found, terms = [], []
     for aligned in (True, False):
         own = vectors.copy()
         found.append(pressed_at(influence_table(), own, 0, 1, 0.0, 0.0, 0.5, 2, 0.0, 1.0, aligned)[:2])
-        find_terms(influence_table(), own, 0, 1, 0.0, 0.0, aligned, *own[TERMS : TERMS + 5])
-        terms.append(own[TERMS : TERMS + 5, 0])
+        find_terms(influence_table(), own, 0, 1, 0.0, 0.0, aligned, *own[V.TERMS : V.TERMS + 5])
+        terms.append(own[V.TERMS : V.TERMS + 5, 0])
     assert found[0] == pytest.approx(found[1], rel=1e-12)
     np.testing.assert_allclose(terms[0], terms[1], rtol=1e-12, atol=1e-15)
 
@@ -99,10 +99,10 @@ def test_newton_s_matrix_is_the_derivative_of_the_residuals(pair, lateral, yaw):
     stand = contacts.bench(contacts.pair_model(pair, normal="strips", strips=12, **contacts.PLAIN), rolling=False)
     stand.evaluate(lateral, contacts.settle(plain, lateral, yaw, 60e3)[0].height, yaw, 0.0)
     system, n = contacts.strip_system(stand.wheels[0].model)
-    f, x = system.vectors[F], system.vectors[X]
+    f, x = system.vectors[V.F], system.vectors[V.X]
     residuals(system, n)
     jacobian(system, n)
-    solved = system.vectors[SOLVED, : system.memo[0].unknowns].astype(int)
+    solved = system.vectors[V.SOLVED, : system.memo[0].unknowns].astype(int)
     matrix, found = system.matrix[: solved.size, : solved.size].copy(), np.zeros((solved.size,) * 2)
     for column, unknown in zip(found.T, solved, strict=True):
         at, step = x[unknown], 1e-5 * x[unknown] if unknown < 2 * n else 1e-8  # a^2 and factors; edges and middles [m]

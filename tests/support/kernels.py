@@ -38,7 +38,7 @@ from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.contact.strips.changes import leave
 from wrsim.core.contact.strips.derivatives import jacobian
 from wrsim.core.contact.strips.equations import residuals
-from wrsim.core.contact.strips.records import OF_A_STRIP, X
+from wrsim.core.contact.strips.records import OF_A_STRIP, V
 from wrsim.core.contact.wheel_rail import STAGES, bodies, compile_stages
 from wrsim.core.jit.cache import CACHE
 from wrsim.core.jit.objects import emit_object, target
@@ -192,7 +192,7 @@ def _leaving(model: ContactModel) -> list[float]:
     """A grid of the strip model leaves the contact, in the state of its last call."""
     system, n = strip_system(model)
     leave(system, n, 0)
-    return list(system.vectors[X, : OF_A_STRIP * n])
+    return list(system.vectors[V.X, : OF_A_STRIP * n])
 
 
 def twistable(wheelset: Wheelset) -> Wheelset:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wrsim.core.contact import records as k
 from wrsim.core.contact.arrays import Arrays
-from wrsim.core.contact.strips.records import X
+from wrsim.core.contact.strips.records import V
 from wrsim.core.contact.wheel_rail import search, wheel_rail
 from wrsim.core.jit import Array, Records
 
@@ -134,7 +134,7 @@ class KernelArrays:
         grids, places = self.rows.grids, self.rows.places
         memo = self.rows.memo
         return (
-            memo["known"], memo["substitutes"], self.rows.vectors[X],
+            memo["known"], memo["substitutes"], self.rows.vectors[V.X],
             *(grids[name] for name in ("on", "start_held", "end_held")),
             *(places[name] for name in ("lo", "hi", "s")),
         )  # fmt: skip

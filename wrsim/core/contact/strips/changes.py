@@ -2,7 +2,7 @@
 
 from wrsim.core.contact.strips.equations import block_of, edge_wish, lay_strips, pressed, set_conditions
 from wrsim.core.contact.strips.hertz import hertz_ellipse
-from wrsim.core.contact.strips.records import EDGES, MIDDLES, OF_A_STRIP, ROWS, STEP, X
+from wrsim.core.contact.strips.records import EDGES, MIDDLES, OF_A_STRIP, ROWS, V
 from wrsim.core.dense import copy
 from wrsim.core.jit.compiling import inlined, kernel
 
@@ -16,7 +16,7 @@ HUMP = 0.45  # closing, over its largest, about where contact ends
 def leave(system, n, g):
     """Take a grid out of contact."""
     system.grids[g].on = 0
-    system.vectors[X, g * block_of(n) : g * block_of(n) + n] = 0.0
+    system.vectors[V.X, g * block_of(n) : g * block_of(n) + n] = 0.0
 
 
 @kernel
@@ -40,7 +40,7 @@ def trim(system, n, g):
     """
     memo, grid, places = system.memo[0], system.grids[g], system.places[g * n : (g + 1) * n]
     base = g * block_of(n)
-    x = system.vectors[X]
+    x = system.vectors[V.X]
     first, last, count = in_contact(x[base : base + n])
     highest = 0.0
     for j in range(n):
@@ -62,7 +62,7 @@ def move_edges(system, n, g, start, end):
     half lengths beside it."""
     grid, places = system.grids[g], system.places[g * n : (g + 1) * n]
     base = g * block_of(n)
-    x, saved = system.vectors[X], system.vectors[STEP]
+    x, saved = system.vectors[V.X], system.vectors[V.STEP]
     for j in range(n):
         places[j].gap = places[j].s
     copy(OF_A_STRIP * n, x[base:], saved)
@@ -91,7 +91,7 @@ def move_edges(system, n, g, start, end):
 def enter(system, n):
     """Strips, edges and grids that come into contact, edges that leave their bounds. True if there are any."""
     memo, places = system.memo[0], system.places
-    x = system.vectors[X]
+    x = system.vectors[V.X]
     block = block_of(n)
     changed = False
     for g in range(memo.grids):
@@ -158,7 +158,7 @@ def _grid_enters(system, n, g):
 def begin_grid(system, n, g, start, end, depth, bend, factor):
     """First guess of a grid: a hump of this depth between these edges. bend: 1/R_x [1/m];
     factor: of all strips."""
-    grid, x = system.grids[g], system.vectors[X]
+    grid, x = system.grids[g], system.vectors[V.X]
     base = g * block_of(n)
     grid.on = 1
     grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)

@@ -13,25 +13,14 @@ from wrsim.core.contact.strips.equations import (
     weight_of,
 )
 from wrsim.core.contact.strips.influence import facing, find_terms
-from wrsim.core.contact.strips.records import (
-    EDGES,
-    MIDDLE,
-    MIDDLES,
-    NB,
-    NO,
-    OF_A_POINT,
-    OF_A_STRIP,
-    SOLVED,
-    TERMS,
-    WISH,
-)
+from wrsim.core.contact.strips.records import EDGES, MIDDLES, OF_A_POINT, OF_A_STRIP, V
 from wrsim.core.jit.compiling import inlined, kernel
 
 
 @inlined
 def _point(system, n, g, i, h, point, x):
     """The terms of the strips of grid h at a point x of strip i of grid g."""
-    v, t = system.vectors, TERMS + OF_A_POINT * point
+    v, t = system.vectors, V.TERMS + OF_A_POINT * point
     aligned = point == 0 and h == g and not system.memo[0].shifted
     first, last, s = h * n, (h + 1) * n, system.places[g * n + i].s
     find_terms(system.table, v, first, last, s, x, aligned, v[t], v[t + 1], v[t + 2], v[t + 3], v[t + 4])
@@ -40,16 +29,16 @@ def _point(system, n, g, i, h, point, x):
 @kernel
 def _press_row(system, n, g, i):
     """Derivatives of the displacements at all points of strip i of grid g, through the strips, to ``matrix``; those of
-    the third condition to ``vectors[WISH]``."""
+    the third condition to ``vectors[V.WISH]``."""
     memo, places, vectors, m = system.memo[0], system.places, system.vectors, system.matrix
-    third = vectors[WISH]
+    third = vectors[V.WISH]
     block = block_of(n)
     unit = 1.0 / (memo.stiffness * memo.deepest)
     at = places[g * n + i]
     row, e = g * block + i, g * block + OF_A_STRIP * n
-    middle, r = vectors[MIDDLE, g * n + i], REACH * at.root
+    middle, r = vectors[V.MIDDLE, g * n + i], REACH * at.root
     points = 3 if memo.shifted else 2
-    no, nb = vectors[NO, g * n + i], vectors[NB, g * n + i]
+    no, nb = vectors[V.NO, g * n + i], vectors[V.NB, g * n + i]
     for point in range(points):
         arm = r if point == 1 else -r if point == 2 else 0.0
         x = middle + arm
@@ -57,7 +46,7 @@ def _press_row(system, n, g, i):
         level = 1.0 if point == 0 else 0.0
         bow = 1.0 if point == 0 else -0.5 if points == 3 else -1.0
         turn = 0.0 if point == 0 or points == 2 else 1.0 if point == 1 else -1.0
-        t = TERMS + OF_A_POINT * point
+        t = V.TERMS + OF_A_POINT * point
         p, p_xi, lever, f0, f1 = vectors[t], vectors[t + 1], vectors[t + 2], vectors[t + 3], vectors[t + 4]
         by_x = by_s = 0.0
         for h in range(memo.grids):
@@ -74,7 +63,7 @@ def _press_row(system, n, g, i):
                 column = base + j - h * n
                 share = part * facing(vectors, j, no, nb, at.s)
                 q, a = share * place.q, place.root
-                xi = (x - vectors[MIDDLE, j]) / a
+                xi = (x - vectors[V.MIDDLE, j]) / a
                 by_y = q * (p[j] - 0.5 * (xi * p_xi[j] + lever[j]))
                 by_k = share * place.half * place.y * p[j]
                 shift = q * a * p_xi[j]
@@ -115,8 +104,8 @@ def _add(m, third, row, n, e, level, bow, turn, own):
 
 @kernel
 def _own_row(system, n, g, i):
-    """Derivatives of the geometry at strip i of grid g, to ``matrix`` and ``vectors[WISH]``."""
-    m, third, at = system.matrix, system.vectors[WISH], system.places[g * n + i]
+    """Derivatives of the geometry at strip i of grid g, to ``matrix`` and ``vectors[V.WISH]``."""
+    m, third, at = system.matrix, system.vectors[V.WISH], system.places[g * n + i]
     row, e = g * block_of(n) + i, g * block_of(n) + OF_A_STRIP * n
     r, off, unit = REACH * at.root, at.off, 1.0 / system.memo[0].deepest
     # u - d + off^2/(2 R);  -r^2/(2 R);  2 r off/R
@@ -132,7 +121,7 @@ def _own_row(system, n, g, i):
 def _add_to_middles(system, n, g, i):
     """The share of strip i of grid g in the conditions of the middles. Its weight and its place on the line count as
     fixed: with their derivatives Newton's method fails more often."""
-    memo, grid, at, third = system.memo[0], system.grids[g], system.places[g * n + i], system.vectors[WISH]
+    memo, grid, at, third = system.memo[0], system.grids[g], system.places[g * n + i], system.vectors[V.WISH]
     first, share = g * block_of(n) + OF_A_STRIP * n + EDGES, weight_of(at) / grid.weight
     for j in range(memo.grids * block_of(n)):
         part = share * third[j]
@@ -144,7 +133,7 @@ def _add_to_middles(system, n, g, i):
 @kernel
 def jacobian(system, n):
     """Derivatives of the equations by the unknowns that are solved for, to ``matrix``, for the state of the last
-    ``residuals``; the numbers of these unknowns to ``vectors[SOLVED]``, how many there are to the memo.
+    ``residuals``; the numbers of these unknowns to ``vectors[V.SOLVED]``, how many there are to the memo.
 
     Edges that are held and grids that are not on stay as they are; of strips out of contact factors are solved
     for, so that they come to be what they have when they touch.
@@ -166,7 +155,7 @@ def jacobian(system, n):
         for i in range(n if grids[g].on else 0):
             if places[g * n + i].y <= 0.0:
                 continue
-            system.vectors[WISH, :size] = 0.0
+            system.vectors[V.WISH, :size] = 0.0
             _press_row(system, n, g, i)
             _own_row(system, n, g, i)
             if memo.shifted:
@@ -224,7 +213,7 @@ def _edge_rows(system, n, g):
 @kernel
 def _gather(system, n):
     """Bring what is solved for to the first rows and columns of ``matrix``."""
-    memo, grids, m, solved = system.memo[0], system.grids, system.matrix, system.vectors[SOLVED]
+    memo, grids, m, solved = system.memo[0], system.grids, system.matrix, system.vectors[V.SOLVED]
     size = 0
     for g in range(memo.grids):
         grid, base = grids[g], g * block_of(n)

@@ -8,21 +8,7 @@ from math import sqrt
 
 from wrsim.core.contact.strips.grid import place_strips
 from wrsim.core.contact.strips.influence import Displacements, pressed_at
-from wrsim.core.contact.strips.records import (
-    EDGES,
-    FADING,
-    FROM,
-    INVERSE,
-    MIDDLE,
-    MIDDLES,
-    NB,
-    NO,
-    OF_A_STRIP,
-    PUSH,
-    TO,
-    F,
-    X,
-)
+from wrsim.core.contact.strips.records import EDGES, MIDDLES, OF_A_STRIP, V
 from wrsim.core.jit.compiling import inlined, kernel
 
 REACH = sqrt(0.75)  # of the half length: the outer ones of Chebyshev's three points
@@ -48,7 +34,7 @@ def set_fading(system, coupling):
     coupling: share of it that counts; with none, grids out of contact stay out.
     """
     memo, grids = system.memo[0], system.grids
-    count, parts = memo.grids, system.vectors[FADING]
+    count, parts = memo.grids, system.vectors[V.FADING]
     for i in range(count):
         for j in range(count):
             one, other = grids[i], grids[j]
@@ -74,14 +60,14 @@ def set_fading(system, coupling):
 @inlined
 def fading(system, i, j):
     """How much of the influence of grid i reaches grid j: nothing if i is out of contact."""
-    return system.vectors[FADING, i * system.memo[0].grids + j] if system.grids[i].on else 0.0
+    return system.vectors[V.FADING, i * system.memo[0].grids + j] if system.grids[i].on else 0.0
 
 
 @kernel
 def lay_strips(system, n):
     """Strips of all grids in contact between the edges that the unknowns give, and their amplitudes."""
     memo, places, vectors = system.memo[0], system.places, system.vectors
-    x = vectors[X]
+    x = vectors[V.X]
     for g in range(memo.grids):
         grid = system.grids[g]
         base = g * block_of(n)
@@ -106,11 +92,11 @@ def lay_strips(system, n):
                 place.y = x[base + j]
                 place.q = 0.5 * memo.modulus * place.bend * place.k
                 inverse = 1.0 / sqrt(place.y)
-            vectors[FROM, i], vectors[TO, i] = place.lo, place.hi
-            vectors[INVERSE, i] = inverse
-            vectors[PUSH, i] = place.q * place.y
-            vectors[MIDDLE, i] = place.x + place.off if memo.shifted else grid.x
-            vectors[NO, i], vectors[NB, i] = (place.no, place.nb) if memo.curved else (0.0, 1.0)
+            vectors[V.FROM, i], vectors[V.TO, i] = place.lo, place.hi
+            vectors[V.INVERSE, i] = inverse
+            vectors[V.PUSH, i] = place.q * place.y
+            vectors[V.MIDDLE, i] = place.x + place.off if memo.shifted else grid.x
+            vectors[V.NO, i], vectors[V.NB, i] = (place.no, place.nb) if memo.curved else (0.0, 1.0)
 
 
 @kernel
@@ -137,7 +123,7 @@ def set_conditions(system, n, g, j, points):
     memo, place = system.memo[0], system.places[g * n + j]
     r = REACH * sqrt(place.y)
     v, i = system.vectors, g * n + j
-    u = pressed(system, n, g, place.s, v[MIDDLE, i], r, points, v[NO, i], v[NB, i])
+    u = pressed(system, n, g, place.s, v[V.MIDDLE, i], r, points, v[V.NO, i], v[V.NB, i])
     place.gap = (u.middle - place.d + 0.5 * place.bend * place.off * place.off) / memo.deepest
     if points > 1:
         aft = u.aft if points > 2 else u.fore
@@ -153,9 +139,9 @@ def points_of(memo):
 
 @kernel
 def residuals(system, n):
-    """Residuals of all equations to ``vectors[F]``; returns the largest, edges counting LESS."""
+    """Residuals of all equations to ``vectors[V.F]``; returns the largest, edges counting LESS."""
     memo, places, grids = system.memo[0], system.places, system.grids
-    out = system.vectors[F]
+    out = system.vectors[V.F]
     memo.iterations += 1
     lay_strips(system, n)
     largest = 0.0
@@ -203,7 +189,7 @@ def _find_stairs(system, first, n):
     over the strip that changes a function of x by the square of the step over 24 times its second derivative, and
     displacements by that part of how far the bodies bend away over a half length. So firmly a^2 is held on a parabola.
     """
-    middles, steps, squares = system.vectors[MIDDLE], 0.0, 0.0
+    middles, steps, squares = system.vectors[V.MIDDLE], 0.0, 0.0
     for i in range(first, first + n):
         y = system.places[i].y
         squares += y
@@ -228,7 +214,7 @@ def weight_of(place):
 def set_middles(system, n, g):
     """Residuals of the middles of a grid's strips: the energy does not change with the line that they lie on."""
     total, unknowns = 0.0, system.grids[g].middles
-    out = system.vectors[F, g * block_of(n) + OF_A_STRIP * n + EDGES :]
+    out = system.vectors[V.F, g * block_of(n) + OF_A_STRIP * n + EDGES :]
     out[:MIDDLES] = 0.0
     for i in range(g * n, (g + 1) * n):
         place = system.places[i]

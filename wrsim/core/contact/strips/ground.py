@@ -16,7 +16,7 @@ from wrsim.core.contact.records import STATUS_PROFILE_END
 from wrsim.core.contact.search.lobes import LEAST_ROOM, WIDEST, room_beside
 from wrsim.core.contact.strips.equations import set_fading
 from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, make_room, next_corner
-from wrsim.core.contact.strips.records import FADING, MIDDLES, ROWS
+from wrsim.core.contact.strips.records import MIDDLES, ROWS, V
 from wrsim.core.jit.compiling import inlined, kernel
 
 GATHERED = 0.5  # saddle over the depth of the shallower lobe from which on their ground is looked at as one
@@ -108,7 +108,7 @@ def _set_shifts(system):
         if square * total - mean * mean > (FAINT * grid.reach * total) ** 2:
             matter = 1
         for h in range(g):
-            if abs(grid.x - grids[h].x) > FAINT * grid.reach and system.vectors[FADING, g * memo.grids + h] > 0.0:
+            if abs(grid.x - grids[h].x) > FAINT * grid.reach and system.vectors[V.FADING, g * memo.grids + h] > 0.0:
                 matter = 1
     if matter != memo.shifted:
         memo.shifted = matter

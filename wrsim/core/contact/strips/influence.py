@@ -17,7 +17,7 @@ y = SHARP (xi^2 - 1), which is fine beside the end of the line, xi = 1, where f 
 from math import sqrt
 from typing import NamedTuple
 
-from wrsim.core.contact.strips.records import FROM, INVERSE, LIFT, MIDDLE, NB, NO, PUSH, SIDE, TERMS, TO
+from wrsim.core.contact.strips.records import V
 from wrsim.core.jit.arena import bits_of, number_of
 from wrsim.core.jit.compiling import filling, inlined, kernel
 from wrsim.core.jit.spline import difference, difference_in_row, with_slope_in_row, with_slopes
@@ -69,32 +69,32 @@ def _place_beside(xi):
 def _find_ends(vectors, first, last, s, low, high):
     """Places on the table's axis across, (>= last,): of both ends of strips, seen from s."""
     for j in range(first, last):
-        inverse = vectors[INVERSE, j]
-        low[j] = _place_across((vectors[FROM, j] - s) * inverse)
-        high[j] = _place_across((vectors[TO, j] - s) * inverse)
+        inverse = vectors[V.INVERSE, j]
+        low[j] = _place_across((vectors[V.FROM, j] - s) * inverse)
+        high[j] = _place_across((vectors[V.TO, j] - s) * inverse)
 
 
 @filling
 def _find_point(vectors, first, last, x, beside):
     """Places on the other axis, (>= last,): of the point x, seen from the middles of strips."""
     for j in range(first, last):
-        beside[j] = _place_beside((x - vectors[MIDDLE, j]) * vectors[INVERSE, j])
+        beside[j] = _place_beside((x - vectors[V.MIDDLE, j]) * vectors[V.INVERSE, j])
 
 
 @filling
 def _find_rates(vectors, first, last, s, low, high):
     """Slopes of the places of both ends over the logarithm of t, (>= last,)."""
     for j in range(first, last):
-        inverse = vectors[INVERSE, j]
-        low[j] = STEPS * _octave_rate(max(abs((vectors[FROM, j] - s) * inverse), _LEAST_T))
-        high[j] = STEPS * _octave_rate(max(abs((vectors[TO, j] - s) * inverse), _LEAST_T))
+        inverse = vectors[V.INVERSE, j]
+        low[j] = STEPS * _octave_rate(max(abs((vectors[V.FROM, j] - s) * inverse), _LEAST_T))
+        high[j] = STEPS * _octave_rate(max(abs((vectors[V.TO, j] - s) * inverse), _LEAST_T))
 
 
 @filling
 def _scale_by_rate(vectors, first, last, x, p):
     """Multiply by the slope of the place on the other axis over xi, (>= last,)."""
     for j in range(first, last):
-        xi = (x - vectors[MIDDLE, j]) * vectors[INVERSE, j]
+        xi = (x - vectors[V.MIDDLE, j]) * vectors[V.INVERSE, j]
         y = SHARP * (xi * xi - 1.0)
         root = sqrt(y * y + 1.0)
         p[j] *= STEPS_BESIDE * _octave_rate(y + root) * 2.0 * SHARP * xi / root
@@ -107,13 +107,13 @@ def facing(vectors, j, no, nb, s):
     The influence is that of the half-space tangent at the strip, turned by the angle from the normal there to that of
     strip j: its cosine, and for the lateral creep forces its sine (contact.half_space.influence, "angle-corrected").
     """
-    level = vectors[NO, j] * no + vectors[NB, j] * nb
-    if vectors[SIDE, j] == 0.0:
+    level = vectors[V.NO, j] * no + vectors[V.NB, j] * nb
+    if vectors[V.SIDE, j] == 0.0:
         return level
-    t = (0.5 * (vectors[FROM, j] + vectors[TO, j]) - s) * vectors[INVERSE, j]
+    t = (0.5 * (vectors[V.FROM, j] + vectors[V.TO, j]) - s) * vectors[V.INVERSE, j]
     # a force along s acts as one along n does and nu/(1 - nu) s^2/r^2 of it, roughly with the mean r over the strip
-    return level + (vectors[NB, j] * no - vectors[NO, j] * nb) * (
-        vectors[SIDE, j] + vectors[LIFT, j] * abs(t) / sqrt(t * t + 0.5)
+    return level + (vectors[V.NB, j] * no - vectors[V.NO, j] * nb) * (
+        vectors[V.SIDE, j] + vectors[V.LIFT, j] * abs(t) / sqrt(t * t + 0.5)
     )
 
 
@@ -133,7 +133,7 @@ def pressed_at(table, vectors, first, last, s, x, r, points, no, nb, aligned):
     The places in the table are found for several strips at a time.
     """
     low, high, beside, before, behind = (
-        vectors[TERMS], vectors[TERMS + 1], vectors[TERMS + 2], vectors[TERMS + 3], vectors[TERMS + 4],
+        vectors[V.TERMS], vectors[V.TERMS + 1], vectors[V.TERMS + 2], vectors[V.TERMS + 3], vectors[V.TERMS + 4],
     )  # fmt: skip
     _find_ends(vectors, first, last, s, low, high)
     if not aligned:
@@ -145,11 +145,11 @@ def pressed_at(table, vectors, first, last, s, x, r, points, no, nb, aligned):
     in_middle = table[table.shape[0] - 1]
     middle = fore = aft = 0.0
     for j in range(first, last):
-        push = vectors[PUSH, j] * vectors[INVERSE, j]
+        push = vectors[V.PUSH, j] * vectors[V.INVERSE, j]
         if push == 0.0:
             continue
         push *= facing(vectors, j, no, nb, s)
-        lo, hi = (vectors[FROM, j] - s) * push, (vectors[TO, j] - s) * push
+        lo, hi = (vectors[V.FROM, j] - s) * push, (vectors[V.TO, j] - s) * push
         if aligned:
             middle += difference_in_row(in_middle, lo, low[j], hi, high[j])
         else:
@@ -173,8 +173,8 @@ def find_terms(table, vectors, first, last, s, x, aligned, p, p_xi, turn, f0, f1
     if not aligned:
         _find_point(vectors, first, last, x, p)
     for j in range(first, last):
-        inverse = vectors[INVERSE, j]
-        lo, hi = (vectors[FROM, j] - s) * inverse, (vectors[TO, j] - s) * inverse
+        inverse = vectors[V.INVERSE, j]
+        lo, hi = (vectors[V.FROM, j] - s) * inverse, (vectors[V.TO, j] - s) * inverse
         if aligned:
             low, low_t = with_slope_in_row(in_middle, f0[j])
             high, high_t = with_slope_in_row(in_middle, f1[j])

@@ -28,7 +28,7 @@ from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.grid import opposite
 from wrsim.core.contact.strips.ground import set_grids
-from wrsim.core.contact.strips.records import LIFT, OF_A_STRIP, ROWS, SIDE, System, X
+from wrsim.core.contact.strips.records import OF_A_STRIP, ROWS, System, V
 from wrsim.core.contact.strips.solution import solve
 from wrsim.core.jit.compiling import kernel
 
@@ -75,15 +75,15 @@ def _set_sides(system, n, transverse, strips):
     n: strips of the grids of the last call; transverse: nu/(1 - nu).
     """
     memo, vectors = system.memo[0], system.vectors
-    vectors[SIDE : LIFT + 1] = 0.0
+    vectors[V.SIDE : V.LIFT + 1] = 0.0
     if memo.turn == 0:
         return
     for i in range(memo.known * n):
         place = system.places[i]
         if place.y > 0.0:
             strip = strips[place.lobe, place.row]
-            vectors[SIDE, i] = strip.Fy / strip.N if strip.N > 0.0 else 0.0
-            vectors[LIFT, i] = transverse * vectors[SIDE, i]
+            vectors[V.SIDE, i] = strip.Fy / strip.N if strip.N > 0.0 else 0.0
+            vectors[V.LIFT, i] = transverse * vectors[V.SIDE, i]
 
 
 @kernel
@@ -97,7 +97,7 @@ def _set_main_point(wheel, rail, lobe):
 @kernel
 def _same_grids(system, n, before):
     """Whether the unknowns of the last call suit the grids as they are; edges are brought within the bounds."""
-    memo, x = system.memo[0], system.vectors[X]
+    memo, x = system.memo[0], system.vectors[V.X]
     if before != memo.grids:
         return False
     for g in range(before):

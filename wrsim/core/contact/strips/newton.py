@@ -20,22 +20,7 @@ from wrsim.core.contact.strips.equations import (
     residuals,
     set_middles,
 )
-from wrsim.core.contact.strips.records import (
-    EDGES,
-    LAST,
-    MIDDLES,
-    NEXT,
-    OF_A_STRIP,
-    PIVOT,
-    ROWS,
-    SAVED,
-    SCALE,
-    SOLVED,
-    STEP,
-    WISH,
-    F,
-    X,
-)
+from wrsim.core.contact.strips.records import EDGES, MIDDLES, OF_A_STRIP, ROWS, V
 from wrsim.core.dense import copy, factorise, invert, multiply, solve_factorised
 from wrsim.core.jit.compiling import kernel
 
@@ -79,7 +64,7 @@ def newton(system, n, tolerance):
             return True
         if memo.inverted == 0 or residual > SLOW * last:
             jacobian(system, n)
-            invert(system.matrix, memo.unknowns, vectors[PIVOT])
+            invert(system.matrix, memo.unknowns, vectors[V.PIVOT])
             memo.factorisations += 1
             memo.inverted = 1
             memo.rate = 1.0
@@ -89,7 +74,7 @@ def newton(system, n, tolerance):
         again = whole
         if again:
             _learn(system)
-        copy(memo.unknowns, vectors[NEXT], vectors[LAST])
+        copy(memo.unknowns, vectors[V.NEXT], vectors[V.LAST])
         _scatter(system, size)
         predicted = residual * max(memo.rate, residual / last if again else 0.0)
         share = _longest_step(system, n)
@@ -117,7 +102,7 @@ def _predict(system, n):
     """Take the step that the ground asks for which has moved since the last contact, as if strips pressed it down as
     they did: the displacements were the gaps then."""
     memo, places, vectors = system.memo[0], system.places, system.vectors
-    f, block = vectors[F], block_of(n)
+    f, block = vectors[V.F], block_of(n)
     for g in range(memo.grids):
         for j in range(n if system.grids[g].on else 0):
             place = places[g * n + j]
@@ -172,11 +157,11 @@ def descend(system, n, tolerance):
         if residual < tolerance:
             return True
         jacobian(system, n)
-        factorise(system.matrix, memo.unknowns, vectors[PIVOT])
+        factorise(system.matrix, memo.unknowns, vectors[V.PIVOT])
         memo.factorisations += 1
         length = _solve(system)
         _scatter(system, size)
-        copy(size, vectors[X], vectors[SAVED])
+        copy(size, vectors[V.X], vectors[V.SAVED])
         share = _longest_step(system, n)
         for halving in range(HALVINGS + 1):
             changed, _whole = _advance(system, n, share, residual < CALM)
@@ -189,7 +174,7 @@ def descend(system, n, tolerance):
             if halving == HALVINGS:
                 return False
             share *= 0.5
-            copy(size, vectors[SAVED], vectors[X])
+            copy(size, vectors[V.SAVED], vectors[V.X])
         residual = after
     return False
 
@@ -198,23 +183,23 @@ def descend(system, n, tolerance):
 def _multiply_inverse(system):
     """The step of the unknowns that are solved for by the inverse as it is, from the residuals."""
     vectors, size = system.vectors, system.memo[0].unknowns
-    wish = vectors[WISH]
+    wish = vectors[V.WISH]
     for i in range(size):
-        wish[i] = -vectors[F, int(vectors[SOLVED, i])]
-    multiply(system.matrix, size, wish, vectors[NEXT])
+        wish[i] = -vectors[V.F, int(vectors[V.SOLVED, i])]
+    multiply(system.matrix, size, wish, vectors[V.NEXT])
 
 
 @kernel
 def _solve(system):
     """The same by the factors as they are; returns its length by the weights of the unknowns."""
     vectors, size = system.vectors, system.memo[0].unknowns
-    step = vectors[NEXT]
+    step = vectors[V.NEXT]
     for i in range(size):
-        step[i] = -vectors[F, int(vectors[SOLVED, i])]
-    solve_factorised(system.matrix, size, vectors[PIVOT], step)
+        step[i] = -vectors[V.F, int(vectors[V.SOLVED, i])]
+    solve_factorised(system.matrix, size, vectors[V.PIVOT], step)
     total = 0.0
     for i in range(size):
-        total += vectors[SCALE, int(vectors[SOLVED, i])] * step[i] ** 2
+        total += vectors[V.SCALE, int(vectors[V.SOLVED, i])] * step[i] ** 2
     return sqrt(total)
 
 
@@ -222,15 +207,15 @@ def _solve(system):
 def _scatter(system, size):
     """The step of all unknowns."""
     vectors = system.vectors
-    vectors[STEP, :size] = 0.0
+    vectors[V.STEP, :size] = 0.0
     for i in range(system.memo[0].unknowns):
-        vectors[STEP, int(vectors[SOLVED, i])] = vectors[NEXT, i]
+        vectors[V.STEP, int(vectors[V.SOLVED, i])] = vectors[V.NEXT, i]
 
 
 @kernel
 def _set_scale(system, n):
     """Weights of the unknowns in products of steps."""
-    scale = system.vectors[SCALE]
+    scale = system.vectors[V.SCALE]
     block = block_of(n)
     for g in range(system.memo[0].grids):
         grid, base = system.grids[g], g * block
@@ -248,10 +233,10 @@ def _learn(system):
     the residuals comes to be mapped to the step that made it (Kelley, Solving Nonlinear Equations with Newton's Method,
     2003, section 4.1)."""
     inverse, vectors, size = system.matrix, system.vectors, system.memo[0].unknowns
-    step, missing, weighed, row = vectors[LAST], vectors[NEXT], vectors[WISH], vectors[SAVED]
+    step, missing, weighed, row = vectors[V.LAST], vectors[V.NEXT], vectors[V.WISH], vectors[V.SAVED]
     square = product = 0.0
     for i in range(size):
-        weighted = weighed[i] = step[i] * vectors[SCALE, int(vectors[SOLVED, i])]
+        weighted = weighed[i] = step[i] * vectors[V.SCALE, int(vectors[V.SOLVED, i])]
         square += weighted * step[i]
         product += weighted * missing[i]
     rest = square - product
@@ -272,7 +257,7 @@ def _learn(system):
 @kernel
 def _longest_step(system, n):
     """Share of the step at which no unknown changes too much: 1.0 or less."""
-    x, step = system.vectors[X], system.vectors[STEP]
+    x, step = system.vectors[V.X], system.vectors[V.STEP]
     block = block_of(n)
     worst = 1.0
     for g in range(system.memo[0].grids):
@@ -299,7 +284,7 @@ def _advance(system, n, share, calm):
     """Take a share of the step; calm: strips may leave. Returns whether strips, edges or grids have come or gone, and
     whether it was the whole step in all unknowns."""
     memo = system.memo[0]
-    x, step = system.vectors[X], system.vectors[STEP]
+    x, step = system.vectors[V.X], system.vectors[V.STEP]
     block = block_of(n)
     changed = False
     whole = share == 1.0

@@ -4,6 +4,7 @@ A grid is what one system of strips lies over: a lobe, part of one, or lobes tha
 follow each other, grid after grid; s is the rail's arclength throughout.
 """
 
+from collections import namedtuple
 from typing import Any, NamedTuple
 
 from wrsim.core.jit.arena import record
@@ -52,10 +53,10 @@ one; whether shifts along x count, and the angles between strips; how often cree
 whether ``matrix`` is an inverse of use, and of how many unknowns; residuals taken and Jacobians made in this call, and
 with how many strips of a grid it was solved (0: not); calls so far without a whole solution."""
 
-(
-    X, F, STEP, SAVED, NEXT, LAST, WISH, PIVOT, SCALE, SOLVED, FADING, FROM, TO, INVERSE, PUSH, MIDDLE, NO, NB, SIDE,
-    LIFT, SOUND, TERMS,
-) = range(22)  # fmt: skip
+V = namedtuple(
+    "V",
+    "X F STEP SAVED NEXT LAST WISH PIVOT SCALE SOLVED FADING FROM TO INVERSE PUSH MIDDLE NO NB SIDE LIFT SOUND TERMS",
+)(*range(22))
 """Rows of ``vectors``: unknowns, residuals, step, unknowns before a step; of the unknowns that are solved for the next
 step, the last one and the residuals; rows exchanged in the factors; weights of the unknowns; numbers of those that are
 solved for; how much of the influence of a grid reaches another one, row after row; of all strips both ends, 1/a,
@@ -64,7 +65,7 @@ over normal force, and that times nu/(1 - nu); in ``jacobian`` WISH has the deri
 unknowns of the last solution while grids come to press each other down; from TERMS on what all strips do to the
 derivatives at three points (`influence.find_terms`)."""
 POINTS, OF_A_POINT = 3, 5
-VECTORS = TERMS + POINTS * OF_A_POINT
+VECTORS = V.TERMS + POINTS * OF_A_POINT
 
 
 class System(NamedTuple):

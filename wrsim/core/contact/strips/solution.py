@@ -13,7 +13,7 @@ from wrsim.core.contact.strips.equations import block_of, lay_strips, set_fading
 from wrsim.core.contact.strips.ground import LOW
 from wrsim.core.contact.strips.hertz import hertz_ellipse
 from wrsim.core.contact.strips.newton import NEAR, descend, newton
-from wrsim.core.contact.strips.records import EDGES, MIDDLES, OF_A_STRIP, ROWS, SOUND, X
+from wrsim.core.contact.strips.records import EDGES, MIDDLES, OF_A_STRIP, ROWS, V
 from wrsim.core.dense import copy
 from wrsim.core.jit.compiling import kernel
 
@@ -61,7 +61,7 @@ def _couple(system, n):
     done, portion = 0.0, 1.0
     while done < 1.0:
         share = min(done + portion, 1.0)
-        copy(size, vectors[X], vectors[SOUND])
+        copy(size, vectors[V.X], vectors[V.SOUND])
         set_fading(system, share)
         if descend(system, n, NEAR):
             done = share
@@ -70,7 +70,7 @@ def _couple(system, n):
         portion *= 0.5
         if portion < LEAST_PORTION or system.memo[0].grids == 1:
             break
-        copy(size, vectors[SOUND], vectors[X])
+        copy(size, vectors[V.SOUND], vectors[V.X])
         _switch(system, n)
     set_fading(system, 1.0)
     return done == 1.0 and _solved(system, n, TOLERANCE)
@@ -79,7 +79,7 @@ def _couple(system, n):
 @kernel
 def _switch(system, n):
     """Which grids are in contact, and which edges at their bounds, as the unknowns have it."""
-    x = system.vectors[X]
+    x = system.vectors[V.X]
     for g in range(system.memo[0].grids):
         grid, base = system.grids[g], g * block_of(n)
         e = base + OF_A_STRIP * n
@@ -93,7 +93,7 @@ def _solved(system, n, tolerance):
     """Newton's method near a solution. True if it ends in one: all unknowns are numbers, some strip is in contact."""
     if not newton(system, n, tolerance):
         return False
-    x, block = system.vectors[X], block_of(n)
+    x, block = system.vectors[V.X], block_of(n)
     touches = False
     for g in range(system.memo[0].grids):
         for j in range(block if system.grids[g].on else 0):
@@ -137,7 +137,7 @@ def _hump_of(grid, rows):
 def _guess(system, n, g, level):
     """A grid's contact: Hertz's ellipse, where the penetration is more than at the ellipse's edges, or than a level of
     its depth, if there is one."""
-    grid, rows, x = system.grids[g], system.rows[g], system.vectors[X]
+    grid, rows, x = system.grids[g], system.rows[g], system.vectors[V.X]
     base, depth = g * block_of(n), grid.deepest
     hump = _hump_of(grid, rows)
     ellipse = hertz_ellipse(hump.ratio, hump.slope, depth, hump.bend)
@@ -167,7 +167,7 @@ def _clear(system, n):
     """No grid is in contact."""
     memo = system.memo[0]
     memo.inverted = 0
-    system.vectors[X, : memo.grids * block_of(n)] = 0.0
+    system.vectors[V.X, : memo.grids * block_of(n)] = 0.0
     for g in range(memo.grids):
         system.grids[g].on = system.grids[g].entries = 0
 
