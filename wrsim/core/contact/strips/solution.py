@@ -19,6 +19,7 @@ from wrsim.core.jit.compiling import kernel
 
 TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
+LEVELS = 0.0, LOW, 0.3  # of a grid's depth: where contact ends in first guesses; in the first one where Hertz's does
 LEAST_PORTION = 1 / 32  # of the coupling of grids, at which a solution is given up
 MOST = 4000  # residuals, from which on no fewer strips are tried: more than any of a million random poses takes
 
@@ -35,7 +36,10 @@ def solve(system, n, known, tolerance):
         return n
     strips = n
     while strips > n // 2 and memo.iterations < MOST:
-        if _at_once(system, strips, 0.0) or _at_once(system, strips, LOW) or _one_by_one(system, strips):
+        for level in LEVELS:
+            if _at_once(system, strips, level):
+                return strips
+        if _one_by_one(system, strips):
             return strips
         if not _straighten(system):
             strips -= 1
@@ -200,9 +204,8 @@ def _one_by_one(system, n):
 @kernel
 def _alone(system, n, g):
     """Solve for one grid, the only one in contact. True if that works."""
-    _guess(system, n, g, 0.0)
-    if not descend(system, n, NEAR):
-        _guess(system, n, g, LOW)
-        if not descend(system, n, NEAR):
-            return False
-    return newton(system, n, TOLERANCE) and system.grids[g].on > 0
+    for level in LEVELS:
+        _guess(system, n, g, level)
+        if descend(system, n, NEAR):
+            return newton(system, n, TOLERANCE) and system.grids[g].on > 0
+    return False
