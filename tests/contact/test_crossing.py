@@ -101,9 +101,9 @@ def test_the_load_passes_from_wing_to_nose_as_in_contact(shifts) -> None:
             place = 1e-3 * np.array([float(row["x_tr_mm"]), 0.0, -float(row["z_tr_mm"])])
             assert hypot(patch["o"] - y, patch["x"] - place[0], patch["b"] - place[2]) < 3e-4
             assert patch["N"] == pytest.approx(float(row["Fn_N"]), abs=120.0)
-            # of the nose, where it carries enough. The wing's patch lies slanted where its curvature changes
+            # sections are joined in another way there: by the half-space solver the wing has 3.7 to 4.7 % less, too
             if patch["o"] > 0.0 or patch["N"] > 3e3:
-                off = 0.03 if patch["o"] < 0.0 else 0.07 if patch["N"] > 3e3 else 0.09
+                off = 0.03 if patch["o"] < 0.0 else 0.055 if patch["N"] > 1.5e3 else 0.08
                 assert patch["p0"] == pytest.approx(1e6 * float(row["pmax_MPa"]), rel=off)
 
 
