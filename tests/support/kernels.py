@@ -400,7 +400,7 @@ def main(form: str = "") -> object:
         wheelset = KnifeEdgeForces(example_wheelset(), 30.0)
         wheelset(0.0, *design_state(wheelset), np.zeros(wheelset.size))
         for kernel in (residuals, jacobian):
-            kernel(*strip_system(pair_model(PAIR, normal="strips", **SMALL)), False)
+            kernel(*strip_system(pair_model(PAIR, normal="strips", **SMALL)))
         settle(bench(pair_model(PAIR, normal="strips", **SMALL), rolling=False), 0.0, 0.0, 1e4)
         locus_point(bodies(pair_model(PAIR, **SMALL).arrays.rows)[0], 0.03)
         compile_stages(*STAGES)
