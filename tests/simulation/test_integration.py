@@ -17,18 +17,13 @@ from support.vehicles import ROOT
 
 from wrsim import InputError, SimulationError, load, stepper
 from wrsim.core.body import stepper as kernel
+from wrsim.core.body.implicit_step import AHEAD
+from wrsim.simulation import step_size
 from wrsim.simulation.bodies import Solid
+from wrsim.simulation.implicit_step import ImplicitStep
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.recorder import BLOCK, Checkpoint, Ending, Recorder
-from wrsim.simulation.step_size import (
-    RK44_LIMIT,
-    SAFETY,
-    creep_rate,
-    eigenvalues,
-    round_step,
-    stable_step,
-    step_for_speed,
-)
+from wrsim.simulation.step_size import RK44_LIMIT, SAFETY, creep_rate, eigenvalues, round_step, stable_step
 from wrsim.simulation.system import BodySystem
 
 BODY = Solid(1500.0, (900.0, 100.0, 900.0))
@@ -305,7 +300,7 @@ def test_the_slip_of_the_wheels_decays_within_the_creep_limit_and_stays_wrong_be
         return np.abs(motion.q_t[-50:, 1] - 0.46 * motion.q_t[-50:, 5]).max() / speed
 
     limit = RK44_LIMIT / creep_rate(speed, 1813.0, 112.0, 0.46, 1e7)
-    assert step_for_speed(speed) <= min(SAFETY * limit, 5e-4)
+    assert step_size.step_for_speed(speed) <= min(SAFETY * limit, 5e-4)
     assert slip(0.98 * limit) < 1e-6
     assert slip(1.1 * limit) > 1e-4  # bounded by the saturation: it does not blow up
 
@@ -345,7 +340,7 @@ def test_a_rolled_body_couples_heading_and_spin_in_its_eigenvalues():
 
 
 def test_the_step_is_a_part_of_a_millisecond_grows_with_speed_and_falls_with_load():
-    steps = [step_for_speed(v) for v in (1.0, 2.0, 5.0, 10.0, 20.0, 100.0)]
+    steps = [step_size.step_for_speed(v) for v in (1.0, 2.0, 5.0, 10.0, 20.0, 100.0)]
     assert steps == sorted(steps)
     assert steps[-1] == 1e-3
     for step in steps:
@@ -353,7 +348,7 @@ def test_the_step_is_a_part_of_a_millisecond_grows_with_speed_and_falls_with_loa
     assert round_step(4e-4) == pytest.approx(1e-3 / 3)
     assert round_step(1.0) == 1e-3
     vehicle = example_wheelset(axle_load=200e3)
-    assert step_for_speed(5.0, vehicle) < step_for_speed(5.0, example_wheelset(axle_load=50e3))
+    assert step_size.step_for_speed(5.0, vehicle) < step_size.step_for_speed(5.0, example_wheelset(axle_load=50e3))
 
 
 # Samples of a run are safe whatever happens to the file that keeps them.
@@ -452,3 +447,14 @@ def test_what_cannot_be_taken_step_by_step_is_refused() -> None:
         own.q[1] += amount
         with pytest.raises(SimulationError, match=words):
             own.step()
+
+
+@pytest.mark.parametrize(("angle", "wrong"), [(0.5, 0.027), (2.5, 0.06)])
+def test_accelerations_of_a_vibration_that_drifts_are_foretold_soon_after_it_has_changed(angle, wrong):
+    """Two accelerations foretell a vibration, two more a drift, the steps of another one fade; angle of a step."""
+    q, q_t, q_tt = np.zeros((3, 6))
+    newton = ImplicitStep(q, q_t, q_tt, 1, 1e-3, 1e3, 1e4)
+    for k in range(400):
+        q_tt[:] = np.sin((angle if k > 200 else 0.7 * angle) * k + np.arange(6)) + 3e-3 * k
+        newton.end_step()
+    assert newton.rows[AHEAD] == pytest.approx(np.sin(angle * 400 + np.arange(6)) + 1.2, abs=wrong)
