@@ -37,7 +37,7 @@ from wrsim.simulation.force_law import Block, all_on_all
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import linearise
 from wrsim.simulation.placement import TrackPoses, poses_on_track
-from wrsim.simulation.steady_state import Equilibrium
+from wrsim.simulation.steady_state import Equilibrium, steady_state
 from wrsim.simulation.system import Array
 
 VARIANTS: dict[str, dict[str, Any]] = {
@@ -199,8 +199,15 @@ class EquivalentElasticOnTrack(VehicleOnTrack):
         return status
 
     def blocks(self) -> list[Block]:
-        """See ``HasBlocks``: derivatives are those of their contact as well."""
-        return [Block(self, all_on_all(self.size))]
+        """Forces without contacts, and those of their contacts."""
+        without = np.zeros(self.size)
+
+        def contacts(t: float, q: Array, q_t: Array, out: Array) -> None:
+            self(t, q, q_t, out)
+            self.on_bodies(t, q, q_t, without)
+            out -= without
+
+        return [Block(self.on_bodies, all_on_all(self.size)), Block(contacts, all_on_all(6 * len(self.wheels)))]
 
     def _exchange(self, w: int, q: Array, q_t: Array, out: Array) -> None:
         own = slice(6 * w, 6 * w + 6)
@@ -230,7 +237,7 @@ def their_steady_motion(ours: solver.Found) -> tuple[EquivalentElasticOnTrack, E
     law.__class__ = EquivalentElasticOnTrack
     lifted = ours.q.copy()
     lifted[: 6 * len(law.bodies) : 6] += LIFTED
-    found = solver.steady_state(law, (lifted, ours.q_t), tolerance=ENOUGH, max_iterations=20, near=law)
+    found = steady_state(law, (lifted, ours.q_t), tolerance=ENOUGH, max_iterations=20, near=law)
     law(0.0, found.q, found.q_t, np.zeros(law.size))
     return law, found
 
