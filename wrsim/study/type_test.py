@@ -1,7 +1,7 @@
 """The verdict of a type test: every clause in every state, from the runs that have come to an end."""
 
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -179,7 +179,11 @@ def _test_at_rest(test: str, setup: Setup[Any], spec: ProgrammeFile) -> list[tup
 
 def whole_table(title: str, found: Sequence[Verdict]) -> Table:
     """Every clause with a limit, in every class of track."""
-    rows: list[list[Cell]] = [[*own[:10], v.word, *own[10:12]] for v in found for own in (astuple(v),)]
+    rows: list[list[Cell]] = [
+        [v.state, v.clause, v.symbol, v.unit, v.zone, v.worst, v.interval, v.estimate, v.limit, v.margin, v.word,
+         v.source, v.where]
+        for v in found
+    ]  # fmt: skip
     star = (TO_CONFIRM,) if any(v.source.endswith("*") for v in found) else ()
     words = "sections: those of the test, of those that the rules ask for; mean: over the sections"
     return Table(title, tuple(map(Column, HEADS)), rows, (words, *star))
