@@ -143,7 +143,7 @@ def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
     model = contacts.pair_model(pair, **contacts.PLAIN)
     peaks = brute_force(model)
     several = 0
-    for origin, axle in random_poses(model, 24, seed=3):
+    for origin, axle in random_poses(model, 36, seed=3):
         contact = model.evaluate(origin, axle)
         found = contacts.columns(contact.patches, "arc_wheel approach")
         zones = peaks()
