@@ -10,6 +10,7 @@ from wrsim.core.contact.strips.equations import (
     block_of,
     fading,
     four_touch,
+    points_of,
     weight_of,
 )
 from wrsim.core.contact.strips.influence import facing, find_terms
@@ -37,7 +38,7 @@ def _press_row(system, n, g, i):
     at = places[g * n + i]
     row, e = g * block + i, g * block + OF_A_STRIP * n
     middle, r = vectors[V.MIDDLE, g * n + i], REACH * at.root
-    points = 3 if memo.shifted else 2
+    points = points_of(memo)
     no, nb = vectors[V.NO, g * n + i], vectors[V.NB, g * n + i]
     for point in range(points):
         arm = r if point == 1 else -r if point == 2 else 0.0
