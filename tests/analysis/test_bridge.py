@@ -145,6 +145,21 @@ def test_what_does_not_go_with_sleepers_is_one_clear_error(values: dict[str, Any
     assert str(caught.value).count("\n") <= 1
 
 
+def test_the_largest_force_of_a_flat_converges_over_the_step() -> None:
+    """The wheel leaves the rail; where it strikes, creep forces reverse within 10 us."""
+    keys = {"contact.normal": "kik-piotrowski", "vehicle.speed_kmh": 100, "vehicle.out_of_round[0].at_deg": 30.0}
+
+    def struck(step: int) -> float:
+        found = run(
+            FLAT.with_values(keys | {"run.distance_m": 0.35, "run.output_interval_ms": 0.04, "run.step_us": step})
+        )
+        assert found.dataset.attrs["cut_steps"] == 0
+        return float(found.dataset["Q"].max())
+
+    peaks = np.array([struck(40), struck(20), struck(10)])
+    assert np.abs(peaks[:-1] / peaks[1:] - 1.0).max() < 0.015
+
+
 def test_linear_stability_takes_no_sleepers() -> None:
     structure = FLAT.spec.track.structure
     assert structure is not None

@@ -302,8 +302,9 @@ def step_on_sleepers(segments: list[Segment]) -> list[float]:
     q[0] -= 1e-4  # into the rails
     forces, q_tt = np.zeros((2, law.size))
     law(0.0, q, q_t, forces)
-    law.begin_step(1e-3, q, q_t, q_tt)
+    law.begin_step(1e-3, q, q_t, q_tt, False)
     law(1e-3, q, q_t, forces)
+    law.hold(True, 0.0, q - 1e-6, q, q_t, q_tt)
     law.end_step(q, q_t)
     return [*forces, *q[-4:], *q_t[-4:]]
 

@@ -52,9 +52,8 @@ class ForceLaw:
     """
 
     units = 1
-    stretches = 1
-    """In how many stretches an explicit method takes a step in place of an implicit one that failed; if more than one,
-    implicit steps cannot be divided."""
+    explicit = True
+    """Whether its forces belong to a state alone, so that an explicit method can take a step."""
     dampers = positions = rails = 0
     sliders: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
 
@@ -79,12 +78,14 @@ class ForceLaw:
         finally:
             self.follow(False)
 
-    def begin_step(self, step: float, q: Array, q_t: Array, q_tt: Array) -> None:
-        """Called ahead of an implicit step [s], with the solver's own first guess of its end, which it may change."""
+    def begin_step(self, step: float, q: Array, q_t: Array, q_tt: Array, again: bool) -> None:
+        """Called ahead of an implicit step [s], with the solver's own first guess of its end, which it may change;
+        again: the solver begins the same step once more."""
 
-    def begin_explicit(self, t: float, step: float, q: Array, q_t: Array) -> None:
-        """Called ahead of a step [s] from the state at a time [s] that an explicit method takes in parts, in place of
-        an implicit one that failed."""
+    def hold(self, first: bool, tolerance: float, last: Array, q: Array, q_t: Array, q_tt: Array) -> bool:
+        """Called ahead of the forces of an iteration but the first of a step, which it may change; first: call of this
+        step; tolerance [N]; last: q at the last iteration. Returns whether it has changed any."""
+        return False
 
     def end_step(self, q: Array, q_t: Array) -> None:
         """Called after such a step with the state at its end, of which it may write rates that are not

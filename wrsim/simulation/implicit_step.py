@@ -60,21 +60,31 @@ class ImplicitStep:
         for name in ("predicted", "residual", "moved", "ratio"):
             own[name] = np.inf
         own["bodies"], own["iteration"], own["estimates"] = bodies, -1, loosest is not None
-        self.own, self._iteration = own, own["iteration"]
+        self.own, self._iteration, self._counted = own, own["iteration"], -1
         self.rows, self.jacobian = np.zeros((kernel.ROWS, q.size)), np.zeros((q.size, q.size))
         self._sums, self._fit = np.zeros((kernel.ORDER + 1,) * 2), np.zeros((kernel.ORDER + 2, kernel.ORDER))
+        self.at = tolerance, self.rows[kernel.AT]
+        """Tolerance, and coordinates of the last computed forces."""
         self.rows[kernel.WEIGHTS, : 6 * bodies] = np.tile(WEIGHTS, bodies)
 
     def end_step(self) -> None:
         """Predict the accelerations of the next step."""
         kernel.end_step(self.own, self.rows, self._sums, self._fit, self.q_tt)
 
-    def begin_iteration(self, iteration: int) -> None:
-        """Called ahead of every residual; the first one of a step starts from the prediction."""
-        if iteration == 0:
+    def begin_iteration(self, iteration: int) -> bool:
+        """Called ahead of every residual; the first one of a step starts from the prediction. Returns whether the
+        solver begins this step again, from its own guess: it does not count an iteration then."""
+        again = 0 < iteration == self._counted
+        self._counted = iteration
+        if iteration == 0 or again:
             kernel.predict(self.own, self.rows, self.q, self.q_t, self.q_tt)
         else:
             self._iteration[0] = iteration
+        return again
+
+    def held(self) -> None:
+        """The law has changed this iteration: it says nothing about a new Jacobian."""
+        self.own["new"] = 0
 
     def set_jacobian(self, derivative: Array, by_q: float) -> None:
         """Take a new derivative of the forces with respect to by_q q."""

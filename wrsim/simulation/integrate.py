@@ -303,13 +303,13 @@ class Integration:
                 raise SimulationError(f"Exudyn ended the run at t = {self._time(k):.6g} s without a reason")
 
     def _step_in_parts(self) -> None:
-        """Take one implicit step that has failed in parts, at last by RK44; raises what the law raises there.
+        """Take one implicit step that has failed in parts, at last by RK44 where the law allows it.
 
         Newton's method fails where a contact begins or ends within the step and the force jumps, or where an iteration
         leads to a state without forces. Explicit steps take any jump.
         """
         system, state = self.system, self.system.forces.get_state()
-        for parts in PARTS if system.forces.stretches == 1 else PARTS[:1]:
+        for parts in PARTS:
             try:
                 system.solve(
                     self._q, self._q_t, self._time(self._last), self.step / parts, parts, lambda t: True,
@@ -317,22 +317,14 @@ class Integration:
                 )  # fmt: skip
             except SimulationError:
                 system.forces.set_state(state)
+                if parts == PARTS[-1] and not system.forces.explicit:
+                    raise
             else:
                 system.work.cut_steps += parts > 1
                 break
         else:
-            self._step_explicitly()
+            start, step = self._time(self._last), self.step / EXPLICIT_PARTS
+            system.solve(self._q, self._q_t, start, step, EXPLICIT_PARTS, lambda t: True)
             system.work.cut_steps += 1
             system.work.explicit_steps += 1
         self._after_step(self._time(self._last + 1))
-
-    def _step_explicitly(self) -> None:
-        """Take one step by RK44, in as many stretches as the law wants."""
-        system, q, q_t = self.system, self._q, self._q_t
-        count = system.forces.stretches
-        for k in range(count):
-            start = self._time(self._last) + k * self.step / count
-            system.forces.begin_explicit(start, self.step / count, q, q_t)
-            system.solve(q, q_t, start, self.step / EXPLICIT_PARTS, EXPLICIT_PARTS // count, lambda t: True)
-            system.forces.end_step(system.q, system.q_t)
-            q, q_t = system.q.copy(), system.q_t.copy()

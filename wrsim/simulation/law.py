@@ -22,7 +22,7 @@ from wrsim.errors import SimulationError
 from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.force_law import OF_DIFFERENCES, Array, Block, Groups, all_on_all, groups_in_a_row
-from wrsim.simulation.rails import STRETCHES, RailsOnSleepers
+from wrsim.simulation.rails import RailsOnSleepers
 from wrsim.simulation.vehicle_arrays import (
     RAIL_COORDINATES,
     Layout,
@@ -128,8 +128,7 @@ class VehicleOnTrack(Layout):
             )  # fmt: skip
             self._found_at += [records[slope] for records in own for slope in ("slope_n", "slope_b")]
             elasticity = self.on_sleepers.static
-            # what the nodes do not know of the rail's motion is a spring without mass: short steps do not solve it
-            self.stretches = STRETCHES
+            self.explicit = False
         self.elastic = elasticity
         """Springs and masses of the rails under the wheels, of those on sleepers at the start."""
         self._state, self._evaluated = np.zeros((2, self.size)), np.nan
@@ -288,20 +287,24 @@ class VehicleOnTrack(Layout):
             for wheel in wheels:
                 wheel.model.arrays.rows.memo["inverted"] = 0
 
-    def begin_step(self, step: float, q: Array, q_t: Array, q_tt: Array) -> None:
-        if self.on_sleepers is not None:
-            rails = slice(self.size - self.rails, self.size)
+    def begin_step(self, step: float, q: Array, q_t: Array, q_tt: Array, again: bool) -> None:
+        if self.on_sleepers is None:
+            return
+        rails = slice(self.size - self.rails, self.size)
+        if again:
+            q[rails], q_t[rails], q_tt[rails] = self.on_sleepers.guess
+        else:
             self.on_sleepers.deck[:] = q[self.of_deck], q_t[self.of_deck]
             self.on_sleepers.begin(step, q[rails], q_t[rails], q_tt[rails])
             vehicle_forces.place_wheels(q, q_t, self.workspace.buffer, self.workspace.index)
             self.on_sleepers.look_at_wheels(q[rails], q_t[rails], q_tt[rails])
             self._evaluated = np.nan
 
-    def begin_explicit(self, t: float, step: float, q: Array, q_t: Array) -> None:
-        if self.on_sleepers is not None:
-            self(t, q, q_t, np.zeros(self.size))  # contacts and places at its begin
-            self.on_sleepers.deck[:] = q[self.of_deck] + step * q_t[self.of_deck], q_t[self.of_deck]
-            self.on_sleepers.begin_explicit(step, q[self.size - self.rails :], q_t[self.size - self.rails :])
+    def hold(self, first: bool, tolerance: float, last: Array, q: Array, q_t: Array, q_tt: Array) -> bool:
+        if self.on_sleepers is None:
+            return False
+        rails = slice(self.size - self.rails, self.size)
+        return self.on_sleepers.hold(first, tolerance, last[rails], q[rails], q_t[rails], q_tt[rails])
 
     def end_step(self, q: Array, q_t: Array) -> None:
         if self.on_sleepers is not None:

@@ -20,9 +20,6 @@ BEFORE, BEYOND, APART = 200.0, 400.0, 1.0
 """How far from the track's ends distances along the rails are tabled, and between two rows [m]; beyond it is
 straight."""
 
-STRETCHES = 8
-"""Of a step that an explicit method takes: in each the rail knows the mean force of a wheel alone."""
-
 STARTING_MASS = 100.0
 """Mass in place of the rail in the search for the start: it scales an equation of statics [kg]."""
 
@@ -66,7 +63,8 @@ class RailsOnSleepers:
         nodes = np.zeros(self.count * own.elements + 1)
         self.rails = kernel.Rails(self._pair(0), self._pair(2), nodes, ties, here, behind, head, along)
         self.method = np.zeros(10)
-        self._found = np.zeros((3, 2 * n))
+        self.guess = np.zeros((3, 2 * n))
+        """Displacements, velocities and accelerations of the rails under the wheels from which a step starts."""
         self.deck = np.zeros((2, len(deck)))
         """Where the bridge's modes are foretold for the end of the step, and their rates."""
         self._pressed = deck["rest"]
@@ -119,12 +117,12 @@ class RailsOnSleepers:
         for _ in range(2):
             self._prepare(step)
             self._carry()
-            if kernel.begin(self.method, self._found, *self._wheels, self.rails):
+            if kernel.begin(self.method, self.guess, *self._wheels, self.rails):
                 break
             self._move()
         self._press()
-        self._found[2] = 0.0
-        q[:], q_t[:], q_tt[:] = self._found
+        self.guess[2] = 0.0
+        q[:], q_t[:], q_tt[:] = self.guess
 
     def _carry(self) -> None:
         """Forces of the bridge on ballast and end zones at the end of the step."""
@@ -142,26 +140,18 @@ class RailsOnSleepers:
 
     def look_at_wheels(self, q: Array, q_t: Array, q_tt: Array) -> None:
         """Better guesses, with the wheels at their places."""
-        kernel.look_at_wheels(self.method, self._found, *self._wheels, self.rails)
-        q[:], q_t[:], q_tt[:] = self._found
+        kernel.look_at_wheels(self.method, self.guess, *self._wheels, self.rails)
+        q[:], q_t[:], q_tt[:] = self.guess
 
-    def begin_explicit(self, step: float, q: Array, q_t: Array) -> None:
-        """Begin a step that is taken in parts by an explicit method: each rail is a mass whose acceleration by the
-        forces of its begin, and by the mean change of its wheel's force, leads to where the implicit step would.
-        Writes rates."""
-        self.begin(step, *np.zeros((3, len(q))))
-        q_t[:] = self._found[1]
-        rate = 2.0 / step**2
-        for wheel, tie, u, u_t in zip(self._records, self.ties, q.reshape(-1, 2), q_t.reshape(-1, 2), strict=True):
-            wheel.rate_n = wheel.rate_b = rate
-            wheel.held_n = wheel.held_b = 0.0
-            wheel.free_n = tie.guess_n - u[0] - step * u_t[0] - tie.nn * tie.push_n - tie.nb * tie.push_b
-            wheel.free_b = tie.guess_b - u[1] - step * u_t[1] - tie.nb * tie.push_n - tie.bb * tie.push_b
+    def hold(self, first: bool, tolerance: float, last: Array, q: Array, q_t: Array, q_tt: Array) -> bool:
+        """Hold an iteration between two that led to each other; returns whether one was held."""
+        unknowns = q, q_t, q_tt
+        return bool(kernel.hold(first, tolerance, self.method, last, unknowns, *self._wheels, self.rails))
 
     def end(self, q: Array) -> None:
         """End the step with the displacements q that it has found."""
-        self._found[0] = q
-        kernel.end(self.method, self._found, *self._wheels, self.rails)
+        self.guess[0] = q
+        kernel.end(self.method, self.guess, *self._wheels, self.rails)
 
     def _prepare(self, step: float) -> None:
         """Factors for a step [s]."""

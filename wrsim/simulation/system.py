@@ -184,10 +184,12 @@ class BodySystem:
         return self._matrix(-found)
 
     def _pre_newton(self, t: float, iteration: int, repetition: int) -> None:
-        if self._newton is not None:
-            self._newton.begin_iteration(iteration)
-            if iteration == 0:
-                self.forces.begin_step(self._clock[1], self.q, self.q_t, self.q_tt)
+        if (newton := self._newton) is not None:
+            again = newton.begin_iteration(iteration)
+            if iteration == 0 or again:
+                self.forces.begin_step(self._clock[1], self.q, self.q_t, self.q_tt, again)
+            elif iteration > 1 and self.forces.hold(iteration == 2, *newton.at, self.q, self.q_t, self.q_tt):
+                newton.held()
 
     def _post_step(self, t: float) -> bool:
         start, step, before = self._clock

@@ -26,7 +26,7 @@ rail's head so high above its shear centre, and beside its middle by the part of
 rail.
 """
 
-from math import hypot, sqrt
+from math import hypot, inf, sqrt
 from typing import NamedTuple
 
 from wrsim.core.body.wheel_forces import ARRAYS, IN_CONTACT, LOBES, POSE, pose_on_rail, wheel_record, wheel_total
@@ -38,13 +38,14 @@ from wrsim.core.track.banded import factorise_bands, invert_band, quadratic_form
 
 TIE = record(
     "side place speed offset push_n push_b last_n last_b guess_n guess_b rate_n rate_b nn nb bb own_nn own_nb own_bb"
-    " before_nn before_nb before_bb way bent_n bent_b"
+    " before_nn before_nb before_bb way bent_n bent_b across_n across_b low high led"
 )
 """A wheel on its rail: +1 left, -1 right; distance along the centre line [m] and speed [m/s] at the end of the step;
 how far to the left of the rail's middle it pushes [m]; its force on the rail to the left and up that is foretold for
 the end of the step, and that at the last step's end [N]; displacement [m] and velocity [m/s] of the rail under it with
 that force; compliance g, and the part of it that is the element's between its nodes, here and a way behind [m/N]; the
-way of the step [m]; what that part is bent at the last step's end [m]."""
+way of the step [m]; what that part is bent at the last step's end [m]; direction across the normal of the contact, the
+displacements along it between which this step's end lies [m], and where Newton's method was led past one of them."""
 
 U, U_T, U_TT, A, P, P_T, P_A = range(7)
 """Rows of a system: displacements, velocities, accelerations and those of the method; what it predicts."""
@@ -303,6 +304,56 @@ def look_at_wheels(method: Array, found: Array, buffer: Array, index: Ints, rail
             slip *= (1.0 - 1.0 / (1.0 + drag)) / method[8]
             _correct(method, found[:, 2 * i], n * gap + b * slip)
             _correct(method, found[:, 2 * i + 1], b * gap - n * slip)
+
+
+@kernel
+def hold(
+    first: bool, tolerance: float, method: Array, last: Array, unknowns: tuple[Array, Array, Array], buffer: Array,
+    index: Ints, rails: Rails,
+) -> bool:  # fmt: skip
+    """Hold an iteration of Newton's method between two that led to each other; returns whether one was held.
+
+    Creep forces saturate: from either side of the slip at which they reverse, an iteration leads to the other side, for
+    ever. They fall with the slip, so across the normal of the contact the end of the step lies between. An iteration
+    that leads out goes to the middle instead (Newton's method with bisection: Press and others, Numerical Recipes,
+    section 9.4), the second one on the same side to that end itself, which the other unknowns may have moved. Changes
+    of a force by less than the tolerance [N] do not count.
+
+    first: of this step; last (2 wheels,): displacements of the rails at the last iteration; unknowns: these, velocities
+    and accelerations at this one, changed.
+    """
+    q, q_t, q_tt = unknowns
+    held = False
+    for i in range(rails.ties.shape[0]):
+        tie, n, b = rails.ties[i], 2 * i, 2 * i + 1
+        if first:
+            lobes = records(buffer, index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS], LOBES, LOBE)
+            o = up = 0.0
+            for k in range(wheel_total(buffer, index, i).lobes):
+                o, up = o + lobes[k].N * lobes[k].no, up + lobes[k].N * lobes[k].nb
+            whole = hypot(o, up)
+            tie.across_n, tie.across_b = (up / whole, -tie.side * o / whole) if whole > 0.0 else (1.0, 0.0)
+            tie.low, tie.high, tie.led = -inf, inf, 0.0
+        was, at = tie.across_n * last[n] + tie.across_b * last[b], tie.across_n * q[n] + tie.across_b * q[b]
+        if abs(at - was) <= tolerance * tie.nn:
+            continue
+        leads = 1.0 if at > was else -1.0
+        if leads > 0.0:
+            tie.low, tie.high = was, tie.high if tie.high > was else inf
+        else:
+            tie.low, tie.high = tie.low if tie.low < was else -inf, was
+        if tie.low <= at <= tie.high:
+            tie.led = 0.0
+            continue
+        end = tie.high if leads > 0.0 else tie.low
+        more, tie.led = (end, 0.0) if tie.led == leads else (0.5 * (tie.low + tie.high), leads)
+        more -= at
+        for k, part in ((n, tie.across_n), (b, tie.across_b)):
+            q[k] += part * more
+            q_t[k] += method[8] * part * more
+            q_tt[k] += method[7] * part * more
+        held = True
+    return held
 
 
 @inlined
