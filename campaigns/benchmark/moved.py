@@ -18,12 +18,14 @@ from wrsim.contact.model import Contact
 from wrsim.contact.models import contact_model
 from wrsim.contact.pose import Pose
 from wrsim.geometry.profile.out_of_round import RadiusTable
+from wrsim.geometry.profile.points import ProfilePoints, interpolated
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 
 Array = NDArray[np.float64]
 BESIDE, ROLLED = 5e-3, 0.7  # distance of the axle from the centre [m]; the angle by which the wheel has rolled [rad]
-ASKEW = -0.01  # angle of the rail in plan [rad]: oblique sections are 5e-5 wider
+ASKEW = 0.01  # angle of the rail in plan [rad]
 REACH, STEP = 0.2, 0.05  # of its sections along the track [m]
+POINT = 1e-4  # distance of their points [m]
 
 
 def eccentric(place: Place) -> dict[str, Any]:
@@ -45,9 +47,11 @@ def axle_beside(pose: Array) -> None:
 
 
 def askew(place: Place) -> dict[str, Any]:
-    """The rail as sections that move outward along the track."""
+    """The rail as sections that move outward along the track; oblique sections are wider."""
+    u, w = place.rail.at(np.linspace(0.0, place.rail.length, round(place.rail.length / POINT)))
+    wide = interpolated(ProfilePoints("wide", u / np.cos(ASKEW), w, np.arange(u.size)), "wide", "rail")
     places = np.arange(-REACH, REACH + STEP / 2.0, STEP)
-    sections = (RailSection(float(s), place.rail.shifted(float(np.tan(ASKEW) * s), 0.0)) for s in places)
+    sections = (RailSection(float(s), wide.shifted(float(np.tan(ASKEW) * s), 0.0)) for s in places)
     return {"surface": RailSurface("askew", tuple(sections))}
 
 

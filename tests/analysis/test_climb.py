@@ -114,10 +114,7 @@ def test_what_cannot_climb_is_refused(keys, words):
 
 
 def test_what_cannot_be_looked_for_or_does_not_fit_is_refused(tmp_path):
-    for keys, words in (
-        ({"highest_kmh": 10.0}, "highest_kmh"),
-        ({"radius_m": 5.0}, "radius_m"),
-    ):
+    for keys, words in (({"highest_kmh": 10.0}, "highest_kmh"), ({"radius_m": 5.0}, "radius_m")):
         with pytest.raises(InputError, match=words):
             run(in_wind(**keys))
     with pytest.raises(InputError, match="single wheelset"):

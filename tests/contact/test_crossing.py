@@ -119,11 +119,12 @@ def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact() -> N
         assert patch["p0"] == pytest.approx(p0, rel=0.05)
 
 
-def through(exact: Profile, ends: list[float], apart: float) -> Profile:
-    """A profile through points of another, about ``apart`` from each other between the ends of its parts [m]."""
+def through(exact: Profile, ends: list[float], apart: float, narrow: float = 1.0) -> Profile:
+    """A profile through points of another, about ``apart`` from each other between the ends of its parts [m], so many
+    times as narrow."""
     parts = [np.linspace(a, b, 1 + int((b - a) / apart - 1e-6), endpoint=False) for a, b in pairwise(ends)]
     u, w = exact.at(np.append(np.concatenate(parts), ends[-1]))
-    return interpolated(ProfilePoints("points", u, w, np.arange(u.size)), "points", "rail")
+    return interpolated(ProfilePoints("points", u / narrow, w, np.arange(u.size)), "points", "rail")
 
 
 def as_in_contact(start: float, corner: float, features: tuple[float, float]) -> Profile:
@@ -131,16 +132,12 @@ def as_in_contact(start: float, corner: float, features: tuple[float, float]) ->
     .5 mm apart from feature to feature: a jump of curvature from 200 to 0 1/m is rounded.
 
     features: that its file of sections marks, counted from 30 mm below the first corner on [m]."""
-    top, steep, flank = blunt(start, corner), np.radians(80.0), 0.03
-    along = flank * np.array([cos(steep), sin(steep)])
+    top, steep, flank, end = blunt(start, corner), np.radians(80.0), 0.03, start + 0.01
+    du, dw = flank * cos(steep), flank * sin(steep)
     (u0, w0), (u1, w1) = (np.array(top.at(a)).ravel() for a in (0.0, top.length))
-    before, behind = (
-        ProfileLine(u0 - along[0], w0 - along[1], u0, w0),
-        ProfileLine(u1, w1, u1 + along[0], w1 - along[1]),
-    )
-    end = start + 0.01
     corners = ProfileArc(start, -corner, corner, steep, 0.0), ProfileArc(end, -corner, corner, 0.0, -steep)
-    parts = (before, corners[0], ProfileLine(start, 0.0, end, 0.0), corners[1], behind)
+    before, behind = ProfileLine(u0 - du, w0 - dw, u0, w0), ProfileLine(u1, w1, u1 + du, w1 - dw)
+    parts = before, corners[0], ProfileLine(start, 0.0, end, 0.0), corners[1], behind
     exact = profile_from_sections("blunt", "rail", parts)
     edges = np.cumsum([0.0, flank, corner * steep, 0.01, corner * steep, flank])
     filed = through(exact, edges.tolist(), 0.2e-3)
@@ -212,15 +209,10 @@ def errors(approach):
         assert not solved.message
         (lobe,) = contact.patches
         span = np.degrees(lobe["angle_max"] - lobe["angle_min"]) * lobe["n_strips"] / (lobe["n_strips"] - 1.0)
-        rows.append(
-            (
-                1e-3 * r["R_wheel_mm"],
-                span / (r["ang_at_smax_deg"] - r["ang_at_smin_deg"]) - 1.0,
-                lobe["p0"] / (1e6 * r["pmax_MPa"]) - 1.0,
-                np.hypot(*stand.force[1:]) / r["Fres_N"] - 1.0,
-                np.arctan2(-stand.force[1], stand.force[2]) - np.radians(r["force_angle_deg"]),
-            )
-        )
+        span /= r["ang_at_smax_deg"] - r["ang_at_smin_deg"]
+        force, angle = np.hypot(*stand.force[1:]) / r["Fres_N"], np.arctan2(-stand.force[1], stand.force[2])
+        own = 1e-3 * r["R_wheel_mm"], span - 1.0, lobe["p0"] / (1e6 * r["pmax_MPa"]) - 1.0, force - 1.0
+        rows.append((*own, angle - np.radians(r["force_angle_deg"])))
     return np.array(rows)
 
 
@@ -302,24 +294,39 @@ def test_on_a_hump_a_wheel_is_pressed_as_a_smaller_one_and_in_a_hollow_as_a_larg
     assert own.patches["p0"] == pytest.approx(plain.patches["p0"], rel=share)
 
 
-@pytest.mark.parametrize(("normal", "share"), [("strips", 1e-2), ("half-space", 5e-4)])
-@pytest.mark.parametrize("angle", [0.15])
-def test_a_rail_whose_section_moves_sideways_is_a_yawed_cylinder(normal: str, share: float, angle: float) -> None:
-    """The section in the track's plane of a cylinder that runs off at an angle is wider than the cylinder."""
-    across = circle("across", "rail", 0.02, 8e-3)
-    places = np.linspace(-0.3, 0.3, 13)
-    oblique = RailSurface("oblique", tuple(RailSection(s, across.shifted(np.tan(angle) * s, 0.0)) for s in places))
-    own = on(oblique, normal, WHEEL).evaluate((0.0, 0.0, RADIUS - 5e-5)).patches[0]
-    cylinder = contact_model(WHEEL, circle("c", "rail", 0.02 * cos(angle) ** 2, 8e-3), normal=normal, **PLAIN)
-    plain = cylinder.evaluate((0.0, 0.0, RADIUS - 5e-5), (-sin(angle), cos(angle), 0.0)).patches[0]
-    assert own["N"] == pytest.approx(plain["N"], rel=share)
-    assert own["p0"] == pytest.approx(plain["p0"], rel=share)
+@cache
+def rails_laid_askew(angle: float) -> tuple[Profile, RailSurface]:
+    """60E1, and its sections across the track where it lies at an angle in plan: they are wider."""
+    exact = rail_profile("60E1", 40)
+    straight, wide = (through(exact, [0.0, exact.length], 1e-4, narrow) for narrow in (1.0, cos(angle)))
+    sections = (RailSection(float(s), wide.shifted(np.tan(angle) * float(s), 0.0)) for s in np.linspace(-0.4, 0.4, 17))
+    return straight, RailSurface("askew", tuple(sections))
 
 
-@pytest.mark.parametrize(
-    ("rise", "yaw", "lateral", "share"),
-    [(0.03, 0.01, 3e-3, 0.025), (0.01, -0.02, 8e-3, 0.045)],
-)
+@pytest.mark.parametrize("normal", [*NORMAL, pytest.param("half-space", marks=pytest.mark.campaign)])
+@pytest.mark.parametrize("angle", [0.01, -0.02])
+@pytest.mark.parametrize(("lateral", "yaw"), [(0.0, -0.012), (6e-3, 0.0), (6e-3, 0.012), (4e-3, 0.01), (4e-3, -0.01)])
+def test_a_rail_laid_askew_is_a_straight_one_under_a_wheel_that_is_yawed_less(normal, angle, lateral, yaw) -> None:
+    """On tread, flange root and flank; everything is turned with the rail."""
+    straight, surface = rails_laid_askew(angle)
+    choices = {"normal": normal, "tangential": "half-space" if normal == "half-space" else "fastrip", "friction": 0.3}
+    plain = contact_model(wheel_profile("S1002"), straight, **choices)
+    askew = replace(plain, rolled=rolled_rail(surface, RADIUS))
+    turn = np.array([[cos(angle), -sin(angle), 0.0], [sin(angle), cos(angle), 0.0], [0.0, 0.0, 1.0]])
+    axle = np.array([-sin(yaw), cos(yaw), 0.0])
+    pose = touching(plain, lateral, axle) - [0.0, 0.0, 3e-4], axle, np.array([2.0, 0.0, 0.0]), 2.0 / RADIUS * axle
+    one, other = plain.evaluate(*pose), askew.evaluate(*(turn @ vector for vector in pose))
+    assert other.force @ turn == pytest.approx(one.force, abs=2e-4 * np.linalg.norm(one.force))
+    assert other.moment @ turn == pytest.approx(one.moment, abs=2e-4 * np.linalg.norm(one.force))
+    for name in ("N", "p0", "area", "width"):
+        assert other.patches[name] == pytest.approx(one.patches[name], rel=5e-4), name
+    for name in ("Fx", "Fy"):
+        assert other.patches[name] == pytest.approx(one.patches[name], abs=2e-4 * one.normal_force), name
+    place, own = ([contact.patches["x"], contact.patches["o"]] for contact in (other, one))
+    np.testing.assert_allclose(place, turn[:2, :2] @ own, atol=2e-6)
+
+
+@pytest.mark.parametrize(("rise", "yaw", "lateral", "share"), [(0.03, 0.01, 3e-3, 0.025), (0.01, -0.02, 8e-3, 0.045)])
 def test_a_yawed_wheel_on_a_rising_rail_is_one_on_an_inclined_plane(rise, yaw, lateral, share):
     # its outline runs ahead of the axle by another way at every row, and each is as high, and as steep across, as the
     # rail is there; at the flange, 65 degrees steep, p0 is half as large again if its tangents do not follow

@@ -47,7 +47,11 @@ def plain_rail(rail: Profile) -> RailTables:
 def changing_rail(rail: RolledRail) -> RailTables:
     flat = (-1, rail.tables.shape[2])
     field_, rows, numbers, slack = station_fields(rail)
-    tables, rates, stations = rail.tables.reshape(flat), rail.rates.reshape(flat), np.stack((rail.stations, numbers))
+    tables, rates, stations = (
+        rail.tables.reshape(flat),
+        rail.rates.reshape(flat),
+        np.vstack((rail.stations, numbers, rail.surface.heading(rail.stations))),
+    )
     return RailTables(tables, rates, stations, rail.step, rail.tables.shape[1], field_, rows, slack, rail.hollow)
 
 
@@ -92,11 +96,7 @@ def creep_coefficients(poisson_ratio: float) -> Array:
     """
     inverse = 1.0 / _kalker_table()
     x = poisson_ratio
-    weights = (
-        (x - 0.25) * (x - 0.5) / 0.125,
-        -x * (x - 0.5) / 0.0625,
-        x * (x - 0.25) / 0.125,
-    )
+    weights = ((x - 0.25) * (x - 0.5) / 0.125, -x * (x - 0.5) / 0.0625, x * (x - 0.25) / 0.125)
     return np.ascontiguousarray(1.0 / sum(w * inverse[:, i] for i, w in enumerate(weights)))
 
 

@@ -72,11 +72,7 @@ def norm(a: Vec) -> float:
 @inlined
 def from_components(c: Any, t: Vec, n: Vec, b: Vec) -> Vec:
     """c.x t + c.y n + c.z b: the vector that has the components c along three axes."""
-    return Vec(
-        c.x * t.x + c.y * n.x + c.z * b.x,
-        c.x * t.y + c.y * n.y + c.z * b.y,
-        c.x * t.z + c.y * n.z + c.z * b.z,
-    )
+    return Vec(c.x * t.x + c.y * n.x + c.z * b.x, c.x * t.y + c.y * n.y + c.z * b.y, c.x * t.z + c.y * n.z + c.z * b.z)
 
 
 @inlined

@@ -10,18 +10,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, PATCHES, WHEELS
 from wrsim.results.moments import has_patches, with_patches
 from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_SPAN, OF_WHEELSET, PATCH_CHANNELS, PEAKS, wheel_peaks
-from wrsim.results.table import (
-    TOLD_APART,
-    Cell,
-    Column,
-    Placed,
-    Table,
-    formatted,
-    listed,
-    percent,
-    quantity,
-    with_unit,
-)
+from wrsim.results.table import TOLD_APART, Cell, Column, Placed, Table, formatted, listed, percent, quantity, with_unit
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 MOST_LINES = 10  # events and remarks that are listed

@@ -15,7 +15,9 @@ from wrsim.contact.half_space.normal import Pressure
 from wrsim.contact.half_space.rolling import Traction
 from wrsim.contact.half_space.surface import Grid
 from wrsim.core.contact.half_space.rolling import OUTSIDE, SLIP
+from wrsim.core.contact.wheel_rail import turned
 from wrsim.core.jit import Array
+from wrsim.core.linalg import Vec
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +75,8 @@ class Patch:
         # on the wheel's undeformed surface, where the slip is taken
         arms = grid.arms(grid.x, 0.5 * grid.axis["gap"][:, None])
         moment = np.cross(arms, forces, axis=0).sum(axis=(1, 2))
-        return cls(grid, p, q, slip, rigid, state, forces.sum(axis=(1, 2)), moment, pressure, traction)
+        force, moment = (np.array(turned(Vec(*v), -grid.bodies.sine)) for v in (forces.sum(axis=(1, 2)), moment))
+        return cls(grid, p, q, slip, rigid, state, force, moment, pressure, traction)
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:

@@ -13,10 +13,9 @@ from wrsim.contact.half_space.patch import HalfSpaceContact, Patch, Region
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.model import ContactModel
 from wrsim.core.contact import records as k
-from wrsim.core.contact.records import read_pose
 from wrsim.core.contact.resultants import add_lobe, set_creepages
 from wrsim.core.contact.tangential.friction import set_friction
-from wrsim.core.contact.wheel_rail import carry
+from wrsim.core.contact.wheel_rail import carry, in_track_axes, pose_on_rail
 from wrsim.core.jit import Array, Records
 
 FORCE, MOMENT = ("Ft", "Fo", "Fb"), ("Mt", "Mo", "Mb")
@@ -35,7 +34,7 @@ def solve_into(
 
 def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
     a = model.arrays
-    pose, total = read_pose(a.pose), a.total
+    pose, total = pose_on_rail(a.rows), a.total
     tangential = model.settings.creep_forces
     regions = contact.largest(len(a.patches))
     a.patches[:] = np.zeros((), k.LOBE)
@@ -54,9 +53,14 @@ def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
         exact = total.copy()
         a.rows.total[:] = np.zeros((), k.TOTAL)
         carry(a.buffer, a.index, len(regions))
-        force = force + [total[name] - exact[name] for name in FORCE]
-        moment = moment + [total[name] - exact[name] for name in MOMENT]
         wear = float(total.wear)
+        for name in (*FORCE, *MOMENT):
+            total[name] -= exact[name]
+    total.lobes = total.patches = len(regions)
+    in_track_axes(a.rows)
+    if tangential not in ("half-space", "none"):
+        force = force + [total[name] for name in FORCE]
+        moment = moment + [total[name] for name in MOMENT]
     for i, (_, region) in enumerate(regions):
         # from edge to edge, not from the first strip's centre to the last one's
         lobe = a.patches[i]
@@ -64,7 +68,6 @@ def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
         lobe.angle_max = max(lobe.angle_max, *region.angle)
     for name, value in zip((*FORCE, *MOMENT), (*force, *moment), strict=True):
         total[name] = value
-    total.lobes = total.patches = len(regions)
     total.wear, total.closest, total.status = wear, contact.closest, contact.status
 
 

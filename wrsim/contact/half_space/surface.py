@@ -21,20 +21,34 @@ Rows = NDArray[np.void]
 @dataclass(frozen=True)
 class Bodies:
     """Wheel and rail at a pose, as kernels take them; of a rail that changes along the track its surface, and the
-    distance along it where x counts from [m]."""
+    distance along it where x counts from [m]. All in axes turned in plan, about ``about`` [m], by the angle with that
+    sine."""
 
     wheel: PlacedWheel
     rail: Rail
     pose: WheelPose
     surface: RailSurface | None
     place: float
+    sine: float
+    about: float
 
     @classmethod
     def of(cls, model: ContactModel) -> "Bodies":
         """At the pose set in a model's arrays."""
         surface = None if model.rolled is None else model.rolled.surface
         wheel, rail, pose = bodies(model.arrays.rows)
-        return cls(wheel, rail, pose, surface, float(model.arrays.settings.place))
+        at = model.arrays.settings
+        return cls(wheel, rail, pose, surface, *(float(at[name]) for name in ("place", "sine", "about")))
+
+    def sections(self, x: Array, out: float) -> tuple[Array, NDArray[np.int64]]:
+        """`RailSurface.rows` at x (n,), seen along the axes; out: about where they are of use [m]."""
+        assert self.surface is not None
+        cosine = sqrt(1.0 - self.sine**2)
+        way = (x - self.about) * cosine - out * self.sine
+        rows, parts = self.surface.rows(self.place + self.about + way)
+        rows[..., [0, 2]] *= cosine
+        rows[..., 0] -= self.sine * way[:, None]
+        return rows, parts
 
     def holds(self, rows: Rows) -> NDArray[np.bool_]:
         """Which rows of an axis lie on both profiles, not where these are continued straight."""
@@ -146,7 +160,7 @@ class Grid:
         if own.surface is None:
             surface.fill_gap(own.wheel, own.rail, self.axis, x0, self.dx, gap[0], gap[1])
         else:
-            rows, parts = own.surface.rows(own.place + self.x)
+            rows, parts = own.sections(self.x, float(self.axis[self.main]["o"]))
             surface.fill_gap_along(own.wheel, rows, parts, self.incline, self.axis, x0, self.dx, gap[0], gap[1])
         return gap
 

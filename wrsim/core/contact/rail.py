@@ -7,6 +7,10 @@ mrad; without them the work of lifting or pushing the wheel would be missing.
 Between stations the tables are cubics of the distance (values and rates at both), row by row; between rows a point is
 read as in ``core.contact.profile``. A yawed wheel touches every point at the place where its own outline has it, by
 e_x (u - R tan) ahead with the tangent's slope across.
+
+What is touched ahead of the outline is felt as high as it is there, not as wide: a flank that moves along its normal
+by m a metre is felt stretched, by some m e_x R k. So a rail that runs outward is looked at in axes of its own, turned
+in plan by the angle whose sine is ``sine``: there a straight rail laid askew is a prism, and yaw is relative to it.
 """
 
 from math import atan2, inf, sqrt
@@ -65,14 +69,17 @@ def share_at(stations: Array, rows: int, s: float, guess: int) -> Share:
 
 
 @inlined
-def _share(rail: Rail, row: int) -> Share:
-    """Where the wheel touches a row: a yawed one ahead of its axle or behind it."""
+def _share(rail: Rail, row: int) -> tuple[Share, float]:
+    """Where the wheel touches a row: a yawed one ahead of its axle or behind it; how far out the track's axis has gone
+    from that of the rail on this way [m]."""
+    cosine = sqrt(1.0 - rail.sine * rail.sine)
     if rail.yaw == 0.0:
-        return rail.share
+        return rail.share, -rail.sine * rail.beside * cosine
     own = rail.share.low + row
     tangent = min(max(rail.table[own, 3] / max(rail.table[own, 2], 1e-3), -STEEPEST), STEEPEST)
-    ahead = rail.yaw * (rail.table[own, 0] - rail.o - rail.radius * tangent)
-    return share_at(rail.stations, rail.rows, rail.place + ahead, rail.share.at)
+    ahead = rail.beside + rail.yaw * (rail.table[own, 0] - rail.o - rail.radius * tangent)
+    way = ahead * cosine
+    return share_at(rail.stations, rail.rows, rail.place + way, rail.share.at), -rail.sine * way
 
 
 @inlined
@@ -88,15 +95,16 @@ def _value(rail: Rail, share: Share, row: int, column: int) -> float:
 
 
 @inlined
-def _node(rail: Rail, share: Share, row: int) -> ProfilePoint:
-    """A row as a point. The next row is touched elsewhere by a yawed wheel, where the rail may be higher: the tangent
-    goes along."""
+def _node(rail: Rail, share: Share, row: int, out: float) -> ProfilePoint:
+    """A row as a point, moved ``out``. The next row is touched elsewhere by a yawed wheel, where the rail may be
+    higher: the tangent goes along."""
     tu, tw, k = _value(rail, share, row, 2), _value(rail, share, row, 3), _value(rail, share, row, 4)
-    u, w = _value(rail, share, row, 0), _value(rail, share, row, 1)
+    u, w = _value(rail, share, row, 0) + out, _value(rail, share, row, 1)
     if rail.yaw != 0.0:
         bent = rail.radius * k / max(tu * tu, 1e-6) if abs(tw) < STEEPEST * tu else 0.0
-        farther = rail.yaw * (tu - bent)
-        tu += farther * (share.a * rail.rates[share.low + row, 0] + share.b * rail.rates[share.high + row, 0])
+        farther = rail.yaw * (tu - bent) * sqrt(1.0 - rail.sine * rail.sine)
+        outward = share.a * rail.rates[share.low + row, 0] + share.b * rail.rates[share.high + row, 0]
+        tu += farther * (outward - rail.sine)
         tw += farther * (share.a * rail.rates[share.low + row, 1] + share.b * rail.rates[share.high + row, 1])
     return ProfilePoint(u, w, tu, tw, k)
 
@@ -120,8 +128,8 @@ def rail_and_envelope(rail: Rail, arc: float) -> tuple[ProfilePoint, Envelope]:
     """As ``rail_point``, and what the tables give along the track there."""
     if not changes(rail):
         return profile_point(ProfileTable(rail.table, rail.step), arc), Envelope(0.0, 0.0, 0.0)
-    x, i, one, other = _at(rail, arc)
-    r, p, q = x - i, _node(rail, one, i), _node(rail, other, i + 1)
+    x, i, (one, out), (other, farther) = _at(rail, arc)
+    r, p, q = x - i, _node(rail, one, i, out), _node(rail, other, i + 1, farther)
     at = between(p, q, r, rail.step)
     if rail.yaw != 0.0:
         inverse = 1.0 / sqrt(at.tu * at.tu + at.tw * at.tw)
@@ -137,9 +145,9 @@ def rail_and_envelope(rail: Rail, arc: float) -> tuple[ProfilePoint, Envelope]:
 
 
 @inlined
-def _at(rail: Rail, arc: float) -> tuple[float, int, Share, Share]:
+def _at(rail: Rail, arc: float) -> tuple[float, int, tuple[Share, float], tuple[Share, float]]:
     """Of a rail that changes along the track: arclength in rows, held on them; the row before; where that one and the
-    next are touched."""
+    next are touched (``_share``)."""
     x = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
     i = min(int(x), rail.rows - 2)
     return x, i, _share(rail, i), _share(rail, i + 1)
@@ -149,8 +157,8 @@ def _at(rail: Rail, arc: float) -> tuple[float, int, Share, Share]:
 def rail_chord(rail: Rail, arc: float) -> ProfilePoint:
     """Point of a rail that changes along the track, linear between two rows: half a micrometre off where a rail is bent
     most; beyond either end the last one."""
-    x, i, one, other = _at(rail, arc)
-    p, q = _node(rail, one, i), _node(rail, other, i + 1)
+    x, i, (one, out), (other, farther) = _at(rail, arc)
+    p, q = _node(rail, one, i, out), _node(rail, other, i + 1, farther)
     r = x - i
     return ProfilePoint(
         p.u + r * (q.u - p.u),
@@ -199,14 +207,24 @@ FALL = 3.0  # slope with which a piece falls off behind its ends
 LONGEST_LOOP = 100  # rows that run backwards where two branches cross
 
 
-class Row(NamedTuple):
-    """Of a row at some distance ahead: point (u, w) lowered by the wheel's drop, tangent, their rates along the track
-    without the drop's, second derivative of the point; how fast the lowered point still rises along its normal."""
+class Heading(NamedTuple):
+    """A direction in plan: sine and cosine of its angle to the track, outward."""
 
+    sine: float
+    cosine: float
+
+
+class Row(NamedTuple):
+    """Of a row at some distance ahead, in axes turned by a heading: place ahead; point (u, w) lowered by the wheel's
+    drop, tangent; along the track the rates of place, point and tangent without the drop's, second derivative of the
+    point; how fast the lowered point still rises along its normal."""
+
+    ahead: float
     u: float
     w: float
     tu: float
     tw: float
+    da: float
     du: float
     dw: float
     ddu: float
@@ -224,7 +242,9 @@ def _cubic(c: Array, i: int, row: int, column: int, x: float) -> tuple[float, fl
 
 
 @inlined
-def _lowered_row(c: Array, knots: Array, ends: Array, row: int, s: float, x: float, radius: float, i: int) -> Row:
+def _lowered_row(
+    c: Array, knots: Array, ends: Array, row: int, s: float, x: float, radius: float, i: int, heading: Heading
+) -> Row:
     """A row at s + x, which lies in interval i."""
     at = s + x
     inside = min(max(at, knots[0]), knots[knots.size - 1])
@@ -239,21 +259,24 @@ def _lowered_row(c: Array, knots: Array, ends: Array, row: int, s: float, x: flo
         if (beyond < 0.0 and ends[0] > 0.0) or (beyond > 0.0 and ends[1] > 0.0):
             w -= FALL * abs(beyond)
             dw = -FALL if beyond > 0.0 else FALL
+    ahead, da = x * heading.cosine + u * heading.sine, heading.cosine + du * heading.sine
+    u, du = u * heading.cosine - x * heading.sine, du * heading.cosine - heading.sine
+    tu, dtu, ddu = tu * heading.cosine, dtu * heading.cosine, ddu * heading.cosine
     length = sqrt(tu * tu + tw * tw)
     tu, tw = tu / length, tw / length
-    root = sqrt(radius * radius - x * x)
-    miss = -tw * du + tu * (dw - x / root)
-    return Row(u, w - (radius - root), tu, tw, du, dw, ddu, ddw, dtu / length, dtw / length, miss)
+    root = sqrt(radius * radius - ahead * ahead)
+    miss = -tw * du + tu * (dw - ahead / root * da)
+    return Row(ahead, u, w - (radius - root), tu, tw, da, du, dw, ddu, ddw, dtu / length, dtw / length, miss)
 
 
 @inlined
-def _own_curvature(c: Array, row: int, y: float, i: int) -> float:
+def _own_curvature(c: Array, row: int, y: float, i: int, cosine: float) -> float:
     """Curvature at a row of the section at y in interval i [1/m]: how its tangent turns from the row before to the one
     behind, over their distance."""
     p, q = max(row - 1, 0), min(row + 1, c.shape[2] - 1)
-    pu, pw = _cubic(c, i, p, 2, y)[0], _cubic(c, i, p, 3, y)[0]
-    qu, qw = _cubic(c, i, q, 2, y)[0], _cubic(c, i, q, 3, y)[0]
-    du = _cubic(c, i, q, 0, y)[0] - _cubic(c, i, p, 0, y)[0]
+    pu, pw = cosine * _cubic(c, i, p, 2, y)[0], _cubic(c, i, p, 3, y)[0]
+    qu, qw = cosine * _cubic(c, i, q, 2, y)[0], _cubic(c, i, q, 3, y)[0]
+    du = cosine * (_cubic(c, i, q, 0, y)[0] - _cubic(c, i, p, 0, y)[0])
     dw = _cubic(c, i, q, 1, y)[0] - _cubic(c, i, p, 1, y)[0]
     return atan2(pu * qw - pw * qu, pu * qu + pw * qw) / max(sqrt(du * du + dw * dw), 1e-9)
 
@@ -269,9 +292,12 @@ def _next(knots: Array, s: float, i: int, step: float) -> float:
 
 
 @kernel
-def envelope_rows(c: Array, knots: Array, ends: Array, s: float, radius: float, reach: float, out: Array) -> None:
-    """The effective profile of a piece at s, one row of ``out`` (n, 8) for each of its rows: u, w, tu, tw, how far
-    ahead it is touched, slope and curvature along the track, along its normal; whether it was found within reach.
+def envelope_rows(
+    c: Array, knots: Array, ends: Array, s: float, radius: float, reach: float, heading: Heading, out: Array
+) -> None:
+    """The effective profile of a piece at s in axes turned by a heading, one row of ``out`` (n, 8) for each of its
+    rows: u, w, tu, tw, how far ahead it is touched, slope and curvature along the axes, along its normal; whether it
+    was found within reach.
 
     A row slips past: along the track, across to nothing, its section's own curvature counts, too.
 
@@ -281,7 +307,7 @@ def envelope_rows(c: Array, knots: Array, ends: Array, s: float, radius: float, 
     step = 2.0 * reach / (PLACES - 1)
     for row in range(n):
         i = interval(knots, s, 0)
-        axle = _lowered_row(c, knots, ends, row, s, 0.0, radius, i)
+        axle = _lowered_row(c, knots, ends, row, s, 0.0, radius, i, heading)
         best, low, high, found = -inf, 0.0, 0.0, 0.0
         farthest, place = -inf, 0.0
         before = out_before = 0.0
@@ -289,7 +315,7 @@ def envelope_rows(c: Array, knots: Array, ends: Array, s: float, radius: float, 
         x = last = -reach
         while x <= reach:
             i = interval(knots, s + x, i)
-            at = _lowered_row(c, knots, ends, row, s, x, radius, i)
+            at = _lowered_row(c, knots, ends, row, s, x, radius, i, heading)
             height = axle.tu * at.w - axle.tw * at.u
             if height > farthest:
                 farthest, place = height, x
@@ -302,19 +328,19 @@ def envelope_rows(c: Array, knots: Array, ends: Array, s: float, radius: float, 
             for _ in range(50):
                 x = 0.5 * (low + high)
                 i = interval(knots, s + x, i)
-                if _lowered_row(c, knots, ends, row, s, x, radius, i).miss > 0.0:
+                if _lowered_row(c, knots, ends, row, s, x, radius, i, heading).miss > 0.0:
                     low = x
                 else:
                     high = x
         i = interval(knots, s + x, i)
-        at = _lowered_row(c, knots, ends, row, s, x, radius, i)
+        at = _lowered_row(c, knots, ends, row, s, x, radius, i, heading)
         past = at.du * at.tu + at.dw * at.tw
         own = out[row]
-        own[0], own[1], own[2], own[3], own[4] = at.u, at.w, at.tu, at.tw, x
-        own[5] = at.tu * at.dw - at.tw * at.du
+        own[0], own[1], own[2], own[3], own[4] = at.u, at.w, at.tu, at.tw, at.ahead
+        own[5] = (at.tu * at.dw - at.tw * at.du) / at.da
         y = min(max(s + x, knots[0]), knots[knots.size - 1]) - knots[i]
         own[6] = at.tu * (at.ddw - 2.0 * past * at.dtw) - at.tw * (at.ddu - 2.0 * past * at.dtu)
-        own[6] += past * past * _own_curvature(c, row, y, i)
+        own[6] = (own[6] + past * past * _own_curvature(c, row, y, i, heading.cosine)) / (at.da * at.da)
         own[7] = found
 
 

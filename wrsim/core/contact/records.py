@@ -13,7 +13,7 @@ from wrsim.core.linalg import Vec
 SETTINGS = record(
     "E G eps recess damping kA kS strip_width least_speed mu mu_gauge zone_start zone_end fall_ratio fall_decay"
     " wheel_step radius rail_step field_o field_b field_spacing hollow together apart tolerance place twist bow_o bow_b"
-    " slack wheel_angle averaged depth_first depth_step depth_least"
+    " sine about slack wheel_angle averaged depth_first depth_step depth_least"
     " slope_k0 slope_alpha_inf slope_beta",
     "tangential parabolic blended stride normal projected joint strips fewest start rows station field_rows curved"
     " depth_rows",
@@ -29,7 +29,8 @@ wheel_step, rail_step: of the tables [m]; radius: of the wheel [m]; field_o, fie
 distances [m]; slack: how far these may be off [m]; hollow: largest hollows of both bodies [1/m]; together, apart:
 distances of two places of contact that press each other down fully, and not at all [m], tolerance: of a contact that
 starts from the last one, of the deepest penetration [1] (strip model).
-place: distance along the rail [m]; twist, bow_o, bow_b: how it turns [rad/m] and bends [1/m] there.
+place: distance along the rail [m]; twist, bow_o, bow_b: how it turns [rad/m] and bends [1/m] there; sine: of the angle
+in plan by which it runs outward, about a point at the distance ``about`` from the place [m].
 wheel_angle: by which a wheel out of round has rolled [rad]; averaged: half length over which its curvature along the
 rail is a mean [m]; depth_first, depth_step: of the columns of its depth [m]; depth_least: of all [m]; depth_rows:
 around the wheel.
@@ -128,7 +129,8 @@ class Rail(NamedTuple):
 
     table: (stations * rows, 5 or 8); rates: of the same shape, (0, 0) for one profile; stations: their places (n,);
     step: arclength between rows [m]; rows: of one section; share: between which stations the wheel is; place:
-    distance along the rail; twist: how the section turns along it, positive where its outer side rises [rad/m]; bow_o,
+    distance along the rail about which its own axes are turned in plan; sine: of that angle; beside: how far ahead of
+    it the axle is [m]; twist: how the section turns along it, positive where its outer side rises [rad/m]; bow_o,
     bow_b: curvature of the rail outward and up [1/m]; yaw: axle's component along the rail; o, radius: of the wheel.
     """
 
@@ -139,6 +141,8 @@ class Rail(NamedTuple):
     rows: int
     share: Share
     place: float
+    sine: float
+    beside: float
     twist: float
     bow_o: float
     bow_b: float

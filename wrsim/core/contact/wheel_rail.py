@@ -11,6 +11,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import sqrt
 from pathlib import Path
 from typing import Any
 
@@ -45,18 +46,59 @@ from wrsim.core.contact.search.points import find_contacts
 from wrsim.core.contact.strips.model import press_strips
 from wrsim.core.contact.tangential.creep_forces import creep_forces
 from wrsim.core.contact.tangential.friction import set_law
-from wrsim.core.jit import Array, Ints, Record, Records, kernel, stages
+from wrsim.core.jit import Array, Ints, Record, Records, inlined, kernel, stages
 from wrsim.core.jit.cache import CACHE, CONFIG, own_process
 from wrsim.core.jit.cache import CONTACT as STORED
 from wrsim.core.jit.compiling import COUNT, cores
+from wrsim.core.linalg import Vec
 
 TURNS = 2  # of creep forces and pressures that act on each other: each leaves a hundredth of the last change
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
 
 
+@inlined
+def turned(a: Vec, sine: float) -> Vec:
+    """A vector in axes that are turned outward in plan by the angle with this sine."""
+    cosine = sqrt(1.0 - sine * sine)
+    return Vec(cosine * a.x + sine * a.y, cosine * a.y - sine * a.x, a.z)
+
+
+@kernel
+def pose_on_rail(a: Arrays) -> WheelPose:
+    """The pose in the rail's own axes, which ``bodies`` finds: turned about the rail beside the wheel's origin."""
+    pose, sine = read_pose(a.pose), a.settings[0].sine
+    if sine == 0.0:
+        return pose
+    origin = turned(Vec(0.0, pose.origin.y, pose.origin.z), sine)
+    return WheelPose(
+        Vec(pose.origin.x + origin.x, origin.y, origin.z),
+        turned(pose.axle, sine), turned(pose.velocity, sine), turned(pose.omega, sine),
+    )  # fmt: skip
+
+
+@kernel
+def in_track_axes(a: Arrays) -> None:
+    """Turn force, moment and places of lobes and strips back from the rail's own axes."""
+    settings, total = a.settings[0], a.total[0]
+    sine, about = settings.sine, settings.about
+    if sine == 0.0:
+        return
+    force, moment = Vec(total.Ft, total.Fo, total.Fb), Vec(total.Mt, total.Mo, total.Mb)
+    force, moment = turned(force, -sine), turned(moment, -sine)
+    total.Ft, total.Fo, total.Mt, total.Mo = force.x, force.y, moment.x, moment.y
+    for i in range(total.lobes):
+        lobe = a.patches[i]
+        at = turned(Vec(lobe.x - about, lobe.o, 0.0), -sine)
+        lobe.x, lobe.o = about + at.x, at.y
+        for j in range(lobe.n_strips):
+            strip = a.strips[i, j]
+            at = turned(Vec(strip.x - about, strip.o, 0.0), -sine)
+            strip.x, strip.o = about + at.x, at.y
+
+
 @kernel
 def bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
-    """The wheel in its place, the rail there, and the pose."""
+    """The wheel in its place, the rail there, and the pose; in the own axes of a rail that runs outward."""
     settings, pose = a.settings[0], read_pose(a.pose)
     shape = Shape(
         a.depth, a.branches, settings.depth_rows, settings.depth_first, settings.depth_step, settings.depth_least,
@@ -66,13 +108,22 @@ def bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
     place = settings.place + pose.origin.x
     if a.friction.shape[0] > 0:
         set_law(a.friction, place, settings)
-    share = Share(0, 0, 0, 1.0, 0.0, 0.0, 0.0)
+    share, ahead = Share(0, 0, 0, 1.0, 0.0, 0.0, 0.0), 0.0
+    settings.sine = 0.0
     if a.rates.shape[0] > 0:
         share = share_at(a.stations[0], settings.rows, place, settings.station)
+        sines, rates, i = a.stations[2], a.stations[3], share.at
+        sine = share.a * sines[i] + share.b * sines[i + 1] + share.c * rates[i] + share.d * rates[i + 1]
+        if sine != 0.0:
+            settings.sine, settings.about = sine, pose.origin.x
+            pose = pose_on_rail(a)
+            wheel = placed(wheel.profile, settings.radius, pose, shape)
+            ahead = pose.origin.x - settings.about
+            share = share_at(a.stations[0], settings.rows, place + ahead * sqrt(1.0 - sine * sine), i)
         settings.station = share.at
     rail = Rail(
-        a.rail, a.rates, a.stations[0], settings.rail_step, settings.rows, share, place, settings.twist, settings.bow_o,
-        settings.bow_b, pose.axle.x, pose.origin.y, settings.radius,
+        a.rail, a.rates, a.stations[0], settings.rail_step, settings.rows, share, place, settings.sine, ahead,
+        settings.twist, settings.bow_o, settings.bow_b, pose.axle.x, pose.origin.y, settings.radius,
     )  # fmt: skip
     return wheel, rail, pose
 
@@ -103,6 +154,7 @@ def wheel_rail(buffer: Array, index: Ints) -> int:
         pressed = stages.run(settings.normal, buffer, index)
     status |= pressed
     _sum_up(a, pose, buffer, index)
+    in_track_axes(a)
     a.total[0].status = status
     return status
 
@@ -122,7 +174,7 @@ def carry(buffer: Array, index: Ints, count: int) -> None:
     """Creep forces of ``count`` lobes whose pressures are known, and the sums over all of them."""
     a = arrays(buffer, index)
     a.total[0].lobes = count
-    _sum_up(a, read_pose(a.pose), buffer, index)
+    _sum_up(a, pose_on_rail(a), buffer, index)
 
 
 @kernel
@@ -238,7 +290,7 @@ def _press_by_overlap(a: Arrays) -> int:
 def all_creep_forces(buffer: Array, index: Ints) -> int:
     """Creep forces; the pressures are known."""
     a = arrays(buffer, index)
-    speed, count = read_pose(a.pose).velocity.x, a.total[0].lobes
+    speed, count = pose_on_rail(a).velocity.x, a.total[0].lobes
     for i in range(count):
         creep_forces(a, speed, count, i)
     return 0

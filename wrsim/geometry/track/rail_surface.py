@@ -16,7 +16,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.points import ProfilePoints, check_points, interpolated, smoothed
@@ -30,6 +30,10 @@ DEEP = 0.038  # no wheel comes deeper below the highest point [m]
 SHORTEST = 1e-4  # A piece below this length [m] does not exist
 FALLING = 0.5  # sine of the slope from which on a section that is cut off goes on straight
 STEEPEST_OVER = 3.0  # largest slope over the smaller secant beside it, for cubics without overshoot
+FLANK, BESIDE = 0.02, 0.01  # of the gauge side: how deep its flank goes, how far what lies beside it counts [m]
+INNERMOST = -0.06  # where a flange can touch: beyond are check rails [m]
+FOLLOWED = 0.03  # slope in plan up to which a flange follows a rail; at twice that it does not at all
+EVEN = 0.05  # half of the way over which the direction is a mean [m]
 AS_FAR = 0.5  # of the slope by neighbours: the slope of smooth cubics may differ so far from it
 
 
@@ -118,6 +122,33 @@ class RailSurface:
         first, *others = (own.profile for own in self.sections)
         same = (np.array_equal(getattr(own, part), getattr(first, part)) for own in others for part in CURVE)
         return first if all(same) else None
+
+    def heading(self, s: ArrayLike) -> Array:
+        """Sine of the angle in plan of the rail's own axes at s, outward, a mean over some way, and its rate along s,
+        (2, ...) [1, 1/m]."""
+        before, behind = np.subtract(s, EVEN), np.add(s, EVEN)
+        return np.stack([(f(behind) - f(before)) / (2.0 * EVEN) for f in (self._way_out, self._way_out.derivative())])
+
+    @cached_property
+    def _way_out(self) -> scipy.interpolate.PPoly:
+        """Integral of the sine of the angle in plan by which the gauge side runs outward: of the ways outward and up,
+        by least squares, as fast as its flank, the innermost one, moves along its normal. Where that is more than a
+        flange follows there is none."""
+        places, sines = [own.distance for own in self.sections], []
+        for s in places:
+            there = [p.spline for p in self.pieces if p.spline.x[0] <= s <= p.spline.x[-1]]
+            rows = np.concatenate([np.column_stack((spline(s), spline(s, 1)[:, :2])) for spline in there])
+            u, w, tu, tw, du, dw = rows[rows[:, 0] > INNERMOST].T
+            length = np.maximum(np.hypot(tu, tw), 1e-12)
+            no, nb, depth = -tw / length, tu / length, (w.max(initial=-1.0) - w) / FLANK
+            weight = np.clip(1.0 - depth**2, 0.0, 1.0) * (no < 0.0)
+            weight *= np.exp(np.minimum(u[weight > 0.0].min(initial=1.0) - u, 0.0) / BESIDE)
+            moves = weight * np.stack((no, nb, no * du + nb * dw))
+            outward = round(float(np.linalg.lstsq(moves[:2].T, moves[2])[0][0]), 8)
+            followed = np.clip(2.0 - abs(outward) / FOLLOWED, 0.0, 1.0)
+            sines.append(outward / np.hypot(1.0, outward) * followed**2 * (3.0 - 2.0 * followed))
+        places = [places[0] - 1.0, places[0] - EVEN, *places, places[-1] + EVEN, places[-1] + 1.0]
+        return scipy.interpolate.PchipInterpolator(places, [0.0, 0.0, *sines, 0.0, 0.0]).antiderivative()
 
     def rows(self, s: Array) -> tuple[Array, NDArray[np.int64]]:
         """Points and tangents, of any length, at distances (n,) [m]: rows of all pieces one behind the other

@@ -12,11 +12,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from math import sqrt
 
 import numpy as np
 import scipy
 
-from wrsim.core.contact.rail import envelope_rows, unfold
+from wrsim.core.contact.rail import Heading, envelope_rows, unfold
 from wrsim.errors import InputError
 from wrsim.geometry.profile.distance_field import SPACING, DistanceField, field_of_points, grid_about
 from wrsim.geometry.profile.profile import Array
@@ -32,8 +33,9 @@ CLOSEST = 1e-3  # least distance of stations [m]
 FIELD_APART = 0.5e-3  # sections farther from each other have distance fields of their own [m]
 NOWHERE = 0.1  # how deep rows lie of a piece that does not exist [m]
 COLUMNS = ("u", "w", "tu", "tw", "k", "ahead", "slope", "bend")
-"""Of a table: point [m], tangent, curvature [1/m]; how far ahead of the axle the rail is touched there [m], its slope
-along the track (normal to the section) and its curvature along the track, positive upwards [1/m]."""
+"""Of a table, in the rail's own axes (`RailSurface.heading`): point [m], tangent, curvature [1/m]; how far ahead of the
+axle the rail is touched there [m], its slope along them (normal to the section) and its curvature, positive upwards
+[1/m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +116,7 @@ def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> Roll
 def _joined(surface: RailSurface, known: dict[float, Array], step: float) -> RolledRail:
     s = np.array(sorted(known))
     tables = np.stack([known[float(x)] for x in s])
-    return RolledRail(surface, s, tables, _rates(s, tables), step)
+    return RolledRail(surface, s, tables, _rates(s, tables, surface.heading(s)), step)
 
 
 def _is_good(rail: RolledRail, s: float, table: Array) -> bool:
@@ -124,14 +126,22 @@ def _is_good(rail: RolledRail, s: float, table: Array) -> bool:
     table = table[near]
     apart = (own[:, 1] - table[:, 1]) * table[:, 2] - (own[:, 0] - table[:, 0]) * table[:, 3]
     moved = rate[:, 1] * table[:, 2] - rate[:, 0] * table[:, 3]
-    off = np.abs(np.stack((moved - table[:, 6], own[:, 6] - table[:, 6])))
+    off = np.abs(np.stack((moved - _moves(table, rail.surface.heading(s)), own[:, 6] - table[:, 6])))
     return bool(np.abs(apart).max(initial=0.0) < TOLERANCE and off.max(initial=0.0) < SLOPE_TOLERANCE)
 
 
-def _rates(s: Array, tables: Array) -> Array:
+def _moves(tables: Array, heading: Array) -> Array:
+    """How fast effective sections move along their normals with s: with the slope of the rail where it is touched, and
+    with their axes, which go along the track and turn."""
+    (u, _w, _tu, tw, _k, ahead, slope, _bend), (sine, rate) = np.moveaxis(tables, -1, 0), heading
+    cosine = np.sqrt(1.0 - sine**2)
+    return np.asarray(slope * (cosine - u * rate / cosine) - tw * (sine - ahead * rate / cosine))
+
+
+def _rates(s: Array, tables: Array, headings: Array) -> Array:
     """Derivatives along s by parabolas through three stations; none at the ends, where nothing changes.
 
-    Along the normal an effective section moves with the slope of the rail where it is touched: that is exact.
+    Along the normal an effective section moves as ``_moves`` tells: that is exact.
     """
     gaps = np.diff(s)
     slopes = np.diff(tables, axis=0) / gaps[:, None, None]
@@ -139,7 +149,7 @@ def _rates(s: Array, tables: Array) -> Array:
     share = (gaps[:-1] / (gaps[:-1] + gaps[1:]))[:, None, None]
     out[1:-1] = (1.0 - share) * slopes[:-1] + share * slopes[1:]
     normal = np.stack((-tables[..., 3], tables[..., 2]), axis=-1)
-    off = tables[..., 6] - (out[..., :2] * normal).sum(axis=-1)
+    off = _moves(tables, headings[..., None]) - (out[..., :2] * normal).sum(axis=-1)
     out[..., :2] += off[..., None] * normal
     return out
 
@@ -152,9 +162,12 @@ deep nor fold back; empty where the piece does not exist."""
 def _effective(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
     """The effective sections of all pieces at s."""
     found = []
+    sine = float(surface.heading(s)[0])
+    heading = Heading(sine, sqrt(1.0 - sine**2))
     for piece in surface.pieces:
         rows = np.zeros((piece.spline.c.shape[2], 8))
-        envelope_rows(piece.spline.c, piece.spline.x, np.array(piece.open_ends, dtype=float), s, radius, REACH, rows)
+        ends = np.array(piece.open_ends, dtype=float)
+        envelope_rows(piece.spline.c, piece.spline.x, ends, s, radius, REACH, heading, rows)
         found.append(rows)
     lowest = max(float(rows[:, 1].max()) for rows in found) - DEEP
     if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 7] == 0.0)).any() for rows in found):
@@ -193,8 +206,7 @@ def _rows(curve: _Curve, arc: Array) -> Array:
     point = point + (arc - inside)[:, None] * tangent
     angle = np.unwrap(np.arctan2(rows[:, 3], rows[:, 2]))
     k = np.interp(arc, 0.5 * (at[1:] + at[:-1]), np.diff(angle) / np.diff(at), 0.0, 0.0)
-    ahead, slope, bend = (np.interp(arc, at, column) for column in rows[:, 4:].T)
-    return np.column_stack((point, tangent, k, ahead, slope, bend))
+    return np.column_stack((point, tangent, k, *(np.interp(arc, at, column) for column in rows[:, 4:].T)))
 
 
 def station_fields(rail: RolledRail) -> tuple[DistanceField, int, Array, float]:

@@ -25,17 +25,7 @@ from wrsim.geometry.track.bridge import Bridge
 from wrsim.geometry.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.geometry.track.path import Path
 from wrsim.geometry.track.rail import CentreLine, SweptCurve
-from wrsim.geometry.track.segments import (
-    Arc,
-    Grade,
-    Laws,
-    Segment,
-    Transition,
-    check_range,
-    kind_word,
-    laws,
-    pitch_law,
-)
+from wrsim.geometry.track.segments import Arc, Grade, Laws, Segment, Transition, check_range, kind_word, laws, pitch_law
 from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.inputs.notebook import card
 
