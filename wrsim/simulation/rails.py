@@ -46,7 +46,9 @@ class RailsOnSleepers:
         on it."""
         self.sleepers, self._wheels, self._records = own, workspace, wheels
         self._moves = 1 if own.uniform else MOVE
-        self.count = int(np.ceil((float(np.ptp(places)) + 2.0 * own.margin) / own.spacing)) + self._moves + 2
+        # what is beside the window does not act on the deck: a bridge comes in and leaves as a whole
+        self._margin = own.margin + (own.bridge.length if own.bridge else 0.0)
+        self.count = int(np.ceil((float(np.ptp(places)) + 2.0 * self._margin) / own.spacing)) + self._moves + 2
         self._state = np.zeros(2)
         """Number of the window's first sleeper; whether steps have been taken."""
         self._filled: float = np.nan
@@ -201,7 +203,7 @@ class RailsOnSleepers:
     def _move(self, fresh: bool = False) -> None:
         """Move the window to where the wheels are; fresh: lay it anew, at rest."""
         own = self.sleepers
-        first = own.number_at(float(self.ties["place"].min()) - own.margin)
+        first = own.number_at(float(self.ties["place"].min()) - self._margin)
         gone = first - self.first
         self._state[0] = first
         for pair in (self.rails.vertical, self.rails.lateral):
@@ -212,14 +214,6 @@ class RailsOnSleepers:
             rows[:, :, : rows.shape[2] - shift] = rows[:, :, shift:].copy()
             rows[:, :, rows.shape[2] - shift :] = 0.0
         self._fill()
-        if own.bridge is not None and not fresh:
-            joint = max(self.count - gone, 0) * own.elements
-            begin = self._deflections[joint]
-            on_deck = own.following(first, self.count, own.bridge.beneath(own.elastic_lengths[1])) @ self.deck.T
-            for moved in self.rails.vertical.rows:
-                ends = moved[[kernel.U, kernel.U_T], begin : begin + 2].T
-                enters = own.entering(first, self.count, joint, on_deck, ends)[begin + 2 :]
-                moved[[kernel.U, kernel.U_T], begin + 2 :] = enters.T
 
     def _fill(self) -> None:
         """Matrices of the window, and its nodes."""
@@ -244,4 +238,4 @@ class RailsOnSleepers:
                 part = own.bays(self._matrices, self.count, r).ballast
                 held[:, r, layout.sleepers] += np.outer((own.ballast.stiffness[1], own.ballast.damping[1]), part)
             self._held, self._dragged = held[..., None] * self._follow
-        self.method[9] = own.offset + own.spacing * (self.first + self._moves) + own.margin
+        self.method[9] = own.offset + own.spacing * (self.first + self._moves) + self._margin

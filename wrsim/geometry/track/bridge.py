@@ -40,6 +40,11 @@ class Bridge:
     values: Array
     moments: Array | None
 
+    @property
+    def length(self) -> float:
+        """Along the track [m]."""
+        return self.step * (len(self.shapes) - 1)
+
     def at(self, places: Array) -> tuple[Array, Array]:
         """Values [1] and slopes [1/m] of the modes at places along the track [m] (places, n), 0 beside the bridge."""
         rows = self.start + self.step * np.arange(len(self.shapes))

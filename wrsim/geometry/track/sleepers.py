@@ -223,22 +223,17 @@ class SleeperTrack:
             )
 
     @property
-    def elastic_lengths(self) -> list[float]:
-        """(4 B / k)^(1/4) of a rail on its supports, laterally and vertically [m], with the stiffness k of pad and
-        ballast per metre."""
+    def wave(self) -> float:
+        """Length of the static wave of a rail on its supports [m]: 2 pi times its elastic length (4 B / k)^(1/4),
+        laterally or vertically the longer one, with the stiffness k of pad and ballast per metre."""
         lengths = []
         ways: tuple[Direction, Direction] = ("lateral", "vertical")
         for i, direction in enumerate(ways):
             k = self.pad.stiffness[i]
             if self.sleeper_mass is not None:
                 k = 1.0 / (1.0 / k + 1.0 / self.ballast.stiffness[i])
-            lengths.append(float(4.0 * self.rail.bending(direction) * self.spacing / k) ** 0.25)
-        return lengths
-
-    @property
-    def wave(self) -> float:
-        """Length of the static wave of a rail on its supports [m]: 2 pi times the longer elastic length."""
-        return 2.0 * np.pi * max(self.elastic_lengths)
+            lengths.append((4.0 * self.rail.bending(direction) * self.spacing / k) ** 0.25)
+        return float(2.0 * np.pi * max(lengths))
 
     @property
     def uniform(self) -> bool:
@@ -342,26 +337,8 @@ class SleeperTrack:
 
     def following(self, first: int, count: int, bridge: Bridge) -> Array:
         """How the unknowns of a vertical system follow a unit of each mode of the bridge (n, modes)."""
-        along = self.bays(first, count, 0).along
-        return self._lying(count, *bridge.at(self.places(first, 1)[0] + along))
-
-    def entering(self, first: int, count: int, joint: int, lies: Array, end: Array) -> Array:
-        """How a vertical system goes on behind the node ``joint`` of the window (n, k), where it is deflected and
-        turned by end (2, k): as a beam on its supports on a deck that it would lie on by lies (n, k).
-
-        On a uniform foundation of the elastic length L what is off at x = 0 decays by exp(-x/L).
-        """
-        length, x = self.elastic_lengths[1], self.bays(first, count, 0).along
-        x = np.maximum(x - x[joint], 0.0)[:, None] / length
-        off, turned = end - lies[self.layout(count, 0).nodes[joint, :2]]
-        fades, cos, sin = np.exp(-x), np.cos(x), np.sin(x)
-        values = fades * (off * (cos + sin) + length * turned * sin)
-        slopes = fades * (turned * (cos - sin) - 2.0 / length * off * sin)
-        return lies + self._lying(count, values, slopes)
-
-    def _lying(self, count: int, values: Array, slopes: Array) -> Array:
-        """Unknowns (n, k) of a vertical system whose nodes are deflected and turned by values, slopes (nodes, k)."""
-        layout = self.layout(count, 0)
+        layout, along = self.layout(count, 0), self.bays(first, count, 0).along
+        values, slopes = bridge.at(self.places(first, 1)[0] + along)
         found = np.zeros((layout.size, values.shape[1]))
         found[layout.nodes[:, 0]], found[layout.nodes[:, 1]] = values, slopes
         found[layout.sleepers] = values[: -1 : self.elements]
