@@ -96,12 +96,12 @@ EXACT = [
     ("curve_r300", "left", "p0", [942.4e6], {"rel": 0.01}),
     ("curve_r300", "right", "p0", [880.1e6, 2246.6e6], {"rel": 0.01}),
     ("curve_r300", "right", "contact_angle", deg(7.4, 17.3), {"abs": radians(0.3)}),
-    # one conformal patch from the throat of the root up its flank; angles are those of strips' middles
-    ("curve_r150_sharp", "right", "p0", [1321.7e6], {"rel": 0.018}),
-    ("curve_r150_sharp", "right", "contact_angle", deg(30.06), {"abs": radians(0.5)}),
-    ("curve_r150_sharp", "right", "contact_angle_min", deg(22.24), {"abs": radians(0.6)}),
-    ("curve_r150_sharp", "right", "contact_angle_max", deg(70.69), {"abs": radians(0.6)}),
-    ("curve_r150_sharp", "right", "width", [11.30e-3], {"rel": 0.03}),
+    # one conformal patch from the throat of the root up its flank; with 24 to 90 elements over it
+    ("curve_r150_sharp", "right", "p0", [1342.5e6], {"rel": 0.005}),
+    ("curve_r150_sharp", "right", "contact_angle", deg(29.89), {"abs": radians(0.1)}),
+    ("curve_r150_sharp", "right", "contact_angle_min", deg(22.16), {"abs": radians(0.5)}),
+    ("curve_r150_sharp", "right", "contact_angle_max", deg(70.65), {"abs": radians(0.1)}),
+    ("curve_r150_sharp", "right", "width", [11.30e-3], {"rel": 0.01}),
     # root and flank
     ("curve_r150_worn", "right", "p0", [3138e6, 1200e6], {"rel": 0.03}),
     ("curve_r150_worn", "right", "contact_angle", deg(32.5, 68.5), {"abs": radians(1.0)}),

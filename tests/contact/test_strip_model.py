@@ -111,7 +111,7 @@ def test_newton_s_matrix_is_the_derivative_of_the_residuals(pair, lateral, yaw):
     allowed = np.full_like(matrix, 1e-6)
     behind = solved % block_of(n) - 2 * n
     allowed[np.ix_(behind < 0, (behind == 0) | (behind == 1))] = 1e-3  # normals stay where edges move
-    if yaw:  # weights of a parabola of a^2, and of strips and their places in the means of a line, count as fixed
+    if yaw:  # weights of a parabola of a^2, and of strips in the means of a line, count as fixed
         allowed[solved < n], allowed[behind >= EDGES] = 1e-3, 1e-2
     assert (np.abs(matrix - found) <= allowed * np.abs(found).max(axis=0)).all()
 
@@ -470,11 +470,12 @@ def test_force_does_not_jump_where_the_gap_between_two_lobes_opens():
 @pytest.mark.parametrize(("pair", "lateral", "height", "yaw"), [
     ("S1002/60E1 1:20", 6.6e-3, 0.459917289, -18.8e-3), ("S1002/54E1 1:20", 6.6e-3, 0.460119058, -16.2e-3),
     ("S1002/60E1 1:40", *FAR_SHIFTED), ("worn/worn 1:40", 6.737723e-3, 0.4607864238615616, 16.476367e-3),
+    ("S1002/60E1 1:40", 6.55e-3, 0.4606795318, 20e-3),
 ])  # fmt: skip
 def test_long_strips_far_shifted_against_each_other_press_as_the_half_space_does(pair, lateral, height, yaw):
-    # 5 and 7 % too low where shifts are left out; the last one has no solution with 16 strips, one with 15
+    # 5 and 7 % too low where shifts are left out; the last one 0.9 % where strips are no denser where the locus leans
     stand = contacts.bench(contacts.pair_model(pair, **STRIPS, **contacts.PLAIN), rolling=False)
     model = stand.wheels[0].model
     stand.evaluate(lateral, height, yaw, 0.0)
     own = contacts.contact_of(stand).normal_force
-    assert own == pytest.approx(HalfSpace(resolution=12).solve_pose(model).normal_force, rel=0.02)
+    assert own == pytest.approx(HalfSpace(resolution=12).solve_pose(model).normal_force, rel=0.005)

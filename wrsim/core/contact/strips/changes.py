@@ -71,9 +71,8 @@ def move_edges(system, n, g, start, end):
     grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
     x[e], x[e + 1] = max(start, grid.least), min(end, grid.most)
     move, stretch, middles = (x[e] + x[e + 1] - middle) / width, (x[e + 1] - x[e]) / width, x[e + EDGES :]
-    middles[0] += move * (middles[1] + move * middles[2])
-    middles[1] = stretch * (middles[1] + 2.0 * move * middles[2])
-    middles[2] *= stretch * stretch
+    middles[0] += move * middles[1]
+    middles[1] *= stretch
     lay_strips(system, n)
     for j in range(n):
         s = places[j].s

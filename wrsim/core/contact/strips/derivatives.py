@@ -56,7 +56,7 @@ def _press_row(system, n, g, i):
                 continue
             _point(system, n, g, i, h, point, x)
             base = h * block
-            by_start = by_end = by_place = by_lean = by_bend = 0.0
+            by_start = by_end = by_place = by_lean = 0.0
             for j in range(h * n, (h + 1) * n):
                 place = places[j]
                 if place.y <= 0.0:
@@ -82,15 +82,14 @@ def _press_row(system, n, g, i):
                 third[column + n] += turn * by_k
                 by_place -= shift
                 by_lean -= shift * place.z
-                by_bend -= shift * place.z * place.z
-            of_grid = by_start, by_end, by_place, by_lean, by_bend
+            of_grid = by_start, by_end, by_place, by_lean
             _add(m, third, row, n, base + OF_A_STRIP * n, level, bow, turn, of_grid)
         # the point moves with the strip's own middle, half length and place
         own_y = by_x * arm / (2.0 * at.y)
         m[row + n, row] += bow * own_y
         third[row] += turn * own_y
         along = by_s + (by_x * at.x_s if points == 3 else 0.0)
-        own = along * at.mid_start, along * at.mid_end, by_x, by_x * at.z, by_x * at.z * at.z
+        own = along * at.mid_start, along * at.mid_end, by_x, by_x * at.z
         _add(m, third, row, n, e, level, bow, turn, own)
 
 
@@ -113,15 +112,15 @@ def _own_row(system, n, g, i):
     m[row + n, row] -= 0.5 * at.bend * REACH * REACH * unit
     third[row] += at.bend * REACH * off / at.root * unit
     first, second, last = -at.d_s + 0.5 * at.bend_s * off * off, -0.5 * at.bend_s * r * r, 2.0 * at.bend_s * r * off
-    _add(m, third, row, n, e, first * unit, second * unit, last * unit, (at.mid_start, at.mid_end, 0.0, 0.0, 0.0))
-    by_off = 0.0, 0.0, 1.0, at.z, at.z * at.z
+    _add(m, third, row, n, e, first * unit, second * unit, last * unit, (at.mid_start, at.mid_end, 0.0, 0.0))
+    by_off = 0.0, 0.0, 1.0, at.z
     _add(m, third, row, n, e, at.bend * off * unit, 0.0, 2.0 * at.bend * r * unit, by_off)
 
 
 @kernel
 def _add_to_middles(system, n, g, i):
-    """The share of strip i of grid g in the conditions of the middles. Its weight and its place on the line count as
-    fixed: with their derivatives Newton's method fails more often."""
+    """The share of strip i of grid g in the conditions of the middles. Its weight counts as fixed: with
+    its derivatives Newton's method fails more often."""
     memo, grid, at, third = system.memo[0], system.grids[g], system.places[g * n + i], system.vectors[V.WISH]
     first, share = g * block_of(n) + OF_A_STRIP * n + EDGES, weight_of(at) / grid.weight
     for j in range(memo.grids * block_of(n)):
@@ -227,7 +226,7 @@ def _gather(system, n):
             if not (grid.start_held if side == 0 else grid.end_held):
                 solved[size] = base + OF_A_STRIP * n + side
                 size += 1
-        for k in range(grid.middles if memo.shifted and grid.on else 0):
+        for k in range(MIDDLES if memo.shifted and grid.on else 0):
             solved[size] = base + OF_A_STRIP * n + EDGES + k
             size += 1
     memo.unknowns = size

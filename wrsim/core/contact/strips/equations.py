@@ -76,8 +76,6 @@ def lay_strips(system, n):
         edges = base + OF_A_STRIP * n
         middles = x[edges + EDGES :]
         grid.start, grid.end = x[edges], x[edges + 1]
-        if grid.middles < MIDDLES:
-            middles[2] = 0.0
         place_strips(system.wheel, system.rail, grid, system.rows[g], places[g * n : (g + 1) * n])
         for j in range(n):
             i, place = g * n + j, places[g * n + j]
@@ -85,8 +83,8 @@ def lay_strips(system, n):
             place.k = x[base + n + j]
             place.off = place.z = 0.0
             if memo.shifted:
-                z = place.z = (2.0 * place.s - grid.start - grid.end) / (grid.end - grid.start)
-                place.off = middles[0] + z * (middles[1] + z * middles[2])
+                place.z = (2.0 * j + 1.0) / n - 1.0
+                place.off = middles[0] + place.z * middles[1]
             inverse = 1.0
             if x[base + j] > 0.0:
                 place.y = x[base + j]
@@ -213,7 +211,7 @@ def weight_of(place):
 @kernel
 def set_middles(system, n, g):
     """Residuals of the middles of a grid's strips: the energy does not change with the line that they lie on."""
-    total, unknowns = 0.0, system.grids[g].middles
+    total = 0.0
     out = system.vectors[V.F, g * block_of(n) + OF_A_STRIP * n + EDGES :]
     out[:MIDDLES] = 0.0
     for i in range(g * n, (g + 1) * n):
@@ -221,11 +219,9 @@ def set_middles(system, n, g):
         if place.y > 0.0:
             part = weight_of(place)
             total += part
-            part *= place.turn
-            for k in range(unknowns):
-                out[k] += part
-                part *= place.z
-    for k in range(unknowns):
+            out[0] += part * place.turn
+            out[1] += part * place.turn * place.z
+    for k in range(MIDDLES):
         out[k] /= total
     system.grids[g].weight = total
 

@@ -2,12 +2,14 @@
 
 Rows stand at equal steps of the rail's arclength, each with the point of the wheel's outline opposite it, so that the
 penetration d(s) belongs to the pose alone, wherever it is counted from. Strips lie between the edges of the contact,
-denser where d bends more (Hertz: equally): as equal pieces of the integral of
+denser where d bends more (Hertz: equally) and where the locus runs along the rail: as equal pieces of the integral of
 
-    density = |d''|^(2/3), a mean over neighbouring rows, + FLOOR times its mean.
+    density = (|d''| + |x'| sqrt(1 + x'^2) / R_x)^(2/3), a mean over neighbouring rows, + FLOOR times its mean.
 
 Strips are constants in place of p(s): the square of their error is least where they stand as |p'|^(2/3) (de Boor, Good
-Approximation by Splines with Variable Knots, 1973), and across the rail p' goes with d'', as in plane contact.
+Approximation by Splines with Variable Knots, 1973). Across the rail p' goes with d'', as in plane contact. Where the
+locus leans by x' a contact is a band along it: across the band the curvature is (1 + x'^2) / R_x, the half width that
+of the strip over sqrt(1 + x'^2), so p' along the rail goes with sqrt(1 + x'^2) / R_x, and across it with x' times that.
 """
 
 from math import sqrt
@@ -169,7 +171,10 @@ def grade_rows(grid, rows, axle):
     skew = 0.7 * abs(axle.x) / h
     for r in range(ROWS):
         c = min(max(r, 1), ROWS - 2)
-        rows[r].xi = np.cbrt((unit * (rows[c - 1].d - 2.0 * rows[c].d + rows[c + 1].d)) ** 2)
+        bow = abs(rows[c - 1].d - 2.0 * rows[c].d + rows[c + 1].d)
+        run = 0.5 * (rows[c + 1].x - rows[c - 1].x)
+        bow += abs(run) * sqrt(h * h + run * run) / rows[c].r_t
+        rows[r].xi = np.cbrt((unit * bow) ** 2)
         total += rows[r].xi
     floor = FLOOR * total / ROWS
     for r in range(ROWS):

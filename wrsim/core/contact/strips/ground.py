@@ -16,7 +16,7 @@ from wrsim.core.contact.records import STATUS_PROFILE_END
 from wrsim.core.contact.search.lobes import LEAST_ROOM, WIDEST, room_beside
 from wrsim.core.contact.strips.equations import set_fading
 from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, make_room, next_corner
-from wrsim.core.contact.strips.records import MIDDLES, ROWS, V
+from wrsim.core.contact.strips.records import ROWS, V
 from wrsim.core.jit.compiling import inlined, kernel
 
 GATHERED = 0.5  # saddle over the depth of the shallower lobe from which on their ground is looked at as one
@@ -63,12 +63,8 @@ def set_grids(system, found, wheel, rail, pose, count):
         for g in range(first, memo.grids):
             grid, rows = system.grids[g], system.rows[g]
             grid.first, grid.last = i, last
-            parted = memo.grids > first + 1
-            if parted:
+            if memo.grids > first + 1:
                 lay_rows(wheel, rail, grid, rows)
-            middles = MIDDLES if parted else MIDDLES - 1  # the line is straight, but for ground that goes on
-            if middles != grid.middles:
-                grid.middles, memo.inverted = middles, 0
             grade_rows(grid, rows, pose.axle)
             memo.deepest = max(memo.deepest, grid.deepest)
             _set_main_place(grid, rows)

@@ -11,7 +11,7 @@ from wrsim.core.jit.arena import record
 
 OF_A_STRIP = 2  # unknowns: squares of half lengths, factors
 EDGES = 2  # unknowns of a grid behind those of its strips
-MIDDLES = 3  # unknowns of a grid behind its edges, at most: a line over the locus that has the middles of its strips
+MIDDLES = 2  # unknowns of a grid behind its edges: a line over the locus that has the middles of its strips
 ROWS = 48  # of the table of the geometry of a grid
 
 ROW = record("s arc d x o b no nb r_t slope bend density xi closing")
@@ -34,13 +34,13 @@ Lobe and strip of it that it was handed out to."""
 
 GRID = record(
     "start end least most deepest spacing x reach stairs weight arc place chain",
-    "on start_held end_held first last middles entries",
+    "on start_held end_held first last entries",
 )
 """A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length of the
 overlap where it is deepest; how firmly a^2 is held on a parabola; sum of the weights of strips in the conditions of
 their middles; arclengths on wheel and rail of a pair of opposite points; how far what reaches it reaches the next one.
-Whether it is in contact, whether its edges are held at their bounds, its first and last lobe; unknowns of the line of
-its middles; how often it has come into contact in a solution."""
+Whether it is in contact, whether its edges are held at their bounds, its first and last lobe; how often it has come
+into contact in a solution."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",

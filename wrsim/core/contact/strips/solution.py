@@ -2,8 +2,8 @@
 
 In a run the last contact is the first guess. Else Hertz's slanted ellipses, or all ground that may touch, and Newton's
 method for all at once. If both fail, every grid is solved for alone, then they come to press each other down step by
-step. The conditions of so many strips may have no solution at a pose where those of straight lines of middles have, or
-those of fewer strips: these are tried after that, with one strip less a grid each."""
+step. The conditions of so many strips may have no solution at a pose where those of fewer have: these are tried after
+that, with one strip less a grid each."""
 
 from math import inf
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from wrsim.core.contact.strips.equations import block_of, lay_strips, set_fading
 from wrsim.core.contact.strips.ground import LOW
 from wrsim.core.contact.strips.hertz import hertz_ellipse
 from wrsim.core.contact.strips.newton import NEAR, descend, newton
-from wrsim.core.contact.strips.records import EDGES, MIDDLES, OF_A_STRIP, ROWS, V
+from wrsim.core.contact.strips.records import EDGES, OF_A_STRIP, ROWS, V
 from wrsim.core.dense import copy
 from wrsim.core.jit.compiling import kernel
 
@@ -41,19 +41,8 @@ def solve(system, n, known, tolerance):
                 return strips
         if _one_by_one(system, strips):
             return strips
-        if not _straighten(system):
-            strips -= 1
+        strips -= 1
     return 0
-
-
-@kernel
-def _straighten(system):
-    """Make the lines of middles of all grids straight. True if one was not."""
-    bent = False
-    for g in range(system.memo[0].grids):
-        bent = bent or system.grids[g].middles == MIDDLES
-        system.grids[g].middles = MIDDLES - 1
-    return bent
 
 
 @kernel
