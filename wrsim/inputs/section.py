@@ -215,6 +215,9 @@ class Section(BaseModel):
             stems = {_stem(k): k for k in allowed}
             near = nearest(key, allowed) or nearest(_stem(key), list(stems))
             meant = stems.get(near, near) if near else None
+        kind = unpacked(cls.model_fields[meant].annotation).base if meant in cls.model_fields else None
+        if isinstance(kind, type) and issubclass(kind, Section) and raw[key] and not kind.keys_meant(raw[key]):
+            meant = None  # a table that takes none of its keys
         if meant is not None:
             unit = unit_of(meant)
             in_unit = f" (in {UNITS[unit]})" if unit and unit != unit_of(key) else ""
