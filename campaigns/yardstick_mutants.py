@@ -4,11 +4,12 @@
         [--only NUMBER ...] [--comparisons NAME ...]
 
 Draws mutants of signs, operators and factors of `wrsim/core` (`campaigns.mutants`), writes them all into a copy of the
-sources as ``changed if which() == number else original``, compiles that once and runs the short form of the benchmark,
-which must be green. Then a fork for each mutant runs it until its first red comparison, cheap ones first. A quotient
-of whole numbers in the place of their product, which may be an index, is rounded down. A mutant that changes a constant
-of a module or what writes kernels has no switch; it is told as such. Needs a C compiler (cc). A fork that is stopped,
-also by its time, counts as red.
+sources as ``changed if which(number) == 1 else original``, compiles that once and runs the short form of the benchmark,
+which must be green. Then, in the order of the draw, until ``number`` mutants have been tried: a fork asks whether the
+mutant is equivalent (docs/developers/yardstick.md), and if not, another one runs the short form until its first red
+comparison, cheap ones first. A quotient of whole numbers in the place of their product, which may be an index, is
+rounded down. A mutant that changes a constant of a module or what writes kernels has no switch and is passed over.
+Needs a C compiler (cc). A fork that is stopped, also by its time, is not equivalent, and red.
 """
 
 import argparse
@@ -21,13 +22,31 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 os.environ["NUMBA_DISABLE_JIT"] = "0"
 ROOT = Path(__file__).parents[1]
 PATIENCE = 150  # processor time of a mutant [s]
-C_CODE = "static long at = -1;\nlong wrsim_mutant(void) { return at; }\nvoid wrsim_set(long to) { at = to; }\n"
+SPARE = 2  # mutants are drawn for each that is asked
+ANSWERS = 60  # poses of each contact
+RUNS = {
+    "bridge": (25.0, 1250), "freight_r300": (6.0, 2000), "curve_r300": (60.0, 1500), "flat_on_sleepers": (1.5, 50),
+    "crossing": (1.5, 100),
+}  # fmt: skip
+"""Scenarios: how far they run [m], with which step [us]."""
+FINER = 0.98  # of the time step: what that changes, and one strip more, is no change
+LIMITS = 1e-4, 1e-2  # held between these
+C_CODE = """static long at = -1, met = 0;
+long wrsim_mutant(long number) { if (number != at) return 0; met++; return 1; }
+void wrsim_set(long to) { at = to; met = 0; }
+long wrsim_met(void) { return met; }
+"""
 WHICH = '''"""Which mutant is at work."""
 import operator
 
@@ -40,13 +59,13 @@ llvmlite.binding.load_library_permanently({library!r})
 
 
 @intrinsic
-def which(context):
+def which(context, number):
     def code(context, builder, signature, arguments):
         known = builder.module.globals.get("wrsim_mutant")
-        kind = ir.FunctionType(ir.IntType(64), [])
-        return builder.call(known or ir.Function(builder.module, kind, "wrsim_mutant"), [])
+        kind = ir.FunctionType(ir.IntType(64), [ir.IntType(64)])
+        return builder.call(known or ir.Function(builder.module, kind, "wrsim_mutant"), arguments)
 
-    return types.int64(), code
+    return types.int64(types.int64), code
 
 
 @intrinsic
@@ -104,7 +123,8 @@ class Switches(ast.NodeTransformer):
         number, changed = self.mutants.pop(at)
         if isinstance(changed, ast.BinOp) and isinstance(changed.op, ast.Div):
             changed = ast.Call(ast.Name("quotient", ast.Load()), [changed.left, changed.right], [])
-        asked = ast.Compare(ast.Call(ast.Name("which", ast.Load()), [], []), [ast.Eq()], [ast.Constant(number)])
+        call = ast.Call(ast.Name("which", ast.Load()), [ast.Constant(number)], [])
+        asked = ast.Compare(call, [ast.Eq()], [ast.Constant(1)])
         return ast.IfExp(asked, changed, node)
 
 
@@ -127,7 +147,8 @@ def build(folder: Path, number: int, seed: int) -> dict[int, str]:
              for m in mutants_of(f, factors=True)]  # fmt: skip
     words: dict[int, str] = {}
     of_files: dict[Path, dict[Place, tuple[int, ast.expr]]] = {}
-    for i, mutant in enumerate(random.Random(seed).sample(every, number)):
+    random.Random(seed).shuffle(every)
+    for i, mutant in enumerate(every[:number]):
         code = mutant.file.read_text()
         old, new = difference(*map(ast.parse, (code, mutate_code(code, OPERATORS[mutant.operator], mutant.occurrence))))
         words[i] = f"{mutant.file}:{mutant.function} {ast.unparse(old)} -> {ast.unparse(new)}"
@@ -166,8 +187,57 @@ def first_red(reference: Path, names: Sequence[str], warm: bool = False) -> str:
     return ""
 
 
-def judged(number: int, reference: Path, names: Sequence[str], library: ctypes.CDLL) -> str:
-    """What the yardstick says of a mutant."""
+Answers = Iterator[tuple[str, NDArray[np.float64]]]
+
+
+def answers(fine: bool = False) -> Answers:
+    """What the code gives where no comparison asks: forces and pressures at random poses, and in runs the distribution
+    of wheel forces and of displacements of rails and decks. fine: a strip more, and shorter time steps."""
+    from support.contacts import RADIUS, contact_model, rail_profile, wheel_profile
+
+    from wrsim.analysis import run
+    from wrsim.scenario.loading import load
+
+    draw = np.random.default_rng(1)
+    pair = wheel_profile("S1002"), rail_profile("60E1", 40)
+    for normal, tangential in (("strips", "fastrip"), ("kik-piotrowski", "fastsim"), ("strips", "polach")):
+        model = contact_model(*pair, normal=normal, tangential=tangential, friction=0.3, strips=20 + fine)
+        poses = np.zeros((ANSWERS, 12))
+        poses[:, 1], poses[:, 2] = draw.uniform(-8e-3, 7e-3, ANSWERS), RADIUS + 0.04
+        yaw, creep = draw.normal(0.0, 5e-3, ANSWERS), draw.normal(1.0, 2e-3, ANSWERS)
+        poses[:, 3], poses[:, 4], poses[:, 6] = -np.sin(yaw), np.cos(yaw), 20.0
+        poses[:, 9:] = poses[:, 3:6] * (20.0 * creep / RADIUS)[:, None]
+        found = model.solve_many(poses, 6e4, threads=1)
+        for name in ("force", "moment", "p0", "area"):
+            yield f"{normal}, {tangential}: {name}", np.nan_to_num(getattr(found, name))
+    for name, (way, step) in RUNS.items():
+        keys = {"run.distance_m": way, "run.step_us": round(step * FINER) if fine else step}
+        data = run(load(f"scenarios/{name}.toml").with_values(keys)).dataset
+        for channel in ("Y", "Q", "X", "rail_displacement_z", "deck_acceleration"):
+            if channel in data:
+                yield f"{name}: {channel}", np.nanquantile(data[channel], np.linspace(0.0, 1.0, 21))
+
+
+def change(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    """Largest difference over the largest number of the second."""
+    apart = np.abs(one - other).max() / max(np.abs(other).max(), 1e-30) if one.shape == other.shape else np.inf
+    return float(np.nan_to_num(apart, nan=np.inf))
+
+
+def alike(number: int, library: ctypes.CDLL, base: dict[str, Any], limits: dict[str, float]) -> str:
+    """Whether a mutant changes answers by no more than a finer computation does, in words; else nothing."""
+    most, worst = 0.0, ""
+    for name, own in answers():
+        changed = change(own, base[name])
+        if changed > limits[name]:
+            return ""
+        most, worst = max((most, worst), (changed, name))
+    met = library.wrsim_met()
+    return f"equivalent: asked {met} times, {most:.1e} ({worst})" if met else ""
+
+
+def in_fork(ask: Callable[[], str], number: int, library: ctypes.CDLL) -> str:
+    """What a function says with a mutant at work."""
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
@@ -176,7 +246,7 @@ def judged(number: int, reference: Path, names: Sequence[str], library: ctypes.C
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
         library.wrsim_set(number)
         try:
-            found = first_red(reference, names) or "survives"
+            found = ask()
         except Exception as problem:
             found = f"red, stopped: {type(problem).__name__}: {problem}"
         os.write(writing, found.encode())
@@ -198,7 +268,7 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, default=Path("build/yardstick_mutants"))
     given = parser.parse_args()
     reference, folder = given.reference.resolve(), given.folder.resolve()
-    words = build(folder, given.number, given.seed)
+    words = build(folder, SPARE * given.number, given.seed)
     for name in [name for name in sys.modules if name.split(".")[0] in ("wrsim", "campaigns", "support")]:
         del sys.modules[name]  # those of the copy are taken
     sys.path[:0] = [str(folder), str(folder / "tests")]
@@ -206,16 +276,21 @@ def main() -> None:
     names = given.comparisons
     if red := first_red(reference, names, warm=True) or first_red(reference, names):
         sys.exit(f"the yardstick must be green where nothing is changed: {red}")
+    base = dict(answers())
+    limits = {name: float(np.clip(change(own, base[name]), *LIMITS)) for name, own in answers(fine=True)}
+    print("what a finer computation changes:", *(f"{name} {limit:.1e}" for name, limit in limits.items()), sep="\n  ")
     library = ctypes.CDLL(str(folder / "libw.so"))
-    tried = [i for i in given.only or words if not words[i].endswith("(no switch)")]
-    count = 0
-    for i in tried:
-        found = judged(i, reference, names, library)
-        count += found.startswith("red")
+    library.wrsim_met.restype = ctypes.c_long
+    count = dict.fromkeys(("red", "survives", "equivalent"), 0)
+    for i in (i for i in given.only or words if not words[i].endswith("(no switch)")):
+        if count["red"] + count["survives"] == given.number:
+            break
+        found = in_fork(partial(alike, i, library, base, limits), i, library)
+        if not found.startswith("equivalent"):
+            found = in_fork(lambda: first_red(reference, names) or "survives", i, library)
+        count[found.replace(":", " ").replace(",", " ").split()[0]] += 1
         print(f"{i} {words[i]}: {found}", flush=True)
-    for i in words.keys() - set(tried) if not given.only else ():
-        print(f"{i} {words[i]}")
-    print(f"{count} of {len(tried)} mutants turn the yardstick red or stop it; {len(words) - len(tried)} not tried")
+        print(", ".join(f"{number} {word}" for word, number in count.items()), flush=True)
 
 
 if __name__ == "__main__":

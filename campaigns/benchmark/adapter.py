@@ -54,10 +54,11 @@ class Code:
 
     def arcs(
         self, *, wheel_radius_mm: float, rail_radius_mm: float, rolling_radius_mm: float, y_mm: float, load_N: float,
-        G_GPa: float, pitch_rad_per_s: float,
+        G_GPa: float, pitch_rad_per_s: float, turned: bool = False,
     ) -> Answer:  # fmt: skip
         """A wheel of one arc (above 0: hollow) on a rail of one arc (above 0: round), nu 0.28, rolling at 2 m/s with
-        friction 0.3, or without friction at 0 pitch: ``p0_MPa``, ``approach_mm``, ``width_mm``, ``length_mm``,
+        friction 0.3, or without friction at 0 pitch; turned: the influence of elements on each other turns with their
+        normals, as far as these differ: ``p0_MPa``, ``approach_mm``, ``width_mm``, ``length_mm``,
         ``angle_range_deg``, ``direction_deg`` of the force."""
         raise NotImplementedError
 

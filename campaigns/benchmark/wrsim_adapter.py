@@ -43,7 +43,7 @@ from wrsim.contact.half_space.rolling import solve_rolling
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model
 from wrsim.contact.pose import Pose
-from wrsim.contact.settings import ContactSettings, Material
+from wrsim.contact.settings import ContactSettings, HalfSpaceSettings, Material
 from wrsim.contact.tables import creep_coefficients
 from wrsim.core.body import vehicle_forces
 from wrsim.core.contact.tangential.flexibility import kalker_coefficients
@@ -123,13 +123,14 @@ class Wrsim(Code):
         }  # fmt: skip
 
     def arcs(self, *, wheel_radius_mm: float, rail_radius_mm: float, rolling_radius_mm: float, y_mm: float,
-             load_N: float, G_GPa: float, pitch_rad_per_s: float):  # fmt: skip
+             load_N: float, G_GPa: float, pitch_rad_per_s: float, turned: bool = False):  # fmt: skip
         across = circle("arc", "wheel", 1e-3 * wheel_radius_mm, 0.95e-3 * abs(wheel_radius_mm))
         rail = circle("arc", "rail", 1e-3 * rail_radius_mm, 0.98e-3 * abs(rail_radius_mm))
         rolling = pitch_rad_per_s > 0.0
         place = Place(across, rail, (HALF_SPACING, 0.0), 1e-3 * rolling_radius_mm, rolling)
         steel = Material(2.0e9 * G_GPa * 1.28, 0.28)
-        own = replace(STRIPS, settings=replace(STRIPS.settings, wheel=steel, rail=steel))
+        solver = HalfSpaceSettings(influence="angle-corrected") if turned else STRIPS.settings.half_space
+        own = replace(STRIPS, settings=replace(STRIPS.settings, wheel=steel, rail=steel, half_space=solver))
         answer = solve(own, place, Pose("", 1e-3 * y_mm, 0.0, load_N), pitch_rad_per_s, repeats=0)
         if answer is None:
             return None
