@@ -453,7 +453,7 @@ def test_what_cannot_be_taken_step_by_step_is_refused() -> None:
 def test_accelerations_of_a_vibration_that_drifts_are_foretold_soon_after_it_has_changed(angle, wrong):
     """Two accelerations foretell a vibration, two more a drift, the steps of another one fade; angle of a step."""
     q, q_t, q_tt = np.zeros((3, 6))
-    newton = ImplicitStep(q, q_t, q_tt, 1, 1e-3, 1e3, 1e4)
+    newton = ImplicitStep(q, q_t, q_tt, 1, 0, 1e-3, 1e3, 1e4)
     for k in range(400):
         q_tt[:] = np.sin((angle if k > 200 else 0.7 * angle) * k + np.arange(6)) + 3e-3 * k
         newton.end_step()

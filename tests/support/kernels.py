@@ -312,7 +312,7 @@ def step_on_sleepers(segments: list[Segment]) -> list[float]:
 def implicit_step(law: VehicleOnTrack, q: Array, q_t: Array) -> list[float]:
     """A step of generalised alpha: Jacobian, first guess, estimated and computed iterations, and what watches it."""
     size, count = law.size, len(law.bodies)
-    newton = ImplicitStep(q.copy(), q_t.copy(), np.linspace(-1.0, 1.0, size), count, 1e-3, 1e3, 1e4)
+    newton = ImplicitStep(q.copy(), q_t.copy(), np.linspace(-1.0, 1.0, size), count, law.rails, 1e-3, 1e3, 1e4)
     derivative = force_derivative(law, q, q_t, count, 0.0, 1.0, 0.5, central=False)
     forces, monitor = np.zeros(size), Monitor(law, law.speed)
     newton.begin_iteration(0)

@@ -50,22 +50,24 @@ class ImplicitStep:
     (``core.body.implicit_step``)."""
 
     def __init__(
-        self, q: Array, q_t: Array, q_tt: Array, bodies: int, step: float, tolerance: float, loosest: float | None
-    ) -> None:
-        """q, q_t, q_tt: the solver's own arrays, bodies first; tolerance, loosest: see ``BodySystem.solve``."""
+        self, q: Array, q_t: Array, q_tt: Array, bodies: int, rails: int, step: float, tolerance: float,
+        loosest: float | None,
+    ) -> None:  # fmt: skip
+        """q, q_t, q_tt: the solver's own arrays, bodies first, rails last; tolerance, loosest: ``BodySystem.solve``."""
         self.q, self.q_t, self.q_tt = q, q_t, q_tt
         own = np.zeros(1, kernel.STEP)
         own["q_of_q_tt"], own["q_t_of_q_tt"] = METHOD.changes(step)
         own["tolerance"], own["loosest"] = tolerance, tolerance if loosest is None else loosest
         for name in ("predicted", "residual", "moved", "ratio"):
             own[name] = np.inf
-        own["bodies"], own["iteration"], own["estimates"] = bodies, -1, loosest is not None
+        own["bodies"], own["rails"], own["iteration"], own["estimates"] = bodies, rails, -1, loosest is not None
         self.own, self._iteration, self._counted = own, own["iteration"], -1
         self.rows, self.jacobian = np.zeros((kernel.ROWS, q.size)), np.zeros((q.size, q.size))
         self._sums, self._fit = np.zeros((kernel.ORDER + 1,) * 2), np.zeros((kernel.ORDER + 2, kernel.ORDER))
         self.at = tolerance, self.rows[kernel.AT]
         """Tolerance, and coordinates of the last computed forces."""
         self.rows[kernel.WEIGHTS, : 6 * bodies] = np.tile(WEIGHTS, bodies)
+        self.rows[kernel.WEIGHTS, q.size - rails :] = np.tile([SMALL["y"] ** -2.0, SMALL["z"] ** -2.0], rails // 2)
 
     def end_step(self) -> None:
         """Predict the accelerations of the next step."""

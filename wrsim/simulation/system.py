@@ -237,7 +237,9 @@ class BodySystem:
         if integrator == "generalised-alpha":
             kind = exudyn.DynamicSolverType.GeneralizedAlpha
             bodies = len(self.bodies)
-            self._newton = ImplicitStep(self.q, self.q_t, self.q_tt, bodies, step, tolerance, loosest)
+            self._newton = ImplicitStep(
+                self.q, self.q_t, self.q_tt, bodies, self.forces.rails, step, tolerance, loosest
+            )
         with _silence():
             try:
                 while self._going and steps > 0 and self._error is None:

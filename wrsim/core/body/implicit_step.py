@@ -7,8 +7,9 @@ q_t and q_tt change together, as in an iteration (Arnold and Bruls, Multibody Sy
 
 Estimates: the forces after an iteration differ from those predicted by the Jacobian by a part (``ratio``) of the
 predicted change. It is measured wherever forces are computed, and there the estimating Jacobian is updated (Broyden,
-body by body), not the one that the integrator holds. Where the difference is sure to be within the tolerance, the
-prediction ends the iteration (the test of Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).
+body by body, a wheelset with the rails under it), not the one that the integrator holds. Where the difference is sure
+to be within the tolerance, the prediction ends the iteration (the test of Hairer and Wanner, Solving Ordinary
+Differential Equations II, IV.8).
 
 Failure: where new Jacobians predict less than half of the change, the force is discontinuous.
 """
@@ -32,18 +33,21 @@ NEAR, UNSEEN, FORGET = 100.0, 16, 0.9
 the last step, within so many tolerances; in at most so many steps in succession. The contraction in a step counts as
 this part of it in the next."""
 
+BODY, RAILS = 6, 4
+"""Coordinates of a body, and of the rails under a wheelset."""
+
 MOST_ASTRAY = 2
 """New Jacobians in a step that predict less than half of the change, at which the method stops or fails."""
 
 STEP = record(
     "q_of_q_tt q_t_of_q_tt tolerance loosest predicted residual moved ratio",
-    "bodies steps iteration estimates known unseen new astray",
+    "bodies rails steps iteration estimates known unseen new astray",
 )
 """Changes of q and q_t for a change of q_tt (s2, s); norms of forces [N]: tolerance, largest residual at which the
 method may stop, predicted change, error of the last prediction, change since the last step; largest recent error of a
-prediction over the predicted change. Bodies; steps done; iteration of this step, -1 outside of steps; whether forces
-may be estimated; whether there is a Jacobian; steps since ``ratio`` was measured; whether the Jacobian is of this step;
-how many of its predictions have failed."""
+prediction over the predicted change. Bodies; coordinates of rails; steps done; iteration of this step, -1 outside of
+steps; whether forces may be estimated; whether there is a Jacobian; steps since ``ratio`` was measured; whether the
+Jacobian is of this step; how many of its predictions have failed."""
 
 AT, FORCES, MOVED, CHANGE, AHEAD, WEIGHTS, PAST = range(7)
 """Rows (size,): coordinates of the last computed forces, these, the change of the coordinates since, the predicted one
@@ -79,10 +83,11 @@ def end_step(step: Records, rows: Array, sums: Array, fit: Array, q_tt: Array) -
     by[:] = 0.0
     by[0] = 1.0
     if own.steps > ORDER:
-        whole = 1e-300
+        whole, of_bodies = 1e-300, BODY * own.bodies
         for k in range(ORDER + 1):
             for m in range(ORDER + 1):
-                sums[k, m] = FADE * sums[k, m] + _product(rows[WEIGHTS], rows[PAST + k], rows[PAST + m])
+                more = _product(rows[WEIGHTS, :of_bodies], rows[PAST + k], rows[PAST + m])
+                sums[k, m] = FADE * sums[k, m] + more
             whole += sums[k, k]
         for k in range(ORDER):
             for m in range(ORDER):
@@ -159,16 +164,23 @@ def set_jacobian(step: Records, jacobian: Array, derivative: Array, by_q: float)
 
 @kernel
 def _bend(own: Record, rows: Array, jacobian: Array, forces: Array) -> None:
-    """Broyden's update of the estimating Jacobian, body by body: the one that would have left nothing."""
+    """Broyden's update of the estimating Jacobian, body by body, a wheelset with the rails under it: the one that would
+    have left nothing."""
+    n = forces.size
     for b in range(own.bodies):
+        rails = n - own.rails + RAILS * b
+        count = BODY + (RAILS if rails < n else 0)
         whole = 0.0
-        for j in range(6 * b, 6 * b + 6):
-            whole += rows[WEIGHTS, j] * rows[MOVED, j] ** 2
+        for j in range(count):
+            c = 6 * b + j if j < BODY else rails + j - BODY
+            whole += rows[WEIGHTS, c] * rows[MOVED, c] ** 2
         whole = max(whole, 1e-300)
-        for i in range(6 * b, 6 * b + 6):
-            missed = forces[i] - rows[FORCES, i] - rows[CHANGE, i]
-            for j in range(6 * b, 6 * b + 6):
-                jacobian[i, j] += missed * (rows[WEIGHTS, j] * rows[MOVED, j] / whole)
+        for i in range(count):
+            r = 6 * b + i if i < BODY else rails + i - BODY
+            missed = forces[r] - rows[FORCES, r] - rows[CHANGE, r]
+            for j in range(count):
+                c = 6 * b + j if j < BODY else rails + j - BODY
+                jacobian[r, c] += missed * (rows[WEIGHTS, c] * rows[MOVED, c] / whole)
 
 
 @summing
@@ -182,7 +194,7 @@ def _dot(a: Array, b: Array) -> float:
 @summing
 def _product(weights: Array, a: Array, b: Array) -> float:
     total = 0.0
-    for i in range(a.size):
+    for i in range(weights.size):
         total += weights[i] * a[i] * b[i]
     return total
 
