@@ -5,11 +5,11 @@
 
 Draws mutants of signs, operators and factors of `wrsim/core` (`campaigns.mutants`), writes them all into a copy of the
 sources as ``changed if which(number) == 1 else original``, compiles that once and runs the short form of the benchmark,
-which must be green. Then, in the order of the draw, until ``number`` mutants have been tried: a fork asks whether the
-mutant is equivalent (docs/developers/yardstick.md), and if not, another one runs the short form until its first red
-comparison, cheap ones first. A quotient of whole numbers in the place of their product, which may be an index, is
-rounded down. A mutant that changes a constant of a module or what writes kernels has no switch and is passed over.
-Needs a C compiler (cc). A fork that is stopped, also by its time, is not equivalent, and red.
+which must be green. Then, in the order of the draw, until ``number`` mutants have counted: a fork runs the short form
+until its first red comparison, cheap ones first, and if none is, another one asks whether the mutant is equivalent
+(docs/developers/yardstick.md), which does not count. A quotient of whole numbers in the place of their product, which
+may be an index, is rounded down. A mutant that changes a constant of a module or what writes kernels has no switch and
+is passed over. Needs a C compiler (cc). A fork that is stopped, also by its time, counts as red, and as not equivalent.
 """
 
 import argparse
@@ -285,9 +285,10 @@ def main() -> None:
     for i in (i for i in given.only or words if not words[i].endswith("(no switch)")):
         if count["red"] + count["survives"] == given.number:
             break
-        found = in_fork(partial(alike, i, library, base, limits), i, library)
-        if not found.startswith("equivalent"):
-            found = in_fork(lambda: first_red(reference, names) or "survives", i, library)
+        found = in_fork(lambda: first_red(reference, names) or "survives", i, library)
+        if found == "survives":
+            same = in_fork(partial(alike, i, library, base, limits), i, library)
+            found = same if same.startswith("equivalent") else found
         count[found.replace(":", " ").replace(",", " ").split()[0]] += 1
         print(f"{i} {words[i]}: {found}", flush=True)
         print(", ".join(f"{number} {word}" for word, number in count.items()), flush=True)

@@ -79,6 +79,7 @@ def _on_crossing(folder: Path) -> ContactModel:
 
 
 STRIPS = Chosen.parse("strips")
+TURNED = replace(STRIPS, settings=replace(STRIPS.settings, half_space=HalfSpaceSettings(influence="angle-corrected")))
 MODELS = {"": STRIPS, "half-space": Chosen.parse("half-space"), "half-space, level": Chosen.parse("half-space/level")}
 SCENARIOS = ROOT / "scenarios"
 FALLING = {"fall_ratio": 0.1368 / 0.36, "fall_decay": np.log(2.0) / 0.99}
@@ -129,8 +130,8 @@ class Wrsim(Code):
         rolling = pitch_rad_per_s > 0.0
         place = Place(across, rail, (HALF_SPACING, 0.0), 1e-3 * rolling_radius_mm, rolling)
         steel = Material(2.0e9 * G_GPa * 1.28, 0.28)
-        solver = HalfSpaceSettings(influence="angle-corrected") if turned else STRIPS.settings.half_space
-        own = replace(STRIPS, settings=replace(STRIPS.settings, wheel=steel, rail=steel, half_space=solver))
+        chosen = TURNED if turned else STRIPS
+        own = replace(chosen, settings=replace(chosen.settings, wheel=steel, rail=steel))
         answer = solve(own, place, Pose("", 1e-3 * y_mm, 0.0, load_N), pitch_rad_per_s, repeats=0)
         if answer is None:
             return None
