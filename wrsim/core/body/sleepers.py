@@ -190,9 +190,8 @@ def rest(speed_too: bool, rails: Rails) -> None:
             _add(U_T, i, rate * tie.push_n, rate * tie.push_b, rails.loads, rails)
             _add(U_T, i, -rate * tie.push_n, -rate * tie.push_b, rails.behind, rails)
     for pair in (rails.vertical, rails.lateral):
-        for r in range(2):
-            solve_bands(pair.factors[r], pair.rows[r, U])
-            solve_bands(pair.factors[r], pair.rows[r, U_T])
+        solve_bands(pair.factors, pair.rows[:, U])
+        solve_bands(pair.factors, pair.rows[:, U_T])
     for i in range(rails.ties.shape[0]):
         tie = rails.ties[i]
         tie.bent_n, tie.bent_b = _bent(tie, tie.push_n, tie.push_b)
@@ -238,8 +237,7 @@ def begin(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails)
     for i in range(rails.ties.shape[0]):
         _add(U_TT, i, rails.ties[i].push_n, rails.ties[i].push_b, rails.loads, rails)
     for pair in (rails.vertical, rails.lateral):
-        for r in range(2):
-            solve_bands(pair.factors[r], pair.rows[r, U_TT])
+        solve_bands(pair.factors, pair.rows[:, U_TT])
     compliances(c, rails)
     for i in range(rails.ties.shape[0]):
         tie, wheel = rails.ties[i], wheel_record(buffer, index, i)
@@ -384,9 +382,9 @@ def end(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -
         wheel = wheel_record(buffer, index, i)
         wheel.rate_n = wheel.rate_b = 0.0
     for pair in (rails.vertical, rails.lateral):
+        solve_bands(pair.factors, pair.rows[:, A])
         for r in range(2):
             own = pair.rows[r]
-            solve_bands(pair.factors[r], own[A])
             for j in range(own.shape[1]):
                 own[U_TT, j] += own[A, j]
                 own[U, j] = own[P, j] + c * own[U_TT, j]

@@ -32,46 +32,48 @@ def factorise_bands(a: Array) -> None:
 
 @kernel
 def solve_bands(factors: Array, x: Array) -> None:
-    """The solution in place of the right-hand side x (n,)."""
-    if factors.shape[1] - 1 == RAIL:
-        _solve(factors, RAIL, x)
-    elif factors.shape[1] - 1 == TWISTED_RAIL:
-        _solve(factors, TWISTED_RAIL, x)
+    """The solutions of two systems (2, n, k + 1) of rails in place of their right-hand sides x (2, n): side by side,
+    for every number waits for the one before it."""
+    if factors.shape[2] - 1 == RAIL:
+        _solve(factors[0], factors[1], RAIL, x[0], x[1])
     else:
-        _solve(factors, factors.shape[1] - 1, x)
+        _solve(factors[0], factors[1], TWISTED_RAIL, x[0], x[1])
 
 
 @kernel
 def subtract_product(a: Array, x: Array, out: Array) -> None:
-    """Subtract a x from out."""
+    """Subtract a x from out; a: of rails."""
     if a.shape[1] - 1 == RAIL:
         _subtract_product(a, RAIL, x, out)
-    elif a.shape[1] - 1 == TWISTED_RAIL:
-        _subtract_product(a, TWISTED_RAIL, x, out)
     else:
-        _subtract_product(a, a.shape[1] - 1, x, out)
+        _subtract_product(a, TWISTED_RAIL, x, out)
 
 
 @inlined
-def _solve(factors: Array, k: int, x: Array) -> None:
-    n = factors.shape[0]
+def _solve(one: Array, other: Array, k: int, x: Array, y: Array) -> None:
+    n = one.shape[0]
     for i in range(min(k, n)):
         for j in range(i):
-            x[i] -= factors[i, k - i + j] * x[j]
+            x[i] -= one[i, k - i + j] * x[j]
+            y[i] -= other[i, k - i + j] * y[j]
     for i in range(k, n):
-        total = x[i]
+        first, second = x[i], y[i]
         for j in range(k):
-            total -= factors[i, j] * x[i - k + j]
-        x[i] = total
+            first -= one[i, j] * x[i - k + j]
+            second -= other[i, j] * y[i - k + j]
+        x[i], y[i] = first, second
     for i in range(n - 1, max(n - k, 0) - 1, -1):
-        x[i] *= factors[i, k]
+        x[i] *= one[i, k]
+        y[i] *= other[i, k]
         for j in range(i + 1, n):
-            x[i] -= factors[j, k - j + i] * x[j]
+            x[i] -= one[j, k - j + i] * x[j]
+            y[i] -= other[j, k - j + i] * y[j]
     for i in range(n - k - 1, -1, -1):
-        total = x[i] * factors[i, k]
+        first, second = x[i] * one[i, k], y[i] * other[i, k]
         for j in range(k):  # from the farthest below
-            total -= factors[i + k - j, j] * x[i + k - j]
-        x[i] = total
+            first -= one[i + k - j, j] * x[i + k - j]
+            second -= other[i + k - j, j] * y[i + k - j]
+        x[i], y[i] = first, second
 
 
 @inlined
