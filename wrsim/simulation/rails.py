@@ -147,8 +147,7 @@ class RailsOnSleepers:
 
     def hold(self, first: bool, tolerance: float, last: Array, q: Array, q_t: Array, q_tt: Array) -> bool:
         """Hold an iteration between two that led to each other; returns whether one was held."""
-        unknowns = q, q_t, q_tt
-        return bool(kernel.hold(first, tolerance, self.method, last, unknowns, *self._wheels, self.rails))
+        return bool(kernel.hold(first, tolerance, self.method, last, (q, q_t, q_tt), self.ties))
 
     def end(self, q: Array) -> None:
         """End the step with the displacements q that it has found."""

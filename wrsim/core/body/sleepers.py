@@ -280,6 +280,7 @@ def look_at_wheels(method: Array, found: Array, buffer: Array, index: Ints, rail
         wheel, arrays = wheel_record(buffer, index, i), index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS]
         last, lobes = read_pose(vector(buffer, arrays, POSE)), records(buffer, arrays, LOBES, LOBE)
         normal, point, stiffness, drag = ZERO, ZERO, 0.0, 0.0
+        rails.ties[i].across_n, rails.ties[i].across_b = 1.0, 0.0
         for k in range(wheel_total(buffer, index, i).lobes):
             lobe = lobes[k]
             own = 1.5 * lobe.N / lobe.approach if lobe.approach > 0.0 else 0.0
@@ -295,6 +296,7 @@ def look_at_wheels(method: Array, found: Array, buffer: Array, index: Ints, rail
             moved = add(sub(pose.origin, last.origin), turned)
             faster = add(sub(pose.velocity, last.velocity), cross(sub(pose.omega, last.omega), arm))
             n, b = side * along.y, along.z
+            tie.across_n, tie.across_b = b, -n
             gap = n * (side * moved.y - found[0, 2 * i]) + b * (moved.z - found[0, 2 * i + 1])
             slip = b * (side * faster.y - found[1, 2 * i]) - n * (faster.z - found[1, 2 * i + 1])
             gap *= 1.0 - 1.0 / (1.0 + stiffness * (n * n * tie.nn + 2.0 * n * b * tie.nb + b * b * tie.bb))
@@ -306,9 +308,8 @@ def look_at_wheels(method: Array, found: Array, buffer: Array, index: Ints, rail
 
 @kernel
 def hold(
-    first: bool, tolerance: float, method: Array, last: Array, unknowns: tuple[Array, Array, Array], buffer: Array,
-    index: Ints, rails: Rails,
-) -> bool:  # fmt: skip
+    first: bool, tolerance: float, method: Array, last: Array, unknowns: tuple[Array, Array, Array], ties: Records
+) -> bool:
     """Hold an iteration of Newton's method between two that led to each other; returns whether one was held.
 
     Creep forces saturate: from either side of the slip at which they reverse, an iteration leads to the other side, for
@@ -322,15 +323,9 @@ def hold(
     """
     q, q_t, q_tt = unknowns
     held = False
-    for i in range(rails.ties.shape[0]):
-        tie, n, b = rails.ties[i], 2 * i, 2 * i + 1
+    for i in range(ties.shape[0]):
+        tie, n, b = ties[i], 2 * i, 2 * i + 1
         if first:
-            lobes = records(buffer, index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS], LOBES, LOBE)
-            o = up = 0.0
-            for k in range(wheel_total(buffer, index, i).lobes):
-                o, up = o + lobes[k].N * lobes[k].no, up + lobes[k].N * lobes[k].nb
-            whole = hypot(o, up)
-            tie.across_n, tie.across_b = (up / whole, -tie.side * o / whole) if whole > 0.0 else (1.0, 0.0)
             tie.low, tie.high, tie.led = -inf, inf, 0.0
         was, at = tie.across_n * last[n] + tie.across_b * last[b], tie.across_n * q[n] + tie.across_b * q[b]
         if abs(at - was) <= tolerance * tie.nn:
