@@ -20,8 +20,7 @@ from wrsim.core.contact.strips.records import ROWS, V
 from wrsim.core.jit.compiling import inlined, kernel
 
 GATHERED = 0.5  # saddle over the depth of the shallower lobe from which on their ground is looked at as one
-MERGED = 0.9  # least d over the concave hull where equal humps share a grid
-LESS = 0.1  # by which it is less where the lower of two humps is far lower: it takes more to touch apart
+MERGED = 0.85  # least d over the concave hull where humps share a grid
 LOW = 0.05  # of the deepest penetration: lower ground does not touch
 CHAINED = 0.0, 0.2  # saddle over the shallower depth: none and all of what reaches one lobe reaches the other
 FAINT = 3e-3  # spread of the shifts over the half length below which they do not matter: it acts by its square
@@ -162,12 +161,11 @@ def _find_waist(rows, first, last, deepest):
     while p < last:
         q, steep = next_corner(rows, p, last, 1)
         if p > first and q < last and min(rows[p].d, rows[q].d) > LOW * deepest:
-            more = LESS * (1.0 - min(rows[p].d, rows[q].d) / deepest)
             for r in range(p + 1, q):
-                ratio = rows[r].d / (rows[p].d + steep * (r - p)) + more
+                ratio = rows[r].d / (rows[p].d + steep * (r - p))
                 if ratio < least:
-                    before = rows[r - 1].d / (rows[p].d + steep * (r - 1 - p)) + more
-                    after = rows[r + 1].d / (rows[p].d + steep * (r + 1 - p)) + more
+                    before = rows[r - 1].d / (rows[p].d + steep * (r - 1 - p))
+                    after = rows[r + 1].d / (rows[p].d + steep * (r + 1 - p))
                     bend = before + after - 2.0 * ratio
                     at = r + min(max(0.5 * (before - after) / bend, -0.5), 0.5) if bend > 0.0 else float(r)
                     least = ratio
