@@ -15,7 +15,7 @@ from wrsim.contact.model import ContactModel
 from wrsim.core.contact import records as k
 from wrsim.core.contact.resultants import add_lobe, set_creepages
 from wrsim.core.contact.tangential.friction import set_friction
-from wrsim.core.contact.wheel_rail import carry, in_track_axes, pose_on_rail
+from wrsim.core.contact.wheel_rail import carry, in_track_axes, pose_in_rail_axes
 from wrsim.core.jit import Array, Records
 
 FORCE, MOMENT = ("Ft", "Fo", "Fb"), ("Mt", "Mo", "Mb")
@@ -34,7 +34,7 @@ def solve_into(
 
 def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
     a = model.arrays
-    pose, total = pose_on_rail(a.rows), a.total
+    pose, total = pose_in_rail_axes(a.rows), a.total
     tangential = model.settings.creep_forces
     regions = contact.largest(len(a.patches))
     a.patches[:] = np.zeros((), k.LOBE)

@@ -19,7 +19,7 @@ from math import isfinite, sqrt
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.core.dense import copy, factorise, solve_factorised
 from wrsim.core.jit.arena import Array, Record, Records, record
-from wrsim.core.jit.compiling import kernel, summing
+from wrsim.core.jit.compiling import inlined, kernel, summing
 
 CONTRACTION = 0.5
 """Newton's method retains its Jacobian as long as an iteration reduces the residual below this part of it."""
@@ -162,6 +162,12 @@ def set_jacobian(step: Records, jacobian: Array, derivative: Array, by_q: float)
     own.ratio, own.new, own.known = float("inf"), 1, 1
 
 
+@inlined
+def _coordinate(body: int, rails: int, i: int) -> int:
+    """The i-th coordinate of a body, behind its own those of the rails under it, which begin at ``rails``."""
+    return BODY * body + i if i < BODY else rails + i - BODY
+
+
 @kernel
 def _bend(own: Record, rows: Array, jacobian: Array, forces: Array) -> None:
     """Broyden's update of the estimating Jacobian, body by body, a wheelset with the rails under it: the one that would
@@ -172,14 +178,14 @@ def _bend(own: Record, rows: Array, jacobian: Array, forces: Array) -> None:
         count = BODY + (RAILS if rails < n else 0)
         whole = 0.0
         for j in range(count):
-            c = 6 * b + j if j < BODY else rails + j - BODY
+            c = _coordinate(b, rails, j)
             whole += rows[WEIGHTS, c] * rows[MOVED, c] ** 2
         whole = max(whole, 1e-300)
         for i in range(count):
-            r = 6 * b + i if i < BODY else rails + i - BODY
+            r = _coordinate(b, rails, i)
             missed = forces[r] - rows[FORCES, r] - rows[CHANGE, r]
             for j in range(count):
-                c = 6 * b + j if j < BODY else rails + j - BODY
+                c = _coordinate(b, rails, j)
                 jacobian[r, c] += missed * (rows[WEIGHTS, c] * rows[MOVED, c] / whole)
 
 

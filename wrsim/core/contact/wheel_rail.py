@@ -64,7 +64,7 @@ def turned(a: Vec, sine: float) -> Vec:
 
 
 @kernel
-def pose_on_rail(a: Arrays) -> WheelPose:
+def pose_in_rail_axes(a: Arrays) -> WheelPose:
     """The pose in the rail's own axes, which ``bodies`` finds: turned about the rail beside the wheel's origin."""
     pose, sine = read_pose(a.pose), a.settings[0].sine
     if sine == 0.0:
@@ -116,7 +116,7 @@ def bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
         sine = share.a * sines[i] + share.b * sines[i + 1] + share.c * rates[i] + share.d * rates[i + 1]
         if sine != 0.0:
             settings.sine, settings.about = sine, pose.origin.x
-            pose = pose_on_rail(a)
+            pose = pose_in_rail_axes(a)
             wheel = placed(wheel.profile, settings.radius, pose, shape)
             ahead = pose.origin.x - settings.about
             share = share_at(a.stations[0], settings.rows, place + ahead * sqrt(1.0 - sine * sine), i)
@@ -174,7 +174,7 @@ def carry(buffer: Array, index: Ints, count: int) -> None:
     """Creep forces of ``count`` lobes whose pressures are known, and the sums over all of them."""
     a = arrays(buffer, index)
     a.total[0].lobes = count
-    _sum_up(a, pose_on_rail(a), buffer, index)
+    _sum_up(a, pose_in_rail_axes(a), buffer, index)
 
 
 @kernel
@@ -290,7 +290,7 @@ def _press_by_overlap(a: Arrays) -> int:
 def all_creep_forces(buffer: Array, index: Ints) -> int:
     """Creep forces; the pressures are known."""
     a = arrays(buffer, index)
-    speed, count = pose_on_rail(a).velocity.x, a.total[0].lobes
+    speed, count = pose_in_rail_axes(a).velocity.x, a.total[0].lobes
     for i in range(count):
         creep_forces(a, speed, count, i)
     return 0

@@ -150,6 +150,12 @@ def _part(system, first, most):
     return parts
 
 
+@inlined
+def _over_hull(rows, p, steep, r):
+    """Penetration at a row over its concave hull, which rises by ``steep`` a row from row p on."""
+    return rows[r].d / (rows[p].d + steep * (r - p))
+
+
 @kernel
 def _find_waist(rows, first, last, deepest):
     """Between two rows: where the penetration over its concave hull is least between two humps, in rows, and how much
@@ -162,10 +168,9 @@ def _find_waist(rows, first, last, deepest):
         q, steep = next_corner(rows, p, last, 1)
         if p > first and q < last and min(rows[p].d, rows[q].d) > LOW * deepest:
             for r in range(p + 1, q):
-                ratio = rows[r].d / (rows[p].d + steep * (r - p))
+                ratio = _over_hull(rows, p, steep, r)
                 if ratio < least:
-                    before = rows[r - 1].d / (rows[p].d + steep * (r - 1 - p))
-                    after = rows[r + 1].d / (rows[p].d + steep * (r + 1 - p))
+                    before, after = _over_hull(rows, p, steep, r - 1), _over_hull(rows, p, steep, r + 1)
                     bend = before + after - 2.0 * ratio
                     at = r + min(max(0.5 * (before - after) / bend, -0.5), 0.5) if bend > 0.0 else float(r)
                     least = ratio

@@ -27,7 +27,7 @@ PLACE = record(
 )
 """A strip: from lo to hi, middle s; slopes of lo and hi over both edges; penetration d and its slope; 1/R_x and its
 slope; shift x of the locus and its slope; normal; a^2 (0 out of contact), amplitude, factor k, how far its middle lies
-off the locus, place from -1 to 1 between the edges; residuals of its three conditions, over the deepest penetration:
+off the locus, its number from -1 to 1; residuals of its three conditions, over the deepest penetration:
 u - d in its middle, how much more that is at its outer points, and the difference of both. a; amplitude over k; slope
 of the logarithm of 1/R_x; slopes of s over both edges.
 Lobe and strip of it that it was handed out to."""
