@@ -1,4 +1,6 @@
-"""Corrupted and crafted result and run files. Run: python campaigns/corrupted.py [N] [--commands M] [--json]
+"""Corrupted and crafted result and run files, and caches of kernels.
+
+Run: python campaigns/corrupted.py [N] [--commands M] [--caches C] [--json]
 
 Takes a short run's ``result.nc`` and ``result.nc.part``, changes some bits, bytes or blocks of a copy, cuts it off or
 puts something in, and reads it as ``wrsim show`` does. What must not be: another answer than numbers or an InputError,
@@ -10,6 +12,10 @@ With ``--commands``, M more files, of runs, poses, studies and services, go thro
 in four is damaged, one in four is damaged and has a right checksum, two have odd content and a right checksum
 (``crafted.py``). A command may give its numbers, or refuse in one line and with exit code 2, within 60 s of a processor
 and 2 GB.
+
+With ``--caches``, a short run is computed by C new processes, each with a copy of a cache of compiled kernels in
+which one to three files are damaged. It has to give the same numbers, with at most one line on stderr, and to leave a
+cache that the next process loads without a word.
 """
 
 import argparse
@@ -19,6 +25,7 @@ import random
 import resource
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 from collections import Counter
@@ -289,12 +296,44 @@ def checked_again(content: bytes, path: Path) -> bytes:
         return content
 
 
+def with_damaged_caches(number: int, rng: random.Random, folder: Path) -> Counter[str]:
+    """What a process says to a cache of compiled kernels with damaged files."""
+    answers: Counter[str] = Counter()
+    whole = folder / "whole"
+    _short_run(whole, folder / "first")
+    first = _short_run(whole, folder / "first")
+    for i in until_ctrl_c(number):
+        copy = folder / "copy"
+        shutil.copytree(whole, copy)
+        for path in rng.sample(sorted(copy.rglob("*.nb[ic]")), rng.randint(1, 3)):
+            path.write_bytes(rng.choice((corrupted(path.read_bytes(), rng), b"", path.read_bytes()[:-1])))
+        damaged, healed = _short_run(copy, folder / str(i)), _short_run(copy, folder / str(i))
+        lines = damaged[2].count("\n")
+        good = damaged[:2] == healed[:2] == first[:2] and lines <= 1 and not healed[2]
+        answer = f"healed, {lines} lines" if good else f"WRONG: {damaged} {healed}"[:500]
+        if not good:
+            print(f"cache {i}: {answer}", flush=True)
+        answers[answer.split(":")[0]] += 1
+        shutil.rmtree(copy)
+    return answers
+
+
+def _short_run(cache: Path, out: Path) -> tuple[int, str, str]:
+    """Exit code, numbers and messages of a short run that is computed with a cache."""
+    command = (sys.executable, "-m", "wrsim", "run", "scenarios/curve_r300.toml", "-o", str(out), "--no-pictures",
+               "--force", "--json", "--set", "run.distance_m=0.3", "--set", "contact.strips=12")  # fmt: skip
+    done = subprocess.run(command, cwd=ROOT, env=os.environ | {"XDG_CACHE_HOME": str(cache)}, capture_output=True)
+    numbers = json.dumps(json.loads(done.stdout or b"{}").get("summary"))
+    return done.returncode, numbers, done.stderr.decode(errors="replace")
+
+
 def main() -> None:
     """Count the answers."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("number", nargs="?", type=int, default=500)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--commands", type=int, default=0, metavar="M")
+    parser.add_argument("--caches", type=int, default=0, metavar="C")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
@@ -304,6 +343,12 @@ def main() -> None:
             said = by_command(options.commands, random.Random(options.seed), Path(name))
         for command, found in said.items():
             print(f"{command}: " + ", ".join(f"{answer} {n}" for answer, n in found.most_common()))
+    wrong_caches = 0
+    if options.caches:
+        with tempfile.TemporaryDirectory() as name:
+            said_of_caches = with_damaged_caches(options.caches, random.Random(options.seed), Path(name))
+        print("caches: " + ", ".join(f"{answer} {n}" for answer, n in said_of_caches.most_common()))
+        wrong_caches = said_of_caches["WRONG"]
     good = {
         "refused": answers["refused"],
         "read_the_same": answers["read, the same numbers"],
@@ -315,7 +360,7 @@ def main() -> None:
     print(", ".join(f"{word.replace('_', ' ')} {number}" for word, number in counts.items()))
     if options.json:
         print(json.dumps({"corrupted": counts}))
-    raise SystemExit(int(counts["wrong"] > 0))
+    raise SystemExit(int(counts["wrong"] + wrong_caches > 0))
 
 
 if __name__ == "__main__":

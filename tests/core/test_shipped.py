@@ -1,5 +1,7 @@
-"""Kernels that come with the package are taken where all that they depend on is the same, and only there."""
+"""Kernels that come with the package are taken where all that they depend on is the same, and only there; whatever the
+user's cache holds that is damaged is compiled again."""
 
+import errno
 import json
 import os
 import runpy
@@ -17,7 +19,18 @@ import pytest
 from llvmlite import binding
 
 from wrsim.core.jit import kernel
-from wrsim.core.jit.cache import ABOUT, CACHE, CONTACT, KernelCache, Shipped, cache_folder, is_private, shipped
+from wrsim.core.jit.cache import (
+    ABOUT,
+    CACHE,
+    CONFIG,
+    CONTACT,
+    CheckedFile,
+    KernelCache,
+    Shipped,
+    cache_folder,
+    is_private,
+    shipped,
+)
 
 ROOT = Path(__file__).parents[2]
 
@@ -127,6 +140,60 @@ def test_a_damaged_kernel_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
         return 2.0 * x
 
     assert twice(4.0) == 8.0
+
+
+def halved(content: bytes) -> bytes:
+    return content[: len(content) // 2]
+
+
+def flipped(content: bytes) -> bytes:
+    """One bit of the machine code: without a digest it is executed."""
+    place = content.rindex(b"\x7fELF") + 0x400 if b"\x7fELF" in content else len(content) // 2
+    return content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :]
+
+
+@pytest.mark.parametrize("files", ["*.nbi", "*.nbc"])
+@pytest.mark.parametrize("damage", [lambda content: b"", halved, flipped], ids=["empty", "halved", "one bit"])
+def test_a_damaged_file_of_the_cache_is_compiled_again_and_said_once(tmp_path, monkeypatch, caplog, files, damage):
+    def twice(x):
+        return 2.0 * x
+
+    def compilations(first: float) -> int:
+        """Of a new process: its kernel is another object."""
+        again = kernel(twice)
+        assert again(first) == 2.0 * first
+        return sum(again.stats.cache_misses.values())
+
+    monkeypatch.setattr(KernelCache, "shipped", None)
+    monkeypatch.setattr(KernelCache, "faults", set())
+    monkeypatch.setattr(CONFIG, "CACHE_DIR", str(tmp_path))
+    assert (compilations(1.0), compilations(2.0)) == (1, 0)
+    (file,) = tmp_path.rglob(files)
+    file.write_bytes(damage(file.read_bytes()))
+    assert not caplog.messages
+    assert (compilations(3.0), compilations(4.0)) == (1, 0)
+    (message,) = caplog.messages
+    assert "removed and compiled again" in message and str(tmp_path) in message
+
+
+def test_a_cache_that_takes_no_files_is_said_once_and_kernels_work(tmp_path, monkeypatch, caplog):
+    monkeypatch.setattr(KernelCache, "faults", set())
+    monkeypatch.setattr(CONFIG, "CACHE_DIR", str(tmp_path))
+
+    def refused(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(CheckedFile, "save", refused)
+
+    def twice(x):
+        return 2.0 * x
+
+    def thrice(x):
+        return 3.0 * x
+
+    assert (kernel(twice)(4.0), kernel(thrice)(4.0)) == (8.0, 12.0)
+    (message,) = caplog.messages
+    assert message.startswith("compiled kernels cannot be stored (No space left on device)")
 
 
 def with_about(package: Path, place: Path, change: Callable[[dict[str, Any]], dict[str, Any]]) -> Path:

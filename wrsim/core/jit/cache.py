@@ -2,7 +2,8 @@
 
 The files of numba's cache are pickles: who writes one decides what the next process executes. So they are only taken
 from folders that nobody but this user can write to. The folder is named after a hash of all kernels, because numba's
-cache does not notice an edit in a *called* function of another file.
+cache does not notice an edit in a *called* function of another file. Each file ends with a digest of its content:
+machine code of which a bit has changed is not executed but compiled again.
 
 A wheel may hold a folder ``kernels`` (made by ``.ci/wheel``): cache files, compiled for a common level of processors,
 and beside them what they were made with and of. They are read where they are installed, beside the sources, and trusted
@@ -14,16 +15,19 @@ are compiled here as without them. What it found is kept in the cache.
 
 import contextlib
 import hashlib
+import io
 import json
+import logging
 import os
+import pickle
 import stat
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, ClassVar
 
 import llvmlite
 import numba
@@ -31,6 +35,7 @@ from llvmlite import binding
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 CONFIG: Any = numba.config
+LOGGER = logging.getLogger("wrsim.cache")
 
 SOURCES = Path(__file__).parents[1]
 FOLDER = SOURCES.parent / "kernels"
@@ -131,6 +136,33 @@ def own_process(code: str, environment: Mapping[str, str] = MappingProxyType({})
     return {"args": [sys.executable, "-P", "-c", code], "env": {**os.environ, **environment, "PYTHONPATH": paths}}
 
 
+class CheckedFile(IndexDataCacheFile):
+    """The index and the data files of a kernel, each with a digest of its content as its end."""
+
+    @contextlib.contextmanager
+    def _open_for_write(self, filepath: str) -> Iterator[Any]:
+        with super()._open_for_write(filepath) as stream:
+            content = io.BytesIO()
+            yield content
+            stream.write(content.getvalue() + hashlib.sha256(content.getvalue()).digest())
+
+    def _content(self, path: str) -> bytes:
+        """Content of a file without its digest; ValueError if they do not agree."""
+        size = hashlib.sha256().digest_size
+        whole = Path(path).read_bytes()
+        if hashlib.sha256(whole[:-size]).digest() != whole[-size:]:
+            raise ValueError(f"{path} is damaged")
+        return whole[:-size]
+
+    def _load_index(self) -> Any:
+        with contextlib.suppress(FileNotFoundError):  # numba has an empty index then
+            self._content(self._index_path)
+        return super()._load_index()
+
+    def _load_data(self, name: str) -> Any:
+        return pickle.loads(self._content(self._data_path(name)))
+
+
 class Shipped:
     """Kernels in a folder, made for a target: the triple, processor and features of numba's caches."""
 
@@ -147,7 +179,8 @@ class Shipped:
                 self._usable = json.loads(kept.read_text())["usable"] is True
             except (OSError, ValueError, KeyError, TypeError):
                 self._usable = self._pass()
-                kept.write_text(json.dumps({"usable": self._usable}))
+                with contextlib.suppress(OSError):
+                    kept.write_text(json.dumps({"usable": self._usable}))
         return self._usable
 
     def _pass(self) -> bool:
@@ -164,7 +197,7 @@ class Shipped:
         signature, (triple, *_), code = key
         if not room.is_relative_to(SOURCES) or triple != self.target[0]:
             return None
-        file = IndexDataCacheFile(str(self.folder / room.relative_to(SOURCES)), base, stamp)
+        file = CheckedFile(str(self.folder / room.relative_to(SOURCES)), base, stamp)
         return file.load((signature, self.target, code))
 
 
@@ -198,13 +231,32 @@ def _as_shut_as_sources(folder: Path) -> bool:
 
 
 class KernelCache(FunctionCache):
-    """The user's cache of a kernel, and behind it the kernels that were shipped."""
+    """The user's cache of a kernel, and behind it the kernels that were shipped. What cannot be loaded is removed and
+    compiled again."""
 
     shipped = shipped(CACHE)
     """Kernels that came with the package (`Shipped`), of all caches."""
+    faults: ClassVar[set[str]] = set()
+    """Messages of this process, each given once."""
+
+    def __init__(self, py_func: Any) -> None:
+        super().__init__(py_func)
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = CheckedFile(self._cache_path, self._impl.filename_base, stamp)
+
+    def _warn(self, fault: str) -> None:
+        if fault not in self.faults:
+            self.faults.add(fault)
+            LOGGER.warning("%s, first %s in %s", fault, self._impl.filename_base, CONFIG.CACHE_DIR)
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
-        found = super()._load_overload(sig, target_context)
+        found = None
+        try:
+            found = super()._load_overload(sig, target_context)
+        except Exception:  # whatever a damaged file makes of itself
+            self._warn("damaged files of compiled kernels are removed and compiled again")
+            with contextlib.suppress(OSError):
+                os.unlink(self._cache_file._index_path)
         if found is not None or self.shipped is None or not self._enabled or not self.shipped.usable:
             return found
         try:
@@ -212,5 +264,12 @@ class KernelCache(FunctionCache):
             stamp = self._impl.locator.get_source_stamp()
             data = self.shipped.data(self._py_func, self._impl.filename_base, stamp, key)
             return None if data is None else self._impl.rebuild(target_context, data)
-        except Exception:  # whatever a damaged file makes of itself: it is compiled
+        except Exception:  # the same of a shipped file
             return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        try:
+            super().save_overload(sig, data)
+        except (OSError, ValueError) as error:  # a full disk, a folder where the file should be
+            reason = error.strerror if isinstance(error, OSError) else "a damaged file is not removed"
+            self._warn(f"compiled kernels cannot be stored ({reason})")

@@ -220,7 +220,9 @@ filling = _declared(apart=True)
 
 def parallel(function: F) -> F:
     """A kernel that Python or a stage calls, whose ``prange`` loops run on the threads of `use_threads`."""
-    made: Any = numba.njit(parallel=True, error_model="numpy", cache=CACHE is not None)(function)
+    made: Any = numba.njit(parallel=True, error_model="numpy")(function)
+    if CACHE and not CONFIG.DISABLE_JIT:
+        made._cache = KernelCache(function)
     return made
 
 
