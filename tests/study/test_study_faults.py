@@ -24,11 +24,14 @@ from support.studies import AXES, study_file
 from support.synthetic_result import curve_run
 
 from wrsim import InputError, Result
+from wrsim.plots.study import _note
+from wrsim.report.study import study_page
 from wrsim.study.cluster import CA, LOOPBACK, QuietScheduler, local_workers, security_of
+from wrsim.study.collect import collected, faults_of, rows_of_cases, study_report
 from wrsim.study.outputs import case_outputs, reduced
 from wrsim.study.plan import planned
-from wrsim.study.spec import OutputsSection
-from wrsim.study.task import COMPLETED, MARKER, Marker, read_marker, write_marker
+from wrsim.study.spec import ChannelOutput, OutputsSection
+from wrsim.study.task import COMPLETED, DERAILED, MARKER, Marker, read_marker, write_marker
 
 table = rows_of(__file__)
 
@@ -99,6 +102,36 @@ def test_of_several_wheels_the_worst_counts() -> None:
     values = np.array([[1.0, -5.0], [2.0, 3.0]])
     assert [reduced(values, how) for how in ("peak", "max", "min")] == [-5.0, 3.0, -5.0]
     assert reduced(values, "percentile", 50.0) == 1.5
+
+
+def test_a_window_beyond_the_end_of_a_case_is_told_and_a_derailed_case_stays_derailed(tmp_path: Path) -> None:
+    """Another case may have the value: the study goes on."""
+    window = (ChannelOutput(channel="Q", reduce="max", from_m=60, to_m=80),)
+    axes = AXES + "[[outputs.channels]]\nchannel = 'Q'\nreduce = 'max'\nfrom_m = 60\nto_m = 80\n"
+    plan, _ = planned(study_file(tmp_path, axes), tmp_path / "out")
+    markers = [Marker(case.name, case.label, COMPLETED, "") for case in plan.cases]
+    whole, derailed = curve_run(radius=300.0), curve_run(stopped=True).assign_attrs(stop_cause="monitor")
+    end = whole["distance"].values[-1]
+    assert end > 80.0 > 60.0 > 0.0
+    short = whole.isel(time=whole["distance"].values < 50.0)
+    for marker, dataset in zip(markers, (short, derailed.isel(time=derailed["distance"].values < 50.0)), strict=False):
+        marker.take(Result(dataset), plan)
+    assert case_outputs(Result(whole), OutputsSection(channels=window), None).absent == []
+    missing = 'outputs.channels: channel = "Q", from_m = 60, to_m = 80: the case has no value there, it lasts from'
+    assert [m.status for m in markers[:2]] == [COMPLETED, DERAILED]
+    assert [m.faults for m in markers[:2]] == [[], []] and all(missing in m.message for m in markers[:2])
+    rows = rows_of_cases(plan, markers)
+    assert [row[3] for row in rows[1:3]] == [COMPLETED, DERAILED] and missing in rows[2][4]
+    for marker in markers[2:]:
+        marker.take(Result(whole), plan)
+    markers[5].status, markers[5].numbers = DERAILED, {"Q_max_kN": 1e6}
+    dataset = collected(plan, markers)
+    report = study_report(plan, markers, dataset)
+    assert report["outputs"]["Q_max_kN"]["max"] < 1e6 and report["status"][DERAILED] == 2
+    assert "of 6 cases 2 derailed (red), 1 completed lack a value" in _note(dataset, ["Q_max_kN"], ["Q_max_kN"])
+    page = study_page(dataset, "study.nc")
+    assert page.count("the case has no value there") == 2
+    assert "2 cases lack outputs" in faults_of(report, markers, True)[0]
 
 
 # A study answers nobody but its own processes: whoever can talk to a scheduler lets it execute what they like.

@@ -247,8 +247,12 @@ def _figure(
 
 
 def _note(dataset: xr.Dataset, outputs: Sequence[str], drawn: Sequence[str]) -> str:
-    """How many cases and outputs are not drawn."""
+    """How many cases and outputs are not drawn, and why."""
+    done = of_cases(dataset, "status") == COMPLETED
+    lacking = int(np.isnan([of_cases(dataset, name)[done] for name in drawn]).any(axis=0).sum())
     more = f"{len(drawn)} of {len(outputs)} outputs" if len(outputs) > len(drawn) else ""
     status, counts = np.unique(dataset["status"].values.astype(str), return_counts=True)
     lost = ", ".join(f"{n} {s}" for s, n in zip(status, counts, strict=True) if s != COMPLETED)
-    return "; ".join(filter(None, (f"of {dataset['status'].size} cases {lost} (red)" if lost else "", more)))
+    words = (f"{lost} (red)" if lost else "", f"{lacking} completed lack a value" if lacking else "")
+    cases = ", ".join(filter(None, words))
+    return "; ".join(filter(None, (f"of {dataset['status'].size} cases {cases}" if cases else "", more)))

@@ -29,7 +29,8 @@ def study_page(dataset: xr.Dataset, source: str, cover: Cover = NO_COVER) -> str
     folder = last_part(source.removesuffix("/study.nc"))
     rows = [("title", dataset.attrs["title"]), ("study", folder), ("analysis", dataset.attrs.get("analysis", ""))]
     rows += [(f"varied: {dataset[name].attrs['key']}", _span(dataset, name, 8)) for name in varied(dataset)]
-    without, labels, words = np.flatnonzero(status != COMPLETED), _labels(dataset), of_cases(dataset, "message")
+    labels, words = _labels(dataset), of_cases(dataset, "message").astype(str)
+    without = np.flatnonzero((status != COMPLETED) | (words != ""))
     lost = [(labels[i], str(status[i]), str(words[i])) for i in without[:MOST_ROWS]]
     cases_more = [f"Case abcd… lies in {folder}/cases/ab/abcd…; study.csv has full names"]
     cases_more += [f"{MOST_OUTPUTS} of {len(outputs)} outputs; study.csv has all"] * (len(outputs) > MOST_OUTPUTS)

@@ -173,10 +173,10 @@ def _faults(dataset: xr.Dataset) -> Iterator[str]:
 
 
 def study_report(plan: Plan, markers: Sequence[Marker], dataset: xr.Dataset) -> dict[str, Any]:
-    """A study in a few numbers: cases, how they ended, range of every output in its dataset."""
-    ranges = {}
+    """A study in a few numbers: cases, how they ended, range of every output over the completed ones."""
+    ranges, completed = {}, dataset["status"].values == COMPLETED
     for name, variable in dataset.data_vars.items():
-        values = variable.values
+        values = variable.values[completed]
         if values.dtype.kind == "f" and np.isfinite(values).any():
             low, middle, high = (float(v) for v in np.nanpercentile(values, (0, 50, 100)))
             ranges[str(name)] = {"min": low, "median": middle, "max": high, "unit": variable.attrs["units"]}
@@ -212,12 +212,12 @@ def study_tables(report: dict[str, Any]) -> list[Table]:
 def faults_of(report: dict[str, Any], markers: Sequence[Marker], briefly: bool) -> list[str]:
     """What went wrong: outputs that are lacking, cases without a result; results of other code unless briefly."""
     others = sum(m.code not in ("", code_digest()) for m in markers)
-    lacking = [m for m in markers if m.faults]
+    lacking = [words for m in markers if (words := m.faults + m.absent)]
     found = []
     if others and not briefly:
         found.append(f"{others} cases were computed by other code of wrsim; delete their folders to run them again")
     if lacking:
-        found.append(f"{len(lacking)} cases lack outputs, listed in study.csv: {lacking[0].faults[0]}")
+        found.append(f"{len(lacking)} cases lack outputs, listed in study.csv: {lacking[0][0]}")
     if failed := len(report["unfinished"]):
         found.append(f"{failed} of {len(markers)} cases have no result; --retry runs them again")
     return found

@@ -5,6 +5,7 @@ import importlib.util
 import symtable
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
 from wrsim.results.rules import QUANTITIES
+from wrsim.results.table import formatted
 from wrsim.study.spec import REDUCTIONS, ChannelOutput, OutputsSection
 
 USUAL = tuple(
@@ -30,11 +32,13 @@ USUAL = tuple(
 
 @dataclass
 class Outputs:
-    """Numbers by name, their units for readers, and what could not be found, a sentence each."""
+    """Numbers by name, their units for readers; outputs that no case can have and those that this one lacks, a sentence
+    each."""
 
     numbers: dict[str, float] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
+    absent: list[str] = field(default_factory=list)
 
     def take(self, name: str, value: Any, unit: str) -> None:
         """Note one number; None is not-a-number."""
@@ -101,7 +105,13 @@ def _take_channel(found: Outputs, result: Result, one: ChannelOutput) -> None:
         place = result.dataset["distance"].values
         low = -np.inf if one.from_m is None else one.from_m
         high = np.inf if one.to_m is None else one.to_m
-        data = data.isel(time=np.flatnonzero((place >= low) & (place <= high)))
+        inside = np.flatnonzero((place >= low) & (place <= high))
+        if not inside.size:
+            window = ", ".join(f"{word}_m = {end:g}" for word, end in (("from", low), ("to", high)) if np.isfinite(end))
+            ends = " to ".join(formatted(float(x), ".1f") for x in place[[0, -1]])
+            found.absent.append(f"{what}, {window}: the case has no value there, it lasts from {ends} m")
+            return
+        data = data.isel(time=inside)
     value = reduced(np.atleast_1d(data.values.astype(float)), one.reduce, one.percentile)
     found.take(one.column, value * channel.shown.factor, channel.shown.symbol)
 
@@ -111,7 +121,7 @@ def reduced(values: NDArray[np.float64], how: str, percentile: float | None = No
 
     The worst is the smallest for "min", of largest magnitude for "peak", else the largest; not-a-number without any.
     """
-    columns = (column[np.isfinite(column)] for column in values.reshape(len(values), -1).T)
+    columns = (column[np.isfinite(column)] for column in values.reshape(len(values), prod(values.shape[1:])).T)
     arguments = () if percentile is None else (percentile,)
     each = [float(REDUCTIONS[how](column, *arguments)) for column in columns if column.size]
     if not each:

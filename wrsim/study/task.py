@@ -51,7 +51,7 @@ class Enough(Exception):
 class Marker:
     """What is known of a case that has been handled; see ``STATUSES``.
 
-    numbers, units, faults: see `Outputs`; outputs: digest of the outputs section; wall_time: of this attempt,
+    numbers, units, faults, absent: see `Outputs`; outputs: digest of the outputs section; wall_time: of this attempt,
     simulation: of the analysis in it [s]; began, ended: by the clock [s]; resumed: went on with a run that was cut off.
     """
 
@@ -64,6 +64,7 @@ class Marker:
     numbers: dict[str, float | None] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
+    absent: list[str] = field(default_factory=list)
     outputs: str = ""
     time_limit: float = 0.0
     wall_time: float = 0.0
@@ -90,8 +91,8 @@ class Marker:
         if result.status != "completed":
             self.status = DERAILED if result.dataset.attrs.get("stop_cause") == "monitor" else STOPPED
         self.numbers = {name: value if abs(value) < float("inf") else None for name, value in found.numbers.items()}
-        self.units, self.faults = found.units, found.faults
-        self.message = result.stop_reason or "; ".join(found.faults)
+        self.units, self.faults, self.absent = found.units, found.faults, found.absent
+        self.message = "; ".join(filter(None, (result.stop_reason, *found.faults, *found.absent)))
 
 
 _MARKER = TypeAdapter(Marker)
