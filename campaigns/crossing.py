@@ -1,11 +1,11 @@
 """A coach runs over the nose of a crossing: peak wheel force against speed, and how it changes with the step.
 
-    python campaigns/crossing.py --speeds 10 20 40 60 80 100 [--steps-us 100 50] [--elastic] [--begin -0.95] [--json]
-        [--picture crossing.png] [--flight crossing_flight.png]
+    python campaigns/crossing.py REFERENCE --speeds 10 20 40 60 80 100 [--steps-us 100 50] [--elastic] [--begin -0.95]
+        [--json] [--picture crossing.png] [--flight crossing_flight.png]
 
-The crossing 56E1-R245-1:9.25 is read from the reference folder beside the project and stands in the right rail of
-straight track. Forces are those of the leading right wheel, unfiltered, at every step: the blow is over after some
-milliseconds, and samples .5 ms apart miss its peak by some per cent. From .73 to .62 m before its origin the plain
+The crossing 56E1-R245-1:9.25 is read from the folder of reference tables (crossing_56e1 in it) and stands in the right
+rail of straight track. Forces are those of the leading right wheel, unfiltered, at every step: the blow is over after
+some milliseconds, and samples .5 ms apart miss its peak by some per cent. From .73 to .62 m before its origin the plain
 rail becomes one with an inclined top, which strikes the wheel on its own; a lead-in of 1.7 m stands in its place, and
 ``--begin -0.95`` leaves it as it is. ``--elastic`` lays the rails on springs with a mass under each wheel.
 
@@ -101,12 +101,12 @@ def peak(table: Path, speed: float, step_us: int, elastic: bool) -> dict[str, An
     }
 
 
-def lay(table: Path, begin: float) -> None:
+def lay(reference: Path, table: Path, begin: float) -> None:
     """Write the table of sections from ``begin`` on; behind the plain rail with its last plain section ahead."""
-    write_crossing(table, begin, END)
+    write_crossing(reference, table, begin, END)
     if begin > PLAIN:
         lead = table.with_name("lead.csv")
-        write_crossing(lead, PLAIN - 1e-3, PLAIN + 1e-3)
+        write_crossing(reference, lead, PLAIN - 1e-3, PLAIN + 1e-3)
         (_, *plain), (head, *own) = lead.read_text().splitlines(), table.read_text().splitlines()
         moved = [f"{LEAD},{line.split(',', 1)[1]}" for line in plain]
         table.write_text("\n".join([head, *moved, *own]))
@@ -204,6 +204,7 @@ def flight(table: Path, picture: Path) -> None:
 def main() -> None:
     """Print a table, or with --json one line."""
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("reference", type=Path, metavar="REFERENCE")
     options.add_argument("--speeds", nargs="+", type=float, default=[10.0, 20.0, 40.0, 60.0, 80.0, 100.0])
     options.add_argument("--steps-us", nargs="+", type=int, default=[100, 50])
     options.add_argument("--begin", type=float, default=BEGIN, help="first section, m from the origin")
@@ -215,7 +216,7 @@ def main() -> None:
     rows = []
     folder = TemporaryDirectory()
     table = Path(folder.name) / "crossing.csv"
-    lay(table, asked.begin)
+    lay(asked.reference / "crossing_56e1", table, asked.begin)
     if asked.flight is not None:
         flight(table, asked.flight)
         return

@@ -1,16 +1,15 @@
 """The GZ18 metro car on the wheel, rail and irregularities of its source, which are not part of this repository.
 
-Run: python campaigns/gz18.py [--json] [MODEL ...]. How fast it runs through the curve of 300 m with AAR5
+Run: python campaigns/gz18.py REFERENCE [--json] [MODEL ...]. How fast it runs through the curve of 300 m with AAR5
 irregularities at 60 km/h: simulated over processor time of the integration, least of the repetitions, one core; beside
 that of Kik-Piotrowski with RK44 at 0.5 ms in the same process.
 
-The tables lie in ``shared/reference/gz18`` beside the clone, or in the folder that WRSIM_SHARED names in the place of
-``shared``. Their axes are y right, z down; here they become ours.
+REFERENCE: folder of reference tables; those of this car lie in ``gz18``. Their axes are y right, z down; here they
+become ours.
 """
 
 import gzip
 import json
-import os
 import sys
 import tempfile
 import time
@@ -29,7 +28,6 @@ from wrsim.simulation.integrate import Integration
 from wrsim.simulation.system import BodySystem
 
 ROOT = Path(__file__).parents[1]
-TABLES = Path(os.environ.get("WRSIM_SHARED", ROOT.parent / "shared")) / "reference" / "gz18"
 RUN_M = 150.0
 REPETITIONS = 2
 REFERENCE = "kik-piotrowski, rk44"
@@ -60,22 +58,27 @@ field_side = "positive"
 RAIL = "rail_profile_uic60_right.csv"
 
 
-def has_tables() -> bool:
-    """True if the tables of the source are at hand."""
-    return TABLES.is_dir()
+def reference_folder(argument: str) -> Path:
+    """The folder of reference tables that an argument names; ends the program where those of this car are missing."""
+    folder = Path(argument)
+    if not (folder / "gz18").is_dir():
+        raise SystemExit(f"{folder}: must be the folder of reference tables; it has no folder gz18")
+    return folder.resolve()
 
 
-def _profiles(folder: Path, car: str) -> dict[str, str]:
+def _profiles(reference: Path, folder: Path, car: str) -> dict[str, str]:
     """Profile files of wheel and rail, written to ``folder``."""
-    found = {}
+    files = {}
     for body, file in {"wheel": f"wheel_profile_{car}_right.csv", "rail": RAIL}.items():
         place = folder / f"{car}_{body}.toml"
-        place.write_text(PROFILE.format(name=f"{body} of the source", body=body, file=TABLES / file))
-        found[body] = str(place)
-    return found
+        place.write_text(PROFILE.format(name=f"{body} of the source", body=body, file=reference / "gz18" / file))
+        files[body] = str(place)
+    return files
 
 
-def scenario(folder: Path, line: str = "r300", values: Mapping[str, Any] | None = None, car: str = "gz18") -> Scenario:
+def scenario(
+    reference: Path, folder: Path, line: str = "r300", values: Mapping[str, Any] | None = None, car: str = "gz18"
+) -> Scenario:
     """The shipped scenario of a car with the profiles of the source, on one of its lines; files go to ``folder``."""
     keys: dict[str, Any] = {
         "track.segments": [
@@ -86,7 +89,7 @@ def scenario(folder: Path, line: str = "r300", values: Mapping[str, Any] | None 
             {"kind": "straight", "length_m": 450.0},
         ]
     }
-    files = _profiles(folder, car)
+    files = _profiles(reference, folder, car)
     keys |= {"vehicle.wheel": files["wheel"], "track.rail": files["rail"]}
     return load(ROOT / "scenarios" / f"{car}_r300.toml").with_values(keys | dict(values or {}))
 
@@ -112,16 +115,18 @@ speed_kmh = 59.9
 """
 
 
-def steady(folder: Path, line: str = "r300", values: Mapping[str, Any] | None = None, car: str = "gz18") -> Scenario:
+def steady(
+    reference: Path, folder: Path, line: str = "r300", values: Mapping[str, Any] | None = None, car: str = "gz18"
+) -> Scenario:
     """A car in the full curve of a line, at the speed that is left there in the source; files go to ``folder``."""
     place = folder / f"{car}_{line}.toml"
-    place.write_text(STEADY.format(**_profiles(folder, car), car=car, radius=line[1:], cant=CANT_MM[line]))
+    place.write_text(STEADY.format(**_profiles(reference, folder, car), car=car, radius=line[1:], cant=CANT_MM[line]))
     return load(place).with_values(dict(values or {}))
 
 
-def irregularity(folder: Path, name: str) -> dict[str, Any]:
+def irregularity(reference: Path, folder: Path, name: str) -> dict[str, Any]:
     """An entry of [[track.irregularities]] of a table of the source (aar5, aar6): its rows in our axes and columns."""
-    with gzip.open(TABLES / f"irregularity_{name}.csv.gz", "rt") as file:
+    with gzip.open(reference / "gz18" / f"irregularity_{name}.csv.gz", "rt") as file:
         distance, right, down = np.loadtxt(file, delimiter=",", skiprows=1).T
     place = folder / f"{name}.csv"
     rows = np.column_stack([distance, -right, -down])
@@ -129,10 +134,10 @@ def irregularity(folder: Path, name: str) -> dict[str, Any]:
     return {"kind": "table", "file": str(place), "fade_m": 0.1}
 
 
-def timed(folder: Path, values: Mapping[str, Any]) -> dict[str, float]:
+def timed(reference: Path, folder: Path, values: Mapping[str, Any]) -> dict[str, float]:
     """Times real time, step [ms] and evaluations a step of a run from smooth into uneven parts of the curve."""
-    uneven = {"track.irregularities": [irregularity(folder, "aar5")], "run.start_distance_m": 150.0}
-    setup = build(scenario(folder, "r300", uneven | {"run.distance_m": RUN_M} | values))
+    uneven = {"track.irregularities": [irregularity(reference, folder, "aar5")], "run.start_distance_m": 150.0}
+    setup = build(scenario(reference, folder, "r300", uneven | {"run.distance_m": RUN_M} | values))
     plan = setup.plan
     best, result = np.inf, {}
     for _ in range(REPETITIONS):
@@ -156,14 +161,14 @@ def timed(folder: Path, values: Mapping[str, Any]) -> dict[str, float]:
 
 def main(arguments: list[str]) -> int:
     """Print how fast the models run."""
-    if not has_tables():
-        print(f"the tables of the source are not at hand: {TABLES}")
-        return 1
+    if not arguments:
+        raise SystemExit("python campaigns/gz18.py REFERENCE [--json] [MODEL ...]")
+    reference = reference_folder(arguments[0])
     names = [name for name in arguments if name in CASES] or list(CASES)
     found: dict[str, dict[str, float]] = {}
     with tempfile.TemporaryDirectory() as folder:
         for name in names:
-            found[name] = timed(Path(folder), CASES[name])
+            found[name] = timed(reference, Path(folder), CASES[name])
             speed = found[name]["real_time"]
             if REFERENCE in found:
                 found[name]["times_rk44"] = speed / found[REFERENCE]["real_time"]

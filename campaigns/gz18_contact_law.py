@@ -1,7 +1,7 @@
 """Does the contact law of the other codes explain where the results of our GZ18 differ from theirs?
 
-Run: python campaigns/gz18_contact_law.py [LINE ...]. It prints the steady motion with their law, the largest
-differences of ours from it over all wheelsets, and the least damped modes.
+Run: python campaigns/gz18_contact_law.py REFERENCE [LINE ...], with the folder that gz18.py takes. It prints the steady
+motion with their law, the largest differences of ours from it over all wheelsets, and the least damped modes.
 
 Their law, as the source of the car states it: where undeformed profiles, moved by the pose, overlap, the overlap of
 depth p, half width w and area centroid y is taken for a Hertzian contact at y of the approach p / 0.55, with the
@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from gz18 import CANT_MM, has_tables, steady
+from gz18 import CANT_MM, reference_folder, steady
 from scipy.interpolate import CubicSpline
 from scipy.special import elliprd, elliprf
 
@@ -287,17 +287,17 @@ def liveliest(law: VehicleOnTrack, q: Array, q_t: Array) -> str:
 
 def main() -> int:
     """Both curves with their contact, and what is about to swing with either."""
-    if not has_tables():
-        print("the tables of the source are not at hand: see campaigns/gz18.py")
-        return 1
+    if not sys.argv[1:]:
+        raise SystemExit("python campaigns/gz18_contact_law.py REFERENCE [LINE ...]")
+    reference = reference_folder(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
-        for line in sys.argv[1:] or CANT_MM:
+        for line in sys.argv[2:] or CANT_MM:
             print(f"{line}; least damped mode above 20 Hz:")
             for name, values in VARIANTS.items():
-                setup = build(steady(Path(folder), line, values))
+                setup = build(steady(reference, Path(folder), line, values))
                 ours = solver.steady_in_curve(setup, setup.plan.points[0])
                 print(f"  {name}: {liveliest(ours.law, ours.q, ours.q_t)}")
-            setup = build(steady(Path(folder), line))
+            setup = build(steady(reference, Path(folder), line))
             law, found = their_steady_motion(solver.steady_in_curve(setup, setup.plan.points[0]))
             print(f"  their contact: {liveliest(law, found.q, found.q_t)}")
             print(f"with their contact; largest force left over {found.residual:.1e} of the weight")
@@ -314,7 +314,7 @@ def main() -> int:
                             f"{np.degrees(c.angle):.2f} deg, creepages {1e3 * c.xi:.2f}, {1e3 * c.eta:.2f} per mille"
                         )
             for name in ("strips", "kik-piotrowski"):
-                sample = run(steady(Path(folder), line, {"contact.normal": name})).dataset.isel(pose=0)
+                sample = run(steady(reference, Path(folder), line, {"contact.normal": name})).dataset.isel(pose=0)
                 print(f"largest differences of {name} from it, wheelset by wheelset:")
                 for row in differences(sample, law, found):
                     words = "  {:.3f} mm, {:.3f} mrad, N {:.2%}, Tx {:.2%}, Ty {:.2%} of mu N, Y {:.2%}, Q {:.2%} of N"

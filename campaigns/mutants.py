@@ -265,8 +265,6 @@ def main() -> None:
     shutil.rmtree(options.folder, ignore_errors=True)
     place = options.folder.resolve() / "sources"
     place.mkdir(parents=True)
-    if (shared := Path("../shared").resolve()).exists():  # what tests take from there is beside the copy, too
-        (place.parent / "shared").symlink_to(shared)
     for name in ("wrsim", "tests", "models", "scenarios", "campaigns", "docs"):
         shutil.copytree(name, place / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy("pyproject.toml", place)

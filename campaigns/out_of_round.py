@@ -1,10 +1,10 @@
 """A wheel with a rounded flat beside CONTACT: height, place, approach and pressure of every pose, by every model.
 
-    python campaigns/out_of_round.py REFERENCE [--models strips,kik-piotrowski,half-space]
+    python campaigns/out_of_round.py [--models strips,kik-piotrowski,half-space]
     python campaigns/out_of_round.py --random 8
 
-REFERENCE: folder with rounded_flat_d09.csv, 15 poses by CONTACT 25.2 (rolling radius 450 mm, rail crown 300 mm, 10 kN),
-and flat_d09_depth.csv, the depth of the wheel at slices of its angle; not part of this repository.
+In tests/data: rounded_flat_d09.csv, 15 poses by CONTACT 25.2 (rolling radius 450 mm, rail crown 300 mm, 10 kN), and
+flat_d09_depth.csv, the depth of the wheel at slices of its angle.
 
 The wheel is taken three times: as the table, which has every fourth place across of CONTACT's slices; at all of these
 places, by the closed form that the table follows within 6 nm: a rounded flat of 0.9 mm depth and 100.18 mm length cut
@@ -19,12 +19,17 @@ kN by strips; fast models beside the half-space solver at the same height: N, p0
 """
 
 import argparse
-import csv
+import sys
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+from support.rows import data_rows
 
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model
@@ -42,9 +47,14 @@ RESAMPLED, ELEMENT = 0.5e-3, 0.2e-3  # by CONTACT [m]
 BRACKET = 12e-6  # about CONTACT's height [m]
 
 
-def table(folder: Path, places: str) -> RadiusTable:
+def slices() -> NDArray[np.float64]:
+    """Angle [rad], place across [mm] and depth [mm] of CONTACT's slices of the wheel, shape (n, 3)."""
+    return np.array([[float(value) for value in row.values()] for row in data_rows("flat_d09_depth.csv")])
+
+
+def table(places: str) -> RadiusTable:
     """The wheel at CONTACT's slices, at one of PLACES across."""
-    angle, across, depth = np.loadtxt(folder / "flat_d09_depth.csv", delimiter=",", skiprows=1).T
+    angle, across, depth = slices().T
     angle, across = np.unique(angle), 1e-3 * np.unique(across)
     depth = 1e-3 * depth.reshape(angle.size, across.size)
     if places != "table":
@@ -110,24 +120,22 @@ def random_poses(count: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("reference", type=Path, nargs="?")
     parser.add_argument("--random", type=int, default=0, metavar="N")
     parser.add_argument("--models", default="strips,kik-piotrowski,half-space")
     given = parser.parse_args()
     if given.random:
         random_poses(given.random)
-    if given.reference is not None:
-        beside_contact(given.reference, given.models.split(","))
+    else:
+        beside_contact(given.models.split(","))
 
 
-def beside_contact(reference: Path, normals: list[str]) -> None:
+def beside_contact(normals: list[str]) -> None:
     """Every pose of CONTACT's table."""
-    with (reference / "rounded_flat_d09.csv").open() as file:
-        rows = list(csv.DictReader(file))
+    rows = data_rows("rounded_flat_d09.csv")
     wheel, rail = cone("cylinder", "wheel", 0.0, -0.0302, 0.0302), circle("crown", "rail", CROWN, 0.05)
     for normal in normals:
         for name in PLACES:
-            part = table(reference, name)
+            part = table(name)
             settings = ContactSettings(
                 normal=normal, tangential="none", wheel=STEEL, rail=STEEL, damping=0.0,
                 half_space=HalfSpaceSettings(element=(ELEMENT, ELEMENT)),

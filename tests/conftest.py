@@ -11,8 +11,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 from hypothesis import settings
 from support import examples  # noqa: F401 (its profiles)
+from support.files import report_foreign, watch_files
 from support.pictures import leave_unpainted, sketch
-from support.workers import pytest_addoption, pytest_configure, pytest_runtestloop  # noqa: F401
+from support.reference import add_option, crossing_tables, leave_out, reference  # noqa: F401 (fixtures)
+from support.workers import add_workers, begin_early, pytest_runtestloop  # noqa: F401
 
 gc.disable()  # until all modules are there
 os.fsync = lambda handle: None  # what tests write needs to outlive no power cut
@@ -23,6 +25,26 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 # the first example of a test compiles kernels: no deadline; the same examples in every run
 settings.load_profile("wrsim")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Options of this suite."""
+    add_workers(parser)
+    add_option(parser)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """What begins before tests are collected."""
+    watch_files(config)
+    begin_early(config)
+
+
+@pytest.fixture(autouse=True)
+def _no_foreign_files():
+    """Each test reads what every machine has, and modules do when they are imported."""
+    report_foreign()
+    yield
+    report_foreign()
 
 
 @pytest.fixture
@@ -42,7 +64,7 @@ FIRST = (
     # without kernels, while these are compiled
     "cli/test_users_files.py", "cli/test_cli.py", "tests/plots/", "tests/results/", "cli/test_words.py",
     "study/test_study.py", "study/test_evolution.py", "tests/report/", "analysis/test_train.py",
-    "analysis/test_shipped_scenarios.py", "campaigns/test_gz18.py", "analysis/test_vehicle_run.py",
+    "analysis/test_shipped_scenarios.py", "analysis/test_vehicle_run.py",
     "contact/test_strip_model.py", "analysis/test_resume.py", "contact/test_library.py", "contact/test_crossing.py",
     "core/test_shipped.py", "simulation/test_energy.py", "vehicle/test_vehicle_loads.py",
 )  # fmt: skip
@@ -56,10 +78,11 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """No worker compiles what another one compiles at the time, none is left alone with a long file at the end."""
 
     def turn(item: pytest.Item) -> int:
         return next((i for i, name in enumerate(FIRST) if name in item.path.as_posix()), len(FIRST))
 
     items.sort(key=turn)
+    leave_out(config, items)

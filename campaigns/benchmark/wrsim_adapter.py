@@ -63,18 +63,17 @@ from wrsim.vehicle.wheelset import Wheel, Wheelset
 
 
 @cache
-def _flat_wheel(folder: Path) -> ContactModel:
+def _flat_wheel() -> ContactModel:
     """The wheel of CONTACT's test bank at all places across."""
     settings = ContactSettings(tangential="none", wheel=STEEL, rail=STEEL, damping=0.0)
     wheel, rail = cone("cylinder", "wheel", 0.0, -0.0302, 0.0302), circle("crown", "rail", CROWN, 0.05)
-    return contact_model(wheel, rail, OF_FLAT, settings, out_of_round=[flat_table(folder, True)])
+    return contact_model(wheel, rail, OF_FLAT, settings, out_of_round=[flat_table("all places")])
 
 
 @cache
 def _on_crossing(folder: Path) -> ContactModel:
     """S1002 on the wing and the nose, with creep forces."""
-    crossings.CROSSING = folder
-    surface = crossings.crossing(0.1, 0.33)
+    surface = crossings.crossing(folder, 0.1, 0.33)
     return crossings.on(surface, "strips", load_profile("wheels/S1002.toml"), tangential="fastrip", friction=FRICTION)
 
 
@@ -156,7 +155,7 @@ class Wrsim(Code):
         return kilo | {"M_Nm": moment, "p0_MPa": 1e-6 * p.max()}
 
     def rounded_flat(self, *, pitch_rad: float, z_mm: float):
-        model = _flat_wheel(self.reference / "out_of_round")
+        model = _flat_wheel()
         sunk, contact = carrying(model, 1e-3 * z_mm, -pitch_rad)
         strips = np.concatenate(contact.strips)
         middle = strips[np.argmin(np.abs(strips["o"]))]
@@ -226,15 +225,13 @@ class Wrsim(Code):
         return {"speed_m_per_s": found["critical_speed_m_s"], "frequency_Hz": found["critical_frequency_Hz"]}
 
     def wheel_load(self, *, vehicle: str):
-        gz18.TABLES = self.reference / "gz18"
         with TemporaryDirectory() as folder:
-            loads = static_state(build(gz18.scenario(Path(folder), car=vehicle)).vehicle).wheel_loads
+            loads = static_state(build(gz18.scenario(self.reference, Path(folder), car=vehicle)).vehicle).wheel_loads
         return {"Q_kN": 1e-3 * loads.mean(), "spread": np.ptp(loads) / loads.mean()}
 
     def steady_curve(self, *, line: str):
-        gz18.TABLES = self.reference / "gz18"
         with TemporaryDirectory() as folder:
-            sample = run(gz18.steady(Path(folder), line)).dataset.isel(pose=0, wheelset=0)
+            sample = run(gz18.steady(self.reference, Path(folder), line)).dataset.isel(pose=0, wheelset=0)
         found = {"lateral_mm": 1e3 * sample["lateral_shift"].item(), "yaw_mrad": 1e3 * sample["yaw"].item()}
         for wheel, name in enumerate(("outer", "inner")):
             one = sample.isel(wheel=wheel)

@@ -1,6 +1,7 @@
-"""Makes irw.png: the light rail vehicle with independent wheels into its curve. Run: python docs/figures/make_irw.py
+"""Makes irw.png: the light rail vehicle with independent wheels into its curve.
 
-With the wheel and the rail of its source, which are not shipped: see campaigns/gz18.py.
+Run: python docs/figures/make_irw.py REFERENCE. With the wheel and the rail of its source, which are not shipped;
+REFERENCE: see campaigns/gz18.py.
 """
 
 from __future__ import annotations
@@ -22,10 +23,11 @@ import gz18  # noqa: E402
 
 def main() -> None:
     """Run from the straight into the curve and draw."""
-    if not gz18.has_tables():
-        raise SystemExit(f"the tables of the source are not at hand: {gz18.TABLES}")
+    if len(sys.argv) != 2:
+        raise SystemExit("python docs/figures/make_irw.py REFERENCE")
+    reference = gz18.reference_folder(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
-        found = run(gz18.scenario(Path(folder), "r300", car="irw"))
+        found = run(gz18.scenario(reference, Path(folder), "r300", car="irw"))
     with style():
         print(save(draw(found.dataset.isel(wheelset=0)), HERE / "irw.png"))
 

@@ -1,11 +1,11 @@
-"""GZ18, a metro car, in steady curves against two other codes; needs the tables of its source (campaigns/gz18.py).
+"""GZ18, a metro car, in steady curves against two other codes; needs the tables of its source (--reference).
 
 The figures are those of ORVD 4706df9 for the leading wheelset in the full curve, turned into our axes; they equal the
 curves published for SIMPACK to the width of a line. Forces of a contact are taken apart at the contact angle."""
 
 import numpy as np
 import pytest
-from support.scripts import script
+from support.scripts import ROOT, script
 
 from wrsim.analysis import run
 from wrsim.analysis.contacts import force_law
@@ -13,11 +13,10 @@ from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.stationary.statics import static_state
 from wrsim.analysis.steady import steady_in_curve
 from wrsim.scenario.build import build
+from wrsim.scenario.loading import load
 
 gz18 = script("campaigns/gz18.py")
 theirs = script("campaigns/gz18_contact_law.py")
-
-needs_tables = pytest.mark.skipif(not gz18.has_tables(), reason="the tables of the source are not at hand")
 
 MM, MRAD, N, MU = 0.1, 0.15, 0.02, 0.3
 """How near: lateral shift [mm], yaw [mrad], N as a part of it, creep forces as 5 % of mu N."""
@@ -37,18 +36,12 @@ def close(line: str, wheel: int, found: tuple[float, float, float]) -> None:
     assert np.subtract(found[1:], expected[1:]) == pytest.approx(np.zeros(2), abs=0.05 * MU * expected[0])
 
 
-@needs_tables
-@pytest.mark.parametrize(
-    ("line", "normal"),
-    [
-        ("r300", "strips"),
-        ("r300", "kik-piotrowski"),
-        pytest.param("r600", "strips", marks=pytest.mark.campaign),
-        pytest.param("r600", "kik-piotrowski", marks=pytest.mark.campaign),
-    ],
-)
-def test_the_leading_wheelset_stands_in_a_curve_as_in_other_codes(line, normal, tmp_path):
-    sample = run(gz18.steady(tmp_path, line, {"contact.normal": normal})).dataset.isel(pose=0, wheelset=0)
+@pytest.mark.campaign
+@pytest.mark.reference
+@pytest.mark.parametrize("line", ["r300", "r600"])
+@pytest.mark.parametrize("normal", ["strips", "kik-piotrowski"])
+def test_the_leading_wheelset_stands_in_a_curve_as_in_other_codes(line, normal, reference, tmp_path):
+    sample = run(gz18.steady(reference, tmp_path, line, {"contact.normal": normal})).dataset.isel(pose=0, wheelset=0)
     assert 1e3 * sample["yaw"].item() == pytest.approx(YAW[line], abs=MRAD)
     for wheel in range(2):
         one = sample.isel(wheel=wheel)
@@ -61,10 +54,10 @@ def test_the_leading_wheelset_stands_in_a_curve_as_in_other_codes(line, normal, 
 
 
 @pytest.mark.campaign
-@needs_tables
-def test_where_the_wider_curve_stands_apart_the_contact_law_is_why(tmp_path):
+@pytest.mark.reference
+def test_where_the_wider_curve_stands_apart_the_contact_law_is_why(reference, tmp_path):
     """With their contact in the place of ours, nothing else changed, all of the figures are theirs."""
-    setup = build(gz18.steady(tmp_path, "r600", {"contact.cells": 8}))
+    setup = build(gz18.steady(reference, tmp_path, "r600", {"contact.cells": 8}))
     ours = steady_in_curve(setup, setup.plan.points[0])
     before = 1e3 * theirs.pose_of(ours.law, ours, 0).lateral[0]
     law, found = theirs.their_steady_motion(ours)
@@ -76,10 +69,11 @@ def test_where_the_wider_curve_stands_apart_the_contact_law_is_why(tmp_path):
     assert abs(before - LATERAL["r600"]) > 2.0 * abs(1e3 * pose.lateral[0] - LATERAL["r600"])
 
 
-@needs_tables
-def test_their_contact_law_is_read_as_the_source_has_it(tmp_path):
+@pytest.mark.campaign
+@pytest.mark.reference
+def test_their_contact_law_is_read_as_the_source_has_it(reference, tmp_path):
     """The offset of the rail that the source prints carries the static load, and gives the rolling radius printed."""
-    setup = build(gz18.steady(tmp_path))
+    setup = build(gz18.steady(reference, tmp_path))
     wheel = setup.vehicle.wheelsets[0].wheelset.left
     pose = np.array([0.0, 0.7465 - setup.track.rail_origins[0][0], 0.42 - 0.0003055705525365684])
     at = np.concatenate([pose, [0.0, 1.0, 0.0], np.zeros(6)])  # at rest
@@ -89,11 +83,17 @@ def test_their_contact_law_is_read_as_the_source_has_it(tmp_path):
     assert pose[2] - height == pytest.approx(0.42024171, abs=1e-6)
 
 
-@needs_tables
-def test_independent_wheels_of_the_source_roll_on_straight_track_as_it_says(tmp_path):
-    """49 287.489 N a wheel and 38.782287 rad/s at 60 km/h in its start state."""
-    setup = build(gz18.scenario(tmp_path, "r300", car="irw"))
-    assert static_state(setup.vehicle).wheel_loads == pytest.approx(np.full((4, 2), 49287.489), rel=1e-6)
+def test_independent_wheels_of_the_source_stand_as_it_says():
+    """49 287.489 N a wheel; they come from the masses alone."""
+    loads = static_state(build(load(ROOT / "scenarios/irw_r300.toml")).vehicle).wheel_loads
+    assert loads == pytest.approx(np.full((4, 2), 49287.489), rel=1e-6)
+
+
+@pytest.mark.campaign
+@pytest.mark.reference
+def test_independent_wheels_of_the_source_roll_on_straight_track_as_it_says(reference, tmp_path):
+    """38.782287 rad/s at 60 km/h in its start state."""
+    setup = build(gz18.scenario(reference, tmp_path, "r300", car="irw"))
     law = force_law(setup)
     q, q_t = start_state(setup, law)
     law(0.0, q, q_t, np.zeros(law.size))

@@ -20,7 +20,7 @@ from wrsim.errors import InputError
 table = rows_of(__file__)
 
 CODES = pytest.mark.parametrize("code", [Wrsim, HertzFastsim])
-REFERENCE = ROOT.parent / "shared" / "reference"
+REFERENCE = ROOT / "tests" / "data"  # no table of these comparisons is read
 IN_PLACE = ["hertz", "hertz_closed"]
 """Comparisons whose cases stand in their files."""
 

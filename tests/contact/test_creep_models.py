@@ -1,6 +1,5 @@
 """Every tangential model: Kalker's linear theory at small creepage, friction at large, beside the exact solution."""
 
-import csv
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from scipy.special import ellipe, ellipk
 from support.contacts import columns, finite
 from support.ellipse import COEFFICIENTS, FORCE, MEAN_RADIUS, PEAK, POISSON, SHEAR_MODULUS, ellipse, roll, total
 from support.examples import examples
-from support.rows import rows_of
+from support.rows import data_rows, rows_of
 
 from wrsim import InputError, load
 from wrsim.contact.tables import bound_over_cells, creep_coefficients
@@ -159,8 +158,7 @@ def test_moments_give_up_the_power_that_they_would_add():
 
 
 def reference():
-    path = Path(__file__).parents[1] / "data/tangential.csv"
-    return list(csv.DictReader(line for line in path.read_text().splitlines() if not line.startswith("#")))
+    return data_rows("tangential.csv")
 
 
 def beside(model, method, kinds):
@@ -219,8 +217,7 @@ def test_cells_converge():
         assert errors[2] < 0.5 * errors[0]
 
 
-# Traction of a locomotive's wheel over the creepage beside CONTACT (../shared/reference/traction_curves.csv).
-REFERENCE = Path(__file__).resolve().parents[2].parent / "shared/reference/traction_curves.csv"
+# Traction of a locomotive's wheel over the creepage beside CONTACT.
 LOAD, CURVATURE, ASPECT, SPEED = 106.7e3, 0.8, 0.5, 10.0  # N, z = A x^2 [1/m], a/b, m/s
 FALLING = {"fall_ratio": 0.1368 / 0.36, "fall_decay": np.log(2.0) / 0.99}
 """mu = 0.1368 + 0.2232 2^(-s/0.99) in our law, of 0.36 at rest."""
@@ -234,8 +231,7 @@ RANGES = [
 
 def curve(series):
     """Creepages and longitudinal force over the load."""
-    with REFERENCE.open() as file:
-        rows = [row for row in csv.DictReader(file) if row["series"] == str(series)]
+    rows = [row for row in data_rows("traction_curves.csv") if row["series"] == str(series)]
     return np.array([[float(row["creepage"]), float(row["FX_N"]) / LOAD] for row in rows]).T
 
 

@@ -1,4 +1,4 @@
-"""A wheel on a crossing, real and artificial, beside CONTACT's numbers (shared reference, crossing_56e1)."""
+"""A wheel on a crossing, real and artificial, beside CONTACT's numbers and the exact solver."""
 
 import csv
 from dataclasses import replace
@@ -12,8 +12,10 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from support.contacts import HALF_SPACING, PLAIN, RADIUS, contact_model, numbers, rail_profile, settle, wheel_profile
-from support.crossings import CROSSING, crossing, lifted, on, turning
+from support.crossings import crossing, lifted, on, turning
 from support.kernels import branches_that_cross
+from support.rows import data_rows
+from support.scripts import ROOT
 
 from wrsim import ContactModel, InputError, Profile
 from wrsim.analysis.poses.solver import PoseSolver
@@ -23,6 +25,7 @@ from wrsim.contact.models import contact_model as model_of
 from wrsim.core.contact.rail import unfold
 from wrsim.geometry.profile.points import ProfilePoints, interpolated
 from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, profile_from_sections
+from wrsim.geometry.track.crossing import read_crossing
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
 from wrsim.geometry.track.rolled_rail import rolled_rail
 
@@ -36,12 +39,27 @@ def blunt(start: float, corner: float) -> Profile:
     return profile_from_sections("blunt", "rail", (arcs[0], ProfileLine(start, 0.0, end, 0.0), arcs[1]))
 
 
-def test_the_felt_section_is_the_upper_envelope_where_branches_cross() -> None:
-    """The wing's outer corner moves outward: what is felt of it ahead and behind crosses with a notch between them."""
-    surface = crossing(-0.19, -0.1)
+@cache
+def shipped_crossing() -> RailSurface:
+    """The crossing 1:9 of the package, from its throat to behind its nose."""
+    return RailSurface("60E1 1:9", tuple(read_crossing(ROOT / "models/crossings/60E1_1in9.toml")))
+
+
+SOURCED = [pytest.mark.campaign, pytest.mark.reference]
+"""The crossing of the benchmark is not part of this repository."""
+
+
+@pytest.mark.parametrize(
+    ("name", "s", "span"),
+    [("shipped", 0.1, (0.032, 0.076)), pytest.param("benchmark", -0.1438, (0.015, 0.034), marks=SOURCED)],
+)
+def test_the_felt_section_is_the_upper_envelope_of_what_is_ahead_and_behind(name, s, span, request) -> None:
+    """A wing that moves outward. On that of the benchmark branches cross, with a notch between them."""
+    shipped = name == "shipped"
+    surface = shipped_crossing() if shipped else crossing(request.getfixturevalue("crossing_tables"), -0.19, -0.1)
     felt = rolled_rail(surface, RADIUS)
-    u = np.linspace(0.015, 0.034, 400)
-    s, highest = -0.1438, np.full(u.size, -1.0)
+    u = np.linspace(*span, 400)
+    highest = np.full(u.size, -1.0)
     for x in np.linspace(-0.04, 0.04, 201):
         for piece in surface.pieces:
             rows = piece.spline(s + x)
@@ -53,10 +71,12 @@ def test_the_felt_section_is_the_upper_envelope_where_branches_cross() -> None:
     assert np.interp(u, rows[:, 0], rows[:, 1]) == pytest.approx(highest, abs=1e-5)
 
 
-def test_an_edge_far_from_the_contact_makes_no_step_there() -> None:
+@pytest.mark.campaign
+@pytest.mark.reference
+def test_an_edge_far_from_the_contact_makes_no_step_there(crossing_tables) -> None:
     """At .877 m the edge beside the nose's gap is felt 3 mm longer from one station to the next: rows were counted from
     it, and between them the gauge corner stood up to 38 um too low."""
-    felt = rolled_rail(crossing(0.84, 0.91), RADIUS)
+    felt = rolled_rail(crossing(crossing_tables, 0.84, 0.91), RADIUS)
     heights = []
     for s in np.arange(0.87, 0.885, 2.5e-4):
         rows = felt.section(float(s))
@@ -66,8 +86,8 @@ def test_an_edge_far_from_the_contact_makes_no_step_there() -> None:
 
 
 @cache
-def over_the_crossing(start: float) -> ContactModel:
-    surface = crossing(start, 0.32)
+def over_the_crossing(tables: Path, start: float) -> ContactModel:
+    surface = crossing(tables, start, 0.32)
     model = contact_model(
         wheel_profile("S1002"), surface.sections[0].profile, normal="strips", tangential="fastrip", friction=0.3
     )
@@ -84,16 +104,15 @@ def at_rest(model: ContactModel, lateral: float, load: float, place: float) -> t
     return lowered(sunk), sunk
 
 
-@pytest.mark.parametrize(
-    "shifts", [("0.97",), pytest.param(("0.81", "0.89", "1.05", "1.15"), marks=pytest.mark.campaign)]
-)
-def test_the_load_passes_from_wing_to_nose_as_in_contact(shifts) -> None:
-    """CONTACT's numbers: shared reference, crossing_56e1/transfer_s239.csv."""
-    with (CROSSING / "transfer_s239.csv").open() as file:
-        rows = [row for row in csv.DictReader(file) if row["y_ws_mm"] in shifts]
+@pytest.mark.campaign
+@pytest.mark.reference
+def test_the_load_passes_from_wing_to_nose_as_in_contact(crossing_tables) -> None:
+    """CONTACT's numbers: transfer_s239.csv of the reference tables."""
+    with (crossing_tables / "transfer_s239.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["y_ws_mm"] in ("0.81", "0.89", "0.97", "1.05", "1.15")]
     for lateral in dict.fromkeys(row["y_ws_mm"] for row in rows):
         own = [row for row in rows if row["y_ws_mm"] == lateral]
-        contact, sunk = at_rest(over_the_crossing(0.16), 1e-3 * float(lateral), 1e4, 0.239)
+        contact, sunk = at_rest(over_the_crossing(crossing_tables, 0.16), 1e-3 * float(lateral), 1e4, 0.239)
         assert 1e3 * sunk == pytest.approx(float(own[0]["z_ws_mm"]), abs=0.0005)
         for row in own:
             y = 1e-3 * float(row["y_tr_mm"]) - 0.75
@@ -107,16 +126,31 @@ def test_the_load_passes_from_wing_to_nose_as_in_contact(shifts) -> None:
                 assert patch["p0"] == pytest.approx(1e6 * float(row["pmax_MPa"]), rel=off)
 
 
-@pytest.mark.campaign  # in the suite: 239 mm behind it
-def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact() -> None:
-    """CONTACT's numbers: shared reference, crossing_56e1/README.md. 1 um sideways moves 150 N from one to the other."""
-    patches = at_rest(over_the_crossing(0.1), 3.52e-3, 1e4, 0.16)[0].patches
+@pytest.mark.campaign
+@pytest.mark.reference
+def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact(crossing_tables) -> None:
+    """CONTACT's numbers: README.md of the reference tables. 1 um sideways moves 150 N from one to the other."""
+    patches = at_rest(over_the_crossing(crossing_tables, 0.1), 3.52e-3, 1e4, 0.16)[0].patches
     assert len(patches) == 2
     for o, y, force, p0 in ((-1.0, 718.20, 4790.0, 1584e6), (1.0, 782.08, 6171.0, 635e6)):
         patch = next(p for p in patches if p["o"] * o > 0.0)
         assert 750.0 + 1e3 * patch["o"] == pytest.approx(y, abs=0.2)
         assert patch["N"] == pytest.approx(force, abs=200.0)
         assert patch["p0"] == pytest.approx(p0, rel=0.05)
+
+
+@pytest.mark.parametrize("place", [0.42, pytest.param(0.41, marks=pytest.mark.campaign)])
+def test_wing_and_nose_share_the_load_as_by_the_exact_solver(place) -> None:
+    """On the shipped crossing; errors of strips on single patches are .0008 / .0121 (median, 95 %)."""
+    wheel = wheel_profile("S1002")
+    contact, sunk = at_rest(on(shipped_crossing(), "strips", wheel), 0.0, 1e4, place)
+    exact = on(shipped_crossing(), "half-space", wheel).evaluate((0.0, 0.0, RADIUS - sunk), place=place)
+    wing, nose = np.sort(contact.patches, order="o")
+    assert wing["N"] > 3e3 and nose["N"] > 2e3
+    for patch, other in zip((wing, nose), np.sort(exact.patches, order="o"), strict=True):
+        assert patch["o"] == pytest.approx(other["o"], abs=2e-5)
+        assert patch["N"] == pytest.approx(other["N"], rel=0.01)
+        assert patch["p0"] == pytest.approx(other["p0"], rel=0.012)
 
 
 def through(exact: Profile, ends: list[float], apart: float, narrow: float = 1.0) -> Profile:
@@ -150,8 +184,7 @@ def as_in_contact(start: float, corner: float, features: tuple[float, float]) ->
 )
 def test_an_artificial_nose_is_touched_and_pressed_as_in_contact(normal: str, force: float, p0: float) -> None:
     """S1002 on a nose that rises 1:10, where its corner of 5 mm meets the level top: 10 090 N, 2 478 MPa, approach
-    .03368 mm, 45.757 mm ahead of the axle (shared reference; section: test bank of CONTACT,
-    testbank/profiles/cross_nose)."""
+    .03368 mm, 45.757 mm ahead of the axle (CONTACT 25.2; section: its test bank, testbank/profiles/cross_nose)."""
     places = np.linspace(-0.1, 0.1, 21)
     model = on(
         lifted(as_in_contact(5e-3, 5e-3, (33.0541e-3, 50.9076e-3)), places, RISE * places),
@@ -174,9 +207,9 @@ def test_an_artificial_nose_is_touched_and_pressed_as_in_contact(normal: str, fo
     ("normal", "share"), [("strips", 0.015), pytest.param("half-space", 0.01, marks=pytest.mark.campaign)]
 )
 def test_an_artificial_wing_that_recedes_is_touched_and_pressed_as_in_contact(top, normal: str, share: float) -> None:
-    """S1002 100 mm along a wing that recedes 1:10, .6589 mm deep: 10 160 N, 29.231 mm outside, 2 589 MPa (shared
-    reference; section, a level top with corners of 10 mm: test bank of CONTACT, testbank/profiles/wing_rail); as it is
-    drawn, and as CONTACT has it."""
+    """S1002 100 mm along a wing that recedes 1:10, .6589 mm deep: 10 160 N, 29.231 mm outside, 2 589 MPa (CONTACT
+    25.2; section, a level top with corners of 10 mm: its test bank, testbank/profiles/wing_rail); as it is drawn, and
+    as CONTACT has it."""
     wing = RailSurface("wing", tuple(RailSection(s, top.shifted(0.1 * s, 0.0)) for s in np.linspace(0.0, 0.2, 21)))
     choices = {"tangential": "fastrip" if normal == "strips" else "half-space"}
     model = on(wing, normal, wheel_profile("S1002"), friction=0.3, **choices)
@@ -196,9 +229,8 @@ CORNER = 0.013
 @cache
 def errors(approach):
     """Rows: wheel radius [m]; errors of the patch's span of angles, of p0, of the resultant and its direction [rad]."""
-    lines = (Path(__file__).parents[1] / "data/contact_grooves.csv").read_text().splitlines()
     rows = []
-    for text in csv.DictReader(line for line in lines if not line.startswith("#")):
+    for text in data_rows("contact_grooves.csv"):
         r = {name: float(value) for name, value in text.items()}
         hollow = circle("hollow", "wheel", 1e-3 * r["R_wheel_mm"], 0.95e-3 * r["R_wheel_mm"])
         corner = circle("corner", "rail", CORNER, 0.98 * CORNER)

@@ -7,15 +7,13 @@ the force-weighted mean over our strips is set beside it, and the main point (th
 "Away from jumps": the reference's contact point moves by less than 2 mm to both neighbouring lateral shifts of the same
 load and yaw. "Tread": contact angle below 0.2 rad."""
 
-import csv
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from support.contacts import bench, contact_of, pair_model, settle, strips_of
-from support.rows import rows_of
+from support.rows import data_rows, rows_of
 
 table = rows_of(__file__)
 
@@ -87,9 +85,8 @@ def our_figures(stand, contact):
 @cache
 def cases(normal="kik-piotrowski", tangential="fastsim"):
     """All cases of the table, solved."""
-    lines = (Path(__file__).parents[1] / "data/contact_own_static.csv").read_text().splitlines()
     rows: dict[str, list[dict[str, str]]] = {}
-    for row in csv.DictReader(line for line in lines if not line.startswith("#")):
+    for row in data_rows("contact_own_static.csv"):
         rows.setdefault(row["case_id"], []).append(row)
     stands, neighbours = {}, {}
     for patches in rows.values():

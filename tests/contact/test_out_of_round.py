@@ -1,14 +1,11 @@
-"""Wheels out of round: laws, and a rounded flat beside CONTACT (../shared/reference/out_of_round)."""
-
-import csv
-from pathlib import Path
+"""Wheels out of round: laws, and a rounded flat beside CONTACT."""
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 from support.contacts import RADIUS, rail_profile, round_wheel, wheel_at, wheel_profile
-from support.rows import rows_of
+from support.rows import data_rows, rows_of
 from support.scripts import script
 
 from wrsim import ContactSettings, Flat, Harmonic, InputError, RadiusTable, contact_model
@@ -198,41 +195,39 @@ def test_a_depth_that_the_search_cannot_follow_is_refused():
 
 # CONTACT
 
-REFERENCE = Path(__file__).resolve().parents[2].parent / "shared/reference/out_of_round"
 CAMPAIGN = script("campaigns/out_of_round.py")
 
 
 def rows_of_contact():
-    with (REFERENCE / "rounded_flat_d09.csv").open() as file:
-        return {int(row["case"]): {k: float(v) for k, v in row.items()} for row in csv.DictReader(file)}
+    return {int(row["case"]): {k: float(v) for k, v in row.items()} for row in data_rows("rounded_flat_d09.csv")}
 
 
 def test_the_closed_form_is_the_flat_of_the_table():
-    angle, across, depth = np.loadtxt(REFERENCE / "flat_d09_depth.csv", delimiter=",", skiprows=1).T
+    angle, across, depth = CAMPAIGN.slices().T
     width = 2.0 * np.sqrt(2.0 * CAMPAIGN.CROWN * CAMPAIGN.DEPTH)
     flat = Flat.rounded(CAMPAIGN.RADIUS, CAMPAIGN.LENGTH, CAMPAIGN.DEPTH, width=width)
     found = flat.depth(np.unique(angle), 1e-3 * np.unique(across), CAMPAIGN.RADIUS)
     assert_allclose(found.ravel(), 1e-3 * depth, atol=3e-8)
 
 
-def on_crown(normal, full):
+def on_crown(normal, places):
     """The reference's wheel, at all places across of its slices or at those of the table, on its rail."""
     settings = ContactSettings(normal=normal, tangential="none", wheel=CAMPAIGN.STEEL, rail=CAMPAIGN.STEEL, damping=0.0)
     wheel, rail = cone("cylinder", "wheel", 0.0, -0.0302, 0.0302), circle("crown", "rail", CAMPAIGN.CROWN, 0.05)
-    part = CAMPAIGN.table(REFERENCE, full)
+    part = CAMPAIGN.table(places)
     return contact_model(wheel, rail, CAMPAIGN.RADIUS, settings, out_of_round=[part])
 
 
-@pytest.mark.parametrize("normal, full, cases", table("a_rounded_flat_beside_contact"))
-def test_a_rounded_flat_beside_contact(normal, full, cases):
+@pytest.mark.parametrize("normal, places, cases", table("a_rounded_flat_beside_contact"))
+def test_a_rounded_flat_beside_contact(normal, places, cases):
     """Height, place, and but for Kik-Piotrowski's model and places lost across the approach."""
-    own, rows = on_crown(normal, full), rows_of_contact()
+    model, rows = on_crown(normal, places), rows_of_contact()
     for case in cases:
         row = rows[case]
-        z, contact = CAMPAIGN.carrying(own, 1e-3 * row["z_ws"], -row["pitch"])
+        z, contact = CAMPAIGN.carrying(model, 1e-3 * row["z_ws"], -row["pitch"])
         assert_allclose(1e3 * z, row["z_ws"], atol=0.002)
         assert_allclose(1e3 * place(contact), row["xcp"], atol=0.1)
-        if full and normal != "kik-piotrowski":
+        if places == "all places" and normal != "kik-piotrowski":
             strips = np.concatenate(contact.strips)
             across = strips[np.argmin(np.abs(strips["o"]))]
             assert_allclose(1e3 * across["penetration"], row["approach"], rtol=0.02)

@@ -1,13 +1,13 @@
 """Rails on sleepers in time: receptances, waves, energy, and the same run after an interruption."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import quad, trapezoid
 from scipy.linalg import eigh, toeplitz
 from support.pushed_rails import TRACK, push, response, rolling, standing
+from support.rows import data_rows
 from support.vehicles import on_track, shipped
 
 from wrsim.core.body import sleepers as kernel
@@ -188,7 +188,6 @@ def test_a_rail_that_moves_along_the_normal_of_its_contact_slips_no_more() -> No
 
 
 # Rails on sleepers: the beams and their receptances beside closed forms.
-REFERENCE = Path(__file__).resolve().parents[2].parent / "shared/reference/track_dynamics/rail_mobility.csv"
 RAIL = RailBeam()
 SOFT = SleeperTrack(
     RAIL, Layer((50e6, 300e6), loss_factor=0.25), Layer((50e6, 50e6), loss_factor=1.0), sleeper_mass=324.0
@@ -196,9 +195,10 @@ SOFT = SleeperTrack(
 """The track of the reference data, with the shear coefficient that it names."""
 
 
-def mobilities() -> np.ndarray:
-    """Point mobilities [m/s/N] over the frequency [Hz] (Rolland 26.8; ../shared/reference/track_dynamics)."""
-    return np.genfromtxt(REFERENCE, delimiter=",", names=True)
+def mobilities() -> dict[str, np.ndarray]:
+    """Point mobilities [m/s/N] over the frequency [Hz] (Rolland 26.8)."""
+    rows = data_rows("rail_mobility.csv")
+    return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
 
 
 def timoshenko(frequencies: np.ndarray, track: SleeperTrack, supports: int = 241) -> np.ndarray:
@@ -275,8 +275,9 @@ def test_statics_and_receptances_on_supports_are_those_of_closed_forms() -> None
 def test_mobilities_of_the_reference() -> None:
     """Its discrete case belongs to a shear stiffness 2.06 % above that of its shear coefficient of 0.393. The closed
     form above and Rolland's numbers agree then within 0.6 % up to 3 kHz, else not at their pinned-pinned dip."""
-    data = mobilities()[::24]
-    data = data[data["frequency_hz"] <= 1500.0]
+    data = mobilities()
+    within = data["frequency_hz"] <= 1500.0
+    data = {name: values[within][::3] for name, values in data.items()}
     frequencies = data["frequency_hz"]
     track = replace(SOFT, rail=replace(RAIL, shear_vertical=1.0206 * 0.393))
     found = 2.0 * np.pi * frequencies * np.abs(track.receptance(frequencies, 72.0))

@@ -10,7 +10,6 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
@@ -19,7 +18,6 @@ from wrsim import ContactModel, Profile
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
 from wrsim.geometry.track.rolled_rail import rolled_rail
 
-CROSSING = Path(__file__).parents[3] / "shared" / "reference" / "crossing_56e1"
 NOSE_DEPTH = -30.0  # [mm]
 OUTER_EDGE = (31.0, 25.0, 3.8)  # of the head: where it is, at least so far from the corner; how far it falls off [mm]
 
@@ -44,22 +42,20 @@ def turning(rail: Profile, places: NDArray[np.float64], twist: float) -> RailSur
 
 
 @cache
-def crossing(start: float, end: float) -> RailSurface:
+def crossing(folder: Path, start: float, end: float) -> RailSurface:
     """The sections of the crossing between two places [m]; features: edges of the nose, foot of the gap, wing's
-    corner."""
-    if not CROSSING.exists():
-        pytest.skip("the reference folder is not beside the project")
-    with TemporaryDirectory() as folder:
-        table = Path(folder) / "crossing.csv"
-        write_crossing(table, start, end)
+    corner. folder: of its tables."""
+    with TemporaryDirectory() as scratch:
+        table = Path(scratch) / "crossing.csv"
+        write_crossing(folder, table, start, end)
         return RailSurface("56E1 crossing", tuple(read_sections(table)))
 
 
 @cache
-def write_crossing(path: Path, start: float, end: float) -> None:
+def write_crossing(folder: Path, path: Path, start: float, end: float) -> None:
     """The same as a table of sections for [[track.rail_sections]]; the gauge face is that of the reference, whose
     origin lies 750 mm from the middle of its track."""
-    with gzip.open(CROSSING / "sections.csv.gz", "rt") as file:
+    with gzip.open(folder / "sections.csv.gz", "rt") as file:
         rows = [
             (float(r["position_m"]), float(r["y_mm"]), -float(r["z_mm"]))
             for r in csv.DictReader(line for line in file if not line.startswith("#"))

@@ -20,7 +20,8 @@ TESTS = Path(__file__).parents[1]
 EARLY = pytest.StashKey[subprocess.Popen[bytes]]()
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
+def add_workers(parser: pytest.Parser) -> None:
+    """The option --workers."""
     parser.addoption("--workers", type=int, default=0, help="processes that share the files of tests")
 
 
@@ -30,7 +31,7 @@ def uncompiled(form: str) -> subprocess.Popen[bytes]:
     return subprocess.Popen(command, cwd=TESTS, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, stdout=subprocess.PIPE)
 
 
-def pytest_configure(config: pytest.Config) -> None:
+def begin_early(config: pytest.Config) -> None:
     """One processor collects the whole suite; another one begins with what takes longest."""
     if config.option.workers and config.args == config.getini("testpaths"):
         config.stash[EARLY] = uncompiled("few")

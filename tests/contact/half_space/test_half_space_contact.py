@@ -1,15 +1,14 @@
 """The exact solver on wheels and rails: Hertz, CONTACT's published and computed cases, laws over poses."""
 
-import csv
 from functools import cache
 from math import sqrt
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 from support.contacts import HALF_SPACING, bench, contact_model, flat_rail, pair_model, round_wheel
 from support.hertz import Ellipse
+from support.rows import data_rows
 from support.scenario_texts import STATIC, faults
 
 from wrsim import ContactSettings, Pose, SimulationError, load_text, run
@@ -112,9 +111,7 @@ def test_no_contact_where_both_profiles_have_ended():
 
 @cache
 def groove_rows():
-    lines = (Path(__file__).parents[2] / "data/contact_grooves.csv").read_text().splitlines()
-    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
-    return [{name: float(value) for name, value in row.items()} for row in rows]
+    return [{name: float(value) for name, value in row.items()} for row in data_rows("contact_grooves.csv")]
 
 
 @pytest.mark.parametrize("row", groove_rows()[::12], ids=lambda r: f"R{r['R_wheel_mm']:g}-{r['N_nom_N']:g}")
@@ -140,9 +137,8 @@ def test_rail_corner_in_hollow_arcs(row):
 
 
 def static_cases():
-    lines = (Path(__file__).parents[2] / "data/contact_own_static.csv").read_text().splitlines()
     by_case = {}
-    for row in csv.DictReader(line for line in lines if not line.startswith("#")):
+    for row in data_rows("contact_own_static.csv"):
         by_case.setdefault(row["case_id"], []).append(row)
     single = [rows[0] for rows in by_case.values() if len(rows) == 1 and rows[0]["n_components"] == "1"]
     return [r for r in single if r["cant_label"] == "1:40"][::18]

@@ -1,15 +1,13 @@
 """Steady rolling on a grid: Carter's strip, Kalker's coefficients, full sliding, symmetries, CONTACT's cases."""
 
-import csv
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from support.ellipse import FORCE, total
 from support.ellipse import roll as strips
 from support.hertz import COMPLIANCE, Ellipse, EllipseGrid
-from support.rows import rows_of
+from support.rows import data_rows, rows_of
 
 from wrsim.contact.half_space.influence import Operator
 from wrsim.contact.half_space.normal import solve_normal
@@ -148,9 +146,7 @@ def test_mirrored_and_backwards_rolling_mirror_the_forces():
 
 
 def contact_rows():
-    lines = (Path(__file__).parents[2] / "data/tangential.csv").read_text().splitlines()
-    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
-    return [r for r in rows if r["method"] == "contact"][::5]
+    return [r for r in data_rows("tangential.csv") if r["method"] == "contact"][::5]
 
 
 @pytest.mark.parametrize("row", contact_rows(), ids=lambda r: r["case_id"])

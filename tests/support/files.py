@@ -1,0 +1,52 @@
+"""No test depends on a file of one machine: what opens a file beside the repository fails.
+
+Allowed are the repository, the environment (Python, its packages, the system, caches of the user) and
+temporary folders."""
+
+import os
+import sys
+import sysconfig
+import tempfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SYSTEM = "/bin", "/dev", "/etc", "/lib", "/lib64", "/opt", "/proc", "/run", "/sys", "/usr", "/var"
+CACHES = ".cache", ".config", ".local", ".matplotlib"
+foreign: list[str] = []
+"""Files outside that have been opened and not yet been reported."""
+
+
+def allowed_folders(config: pytest.Config) -> tuple[str, ...]:
+    """Folders that tests may read, with a slash behind."""
+    named = [folder for folder in (config.option.reference, os.environ.get("XDG_CACHE_HOME")) if folder]
+    python = sys.prefix, sys.base_prefix, *sysconfig.get_paths().values(), *sys.path
+    folders = {*SYSTEM, *python, *named, *(Path.home() / cache for cache in CACHES)}
+    forms = os.path.abspath, os.path.realpath
+    return tuple(f"{form(folder)}/" for folder in folders if folder for form in forms)
+
+
+def watch_files(config: pytest.Config) -> None:
+    """Takes down each file that is opened outside. A hook of the interpreter, which stays."""
+    inside, allowed = f"{ROOT}/", allowed_folders(config)
+    temporary, beside = f"{os.path.realpath(tempfile.gettempdir())}/", f"{ROOT.parent}/"
+    if beside == temporary:
+        beside = inside  # whose files are allowed
+
+    def opened(event: str, arguments: tuple[object, ...]) -> None:
+        if event == "open" and isinstance(arguments[0], str | bytes):
+            path = f"{os.path.abspath(os.fsdecode(arguments[0]))}/"
+            lent = path.startswith(temporary) and not path.startswith(beside)
+            if not (path.startswith((inside, *allowed)) or lent):
+                foreign.append(path[:-1])
+
+    sys.addaudithook(opened)
+
+
+def report_foreign() -> None:
+    """Fails where a file outside has been opened."""
+    if foreign:
+        files = ", ".join(dict.fromkeys(foreign))
+        foreign.clear()
+        pytest.fail(f"opened outside of the repository, the environment and temporary folders: {files}", pytrace=False)
