@@ -28,6 +28,7 @@ from wrsim.simulation.placement import design_state
 from wrsim.simulation.system import BodySystem
 from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Joint
 from wrsim.vehicle.elements import TRACK, BilinearSpring, Element, Normal, Slider, Strut, Triple
+from wrsim.vehicle.equivalent import Stroke
 from wrsim.vehicle.loads import Load
 
 INTEGRATORS: tuple[Integrator, ...] = ("rk44", "generalised-alpha")
@@ -202,12 +203,12 @@ def test_in_small_motions_friction_sticks() -> None:
     first = boxes.slides(1e3, stick[0], 0)
     second = replace(boxes.slides(1e3, stick[1], 1), name="other")
     law = boxes.on_springs(boxes.box(boxes.FIXED, first, second))
-    modes = {mode.name: mode.frequency for mode in natural_modes(law.vehicle)}
+    modes = {mode.name: mode.frequency for mode in natural_modes(law.vehicle, Stroke(1e-4, 1.0))}
     assert modes["box longitudinal"] == pytest.approx(np.sqrt(stick[0] / boxes.MASS) / (2.0 * np.pi), rel=1e-6)
     assert modes["box lateral"] == pytest.approx(np.sqrt(stick[1] / boxes.MASS) / (2.0 * np.pi), rel=1e-6)
     q, q_t = design_state(law)
     q[7] += 5e-3  # far in slip
-    linear = linearise(law, law.bodies, q, law.settled_rates(q, q_t))
+    linear = linearise(law, law.bodies, q, law.settled_rates(q, q_t), Stroke(1e-4, 1.0))
     assert linear.stiffness[7, 7] == pytest.approx(stick[0], rel=1e-6)
     assert len(linear.state_matrix) == 24
 

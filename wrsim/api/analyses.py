@@ -278,7 +278,8 @@ def profiles(
 def stationary(
     vehicle: Vehicle | str, *, cant_deficiency: float | None = None, twist: float | None = None,
     twist_test: bool = False, twists: tuple[float, float] | None = None, rotation_test: bool = False,
-    rotation_radius_m: float = 150.0, picture: Path | None = None, loops: Path | None = None,
+    rotation_radius_m: float = 150.0, amplitude_mm: float = 1.0, frequency_Hz: float = 1.0,
+    picture: Path | None = None, loops: Path | None = None,
     campbell: Path | None = None, models: Sequence[str | Path] = (),
 ) -> Outcome:  # fmt: skip
     """Mass, centre, static wheel loads, natural modes and stationary tests of a vehicle.
@@ -293,6 +294,8 @@ def stationary(
         Wheel loads on track of this twist [per mille].
     twist_test, rotation_test : bool
         Tests of EN 14363; twists: of the first under body and bogie [per mille], rotation_radius_m: of the second.
+    amplitude_mm, frequency_Hz : float
+        Travel at which dampers and friction are linearised for the modes.
     picture, loops : Path, optional
         Where the vehicle, and the loops of these tests, are drawn.
     campbell : Path, optional
@@ -312,6 +315,7 @@ def stationary(
     from wrsim.analysis.stationary import at_rest
     from wrsim.scenario.plausibility import vehicle_warnings
     from wrsim.scenario.vehicle_build import vehicle_model
+    from wrsim.vehicle.equivalent import Stroke
 
     if twists is not None and not twist_test:
         raise InputError("--twists belongs to --twist-test")
@@ -320,9 +324,9 @@ def stationary(
     loaded = vehicle_model(vehicle, list(models)) if isinstance(vehicle, str) else vehicle
     if loaded.members and (cant_deficiency or twist or twist_test or rotation_test):
         raise InputError(f"{vehicle}: is a train; tests at rest are for one vehicle: give the file of one of them")
-    doubts = vehicle_warnings(loaded)
+    doubts, stroke = vehicle_warnings(loaded), Stroke(amplitude_mm / 1e3, frequency_Hz)
     try:
-        found = at_rest.numbers_at_rest(loaded, cant_deficiency, twist) | {"warnings": doubts}
+        found = at_rest.numbers_at_rest(loaded, cant_deficiency, twist, stroke) | {"warnings": doubts}
     except SimulationError as error:  # what is implausible is most likely why
         raise SimulationError("\n".join((str(error), *doubts))) from None
     tested, twisted, turned = at_rest.stationary_tests(loaded, twist_test, twists, rotation_test, rotation_radius_m)

@@ -139,6 +139,10 @@ def vehicle(
     rotation_radius_m: Annotated[
         float, typer.Option(metavar="M", min=10.0, max=10_000.0, help="Radius of the curve of that test.")
     ] = 150.0,
+    amplitude_mm: Annotated[
+        float, typer.Option(min=1e-3, max=1000.0, help="Travel at which dampers and friction are linearised for modes.")
+    ] = 1.0,
+    frequency_hz: Annotated[float, typer.Option(min=0.01, max=1000.0, help="Frequency of that travel.")] = 1.0,
     loops: Annotated[
         Path | None, typer.Option("--loops", metavar="PNG|SVG|PDF", help="Draw the loops of these two tests there.")
     ] = None,
@@ -153,6 +157,6 @@ def vehicle(
         options.check_ending(option, picture, *options.PICTURES)
     return wrsim.stationary(
         file, cant_deficiency=cant_deficiency, twist=twist, twist_test=twist_test, twists=twists,
-        rotation_test=rotation_test, rotation_radius_m=rotation_radius_m, picture=output, loops=loops,
-        campbell=campbell, models=models or (),
+        rotation_test=rotation_test, rotation_radius_m=rotation_radius_m, amplitude_mm=amplitude_mm,
+        frequency_Hz=frequency_hz, picture=output, loops=loops, campbell=campbell, models=models or (),
     )  # fmt: skip

@@ -16,7 +16,7 @@ MODES = ("pose_speed", "mode_branch", "mode_frequency", "mode_damping", "mode_gr
 def summarise_stability(dataset: xr.Dataset) -> dict[str, Any]:
     """Critical speeds with their frequency and mode; ``None`` where there are none, and a note with the reason."""
     about = dataset.attrs
-    words = ("critical_mode", "critical_note", "nonlinear_note")
+    words = ("critical_mode", "critical_note", "nonlinear_note", "linearised")
     return {
         "speeds": dataset.sizes["pose"],
         "linear_critical_speed_kmh": finite(about.get("critical_speed_m_s"), 3.6),
@@ -43,6 +43,7 @@ def stability_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table
             mode = f", {quantity(summary['critical_frequency_Hz'], 'Hz', '.3f')}: {summary.get('critical_mode', '')}"
             lines.append(words + (mode if kind == "linear" else ""))
         lines += [summary[note]] if note in summary else []
+    lines += [summary["linearised"]] if "linearised" in summary else []
     found = [Table(str(dataset.attrs["title"]), notes=tuple(lines))]
     rows = []
     for one in np.flatnonzero(np.isfinite(dataset["mode_growth"].values).any(axis=1)):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wrsim.contact.workspace import WARM_TOLERANCE
 from wrsim.core.body import derivative as k
 from wrsim.vehicle.elements import Array
+from wrsim.vehicle.equivalent import Stroke
 
 Groups = Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]
 """Groups of places (n,) that may be changed at once, each of which acts on its own row of places (n, m) alone."""
@@ -91,8 +92,8 @@ class ForceLaw:
         """Called after such a step with the state at its end, of which it may write rates that are not
         integrated."""
 
-    def stuck(self) -> AbstractContextManager[None]:
-        """While this lasts, no slider slips."""
+    def equivalent(self, stroke: Stroke, t: float, q: Array, q_t: Array) -> AbstractContextManager[None]:
+        """While this lasts, elements are those that are equivalent at this state, and linear."""
         return nullcontext()
 
     def blocks(self) -> Sequence[Block]:

@@ -32,6 +32,7 @@ from wrsim.simulation.vehicle_arrays import (
     stepper_arrays,
     vehicle_arrays,
 )
+from wrsim.vehicle.equivalent import Stroke, equivalent_elements
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.speed import SpeedProfile
 from wrsim.vehicle.vehicle import Vehicle
@@ -39,9 +40,6 @@ from wrsim.vehicle.wheelset import Wheelset
 
 Contacts = tuple[ContactModel, ContactModel]
 """Contact models of the left and the right wheel."""
-
-UNBOUNDED = 1e15
-"""Added to the largest force of a slider so that it sticks [N]."""
 
 SUPPORT, SUPPORT_DAMPING = 1e9, 1e5
 """Stiffness [N/m] and damping [N s/m] of rigid rails under each conical wheel."""
@@ -320,7 +318,9 @@ class VehicleOnTrack(Layout):
         whole = self.workspace.views[vehicle_forces.WHOLE][0]
         before, whole["settled"] = int(whole["settled"]), 1
         try:
-            with self._elements_with("settled", how):
+            elements = self.elements.copy()
+            elements["settled"] = how
+            with self._elements_as(elements):
                 yield
         finally:
             whole["settled"] = before
@@ -334,19 +334,21 @@ class VehicleOnTrack(Layout):
         q_t[inner] = out[inner]
         return q_t
 
-    def stuck(self) -> AbstractContextManager[None]:
-        return self._elements_with("bound", self.elements["bound"] + UNBOUNDED)
+    def equivalent(self, stroke: Stroke, t: float, q: Array, q_t: Array) -> AbstractContextManager[None]:
+        self.at(t, q, q_t)
+        tables = self.workspace.views[vehicle_forces.TABLES]
+        return self._elements_as(equivalent_elements(self.elements, self.records, tables, stroke))
 
     @contextmanager
-    def _elements_with(self, name: str, values: Any) -> Iterator[None]:
-        """While this lasts, a field of all elements has other values."""
-        before = self.elements[name].copy()
+    def _elements_as(self, elements: Any) -> Iterator[None]:
+        """While this lasts, all elements are these records."""
+        before = self.elements.copy()
         try:
-            self.elements[name] = values
+            self.elements[:] = elements
             self._evaluated = np.nan
             yield
         finally:
-            self.elements[name] = before
+            self.elements[:] = before
             self._evaluated = np.nan
 
 

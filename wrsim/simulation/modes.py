@@ -14,6 +14,7 @@ from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
 from wrsim.simulation.force_law import Array, ForceLaw, force_derivative
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
+from wrsim.vehicle.equivalent import SMALL_STROKE, Stroke
 from wrsim.vehicle.vehicle import Vehicle
 
 DIRECTIONS = ("vertical", "longitudinal", "lateral", "yaw", "roll", "pitch")
@@ -31,7 +32,7 @@ class Linearised:
     """mass q_tt + damping q_t + stiffness q = 0 for small motions about a state, all (n, n); bodies: their number.
 
     Order of q: coordinates of the bodies; dampers in series with springs, whose rates are their extensions, and sliders
-    (places ``sliders``), which stick; ``positions``: pitch of axle boxes, twist of axles, displacements of rails.
+    (places ``sliders``), which do not slip; ``positions``: pitch of axle boxes, twist of axles, displacements of rails.
     """
 
     mass: Array
@@ -55,8 +56,12 @@ class Linearised:
         return full[np.ix_(retained, retained)]
 
 
-def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t: float = 0.0) -> Linearised:
-    """Matrices of the small motions about a state without acceleration, gyroscopic terms included; sliders stick.
+def linearise(
+    forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, stroke: Stroke = SMALL_STROKE, t: float = 0.0
+) -> Linearised:
+    """Matrices of the small motions about a state without acceleration, gyroscopic terms included.
+
+    Dampers and sliders are linear ones that are equivalent at the stroke, see ``vehicle.equivalent``.
 
     On straight track a steady run is such a state; in a curve it is not, for the coordinates are global.
     """
@@ -64,7 +69,7 @@ def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t
     def inertia(t: float, q: Array, q_t: Array, out: Array) -> None:
         out[:] = velocity_forces(bodies, q, q_t)
 
-    with forces.stuck():
+    with forces.equivalent(stroke, t, q, q_t):
         stiffness, damping = (
             force_derivative(ForceLaw(inertia), q, q_t, len(bodies), t, *by)
             - force_derivative(forces, q, q_t, len(bodies), t, *by)
@@ -85,13 +90,13 @@ class Mode:
     name: str
 
 
-def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
-    """Oscillating modes in the design position, slowest first; the wheelsets are fixed, friction elements stick."""
+def natural_modes(vehicle: Vehicle, stroke: Stroke = SMALL_STROKE) -> tuple[Mode, ...]:
+    """Oscillating modes in the design position at a stroke of its elements, slowest first; the wheelsets are fixed."""
     if not vehicle.bodies:
         return ()
     law = VehicleOnTrack(vehicle, Track.build([Straight(200.0)], 1.5), (), speed=0.0, start=100.0, drive="free")
     q, q_t = design_state(law)
-    linear = linearise(law, law.bodies, q, law.settled_rates(q, q_t))
+    linear = linearise(law, law.bodies, q, law.settled_rates(q, q_t), stroke)
     n, w = 6 * len(law.bodies), 6 * len(vehicle.wheelsets)
     matrix = linear.state_matrix
     rates = n + law.positions

@@ -126,6 +126,11 @@ class Element(ABC):
         """Its points on the first and on the second body [m]."""
 
     @property
+    def is_linearised(self) -> bool:
+        """Whether an equivalent linear element stands for it in modes (``vehicle.equivalent``)."""
+        return self.slider is not None
+
+    @property
     def directions(self) -> Array:
         """Unit vectors of its forces in the design position, (m, 3)."""
         return np.eye(3)
@@ -209,6 +214,10 @@ class Strut(Element):
     @property
     def points(self) -> tuple[Triple, Triple]:
         return self.ends
+
+    @property
+    def is_linearised(self) -> bool:
+        return bool(self.damper_table) or super().is_linearised
 
     @property
     def directions(self) -> Array:

@@ -138,9 +138,9 @@ class RollingVehicle:
         self.remark = contact_words(wheels)
         return found.q.copy(), found.q_t.copy()
 
-    def modes(self, speed: float, highest: float) -> RollingModes:
-        """Modes of the small motions about the steady state at a speed [m/s], up to a frequency [Hz]."""
-        linear = linearise(self.law, self.law.bodies, *self.state(speed))
+    def modes(self, speed: float, plan: StabilityPlan) -> RollingModes:
+        """Modes of the small motions about the steady state at a speed [m/s], up to the highest frequency."""
+        linear = linearise(self.law, self.law.bodies, *self.state(speed), plan.stroke)
         m = 6 * linear.bodies
         spins = 6 * np.arange(len(self.law.vehicle.wheelsets)) + 5
         retained = np.setdiff1d(np.arange(linear.state_matrix.shape[0]), spins)
@@ -148,7 +148,7 @@ class RollingVehicle:
         whole = np.zeros((m, len(values)), dtype=complex)
         own = retained < m
         whole[retained[own]] = vectors[own]
-        oscillating = (values.imag > 2.0 * np.pi * SLOWEST) & (np.abs(values.imag) <= 2.0 * np.pi * highest)
+        oscillating = (values.imag > 2.0 * np.pi * SLOWEST) & (np.abs(values.imag) <= 2.0 * np.pi * plan.highest)
         order = np.argsort(values[oscillating].imag)
         shapes = whole[:, oscillating].T[order].reshape(-1, linear.bodies, 6)
         return RollingModes(speed, values[oscillating][order], shapes, float(values.real.max()))
@@ -158,5 +158,5 @@ def mode_shapes(setup: Setup[StabilityPlan], speeds: Sequence[float]) -> Iterato
     """Modes of the set-up's vehicle at speeds [m/s], each with the names of its modes."""
     rolling = RollingVehicle(setup, speeds[0])
     for speed in speeds:
-        found = rolling.modes(speed, setup.plan.highest)
+        found = rolling.modes(speed, setup.plan)
         yield found, [mode_name(setup.vehicle, shape) for shape in found.shapes]

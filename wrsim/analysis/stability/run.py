@@ -27,16 +27,17 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
     found: list[RollingModes] = []
     remarks: list[str] = []
     cycles: list[Cycle] = []
-    outcome: dict[str, Any] = {}
+    nonlinear = any(e.is_linearised for e in vehicle.elements)
+    outcome: dict[str, Any] = {"linearised": plan.stroke.words} if nonlinear else {}
     reason = ""
     try:
         rolling = RollingVehicle(setup, plan.speeds[0])
         share = SHARE_OF_MODES if plan.cycles else 1.0
         for i, speed in enumerate(plan.speeds):
-            found.append(rolling.modes(speed, plan.highest))
+            found.append(rolling.modes(speed, plan))
             remarks.append(rolling.remark)
             report(share * 0.8 * (i + 1) / len(plan.speeds))
-        worst = critical(lambda speed: rolling.modes(speed, plan.highest), found)
+        worst = critical(lambda speed: rolling.modes(speed, plan), found)
         outcome |= _critical_words(worst, found, vehicle)
         report(share)
         if plan.cycles is not None:

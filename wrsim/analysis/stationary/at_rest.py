@@ -21,6 +21,7 @@ from wrsim.results.table import Column, Table, formatted, quantity
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.simulation.modes import natural_modes
 from wrsim.vehicle.axle import whirl
+from wrsim.vehicle.equivalent import SMALL_STROKE, Stroke
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle
 
@@ -34,9 +35,10 @@ TINY = 1.0  # load of a lifted wheel in a ratio of loads [N]
 
 
 def numbers_at_rest(
-    vehicle: Vehicle, cant_deficiency: float | None = None, twist: float | None = None
+    vehicle: Vehicle, cant_deficiency: float | None = None, twist: float | None = None, stroke: Stroke = SMALL_STROKE
 ) -> dict[str, Any]:
-    """Numbers of a vehicle at rest; cant_deficiency [mm], twist [per mille]: of tests, none unless given."""
+    """Numbers of a vehicle at rest; cant_deficiency [mm], twist [per mille]: of tests, none unless given; stroke: of
+    its modes."""
     trimmed = replace(vehicle, loads=())
     level = static_state(trimmed)
     found = {
@@ -50,8 +52,9 @@ def numbers_at_rest(
         "weighing": weighing(level),
         "modes": [
             {"frequency_Hz": mode.frequency, "damping": mode.damping, "motion": mode.name}
-            for mode in natural_modes(trimmed)
+            for mode in natural_modes(trimmed, stroke)
         ],
+        **({"linearised": stroke.words} if any(e.is_linearised for e in vehicle.elements) else {}),
         "axles": campbell(vehicle),
     }
     tests: dict[str, tuple[dict[str, float], Callable[[], dict[str, Any]]]] = {}
@@ -261,8 +264,9 @@ def tables_at_rest(found: Numbers) -> list[Table]:
         cells = [(v, b[0], f[0], b[1], f[1]) for v, b, f in pairs if v % 100 == 0 and len(b) > 1]
         tables.append(Table(f"bending of the free elastic axle '{axle['wheelset']}'", columns, cells))
     heads = (Column("frequency", "Hz", ".3f"), Column("damping", "", ".3f"), Column("motion"))
+    notes = (found["linearised"],) if "linearised" in found else ()
     rows = [(m["frequency_Hz"], m["damping"], m["motion"]) for m in found["modes"]]
-    return [*tables, *([Table("modes on its springs, wheelsets held", heads, rows)] if rows else [])]
+    return [*tables, *([Table("modes on its springs, wheelsets held", heads, rows, notes)] if rows else [])]
 
 
 def _wheels_table(

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 from wrsim.inputs.section import Fault
-from wrsim.inputs.values import Series, number
+from wrsim.inputs.values import Series, number, positive
 from wrsim.scenario.sections.table import Given, PlanTable
+from wrsim.vehicle.equivalent import SMALL_STROKE, Stroke
 
 Speed = Annotated[float, number(1, 1000, "km/h")]
 SPEEDS = tuple(float(v) for v in range(40, 401, 20))
@@ -33,12 +34,13 @@ class CyclePlan:
 
 @dataclass(frozen=True)
 class StabilityPlan:
-    """Speeds [m/s] of the modes, rising; highest frequency of modes that are stored [Hz]; cycles: None without
-    their search.
+    """Speeds [m/s] of the modes, rising; highest frequency of modes that are stored [Hz]; stroke for which elements are
+    linearised; cycles: None without their search.
     """
 
     speeds: tuple[float, ...]
     highest: float
+    stroke: Stroke
     cycles: CyclePlan | None
 
     def facts(self) -> dict[str, Any]:
@@ -57,6 +59,10 @@ class StabilitySection(PlanTable, header="[stability]"):
     """Speeds at which the modes are computed."""
     highest_Hz: Annotated[float, number(0.1, 1000, "Hz")] = 25.0
     """Highest frequency of modes that are stored."""
+    amplitude_mm: Annotated[float, positive(1000, "mm")] = 1e3 * SMALL_STROKE.amplitude
+    """Amplitude of the travel at which dampers and friction are linearised."""
+    frequency_Hz: Annotated[float, number(0.01, 1000, "Hz")] = SMALL_STROKE.frequency
+    """Frequency of that travel."""
     nonlinear: bool = True
     """Whether limit cycles and the nonlinear critical speed are looked for."""
     cycle_start_kmh: Speed | None = None
@@ -94,4 +100,5 @@ class StabilitySection(PlanTable, header="[stability]"):
         start = None if self.cycle_start_kmh is None else self.cycle_start_kmh / 3.6
         cycles = self.to_si(CyclePlan, start=start, step=self.cycle_step_kmh / 3.6)
         speeds = tuple(sorted({v / 3.6 for v in self.speed_kmh}))
-        return StabilityPlan(speeds, self.highest_Hz, cycles if self.nonlinear else None)
+        stroke = Stroke(self.amplitude_mm / 1e3, self.frequency_Hz)
+        return StabilityPlan(speeds, self.highest_Hz, stroke, cycles if self.nonlinear else None)
