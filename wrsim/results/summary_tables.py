@@ -45,7 +45,8 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     if energy := summary.get("energy"):
         parts = [(words, energy[key]) for key, words in ENERGY.items() if energy[key] or key == "left_over_kJ"]
         tables.append(Table("balance of energy over the run", (Column(), Column("work", "kJ")), parts))
-    notes = (*first_lines(happened(summary), "events"), *integration(summary))
+    rails = [f"rails: {summary['structure']}"] if "structure" in summary else []
+    notes = (*first_lines(happened(summary), "events"), *rails, *integration(summary))
     return [*tables, Table("", notes=notes)] if notes else tables
 
 

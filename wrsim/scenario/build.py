@@ -21,7 +21,7 @@ from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.contact import Coefficient, law_of
 from wrsim.scenario.sections.table import Given
 from wrsim.scenario.sections.vehicle import SpeedTable
-from wrsim.scenario.track_build import check_placement, rails_of, surfaces_of, track_of
+from wrsim.scenario.track_build import check_placement, rails_of, support_words, surfaces_of, track_of
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.vehicle import Vehicle
@@ -37,7 +37,7 @@ class Setup(Generic[P]):
     drive: what holds the vehicle's speed; rails: inclined profiles of the left and right rail; surfaces: of rails that
     change along the track, else None; conical: wheels in place of profiles and contact models; plan: what the analysis
     has to do, from its own table; files: model files that were read; inputs: SHA-256 of every file that was read, by
-    its name; threads: that compute contacts, which changes no number."""
+    its name; threads: that compute contacts, which changes no number; support: what the rails of a run rest on."""
 
     title: str
     analysis: str
@@ -53,6 +53,7 @@ class Setup(Generic[P]):
     files: tuple[Path, ...] = ()
     inputs: Mapping[str, str] = field(default_factory=dict)
     threads: int = 1
+    support: str = ""
 
     @property
     def wheelset(self) -> Wheelset:
@@ -68,6 +69,7 @@ class Setup(Generic[P]):
             "scenario_text": self.text,
             "inputs": json.dumps(dict(self.inputs)),
         }
+        own |= {"structure": self.support} if self.support else {}
         return own | ({"stop_reason": stop_reason} if stop_reason else {})
 
 
@@ -120,6 +122,7 @@ def _build(scenario: Scenario) -> Setup[Any]:
         conical=None if spec.contact.conical is None else spec.contact.conical.to_si(ConicalWheels),
         plan=plan,
         text=scenario.text,
+        support=support_words(track, spec.track.structure is None) if analysis.moves else "",
     )
 
 

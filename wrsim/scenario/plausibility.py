@@ -67,6 +67,7 @@ def facts(setup: Setup) -> dict[str, Any]:
         "drive": setup.drive,
         "gauge_mm": 1e3 * setup.track.nominal_gauge,
         "rails": [rail.name for rail in setup.rails],
+        **({"structure": setup.support} if setup.support else {}),
         "files": [str(f) for f in setup.files],
     }
     if setup.conical is None:

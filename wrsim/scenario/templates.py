@@ -19,6 +19,7 @@ CURVE: tuple[dict[str, Any], ...] = (
     {"kind": "arc", "radius_m": 300, "length_m": 100, "cant_mm": 60},
 )
 RAILS = {"gauge_mm": 1435, "rail": "rails/60E1.toml", "inclination": "1:40"}
+ELASTIC = {"structure": {"kind": "moving mass"}}
 STARTS: dict[str, dict[str, Any]] = {
     "static": {
         "vehicle": {"model": WHEELSET},
@@ -26,10 +27,11 @@ STARTS: dict[str, dict[str, Any]] = {
         "static": {"target": "wheelset", "lateral_mm": {"from": -6, "to": 6, "step": 1}, "load_kN": 110},
     },
     "equilibrium": {"vehicle": {"model": WHEELSET}, "track": RAILS},
-    "curving": {"vehicle": {"model": WHEELSET, "speed_kmh": 54}, "track": RAILS | {"segments": CURVE}},
+    "curving": {"vehicle": {"model": WHEELSET, "speed_kmh": 54}, "track": RAILS | ELASTIC | {"segments": CURVE}},
     "ride": {
         "vehicle": {"model": COACH, "speed_kmh": 120},
         "track": RAILS
+        | ELASTIC
         | {
             "segments": ({"kind": "straight", "length_m": 200},),
             "irregularities": ({"kind": "spectrum", "spectrum": "ERRI-low", "seed": 1},),

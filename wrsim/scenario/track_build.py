@@ -18,15 +18,19 @@ from wrsim.geometry.track.crossing import read_crossing
 from wrsim.geometry.track.irregularities import Disturbance
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
 from wrsim.geometry.track.segments import Grade, Laws, Segment, Straight, laws
+from wrsim.geometry.track.sleepers import SleeperTrack
 from wrsim.geometry.track.table import IRREGULARITIES, TrackTable
-from wrsim.geometry.track.track import MAX_OFFSET, ROUNDING, Track
+from wrsim.geometry.track.track import MAX_OFFSET, ROUNDING, RailElasticity, Track
 from wrsim.inputs.checking import dotted, kind_of, opened
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import SIDES, on_side
 from wrsim.inputs.toml_files import write_toml
+from wrsim.inputs.values import plain_number
+from wrsim.register import ANALYSES
 from wrsim.scenario.loading import Scenario, load, load_text
 from wrsim.scenario.merging import BASE, FILE
 from wrsim.scenario.sections.irregularities import TableSection
+from wrsim.scenario.sections.structure import MovingMassStructure
 from wrsim.vehicle.wheelset import Wheelset
 
 LEVEL_TRACK = 100.0
@@ -95,12 +99,14 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
         file = scenario.find((*key, "file"), entry.file) if isinstance(entry, TableSection) else Path()
         with scenario.faults_at(key):
             uneven += entry.disturbances(law.curvature.end, file)
-    structure = None
-    if section.structure is not None:
+    structure, rests_on = None, section.structure
+    if rests_on is None and ANALYSES[scenario.analysis].moves:
+        rests_on = MovingMassStructure(kind="moving mass")
+    if rests_on is not None:
         with scenario.faults_at(("track", "structure")):
-            above = ("bridge",) if section.structure.kind == "sleepers" else ()
+            above = ("bridge",) if rests_on.kind == "sleepers" else ()
             find = partial(scenario.find, ("track", "structure", *above, "modes"))
-            structure = section.structure.to_geometry(find)
+            structure = rests_on.to_geometry(find)
     with scenario.faults_at(("track",)):
         offsets = [(0.0, 0.0)] * 2  # of the profiles' origins, from half the gauge and from the track's plane
         if section.gauge_between == "gauge points":
@@ -117,6 +123,21 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
             step=section.row_distance_m,
             structure=structure,
         )
+
+
+def support_words(track: Track, default: bool) -> str:
+    """What the rails of a run rest on; default: nobody has said it."""
+    if not isinstance(track.structure, RailElasticity):
+        beam, on_bridge = isinstance(track.structure, SleeperTrack), track.bridge is not None
+        return ("beams on sleepers" if beam else "rigid") + (" on a bridge" if on_bridge else "")
+    own = track.structure
+    mass, stiffness, damping = (
+        "/".join(plain_number(factor * value) for value in values)
+        for factor, values in ((1.0, own.mass), (1e-6, own.stiffness), (1e-3, own.damping))
+    )
+    figures = f"moving mass of {mass} kg on {stiffness} MN/m and {damping} kN s/m (lateral/vertical) under each wheel"
+    of_default = f' (default, {MovingMassStructure.source}); kind = "rigid" for rigid rails'
+    return f"elastic, {figures}" + (of_default if default else "")
 
 
 def surfaces_of(scenario: Scenario, track: Track) -> tuple[RailSurface | None, RailSurface | None]:

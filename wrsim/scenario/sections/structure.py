@@ -2,9 +2,9 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from wrsim.geometry.track.bridge import Bridge, read_bridge
 from wrsim.geometry.track.sleepers import Layer, RailBeam, RailJoint, SleeperTrack, SupportRow
@@ -19,28 +19,43 @@ Which = Literal["left", "right", "both"]
 
 
 class StructureTable(Choice, header="[track.structure]"):
-    """What the rails rest on; without this table they are rigid."""
+    """What the rails rest on. Without this table a run in time has the moving mass with its defaults under each wheel,
+    and all other analyses have rigid rails."""
 
     kind: str
     """Kind of structure."""
 
 
+class RigidStructure(StructureTable, kind="rigid"):
+    """Rails that do not move."""
+
+    also_called = "none stiff fixed"
+
+    def to_geometry(self, find: Callable[[str], Path]) -> None:
+        return None
+
+
 class MovingMassStructure(StructureTable, kind="moving mass"):
-    """A mass on spring and damper under each wheel, moving along with it; laterally and vertically."""
+    """A mass on spring and damper under each wheel, moving along with it; laterally and vertically.
+
+    Defaults: the track of GM/TT0088 (British Railways Board, Permissible track forces for railway vehicles, 1993), per
+    wheel, recalled; its lateral damping is the same part of critical as the vertical one, 22 %.
+    """
 
     aliases = {"vertical_mass_kg": "mass_kg"}
+    source: ClassVar[str] = "GM/TT0088"
 
-    lateral_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "20 to 50 for one rail under one wheel")]
+    lateral_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "20 to 50 for one rail under one wheel")] = 25.0
     """Stiffness that holds the rail sideways under one wheel."""
-    vertical_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "30 to 100")]
+    vertical_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "30 to 100")] = 62.0
     """Stiffness that carries the rail under one wheel."""
-    lateral_damping_kNs_per_m: Damping
+    lateral_damping_kNs_per_m: Damping = 29.3
     """Damping of the rail sideways under one wheel."""
-    vertical_damping_kNs_per_m: Damping
+    vertical_damping_kNs_per_m: Damping = 55.4
     """Damping of the rail up and down under one wheel."""
-    lateral_mass_kg: Annotated[float, number(1, 1e5, "of the rail and what moves with it")]
+    lateral_mass_kg: Annotated[float, number(1, 1e5, "of the rail and what moves with it")] = 170.0
     """Mass of rail that moves sideways with one wheel."""
-    vertical_mass_kg: Annotated[float, number(1, 1e5, "of the rail and what moves with it")]
+    vertical_mass_kg: Annotated[float, number(1, 1e5, "of the rail and what moves with it")] = 245.0
     """Mass of rail that moves up and down with one wheel."""
 
     def to_geometry(self, find: Callable[[str], Path]) -> RailElasticity:
@@ -239,4 +254,13 @@ class BridgeStructure(StructureTable, BridgeSection, kind="bridge"):
         return self.deck(find).beneath(self.elastic_length_m)
 
 
-AnyStructure = Annotated[MovingMassStructure | SleepersStructure | BridgeStructure, Field(discriminator="kind")]
+def _alone(table: Any) -> Any:
+    """Rigid rails need no figures: those of a base do not count."""
+    return {"kind": "rigid"} if isinstance(table, dict) and table.get("kind") == "rigid" else table
+
+
+AnyStructure = Annotated[
+    RigidStructure | MovingMassStructure | SleepersStructure | BridgeStructure,
+    Field(discriminator="kind"),
+    BeforeValidator(_alone),
+]

@@ -215,7 +215,7 @@ class TrackSection(Section, header="[track]"):
     irregularities: List[Annotated[IrregularitySection, Field(discriminator="kind")]] = ()
     """Where the rails leave their designed place: spectra, measurements, single defects."""
     structure: AnyStructure | None = None
-    """What the rails rest on; without this table they are rigid."""
+    """What the rails rest on; without it a run in time has a mass on springs under each wheel."""
     rail_sections: List[RailSectionSection] = ()
     """Profiles of rails that change along the track, such as worn stretches, welds, crossings."""
     row_distance_m: Annotated[float, number(0.01, 1, "m between the rows of the rails' tables")] | None = None
