@@ -18,7 +18,8 @@ from wrsim.analysis.assessment.nadal import Climbing, longest_stretch, nadal_lim
 from wrsim.analysis.assessment.sections import sections_of, zone_of
 from wrsim.analysis.ride import ride_section_of
 from wrsim.results.assessment import Assessment, assessment_json
-from wrsim.results.rules import About, rule_set
+from wrsim.results.limits import About
+from wrsim.results.rules import rule_set
 from wrsim.scenario.sections.assessment import AssessmentSettings
 from wrsim.scenario.sections.run import RideSection
 

@@ -13,7 +13,8 @@ from wrsim import InputError, Result, load_text
 from wrsim.analysis.assessment import assess_runs
 from wrsim.analysis.assessment.nadal import distance_to_climb
 from wrsim.results.assessment import Assessment
-from wrsim.results.rules import FOLDER, NAMES, QUANTITIES, About, rule_set
+from wrsim.results.limits import QUANTITIES, About
+from wrsim.results.rules import FOLDER, NAMES, rule_set
 from wrsim.scenario.sections.assessment import AssessmentSettings
 from wrsim.study.outputs import case_outputs
 from wrsim.study.spec import OutputsSection

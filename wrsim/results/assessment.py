@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from wrsim.results.channels import SHOWN, Shown
 from wrsim.results.files import as_csv, as_json
+from wrsim.results.limits import Limit, Quantity
 from wrsim.results.moments import Array
-from wrsim.results.rules import Limit, Quantity, RulesFile
+from wrsim.results.rules import RulesFile
 from wrsim.results.table import Cell, Column, Table, as_rows, finite, formatted, quantity
 
 Influence = Literal["cant_deficiency", "curvature", "speed"]

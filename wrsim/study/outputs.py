@@ -16,7 +16,7 @@ from wrsim.errors import InputError, suggest
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
-from wrsim.results.rules import QUANTITIES
+from wrsim.results.limits import QUANTITIES
 from wrsim.results.table import formatted
 from wrsim.study.spec import REDUCTIONS, ChannelOutput, OutputsSection
 

@@ -12,7 +12,7 @@ from wrsim.contact.wear.laws import LawName
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, number, positive, refuse, spread, text
 from wrsim.results import CHANNELS
-from wrsim.results.rules import OF_RUNS
+from wrsim.results.limits import OF_RUNS
 from wrsim.vehicle.vehicle_sections import WheelName
 
 MOST_CASES = 1_000_000

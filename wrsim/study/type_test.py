@@ -16,7 +16,7 @@ from wrsim.inputs.section import given
 from wrsim.results import Result, write_atomically
 from wrsim.results.assessment import TO_CONFIRM, Assessment, ZoneValue
 from wrsim.results.files import as_csv, as_json, from_json
-from wrsim.results.rules import Limit
+from wrsim.results.limits import Limit
 from wrsim.results.table import Cell, Column, Table, as_rows, formatted, quantity
 from wrsim.scenario.build import Setup, build
 from wrsim.study.collect import MISSING

@@ -26,7 +26,8 @@ from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.results import Result
 from wrsim.results.assessment import AssessedSection, Assessment, Value
-from wrsim.results.rules import HistorySection, Limit, RulesFile, rule_set
+from wrsim.results.limits import Limit
+from wrsim.results.rules import HistorySection, RulesFile, rule_set
 from wrsim.results.summary import events
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 from wrsim.scenario.loading import load_text

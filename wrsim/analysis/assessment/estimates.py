@@ -24,7 +24,8 @@ import numpy as np
 from scipy.special import ndtr, stdtrit
 
 from wrsim.results.assessment import TRANSITION, Array, AssessedSection, Influence, Regression, Value, ZoneValue
-from wrsim.results.rules import SAFETY, StatisticsSection
+from wrsim.results.limits import SAFETY
+from wrsim.results.rules import StatisticsSection
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
 SPREAD = 1e-6  # an influence that varies by less, as a part of its size, is none

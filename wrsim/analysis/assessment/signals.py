@@ -19,7 +19,8 @@ from wrsim.errors import InputError
 from wrsim.inputs.section import given
 from wrsim.results.assessment import Array, AssessedSection, Value
 from wrsim.results.channels import BOGIE_FRAME, CAR_BODY
-from wrsim.results.rules import About, ClauseSection, Limit, RulesFile
+from wrsim.results.limits import About, Limit
+from wrsim.results.rules import ClauseSection, RulesFile
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
 SIDES = (("left", 0), ("right", 1))

@@ -16,7 +16,8 @@ from wrsim.analysis.stationary.statics import StaticState, canted, static_state
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.profile import Profile
 from wrsim.inputs.section import given
-from wrsim.results.rules import About, Limit, rule_set
+from wrsim.results.limits import About, Limit
+from wrsim.results.rules import rule_set
 from wrsim.results.table import Column, Table, formatted, quantity
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.simulation.modes import natural_modes

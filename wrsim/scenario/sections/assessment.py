@@ -7,7 +7,8 @@ from typing import Annotated, Literal, get_args
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number
 from wrsim.results.assessment import Influence
-from wrsim.results.rules import NAMES, USUAL, Kind
+from wrsim.results.limits import Kind
+from wrsim.results.rules import NAMES, USUAL
 from wrsim.scenario.sections.table import AnalysisTable
 
 
