@@ -283,11 +283,7 @@ def test_another_scenario_or_a_changed_model_does_not_go_on(whole, tmp_path, mon
     assert "[300.0, 80.0" in text
     rail.write_text(text.replace("[300.0, 80.0", "[301.0, 80.0", 1))
     assert f"{rail} has changed since the run began; run it without --resume" in refusal("run", file, *arguments)
-    refused = refusal("show", out)
-    assert f"not found in {out}, " in refused
-    assert f'WRSIM_MODELS names more folders; the run had "{tmp_path}, ' in refused
-    monkeypatch.setenv("WRSIM_MODELS", str(tmp_path))
-    assert f"{rail} has changed since the run began; what is in the file can no longer be read" in refusal("show", out)
+    assert call("show", out).exit_code == 0, "what was computed is from the files that the run holds"
     rail.write_text(text)
     assert call("run", commented, *arguments).exit_code == 0
 

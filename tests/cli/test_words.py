@@ -3,7 +3,7 @@
 import json
 import re
 import time
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from typer.testing import CliRunner
 import wrsim.analysis
 from wrsim.cli import app
 from wrsim.core.jit.compiling import Kernel
+from wrsim.plots.moments import moment_title
 from wrsim.results import Result
 from wrsim.results.differences import differences
 from wrsim.results.table import Column, Table, on_terminal
@@ -116,7 +117,7 @@ def test_one_option_means_one_thing_in_all_commands() -> None:
 
 
 def test_the_same_place_means_the_same_to_plot_and_resolve(tmp_path: Path) -> None:
-    """A place is where the chosen wheelset is, as its pictures say, not where the vehicle is."""
+    """A place is where the vehicle is, as in patches_at_m, whatever the wheelset; pictures give both."""
     front = curve_run(samples=40).assign_coords(wheelset=["front"])
     rear = front.assign_coords(wheelset=["rear"])
     rear["wheelset_distance"] = rear["wheelset_distance"] - 17.5
@@ -125,12 +126,14 @@ def test_the_same_place_means_the_same_to_plot_and_resolve(tmp_path: Path) -> No
     )
     Result(both).save(tmp_path / "result.nc")
     here = float(front["snapshot_distance"].values[0])
-    for name, place in (("front", here), ("2", here - 17.5)):
-        for command in ("plot", "resolve"):
-            told = call(command, tmp_path, "--wheelset", name, "--at", "9999")
-            assert f"there are {place:.1f}, " in told.stderr, (command, name)
-    told = call("plot", tmp_path, "--wheelset", "2", "--at", f"{here - 17.5:.1f}")
-    assert (tmp_path / f"wheelset_2/patches_at_{here - 17.5:.1f}.png").is_file(), told.output
+    for name, command in product(("front", "2"), ("plot", "resolve")):
+        told = call(command, tmp_path, "--wheelset", name, "--at", "9999")
+        assert f"of that distance of the vehicle; there are {here:.1f}, " in told.stderr, (command, name)
+    told = call("plot", tmp_path, "--wheelset", "2", "--at", f"{here:.1f}")
+    assert (tmp_path / f"wheelset_2/patches_at_{here:.1f}.png").is_file(), told.output
+    titles = [moment_title(Result(both).wheelset(name), 0, 0) for name in ("front", "rear")]
+    assert titles[0].startswith(f"(a) {here:.1f} m")
+    assert titles[1].startswith(f"(a) vehicle {here:.1f} m, wheelset {here - 17.5:.1f} m")
 
 
 @pytest.mark.parametrize("command", ["diff", "resolve", "ride"])

@@ -32,6 +32,7 @@ from wrsim.results.moments import sample_of
 from wrsim.results.wheelsets import wheelsets
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.contact_choice import with_contact_model
+from wrsim.scenario.kept import ATTRIBUTE
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.placement import design_state, state_on_track
@@ -124,7 +125,8 @@ def resolve_contacts(
         and part[n].dims in ((sample,), ("snapshot",))
         and (n == "distance" or not channel.coordinate)
     }
-    about = ("title", "analysis", "status", "step_s", "stop_reason", "stop_cause", "stop_time_s", "stop_distance_m")
+    stop = ("stop_reason", "stop_cause", "stop_time_s", "stop_distance_m")
+    about = ("title", "analysis", "status", "inputs", "vehicle", ATTRIBUTE, "step_s", *stop)
     attributes = {key: dataset.attrs[key] for key in about if key in dataset.attrs}
     attributes |= {"scenario_text": own.text, "resolved_with": name, "resolved_at_same": keep}
     coords = {n: part[n].values for n in (sample, "wheel")} | {"wheelset": label}

@@ -220,14 +220,14 @@ def resolve(
     from wrsim.results import write_atomically
     from wrsim.results.moments import moments_at, resolved_table
     from wrsim.results.summary_tables import first_lines, remarks
-    from wrsim.scenario.loading import load_text
+    from wrsim.scenario.kept import scenario_of
 
     before, paths = as_result(result), paths_among(result)
     directory = Path(output) if output else folder_beside(result, None) / file_name(contact)
     with naming(*paths), bar() as progress:
         moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
         beside = folder_beside(result, None) if paths else Path()
-        scenario = load_text(before.dataset.attrs["scenario_text"], beside, models, closed=True)
+        scenario = scenario_of(before.dataset.attrs, beside, models)
         after = resolve_contacts(
             before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress
         )

@@ -66,7 +66,7 @@ Inclination = Annotated[str, typer.Option(help='Of the rails: 1:40, 1:20 ... or 
 Radius = Annotated[float, typer.Option(min=100.0, max=1500.0, help="Of both wheels at the tape circle.")]
 At = Annotated[
     list[str] | None,
-    typer.Option("--at", metavar="PLACE", help="Contacts where the wheelset is there, in m, or of this pose only."),
+    typer.Option("--at", metavar="PLACE", help="Contacts at this distance of the vehicle, in m, or of this pose only."),
 ]
 OneWheelset = Annotated[
     str | None, typer.Option("--wheelset", metavar="NAME", help="This wheelset, or that number, alone.")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from wrsim.errors import InputError
-from wrsim.inputs.toml_files import out_of_reach, reading_within
+from wrsim.inputs.toml_files import KEPT, Kept, out_of_reach, reading_within
 from wrsim.inputs.values import nearest
 
 VARIABLE = "WRSIM_MODELS"
@@ -24,10 +24,12 @@ class Finder:
     folders: tuple[Path, ...]
     closed: bool = False
     """True for names of another author: no file outside of the folders is opened."""
+    kept: Kept | None = field(default=None, repr=False, compare=False)
+    """Model files of a result (`wrsim.scenario.kept`)."""
 
     def guard(self) -> AbstractContextManager[None]:
         """Within this block names inside of files are not opened outside of the folders either, if they are closed."""
-        return reading_within(self.folders) if self.closed else nullcontext()
+        return reading_within(self.folders, self.kept) if self.closed else nullcontext()
 
     def find(self, name: str) -> Path:
         """The first file of that name; an absolute name is taken as it is.
@@ -40,6 +42,8 @@ class Finder:
         file = Path(name)
         with self.guard():
             places = [folder / file for folder in self.folders]  # an absolute name: always itself
+            if (kept := KEPT.get()) and (stored := [place for place in places if str(place) in kept.contents]):
+                return stored[0]
             refused = {place: out_of_reach(place) for place in places}
             for place in places:
                 if not refused[place] and os.path.isfile(place):
@@ -127,6 +131,8 @@ def usual_finder(extra: Sequence[str | Path] | None = ()) -> Finder:
 
 def user_folders(extra: tuple[str | Path, ...] = ()) -> tuple[Path, ...]:
     """Folders of the user, by argument and then by the environment. Raises InputError for one that is no folder."""
+    if kept := KEPT.get():
+        return kept.user_folders
     named = [("models", str(folder)) for folder in extra]
     named += [(VARIABLE, text) for text in os.environ.get(VARIABLE, "").split(os.pathsep) if text]
     for key, text in named:

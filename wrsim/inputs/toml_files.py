@@ -1,14 +1,14 @@
 """TOML files in and out, with errors for the person who wrote them."""
 
-import hashlib
 import json
 import os
 import re
 import stat
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import chain
 from pathlib import Path
@@ -72,17 +72,18 @@ def read_bytes(path: Path, what: str) -> bytes:
     Raises InputError, with what the file is, for a missing one (naming neighbours with a similar name), a directory, a
     pipe, a device, one that is too large or cannot be opened, and one out of reach (`reading_within`).
     """
-    if why := out_of_reach(path):
+    content = kept.contents.get(str(path)) if (kept := KEPT.get()) else None
+    if content is None and (why := out_of_reach(path)):
         raise InputError(f"{path}: {why}")
     try:
-        content = _content(path, what)
+        content = _content(path, what) if content is None else content
     except FileNotFoundError:
         raise InputError(f"{path}: no such {what}{similar_files(path)}") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"{path}: cannot read this {what}: {reason}") from None
     if (read := _READ.get()) is not None:
-        read[path] = hashlib.sha256(content).hexdigest()
+        read[path] = content
     return content
 
 
@@ -117,14 +118,26 @@ def other_kind(mode: int) -> str:
 _WITHIN: ContextVar[tuple[Path, ...] | None] = ContextVar("_WITHIN", default=None)
 
 
+@dataclass(frozen=True)
+class Kept:
+    """Contents of files by their paths, which count in place of files, and the user's folders that these were in."""
+
+    contents: Mapping[str, bytes]
+    user_folders: tuple[Path, ...]
+
+
+KEPT: ContextVar[Kept | None] = ContextVar("KEPT", default=None)
+
+
 @contextmanager
-def reading_within(folders: Sequence[Path]) -> Iterator[None]:
-    """Within this block no file outside of these folders is opened."""
-    before = _WITHIN.set(tuple(folders))
+def reading_within(folders: Sequence[Path], kept: Kept | None = None) -> Iterator[None]:
+    """Within this block no file outside of these folders is opened, and those that are kept count."""
+    before, without = _WITHIN.set(tuple(folders)), KEPT.set(kept)
     try:
         yield
     finally:
         _WITHIN.reset(before)
+        KEPT.reset(without)
 
 
 def out_of_reach(path: Path) -> str:
@@ -139,13 +152,13 @@ def out_of_reach(path: Path) -> str:
     return ""
 
 
-_READ: ContextVar[dict[Path, str] | None] = ContextVar("_READ", default=None)
+_READ: ContextVar[dict[Path, bytes] | None] = ContextVar("_READ", default=None)
 
 
 @contextmanager
-def noting_reads() -> Iterator[dict[Path, str]]:
-    """Within this block every file that is read is noted with the SHA-256 of its content."""
-    noted: dict[Path, str] = {}
+def noting_reads() -> Iterator[dict[Path, bytes]]:
+    """Within this block every file that is read is noted with its content."""
+    noted: dict[Path, bytes] = {}
     around = _READ.get()
     before = _READ.set(noted)
     try:

@@ -155,8 +155,8 @@ def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> 
     snapshots close together are one word over their middle."""
     if "snapshot" not in dataset.dims:
         return axes
-    x, name = theme.abscissa(dataset)
-    places = theme.shown(dataset, f"snapshot_{name}")
+    x, _ = theme.abscissa(dataset)
+    places = np.interp(dataset["snapshot_time"].values, dataset["time"].values, x)
     for at in places:
         axes.axvline(at, **SNAPSHOT)
     close = np.diff(places, prepend=-np.inf) <= CLOSE * np.ptp(x)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wrsim.plots.marks import minus
 from wrsim.plots.theme import shown
 from wrsim.results import CHANNELS
-from wrsim.results.moments import moment_dim, order_of_strips, with_patches
+from wrsim.results.moments import moment_dim, order_of_strips, sample_of, with_patches
 from wrsim.results.table import quantity
 
 
@@ -89,12 +89,15 @@ def touching_runs(strips: xr.Dataset) -> list[xr.Dataset]:
 
 
 def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
-    """Title of a panel, one or two lines: letter, then place and reason or the pose. The letter is the snapshot's own,
-    as in the histories; poses are lettered in the ``order`` of the picture."""
+    """Title of a panel, one or two lines: letter, then distance of the vehicle (and that of the wheelset where these
+    differ) and reason, or the pose. The letter is the snapshot's own, as in the histories; poses are lettered in the
+    ``order`` of the picture."""
     if moment_dim(dataset) == "snapshot":
-        place = quantity(float(dataset["snapshot_distance"][moment]), "m", ".1f")
+        place, own = dataset["snapshot_distance"].values[moment], dataset["distance"].values[sample_of(dataset, moment)]
         label = str(dataset["snapshot_label"].values[moment]) if "snapshot_label" in dataset else ""
-        lines = [f"({snapshot_letter(moment)}) {place}", "" if label.startswith("at ") else label]  # it is the place
+        places = {"vehicle ": place, "wheelset ": own} if abs(own - place) >= TOLD_APART else {"": place}
+        words = ", ".join(f"{who}{quantity(float(where), 'm', '.1f')}" for who, where in places.items())
+        lines = [f"({snapshot_letter(moment)}) {words}", "" if label.startswith("at ") else label]  # it is the place
     else:
         forms = {"lateral_shift": (r"$\Delta y$ = ", ".3g"), "yaw": (r"$\psi$ = ", ".3g"), "load": ("", ".4g")}
         varied = [n for n in forms if n in dataset and (n == "lateral_shift" or np.ptp(dataset[n].values) > 0.0)]
@@ -104,6 +107,8 @@ def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
     return "\n".join(filter(None, lines))
 
 
+TOLD_APART = 0.05
+"""Difference of two distances that one decimal shows [m]."""
 ABSCISSAE = ("lateral_shift", "yaw", "load")
 """Channels of a pose that may be on the horizontal axis, in order of preference."""
 

@@ -90,7 +90,9 @@ def paragraph(result: Result, summary: Summary, found: Assessment | None) -> str
 
 
 def vehicle_name(dataset: xr.Dataset) -> str:
-    """The name of the file of the vehicle, "of the scenario" where it has none."""
+    """The name of the vehicle; of results without one that of its file, "of the scenario" where there is none."""
+    if name := dataset.attrs.get("vehicle"):
+        return str(name)
     model = (table_of_scenario(dataset, "vehicle") or {}).get("model")
     return Path(str(model)).stem if model else "of the scenario"
 

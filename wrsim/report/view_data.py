@@ -71,11 +71,10 @@ def view_page(result: Result, folder: Path, models: Sequence[Path] = ()) -> str:
 def setup_of(result: Result, folder: Path, models: Sequence[Path] = ()) -> tuple[Setup[Any] | None, str]:
     """The set-up of a result's scenario, or None and the reason."""
     from wrsim.scenario.build import build
-    from wrsim.scenario.loading import load_text
+    from wrsim.scenario.kept import scenario_of
 
     try:
-        text = str(result.dataset.attrs.get("scenario_text", ""))
-        return build(load_text(text, folder, models, closed=True)), ""
+        return build(scenario_of(result.dataset.attrs, folder, models)), ""
     except InputError as problem:
         why = in_one_line(problem)
         return None, f"The scenario of the result cannot be set up here, so there is no vehicle to show: {why}"

@@ -50,7 +50,7 @@ def sample_of(dataset: xr.Dataset, moment: int) -> int:
 
 
 def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list[int]:
-    """Indices of the moments at these distances along the track [m], or of the poses of these names. key: what the
+    """Indices of the moments at these distances of the vehicle [m], or of the poses of these names. key: what the
     places were given as, for messages. Raises InputError."""
     if not has_patches(dataset):
         raise InputError(f"{key}: this result holds no contact patches; choose places with [output] patches_at_m")
@@ -72,7 +72,8 @@ def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list
             raise InputError(f"{key} {place}: must be a distance in m") from None
         if not min(offsets) <= NEAR:
             there = listed([f"{d:.1f}" for d in distances], 12)
-            raise InputError(f"{key} {place}: no patches are stored within {NEAR:g} m of there; there are {there}")
+            within = f"within {NEAR:g} m of that distance of the vehicle"
+            raise InputError(f"{key} {place}: no patches are stored {within}; there are {there}")
         moments.append(offsets.index(min(offsets)))
     return moments
 
@@ -147,7 +148,7 @@ def resolved_table(old: xr.Dataset, new: xr.Dataset, notes: tuple[str, ...] = ()
     rows: list[list[Cell]] = []
     for i, place in enumerate(new[sample].values):
         j = int(np.flatnonzero(old[sample].values == place)[0])
-        words = quantity(float(new["distance"].values[i]), "m", ".1f") if sample == "time" else str(place)
+        words = quantity(float(new["snapshot_distance"].values[i]), "m", ".1f") if sample == "time" else str(place)
         for w, wheel in enumerate(new["wheel"].values):
             for k in range(new.sizes["patch"]):
                 if _shown(old, "N", j, w, k) is _shown(new, "N", i, w, k) is None:

@@ -107,7 +107,7 @@ class Result:
     ) -> xr.Dataset:
         """One contact patch as arrays, in SI units.
 
-        at: distance along the track [m] of a snapshot (the nearest within 1 m), or name of a pose; wheel, wheelset: not
+        at: distance of the vehicle [m] at a snapshot (the nearest within 1 m), or name of a pose; wheel, wheelset: not
         needed where there is only one; number: of the patch, 0 for the one with the largest normal force; columns:
         points along x, except for the elements of the exact solver.
 

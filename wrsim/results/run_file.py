@@ -38,7 +38,6 @@ class _Known(BaseModel):
     model_config = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
 
     scenario_text: str = ""
-    folders: Annotated[list[str], Field(min_length=1)] = []
     files: dict[str, str] = {}
     inputs: dict[str, str] = {}
     integrator: str = ""

@@ -30,7 +30,8 @@ def of_wheelset(dataset: xr.Dataset, name: str | None = None) -> xr.Dataset:
     """What a dataset holds of one wheelset, without the dimension ``wheelset``; of the only one without a name.
 
     name: its number from the front, from 1, does as well.
-    ``distance`` is that of the wheelset. What belongs to bodies, points, suspension, loads and events is left out.
+    ``distance`` is that of the wheelset, ``snapshot_distance`` that of the vehicle. What belongs to
+    bodies, points, suspension, loads and events is left out.
     Raises InputError for a name that is none of the wheelsets, and when there are several to choose from.
     """
     names = wheelsets(dataset)
@@ -49,10 +50,9 @@ def of_wheelset(dataset: xr.Dataset, name: str | None = None) -> xr.Dataset:
     if "wheelset_distance" not in one:
         return one
     own = one["wheelset_distance"].values
-    for of in ("snapshot", "fast") if len(names) > 1 else ():
-        if (place := one.get(f"{of}_distance")) is not None:
-            at = np.interp(one[f"{of}_time"].values, one["time"].values, own)
-            one[f"{of}_distance"] = (place.dims, at, dict(place.attrs))
+    if len(names) > 1 and (place := one.get("fast_distance")) is not None:
+        at = np.interp(one["fast_time"].values, one["time"].values, own)
+        one["fast_distance"] = (place.dims, at, dict(place.attrs))
     distance = xr.Variable(("time",), own, dict(dataset["distance"].attrs))
     return one.drop_vars("wheelset_distance").assign_coords(distance=distance)
 

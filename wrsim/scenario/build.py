@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any, Generic, TypeVar
 
@@ -17,6 +18,7 @@ from wrsim.inputs.section import SIDES, on_side
 from wrsim.inputs.toml_files import noting_reads, read_bytes
 from wrsim.inputs.values import number
 from wrsim.register import ANALYSES, Analysis, resolved
+from wrsim.scenario.kept import ATTRIBUTE, KeptFiles
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.contact import Coefficient, law_of
 from wrsim.scenario.sections.table import Given
@@ -37,7 +39,8 @@ class Setup(Generic[P]):
     drive: what holds the vehicle's speed; rails: inclined profiles of the left and right rail; surfaces: of rails that
     change along the track, else None; conical: wheels in place of profiles and contact models; plan: what the analysis
     has to do, from its own table; files: model files that were read; inputs: SHA-256 of every file that was read, by
-    its name; threads: that compute contacts, which changes no number; support: what the rails of a run rest on."""
+    its name; kept: names and contents of the model files (`wrsim.scenario.kept`); threads: that compute contacts, which
+    changes no number; support: what the rails of a run rest on."""
 
     title: str
     analysis: str
@@ -52,6 +55,7 @@ class Setup(Generic[P]):
     text: str
     files: tuple[Path, ...] = ()
     inputs: Mapping[str, str] = field(default_factory=dict)
+    kept: KeptFiles = field(default_factory=KeptFiles)
     threads: int = 1
     support: str = ""
 
@@ -68,6 +72,8 @@ class Setup(Generic[P]):
             "status": "stopped" if stop_reason else "completed",
             "scenario_text": self.text,
             "inputs": json.dumps(dict(self.inputs)),
+            "vehicle": self.vehicle.name,
+            ATTRIBUTE: self.kept.packed(),
         }
         own |= {"structure": self.support} if self.support else {}
         return own | ({"stop_reason": stop_reason} if stop_reason else {})
@@ -82,10 +88,11 @@ def build(scenario: Scenario) -> Setup[Any]:
     with noting_reads() as read, scenario.finder.guard():
         setup = _build(scenario)
         files = tuple(read)
+        kept = KeptFiles.of(scenario.finder.folders, read)
         for file in scenario.merged.files:
             read_bytes(file, "scenario file")
-    inputs = {name_among_models(scenario, file): digest for file, digest in read.items()}
-    return replace(setup, files=files, inputs=inputs)
+    inputs = {name_among_models(scenario, file): sha256(content).hexdigest() for file, content in read.items()}
+    return replace(setup, files=files, inputs=inputs, kept=kept)
 
 
 def _build(scenario: Scenario) -> Setup[Any]:

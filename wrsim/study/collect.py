@@ -68,7 +68,7 @@ def collected(plan: Plan, markers: Sequence[Marker]) -> xr.Dataset:
     for axis in plan.axes:
         coords |= _coordinates(axis)
     attributes = {"format": FORMAT, "title": plan.title, "analysis": plan.analysis}
-    attributes |= {"study_text": plan.source, "scenario_text": plan.text}
+    attributes |= {"study_text": plan.source, "scenario_text": plan.text, "vehicle": plan.vehicle}
     return xr.Dataset(variables, coords, attributes | versions())
 
 

@@ -55,7 +55,8 @@ class Plan:
 
     folder: of the study; source: the study file; text, folders: the base scenario and where its models are looked up;
     files: sets of files, by path with digest, that cases read; axes: name, columns and values of each; outputs, hook:
-    what is stored; digest: of the outputs; sensitivity: whose design the cases are.
+    what is stored; digest: of the outputs; sensitivity: whose design the cases are; vehicle: name of that
+    of the first case.
     """
 
     folder: str
@@ -73,6 +74,7 @@ class Plan:
     time_limit: float
     keep: str
     sensitivity: SensitivitySection | None = None
+    vehicle: str = ""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -200,7 +202,7 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
     files: list[dict[str, str]] = []
     read: list[Path] = []
     groups: dict[tuple[str, ...], int] = {}
-    changed = {"{}"}
+    changed, vehicle = {"{}"}, ""
     faults: list[str] = []
     known = set[str | tuple[str, ...]]()
     for place in product(*(range(n) for n in plan.shape)):
@@ -218,10 +220,12 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
                 vehicle_of(scenario)
             if group not in groups:
                 with noting_reads() as seen:
-                    named = build(scenario).files
+                    setup = build(scenario)
+                vehicle, named = vehicle or setup.vehicle.name, setup.files
                 groups[group] = len(files)
                 own = {path: seen[path] for path in named}
-                files.append({str(path.resolve()): digest for path, digest in sorted(own.items())})
+                digests = {path: hashlib.sha256(content).hexdigest() for path, content in sorted(own.items())}
+                files.append({str(path.resolve()): digest for path, digest in digests.items()})
                 read += own
         except InputError as error:
             told = error.unknown or str(error)  # an unknown key once, whatever its values
@@ -235,7 +239,7 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
     if faults:
         more = ["... and more faults"] if len(faults) > MOST_FAULTS else []
         raise InputError("\n".join(faults[:MOST_FAULTS] + more))
-    return replace(plan, cases=tuple(cases), files=tuple(files)), read
+    return replace(plan, cases=tuple(cases), files=tuple(files), vehicle=vehicle), read
 
 
 def _label(axes: Sequence[AxisPoints], place: tuple[int, ...]) -> str:

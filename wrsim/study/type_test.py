@@ -217,11 +217,10 @@ def worst_tables(title: str, found: Sequence[Verdict], notes: Sequence[str]) -> 
 
 def summary_words(programme: Programme) -> str:
     """What is tested, in a few sentences."""
-    spec, base = programme.spec, programme.plan.base()
+    spec, vehicle = programme.spec, programme.plan.vehicle
     states, runs = ", ".join(s.name for s in spec.states), ", ".join(programme.names)
     uneven = "smooth track" if spec.irregularities is None else f"uneven track, {spec.irregularities.spectrum}"
     rest = f" At rest: {', '.join(spec.stationary)}." if spec.stationary else ""
-    vehicle = Path(base.spec.vehicle.model).stem
     return f"Vehicle {vehicle}; states: {states}. Runs on {uneven}: {runs}.{rest} Rules: {programme.rules.title}."
 
 

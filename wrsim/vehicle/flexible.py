@@ -5,6 +5,7 @@ Modes are those of the free body. Their equations: ``core.body.flexible``.
 
 from __future__ import annotations
 
+import io
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from wrsim.errors import InputError
 from wrsim.inputs.mode_tables import of_modes, read_mode_table
 from wrsim.inputs.section import Section
+from wrsim.inputs.toml_files import read_bytes
 from wrsim.inputs.values import number, positive, text
 from wrsim.vehicle.elements import Array
 
@@ -123,7 +125,7 @@ def _from_csv(path: Path) -> Given:
 def _from_npz(path: Path) -> Given:
     names = ("frequency_Hz", "damping", "modal_mass_kg", "points_mm", "shapes")
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with np.load(io.BytesIO(read_bytes(path, "file of modes")), allow_pickle=False) as file:
             missing = [name for name in names if name not in file]
             if missing:
                 raise InputError(f"{path}: array '{missing[0]}' is missing; a file of modes has {', '.join(names)}")

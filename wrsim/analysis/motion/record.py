@@ -18,12 +18,12 @@ import numpy as np
 import wrsim
 from wrsim.errors import InputError, in_one_line
 from wrsim.inputs.changes import leaves
-from wrsim.inputs.lookup import VARIABLE
-from wrsim.inputs.toml_files import parse_toml, read_bytes, shown_value
+from wrsim.inputs.toml_files import parse_toml
 from wrsim.results import versions
 from wrsim.results.run_file import run_header
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.loading import Scenario, load_text
+from wrsim.scenario.kept import ATTRIBUTE, scenario_of
+from wrsim.scenario.loading import Scenario
 from wrsim.simulation.recorder import Recorder
 
 
@@ -42,8 +42,8 @@ class RunRecord:
             "title": scenario.title,
             "analysis": scenario.analysis,
             "scenario_text": scenario.text,
-            "folders": [str(folder.resolve()) for folder in scenario.finder.folders],
             "inputs": dict(setup.inputs),
+            ATTRIBUTE: setup.kept.packed(),
             **_digests(setup),
             **versions(),
         }
@@ -91,18 +91,12 @@ def _same_models(path: Path, then: dict[str, Any], now: dict[str, Any], again: s
 
 
 def recorded_setup(path: Path) -> Setup:
-    """The set-up of the run that a file holds, from the scenario in it.
-
-    Its models are looked up beside the file and among the models: the folders that it names may be anybody's words.
-    Raises ``InputError`` when they are not there any more or have changed.
-    """
+    """The set-up of the run that a file holds, from the scenario and the model files in it. Raises ``InputError``."""
     header = run_header(path)
     try:
-        setup = build(load_text(header["scenario_text"], path.parent, closed=True))
+        setup = build(scenario_of(header, path.parent))
     except InputError as error:
-        folders = shown_value(", ".join(map(str, header["folders"])), 300)
-        why = f"{path}: {in_one_line(error)}; {VARIABLE} names more folders; the run had {folders}"
-        raise InputError(why) from None
+        raise InputError(f"{path}: {in_one_line(error)}") from None
     again = "what is in the file can no longer be read: run the scenario again"
     _same_models(path, header, _digests(setup), again)
     return replace(setup, inputs=header["inputs"])  # of the scenario's own file, too
@@ -110,7 +104,7 @@ def recorded_setup(path: Path) -> Setup:
 
 def _digests(setup: Setup) -> dict[str, Any]:
     """Of every file that the scenario names, of all numbers of the set-up, of the code."""
-    files = {str(f): hashlib.sha256(read_bytes(f, "model file")).hexdigest()[:16] for f in setup.files}
+    files = {str(f): hashlib.sha256(setup.kept.contents[f]).hexdigest()[:16] for f in setup.files}
     return {"files": files, "numbers": numbers_digest(setup), "code": code_digest()}
 
 
@@ -138,7 +132,7 @@ def _feed(digest: Any, value: object) -> None:
         digest.update(np.ascontiguousarray(value).tobytes())
     elif is_dataclass(value):
         for field in fields(value):
-            if not field.name.startswith("_") and field.name not in ("text", "title", "inputs"):
+            if not field.name.startswith("_") and field.name not in ("text", "title", "inputs", "kept"):
                 digest.update(field.name.encode())
                 _feed(digest, getattr(value, field.name))
     elif isinstance(value, dict):

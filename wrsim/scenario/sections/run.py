@@ -255,5 +255,5 @@ class OutputSection(AnalysisTable, header="[output]"):
 
     aliases = {"patches_at_m": "snapshots_m patches"}
 
-    patches_at_m: List[Annotated[float, number(0, 1e6, "m along the centre line")]] | None = None
+    patches_at_m: List[Annotated[float, number(0, 1e6, "m, distance of the vehicle")]] | None = None
     """Places at which whole patches are stored; the middle of every arc unless given."""

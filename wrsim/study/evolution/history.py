@@ -76,6 +76,7 @@ def wear_history(evolution: Evolution, steps: Sequence[Step]) -> xr.Dataset:
     attributes = {
         "format": FORMAT, "title": evolution.given.title, "law": evolution.spec.law, "wheel": evolution.unworn.name,
         "evolution_text": evolution.given.text, "cases_text": evolution.cases_text,
+        "vehicle": evolution.setup.vehicle.name,
         "scenario_text": evolution.base.text.replace(str(evolution.wheel), evolution.spec.wheel),
         "conicity_amplitude_m": 1e-3 * evolution.spec.conicity_amplitude_mm,
     }  # fmt: skip

@@ -93,7 +93,7 @@ def read_evolution(file: Path, models: Sequence[str | Path] = ()) -> tuple[Evolu
         setup = build(base)
     digest = hashlib.sha256(repr((spec, STAGES, base.text, sorted(setup.inputs.items()))).encode())
     for path, content in sorted((str(path), content) for path, content in seen.items()):
-        digest.update(f"{path} {content}\n".encode())
+        digest.update(f"{path} {hashlib.sha256(content).hexdigest()}\n".encode())
     evolution = Evolution(
         given, spec, base, 1e3 * spec.mileage_km, points, table.read_text(encoding="utf-8"), shares, wheel, unworn,
         bin_edges(unworn, PLACE_STEP), setup, digest.hexdigest()[:32],
