@@ -16,7 +16,9 @@ from support.runs import FAST, SCENARIOS
 from wrsim import Arc, InputError, Straight, Track, Transition, load, run
 from wrsim.geometry.track.segments import Segment
 from wrsim.geometry.track.spectra import Realisation
-from wrsim.recording.columns import ChannelSection, guessed
+from wrsim.inputs.toml_files import write_toml
+from wrsim.recording.columns import ChannelSection
+from wrsim.recording.names import guessed
 from wrsim.recording.reading import recording_from
 from wrsim.recording.restoring import Restored, restore
 from wrsim.recording.systems import BaseDifference, Chord, Inertial, InverseFilter, Plain, band_window, filtered
@@ -446,6 +448,122 @@ def test_names_that_do_not_tell_are_refused(header: str, message: str, tmp_path:
     with pytest.raises(InputError) as error:
         recording_from(tmp_path / "line.csv")
     assert message in str(error.value), str(error.value)
+
+
+@cache
+def field_line() -> dict[str, Array]:
+    """Columns of a line [SI]: straight, 80 m of ramp to R 700 with 80 mm of cant, 300 m of it, and back; rows every
+    0.5 m, their distances from 12.31 km on; degrees, versines and twists by their definitions."""
+    x = np.arange(0.0, 900.0, 0.5)
+
+    def curved(at: Array) -> Array:
+        return np.interp(at, [200.0, 280.0, 580.0, 660.0], [0.0, 1.0, 1.0, 0.0])
+
+    s, cant = 12310.0 + x, 0.08 * curved(x)
+    feet = s / 0.3048
+    return {
+        "s": s, "falling": s, "feet": feet, "kilometres": s // 1e3, "metres": s % 1e3, "miles": feet // 5280.0,
+        "yards": feet % 5280.0 / 3.0, "curvature": curved(x) / 700.0, "cant": cant, "gauge": 1.435 + 1e-3 * np.sin(x),
+        "degrees": np.degrees(2.0 * np.arcsin(50.0 * 0.3048 * curved(x) / 700.0)), "flat": 0.1 * np.sin(x),
+        "versine": (62.0 * 0.3048) ** 2 / 8.0 * curved(x) / 700.0 / 0.0254,
+        "twist": (cant - 0.08 * curved(x - 3.0)) / 3.0, "twist_back": (0.08 * curved(x + 3.0) - cant) / 3.0,
+        "warp": (cant - 0.08 * curved(x - 31.0 * 0.3048)) / 0.0254,
+    }  # fmt: skip
+
+
+def field_table(head: str, sign: str, columns: list[str]) -> str:
+    """A table of its columns, written as ``name = column * factor|unit``."""
+    values = field_line()
+    texts = {
+        "station": [f"{int(v // 1e3)}+{v % 1e3:06.2f}" for v in values["s"]],
+        "station_ft": [f"{int(v // 100.0)}+{v % 100.0:08.5f}" for v in values["feet"]],
+    }
+    names, units, cells = [], [], []
+    for column in columns:
+        name, _, rest = column.rpartition(" = ")
+        formula, _, unit = rest.partition("|")
+        numbers = texts.get(formula) or [f"{v:.6f}" for v in eval(formula, {}, values)]
+        names.append(name)
+        units.append(unit)
+        cells.append(numbers)
+    rows = [[*row] for row in zip(*cells, strict=True)]
+    if "falling" in columns[0]:
+        rows.reverse()
+    lines = [*([names, units] if any(units) else [names]), *rows]
+    return head + "\n".join(sign.join(line) for line in lines) + "\n"
+
+
+@pytest.mark.parametrize(("name", "head", "sign", "encoding", "columns", "note"), table("layouts"))
+def test_layouts_of_the_field_give_the_line(
+    name: str, head: str, sign: str, encoding: str, columns: list[str], note: str, tmp_path: Path
+) -> None:
+    (tmp_path / "line.csv").write_bytes(field_table(head, sign, columns).encode(encoding))
+    found = restore(recording_from(tmp_path / "line.csv"), BAND, AMPLIFICATION)
+    assert found.recording.start == pytest.approx(12310.0, abs=0.01) and found.recording.length > 899.0
+    (arc,) = (s for s in found.segments if isinstance(s, Arc))
+    assert (arc.radius, arc.cant) == pytest.approx((700.0, 0.08), rel=4e-3)
+    assert [s.length for s in found.segments] == pytest.approx([200.0, 80.0, 300.0, 80.0, 240.0], abs=1.5)
+    assert note in "\n".join(found.notes), found.notes
+
+
+def test_a_map_without_units_takes_those_of_the_table(tmp_path: Path) -> None:
+    (tmp_path / "line.csv").write_text(field_table("", ",", ["a = feet|ft", "b = cant * 1e2|cm"]))
+    (tmp_path / "line.toml").write_text(
+        '[[channels]]\ncolumn = "a"\nquantity = "distance"\n[[channels]]\ncolumn = "b"\nquantity = "cant"\n'
+    )
+    read = recording_from(tmp_path / "line.csv", tmp_path / "line.toml")
+    assert read.start == pytest.approx(12310.0) and read.of("cant")[0][1].max() == pytest.approx(0.08)
+
+
+def test_vertical_and_horizontal_versines_are_level_and_alignment_and_a_missing_cant_is_told(tmp_path: Path) -> None:
+    for name, quantity in table("planes"):
+        assert [c["quantity"] for c in guessed([name], "x", (5.0, 5.0), None)] == [quantity] * bool(quantity), name
+    text = field_table("", ",", ["Distance [m] = s", "Curvature [1/km] = curvature * 1e3", "Gauge [mm] = gauge * 1e3"])
+    (tmp_path / "line.csv").write_text(text)
+    found = restore(recording_from(tmp_path / "line.csv"), BAND, AMPLIFICATION)
+    assert "no cant was recorded, nor twist: the cant of the curves is unknown and laid as 0" in found.notes
+
+
+FIELD = ["Distance [m] = s", "Curvature [1/km] = curvature * 1e3", "Cant [mm] = cant * 1e3", "Level D1 [mm] = flat"]
+
+
+def test_dropouts_and_spikes_are_bridged_or_split_the_recording_and_are_told(tmp_path: Path) -> None:
+    lines = field_table("", ",", FIELD).splitlines()
+    cells = [line.split(",") for line in lines]
+    for row, column, text in (
+        *((100 + i, 3, "-999") for i in range(5)), *((200 + i, 2, "#N/A") for i in range(3)), (300, 3, "60"),
+        (301, 3, "62"), (570, 2, "0"), *((500, i, "") for i in (1, 2, 3)),
+    ):  # fmt: skip
+        cells[row][column] = text
+    del cells[600:604]  # rows are missing
+    (tmp_path / "line.csv").write_text("\n".join(",".join(row) for row in cells))
+    read = recording_from(tmp_path / "line.csv")
+    assert read.length == pytest.approx(899.5) and read.step == pytest.approx(0.5)
+    true = field_line()
+    assert np.abs(read.of("level")[0][1] - 1e-3 * true["flat"]).max() < 0.15e-3
+    assert np.abs(read.of("cant")[0][1] - true["cant"]).max() < 0.2e-3
+    notes = "\n".join(read.notes)
+    assert 'spikes are bridged (spikes = "keep" leaves them): 12459.5 m (Level D1 [mm]), 12594.5 m (Cant [mm])' in notes
+    assert "bridged: 12359.5 m (Level D1 [mm]), 12409.5 m (Cant [mm]), 12459.5 m (Level D1 [mm]), 12559.5 m" in notes
+    (tmp_path / "line.toml").write_text(write_toml(read.columns.model_dump(exclude_none=True) | {"spikes": "keep"}))
+    kept = recording_from(tmp_path / "line.csv", tmp_path / "line.toml").of("level")[0][1]
+    assert kept[299] == pytest.approx(0.06)
+    for row in range(700, 720):
+        cells[row][3] = "-999.00"
+    (tmp_path / "line.csv").write_text("\n".join(",".join(row) for row in cells))
+    read = recording_from(tmp_path / "line.csv")
+    assert "split the recording (12310 to 12661" in "\n".join(read.notes) and read.length == pytest.approx(538.0)
+
+
+@pytest.mark.parametrize(("name", "median", "factor", "message"), table("no_gauge"))
+def test_a_gauge_that_is_none_is_told_by_its_column_before_anything_is_written(
+    name: str, median: float, factor: float, message: str, tmp_path: Path
+) -> None:
+    values = f"(gauge - 1.435 + {median}) * {factor}"
+    (tmp_path / "line.csv").write_text(field_table("", ",", ["Distance [m] = s", f"{name} = {values}"]))
+    answer = refusal("recording", str(tmp_path / "line.csv"), "-o", str(tmp_path / "out"))
+    assert f"line.csv:1: column '{name}'" in answer and message in answer
+    assert answer.count("\n") == 1 and not (tmp_path / "out").exists()
 
 
 def test_the_shipped_recording_is_that_of_the_car(tmp_path: Path) -> None:

@@ -61,9 +61,9 @@ def check_rising(path: Path, name: str, values: NDArray[Any], lines: NDArray[np.
         raise InputError(f"{path}:{lines[i + 1]}: {message}")
 
 
-def table_lines(path: Path, what: str = "table", latin: bool = False) -> list[tuple[int, str]]:
+def table_lines(path: Path) -> list[tuple[int, str]]:
     """The lines of a table with their numbers, but for empty ones and comments; they end in LF, CR or both."""
-    lines = read_text(path, what, latin).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    lines = read_text(path, "table").replace("\r\n", "\n").replace("\r", "\n").split("\n")
     return [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
 
 

@@ -39,8 +39,8 @@ _NO_FILES = {
 }
 
 
-def read_text(path: Path, what: str = "file", latin: bool = False) -> str:
-    """Return the text of a UTF-8 file (a byte order mark is allowed); latin: of a Latin-1 file too, of spreadsheets.
+def read_text(path: Path, what: str = "file") -> str:
+    """Return the text of a UTF-8 file (a byte order mark is allowed).
 
     Raises InputError as `read_bytes` does, for zero bytes, and for bytes that are not UTF-8 (naming the line).
     """
@@ -50,8 +50,6 @@ def read_text(path: Path, what: str = "file", latin: bool = False) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        if latin:
-            return data.decode("latin-1")
         line = data[: error.start].count(b"\n") + 1
         byte = f"0x{data[error.start]:02x}"
         raise InputError(f"{path}:{line}: byte {byte} is not UTF-8 text; save the file as UTF-8") from None

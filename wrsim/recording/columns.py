@@ -1,13 +1,12 @@
-"""The columns of a recording: given by a TOML file beside the CSV, or guessed from their names."""
+"""The columns of a recording, as in a TOML file beside the CSV."""
 
-import re
-import unicodedata
-from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, ClassVar, Literal
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import Field
 
-from wrsim.errors import InputError, suggest
+from wrsim.geometry.piecewise import Array
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, Two, number, text
 from wrsim.recording.systems import BANDS, BaseDifference, Chord, Inertial, MeasuringSystem, Plain
@@ -16,17 +15,18 @@ Quantity = Literal[
     "distance", "curvature", "gauge", "gauge_deviation", "cant", "twist",
     "alignment", "alignment_left", "alignment_right", "level", "level_left", "level_right",
 ]  # fmt: skip
-Unit = Literal["m", "km", "mm", "cm", "um", "in", "1/km", "1/m", "mm/m", "permille"]
+Unit = Literal["m", "km", "mm", "cm", "um", "in", "ft", "yd", "mi", "ch", "1/km", "1/m", "deg", "mm/m", "permille"]
 Positive = Literal["left", "right", "up", "down", "right rail higher", "left rail higher"]
 
+FOOT = 0.3048
 LENGTHS = {"mm": 1e-3, "m": 1.0, "cm": 1e-2, "um": 1e-6, "in": 0.0254}
 SLOPES = {"mm/m": 1e-3, "permille": 1e-3}
 UNITS: dict[str, dict[str, float]] = {
-    "distance": {"m": 1.0, "km": 1e3},
-    "curvature": {"1/km": 1e-3, "1/m": 1.0},
+    "distance": {"m": 1.0, "km": 1e3, "ft": FOOT, "yd": 3.0 * FOOT, "mi": 5280.0 * FOOT, "ch": 66.0 * FOOT},
+    "curvature": {"1/km": 1e-3, "1/m": 1.0, "deg": 1.0},
     "twist": SLOPES | LENGTHS,
 }
-"""Units of a quantity, the usual one first; of all others: lengths."""
+"""Units of a quantity, the usual one first; of all others: lengths. Degrees of curve: see `ChannelSection.si`."""
 SIGNS: dict[str, tuple[Positive, Positive]] = {
     "curvature": ("left", "right"),
     "alignment": ("left", "right"),
@@ -101,12 +101,23 @@ class ChannelSection(Section, header="[[channels]]"):
         """Units that the column may have and their size, the usual one first."""
         return UNITS.get(self.kind, LENGTHS)
 
-    @property
-    def factor(self) -> float:
-        """Factor of the column's numbers to SI units and our signs."""
+    def si(self, values: Array) -> Array:
+        """The column's numbers in SI units and our signs; degrees are those of 100 ft, R = 50 ft / sin(D / 2)."""
         unit: str = self.unit or next(iter(self.units))
         factor = self.units[unit] * (self.base if self.kind == "twist" and unit in SLOPES else 1.0)
-        return -factor if self.kind in SIGNS and self.positive == SIGNS[self.kind][1] else factor
+        sign = -1.0 if self.kind in SIGNS and self.positive == SIGNS[self.kind][1] else 1.0
+        return sign * (np.sin(np.radians(0.5 * values)) / (50.0 * FOOT) if unit == "deg" else factor * values)
+
+    def turned(self) -> Self:
+        """The same of a car that runs the other way: rails, signs and the ends of the chord exchanged."""
+        side = self.quantity.removeprefix(self.kind)
+        change: dict[str, object] = {"quantity": self.kind + {"_left": "_right", "_right": "_left"}.get(side, "")}
+        if self.kind in ("curvature", "alignment", "cant"):
+            usual, other = SIGNS[self.kind]
+            change["positive"] = usual if self.positive == other else other
+        if self.chord_m is not None:
+            change["chord_m"] = self.chord_m[::-1]
+        return self.model_copy(update=change)
 
     @property
     def base(self) -> float:
@@ -149,15 +160,20 @@ class ColumnsFile(Section, header="a column map"):
     """Nominal gauge of the line."""
     cant_base_mm: Annotated[float, number(400, 2200, "mm between the rail tops, such as 1500")] | None = None
     """Distance that cant is measured over; left out: the gauge and 65 mm."""
+    sides: Literal["car", "line"] = "car"
+    """Left and right where distances fall: of the car that runs towards 0, or of the line with rising distance."""
+    spikes: Literal["bridge", "keep"] = "bridge"
+    """What becomes of single values that no rail can follow."""
     channels: Annotated[List[ChannelSection], Field(min_length=1)]
     """The columns that are used."""
 
     def consistency(self) -> Iterator[Fault]:
-        seen: dict[tuple[str, MeasuringSystem], int] = {}
-        for i, c in enumerate(self.channels):
-            other = seen.setdefault((c.quantity, c.system), i)
+        seen: dict[tuple[object, ...], int] = {}
+        for i, c in enumerate(self.channels):  # whole kilometres and the metres beyond them are two columns
+            other = seen.setdefault((c.quantity, c.system, c.quantity == "distance" and c.unit), i)
             if other != i:
-                yield Fault(("channels", i), f"is {c.quantity} like channels[{other}]: leave one of them out")
+                same = f"channels[{other}] (column '{self.channels[other].column}')"
+                yield Fault(("channels", i), f"is {c.quantity} like {same}: leave one of them out")
         names = [c.quantity for c in self.channels]
         if "distance" not in names:
             yield Fault("channels", 'needs one with quantity = "distance"')
@@ -168,88 +184,3 @@ class ColumnsFile(Section, header="a column map"):
         for kind in ("alignment", "level"):
             if kind in names and any(name in names for name in (f"{kind}_left", f"{kind}_right")):
                 yield Fault("channels", f"have {kind} of the mean and of single rails: leave one of them out")
-
-
-NO_USE = (
-    r"speed|geschw|vitesse|^v\b|accel|beschl|temp|deficien|fehlbetrag|insuffis|radius|rayon|halbmesser|gradient|rampe|pente"
-    r"|(?<!quer)neigung|gps|latitude|longitude|date\b|datum|\btime|zeit|heure|fahrtrichtung|messrichtung|sens\b|std|sigma|standardab|type"
-)
-"""Names of columns that are left out though they hold words of quantities, such as cant deficiency."""
-GUESSES: tuple[tuple[str, str], ...] = (
-    ("distance", r"dist|chainage|mileage|kilomet|stati?on|posit|(^|[^a-z])pk($|[^a-z])|km$|^s$|^k?m$|abscisse|weg"),
-    ("twist", r"twist|verwind|gauchiss|^gauche(?!.*(dress|nivel|fleche))"),
-    ("cant", r"cant|cross.?level|(?<![a-z])x.?level|super.?elev|u(e)?berho|querho|querneig|gegens|devers|nivel.*trans"),
-    ("gauge", r"gauge|(?<![a-z])gage|spur|ecartement"),
-    ("curvature", r"curv|kru(e)?mm|courbure"),
-    ("alignment", r"align|aline|richt|pfeilh|fleche|versine|dress|lateral|seitenlage"),
-    ("level", r"level|vertical|vertikal|profil|surface|(?<![a-z])top(?![a-z])|uneven|ho(e)?he|nivea|nivel"),
-)
-"""Quantities and patterns of their columns' names in English, German and French, without accents; the first counts."""
-DEVIATION = r"dev|abw|erweit|widen|delta|sur.?ecart|ecart.?d.?ecart"  # in the name of a gauge: from the nominal one
-SIDES = {"left": r"left|link|gauche", "right": r"right|recht|droite?"}
-LETTERS = {"left": {"l", "lh", "li", "g"}, "right": {"r", "rh", "re", "d"}}
-
-
-def guessed(header: Sequence[str], where: str, chord: Sequence[float] | None, band: str | None) -> list[dict[str, Any]]:
-    """Channels (tables of a column map) from the names of columns.
-
-    chord [m], band: of alignment and level without a band in their names; where: file and line of the header. Raises
-    InputError for an unknown unit.
-    """
-    found: list[dict[str, Any]] = []
-    for name in header:
-        plain, unit = _without_unit(name.strip().lower())
-        plain = _folded(plain)
-        quantity = next((q for q, pattern in GUESSES if re.search(pattern, plain)), None)
-        if quantity is None or re.search(NO_USE, plain):
-            continue
-        if quantity == "distance" and any(own["quantity"] == quantity for own in found):
-            continue
-        own: dict[str, Any] = {"column": name, "quantity": quantity}
-        if quantity in ("alignment", "level"):
-            words = {*re.split(r"[^a-z0-9]+", plain)}
-            sides = [side for side in SIDES if re.search(SIDES[side], plain) or words & LETTERS[side]]
-            own["quantity"] += f"_{sides[0]}" if len(sides) == 1 else ""
-            named = re.search(r"(?:^|[^a-z0-9])(d[123])(?:$|[^a-z0-9])", plain)
-            if named:
-                own["band"] = named[1].upper()
-            elif chord is not None:
-                own["chord_m"] = list(chord)
-            elif band is not None:
-                own["band"] = band
-        elif quantity == "gauge" and re.search(DEVIATION, plain):
-            own["quantity"] = "gauge_deviation"
-        elif quantity == "twist" and (base := re.search(r"(\d+(?:[.,]\d+)?)\s*m(?![a-z])", plain)):
-            own["base_m"] = float(base[1].replace(",", "."))
-        if unit is not None:
-            units = UNITS.get(quantity, LENGTHS)
-            if unit not in units:
-                must = f"must be {', '.join(units)}{suggest(unit, list(units))}"
-                raise InputError(f"{where}: column '{name}': unit '{unit}' is unknown for {quantity}: {must}")
-            own["unit"] = unit
-        found.append(own)
-    return found
-
-
-def _folded(name: str) -> str:
-    """A name in letters from a to z: without accents, umlauts by ae, oe, ue."""
-    for letter, plain in (("ä", "ae"), ("ö", "oe"), ("ü", "ue"), ("ß", "ss")):
-        name = name.replace(letter, plain)
-    return "".join(c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
-
-
-SPELLINGS = {
-    "km-1": "1/km", "m-1": "1/m", "km^-1": "1/km", "m^-1": "1/m", "km⁻¹": "1/km", "m⁻¹": "1/m", "‰": "permille",
-    "µm": "um", "μm": "um", "per_km": "1/km", "per_m": "1/m", "mm_per_m": "mm/m",
-}  # fmt: skip
-TAIL = re.compile(
-    r"\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|\s/\s*(\S+)|\sin\s+(\S+)|[\s_](mm_per_m|per_km|per_m|1/km|1/m|mm/m|permille|mm|cm|um|km)|_(m|in|ft))$"
-)
-
-
-def _without_unit(name: str) -> tuple[str, str | None]:
-    """The name of a column and the unit that it ends with: ``level [mm]``, ``level (mm)``, ``level_mm``, ``level mm``,
-    ``level / mm``, ``level in mm``, ``curvature_per_km``."""
-    if (tail := TAIL.search(name)) is None or not (unit := next(filter(None, tail.groups()), None)):
-        return name, "km" if name == "km" else None
-    return name[: tail.start()] or name, SPELLINGS.get(unit, unit)

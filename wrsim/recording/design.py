@@ -64,7 +64,9 @@ def fit_design(
     widths = (np.sqrt(max(SMOOTHING**2 - spread**2, 1.0)), SMOOTHING)
     pairs = zip((curvature, cant), widths, strict=True)
     records = np.stack([gaussian_filter1d(r, w / step, mode="nearest") for r, w in pairs])
-    noise = np.array([_noise(r, max(1, round(LAG / step)), least) for r, least in zip(records, QUIETEST, strict=True)])
+    noise = np.array(
+        [noise_of(r, max(1, round(LAG / step)), least) for r, least in zip(records, QUIETEST, strict=True)]
+    )
     every = max(1, round(NODE / step))
     nodes, rows = distance[::every], records[:, ::every] / noise[:, None]
     found = _plateaus(distance, records, noise, [(nodes[i], nodes[j]) for i, j in _pieces(nodes, rows)])
@@ -77,7 +79,7 @@ def fit_design(
     return tuple(found)
 
 
-def _noise(record: Array, lag: int, least: float) -> float:
+def noise_of(record: Array, lag: int, least: float) -> float:
     """Standard deviation of what is no straight line, by the median of second differences."""
     if record.size <= 2 * lag:
         return least

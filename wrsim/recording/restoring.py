@@ -9,13 +9,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
+from scipy.ndimage import binary_erosion, gaussian_filter1d
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
 from wrsim.geometry.track.segments import Arc, Laws, Segment, Straight, Transition, laws
 from wrsim.geometry.track.track import RAIL_HEAD_WIDTH, ROUNDING
 from wrsim.recording.columns import ChannelSection
-from wrsim.recording.design import FORMS, Form, Plateau, fit_design
+from wrsim.recording.design import FORMS, LEAST_CURVATURE, SMOOTHING, Form, Plateau, fit_design
 from wrsim.recording.reading import TrackRecording
 from wrsim.recording.systems import SKIRTS, Chord, Complex, InverseFilter, Plain, ShapeSystem, filtered
 
@@ -65,12 +67,13 @@ def restore(
     if recording.length < 2.0 * band[1]:
         waves = f"two of the longest waves wanted, {band[1]:g} m each (--wavelength-m), or more"
         raise InputError(f"{recording.path}: is {recording.length:g} m long; must be {waves}")
-    work = _Work(recording, band, amplification, [], [])
+    work = _Work(recording, band, amplification, [], [*recording.notes])
     gauge = recording.columns.gauge_mm / 1e3
     recorded = work.first("gauge")
     off_gauge = work.first("gauge_deviation") if recorded is None else recorded - gauge
     curvature, spread = work.curvature()
-    cant = work.first("cant")
+    recorded_cant = work.first("cant")
+    cant = work.cant_of_twist(curvature) if recorded_cant is None else recorded_cant
     plateaus = fit_design(s, curvature, np.zeros(s.size) if cant is None else cant, spread, forms)
     segments = _segments(plateaus, s, off_gauge)
     try:
@@ -86,15 +89,16 @@ def restore(
         work.notes.append(f"the cant leans outward in {curves}: is the sign of curvature or cant another?")
 
     wide = None if off_gauge is None else work.undone_plain(off_gauge - design.widening, "gauge", "gauge_deviation")
-    cross = None if cant is None else work.undone_plain(cant - design.cant, "cant")
+    cross = None if recorded_cant is None else work.undone_plain(recorded_cant - design.cant, "cant")
     twist = recording.of("twist")
-    if twist and cant is not None:
+    if twist and recorded_cant is not None:
+        cant = recorded_cant
         base = twist[0][0].base
         back = max(1, round(base / step))
         off = (cant[back:] - cant[:-back]) * base / (back * step) - twist[0][1][back:]
         work.notes.append(f"twist and the cant's own over {base:g} m differ by {1e3 * _rms(off):.3g} mm (rms)")
     elif twist:
-        cross = work.undone(*twist[0], np.zeros(s.size))
+        cross = work.undone(*twist[0], design.cant - law.cant(s - twist[0][0].base))
     lateral = _rails(work, "alignment", design, wide, (0.5, -0.5))
     vertical = _rails(work, "level", design, cross, (-0.5, 0.5))
     return Restored(recording, plateaus, segments, law, lateral, vertical, tuple(work.inverses), tuple(work.notes))
@@ -140,6 +144,31 @@ class _Work:
                     return -2.0 / (a * b) * there, float(np.sqrt((a * a + a * b + b * b) / 18.0))
         self.notes.append("no curvature was recorded: the track is laid straight")
         return np.zeros(s.size), 0.0
+
+    def cant_of_twist(self, curvature: Array) -> Array | None:
+        """The cant that the twist over its base adds up to, level on straights; curvature: tells these [1/m].
+
+        A base sees the mean slope of the cant over it, so that its value counts half a base behind.
+        """
+        if not (twist := self.recording.of("twist")):
+            if np.abs(curvature).max() > LEAST_CURVATURE:
+                self.notes.append("no cant was recorded, nor twist: the cant of the curves is unknown and laid as 0")
+            return None
+        channel, record = twist[0]
+        s = self.recording.distance
+        summed = cumulative_trapezoid(np.interp(s + 0.5 * channel.base, s, record) / channel.base, s, initial=0.0)
+        smooth = gaussian_filter1d(curvature, SMOOTHING / self.recording.step, mode="nearest")
+        straight = binary_erosion(
+            np.abs(smooth) < LEAST_CURVATURE, iterations=round(3.0 * SMOOTHING / self.recording.step)
+        )
+        source = f"no cant was recorded: it is that of the twist in column '{channel.column}' over {channel.base:g} m"
+        if not straight.any():
+            self.notes.append(f"{source}, added up from a level start; no straight tells its error")
+            return np.asarray(summed)
+        drift = np.interp(s, s[straight], summed[straight])
+        off = 1e3 * float(np.abs(drift - drift[0]).max())
+        self.notes.append(f"{source}, added up; on straights, where it is taken as 0, it is up to {off:.2g} mm off")
+        return np.asarray(summed - drift)
 
     def inner(self, record: Array) -> Array:
         """A record without its ends, into which the unknown beyond them reaches."""

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import datetime
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from wrsim.errors import InputError, in_one_line
 from wrsim.inputs.toml_files import write_toml
 from wrsim.plots import patch_gallery, save, section_gallery, standard_figures, standard_pictures
 from wrsim.plots.assessment import assessment_figures
@@ -129,8 +132,9 @@ def write_recording(
     from wrsim.scenario.build import build
     from wrsim.scenario.loading import load
 
+    columns = recorded.noted(restored) + write_toml(restored.recording.columns.model_dump(exclude_none=True))
     contents = {
-        recorded.COLUMNS: write_toml(restored.recording.columns.model_dump(exclude_none=True)).encode(),
+        recorded.COLUMNS: columns.encode(),
         recorded.IRREGULARITIES: as_csv(recorded.irregularity_rows(restored)),
         recorded.TRACK: recorded.track_file(restored, datetime.date.today().isoformat()).encode(),
         recorded.SCENARIO: recorded.scenario_file(restored, vehicle, speed or recorded.usual_speed(restored)).encode(),
@@ -138,8 +142,15 @@ def write_recording(
     if (keeper := KEEPER.get()) is not None:
         for name in (*contents, *(f"recording.{kind}" for kind in LOOK.get().kinds)):
             keeper.check(directory / name)
+    beside = [directory] if directory.is_dir() else []
+    with TemporaryDirectory() as trial:
+        _written(Path(trial), contents, {})
+        try:
+            build(load(Path(trial) / recorded.SCENARIO, (*models, *beside)))
+        except InputError as error:  # of rows that the user knows, not of files that are not there yet
+            reason = re.sub(rf"{re.escape(trial)}/\S+?(:\d+)?: ", "", in_one_line(error)).replace(trial, str(directory))
+            raise InputError(f"{restored.recording.path}: no run over this track: {reason}") from None
     files = _written(directory, contents, {})
-    build(load(directory / recorded.SCENARIO, tuple(models)))  # refuses what of the track or the vehicle cannot be
     return files + save_all({"recording": lambda: recording_figure(restored)} if pictures else {}, directory)
 
 

@@ -70,10 +70,15 @@ def track_file(restored: Restored, date: str) -> str:
     head = (
         f"# Made by wrsim recording from {recording.path.name}, {recording.start:.10g} to {end:.10g} m, which is 0 to "
         f"{recording.length:.10g} m here.\n# The rail and its inclination are not in a recording: set your own.\n"
-    )
+    ) + noted(restored)
     source = f"wrsim recording, from {recording.path.name}"
     day = f"date = {date}\n"  # dates of TOML have no quotes
     return head + write_toml({"name": name, "source": source}) + day + "\n" + write_toml({"track": track})
+
+
+def noted(restored: Restored) -> str:
+    """What was assumed and done, as comments of a file."""
+    return "".join(f"# {note}\n" for note in restored.notes)
 
 
 def _segments(restored: Restored) -> Iterator[dict[str, Any]]:
@@ -145,6 +150,6 @@ def restored_track(
         raise InputError(f"--wavelength-m {wavelengths[0]:g} {wavelengths[1]:g}: must rise")
     if part[0] is not None and part[1] is not None and not part[0] < part[1]:
         raise InputError(f"--from-m {part[0]:g} --to-m {part[1]:g}: must rise")
-    read = recording_from(file, columns, chord=chord, band=band, part=part)
+    read = recording_from(file, columns, chord=chord, band=band, part=part, bridge=wavelengths[0])
     forms = tuple(form for form in FORMS if transitions in (form, "either"))
     return restore(read, wavelengths, amplification, forms)
