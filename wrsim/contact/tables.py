@@ -10,6 +10,7 @@ import scipy
 
 from wrsim.contact.settings import Array, ContactSettings
 from wrsim.core.contact.strips.influence import HIGHEST, INNER, LOWEST, OUTER, RISE, SHARP, STEPS, STEPS_BESIDE
+from wrsim.core.contact.tangential.flexibility import ASPECTS, SLENDEREST
 from wrsim.geometry.profile.distance_field import DistanceField, distance_field
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rolled_rail import RolledRail, station_fields
@@ -79,25 +80,55 @@ def bound_over_cells(cells: int, parabolic: bool) -> Array:
 
 
 @cache
-def _kalker_table() -> Array:
-    """(20, 3, 3): aspect (a < b from 0.1 to 1, then b/a from 0.1 to 1), Poisson ratio 0, 0.25, 0.5, C11 C22 C23."""
+def _kalker_table() -> tuple[Array, Array]:
+    """Aspects a/b from 0.1 to 10 (19,), and (19, 3, 3): of each at Poisson's ratio 0, 0.25, 0.5 C11 C22 C23."""
     text = files("wrsim.contact").joinpath("data/kalker_1990_table_e3.csv").read_text(encoding="utf-8")
     rows = np.array([[float(x) for x in line.split(",")] for line in text.splitlines() if line and line[0].isdigit()])
-    by_aspect = {round(a, 4): rows[np.isclose(rows[:, 0], a)][:, 2:] for a in np.unique(rows[:, 0])}
-    wide = [by_aspect[round(g / 10, 4)] for g in range(1, 11)]
-    long = [by_aspect[min(by_aspect, key=lambda a, g=g: abs(a - 10.0 / g))] for g in range(1, 11)]  # type: ignore[misc]
-    return np.array(wide + long)
+    return rows[::3, 0], rows[:, 2:].reshape(-1, 3, 3)
 
 
-def creep_coefficients(poisson_ratio: float) -> Array:
-    """C11, C22, C23 as (20, 3) for the kernels: rows a/b = 0.1 ... 1, then b/a = 0.1 ... 1.
+def creep_asymptotes(aspect: Array, poisson_ratio: float) -> tuple[Array, Array]:
+    """C11, C22, C23 of slender patches (n, 3), a/b to 0 or to infinity, and the order of their first missing term (n,).
 
-    1/C is quadratic in the Poisson ratio through the three columns of the table (Kalker's own rule).
+    J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact, Kluwer 1990, table E3, last rows. The strip
+    theory of a patch much wider than long misses g^2 ln(1/g), the line theory of a long one the third power of
+    1/ln(1/g); g: the smaller of a/b and b/a.
     """
-    inverse = 1.0 / _kalker_table()
+    nu, wide = poisson_ratio, aspect < 1.0
+    g = np.where(wide, aspect, 1.0 / aspect)
+    log = np.log(16.0 / g**2)
+    spin = np.pi * np.sqrt(g) / (3.0 * (1.0 - nu)) * (1.0 + nu * (0.5 * log + np.log(4.0) - 5.0))
+    strip = np.pi**2 / 4.0 / (1.0 - nu) + 0.0 * g, np.pi**2 / 4.0 + 0.0 * g, spin
+    along, across = log - 2.0 * nu, (1.0 - nu) * log + 2.0 * nu
+    line = (
+        2.0 * np.pi / (g * along) * (1.0 + (3.0 - np.log(4.0)) / along),
+        2.0 * np.pi / (g * across) * (1.0 + (1.0 - nu) * (3.0 - np.log(4.0)) / across),
+        2.0 * np.pi / (3.0 * g**1.5 * ((1.0 - nu) * log - 2.0 + 4.0 * nu)),
+    )
+    values = np.where(wide, strip, line).T
+    return np.ascontiguousarray(values), np.where(wide, g**2 * log, log**-2)
+
+
+@lru_cache(maxsize=8)
+def creep_coefficients(poisson_ratio: float) -> Array:
+    """C11, C22, C23 for the kernels: rows at a/b from `SLENDEREST` on in equal steps of its logarithm.
+
+    Rows of Kalker's table are met; between them log C is a monotone cubic over log a/b, 1/C quadratic in Poisson's
+    ratio through the three columns (Kalker's own rule). Beyond them Kalker's asymptotes go on from the last row; the
+    ratio to them tends to 1 as the first missing term vanishes.
+    """
+    aspects, columns = _kalker_table()
     x = poisson_ratio
     weights = ((x - 0.25) * (x - 0.5) / 0.125, -x * (x - 0.5) / 0.0625, x * (x - 0.25) / 0.125)
-    return np.ascontiguousarray(1.0 / sum(w * inverse[:, i] for i, w in enumerate(weights)))
+    rows = 1.0 / np.einsum("i,kij->kj", weights, 1.0 / columns)
+    places = np.geomspace(SLENDEREST, 1.0 / SLENDEREST, ASPECTS)
+    values, order = creep_asymptotes(places, x)
+    for end, beyond in ((0, places < aspects[0]), (-1, places > aspects[-1])):
+        last, term = creep_asymptotes(aspects[[end]], x)
+        values[beyond] *= 1.0 + (rows[end] / last - 1.0) * (order[beyond] / term)[:, None]
+    within = (places >= aspects[0]) & (places <= aspects[-1])
+    values[within] = np.exp(scipy.interpolate.pchip_interpolate(np.log(aspects), np.log(rows), np.log(places[within])))
+    return values
 
 
 @cache

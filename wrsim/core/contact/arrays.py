@@ -13,8 +13,8 @@ class Arrays(NamedTuple):
     wheel, rail: profile tables, the rail's in (o, b) with its inclination, of one that changes along the track station
     by station; rates: of these along s; stations: (4, n) their places, numbers of their fields, sines of the rail's own
     axes and the rates of these, (2, 1) for a rail of one profile; field: signed distances of the rail, one grid behind
-    the other; creep: (20, 3) Kalker coefficients; shape: (cells,) bound over the cells; settings: (1,) SETTINGS; pose:
-    (POSE,). found: (8,) FOUND, work: (14, >= strips, >= 8): scratch; influence to memo: of the strip model
+    the other; creep: (ASPECTS, 3) Kalker coefficients; shape: (cells,) bound over the cells; settings: (1,) SETTINGS;
+    pose: (POSE,). found: (8,) FOUND, work: (14, >= strips, >= 8): scratch; influence to memo: of the strip model
     (core.contact.strips.records); friction: (rows, 7) along the rail (core.contact.tangential.friction), no rows where
     it is the same everywhere; depth, branches: of a wheel out of round (core.contact.records.Shape), no rows for a
     round one. Results: patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.

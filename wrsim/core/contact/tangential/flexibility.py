@@ -3,10 +3,12 @@
 L1 = 8 a / (3 C11 G),   L2 = 8 a / (3 C22 G),   L3 = pi a sqrt(a/b) / (4 C23 G).
 """
 
-from math import pi, sqrt
+from math import log, pi, sqrt
 from typing import NamedTuple
 
 from wrsim.core.jit import Array, Records, inlined, kernel
+
+ASPECTS, SLENDEREST = 601, 1e-3  # rows of the table of creep coefficients, 100 a decade of a/b; a/b of the first one
 
 
 class Creepages(NamedTuple):
@@ -68,26 +70,17 @@ def ellipse_of(area: float, aspect: float) -> Ellipse:
 
 @kernel
 def kalker_coefficients(creep: Array, aspect: float) -> Coefficients:
-    """C11, C22, C23 for a patch of aspect a/b. creep: (20, 3) rows at min(a/b, b/a) = .1 ... 1, first a < b, then a > b
-    in the same order. Beyond 0.1 the coefficients go on with their asymptotic powers."""
-    wide = aspect <= 1.0
-    g = aspect if wide else 1.0 / aspect
-    x = min(max(10.0 * g - 1.0, 0.0), 9.0)
-    i = min(int(x), 8)
-    r = x - i
-    row = i if wide else i + 10
-    c11 = creep[row, 0] + r * (creep[row + 1, 0] - creep[row, 0])
-    c22 = creep[row, 1] + r * (creep[row + 1, 1] - creep[row, 1])
-    c23 = creep[row, 2] + r * (creep[row + 1, 2] - creep[row, 2])
-    if g < 0.1:
-        slender = 0.1 / max(g, 1e-6)
-        if wide:
-            c23 /= sqrt(slender)
-        else:
-            c11 *= slender
-            c22 *= slender
-            c23 *= slender * sqrt(slender)
-    return Coefficients(c11, c22, c23)
+    """C11, C22, C23 for a patch of aspect a/b, held between SLENDEREST and one over it. creep: (ASPECTS, 3) rows in
+    equal steps of log(a/b) between the two, see `wrsim.contact.tables.creep_coefficients`."""
+    held = min(max(aspect, SLENDEREST), 1.0 / SLENDEREST)
+    place = 0.5 * (ASPECTS - 1) * (1.0 - log(held) / log(SLENDEREST))
+    i = max(min(int(place), ASPECTS - 2), 0)
+    r = place - i
+    return Coefficients(
+        creep[i, 0] + r * (creep[i + 1, 0] - creep[i, 0]),
+        creep[i, 1] + r * (creep[i + 1, 1] - creep[i, 1]),
+        creep[i, 2] + r * (creep[i + 1, 2] - creep[i, 2]),
+    )
 
 
 @kernel
