@@ -4,6 +4,7 @@ import itertools
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -189,6 +190,35 @@ def test_a_wrong_file_of_modes_is_refused(tmp_path: Path, change: tuple[str, str
         read_modes(path, 0.5)
 
 
+@pytest.mark.parametrize(("name", "value", "words"), table("an_array_of_modes_is_refused"))
+def test_an_array_of_modes_has_the_bounds_of_the_columns(tmp_path: Path, name: str, value: Any, words: str) -> None:
+    """Its values, complex ones, more modes than a body may have."""
+    modes = beam(count=2)
+    arrays = {"frequency_Hz": modes.frequencies, "damping": modes.damping, "modal_mass_kg": modes.masses}
+    arrays |= {"points_mm": 1e3 * np.array(PLACES), "shapes": modes.shapes(np.array(PLACES))}
+    if name == "count":
+        arrays = {key: np.concatenate([array] * value) for key, array in arrays.items()}
+    else:
+        arrays[name] = arrays[name].astype(complex if value == "complex" else float)
+        arrays[name].flat[-1] = 1.0 if value == "complex" else value
+    np.savez(tmp_path / "modes.npz", **arrays)
+    with pytest.raises(InputError, match=words):
+        read_modes(tmp_path / "modes.npz", 0.5)
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz"])
+def test_a_cut_file_of_modes_is_refused_in_one_line_or_read(tmp_path: Path, ending: str) -> None:
+    modes, whole, cut = beam(count=2), tmp_path / f"modes.{ending}", tmp_path / f"cut.{ending}"
+    write_modes(tmp_path / "modes.csv", modes, PLACES)
+    read_modes(tmp_path / "modes.csv", 0.5).save(tmp_path / "modes.npz")
+    content = whole.read_bytes()
+    for length in (0, 3, *range(20, len(content) - 10, 61)):
+        cut.write_bytes(content[:length])
+        with pytest.raises(InputError) as caught:
+            read_modes(cut, 0.5)
+        assert str(cut) in str(caught.value)
+
+
 def test_modes_and_keys_of_an_elastic_body_are_checked(tmp_path: Path) -> None:
     """In the words of the file: where it is, how far the nearest point is, what is allowed."""
     assert "bodies.body.flexible.modes = 'modes.csv'" in fault(tmp_path, TABLE).replace('"', "'")
@@ -273,6 +303,13 @@ def test_modes_of_exudyns_interface_are_found_within_its_basis(excluded: bool | 
     as_expected(free_modes(*matrices, POINTS, count=4, radius=0.1, basis=fem.modeBasis["matrix"]))
 
 
+def huge(folder: Path, size: int) -> Path:
+    """The header of a Matrix Market file that is larger than any memory."""
+    path = folder / f"{size}.mtx"
+    path.write_text(f"%%MatrixMarket matrix coordinate real general\n{size} {size} {9 * 10**17}\n1 1 1.0\n")
+    return path
+
+
 def test_matrices_that_do_not_fit_are_refused(tmp_path: Path) -> None:
     stiffness, mass, nodes = box()
     held = stiffness + csr_matrix(np.diag(np.where(np.arange(stiffness.shape[0]) < 30, 1e6, 0.0)))
@@ -281,6 +318,8 @@ def test_matrices_that_do_not_fit_are_refused(tmp_path: Path) -> None:
         ((held, mass, nodes, POINTS), "not those of a free body"),
         ((stiffness, mass, nodes, [[0.0, 0.0, 5.0]]), "0 nodes within radius"),
         ((tmp_path / "none.mtx", mass, nodes, POINTS), "is no Matrix Market file"),
+        ((huge(tmp_path, 10**6), mass, nodes, POINTS), r"stiffness: has the shape \(1000000, 1000000\)"),
+        ((huge(tmp_path, stiffness.shape[0]), mass, nodes, POINTS), "too short for 900000000000000000 numbers"),
     ):
         with pytest.raises(InputError, match=words):
             free_modes(*given, count=4)

@@ -45,7 +45,7 @@ def read_columns(
     try:  # all rows at once; if that fails row by row, for messages
         values = np.array([line.split(separator) for _, line in lines], dtype=np.float64)
         table = [*values.T]
-        if len(table) != len(header) or not all(map(_allowed, (columns[n] for n in header), values.T)):
+        if len(table) != len(header) or not all(map(are_allowed, (columns[n] for n in header), values.T)):
             raise ValueError
     except ValueError:
         table = _row_by_row(path, [csv_cells(path, *line, separator) for line in lines], header, columns)
@@ -97,7 +97,7 @@ def _header_faults(header: list[str], where: str, columns: Mapping[str, Any], ne
     return faults + [f"{where}: column '{n}' is missing; the columns are {', '.join(columns)}" for n in missing]
 
 
-def _allowed(kind: Any, values: NDArray[np.float64]) -> bool:
+def are_allowed(kind: Any, values: NDArray[np.float64]) -> bool:
     """True if all numbers of a column are within its limits."""
     low, high, excluded = number_limits(unpacked(kind).limits)
     above = values > low if excluded else values >= low
@@ -113,7 +113,7 @@ def _row_by_row(path: Path, rows: list[Row], header: list[str], columns: Mapping
             continue
         for name, cell, column in zip(header, cells, table, strict=True):
             value = cell if columns[name] is str else _number(cell)
-            if value is None or (columns[name] is not str and not _allowed(columns[name], np.array(value))):
+            if value is None or (columns[name] is not str and not are_allowed(columns[name], np.array(value))):
                 comma = "," in cell and _number(cell.replace(",", ".")) is not None
                 hint = f"; decimals need a point: {cell.replace(',', '.')}" if comma else ""
                 found = shown_value(cell) if value is None else cell

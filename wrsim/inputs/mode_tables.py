@@ -14,11 +14,17 @@ from wrsim.inputs.values import number, positive
 Array = NDArray[np.float64]
 
 
+SLOWEST_MODE = 0.1
+"""Lowest frequency f of an elastic mode [Hz]: under its own weight a body sags by some g / (2 pi f)^2, 25 m."""
+MOST_MODES = 200
+"""Modes of one file. A step costs the square of the number of unknowns: with 200 some ten times that of a coach, 60."""
+
+
 def of_modes(largest_frequency: float, largest_mass: float) -> dict[str, Any]:
     """Columns of numbers that a mode has once, with their limits [Hz, kg]."""
     return {
         "mode": Annotated[int, number(1, 1000)],
-        "frequency_Hz": Annotated[float, positive(largest_frequency, "Hz")],
+        "frequency_Hz": Annotated[float, number(SLOWEST_MODE, largest_frequency, "Hz")],
         "damping": Annotated[float, number(0, 1, "of critical")],
         "modal_mass_kg": Annotated[float, positive(largest_mass, "kg")],
     }
@@ -46,6 +52,7 @@ def read_mode_table(
     """
     table, lines = read_columns(path, once | places | shapes, [*once, *places, *needed])
     modes, first, count = np.unique(table["mode"], return_index=True, return_counts=True)
+    check_number(path, len(modes))
     order = np.argsort(table["mode"], kind="stable")
     uneven = np.flatnonzero(count != count[0])
 
@@ -65,3 +72,9 @@ def read_mode_table(
             raise InputError(f"{path}: column {name}: mode {mode} has several values; must be the same in all its rows")
     _, frequencies, damping, masses = numbers[:, 0].T
     return ModeTable(frequencies, damping, masses, at[0], columns(list(shapes)), lines[first])
+
+
+def check_number(path: Path, modes: int) -> None:
+    """Raise InputError for a file of too many modes."""
+    if modes > MOST_MODES:
+        raise InputError(f"{path}: has {modes} modes; must be at most {MOST_MODES}: leave out the fastest ones")

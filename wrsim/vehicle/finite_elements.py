@@ -5,12 +5,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.io import mmread
+from scipy.io import mminfo, mmread
 from scipy.linalg import eigh, svd
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import ArpackError, eigsh
 
 from wrsim.errors import InputError
+from wrsim.inputs.mode_tables import MOST_MODES
 from wrsim.vehicle.elements import Array
 from wrsim.vehicle.flexible import PointModes
 
@@ -68,12 +69,9 @@ def free_modes(
     >>> matrices = fem.GetStiffnessMatrix(), fem.GetMassMatrix(), fem.GetNodePositionsAsArray()
     >>> free_modes(*matrices, [[9.5, 1.0, 1.0]], basis=fem.modeBasis["matrix"])
     """
-    k, m = (_matrix(given, name) for given, name in ((stiffness, "stiffness"), (mass, "mass")))
     places, held = np.asarray(nodes, dtype=float), np.asarray(points, dtype=float)
     size = 3 * len(places)
-    for name, matrix in (("stiffness", k), ("mass", m)):
-        if matrix.shape != (size, size):
-            raise InputError(f"{name}: has the shape {matrix.shape}; allowed: {(size, size)} for {len(places)} nodes")
+    k, m = (_matrix(given, name, size) for given, name in ((stiffness, "stiffness"), (mass, "mass")))
     if basis is not None:
         if np.ndim(basis) != 2 or len(basis) != size:
             raise InputError(f"basis: has the shape {np.shape(basis)}; allowed: ({size}, shapes)")
@@ -82,8 +80,9 @@ def free_modes(
         left, sizes, _ = svd(shapes / np.linalg.norm(shapes, axis=0), full_matrices=False)
         basis = left[:, sizes > SAME * sizes[0]]
         k, m = (csc_matrix(basis.T @ (matrix @ basis)) for matrix in (k, m))
-    if not 0 < count <= k.shape[0] - RIGID:
-        raise InputError(f"count = {count}: must be from 1 to {k.shape[0] - RIGID}")
+    most = min(k.shape[0] - RIGID, MOST_MODES)
+    if not 0 < count <= most:
+        raise InputError(f"count = {count}: must be from 1 to {most}")
     squares, vectors = _eigen(k, m, count + RIGID)
     if basis is not None:
         vectors = basis @ vectors
@@ -99,12 +98,21 @@ def free_modes(
     )
 
 
-def _matrix(given: Any, name: str) -> csc_matrix:
-    if isinstance(given, str | Path):
+def _matrix(given: Any, name: str, size: int) -> csc_matrix:
+    """A matrix (size, size) of a file or an array; the sizes of a file are read ahead of what they ask room for."""
+    is_file = isinstance(given, str | Path)
+    if is_file:
         try:
-            given = mmread(str(given), spmatrix=False)
-        except (OSError, ValueError) as error:
+            shape, entries = (head := mminfo(str(given)))[:2], head[2]
+            if shape == (size, size) and entries <= Path(given).stat().st_size:
+                given = mmread(str(given), spmatrix=False)
+            elif shape == (size, size):
+                raise ValueError(f"it is too short for {entries} numbers")
+        except (OSError, ValueError, OverflowError, MemoryError) as error:
             raise InputError(f"{given}: is no Matrix Market file of the {name} ({error})") from None
+    shape = tuple(shape) if is_file else np.shape(given)
+    if shape != (size, size):
+        raise InputError(f"{name}: has the shape {shape}; allowed: {(size, size)} for {size // 3} nodes")
     return csc_matrix(given, dtype=float)
 
 

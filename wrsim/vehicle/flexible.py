@@ -6,6 +6,8 @@ Modes are those of the free body. Their equations: ``core.body.flexible``.
 from __future__ import annotations
 
 import io
+import zipfile
+import zlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,13 +19,14 @@ import scipy
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError
-from wrsim.inputs.mode_tables import of_modes, read_mode_table
+from wrsim.inputs.csv_tables import are_allowed
+from wrsim.inputs.mode_tables import SLOWEST_MODE, check_number, of_modes, read_mode_table
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import read_bytes
-from wrsim.inputs.values import number, positive, text
+from wrsim.inputs.values import number, positive, text, words
 from wrsim.vehicle.elements import Array
 
-_Frequency = Annotated[float, positive(1500, "Hz")]
+_Frequency = Annotated[float, number(SLOWEST_MODE, 1500, "Hz")]
 _Damping = Annotated[float, number(0, 1, "of critical")]
 _Place = Annotated[float, number(-1e5, 1e5, "mm in the axes of the vehicle or part")]
 _Shift = Annotated[float, number(-1e6, 1e6, "per unit of the mode")]
@@ -123,22 +126,26 @@ def _from_csv(path: Path) -> Given:
 
 
 def _from_npz(path: Path) -> Given:
-    names = ("frequency_Hz", "damping", "modal_mass_kg", "points_mm", "shapes")
+    kinds = {name: OF_MODES[name] for name in ("frequency_Hz", "damping", "modal_mass_kg")}
+    kinds |= {"points_mm": _Place, "shapes": _Shift}
     try:
-        with np.load(io.BytesIO(read_bytes(path, "file of modes")), allow_pickle=False) as file:
-            missing = [name for name in names if name not in file]
+        with zipfile.ZipFile(io.BytesIO(read_bytes(path, "file of modes"))) as archive:
+            missing = [name for name in kinds if f"{name}.npy" not in archive.namelist()]
             if missing:
-                raise InputError(f"{path}: array '{missing[0]}' is missing; a file of modes has {', '.join(names)}")
-            frequencies, damping, masses, points, values = (np.asarray(file[name], dtype=float) for name in names)
-    except (OSError, ValueError) as error:
+                raise InputError(f"{path}: array '{missing[0]}' is missing; a file of modes has {', '.join(kinds)}")
+            parts = [io.BytesIO(archive.read(f"{name}.npy")) for name in kinds]
+        arrays = [np.lib.format.read_array(part, allow_pickle=False) for part in parts]
+    except (OSError, ValueError, EOFError, MemoryError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
         raise InputError(f"{path}: is no NPZ file of modes ({error})") from None
-    n, p = len(np.atleast_1d(frequencies)), len(points)
-    wanted = [(n,), (n,), (n,), (p, 3), (n, p, 3 if values.shape[-1:] == (3,) else 6)]
-    for name, array, shape in zip(names, (frequencies, damping, masses, points, values), wanted, strict=True):
-        if array.shape != shape or not np.isfinite(array).all():
-            raise InputError(f"{path}: array '{name}' must have the shape {shape} and finite numbers")
-    if not (np.all(frequencies > 0.0) and np.all(masses > 0.0) and np.all(damping >= 0.0)):
-        raise InputError(f"{path}: frequencies and modal masses must be above 0, damping ratios not below 0")
+    n, p = (max(np.shape(array)[:1], default=1) for array in (arrays[0], arrays[3]))
+    check_number(path, n)
+    wanted = [(n,), (n,), (n,), (p, 3), (n, p, 3 if arrays[4].shape[-1:] == (3,) else 6)]
+    for (name, kind), array, shape in zip(kinds.items(), arrays, wanted, strict=True):
+        if array.shape != shape or array.dtype.kind not in "iuf" or not array.size:
+            raise InputError(f"{path}: array '{name}' must be real numbers in the shape {shape}, at least one")
+        if not are_allowed(kind, array):
+            raise InputError(f"{path}: array '{name}': each must be {words(kind)}")
+    frequencies, damping, masses, points, values = (np.asarray(array, dtype=float) for array in arrays)
     if values.shape[2] == 3:
         values = np.concatenate([values, np.zeros_like(values)], axis=2)
     return frequencies, damping, masses, points / 1e3, values
