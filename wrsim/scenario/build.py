@@ -23,7 +23,14 @@ from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.contact import Coefficient, law_of
 from wrsim.scenario.sections.table import Given
 from wrsim.scenario.sections.vehicle import SpeedTable
-from wrsim.scenario.track_build import check_placement, rails_of, support_words, surfaces_of, track_of
+from wrsim.scenario.track_build import (
+    check_flange_backs,
+    check_placement,
+    rails_of,
+    support_words,
+    surfaces_of,
+    track_of,
+)
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.vehicle import Vehicle
@@ -106,6 +113,9 @@ def _build(scenario: Scenario) -> Setup[Any]:
         for each in dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets):
             check_placement(scenario, each, rails, track)
     surfaces = surfaces_of(scenario, track)
+    if spec.track.gauge_between == "gauge points" and spec.contact.conical is None:
+        for each in dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets):
+            check_flange_backs(scenario, each, rails, surfaces)
     if any(surfaces) and not analysis.moves:
         message = f'are for runs: analysis = "{spec.analysis}" knows one profile of each rail'
         raise scenario.fault(("track", "rail_sections"), message)

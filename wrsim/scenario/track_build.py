@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from wrsim.errors import InputError
+from wrsim.geometry.profile.check_rail import ends_before_its_back, floor_of, with_check_rail
 from wrsim.geometry.profile.flange import LEVEL
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Array, Profile
@@ -31,6 +32,7 @@ from wrsim.scenario.loading import Scenario, load, load_text
 from wrsim.scenario.merging import BASE, FILE
 from wrsim.scenario.sections.irregularities import TableSection
 from wrsim.scenario.sections.structure import MovingMassStructure
+from wrsim.scenario.sections.track import CheckRailSection
 from wrsim.vehicle.wheelset import Wheelset
 
 LEVEL_TRACK = 100.0
@@ -53,9 +55,10 @@ def track_model(path: Path, models: Sequence[str | Path] = ()) -> Track:
 
 
 @lru_cache(maxsize=16)
-def _laid(rail: Profile, inclination: float, gauge_depth: float) -> Profile:
+def _laid(rail: Profile, inclination: float, gauge_depth: float, check_rail: CheckRailSection | None) -> Profile:
     """A rail as laid; cached, for its tables are made once."""
-    return replace(rail.inclined(inclination), gauge_depth=gauge_depth)
+    laid = replace(rail.inclined(inclination), gauge_depth=gauge_depth)
+    return laid if check_rail is None else check_rail.to_si(with_check_rail, rail=laid)
 
 
 def rails_of(scenario: Scenario) -> tuple[Profile, Profile]:
@@ -64,7 +67,9 @@ def rails_of(scenario: Scenario) -> tuple[Profile, Profile]:
     for side in SIDES:
         key, name = section.of_side("rail", side)
         profile = scenario.read(("track", key), name, partial(load_profile, kind="rail"))
-        rail = _laid(profile, section.inclination, section.gauge_depth_mm / 1e3)
+        check_rail = section.check_rail or getattr(section, f"check_rail_{side}")
+        with scenario.faults_at(("track", "check_rail" if section.check_rail else f"check_rail_{side}")):
+            rail = _laid(profile, section.inclination, section.gauge_depth_mm / 1e3, check_rail)
         if section.gauge_between == "gauge points":
             try:
                 u, w = rail.gauge_point()[0], rail.top[1]
@@ -163,19 +168,22 @@ def surfaces_of(scenario: Scenario, track: Track) -> tuple[RailSurface | None, R
 
 def _rail_sections(scenario: Scenario, i: int) -> list[RailSection]:
     """The sections of an entry of [[track.rail_sections]], as laid; distances are from its at_m."""
-    entry, inclination = scenario.spec.track.rail_sections[i], scenario.spec.track.inclination
+    entry, spec = scenario.spec.track.rail_sections[i], scenario.spec.track
     kind = next(name for name in ("rail", "table", "crossing") if getattr(entry, name) is not None)
     key = ("track", "rail_sections", i, kind)
     features, shift = tuple(f / 1e3 for f in entry.features_mm), (entry.outward_mm / 1e3, -entry.down_mm / 1e3)
 
     def read(file: Path) -> list[RailSection]:
         if entry.crossing is not None:
-            return read_crossing(file, inclination, bool(entry.trailing))
+            return read_crossing(file, spec.inclination, bool(entry.trailing))
         if entry.table is not None:
             found = read_sections(file, bool(entry.measured))
         else:
             found = [RailSection(0.0, load_profile(file, "rail"), features)]
-        return [replace(one, profile=one.profile.inclined(inclination)) for one in found]
+        laid = [_laid(one.profile, spec.inclination, spec.gauge_depth_mm / 1e3, entry.check_rail) for one in found]
+        if entry.check_rail is not None:
+            return [RailSection(0.0, rail, (floor_of(rail), rail.head)) for rail in laid]
+        return [replace(one, profile=rail) for one, rail in zip(found, laid, strict=True)]
 
     found = scenario.read(key, getattr(entry, kind), read)
     return [replace(one, profile=one.profile.shifted(*shift)) for one in found]
@@ -205,6 +213,20 @@ def check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile
             beyond = not designed.min() - 1e-9 <= gauge - nominal <= designed.max() + 1e-9
             widened_by = "segments" if track.segments else "table"
             raise scenario.fault(("track", "irregularities" if spec.irregularities and beyond else widened_by), message)
+
+
+def check_flange_backs(
+    scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], surfaces: Sequence[RailSurface | None]
+) -> None:
+    """Refuse a wheel whose profile ends where the back of its flange may touch a guard face."""
+    for side, wheel, rail, surface in zip(SIDES, (wheelset.left, wheelset.right), rails, surfaces, strict=True):
+        half = 0.5 * (scenario.spec.track.gauge_mm / 1e3 - wheelset.profile_spacing) - rail.gauge_point()[0]
+        for each in [rail] if surface is None else [rail, *(own.profile for own in surface.sections)]:
+            if fault := ends_before_its_back(wheel.profile, each, half):
+                key, name = scenario.spec.vehicle.of_side("wheel", side)
+                remedy = "record the wheel to its back, or let an arc lead there: flange_back_mm = 70 in a profile file"
+                more = f'{remedy} with kind = "points" (docs/user/profiles.md)'
+                raise scenario.fault(("vehicle", "model" if name is None else key), f"{fault}: {more}")
 
 
 def _misplaced(s: Seat) -> str:

@@ -29,6 +29,7 @@ from wrsim.core.contact.records import (
     KIK_PIOTROWSKI,
     NO_CREEP_FORCES,
     STATUS_NOT_CONVERGED,
+    STATUS_PROFILE_END,
     STATUS_TOO_DEEP,
     Field,
     PlacedWheel,
@@ -42,7 +43,7 @@ from wrsim.core.contact.records import (
 from wrsim.core.contact.resultants import add_lobe
 from wrsim.core.contact.search.lobes import couple, room_beside, select_deepest
 from wrsim.core.contact.search.locus import locus_point, placed
-from wrsim.core.contact.search.points import find_contacts
+from wrsim.core.contact.search.points import NEAR, find_contacts
 from wrsim.core.contact.strips.model import press_strips
 from wrsim.core.contact.tangential.creep_forces import creep_forces
 from wrsim.core.contact.tangential.friction import set_law
@@ -193,6 +194,11 @@ def _search(a: Arrays, wheel: PlacedWheel, rail: Rail) -> tuple[int, int]:
     )
     count, closest, status = find_contacts(wheel, rail, field, settings.stride, settings.hollow, a.found)
     total.closest = closest
+    deepest = 0.0
+    for i in range(count):
+        deepest = max(deepest, a.found[i].depth)
+    if closest < -deepest - NEAR:  # deepest where a profile ends: no contact is there
+        status |= STATUS_PROFILE_END if closest > -DEEPEST else STATUS_TOO_DEEP
     total.status = status
     if a.depth.shape[0] > 0 and count > 0:
         settings.averaged = _length(wheel, a.found, count, settings.eps)

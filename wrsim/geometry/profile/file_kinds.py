@@ -14,7 +14,7 @@ from pydantic import Field
 from wrsim.errors import InputError
 from wrsim.geometry.profile import sections as shapes
 from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, suffix_fault
-from wrsim.geometry.profile.flange import flange_dimensions
+from wrsim.geometry.profile.flange import flange_dimensions, with_back
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.inputs.section import Choice, Fault
 from wrsim.inputs.values import Day, List, Source, Two, number, positive, text
@@ -347,6 +347,9 @@ class PointsFile(ProfileFile, kind="points"):
     """Turn about the origin, positive: top towards the track centre."""
     shift_mm: Pair = (0.0, 0.0)
     """Moves the profile outward and up, last of all."""
+    flange_back_mm: Annotated[float, number(20.0, 150.0)] | None = None
+    """Of a wheel that is not measured to the back of its flange: distance of that from the tape circle, usually 70; an
+    arc leads there."""
 
     def consistency(self) -> Iterator[Fault]:
         if self.format is None and (fault := suffix_fault(Path(self.file))):
@@ -355,9 +358,12 @@ class PointsFile(ProfileFile, kind="points"):
             yield Fault("cutoff_mm", "is for measured profiles; must be left out with measured = false")
         if self.clip_mm is not None and not self.clip_mm[0] < self.clip_mm[1]:
             yield Fault("clip_mm", "must be two rising numbers: [from u, to u]")
+        if self.body != "wheel" and self.flange_back_mm is not None:
+            yield Fault("flange_back_mm", 'goes with body = "wheel"')
 
     def build(self, path: Path) -> Profile:
-        return self.reading(path).profile()
+        profile = self.reading(path).profile()
+        return profile if self.flange_back_mm is None else with_back(profile, self.flange_back_mm * MM)
 
     def reading(self, path: Path) -> Reading:
         """The points, not yet a profile."""

@@ -8,10 +8,13 @@ import numpy as np
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
 from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.profile.sections import Chain, profile_from_sections
 
 LEVEL = 10e-3  # depth below the tread at the tape circle at which thickness is measured [m]
 TIP = 2e-3  # height above the tip of the flange of the other point of qR [m]
 BACK = 70e-3  # distance of the flange back from the tape circle [m], EN 13715
+ROUND = 5e-3, 100e-3  # radii of arcs that lead to the back: S1002 has 20.5 mm [m]
+PLANE = 10e-3  # height of the back's plane that is added above the arc [m]
 AS_STEEP = radians(0.1)  # angles of drawings are whole tenths of a degree: a flank is as steep as its steepest place
 FLANGE_FROM = radians(40.0)  # contact angle from which a wheel counts as on its flange unless given otherwise [rad]
 
@@ -39,6 +42,21 @@ def flange_dimensions(wheel: Profile, back: float = BACK) -> FlangeDimensions:
     face = _face_at(wheel, tip, tread - LEVEL)
     near_tip = _face_at(wheel, tip, float(wheel.w[tip]) + TIP)
     return FlangeDimensions(face + back, height, face - near_tip)
+
+
+def with_back(wheel: Profile, back: float) -> Profile:
+    """A wheel whose profile ends before the back of its flange, with an arc from its end to the plane of the back,
+    ``back`` from the tape circle [m], and 10 mm of that. Raises InputError where no arc leads there."""
+    steep, gap = -float(wheel.angle[0]), float(wheel.u[0]) + back
+    radius = gap / (1.0 - np.sin(steep)) if 0.0 < steep < 0.5 * np.pi else 0.0
+    if not ROUND[0] <= radius <= ROUND[1]:
+        fact = f"profile '{wheel.name}' ends {1e3 * gap:.4g} mm before it with a slope of {degrees(steep):.4g} degrees"
+        bound = "{:g} to {:g} mm".format(*(1e3 * r for r in ROUND))
+        raise InputError(f"flange_back_mm = {1e3 * back:g}: {fact}; no arc with a radius of {bound} leads there")
+    chain = Chain(-back, float(wheel.w[0]) + radius * np.cos(steep) + PLANE)
+    chain.line(-back, chain.w - PLANE)
+    chain.arc(radius, -0.5 * np.pi, -steep)
+    return wheel.preceded(profile_from_sections(wheel.name, "wheel", chain.sections))
 
 
 def _face_at(wheel: Profile, tip: int, level: float) -> float:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -47,7 +47,8 @@ class Profile:
     coordinate and height of the nodes [m]; angle (n,): tangent angle atan2(dw, du), continuous along the curve [rad];
     curvature_before, curvature_after (n,): d(angle)/dL just before and just after each node [1/m], positive when the
     curve turns upward: a rail head has negative, a flange fillet positive curvature; source: where the data come from;
-    gauge_depth: of a rail's gauge point below its top [m].
+    gauge_depth: of a rail's gauge point below its top [m]; head: arclength at which a rail's head begins, beside a
+    check rail [m].
 
     Arrays are read-only. Changes return a new profile.
     """
@@ -62,6 +63,7 @@ class Profile:
     curvature_after: Array
     source: str = ""
     gauge_depth: float = GAUGE_DEPTH
+    head: float = 0.0
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -194,7 +196,7 @@ class Profile:
         InputError where u lies beside the profile.
         """
         wanted = np.asarray(u, dtype=float)
-        start = int(np.argmax(self.w)) if self.kind == "rail" else int(np.argmin(np.abs(self.u)))
+        start = self._top_node if self.kind == "rail" else int(np.argmin(np.abs(self.u)))
         right = np.maximum.accumulate(self.u[start:])
         left = np.minimum.accumulate(self.u[start::-1])
         slack = 1e-12 + 1e-9 * (right[-1] - left[-1])
@@ -230,9 +232,13 @@ class Profile:
         return L
 
     @cached_property
+    def _top_node(self) -> int:
+        return int(np.argmax(np.where(self.arclength >= self.head, self.w, -np.inf)))
+
+    @cached_property
     def top_arclength(self) -> float:
-        """Arclength of the highest point, m (meant for rails)."""
-        i = int(np.argmax(self.w))
+        """Arclength of the highest point, of a rail that of its head, m."""
+        i = self._top_node
         lo, hi = self.arclength[max(i - 1, 0)], self.arclength[min(i + 1, self.u.size - 1)]
 
         def climb(L: float) -> float:
@@ -290,6 +296,7 @@ class Profile:
         """Mirrored about u = 0; L again runs towards increasing u."""
         return replace(
             self,
+            head=0.0,
             arclength=self.length - self.arclength[::-1],
             u=-self.u[::-1],
             w=self.w[::-1],
@@ -310,5 +317,14 @@ class Profile:
         if ends[1] >= self.length:
             bends[1] = self.curvature_before[-1]
         at_ends = zip(CURVE, (ends, *self.at(ends), self.slope_angle(ends), bends, bends), strict=True)
-        arrays = {f: np.concatenate([x[:1], getattr(self, f)[inner], x[1:]]) for f, x in at_ends}
-        return replace(self, **arrays | {"arclength": arrays["arclength"] - ends[0]})
+        arrays: dict[str, Any] = {f: np.concatenate([x[:1], getattr(self, f)[inner], x[1:]]) for f, x in at_ends}
+        arrays["arclength"] = arrays["arclength"] - ends[0]
+        return replace(self, **arrays, head=max(self.head - float(ends[0]), 0.0))
+
+    def preceded(self, before: Profile) -> Profile:
+        """With another curve before its first point, which ends there with the same tangent."""
+        last = before.u.size - 1
+        arrays: dict[str, Any] = {name: np.append(getattr(before, name)[:-1], getattr(self, name)) for name in CURVE}
+        arrays["arclength"][last:] += before.length
+        arrays["curvature_before"][last] = before.curvature_before[-1]
+        return replace(self, **arrays, head=self.head + before.length)

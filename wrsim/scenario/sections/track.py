@@ -136,6 +136,15 @@ class ArcSegment(SegmentTable, kind="arc"):
 Segment = StraightSegment | TransitionSegment | ArcSegment
 
 
+class CheckRailSection(Section, header="check_rail"):
+    """A check rail beside a rail, which takes a wheel by the back of its flange; its working face leans by 6:1."""
+
+    flangeway_mm: Annotated[float, number(20, 150, "mm, such as 41")]
+    """Width between gauge face and working face, at the depth of the gauge point."""
+    height_mm: Annotated[float, number(-25, 80, "mm")] = 0.0
+    """How far its top lies above that of the running rail."""
+
+
 class RailSectionSection(Section, header="[[track.rail_sections]]"):
     """A section of a rail whose profile changes along the track; in place of rail from the first section to the last.
 
@@ -146,8 +155,8 @@ class RailSectionSection(Section, header="[[track.rail_sections]]"):
     """
 
     one_of = ("rail table crossing",)
-    at_most_one = ("table features_mm", "crossing features_mm")
-    goes_with = {"measured": "table", "trailing": "crossing"}
+    at_most_one = ("table features_mm", "crossing features_mm", "check_rail features_mm")
+    goes_with = {"measured": "table", "trailing": "crossing", "check_rail": "rail"}
     aliases = {"at_m": "distance_m position_m s_m", "rail": "profile", "features_mm": "features"}
 
     at_m: Annotated[float, number(0, 1e6, "m along the track")]
@@ -165,6 +174,8 @@ class RailSectionSection(Section, header="[[track.rail_sections]]"):
     """The crossing is passed from its nose onto its wing (true), or the other way (false, the default)."""
     side: Literal["left", "right", "both"] = "both"
     """Which rail has it."""
+    check_rail: CheckRailSection | None = None
+    """A check rail beside it; all sections of a rail have one, or none has."""
     features_mm: List[Annotated[float, number(0, 1000)]] = ()
     """Arclengths from the first point of the profile of places that belong together in all sections."""
     down_mm: Annotated[float, number(-50, 50)] = 0.0
@@ -180,9 +191,10 @@ class TrackSection(Section, header="[track]"):
     in the plane of the track. For bare pairs of curves that have no gauge point.
     """
 
-    at_most_one = ("segments table",)
+    at_most_one = ("segments table", "check_rail check_rail_left", "check_rail check_rail_right")
     aliases = {
-        "inclination": "rail_cant rail_inclination", "rail": "profile rail_profile", "segments": "segment",
+        "check_rail": "guard_rail", "inclination": "rail_cant rail_inclination", "rail": "profile rail_profile",
+        "segments": "segment",
         "grades": "grade gradients", "rail_sections": "sections rail_section",
         "irregularities": "irregularity defects", "structure": "elasticity", "table": "csv", "file": "model",
     }  # fmt: skip
@@ -204,6 +216,12 @@ class TrackSection(Section, header="[track]"):
     """Profile of the left rail."""
     rail_right: RailName | None = None
     """Profile of the right rail."""
+    check_rail: CheckRailSection | None = None
+    """Check rails beside both rails, along the whole track."""
+    check_rail_left: CheckRailSection | None = None
+    """Check rail beside the left rail alone."""
+    check_rail_right: CheckRailSection | None = None
+    """Check rail beside the right rail alone."""
     cant_base_mm: CantBase | None = None
     """Distance between the rail tops that cant is counted over; gauge + 65 mm unless given."""
     segments: List[Annotated[Segment, Field(discriminator="kind")]] = ()
