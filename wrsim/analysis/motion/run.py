@@ -10,7 +10,7 @@ import numpy as np
 
 from wrsim.analysis.contacts import contact_at, force_law
 from wrsim.analysis.motion.messages import NoSteadyMotion, start_words
-from wrsim.analysis.motion.monitor import Monitor
+from wrsim.analysis.motion.monitor import STRIKE, Monitor
 from wrsim.analysis.motion.record import RunRecord
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.start import start_state
@@ -47,7 +47,11 @@ log = logging.getLogger(__name__)
 STEPS_OF_A_SECTION = 3
 """Least number of implicit steps between two neighbouring sections of a rail that changes along the track."""
 STEPS_OF_A_FLAT = 30
-"""Least number of implicit steps over the length of a flat: its blow at 20 to 120 km/h is right within 1 %."""
+"""Least number of implicit steps over the length of a flat, so that they follow its shape."""
+PEAK_ERROR, BLOW = 0.01, 10.0
+"""Error of the peak of a flat's blow that the step allows, and the blow over the load at rest: pi (w h)^2 / 12, see
+``STRIKE``. The fastest mode w of the vehicle on its rails is that of a rail's mass under its wheel; Hertz's stiffness,
+and so w^2, grows with the cube root of the load."""
 SHRUNK = 10.0  # by how much shorter than usual a chosen step of RK44 is reported
 BENCH_STEP, BENCH_ITERATIONS, BENCH_LONGEST = 1e-3, 2, 5e-3  # of vehicles that others move on step by step [s]
 SEGMENT_EXACT = 5  # steps between two checkpoints with the exact contact solver; each takes a second or more
@@ -194,6 +198,9 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
     ways = [gap / STEPS_OF_A_SECTION for row in places for gap in np.diff(row).tolist()]
     wheels = [wheel for own in setup.vehicle.wheelsets for wheel in (own.wheelset.left, own.wheelset.right)]
     flats = [part for wheel in wheels for part in wheel.out_of_round if isinstance(part, Flat)]
+    if flats:
+        fastest_mode = float(np.abs(steps.eigenvalues(BodySystem(law.bodies, law), q, q_t).imag).max())
+        ways.append(fastest * (PEAK_ERROR / STRIKE / BLOW ** (1.0 / 3.0)) ** 0.5 / fastest_mode)
     ways += [flat.length / STEPS_OF_A_FLAT for flat in flats]
     return step / max(1, ceil(step * fastest / min(ways))) if ways else step
 

@@ -36,6 +36,11 @@ def watch_step(t: float, distance: float, sampled: bool, watched: Records, buffe
         if own.steps >= 2 and bend > own.bend:
             own.bend, own.bend_force, own.bend_at, own.bend_s = bend, own.last, own.last_at, own.last_s
             own.bend_step = t - own.last_at
+        if own.steps >= 2 and own.earlier < own.last > force:
+            # the crest of the parabola through three steps: off by the fourth power of the step, not the second
+            crest = own.last + (force - own.earlier) ** 2 / (8.0 * bend)
+            if crest > own.most:
+                own.most, own.most_at, own.most_s = crest, own.last_at, own.last_s
         own.earlier, own.last, own.last_at, own.last_s, own.steps = own.last, force, t, distance, own.steps + 1
         if not sampled:
             if force > own.most:
