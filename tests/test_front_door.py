@@ -124,7 +124,7 @@ def test_a_patch_of_a_run_is_the_one_of_the_nearest_kept_moment(curve: Result) -
         (lambda r: r.patch("here", "left"), "must be a distance in m"),
         (lambda r: r.patch(FIRST, "left", number=9), "number = 9: the left wheel has"),
         (lambda r: r.wheelset("front"), "no wheelset is called 'front'.*there are wheelset"),
-        (lambda r: r.plot("Yq"), "neither a picture nor a channel.*pictures: overview.*channels: .*Y"),
+        (lambda r: r.plot("Yq"), "neither a picture nor a channel.*: is none of .* names; the nearest are .*Y"),
         (lambda r: r.to_dataframe("front"), "no wheelset is called 'front'"),
         (lambda r: load_profile("rails/60E11.toml"), r'not found in .*did you mean "rails/60E1.toml"'),
         (lambda r: wrsim.load_vehicle("vehicles/manchester.toml"), 'did you mean "vehicles/manchester_1.toml"'),

@@ -21,10 +21,12 @@ from wrsim.analysis.motion.run import recorded_run
 from wrsim.errors import InputError, WrsimError
 from wrsim.report.output_folder import read
 from wrsim.results import CHANNELS, Result, assemble, netcdf, summarise, write_atomically, write_run
+from wrsim.results.channels import NAMES
 from wrsim.results.files import Manifest, as_csv
+from wrsim.results.limits import QUANTITY_NAMES
 from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.run_file import RunFile
-from wrsim.results.summary import PEAKS
+from wrsim.results.summary import OF_WHEELSET, PEAKS
 from wrsim.results.table import Column, Placed, Table, as_html, as_records, as_rows, as_text, formatted, quantity
 from wrsim.results.tables import tables
 from wrsim.scenario.build import Setup
@@ -33,6 +35,7 @@ from wrsim.simulation.integrate import Integration
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.recorder import Recorder
 from wrsim.simulation.system import BodySystem
+from wrsim.study.spec import ChannelOutput
 
 table = rows_of(__file__)
 
@@ -454,3 +457,27 @@ def test_a_result_on_disk_is_the_one_in_memory(setup, record, tmp_path, monkeypa
     twice = Result.load(on_disk.save(tmp_path / "again.nc"))
     assert twice.dataset.identical(read.dataset)
     assert not [p for p in tmp_path.rglob("*") if p.name.startswith(".")]
+
+
+def test_words_of_reports_are_understood_as_names_of_channels() -> None:
+    """Of a run's channel and one of poses of the same words the first is meant; a word of several means none."""
+    for peak in (*PEAKS.values(), *OF_WHEELSET.values()):
+        word = peak.words.partition(",")[0]
+        assert NAMES.understood(word) in (peak.channel, word.replace(" ", "_")), word
+    words = {
+        "angle_of_attack": "yaw",
+        "Angle of attack": "yaw",
+        "L/V": "Y_over_Q",
+        "p₀": "p0",
+        "y": "Y",
+        "y/q": "Y_over_Q",
+    }
+    assert {word: NAMES.understood(word) for word in words} == words
+    assert NAMES.understood("spring force") is None and '"suspension_fx"' in NAMES.unknown("spring force")
+    assert NAMES.among(["attack"]).understood("angle of attack") == "attack"
+    assert NAMES.unknown("lateral shft").count('"') == 10 and '"lateral_shift"' in NAMES.unknown("lateral shft")
+    output = ChannelOutput(channel="angle_of_attack", reduce="max")
+    assert (output.channel, output.column) == ("yaw", "yaw_max_mrad")
+    result = Result(curve_run())
+    assert result.plot("angle of attack").axes[0].get_ylabel() == result.plot("yaw").axes[0].get_ylabel()
+    assert QUANTITY_NAMES.understood("derailment quotient") == "Y_over_Q"

@@ -13,9 +13,10 @@ from scipy.signal import spectrogram
 
 from wrsim.analysis.assessment.filters import sampling_rate
 from wrsim.analysis.ride import Array, spectrum, stretch_of, third_octaves
-from wrsim.errors import InputError, suggest
+from wrsim.errors import InputError
 from wrsim.inputs.checking import check_section
 from wrsim.results import CHANNELS, Result
+from wrsim.results.channels import NAMES
 from wrsim.results.spectra import ORDERS
 from wrsim.results.wheelsets import fast_of
 from wrsim.scenario.sections.run import StretchTable
@@ -39,10 +40,9 @@ def evaluate_spectra(
     fast = [str(n).removeprefix("fast_") for n in dataset.data_vars if str(n).startswith("fast_")]
     names = [str(n) for n, own in dataset.data_vars.items() if own.dims[:1] == ("time",)]
     known = [n for n in dict.fromkeys([*fast, *names]) if CHANNELS[n].kind == "number"]
-    channel = channel.removeprefix("fast_")
-    if channel not in known:
-        there = ", ".join(fast or known) or "none"
-        raise InputError(f"no channel over time is called '{channel}'{suggest(channel, known)}; there are {there}")
+    if (name := (channels := NAMES.among(known)).understood(channel.removeprefix("fast_"))) is None:
+        raise InputError(f"channel '{channel}' {channels.unknown(channel)} (of those over time)")
+    channel = name
     ends = {key: place for key, place in zip(("from_m", "to_m"), stretch, strict=True) if place is not None}
     section = check_section(StretchTable, ends, lambda path: "spectra")
     part = stretch_of(fast_of(dataset) if channel in fast else dataset, section)

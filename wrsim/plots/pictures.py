@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from wrsim.errors import InputError, suggest
+from wrsim.errors import InputError
 from wrsim.plots.bent import bent_figures
 from wrsim.plots.cross_section import has_outlines, section_gallery
 from wrsim.plots.drawing import save_all
@@ -18,6 +18,7 @@ from wrsim.plots.static import PANELS, static_figure
 from wrsim.plots.wear import fatigue_figure, wear_figure
 from wrsim.register import ANALYSES, resolved
 from wrsim.results import CHANNELS, Result
+from wrsim.results.channels import NAMES
 from wrsim.results.moments import has_patches, is_history
 from wrsim.results.summary import has_wear
 from wrsim.results.wheelsets import fast_of, of_wheelset, wheelset_folder, wheelsets, worst_wheelset
@@ -89,13 +90,13 @@ def picture(result: Result, names: Sequence[str], wheelset: str | None) -> Figur
     dims = {str(n): tuple(d for d in v.dims if d != "wheelset") for n, v in chosen.variables.items()}
     numbers = (name for name in dims if name not in chosen.dims and CHANNELS[name].kind == "number")
     channels = [name for name in numbers if dims[name] in DRAWN]
-    for name in names:
-        if name not in channels:
-            known = (*figures, *channels)
+    known, means = NAMES.among((*channels, *figures)), [NAMES.among(channels).understood(str(name)) for name in names]
+    for word, name in zip(names, means, strict=True):
+        if name is None:
             raise InputError(
-                f"plot: '{name}' is neither a picture nor a channel of this result{suggest(str(name), known)}; "
-                f"pictures: {', '.join(figures) or 'none'}; channels: {', '.join(channels) or 'none'}"
+                f"plot: '{word}' is neither a picture nor a channel of this result: {known.unknown(str(word))}"
             )
+    names = [name for name in means if name]
     if not names:
         raise InputError("plot: this result has no pictures")
     several = len(wheelsets(chosen)) > 1 and any("wheelset" in chosen[name].dims for name in names)

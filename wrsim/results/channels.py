@@ -15,12 +15,15 @@ What belongs to a wheelset or its wheels has the dimension ``wheelset``, of size
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from importlib.resources import files
 from math import pi
 from typing import Any, Literal
+
+from wrsim.inputs.terms import Names
 
 Kind = Literal["number", "count", "text"]
 
@@ -127,6 +130,12 @@ WHEELSET, BOGIE_FRAME, CAR_BODY = "wheelset", "bogie frame", "car body"
 
 CHANNELS: dict[str, Channel] = {row["name"]: _channel(row) for row in table("wrsim.results", "data/channels.csv")}
 """Every channel by its name, in the order in which tables print them; fast ones (``fast_name``) last."""
+
+NAMES = Names(
+    {name: (c.long_name, c.symbol, *re.split("[,;]", c.terms)) for name, c in CHANNELS.items() if c.kind != "text"},
+    lambda name: (CHANNELS[name].dims[0] == "pose", bool({"strip", "column"} & {*CHANNELS[name].dims})),
+)
+"""Channels with other terms for them. One of a channel of runs and of a channel of poses or strips means the first."""
 
 _FAST = (
     "X", "Y", "Q", "sum_Y", "rail_displacement_?", "axle_box_acceleration", "lateral_shift", "vertical_shift", "yaw",

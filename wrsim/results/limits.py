@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from wrsim.inputs.section import Choice, Section
+from wrsim.inputs.terms import Names
 from wrsim.inputs.values import List, OrTable, Two, number, positive, text
 from wrsim.results.channels import SHOWN, Shown, table
 
@@ -55,6 +56,8 @@ QUANTITIES: dict[str, Quantity] = {
     for row in table("wrsim.results", "data/quantities.csv")
 }
 """By their keys, in the order of the tables."""
+QUANTITY_NAMES = Names({key: (own.symbol, *own.words.split(",")) for key, own in QUANTITIES.items()})
+"""With other terms for them."""
 OF_RUNS = tuple(key for key, own in QUANTITIES.items() if own.of != "rest")
 """What may be judged of runs."""
 

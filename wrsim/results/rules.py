@@ -18,7 +18,18 @@ from wrsim.inputs.checking import check_section, opened
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, Two, choice, number, positive, text
 from wrsim.results.channels import SHOWN
-from wrsim.results.limits import INFORMATION, QUANTITIES, About, AnyLimit, Constant, Force, Limit, Quantity, Radius
+from wrsim.results.limits import (
+    INFORMATION,
+    QUANTITIES,
+    QUANTITY_NAMES,
+    About,
+    AnyLimit,
+    Constant,
+    Force,
+    Limit,
+    Quantity,
+    Radius,
+)
 
 FOLDER = Path(__file__).parent / "data" / "rules"
 NAMES = tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
@@ -48,7 +59,7 @@ class ClauseSection(Section, header="[[clauses]]"):
 
     id: Annotated[str, text("a name of the clause")]
     """Name of the clause in this set."""
-    quantity: Literal[*QUANTITIES]  # type: ignore[valid-type]
+    quantity: QUANTITY_NAMES.key()  # type: ignore[valid-type]
     """What is judged."""
     evaluation_source: Annotated[str, text("where the evaluation stands, with its mark")] | None = None
     """Where it stands how the quantity is evaluated."""

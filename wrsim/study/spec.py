@@ -12,7 +12,8 @@ from wrsim.contact.wear.laws import LawName
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, number, positive, refuse, spread, text
 from wrsim.results import CHANNELS
-from wrsim.results.limits import OF_RUNS
+from wrsim.results.channels import NAMES
+from wrsim.results.limits import OF_RUNS, QUANTITY_NAMES
 from wrsim.vehicle.vehicle_sections import WheelName
 
 MOST_CASES = 1_000_000
@@ -195,7 +196,7 @@ class ChannelOutput(Section, header="[[outputs.channels]]"):
         "from_m": "start_m", "to_m": "end_m",
     }  # fmt: skip
 
-    channel: Literal[*NUMBERS]  # type: ignore[valid-type]
+    channel: NAMES.among(NUMBERS).key()  # type: ignore[valid-type]
     """Channel of the result."""
     reduce: Literal[*REDUCTIONS]  # type: ignore[valid-type]
     """How its samples become one number."""
@@ -228,8 +229,8 @@ class ChannelOutput(Section, header="[[outputs.channels]]"):
             yield Fault("percentile", "must be a number from 0 to 100", missing=True)
         elif raw.get("reduce") != "percentile" and "percentile" in raw:
             yield Fault("percentile", 'is for reduce = "percentile"')
-        channel = CHANNELS.get(str(raw.get("channel")))
-        if channel is not None:
+        if (name := NAMES.understood(str(raw.get("channel")))) is not None:
+            channel = CHANNELS[name]
             for label in LABELS:
                 if label in raw and label not in channel.dims:
                     yield Fault(label, f'channel "{channel.name}" has none: it belongs to ({", ".join(channel.dims)})')
@@ -265,7 +266,7 @@ class OutputsSection(Section, header="[outputs]"):
 
     summary: List[Annotated[str, text('a place in summary.json such as "linear_critical_speed_kmh"')]] = ()
     """Numbers of summary.json, by their places with dots between."""
-    assessment: List[Literal[*OF_RUNS]] = ()  # type: ignore[valid-type]
+    assessment: List[QUANTITY_NAMES.among(OF_RUNS).key()] = ()  # type: ignore[valid-type]
     """Quantities of the rule set of the scenario, the worst of all sections."""
     channels: List[ChannelOutput] = ()
     """Channels of the result, each reduced to one number."""

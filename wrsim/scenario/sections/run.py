@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -12,12 +12,11 @@ from wrsim.geometry.track.bridge import Bridge
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number, positive
-from wrsim.results.channels import CHANNELS, FAST
+from wrsim.results.channels import CHANNELS, FAST, NAMES
 from wrsim.scenario.sections.table import AnalysisTable, Given, PlanTable
 from wrsim.simulation import DEFAULT_INTEGRATOR, Integrator
 from wrsim.vehicle.speed import SpeedProfile
 
-FastChannel = Literal[*FAST]  # type: ignore[valid-type]
 Place = Annotated[float, number(-1e6, 1e6, "m along the centre line")]
 
 
@@ -166,7 +165,7 @@ class RunSection(PlanTable, header="[run]"):
     """Step of the integration; a good one is chosen unless given."""
     output_interval_ms: Annotated[float, number(0.01, 10_000, "ms between two samples")] = 5.0
     """Time between two samples of the result."""
-    fast_channels: List[FastChannel] = ()
+    fast_channels: List[NAMES.among(FAST).key()] = ()  # type: ignore[valid-type]
     """Channels that are stored more often besides, as `fast_Q` over `fast_time`."""
     channels_at_hz: Annotated[float, number(1, 100_000, "samples a second")] = 2000.0
     """How often these are stored; a step that is chosen divides the time between two of their samples."""
