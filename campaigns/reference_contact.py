@@ -321,8 +321,8 @@ def own_place(wheel: str, rail: str, cant: str, rolling: bool) -> Place:
 @cache
 def bench_place(folder: Path) -> Place:
     """Place of the Manchester contact benchmark: its own profiles, from the reference folder."""
-    wheel = read_points(folder / "profiles/MBench_S1002_v3.prw", "wheel", measured=False).profile()
-    rail = read_points(folder / "profiles/MBench_UIC60_v3.prr", "rail", measured=False).profile()
+    wheel = read_points(folder / "profiles/MBench_S1002_v3.prw", "wheel", measured=False).profile
+    rail = read_points(folder / "profiles/MBench_UIC60_v3.prr", "rail", measured=False).profile
     return Place(wheel, rail, (HALF_GAUGE - rail.gauge_point()[0], -rail.top[1]), 0.46, True)
 
 

@@ -17,7 +17,7 @@ from wrsim import InputError, Profile, Result, load, load_profile, run
 from wrsim.analysis.conicity.conicity import equivalent_conicity, wheelset_conicity
 from wrsim.analysis.conicity.pairs import conicity_map
 from wrsim.geometry.profile.flange import FLANGE_FROM
-from wrsim.geometry.profile.models import profiles_in
+from wrsim.geometry.profile.models import readings_in
 from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections
 from wrsim.results.conicity import steering_summary
 from wrsim.results.tables import tables
@@ -168,28 +168,28 @@ RAILS = {"60E1": load_profile(MODELS / "rails/60E1.toml").inclined(1 / 40)}
 
 def test_of_gauge_and_spacing_only_the_play_counts_and_for_a_cone_not_even_that():
     cones = {f"{c}": cone(f"cone {c}", "wheel", c, -0.04, 0.06) for c in (0.05, 0.1)}
-    found = conicity_map(cones, RAILS, [1.43, 1.44], 1.5, 0.46)
+    found = conicity_map(cones, RAILS, [1.43, 1.44], lambda *_: 1.5, 0.46)
     assert found.pairs == (("0.05", "60E1"), ("0.1", "60E1"))
     assert found.conicity == pytest.approx(np.tile([[0.05], [0.1]], 2), rel=0.02)  # a sixtieth of 1.5 m either way
     assert found.nonlinearity == pytest.approx(np.zeros((2, 2)), abs=1e-3)
-    wide = conicity_map(S1002, RAILS, [1.433, 1.436], 1.5, 0.46)
-    moved = conicity_map(S1002, RAILS, [1.431, 1.434], 1.498, 0.46)
+    wide = conicity_map(S1002, RAILS, [1.433, 1.436], lambda *_: 1.5, 0.46)
+    moved = conicity_map(S1002, RAILS, [1.431, 1.434], lambda *_: 1.498, 0.46)
     assert moved.conicity == pytest.approx(wide.conicity, rel=1e-9)
     assert wide.conicity[0, 0] > 1.2 * wide.conicity[0, 1]  # S1002 on 60E1 falls with the gauge
 
 
 def test_a_folder_gives_its_profiles_of_a_kind_and_names_what_is_none(tmp_path):
-    assert list(profiles_in(SCANS, "wheel")[0]) == ["wheel"]
-    assert list(profiles_in(SCANS, "rail")[0]) == ["rail"]  # rail.toml describes rail.csv
-    assert list(profiles_in(SCANS, None)[0]) == ["rail", "wheel"]
+    assert list(readings_in(SCANS, "wheel")[0]) == ["wheel"]
+    assert list(readings_in(SCANS, "rail")[0]) == ["rail"]  # rail.toml describes rail.csv
+    assert list(readings_in(SCANS, None)[0]) == ["rail", "wheel"]
     with pytest.raises(InputError, match=r"has no wheel profiles \(files that end in \.toml or \.ban"):
-        profiles_in(tmp_path, "wheel")
+        readings_in(tmp_path, "wheel")
     for name in ("broken.whl", *(f"broken_{i}.whl" for i in range(3))):
         (tmp_path / name).write_text("no numbers\n")
     with pytest.raises(InputError, match=r"has no wheel profiles(?s:.*)broken\.whl"):
-        profiles_in(tmp_path, "wheel")
+        readings_in(tmp_path, "wheel")
     shutil.copy(SCANS / "wheel.whl", tmp_path)
-    found, faults = profiles_in(tmp_path, "wheel")
+    found, faults = readings_in(tmp_path, "wheel")
     assert (
         list(found) == ["wheel"]
         and len(faults) == 1

@@ -11,6 +11,7 @@ from support.rows import rows_of
 import wrsim
 from wrsim import Profile, load_profile
 from wrsim.analysis.profiles import measured_tables
+from wrsim.geometry.profile.files import Reading
 from wrsim.geometry.profile.flange import tread_hollow
 from wrsim.geometry.profile.head_wear import head_wear
 from wrsim.geometry.profile.sections import cone
@@ -40,9 +41,8 @@ def test_a_scan_beside_the_unworn_rail_is_known_by_its_field_side_which_wear_lea
     gauge_side = worn(RAIL, [Removal("normal", 3e-3, -34e-3, 8e-3)], "worn")
     assert head_wear(gauge_side, RAIL).field == pytest.approx(0.0, abs=1e-9)
     assert head_wear(RAIL.shifted(offset, 0.0), RAIL).field == pytest.approx(-offset, abs=1e-9)
-    (note,) = [
-        n for n in measured_tables({"scan": RAIL.shifted(offset, 0.0)}, [], RAIL, None)["rail"].notes if "scan" in n
-    ]
+    tables = measured_tables({"scan": Reading(None, RAIL.shifted(offset, 0.0))}, [], RAIL, None)
+    (note,) = [n for n in tables["rail"].notes if "scan" in n]
     assert f"its field side lies 2.00 mm {'outside' if offset > 0.0 else 'inside'} that of 60E1" in note
 
 

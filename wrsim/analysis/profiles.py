@@ -11,11 +11,13 @@ import numpy as np
 from wrsim.analysis.conicity.pairs import Pairing, conicity_map
 from wrsim.analysis.poses.static import contact_map
 from wrsim.errors import InputError
+from wrsim.geometry.profile.files import Reading, notes_of
 from wrsim.geometry.profile.flange import flange_dimensions, tread_hollow
 from wrsim.geometry.profile.head_wear import head_wear
 from wrsim.geometry.profile.profile import KINDS, Kind, Profile
 from wrsim.results.table import Cell, Column, Table, quantity
 
+HEADS_APART = 0.2  # difference from a measure in the head of a file from which it is told [mm]
 MEASURES = {"wheel": ("Sh", "Sd", "qR", "hollow"), "rail": ("W1", "W2", "W3")}
 LAID = 0.5e-3
 """How far the field sides of a rail and an unworn one may be apart [m]: tolerance of the width of heads, EN 13674-1."""
@@ -49,13 +51,12 @@ class Partner:
         slope, own = self.pairing.slope, {self.profile.name: self.profile}
         wheels, rails = (profiles, own) if self.profile.kind == "rail" else (own, profiles)
         rails = {name: rail.inclined(slope) for name, rail in rails.items()}
-        spacing = self.pairing.spacing
-        found = conicity_map(wheels, rails, [self.gauge], spacing, self.radius, self.pairing.roll)
+        found = conicity_map(wheels, rails, [self.gauge], self.pairing.spacing, self.radius, self.pairing.roll)
         pressures = [self._pressure(wheels[wheel], rails[rail]) for wheel, rail in found.pairs]
         return list(zip(found.conicity[:, 0].tolist(), pressures, strict=True)), found.reasons
 
     def _pressure(self, wheel: Profile, rail: Profile) -> float:
-        placed = {"gauge": self.gauge, "profile_spacing": self.pairing.spacing, "rolling": False}
+        placed = {"gauge": self.gauge, "profile_spacing": self.pairing.spacing(wheel, wheel), "rolling": False}
         try:
             found = contact_map(wheel, rail, self.radius, 0.0, loads=self.load, **placed)  # type: ignore[arg-type]
         except InputError:
@@ -64,27 +65,28 @@ class Partner:
 
 
 def measured_tables(
-    profiles: Mapping[str, Profile], faults: Sequence[str], unworn: Profile | None, partner: Partner | None
+    readings: Mapping[str, Reading], faults: Sequence[str], unworn: Profile | None, partner: Partner | None
 ) -> dict[Kind, Table]:
-    """What is measured, a table a kind: Sh, Sd, qR, hollow of wheels, W1, W2, W3 of rails against the unworn one [mm];
-    conicity and pressure with a partner. What cannot be measured is a gap, with its reason in the notes.
+    """What is measured on the points, a table a kind: Sh, Sd, qR, hollow of wheels, W1, W2, W3 of rails against the
+    unworn one [mm]; conicity and pressure with a partner. What cannot be measured is a gap, its reason in the notes.
 
     Raises InputError for an unworn profile or a partner that has no use.
     """
-    kinds = {profile.kind for profile in profiles.values()}
+    kinds = {reading.profile.kind for reading in readings.values()}
     if unworn is not None and unworn.kind not in kinds:
         raise InputError(f"--reference: {unworn.name} is a {unworn.kind}, and none of the profiles is")
     if partner is not None and kinds == {partner.profile.kind}:
         raise InputError(f"--on: {partner.profile.name} is a {partner.profile.kind} like the profiles")
     tables = dict[Kind, Table]()
     for kind in KINDS:
-        if own := {name: profile for name, profile in profiles.items() if profile.kind == kind}:
+        if own := {name: reading for name, reading in readings.items() if reading.profile.kind == kind}:
             tables[kind] = _table(kind, own, unworn, partner)
     first = next(iter(tables))
-    return tables | {first: replace(tables[first], notes=(*tables[first].notes, *faults))}
+    told = notes_of([reading.profile for reading in readings.values()])
+    return tables | {first: replace(tables[first], notes=(*tables[first].notes, *told, *faults))}
 
 
-def _table(kind: Kind, profiles: Mapping[str, Profile], unworn: Profile | None, partner: Partner | None) -> Table:
+def _table(kind: Kind, readings: Mapping[str, Reading], unworn: Profile | None, partner: Partner | None) -> Table:
     against = unworn if unworn is not None and unworn.kind == kind else None
     names, notes = MEASURES[kind], list[str]()
     if kind == "rail" and against is None:
@@ -92,10 +94,11 @@ def _table(kind: Kind, profiles: Mapping[str, Profile], unworn: Profile | None, 
     elif kind == "rail" and against is not None:
         notes = [f"against {against.name}; W2 {quantity(1e3 * against.gauge_depth, 'mm', 'g')} below its top"]
     rows: list[list[Cell]] = []
-    for name, profile in profiles.items():
+    profiles = {name: reading.profile for name, reading in readings.items()}
+    for name, reading in readings.items():
         try:
-            own = _measures(profile, against) if names else ()
-            notes += _doubts(name, profile, against)
+            own = _measures(reading.close, against) if names else ()
+            notes += _doubts(name, reading.close, against) + _apart(name, names, own, reading.instrument)
         except InputError as error:
             notes.append(f"{name}: {error}")
             own = (np.nan,) * len(names)
@@ -108,6 +111,15 @@ def _table(kind: Kind, profiles: Mapping[str, Profile], unworn: Profile | None, 
         columns.append(Column("p0", "MPa", ".0f", "p0_MPa"))
         notes += [partner.words(), *reasons]
     return Table("", tuple(columns), rows, tuple(notes))
+
+
+def _apart(name: str, names: Sequence[str], own: Sequence[float], head: Mapping[str, float]) -> list[str]:
+    """A note where measures [m] differ from those in the head of the file [mm]."""
+    pairs = [(key, 1e3 * value, head[key]) for key, value in zip(names, own, strict=False) if key in head]
+    words = [
+        f"{key} {value:.2f}, in its head {there:.2f}" for key, value, there in pairs if abs(value - there) > HEADS_APART
+    ]
+    return [f"{name}: {'; '.join(words)} mm"] if words else []
 
 
 def _doubts(name: str, rail: Profile, unworn: Profile | None) -> list[str]:

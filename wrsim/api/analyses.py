@@ -161,7 +161,7 @@ def conicity(
     flange_back_mm: float = 1360.0, inclination: str = "1:40", radius_mm: float = 460.0,
     diameters_mm: tuple[float, float] | None = None, wheel_right: str | None = None, rail_right: str | None = None,
     roll: str = "none", curve_m: Sequence[float] = (), flange_from_deg: float = 40.0,
-    models: Sequence[str | Path] = (), output: str | Path | None = None, pictures: bool = True,
+    models: Sequence[str | Path] = (), output: str | Path | None = None, pictures: bool = True, **reading: Any,
 ) -> Outcome:  # fmt: skip
     """Rolling radius difference and equivalent conicity (EN 15302) of a wheelset on its rails.
 
@@ -169,6 +169,8 @@ def conicity(
     ----------
     wheel, rail : str
         Profile files, or folders of them, which give a map. All others as of ``wrsim conicity``.
+    unit, heights, field_side, origin, back_to_tape_circle_mm, measured, cutoff
+        How files of points are read, unless they say it themselves; cutoff of smoothing [mm].
 
     Returns
     -------
@@ -185,13 +187,14 @@ def conicity(
     from wrsim.results.conicity import conicity_numbers
     from wrsim.results.table import as_records
 
-    pairing = Pairing(flange_back_mm / 1e3, inclination, roll, list(map(Path, models)))
+    pairing = Pairing(flange_back_mm / 1e3, inclination, roll, list(map(Path, models)), reading)
     if gauges_mm is not None or Path(wheel).is_dir() or Path(rail).is_dir():
         if diameters_mm or wheel_right or rail_right or curve_m:
             refused = "--diameters-mm, -right and --curve-m"
             raise InputError(f"a map is of wheelsets with like wheels on like rails, at any radius: no {refused}")
         over = pairing.map(wheel, rail, gauges_mm or (gauge_mm, gauge_mm, 1.0), radius_mm / 1e3)
         numbers = {"title": over.title, "map": as_records(over.table()), "gaps": list(over.reasons)}
+        numbers |= {"profiles": list(over.notes)} if over.notes else {}
         return Outcome(
             [over.table()], numbers, write_conicity_map(over, Path(output), pictures) if output else [], over
         )
@@ -206,7 +209,8 @@ def profiles(
     files: str | Sequence[str], output: str | Path | None = None, *, kind: str | None = None,
     cutoff: Sequence[float] = (), reference: str | None = None, on: str | None = None,
     gauge_mm: float | None = None, flange_back_mm: float | None = None, inclination: str | None = None,
-    radius_mm: float | None = None, load_kN: float | None = None, models: Sequence[str | Path] = (),
+    radius_mm: float | None = None, load_kN: float | None = None, align: str | None = None,
+    models: Sequence[str | Path] = (), **reading: Any,
 ) -> Outcome:  # fmt: skip
     """Profiles as workshops measure them: Sh, Sd, qR and hollow of wheels, W1, W2, W3 of rails, one row each.
 
@@ -220,6 +224,10 @@ def profiles(
         The unworn profile: head wear of rails is measured against it.
     on : str, optional
         A rail (of wheels) or a wheel (of rails) for conicity and pressure.
+    align : str, optional
+        An unworn profile onto which scans are moved and turned by the parts that do not wear.
+    unit, heights, field_side, origin, back_to_tape_circle_mm, measured
+        How files of points are read, unless they say it themselves.
     gauge_mm, inclination, radius_mm, load_kN : float or str, optional
         Of that; 1435 mm, "1:40", 460 mm, 60 kN a wheel unless given. All others as of ``wrsim profile``.
 
@@ -235,32 +243,36 @@ def profiles(
     """
     from wrsim.analysis.conicity.pairs import Pairing
     from wrsim.analysis.profiles import Partner, measured_tables, wheelsets_table
-    from wrsim.geometry.profile.models import gathered, load_profile
+    from wrsim.geometry.profile.files import reading_options
+    from wrsim.geometry.profile.models import load_profile, readings_of
     from wrsim.inputs.lookup import model_file
     from wrsim.report.outputs import draw_model, write_profiles
-    from wrsim.results.smoothing import body_of, profile_and_reports, smoothing_table
+    from wrsim.results.smoothing import body_of, check_cutoffs, smoothing_reports, smoothing_table
     from wrsim.results.table import as_records
 
     of_pairs = {"--gauge-mm": gauge_mm, "--inclination": inclination, "--radius-mm": radius_mm, "--load-kn": load_kN}
     if on is None and (without := [option for option, value in of_pairs.items() if value is not None]):
         raise InputError(f"{', '.join(without)} without --on: only conicity and p0 on that FILE need it")
     names, body = [files] if isinstance(files, str) else list(files), body_of(kind)
-    unworn, other = (None if name is None else load_profile(model_file(name, models)) for name in (reference, on))
-    pairing = Pairing((flange_back_mm or 1360.0) / 1e3, inclination or "1:40", "none", list(map(Path, models)))
+    unworn, other, onto = (
+        None if name is None else load_profile(model_file(name, models)) for name in (reference, on, align)
+    )
+    pairing = Pairing((flange_back_mm or 1360.0) / 1e3, inclination or "1:40", "none", list(map(Path, models)), reading)
     gauge, radius, load = (gauge_mm or 1435.0) / 1e3, (radius_mm or 460.0) / 1e3, 1e3 * (load_kN or 60.0)
     partner = None if other is None else Partner(other, pairing, gauge, radius, load)
-    if alone := len(names) == 1 and not Path(names[0]).is_dir():
-        loaded, reports = profile_and_reports(names[0], kind, cutoff, models)
-        found, faults = {Path(names[0]).stem: loaded}, tuple[str, ...]()
-    elif cutoff:
+    alone = len(names) == 1 and not Path(names[0]).is_dir()
+    if cutoff and not alone:
         raise InputError("--cutoff compares cut-offs of one file: give one, or describe each in a TOML file")
-    else:
-        found, faults = gathered(names, body, models)
-    tables = measured_tables(found, faults, unworn, partner)
+    check_cutoffs(cutoff)
+    with reading_options(**reading, cutoff=next(iter(cutoff), None), align=onto):
+        readings, faults = readings_of(names, body, models)
+    reports = smoothing_reports(next(iter(readings.values())), cutoff) if alone else ()
+    found = {name: reading.profile for name, reading in readings.items()}
+    tables = measured_tables(readings, faults, unworn, partner)
     numbers: dict[str, Any] = {f"{each}s": as_records(table) for each, table in tables.items()}
     numbers |= {"notes": [note for table in tables.values() for note in table.notes]}
     shown = [table for table in tables.values() if table.columns[1:] or not alone]
-    wheels = {name: profile for name, profile in found.items() if profile.kind == "wheel"}
+    wheels = {name: reading.close for name, reading in readings.items() if reading.profile.kind == "wheel"}
     if flange_back_mm is not None and (len(wheels) > 1 or partner is None):
         shown.append(wheelsets_table(wheels, flange_back_mm / 1e3))
         numbers["wheelsets"] = as_records(shown[-1])
@@ -269,7 +281,7 @@ def profiles(
         numbers["smoothing"] = [report.numbers() for report in reports]
     written: Sequence[Path] = ()
     if output is not None and alone:
-        written = [draw_model("profile", Path(output), loaded, reports)]
+        written = [draw_model("profile", Path(output), next(iter(found.values())), reports)]
     elif output is not None:
         written = write_profiles(found, tables, unworn, Path(output))
     return Outcome(shown, numbers, written, found)

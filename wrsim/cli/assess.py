@@ -1,7 +1,7 @@
 """``wrsim assess``, ``ride``, ``spectra``, ``conicity``, ``vehicle``: runs by rule sets, comfort, profiles, rest."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -76,6 +76,7 @@ def spectra_command(
 
 @options.drawing
 @options.writing()
+@options.reading_profiles
 def conicity_command(
     wheel: Annotated[
         str, typer.Argument(metavar="WHEEL", help="Wheel profile, such as wheels/S1002.toml, or a folder of them.")
@@ -85,6 +86,9 @@ def conicity_command(
     ],
     output: Annotated[
         Path | None, options.into(metavar="DIR", help="Write a table, every 0.1 mm, and pictures there.")
+    ] = None,
+    cutoff: Annotated[
+        float | None, typer.Option(metavar="MM", min=0.01, max=100.0, help="Of smoothed points; default: 5.")
     ] = None,
     gauge_mm: options.Gauge = 1435.0,
     gauges_mm: Annotated[
@@ -105,12 +109,14 @@ def conicity_command(
     flange_from_deg: Annotated[float, typer.Option(help="For that: contact angle where the flange begins.")] = 40.0,
     models: options.Models = None,
     pictures: options.Pictures = True,
+    **reading: Any,
 ) -> Outcome:
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
     return wrsim.conicity(
         wheel, rail, gauge_mm=gauge_mm, gauges_mm=gauges_mm, flange_back_mm=flange_back_mm, inclination=inclination,
         radius_mm=radius_mm, diameters_mm=diameters_mm, wheel_right=wheel_right, rail_right=rail_right, roll=roll,
         curve_m=curve_m or (), flange_from_deg=flange_from_deg, models=models or (), output=output, pictures=pictures,
+        cutoff=cutoff, **reading,
     )  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """``wrsim profile``, ``track``, ``recording``, ``export``, ``fmu``: data from and for other programs."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -14,6 +14,7 @@ from wrsim.cli.errors import writing_files
 
 @options.drawing_to
 @options.writing(reads="files")
+@options.reading_profiles
 def profile(
     files: Annotated[
         list[str],
@@ -28,6 +29,9 @@ def profile(
     reference: Annotated[
         str | None, typer.Option(metavar="FILE", help="Unworn profile: W1, W2, W3 of rails are measured against it.")
     ] = None,
+    align: Annotated[
+        str | None, typer.Option(metavar="FILE", help="Lay scans on this unworn profile by the parts that do not wear.")
+    ] = None,
     on: Annotated[
         str | None, typer.Option(metavar="FILE", help="Rail of wheels, wheel of rails: conicity and p0 on it.")
     ] = None,
@@ -39,14 +43,15 @@ def profile(
     radius_mm: Annotated[float | None, typer.Option(min=100.0, max=1500.0, help="--on: wheels; default: 460.")] = None,
     load_kn: Annotated[float | None, typer.Option(min=1.0, max=500.0, help="--on: for p0; default: 60.")] = None,
     models: options.Models = None,
+    **reading: Any,
 ) -> Outcome:
     """Draw and measure profiles: Sh, Sd, qR, hollow of wheels, wear of rail heads; what smoothing does to points."""
     picture = output or Path(Path(files[0]).resolve().stem + ".png")
     options.check_ending("-o", picture, *options.PICTURES)
     return wrsim.profiles(
         files, picture, kind=kind, cutoff=cutoff or (), reference=reference, on=on, gauge_mm=gauge_mm,
-        flange_back_mm=flange_back_mm, inclination=inclination, radius_mm=radius_mm, load_kN=load_kn,
-        models=models or (),
+        flange_back_mm=flange_back_mm, inclination=inclination, radius_mm=radius_mm, load_kN=load_kn, align=align,
+        models=models or (), **reading,
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial, wraps
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, TypeVar, get_args
 
 import typer
 
@@ -15,6 +15,7 @@ from wrsim.cli.console import print_error, print_outcome, progress_of, show_time
 from wrsim.cli.errors import reporting_errors, writing_files
 from wrsim.errors import InputError
 
+T = TypeVar("T")
 Models = Annotated[
     list[Path] | None,
     typer.Option("--models", metavar="DIR", help="Folder with model files of your own; may be given again."),
@@ -112,6 +113,32 @@ def drawing(command: Callable[..., None], kinds: bool = True) -> Callable[..., N
 drawing_to = partial(drawing, kinds=False)
 
 
+READING = {
+    "unit": Annotated[str | None, typer.Option(metavar="mm|m|cm|in|thou", help="Of files of points.")],
+    "heights": Annotated[str | None, typer.Option(metavar="up|down", help="Which way heights of points grow.")],
+    "field_side": Annotated[
+        str | None,
+        typer.Option(metavar="positive|negative", help="Sign of the field side, points of rails."),
+    ],
+    "origin": Annotated[
+        str | None, typer.Option(metavar="'tape circle'|'flange back'", help="Where x is zero in points of wheels.")
+    ],
+    "back_to_tape_circle_mm": Annotated[
+        float | None, typer.Option(min=20.0, max=120.0, help="From the flange back; default: of the file, or 70.")
+    ],
+    "measured": Annotated[
+        bool | None,
+        typer.Option("--measured/--exact", help="Smooth points, or interpolate; default: by file."),
+    ],
+}
+"""How files of points are read; what a profile file says itself wins."""
+
+
+def reading_profiles(command: Callable[..., Outcome]) -> Callable[..., Outcome]:
+    """The command with options for the files of points that it reads, which it takes by name."""
+    return _with_options(lambda **given: command(**given), command, READING)
+
+
 WORKERS = {"workers": Workers, "scheduler": Scheduler, "slurm": Slurm, "tls": Tls}
 """Where cases run."""
 
@@ -153,9 +180,7 @@ def _paths(given: Any) -> list[Any]:
     return [] if given is None else list(map(Path, given)) if isinstance(given, list) else [Path(given)]
 
 
-def _with_options(
-    wrapper: Callable[..., None], function: Callable[..., Any], added: dict[str, Any]
-) -> Callable[..., None]:
+def _with_options(wrapper: Callable[..., T], function: Callable[..., Any], added: dict[str, Any]) -> Callable[..., T]:
     """The wrapper as a command with the parameters of a function and further options, which are off or not given."""
     signature = inspect.signature(function, eval_str=True)
     here = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY)

@@ -141,7 +141,8 @@ def steering_summary(dataset: xr.Dataset) -> dict[str, Any]:
 @dataclass(frozen=True)
 class ConicityMap:
     """Over pairs of profiles, wheels before rails, and gauges [m]: equivalent conicity at 3 mm, Polach's nonlinearity
-    parameter [1/mm], both (pairs, gauges), not-a-number where there is none, and reasons for that."""
+    parameter [1/mm], both (pairs, gauges), not-a-number where there is none, and reasons for that; notes: what was
+    assumed of the profiles."""
 
     pairs: tuple[tuple[str, str], ...]
     gauges: tuple[float, ...]
@@ -149,6 +150,7 @@ class ConicityMap:
     nonlinearity: Array
     reasons: tuple[str, ...]
     title: str = ""
+    notes: tuple[str, ...] = ()
 
     def table(self) -> Table:
         """One row per pair and gauge; why a pair has no conicity is beneath."""
@@ -164,4 +166,4 @@ class ConicityMap:
             Column("tan γe, 3 mm", "", ".3f", "equivalent_conicity_3_mm"),
             Column("nonlinearity", "1/mm", ".3f", "nonlinearity_per_mm"),
         )
-        return Table(self.title, heads, rows, self.reasons)
+        return Table(self.title, heads, rows, (*self.notes, *self.reasons))

@@ -6,18 +6,15 @@ the drawing that noise was left.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import Reading
-from wrsim.geometry.profile.models import load_points, load_profile
 from wrsim.geometry.profile.points import ProfilePoints, scatter
 from wrsim.geometry.profile.profile import Array, Kind, Profile, curvature_of, plane_cross
-from wrsim.inputs.lookup import model_file
 from wrsim.results.table import Cell, Column, Table, quantity
 
 MOST_CUTOFFS = 4
@@ -58,8 +55,10 @@ class SmoothingReport:
 
 
 def report_smoothing(reading: Reading) -> SmoothingReport:
-    """Smooth a reading's points and compare. Raises InputError where they are too far apart for the cut-off."""
-    points, profile = reading.points, reading.profile()
+    """Compare a reading's points with its smoothed curve. Raises InputError for a shape without points."""
+    points, profile = reading.points, reading.profile
+    if points is None:
+        raise InputError(f"{profile.name}: is a shape by formula, with no points to smooth: leave --cutoff out")
     p = points.places
     spline = scipy.interpolate.CubicSpline(np.concatenate([[0.0], np.cumsum(points.chords)]), p)
     bare = curvature_of(spline(spline.x, 1), spline(spline.x, 2))
@@ -93,22 +92,19 @@ def body_of(kind: str | None) -> Kind | None:
     return KINDS[kind]
 
 
-def profile_and_reports(
-    name: str, kind: str | None, cutoffs: Sequence[float], models: Sequence[str | Path] | None
-) -> tuple[Profile, tuple[SmoothingReport, ...]]:
-    """The profile of a file, and a report for every cut-off [mm]; of measured points also without any given. Raises
-    InputError for a file that holds no points, and for cut-offs that cannot be."""
-    body, file = body_of(kind), model_file(name, models)
+def check_cutoffs(cutoffs: Sequence[float]) -> None:
+    """Raise InputError for cut-offs [mm] that cannot be."""
     for value in cutoffs:
         if not 0.0 < value <= 100.0:
             raise InputError(f"--cutoff {value:g}: must be a number above 0 and at most 100 (mm)")
     if len(cutoffs) > MOST_CUTOFFS:
         raise InputError(f"--cutoff: {len(cutoffs)} of them; must be at most {MOST_CUTOFFS}")
-    reading = load_points(file, body)
-    if reading is None and cutoffs:
-        raise InputError(f"{file}: is a shape by formula, with no points to smooth: leave --cutoff out")
-    if reading is None or not (cutoffs or reading.measured):
-        return load_profile(file, body) if reading is None else reading.profile(), ()
-    readings = [replace(reading, measured=True, cutoff=1e-3 * value) for value in dict.fromkeys(cutoffs)]
-    reports = tuple(report_smoothing(r) for r in readings or [reading])
-    return reports[0].profile, reports
+
+
+def smoothing_reports(reading: Reading, cutoffs: Sequence[float]) -> tuple[SmoothingReport, ...]:
+    """A report for every cut-off [mm]; of measured points also without any given. Raises InputError for a shape without
+    points."""
+    if not (cutoffs or reading.measured):
+        return ()
+    readings = [reading.smoothed(1e-3 * value) for value in dict.fromkeys(cutoffs)]
+    return tuple(report_smoothing(r) for r in readings or [reading])

@@ -91,6 +91,8 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     """
     attributes = dataset.attrs
     found = {name: attributes[name] for name in ("title", "analysis", "status")} | {"stop": _stop(dataset)}
+    if notes := str(attributes.get("profile_notes", "")):
+        found["profiles"] = notes.splitlines()
     if {"integrator", "step_s"} <= attributes.keys():
         counts = {name: int(attributes.get(name, 0)) for name in COUNTS}
         step = 1e3 * float(attributes["step_s"])

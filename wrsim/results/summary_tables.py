@@ -53,7 +53,7 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
 def numbers_of(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     """What people read first of a result of any analysis, and the remarks on its contacts."""
     tables: list[Table] = resolved(ANALYSES[str(dataset.attrs["analysis"])].numbers)(dataset, summary)
-    notes = first_lines(remarks(summary), "remarks")
+    notes = (*summary.get("profiles", ()), *first_lines(remarks(summary), "remarks"))
     return [*tables, Table("", notes=notes)] if notes else tables
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Generic, TypeVar
 
 from wrsim.contact.settings import ConicalWheels, ContactSettings, Friction, FrictionAlong
+from wrsim.geometry.profile.files import noted
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rail_surface import RailSurface
 from wrsim.geometry.track.track import Track
@@ -71,6 +72,14 @@ class Setup(Generic[P]):
         """The first wheelset, of which single poses are solved."""
         return self.vehicle.wheelsets[0].wheelset
 
+    @property
+    def profiles(self) -> tuple[Profile, ...]:
+        """All profiles of wheels and rails."""
+        wheelsets = [mounted.wheelset for mounted in self.vehicle.wheelsets]
+        wheels = [wheel.profile for wheelset in wheelsets for wheel in (wheelset.left, wheelset.right)]
+        sections = [section.profile for surface in self.surfaces if surface for section in surface.sections]
+        return *wheels, *self.rails, *sections
+
     def attributes(self, stop_reason: str = "") -> dict[str, str | float | int]:
         """Attributes of a result; stop_reason: why the analysis did not reach its end, if so."""
         own: dict[str, str | float | int] = {
@@ -81,6 +90,7 @@ class Setup(Generic[P]):
             "inputs": json.dumps(dict(self.inputs)),
             "vehicle": self.vehicle.name,
             ATTRIBUTE: self.kept.packed(),
+            **noted(self.profiles),
         }
         own |= {"structure": self.support} if self.support else {}
         return own | ({"stop_reason": stop_reason} if stop_reason else {})

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
+from wrsim.geometry.profile.files import notes_of
 from wrsim.register import ANALYSES
 from wrsim.results.table import Column, Table, formatted
 from wrsim.scenario.build import Setup
@@ -70,6 +71,8 @@ def facts(setup: Setup) -> dict[str, Any]:
         **({"structure": setup.support} if setup.support else {}),
         "files": [str(f) for f in setup.files],
     }
+    if notes := notes_of(setup.profiles):
+        facts["profiles"] = list(notes)
     if setup.conical is None:
         chosen = setup.contact
         facts |= {"normal": chosen.normal, "tangential": chosen.creep_forces, "max_patches": chosen.patch_count}

@@ -38,9 +38,11 @@ def vehicle_of(scenario: Scenario) -> Vehicle:
         (key, name), (_, radius) = section.of_side("wheel", side), section.of_side("radius_mm", side)
         profile = None
         if name is not None:
-            profile = scenario.read(("vehicle", key), name, partial(load_profile, kind="wheel"))
+            back = vehicle.wheelsets[0].wheelset.back
+            profile = scenario.read(("vehicle", key), name, partial(load_profile, kind="wheel", back=back))
         radius = radius / 1000.0 if radius else None
-        vehicle = vehicle.with_wheelsets(methodcaller("with_wheel", side, profile, radius))
+        with scenario.faults_at(("vehicle", key)):
+            vehicle = vehicle.with_wheelsets(methodcaller("with_wheel", side, profile, radius))
     vehicle = _out_of_round(scenario, vehicle)
     if section.sprung_mass_kg is not None:
         if vehicle.bodies or len(vehicle.wheelsets) > 1:

@@ -135,7 +135,7 @@ def _wheelset(
         except InputError as error:
             raise InputError(fault_line((*path, key), str(error), locate, name)) from None
         tables = list(enumerate(table.out_of_round))
-        wheel = Wheel(load_profile(profile, "wheel"), table.of_side("radius_mm", side)[1] / 1000.0)
+        wheel = Wheel(load_profile(profile, "wheel", table.back), table.of_side("radius_mm", side)[1] / 1000.0)
         return replace(wheel, out_of_round=parts_of(tables, side, wheel, finder.find, fault))
 
     def fault(place: KeyPath, message: str) -> InputError:
@@ -147,17 +147,22 @@ def _wheelset(
             axle.wheels(table.mass_kg, table.spin_inertia_kg_m2, table.yaw_inertia_kg_m2, 0.5 * table.spacing)
         except InputError as error:
             raise InputError(fault_line((*path, "axle"), str(error), locate)) from None
-    return Wheelset(
-        name=file.name,
-        mass=table.mass_kg,
-        inertia=(table.roll_inertia_kg_m2, table.spin_inertia_kg_m2, table.yaw_inertia_kg_m2),
-        profile_spacing=table.spacing,
-        left=wheel("left"),
-        right=wheel("right"),
-        source=file.source,
-        torsion=table.torsion,
-        axle=axle,
-    )
+    left, right = wheel("left"), wheel("right")
+    try:
+        return Wheelset(
+            name=file.name,
+            mass=table.mass_kg,
+            inertia=(table.roll_inertia_kg_m2, table.spin_inertia_kg_m2, table.yaw_inertia_kg_m2),
+            profile_spacing=table.spacing,
+            left=left,
+            right=right,
+            source=file.source,
+            torsion=table.torsion,
+            axle=axle,
+            back=table.back,
+        )
+    except InputError as error:
+        raise InputError(fault_line((*path, "back_to_tape_circle_mm"), str(error), locate)) from None
 
 
 def _checked(vehicle: Vehicle, path: Path, ballast: Sequence[Ballast] = ()) -> Vehicle:

@@ -129,6 +129,11 @@ class WheelsetTable(Section, header="[wheelset]"):
         return Torsion(1e3 * self.torsional_stiffness_kNm_per_rad, 1e3 * (self.torsional_damping_kNms_per_rad or 0.0))
 
     @property
+    def back(self) -> float | None:
+        """Distance of the tape circle from the flange back that goes into the spacing [m]."""
+        return None if self.flange_back_mm is None else self.back_to_tape_circle_mm / 1000.0
+
+    @property
     def spacing(self) -> float:
         if self.flange_back_mm is not None:
             return (self.flange_back_mm + 2.0 * self.back_to_tape_circle_mm) / 1000.0

@@ -5,11 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from wrsim.errors import InputError
+
 if TYPE_CHECKING:
     from wrsim.geometry.profile.out_of_round import Part
     from wrsim.geometry.profile.profile import Profile
     from wrsim.vehicle.axle import Axle
 
+SAME_BACK = 0.05e-3
+"""How far distances of the tape circle from the flange back may differ [m]: they are given in tenths of a mm."""
 STANDARD_GRAVITY = 9.80665
 """Standard acceleration of gravity [m/s2]."""
 
@@ -41,8 +45,9 @@ class Wheelset:
     """A wheelset.
 
     mass [kg]; inertia about the centre of mass (roll, pitch/spin, yaw) [kg m2]; profile_spacing: distance H between
-    the two wheel profile origins [m]. torsion: of an axle whose wheels turn against each other, each with half of the
-    spin inertia; None: rigid. axle: an elastic one; None: rigid in bending.
+    the two wheel profile origins [m]; torsion: of an axle whose wheels turn against each other, each with half of the
+    spin inertia; None: rigid; axle: an elastic one; None: rigid in bending; back: distance of the tape circle from the
+    flange back that the spacing holds, if any [m]. Raises InputError for wheel profiles with another one.
     """
 
     name: str
@@ -54,6 +59,14 @@ class Wheelset:
     source: str = ""
     torsion: Torsion | None = None
     axle: Axle | None = None
+    back: float | None = None
+
+    def __post_init__(self) -> None:
+        for wheel in (self.left.profile, self.right.profile):
+            if self.back is not None and wheel.back is not None and abs(wheel.back - self.back) > SAME_BACK:
+                apart = f"{1e3 * wheel.back:.6g} mm from its flange back, that of the wheelset {1e3 * self.back:.6g} mm"
+                hint = f"set back_to_tape_circle_mm = {1e3 * wheel.back:.6g}"
+                raise InputError(f"the tape circle of profile '{wheel.name}' is {apart}: {hint}")
 
     @property
     def independent(self) -> bool:

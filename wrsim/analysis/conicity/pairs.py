@@ -1,16 +1,17 @@
 """The conicity of profiles that are named: two wheels on two rails, or a map over gauges and folders of profiles."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from math import radians
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
 from wrsim.analysis.conicity.conicity import wheelset_conicity
 from wrsim.errors import InputError
+from wrsim.geometry.profile.files import noted, notes_of, reading_options
 from wrsim.geometry.profile.flange import BACK
 from wrsim.geometry.profile.models import gathered, load_profile
 from wrsim.geometry.profile.profile import Kind, Profile
@@ -35,17 +36,29 @@ MAP_AMPLITUDES = (2e-3, 3e-3, 4e-3)  # at which the map and its nonlinearity par
 class Pairing:
     """How wheels are placed on rails."""
 
-    def __init__(self, flange_back: float, inclination: str, roll: str, models: Models = ()) -> None:
+    def __init__(
+        self,
+        flange_back: float,
+        inclination: str,
+        roll: str,
+        models: Models = (),
+        reading: Mapping[str, Any] | None = None,
+    ) -> None:
         """flange_back: distance of the flange backs [m]; inclination: of the rails, as in a scenario; roll: how the
-        shift is counted, see `ConicityPlan`; models: folders in which profiles are looked up. Raises InputError.
+        shift is counted, see `ConicityPlan`; models: folders in which profiles are looked up; reading: how files of
+        points are read, see `reading_options`. Raises InputError.
         """
         slope: float | str = inclination
         with suppress(ValueError):
             slope = float(inclination)
         self.slope: float = check_value(Inclination, slope, "--inclination")
         self.roll: Roll = check_value(Roll, roll, "--roll")
-        self.spacing, self.models = flange_back + 2.0 * BACK, models
+        self.flange_back, self.models, self.reading = flange_back, models, reading or {}
         self.inclined = f", inclined {inclination}" if self.slope else ""
+
+    def spacing(self, left: Profile, right: Profile) -> float:
+        """Distance of the origins of two wheel profiles [m]."""
+        return self.flange_back + sum(BACK if wheel.back is None else wheel.back for wheel in (left, right))
 
     def conicity(
         self, wheels: tuple[str, str], rails: tuple[str, str], gauge: float, diameters: tuple[float, float],
@@ -60,24 +73,29 @@ class Pairing:
         for radius in curves:
             check_value(CurveRadius, radius, "--curve-m")
         check_value(FlangeAngle, flange_from_deg, "--flange-from-deg")
-        profiles = [self._profile(name, "wheel") for name in wheels]
-        left, right = (self._profile(name, "rail").inclined(self.slope) for name in rails)
+        with reading_options(**self.reading):
+            profiles = [self._profile(name, "wheel") for name in wheels]
+            left, right = (self._profile(name, "rail").inclined(self.slope) for name in rails)
         mounted = [Wheel(profile, 0.5 * d) for profile, d in zip(profiles, diameters, strict=True)]
-        wheelset = Wheelset("wheelset", 0.0, (0.0, 0.0, 0.0), self.spacing, mounted[0], mounted[1])
+        wheelset = Wheelset("wheelset", 0.0, (0.0, 0.0, 0.0), self.spacing(*profiles), mounted[0], mounted[1])
         on = " on ".join(" / ".join(dict.fromkeys((p.name, q.name))) for p, q in (profiles, (left, right)))
         amplitudes = tuple(a / 1e3 for a in AMPLITUDES)
         plan = ConicityPlan(amplitudes, self.roll, tuple(curves), radians(flange_from_deg))
-        return wheelset_conicity(wheelset, (left, right), gauge, plan, on + self.inclined)
+        found = wheelset_conicity(wheelset, (left, right), gauge, plan, on + self.inclined)
+        found.dataset.attrs |= noted([*profiles, left, right])
+        return found
 
     def map(self, wheel: str, rail: str, gauges_mm: tuple[float, float, float], radius: float) -> ConicityMap:
         """A map of profiles or folders of them over gauges (first, last, step) [mm]; radius at the tape circle [m]."""
-        rails, bad = gathered((rail,), "rail", self.models)
-        wheels, worse = gathered((wheel,), "wheel", self.models)
+        with reading_options(**self.reading):
+            rails, bad = gathered((rail,), "rail", self.models)
+            wheels, worse = gathered((wheel,), "wheel", self.models)
+        notes = notes_of([*wheels.values(), *rails.values()])
         rails, gauges = {n: p.inclined(self.slope) for n, p in rails.items()}, [g / 1e3 for g in _gauges(*gauges_mm)]
         found = conicity_map(
             wheels, rails, gauges, self.spacing, radius, self.roll, f"{wheel} on {rail}{self.inclined}"
         )
-        return replace(found, reasons=(*worse, *bad, *found.reasons))
+        return replace(found, reasons=(*worse, *bad, *found.reasons), notes=notes)
 
     def _profile(self, name: str, kind: Kind) -> Profile:
         return load_profile(model_file(name, self.models), kind)
@@ -95,13 +113,14 @@ def _gauges(low: float, high: float, step: float) -> list[float]:
 
 
 def conicity_map(
-    wheels: Mapping[str, Profile], rails: Mapping[str, Profile], gauges: Sequence[float], spacing: float, radius: float,
-    roll: Roll = "none", title: str = "",
+    wheels: Mapping[str, Profile], rails: Mapping[str, Profile], gauges: Sequence[float],
+    spacing: Callable[[Profile, Profile], float], radius: float, roll: Roll = "none", title: str = "",
 ) -> ConicityMap:  # fmt: skip
     """The map of all pairs, both wheels and both rails alike.
 
-    wheels, rails: profiles by the names they go by, rails inclined; gauges, spacing of the profiles' origins, rolling
-    radius [m]. A pair that has no conicity at a gauge (wheels off the rails, no place to swing about) leaves a gap.
+    wheels, rails: profiles by the names they go by, rails inclined; gauges, rolling radius [m]; spacing: that of the
+    origins of the profiles of two wheels [m]. A pair that has no conicity at a gauge (wheels off the rails, no place to
+    swing about) leaves a gap.
     """
     plan = ConicityPlan(MAP_AMPLITUDES, roll)
     pairs = tuple((wheel, rail) for wheel in wheels for rail in rails)
@@ -109,7 +128,8 @@ def conicity_map(
     reasons: dict[str, None] = {}
     for i, (wheel, rail) in enumerate(pairs):
         side = Wheel(wheels[wheel], radius)
-        wheelset = Wheelset("wheelset", 0.0, (0.0, 0.0, 0.0), spacing, side, side)
+        apart = spacing(side.profile, side.profile)
+        wheelset = Wheelset("wheelset", 0.0, (0.0, 0.0, 0.0), apart, side, side)
         for j, gauge in enumerate(gauges):
             pair = f"{wheel} on {rail}, gauge {1e3 * gauge:.6g} mm"
             try:

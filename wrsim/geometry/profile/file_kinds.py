@@ -1,6 +1,6 @@
-"""The TOML file of a profile, by its kind: shapes by formula, and files of points.
+"""The TOML file of a profile, by its kind: shapes by formula.
 
-The kind that starts from another profile is in `wrsim.geometry.profile.models`, which reads all of them.
+Kinds that start from another profile or from points are in `wrsim.geometry.profile.models`, which reads all of them.
 """
 
 from collections.abc import Iterator
@@ -13,11 +13,11 @@ from pydantic import Field
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile import sections as shapes
-from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, suffix_fault
-from wrsim.geometry.profile.flange import flange_dimensions, with_back
+from wrsim.geometry.profile.files import HEIGHTS
+from wrsim.geometry.profile.flange import flange_dimensions
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.inputs.section import Choice, Fault
-from wrsim.inputs.values import Day, List, Source, Two, number, positive, text
+from wrsim.inputs.values import Day, List, Source, Two, number, text
 
 MM = 1e-3
 REACH = 0.13  # length of the tread of a wheel of kind "flanged", more than a wheel's width [m]
@@ -25,6 +25,7 @@ REACH = 0.13  # length of the tread of a wheel of kind "flanged", more than a wh
 Length = Annotated[float, number(1e-3, 1e4)]
 Coordinate = Annotated[float, number(-1000.0, 1000.0)]
 
+BackToTapeCircle = Annotated[float, number(20, 120, "mm, 70 in Europe")]
 Pair = Annotated[Two[Annotated[float, number(-1e5, 1e5)]], Field(description="two numbers: [u, height]")]
 
 
@@ -322,55 +323,3 @@ class CircleFile(ProfileFile, kind="circle"):
 
 
 ShapeFile = SectionsFile | ChainFile | FlangedFile | RailHeadFile | ConeFile | CircleFile
-
-
-class PointsFile(ProfileFile, kind="points"):
-    """A file of points beside it."""
-
-    file: Annotated[str, text("the name of a file of points, relative to this file,")]
-    """The points: two columns, SIMPACK or MiniProf."""
-    format: Literal[*PROFILE_FILES] | None = None  # type: ignore[valid-type]
-    """How the file is to be read; left out, its suffix decides."""
-    measured: bool | None = None
-    """Whether points are measured, so smoothed, or exact, so interpolated; left out: MiniProf is measured."""
-    cutoff_mm: Annotated[float, positive(100.0)] | None = None
-    """Length of the waves that smoothing halves; left out: 5 mm."""
-    unit: Literal["mm", "m", "in"] | None = None
-    """Unit of the coordinates; left out: what the file names, or mm."""
-    heights: Literal[*HEIGHTS] | None = None  # type: ignore[valid-type]
-    """Which way the file's heights grow; left out: what the file names, or its shape."""
-    field_side: Literal[*SIDES] | None = None  # type: ignore[valid-type]
-    """Sign of the file's lateral coordinates on the field side; left out: by the flange, of rails positive."""
-    clip_mm: Pair | None = None
-    """Only points between these two u are used, after turning."""
-    turn_mrad: Annotated[float, number(-3200.0, 3200.0)] = 0.0
-    """Turn about the origin, positive: top towards the track centre."""
-    shift_mm: Pair = (0.0, 0.0)
-    """Moves the profile outward and up, last of all."""
-    flange_back_mm: Annotated[float, number(20.0, 150.0)] | None = None
-    """Of a wheel that is not measured to the back of its flange: distance of that from the tape circle, usually 70; an
-    arc leads there."""
-
-    def consistency(self) -> Iterator[Fault]:
-        if self.format is None and (fault := suffix_fault(Path(self.file))):
-            yield Fault("file", f"{fault}, or name the format")
-        if self.measured is False and self.cutoff_mm is not None:
-            yield Fault("cutoff_mm", "is for measured profiles; must be left out with measured = false")
-        if self.clip_mm is not None and not self.clip_mm[0] < self.clip_mm[1]:
-            yield Fault("clip_mm", "must be two rising numbers: [from u, to u]")
-        if self.body != "wheel" and self.flange_back_mm is not None:
-            yield Fault("flange_back_mm", 'goes with body = "wheel"')
-
-    def build(self, path: Path) -> Profile:
-        profile = self.reading(path).profile()
-        return profile if self.flange_back_mm is None else with_back(profile, self.flange_back_mm * MM)
-
-    def reading(self, path: Path) -> Reading:
-        """The points, not yet a profile."""
-        alike = ("format", "name", "source", "measured", "unit", "heights", "field_side")
-        return read_points(
-            path.parent / self.file, self.body, **{key: getattr(self, key) for key in alike},
-            cutoff=None if self.cutoff_mm is None else self.cutoff_mm * MM,
-            clip=None if self.clip_mm is None else (self.clip_mm[0] * MM, self.clip_mm[1] * MM),
-            turn=1e-3 * self.turn_mrad, shift=(self.shift_mm[0] * MM, self.shift_mm[1] * MM),
-        )  # fmt: skip

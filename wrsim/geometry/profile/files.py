@@ -1,33 +1,46 @@
 """Files of profile points: from any format and orientation to a `Profile`.
 
-Exact points (designs, exported splines) are interpolated, measured ones smoothed. Nothing is repaired that could change
-the shape: steps back, zig-zags, gaps and crossings are refused with their line.
+Bytes, a `Scan` of what stands in the file, points in the axes used here with notes on what was assumed, repairs that
+keep the shape where wheels and rails touch, a curve. Exact points (designs, exported splines) are interpolated,
+measured ones smoothed. Steps back, zig-zags, gaps over which the curve turns and crossings are refused with their line.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 
 from wrsim.errors import InputError, suggest
-from wrsim.geometry.profile import formats
-from wrsim.geometry.profile.formats import METRES, Scan
+from wrsim.geometry.profile import formats, program_formats
+from wrsim.geometry.profile.alignment import aligned
+from wrsim.geometry.profile.formats import METRES, Scan, Side
+from wrsim.geometry.profile.placing import WIDTHS, Heights, Origin, check_gauge_side, placed
 from wrsim.geometry.profile.points import (
     CUTOFF,
+    LARGEST_GAP,
+    LARGEST_TURN,
     ProfilePoints,
     check_count,
     check_points,
+    curvature_scatter,
+    cutoff_for,
     interpolated,
+    scatter,
     smoothed,
     turns,
 )
 from wrsim.geometry.profile.profile import KINDS, Kind, Profile
+from wrsim.geometry.profile.repair import filled, joined, rounded
 
-HEIGHTS = ("up", "down")
-SIDES = ("positive", "negative")  # sign that a file's lateral coordinate has on the field side
+HEIGHTS, SIDES, ORIGINS = (get_args(choice) for choice in (Heights, Side, Origin))
 FARTHEST = 1e3  # largest coordinate of a point, m
+CLOSE = 1e-3  # cut-off of the curve of which a workshop's measures are taken [m]: it follows the points to a micrometre
+LEVEL = 1e-6  # height of the tread at the tape circle from which it is told [m]
+CLEAR_TURN = 10.0  # distance of points over their scatter at which noise turns the curve by 14 degrees, one deviation
 
 
 class Format(NamedTuple):
@@ -38,29 +51,89 @@ class Format(NamedTuple):
 
 
 PROFILE_FILES = {  # by the name that files use in their key ``format``
-    "columns": Format(formats.parse_columns, {".csv": None, ".txt": None, ".dat": None}),
-    "simpack": Format(formats.parse_simpack, {".prr": "rail", ".prw": "wheel"}),
-    "miniprof": Format(formats.parse_miniprof, {".ban": "rail", ".whl": "wheel"}),
+    "columns": Format(
+        formats.parse_columns, {".csv": None, ".txt": None, ".dat": None, ".wheel": "wheel", ".rail": "rail"}
+    ),
+    "simpack": Format(program_formats.parse_simpack, {".prr": "rail", ".prw": "wheel"}),
+    "miniprof": Format(program_formats.parse_miniprof, {".ban": "rail", ".whl": "wheel"}),
+    "vampire": Format(program_formats.parse_vampire, {".rai": "rail", ".whe": "wheel"}),
 }
+SLICES = {".slcs": "sections along the track: table of [[track.rail_sections]]",
+          ".slcw": "sections over the angle: table of [[out_of_round]], kind sections"}  # fmt: skip
+"""Suffixes of lists of profiles, and where they are used."""
+
+_reading: ContextVar[Mapping[Kind, Mapping[str, Any]]] = ContextVar("how files of points are read")
+
+
+@contextmanager
+def reading_as(options: Mapping[Kind, Mapping[str, Any]]) -> Iterator[None]:
+    """Within this block, files of points of a kind are read with these options of `read_points`; what a profile file
+    or a caller says itself wins."""
+    outer = _reading.get({})
+    token = _reading.set({kind: {**outer.get(kind, {}), **_given(options.get(kind, {}))} for kind in KINDS})
+    try:
+        yield
+    finally:
+        _reading.reset(token)
+
+
+def reading_options(
+    unit: str | None = None, heights: str | None = None, field_side: str | None = None, origin: str | None = None,
+    back_to_tape_circle_mm: float | None = None, measured: bool | None = None, cutoff: float | None = None,
+    align: Profile | None = None,
+) -> AbstractContextManager[None]:  # fmt: skip
+    """`reading_as` with keys of a profile of kind ``points`` for wheels and rails alike; field_side is of rails, origin
+    and back_to_tape_circle_mm of wheels; cutoff [mm]."""
+    cutoff, back = (None if mm is None else 1e-3 * mm for mm in (cutoff, back_to_tape_circle_mm))
+    both = {"unit": unit, "heights": heights, "measured": measured, "cutoff": cutoff, "align": align}
+    return reading_as({"wheel": both | {"origin": origin, "back": back}, "rail": both | {"field_side": field_side}})
 
 
 @dataclass(frozen=True)
 class Reading:
-    """Points of a file, upright, in order and checked; measured: smoothed with the cut-off [m], not interpolated."""
+    """Points of a file, placed and checked, and the curve through them.
 
-    points: ProfilePoints
-    kind: Kind
-    name: str
-    source: str
-    measured: bool
+    points: None of a shape by formula; measured: the curve is smoothed with the cut-off [m], not interpolated;
+    instrument: measures that stand in the file [mm].
+    """
+
+    points: ProfilePoints | None
+    profile: Profile
+    measured: bool = False
     cutoff: float = CUTOFF
+    instrument: Mapping[str, float] = field(default_factory=dict)
 
-    def profile(self) -> Profile:
-        """The profile through the points. Raises InputError where they are too far apart or scatter."""
-        if not self.measured:
-            return interpolated(self.points, self.name, self.kind, self.source)
-        source = f"{self.source}; smoothed, cut-off {1e3 * self.cutoff:g} mm"
-        return smoothed(self.points, self.name, self.kind, source, self.cutoff)
+    def smoothed(self, cutoff: float) -> "Reading":
+        """The same smoothed with another cut-off [m]. Raises InputError where the points are too far apart."""
+        own = self.profile
+        if self.points is None:
+            raise InputError(f"{own.name}: is a shape by formula, with no points to smooth")
+        curve = _curve(self.points, own.kind, own.name, self.points.file, True, cutoff)
+        return replace(self, profile=replace(curve, notes=own.notes, back=own.back), measured=True, cutoff=cutoff)
+
+    @property
+    def close(self) -> Profile:
+        """The curve that follows the points, for what a workshop measures."""
+        if not self.measured or self.points is None:
+            return self.profile
+        return self.smoothed(max(CLOSE, 2.01 * float(self.points.chords.max()))).profile
+
+
+def stating_back(profile: Profile) -> Profile:
+    """A wheel by formula with the distance of its flange back that `reading_as` states, if any."""
+    back = _reading.get({}).get(profile.kind, {}).get("back")
+    return profile if back is None or profile.back is not None else replace(profile, back=back)
+
+
+def notes_of(profiles: Iterable[Profile]) -> tuple[str, ...]:
+    """What was assumed of the files of some profiles, a line a file."""
+    return tuple(dict.fromkeys(note for profile in profiles for note in profile.notes))
+
+
+def noted(profiles: Iterable[Profile]) -> dict[str, str]:
+    """The same as attribute of a result, where there is any."""
+    notes = notes_of(profiles)
+    return {"profile_notes": "\n".join(notes)} if notes else {}
 
 
 def read_points(
@@ -70,20 +143,17 @@ def read_points(
     format: str | None = None,
     name: str | None = None,
     source: str | None = None,
-    measured: bool | None = None,
-    cutoff: float | None = None,
-    unit: str | None = None,
-    heights: str | None = None,
-    field_side: str | None = None,
     clip: tuple[float, float] | None = None,
     turn: float = 0.0,
     shift: tuple[float, float] = (0.0, 0.0),
+    **stated: Any,
 ) -> Reading:
     """Read a file of points.
 
-    The options are the keys of a profile of kind ``points`` (docs/user/profiles.md) in SI units: cutoff, clip, shift
-    [m], turn [rad]; those left out are taken from the file, its suffix or its shape. Raises InputError with file, line
-    and what is allowed.
+    The options are the keys of a profile of kind ``points`` (docs/user/profiles.md) in SI units: clip, shift [m], turn
+    [rad]; further ones measured, unit, heights, field_side, origin, and cutoff, back [m]; usual_back [m]: where the
+    file has none; align: the unworn profile, see `aligned`. Those left out are taken from `reading_as`, the file, its
+    suffix or its shape. Raises InputError with file, line and what is allowed.
     """
     path = Path(path)
     if kind is not None and kind not in KINDS:
@@ -93,77 +163,112 @@ def read_points(
         raise InputError(f"{path}: {fault}")
     layout = PROFILE_FILES[format or next(name for name, f in PROFILE_FILES.items() if suffix in f.suffixes)]
     scan = layout.parse(formats.read_lines(path), str(path))
-    stated = scan.kind or layout.suffixes.get(suffix)
-    body = kind or stated
+    by_file = scan.kind or layout.suffixes.get(suffix)
+    body = kind or by_file
     if body is None:
         raise InputError(f"{path}: unknown whether this is a wheel or a rail; give kind (--kind)")
-    if stated not in (None, body):
-        raise InputError(f"{path}: this is a {stated} profile; a {kind} is needed here")
+    if by_file not in (None, body):
+        raise InputError(f"{path}: this is a {by_file} profile; a {kind} is needed here")
+    options = _checked(path, stated, _reading.get({}).get(body, {}))
+    points, notes = _metric(scan, options.get("unit"), body)
+    measured, cutoff = options.get("measured", scan.measured), options.get("cutoff")
+    points, joints = _cleaned(points, bool(measured))
+    heights, field_side, origin = (options.get(key) for key in ("heights", "field_side", "origin"))
+    back, by = options.get("back", scan.back), "as stated"
+    if back is None and (back := options.get("usual_back")):
+        by = "as of the wheelset"
+    unworn: Profile | None = options.get("align")
+    onto = unworn if unworn is not None and unworn.kind == body else None
+    place = placed(points, body, scan, heights, field_side, origin, back, by, None if onto else shift[0])
+    points = place.points.turned(turn) if turn else place.points
+    if onto:
+        points, alignment = aligned(points, onto)
+        joints.append(alignment.words(onto.name))
+    if clip is not None:
+        points = points.clipped(*clip)
+    points = replace(points, u=points.u + shift[0])
+    if noisy := measured is None and (cutoff is not None or curvature_scatter(points) > 0.0):
+        cutoff = cutoff or cutoff_for(points)
+    points, corners = rounded(points, body, 0.5 * np.pi if measured or noisy else LARGEST_TURN)
+    longest = LARGEST_GAP * float(points.chords.sum())
+    points, gaps = filled(points, body, min(longest, 0.5 * (cutoff or CUTOFF)))
+    check_points(points)
+    if body == "rail" and not (field_side or scan.field_side):
+        check_gauge_side(points)
+    notes += [*scan.notes, *joints, *place.notes, *corners, *gaps]
+    if noisy:
+        measured, found = True, f"the points scatter by {1e6 * scatter(points):.2g} um"
+        notes.append(f"{found}: smoothed with a cut-off of {1e3 * (cutoff or 0.0):.2g} mm (measured, cutoff_mm)")
+    cutoff = CUTOFF if cutoff is None else cutoff
+    title, origin_text = name or scan.name or path.stem, source or scan.source or path.name
+    curve = _curve(points, body, title, origin_text, bool(measured), cutoff)
+    up = shift[1]
+    if body == "wheel" and curve.u.min() <= 0.0 <= curve.u.max():
+        level = -float(curve.at(curve.arclength_of(0.0))[1])
+        up += level
+        if abs(level) > LEVEL:
+            notes.append(f"moved by {1e3 * level:.3f} mm to height 0 at the tape circle")
+    line = (f"{path.name}: {'; '.join(notes)}",) if notes else ()
+    curve = replace(curve, w=curve.w + up, notes=line, back=place.back)
+    return Reading(replace(points, w=points.w + up), curve, bool(measured), cutoff, scan.instrument)
 
-    metres = METRES[unit] if unit else scan.unit or METRES["mm"]
+
+def _given(options: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in options.items() if value is not None}
+
+
+def _checked(path: Path, stated: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """How a file is read, of what is not None. Raises InputError for a word that is none."""
+    options = {**given, **_given(stated)}
+    allowed = {"unit": (*METRES,), "heights": HEIGHTS, "field_side": SIDES, "origin": ORIGINS}
+    for key, words in allowed.items():
+        if (word := options.get(key)) not in (None, *words):
+            raise InputError(f"{path}: {key} = '{word}'; allowed: {', '.join(words)}{suggest(str(word), words)}")
+    return options
+
+
+def _metric(scan: Scan, unit: str | None, body: Kind) -> tuple[ProfilePoints, list[str]]:
+    """Points in metres and a note where their unit is assumed. Raises InputError for no wheel's or rail's width."""
+    path, metres = scan.file, METRES[unit] if unit else scan.unit or METRES["mm"]
     lateral, height = metres * np.array(scan.lateral), metres * np.array(scan.height)
     far = np.flatnonzero(np.maximum(np.abs(lateral), np.abs(height)) > FARTHEST)
     if far.size:
         i = far[0]
         far_off = f"{np.hypot(lateral[i], height[i]):.4g} m from the origin; allowed: {FARTHEST:g} m"
         raise InputError(f"{path}:{scan.line[i]}: this point lies {far_off}. Is the unit right?")
-    points = ProfilePoints(str(path), lateral, height, np.array(scan.line, dtype=np.intp))
+    points = ProfilePoints(path, lateral, height, np.array(scan.line, dtype=np.intp))
     points = points.without_duplicates(metres * scan.resolution, metres * scan.least_distance)
     check_count(points)
-    points = _oriented(points, body, heights or scan.heights, field_side or scan.field_side).in_order()
-    if turn:
-        points = points.turned(turn)
-    if clip is not None:
-        points = points.clipped(*clip)
-    check_points(points)
+    wide, (low, high) = float(np.ptp(np.quantile(points.u, (0.01, 0.99)))), WIDTHS[body]  # a point may be wrong
+    if not low <= wide <= high:
+        allowed = f"allowed: {1e3 * low:g} to {1e3 * high:g} mm. Is the unit right? Give unit"
+        raise InputError(f"{path}: the {body} is {1e3 * wide:.4g} mm wide; {allowed}: {', '.join(METRES)}")
+    return points, [] if unit or scan.unit else ["in mm"]
 
-    return Reading(
-        replace(points, u=points.u + shift[0], w=points.w + shift[1]),
-        body,
-        name or scan.name or path.stem,
-        source or scan.source or path.name,
-        measured=bool(scan.measured) if measured is None else measured,
-        cutoff=CUTOFF if cutoff is None else cutoff,
-    )
+
+def _cleaned(points: ProfilePoints, measured: bool) -> tuple[ProfilePoints, list[str]]:
+    """Points thinned where their scatter turns the curve back; of a scan without what was scanned twice."""
+    points, notes = joined(points) if measured else (points, [])
+    if (np.abs(turns(points)) > 0.5 * np.pi).any():
+        thin = points.without_duplicates(0.0, CLEAR_TURN * scatter(points))
+        if len(thin) < len(points):
+            return joined(thin) if measured else (thin, [])
+    return points, notes
+
+
+def _curve(points: ProfilePoints, kind: Kind, name: str, source: str, measured: bool, cutoff: float) -> Profile:
+    """The profile through the points. Raises InputError where they are too far apart or scatter."""
+    if not measured:
+        return interpolated(points, name, kind, source)
+    return smoothed(points, name, kind, f"{source}; smoothed, cut-off {1e3 * cutoff:.3g} mm", cutoff)
 
 
 def suffix_fault(path: Path) -> str | None:
     """What is wrong with the suffix of a file of points, in words; None where it names a format."""
     known = [s for layout in PROFILE_FILES.values() for s in layout.suffixes]
-    if path.suffix.lower() in known:
+    suffix = path.suffix.lower()
+    if suffix in known:
         return None
+    if suffix in SLICES:
+        return f"is a list of {SLICES[suffix]}; a profile is needed here, such as one of those it names"
     return f"no profile format has the suffix '{path.suffix}'; allowed: {', '.join(known)}"
-
-
-def _oriented(points: ProfilePoints, body: Kind, heights: str | None, field_side: str | None) -> ProfilePoints:
-    """Turn u outward and w up, by what is stated or by the shape; InputError if both contradict."""
-    sign_u = {"positive": 1.0, "negative": -1.0, None: 0.0}[field_side]
-    sign_w = {"up": 1.0, "down": -1.0, None: 0.0}[heights]
-    up, out = _shape(points, body)
-    file = points.file
-    if not sign_w:
-        if not up:
-            raise InputError(f"{file}: the direction of its heights is unknown; give heights: up or down")
-        sign_w = up
-    elif up and up != sign_w:
-        part = "flange points" if body == "wheel" else "head is"
-        raise InputError(f"{file}: the {part} the wrong way up with heights '{heights}'; is it the other one?")
-    if not sign_u:
-        sign_u = out or 1.0
-    elif out and out != sign_u:
-        raise InputError(f"{file}: the flange is on the field side with field_side '{field_side}'")
-    return replace(points, u=sign_u * points.u, w=sign_w * points.w)
-
-
-def _shape(points: ProfilePoints, body: Kind) -> tuple[float, float]:
-    """Signs (of heights, of lateral) that put the shape upright; 0 where it is ambiguous."""
-    if body == "rail":
-        # From left to right over an upright rail head the tangent turns down by nearly half a turn.
-        total = float(turns(points.in_order()).sum())
-        return (-np.sign(total) if abs(total) > np.radians(30.0) else 0.0), 0.0
-    # A flange is the far excursion from the tread, where most of the width is.
-    w = points.w - np.median(points.w)
-    i = int(np.argmax(np.abs(w)))
-    if abs(w[i]) < 0.1 * np.ptp(points.u):
-        return 0.0, 0.0
-    return -np.sign(w[i]), -np.sign(points.u[i] - np.median(points.u))

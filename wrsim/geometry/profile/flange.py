@@ -29,8 +29,9 @@ class FlangeDimensions:
     steepness: float
 
 
-def flange_dimensions(wheel: Profile, back: float = BACK) -> FlangeDimensions:
-    """Sd, Sh and qR of a wheel profile; back: distance of the flange back from the tape circle [m].
+def flange_dimensions(wheel: Profile, back: float | None = None) -> FlangeDimensions:
+    """Sd, Sh and qR of a wheel profile; back: distance of the flange back from the tape circle [m], by default that of
+    the profile or 70 mm.
 
     Raises InputError for a profile without a flange or without a face at these heights.
     """
@@ -41,7 +42,7 @@ def flange_dimensions(wheel: Profile, back: float = BACK) -> FlangeDimensions:
         raise InputError(f"profile '{wheel.name}' has no flange that could be measured")
     face = _face_at(wheel, tip, tread - LEVEL)
     near_tip = _face_at(wheel, tip, float(wheel.w[tip]) + TIP)
-    return FlangeDimensions(face + back, height, face - near_tip)
+    return FlangeDimensions(face + (back or wheel.back or BACK), height, face - near_tip)
 
 
 def with_back(wheel: Profile, back: float) -> Profile:

@@ -1,4 +1,4 @@
-"""File formats of profile points: two columns, SIMPACK .prr/.prw, MiniProf .ban/.whl. Text in, `Scan` out.
+"""Files of two columns: text in, `Scan` out; files of programs are in `wrsim.geometry.profile.program_formats`.
 
 A `Scan` holds what is in the file, in the file's own units and axes; `wrsim.geometry.profile.files` turns it into a
 profile. What is read of each format: docs/user/profiles.md.
@@ -7,15 +7,18 @@ profile. What is read of each format: docs/user/profiles.md.
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
-from wrsim.errors import InputError, suggest
+from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Kind
 from wrsim.inputs.toml_files import read_bytes
 
-METRES = {"m": 1.0, "mm": 1e-3, "in": 0.0254}  # units of length that files may use, in m
+METRES = {"m": 1.0, "mm": 1e-3, "cm": 0.01, "in": 0.0254, "inch": 0.0254, "inches": 0.0254, "thou": 2.54e-5}
+"""Units of length that files may use, in m."""
+
+Side = Literal["positive", "negative"]
 
 
 @dataclass
@@ -23,9 +26,11 @@ class Scan:
     """Content of a file of points; None is what the file lacks.
 
     lateral, height: coordinates as in the file; line: of every point, from 1; unit: metres per unit of the file;
-    heights: which way its heights grow; field_side: sign of its lateral coordinate on the field side; kind, name,
-    source, measured: as the file gives them; digits: last one of every height, in its unit;
-    least_distance: points closer than this are to be dropped, in its unit.
+    heights: which way its heights grow; field_side: sign of its lateral coordinate on the field side; convention: that
+    sign as the format has it, which files do not state; back: distance of the tape circle from the flange back [m];
+    kind, name, source, measured: as the file gives them; digits: last one of every height, in its unit;
+    least_distance: points closer than this are to be dropped, in its unit; instrument: measures that the instrument
+    took itself [mm]; notes: what was read with a doubt.
     """
 
     file: str
@@ -34,18 +39,22 @@ class Scan:
     line: list[int] = field(default_factory=list)
     unit: float | None = None
     heights: Literal["up", "down"] | None = None
-    field_side: Literal["positive", "negative"] | None = None
+    field_side: Side | None = None
+    convention: Side | None = None
+    back: float | None = None
     kind: Kind | None = None
     name: str = ""
     source: str = ""
     measured: bool | None = None
     digits: list[float] = field(default_factory=list)
     least_distance: float = 0.0
+    instrument: dict[str, float] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
 
     def add(self, lateral: str, height: str, line: int) -> None:
         """Append one point, as written."""
-        self.lateral.append(_number(lateral, self.file, line))
-        self.height.append(_number(height, self.file, line))
+        self.lateral.append(finite_number(lateral, self.file, line))
+        self.height.append(finite_number(height, self.file, line))
         self.line.append(line)
         self.digits.append(_last_digit(height))
 
@@ -66,7 +75,7 @@ def read_lines(path: Path) -> list[str]:
         return data.decode("latin-1").splitlines()
 
 
-def _number(word: str, file: str, line: int) -> float:
+def finite_number(word: str, file: str, line: int) -> float:
     """A finite number, or InputError with file and line. Fortran's exponents (1.0D+01) are numbers."""
     try:
         value = float(re.sub(r"(?<=[\d.])[dD](?=[-+\d])", "e", word))
@@ -86,151 +95,103 @@ def _last_digit(word: str) -> float:
     return 10.0**exponent if abs(exponent) < 300 else 0.0  # 0e473 is a number
 
 
+MISSING = re.compile(r"[-+]?(nan|inf(inity)?)|#?n/?a|", re.IGNORECASE)
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?")
+DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
+STATED = re.compile(
+    r"\s*[#!%]\s*(name|source|unit|kind(?=\s*[:=]\s*(wheel|rail)\s*$))s?\s*[:=]\s*(.*\S)", re.IGNORECASE
+)
+Row = tuple[int, str, list[str]]
+"""Number of a line, its text without comments, its fields."""
+
+
+def split_row(text: str) -> list[str]:
+    """Fields of a line: apart by semicolons, tabs, blanks or commas. A comma is decimal beside a semicolon, and between
+    the digits of one of several fields that are apart by tabs or blanks, none with a point."""
+    if ";" in text:
+        return [field.strip() for field in text.strip(";").replace(",", ".").split(";")]
+    fields = text.split()
+    if len(fields) > 1 and "." not in text and any(map(DECIMAL_COMMA.fullmatch, fields)):
+        return [field.replace(",", ".") for field in fields]
+    return text.replace(",", " ").split()
+
+
+def is_point(fields: list[str]) -> bool:
+    """Whether a line holds the numbers of a point, or what stands for missing ones."""
+    return len(fields) > 1 and all(NUMBER.fullmatch(field) or MISSING.fullmatch(field) for field in fields)
+
+
+def begins_number(fields: list[str]) -> bool:
+    """Whether a line begins with a value, good or bad, and not with a word."""
+    return bool(fields and re.match(r"[-+.\d]|nan\b|inf\b", fields[0], re.IGNORECASE))
+
+
 def parse_columns(lines: list[str], file: str) -> Scan:
-    scan = Scan(file)
-    headed = False
-    for number, text in enumerate(lines, 1):
-        stated = re.match(r"\s*[#!%]\s*(name|source|kind(?=\s*[:=]\s*(wheel|rail)\s*$))\s*[:=]\s*(.*\S)", text)
-        if stated and not scan.line:
-            setattr(scan, stated[1], stated[3])
-        text = re.split(r"[#!]", text)[0].strip()
-        if not text.strip(",;") or text[0] in "%\"'*" or text.startswith("//"):
-            continue
-        if ";" in text:
-            row = [w.strip() for w in text.replace(",", ".").strip(";").split(";")]
-        else:
-            row = text.replace(",", " ").split()
-        if not headed and not scan.line and not _starts_numbers(row):
-            headed = True
-            units = {m[1] for w in row if (m := re.search(r"[_\s(\[](mm|m|in)[)\]]?$", w))}
-            if len(units) == 1:
-                scan.unit = METRES[units.pop()]
-            if [re.split(r"[_\s(\[]", w)[0] for w in row[:2]] == ["u", "w"]:
-                scan.heights, scan.field_side = "up", "positive"
-            continue
-        if len(row) != 2:
-            raise InputError(f"{file}:{number}: {len(row)} columns; allowed: 2, lateral coordinate and height")
-        scan.add(row[0], row[1], number)
+    """Two columns, perhaps with words before them and a column that counts them. Raises InputError with the line."""
+    scan, rows = Scan(file), list[Row]()
+    for number, line in enumerate(lines, 1):
+        if (stated := STATED.match(line)) and stated[1].lower() == "unit":
+            scan.unit = _metres(stated[3], f"{file}:{number}")
+        elif stated:
+            setattr(scan, stated[1].lower(), stated[3])
+        text = re.split(r"#(?!n/?a)|!", line, flags=re.IGNORECASE)[0].strip()
+        if text.strip(",;") and text[0] not in "%\"'*" and not text.startswith("//"):
+            rows.append((number, text, split_row(text)))
+    first = _first_point(rows)
+    header, points = rows[max(first - 2, 0) : first], rows[first:]
+    _read_header(scan, [row for row in header if not begins_number(row[2])])
+    while points and is_point(points[-1][2]) and any(map(MISSING.fullmatch, points[-1][2])):
+        points.pop()
+    if len(points) < len(rows) - first:
+        scan.notes.append(f"{len(rows) - first - len(points)} lines without numbers at the end are left out")
+    columns = _columns(scan, header[-1][2] if header else [], [fields for _, _, fields in points])
+    for number, _, fields in points:
+        if len(fields) != len(columns):
+            allowed = "allowed: 2, lateral coordinate and height"
+            raise InputError(f"{file}:{number}: {len(fields)} columns; {allowed}")
+        lateral, height = (field for field, used in zip(fields, columns, strict=True) if used)
+        scan.add(lateral, height, number)
     return scan
 
 
-def _starts_numbers(row: list[str]) -> bool:
-    """True for a row of values, good or bad; False for a row of words."""
-    return bool(re.match(r"[-+.\d]|nan\b|inf\b", row[0], re.IGNORECASE))
+def _first_point(rows: list[Row]) -> int:
+    """Index of the row where the points begin: the first of three with as many numbers, or else the first number."""
+    counts = [len(fields) if is_point(fields) else 0 for _, _, fields in rows]
+    alike = (i for i in range(len(rows) - 2) if counts[i] and counts[i] == counts[i + 1] == counts[i + 2])
+    begin = (i for i, (_, _, fields) in enumerate(rows) if begins_number(fields))
+    return next(alike, next(begin, len(rows)))
 
 
-SIMPACK_KEYS = {
-    "header": ("version", "type"),
-    "spline": (
-        "approx.smooth", "file", "file.mtime", "comment", "type", "point.dist.min", "shift.y", "shift.z",
-        "rotate", "bound.y.min", "bound.y.max", "bound.z.min", "bound.z.max", "mirror.y", "mirror.z",
-        "inversion", "units.len", "units.ang", "units.len.f", "units.ang.f",
-    ),
-}  # fmt: skip
-SIMPACK_TEXTS = ("file", "comment", "units.len", "units.ang")
+def _read_header(scan: Scan, header: list[Row]) -> None:
+    """Units and axes from the two lines of words above the points."""
+    for number, text, _ in header:
+        bare = re.split(r"[\s,;]+", re.sub(r"[(\[][^)\]]*[)\]]", " ", text).strip(" ,;").lower())
+        units = [m[1] for word in bare if (m := re.fullmatch(rf"(?:.*_)?({'|'.join(METRES)})", word))]
+        if len(bare) <= 4:  # names of columns, no sentence
+            units += re.findall(r"[(\[]\s*([^)\]]*?)\s*[)\]]", text)
+        if len({_metres(unit, f"{scan.file}:{number}") for unit in units}) > 1:
+            raise InputError(f"{scan.file}:{number}: {', '.join(units)}: one unit for both columns is needed")
+        scan.unit = _metres(units[0], "") if units else scan.unit
+        if [word.split("_")[0] for word in bare[:2]] == ["u", "w"]:
+            scan.heights, scan.field_side = "up", "positive"
 
 
-def parse_simpack(lines: list[str], file: str) -> Scan:
-    scan = Scan(file, heights="down")
-    values: dict[str, Any] = {}
-    where: list[str] = []
-    ended = False
-    for number, text in enumerate(lines, 1):
-        text = re.sub(r"""('[^']*'|"[^"]*")|!.*""", lambda m: m[1] or "", text).strip()  # no ! outside of quotes
-        if not text:
-            continue
-        mark = re.fullmatch(r"(header|spline|point)\.(begin|end)", text)
-        if mark and mark[2] == "begin":
-            if where != (["spline"] if mark[1] == "point" else []):
-                inside = f" inside {where[-1]}" if where else ""
-                raise InputError(f"{file}:{number}: {text} is out of place{inside}")
-            where.append(mark[1])
-        elif mark:
-            if not where or where.pop() != mark[1]:
-                raise InputError(f"{file}:{number}: {text} without {mark[1]}.begin")
-            ended = ended or text == "spline.end"
-        elif where[-1:] == ["point"]:
-            row = text.split()
-            if len(row) not in (2, 3):
-                raise InputError(f"{file}:{number}: {len(row)} columns; allowed: y, z and perhaps a weight")
-            scan.add(row[0], row[1], number)
-        elif "=" in text and where:
-            key, value = (part.strip() for part in text.split("=", 1))
-            allowed = SIMPACK_KEYS[where[-1]]
-            if key not in allowed:
-                raise InputError(f"{file}:{number}: unknown key '{key}' in {where[-1]}{suggest(key, allowed)}")
-            text_value = where[-1] == "spline" and key in SIMPACK_TEXTS
-            values[f"{where[-1]}.{key}"] = value.strip("'\"") if text_value else _number(value, file, number)
-        else:
-            raise InputError(f"{file}:{number}: '{text}' is out of place; is this a SIMPACK profile?")
-    if not ended:
-        raise InputError(f"{file}: ends without spline.end: cut off, or not a SIMPACK profile")
-    _simpack_values(scan, values)
-    return scan
+def _metres(word: str, place: str) -> float:
+    """The metres of a unit. Raises InputError for a word that is none."""
+    if (metres := METRES.get(word.lower().strip("'\". "))) is None:
+        raise InputError(f"{place}: '{word}' is no known unit; allowed: {', '.join(METRES)}")
+    return metres
 
 
-def _simpack_values(scan: Scan, values: dict[str, Any]) -> None:
-    """Apply the keys of the sections header and spline to the points."""
-
-    def get(key: str, default: float = 0.0) -> float:
-        return float(values.get("spline." + key, default))
-
-    kind = values.get("header.type")
-    if kind is not None:
-        if kind not in (0, 1):
-            raise InputError(f"{scan.file}: header type = {kind:g}; allowed: 0 (rail), 1 (wheel)")
-        scan.kind = "wheel" if kind == 1 else "rail"
-    if get("rotate") != 0.0:
-        hint = "Turn the profile with turn_mrad in a TOML file that names this file"
-        raise InputError(f"{scan.file}: rotate = {get('rotate'):g} is not supported; allowed: 0. {hint}")
-    if get("units.len.f", 1.0) <= 0.0:
-        raise InputError(f"{scan.file}: units.len.f = {get('units.len.f'):g}; allowed: above 0 (mm: 1000)")
-    scan.unit = 1.0 / get("units.len.f", 1.0)
-    scan.name = str(values.get("spline.comment", ""))
-    scan.least_distance = get("point.dist.min")
-    scan.measured = True if get("approx.smooth") > 0.0 else None
-    keep = np.ones(len(scan.line), dtype=bool)
-    axes = {}
-    for axis, values_of in (("y", scan.lateral), ("z", scan.height)):
-        a = np.array(values_of) + get(f"shift.{axis}")
-        low, high = get(f"bound.{axis}.min", 1.0), get(f"bound.{axis}.max")
-        if low < high:
-            keep &= (a >= low) & (a <= high)
-        axes[axis] = -a if get(f"mirror.{axis}") == 1.0 else a
-    scan.lateral, scan.height = axes["y"][keep].tolist(), axes["z"][keep].tolist()
-    scan.line = np.array(scan.line)[keep].tolist()
-
-
-def parse_miniprof(lines: list[str], file: str) -> Scan:
-    scan = Scan(file, unit=METRES["mm"], measured=True)
-    head: dict[str, tuple[str, int]] = {"XOffset": ("", 0), "YOffset": ("", 0), "ID": ("", 0), "ProgramName": ("", 0)}
-    columns = ["X", "Y"]
-    for number, text in enumerate(lines, 1):
-        text = text.strip()
-        if not text.strip(",") or text[0] in '#!%"':
-            continue
-        if "=" in text and not scan.line:
-            key, value = (part.strip() for part in text.split("=", 1))
-            head[key.replace("offset", "Offset")] = value, number
-            if key == "ColumnDef":
-                columns = [c.strip() for c in value.split(",")]
-                if not {"X", "Y"} <= set(columns):
-                    raise InputError(f"{file}:{number}: ColumnDef = {value}; must name X and Y")
-            continue
-        row = text.replace(",", " ").split()
-        if not scan.line and not _starts_numbers(row):
-            continue  # old files: words without '=' in the head
-        if len(row) < len(columns):
-            needed = f"ColumnDef needs {len(columns)}: {','.join(columns)}"
-            raise InputError(f"{file}:{number}: {len(row)} columns; {needed}")
-        scan.add(row[columns.index("X")], row[columns.index("Y")], number)
-    x, y = (_number(value or "0", file, number) for value, number in (head["XOffset"], head["YOffset"]))
-    scan.lateral, scan.height = [u + x for u in scan.lateral], [w + y for w in scan.height]
-    if "XYPoints" in head:
-        value, number = head["XYPoints"]
-        if _number(value, file, number) != len(scan.line):
-            raise InputError(f"{file}:{number}: XYPoints={value}, but the file has {len(scan.line)} points")
-    scan.name = head["ID"][0]
-    if head["ProgramName"][0] == "wrsim":
-        scan.measured, scan.heights = None, "up"
-    return scan
+def _columns(scan: Scan, names: list[str], rows: list[list[str]]) -> list[bool]:
+    """Which columns are the lateral coordinate and the height: y and z by their names, or those that do not count the
+    points."""
+    width = len(rows[0]) if rows else 2
+    bare = [re.split(r"[_\s(\[]", name.lower())[0] for name in names]
+    if width > 2 and len(bare) == width and {"y", "z"} <= set(bare):
+        return [name in ("y", "z") for name in bare]
+    counts = [float(row[0]) if NUMBER.fullmatch(row[0]) else np.nan for row in rows]
+    if width == 3 and (np.diff(counts) == 1.0).all():
+        scan.notes.append("the first column counts the points")
+        return [False, True, True]
+    return [True, True]

@@ -1,26 +1,40 @@
 """Profile files: one TOML file a profile (``models/wheels``, ``models/rails``), or a file of points.
 
 The TOML file names the body (wheel or rail), its source and the kind of its shape (`wrsim.geometry.profile.file_kinds`,
-docs/user/profiles.md); the kind that starts from another profile is here.
+docs/user/profiles.md); the kinds that start from another profile or from points are here.
 """
 
 from collections.abc import Iterator, Sequence
 from contextvars import ContextVar
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
 from wrsim.errors import InputError, in_one_line
-from wrsim.geometry.profile.file_kinds import MM, Coordinate, PointsFile, ProfileFile, ShapeFile
-from wrsim.geometry.profile.files import PROFILE_FILES, Reading, read_points
+from wrsim.geometry.profile.file_kinds import MM, BackToTapeCircle, Coordinate, Pair, ProfileFile, ShapeFile
+from wrsim.geometry.profile.files import (
+    HEIGHTS,
+    ORIGINS,
+    PROFILE_FILES,
+    SIDES,
+    Reading,
+    read_points,
+    reading_as,
+    suffix_fault,
+    with_back,
+)
+from wrsim.geometry.profile.flange import with_back
+from wrsim.geometry.profile.formats import METRES
+from wrsim.geometry.profile.placing import check_tread
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.geometry.profile.wear import AnyRemoval, DepthTable, Direction, Removal, worn
 from wrsim.inputs.checking import check_section, opened, refuse_other_kind
 from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.lookup import Finder, model_file, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section, kinds_in
-from wrsim.inputs.values import List, number, text
+from wrsim.inputs.values import List, number, positive, text
 
 SHORTEST = 5e-3  # arclength that a profile needs [m]: its tables have rows every 0.1 mm, contacts are some mm wide
 MOST_BASES = 20  # longest row of worn profiles that start from each other
@@ -75,28 +89,93 @@ class WornFile(ProfileFile, kind="worn"):
             yield Fault("removals", "must hold at least one [[removals]] table (or give depths)", missing=True)
 
     def build(self, path: Path) -> Profile:
-        folders = (path.parent, *user_folders(), shipped_models(), shipped_models() / f"{self.body}s")
-        try:
-            base = Finder(folders).find(self.base)
-        except InputError as error:
-            raise InputError(f'base = "{self.base}": {error}') from None
-        chain = (*_building.get(), path.resolve())
-        if base.resolve() in chain:
-            raise InputError(f'base = "{self.base}": the profile would start from itself')
-        if len(chain) > MOST_BASES:
-            raise InputError(f'base = "{self.base}": at most {MOST_BASES} profiles may follow each other by base')
-        token = _building.set(chain)
-        try:
-            new = load_profile(base, self.body)
-        finally:
-            _building.reset(token)
+        new = _named_by("base", self.base, path, self.body)
         removals: list[AnyRemoval] = [
             Removal(bell.direction, bell.depth_mm * MM, bell.middle_mm * MM, bell.half_width_mm * MM)
             for bell in self.removals
         ]
         if self.depths is not None:
             removals.append(read_depths(path.parent / self.depths))
-        return worn(new, removals, self.name, self.source)
+        return replace(worn(new, removals, self.name, self.source), notes=new.notes, back=new.back)
+
+
+def _named_by(key: str, name: str, path: Path, body: Kind) -> Profile:
+    """The profile that a key of a profile file names, beside it or among the models. Raises InputError."""
+    folders = (path.parent, *user_folders(), shipped_models(), shipped_models() / f"{body}s")
+    try:
+        file = Finder(folders).find(name)
+    except InputError as error:
+        raise InputError(f'{key} = "{name}": {error}') from None
+    chain = (*_building.get(), path.resolve())
+    if file.resolve() in chain:
+        raise InputError(f'{key} = "{name}": the profile would start from itself')
+    if len(chain) > MOST_BASES:
+        raise InputError(f'{key} = "{name}": at most {MOST_BASES} profiles may follow each other by {key}')
+    token = _building.set(chain)
+    try:
+        return load_profile(file, body)
+    finally:
+        _building.reset(token)
+
+
+class PointsFile(ProfileFile, kind="points"):
+    """A file of points beside it."""
+
+    file: Annotated[str, text("the name of a file of points, relative to this file,")]
+    """The points: two columns, SIMPACK, MiniProf or VAMPIRE."""
+    format: Literal[*PROFILE_FILES] | None = None  # type: ignore[valid-type]
+    """How the file is to be read; left out, its suffix decides."""
+    measured: bool | None = None
+    """Whether points are measured, so smoothed, or exact, so interpolated; left out: MiniProf is measured."""
+    cutoff_mm: Annotated[float, positive(100.0)] | None = None
+    """Length of the waves that smoothing halves; left out: 5 mm."""
+    unit: Literal[*METRES] | None = None  # type: ignore[valid-type]
+    """Unit of the coordinates; left out: what the file names, or mm."""
+    heights: Literal[*HEIGHTS] | None = None  # type: ignore[valid-type]
+    """Which way the file's heights grow; left out: what the file names, or its shape."""
+    field_side: Literal[*SIDES] | None = None  # type: ignore[valid-type]
+    """Sign of the file's lateral coordinates on the field side; left out: by the flange; of rails by format, groove,
+    inclination or wear."""
+    origin: Literal[*ORIGINS] | None = None  # type: ignore[valid-type]
+    """Where the lateral coordinate of a wheel is zero; left out: where its flange shows it."""
+    back_to_tape_circle_mm: BackToTapeCircle | None = None
+    """Distance of the tape circle from the flange back; left out: what the file or the wheelset names, or 70 mm."""
+    align: Annotated[str, text('the file of the unworn profile, such as "wheels/S1002.toml",')] | None = None
+    """The unworn profile onto which the points are moved and turned by the parts that do not wear."""
+    clip_mm: Pair | None = None
+    """Only points between these two u are used, after turning."""
+    turn_mrad: Annotated[float, number(-3200.0, 3200.0)] = 0.0
+    """Turn about the origin, positive: top towards the track centre."""
+    shift_mm: Pair = (0.0, 0.0)
+    """Moves the profile outward and up, last of all."""
+    flange_back_mm: Annotated[float, number(20.0, 150.0)] | None = None
+    """Of a wheel that is not measured to the back of its flange: distance of that from the tape circle, usually 70; an
+    arc leads there."""
+
+    def consistency(self) -> Iterator[Fault]:
+        if self.format is None and (fault := suffix_fault(Path(self.file))):
+            yield Fault("file", f"{fault}, or name the format")
+        if self.measured is False and self.cutoff_mm is not None:
+            yield Fault("cutoff_mm", "is for measured profiles; must be left out with measured = false")
+        if self.clip_mm is not None and not self.clip_mm[0] < self.clip_mm[1]:
+            yield Fault("clip_mm", "must be two rising numbers: [from u, to u]")
+        if self.body != "wheel" and self.flange_back_mm is not None:
+            yield Fault("flange_back_mm", 'goes with body = "wheel"')
+
+    def reading(self, path: Path) -> Reading:
+        """The points and the profile through them."""
+        alike = ("format", "name", "source", "measured", "unit", "heights", "field_side", "origin")
+        reading = read_points(
+            path.parent / self.file, self.body, **{key: getattr(self, key) for key in alike},
+            align=None if self.align is None else _named_by("align", self.align, path, self.body),
+            cutoff=None if self.cutoff_mm is None else self.cutoff_mm * MM,
+            clip=None if self.clip_mm is None else (self.clip_mm[0] * MM, self.clip_mm[1] * MM),
+            back=None if self.back_to_tape_circle_mm is None else self.back_to_tape_circle_mm * MM,
+            turn=1e-3 * self.turn_mrad, shift=(self.shift_mm[0] * MM, self.shift_mm[1] * MM),
+        )  # fmt: skip
+        if self.flange_back_mm is None:
+            return reading
+        return replace(reading, profile=with_back(reading.profile, self.flange_back_mm * MM))
 
 
 _building: ContextVar[tuple[Path, ...]] = ContextVar("profile files that are being built", default=())
@@ -111,7 +190,7 @@ class _AnyFile(Section, header="a profile file"):
     kind: Literal[*FILE_KINDS]  # type: ignore[valid-type]
 
 
-def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
+def load_profile(path: str | Path, kind: Kind | None = None, back: float | None = None) -> Profile:
     """Read a wheel or rail profile.
 
     Parameters
@@ -121,33 +200,42 @@ def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
         (``.prw .prr .whl .ban .csv .txt .dat``), here or among the models: ``"rails/60E1.toml"``.
     kind : {"wheel", "rail"}, optional
         Only two columns without a header of wrsim need it; where a file has it, it must be the same.
+    back : float, optional
+        Distance of a wheel's flange back from its tape circle [m], where its file does not state it; 70 mm.
 
     Returns
     -------
     Profile
-        A rail is upright: ``inclined(1 / 40)`` inclines it.
+        A rail is upright: ``inclined(1 / 40)`` inclines it; ``notes`` has what was assumed of a file of points.
 
     Raises
     ------
     InputError
         With all faults of a TOML file at once: file, line, key, value, what is allowed.
     """
+    with reading_as({"wheel": {"usual_back": back}}):
+        return load_reading(path, kind).profile
+
+
+def load_reading(path: str | Path, kind: Kind | None = None) -> Reading:
+    """Read a wheel or rail profile with the points that it is made from, if any. As `load_profile`."""
     path = model_file(path)
     if path.suffix.lower() != ".toml":
-        return read_points(path, kind).profile()
+        return read_points(path, kind)
     model = read_profile_file(path, kind)
+    if isinstance(model, PointsFile):
+        return model.reading(path)  # names the file of points
     try:
         profile = model.build(path)
+        check_tread(profile)
         if profile.length < SHORTEST:
             raise InputError(f"the profile is {1e3 * profile.length:g} mm long; needs at least {1e3 * SHORTEST:g} mm")
-        return profile
+        return Reading(None, stating_back(profile))
     except InputError as error:
-        if isinstance(model, PointsFile):
-            raise  # names the file of points
         raise InputError(f"{path}: {error}") from None
 
 
-def profiles_in(folder: Path, kind: Kind | None) -> tuple[dict[str, Profile], tuple[str, ...]]:
+def readings_in(folder: Path, kind: Kind | None) -> tuple[dict[str, Reading], tuple[str, ...]]:
     """Profiles of a kind, or of both, in a folder by the names of their files without ending; faults of other files, a
     line for each reason.
 
@@ -161,14 +249,14 @@ def profiles_in(folder: Path, kind: Kind | None) -> tuple[dict[str, Profile], tu
     found, refused = {}, dict[str, list[str]]()
     for stem, file in sorted(files.items()):
         try:
-            profile = load_profile(file, None if file.suffix == ".toml" else kind)
+            reading = load_reading(file, None if file.suffix == ".toml" else kind)
         except InputError as error:
             text = in_one_line(error)
             why = text.removeprefix(str(file)) if text.startswith(str(file)) else f": {text}"
             refused.setdefault(why, []).append(file.name)
             continue
-        if kind in (None, profile.kind):
-            found[stem] = profile
+        if kind in (None, reading.profile.kind):
+            found[stem] = reading
     more = {why: f" and {len(names) - 3} more" if len(names) > 3 else "" for why, names in refused.items()}
     faults = tuple(f"{folder / ', '.join(names[:3])}{more[why]}{why}" for why, names in refused.items())
     if not found:
@@ -177,31 +265,27 @@ def profiles_in(folder: Path, kind: Kind | None) -> tuple[dict[str, Profile], tu
     return found, faults
 
 
-def gathered(
+def readings_of(
     names: Sequence[str], kind: Kind | None, models: Sequence[str | Path] = ()
-) -> tuple[dict[str, Profile], tuple[str, ...]]:
+) -> tuple[dict[str, Reading], tuple[str, ...]]:
     """Profiles of files and of folders, by the names of their files without ending; faults of files of folders."""
-    found, faults = dict[str, Profile](), list[str]()
+    found, faults = dict[str, Reading](), list[str]()
     for name in names:
         if (folder := Path(name)).is_dir():
-            inside, bad = profiles_in(folder, kind)
+            inside, bad = readings_in(folder, kind)
             faults += bad
         else:
-            inside = {folder.stem: load_profile(model_file(name, models), kind)}
-        found |= {f"{name}: {stem}" if stem in found else stem: profile for stem, profile in inside.items()}
+            inside = {folder.stem: load_reading(model_file(name, models), kind)}
+        found |= {f"{name}: {stem}" if stem in found else stem: reading for stem, reading in inside.items()}
     return found, tuple(faults)
 
 
-def load_points(path: str | Path, kind: Kind | None = None) -> Reading | None:
-    """Read the points that a profile is made from; None for a shape that is given by formula.
-
-    Parameters and errors as for `load_profile`.
-    """
-    path = model_file(path)
-    if path.suffix.lower() != ".toml":
-        return read_points(path, kind)
-    model = read_profile_file(path, kind)
-    return model.reading(path) if isinstance(model, PointsFile) else None
+def gathered(
+    names: Sequence[str], kind: Kind | None, models: Sequence[str | Path] = ()
+) -> tuple[dict[str, Profile], tuple[str, ...]]:
+    """The profiles of `readings_of`."""
+    found, faults = readings_of(names, kind, models)
+    return {name: reading.profile for name, reading in found.items()}, faults
 
 
 def read_profile_file(path: Path, kind: Kind | None) -> ProfileFile:

@@ -107,7 +107,7 @@ def check_points(points: ProfilePoints) -> None:
     turn = turns(points)
     i = int(np.argmax(np.abs(turn)))
     if abs(turn[i]) > 0.5 * np.pi:
-        reason = "points out of order, a zig-zag, or two scans in one file"
+        reason = "points out of order, a zig-zag, or two scans in one file; those of a scan are joined (--measured)"
         angle = f"it turns by {np.degrees(turn[i]):.0f} degrees"
         raise InputError(f"{file}:{line[i + 1]}: the curve goes back on itself here ({angle}): {reason}")
     chords = points.chords
@@ -167,6 +167,23 @@ def scatter(points: ProfilePoints) -> float:
     return 1.4826 * float(np.median(np.abs(across)))
 
 
+def curvature_scatter(points: ProfilePoints) -> float:
+    """Scatter of the curvature of a curve through the points [1/m]; 0 where it may be."""
+    bend = float(np.sqrt(6.0)) * scatter(points) / float(np.median(points.chords)) ** 2
+    return bend if bend > LARGEST_CURVATURE_SCATTER else 0.0
+
+
+def cutoff_for(points: ProfilePoints) -> float:
+    """Cut-off [m] at which smoothing leaves the curvature that scatter it may have, up to the usual one.
+
+    Independent errors s at distances h are white: of the curvature of what passes 1 / (1 + (l / x)^6) the standard
+    deviation is s sqrt(h) (2 pi)^2 l^-2.5 (2 I)^0.5 with I, the integral of x^4 / (1 + x^6)^2 from 0, pi / 18.
+    """
+    error = scatter(points) * np.sqrt(np.median(points.chords)) * (2.0 * np.pi) ** 2 * np.sqrt(np.pi / 9.0)
+    least = 2.01 * float(points.chords.max())
+    return float(max(least, min(CUTOFF, (error / LARGEST_CURVATURE_SCATTER) ** 0.4)))
+
+
 def interpolated(points: ProfilePoints, name: str, kind: Kind, source: str = "") -> Profile:
     """Profile through the points: cubic spline, its parameter iterated until it is arclength [S 12].
 
@@ -176,15 +193,12 @@ def interpolated(points: ProfilePoints, name: str, kind: Kind, source: str = "")
     i = int(np.argmax(np.abs(turn)))
     if abs(turn[i]) > LARGEST_TURN:
         corner = f"a corner of {np.degrees(turn[i]):.1f} degrees; allowed: {np.degrees(LARGEST_TURN):.0f}"
-        hint = "More points are needed here, or measured = true to smooth it"
+        hint = "More points are needed here, or measured = true (--measured) to smooth it"
         raise InputError(f"{points.file}:{points.line[i + 1]}: {corner}. {hint}")
-    noise = scatter(points)
-    bend = np.sqrt(6.0) * noise / float(np.median(points.chords)) ** 2
-    if bend > LARGEST_CURVATURE_SCATTER:
+    if bend := curvature_scatter(points):
         raise InputError(
-            f"{points.file}: the points scatter by {1e6 * noise:.3g} um, so their curvature would be off by "
-            f"{bend:.3g} 1/m; allowed: {LARGEST_CURVATURE_SCATTER:g}. Give more digits, or smooth them with "
-            "measured = true"
+            f"{points.file}: the points scatter by {1e6 * scatter(points):.3g} um, so their curvature would be off by "
+            f"{bend:.3g} 1/m; allowed: {LARGEST_CURVATURE_SCATTER:g}. Smooth them with measured = true (--measured)"
         )
     p = points.places
     s = np.concatenate([[0.0], np.cumsum(points.chords)])
@@ -221,7 +235,7 @@ def smoothed(points: ProfilePoints, name: str, kind: Kind, source: str = "", cut
     i = int(np.argmax(chords))
     if chords[i] > 0.5 * cutoff:
         place = f"{points.file}:{points.line[i + 1]}: {1e3 * chords[i]:.4g} mm from the point of line {points.line[i]}"
-        needed = f"needs points at most {500.0 * cutoff:g} mm apart"
+        needed = f"needs points at most {500.0 * cutoff:g} mm apart; or set cutoff_mm = {2.02e3 * chords[i]:.3g}"
         raise InputError(f"{place}; smoothing with a cut-off of {1e3 * cutoff:g} mm {needed}")
     p = points.places
     s = np.concatenate([[0.0], np.cumsum(chords)])

@@ -48,7 +48,8 @@ class Profile:
     curvature_before, curvature_after (n,): d(angle)/dL just before and just after each node [1/m], positive when the
     curve turns upward: a rail head has negative, a flange fillet positive curvature; source: where the data come from;
     gauge_depth: of a rail's gauge point below its top [m]; head: arclength at which a rail's head begins, beside a
-    check rail [m].
+    check rail [m]; notes: what was assumed of the file of its points; back: distance of a wheel's flange back from the
+    tape circle, where it is known [m].
 
     Arrays are read-only. Changes return a new profile.
     """
@@ -64,6 +65,8 @@ class Profile:
     source: str = ""
     gauge_depth: float = GAUGE_DEPTH
     head: float = 0.0
+    notes: tuple[str, ...] = ()
+    back: float | None = None
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
