@@ -22,8 +22,8 @@ from wrsim.geometry.profile.files import (
     Reading,
     read_points,
     reading_as,
+    stating_back,
     suffix_fault,
-    with_back,
 )
 from wrsim.geometry.profile.flange import with_back
 from wrsim.geometry.profile.formats import METRES
