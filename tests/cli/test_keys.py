@@ -33,9 +33,10 @@ table = rows_of(__file__)
 ROOT = Path(__file__).parents[2]
 
 
-def test_the_schemas_are_not_stale_and_need_the_tables_that_a_scenario_needs() -> None:
+def test_schemas_and_pages_are_not_stale_and_schemas_need_the_tables_that_a_scenario_needs() -> None:
     """Make them anew with: python docs/make_keys.py"""
-    for path, text in runpy.run_path(str(ROOT / "docs" / "make_keys.py"))["schemas"]().items():
+    make = runpy.run_path(str(ROOT / "docs" / "make_keys.py"))
+    for path, text in (make["schemas"]() | make["pages"]()).items():
         assert path.read_text(encoding="utf-8") == text, path
     data = tomllib.loads((ROOT / "scenarios/curve_r300.toml").read_text())
     del data["track"]

@@ -49,7 +49,34 @@ def test_commands_modules_and_files_that_pages_name_exist() -> None:
         assert any((folder / name).exists() for folder in (ROOT, ROOT / "wrsim", page.parent)), f"{page.name}: {name}"
     for page, name in links:
         path = (page.parent / name).resolve()
-        assert path.exists() or path in BUILT, f"{page.name}: {name}"
+        assert path.exists(), f"{page.name}: {name}"
+
+
+def slug(heading: str) -> str:
+    """The anchor of a heading."""
+    return re.sub(r"[^\w\- ]", "", heading.replace("`", "").lower()).strip().replace(" ", "-")
+
+
+def test_every_relative_link_of_the_pages_leads_to_what_is_in_the_tree() -> None:
+    """Not to what the site alone makes."""
+    pages = [*ROOT.glob("*.md"), *(page for page in (ROOT / "docs").rglob("*.md") if "auto_gallery" not in page.parts)]
+    links = [
+        (page, a or b)
+        for page in pages
+        for a, b in re.findall(r"\]\(([^)\s]+)\)|(?:src|href)=\"([^\"]+)\"", page.read_text())
+        if not re.match(r"[a-z]+:", a or b)
+    ]
+    dead = []
+    for page, link in links:
+        name, _, anchor = link.partition("#")
+        target = (page.parent / name).resolve() if name else page
+        anchored = anchor and target.suffix == ".md" and target.is_file()
+        text = target.read_text() if anchored else ""
+        anchors = {*map(slug, re.findall(r"(?m)^#+ (.+)$", text)), *re.findall(r"(?m)^\(([\w-]+)\)=$", text)}
+        if not target.exists() or "auto_gallery" in target.parts or (anchored and anchor not in anchors):
+            dead.append(f"{page.relative_to(ROOT)}: {link}")
+    assert len(links) > 200 and {"README.md", "CHANGELOG.md", "CONTRIBUTING.md"} <= {page.name for page in pages}
+    assert dead == []
 
 
 def test_every_status_word_has_its_meaning_in_the_reference() -> None:
