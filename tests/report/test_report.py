@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import json
+import os
 import re
 import zlib
 from collections.abc import Iterator
@@ -32,6 +33,7 @@ from wrsim.contact.status import WORDS
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.charts import envelope, interruptions, pieces_of
+from wrsim.report.document import logo_address
 from wrsim.report.page import report_page
 from wrsim.report.tables import contacts as contacts_of
 from wrsim.report.view_data import PATH_STEP, needed, setup_of, view_data, view_page
@@ -226,6 +228,30 @@ def test_a_report_has_a_cover(curve: Result, tmp_path: Path) -> None:
     assert "@page" in style and "Ltd" in style and text.count("</style>") == 1
     refused = call("report", tmp_path / "run", "--logo", tmp_path / "run" / "result.nc")
     assert refused.exit_code == 2 and "must end in" in refused.output
+
+
+PICTURES = {
+    "a.png": b"\x89PNG\r\n\x1a\n", "a.jpg": b"\xff\xd8\xff\xe0", "a.JPEG": b"\xff\xd8\xff",
+    "a.webp": b"RIFF\x04\x00\x00\x00WEBP",
+    "a.svg": b"<?xml version='1.0'?>\n<!-- made -->\n<!DOCTYPE svg [<!ENTITY a 'b'>]>\n<svg/>",
+}  # fmt: skip
+
+
+def test_a_logo_is_a_picture_of_the_kind_that_its_name_says_and_is_never_waited_for(tmp_path: Path) -> None:
+    for name, content in PICTURES.items():
+        (tmp_path / name).write_bytes(content)
+        assert logo_address(tmp_path / name).startswith("data:image/")
+    odd = dict.fromkeys(PICTURES, b"just text") | {"b.png": PICTURES["a.jpg"], "c.svg": b"<html><svg/></html>"}
+    odd |= {"d.svg": b"<!---->" * 100_000, "e.png": b"", "f.png": PICTURES["a.png"].ljust(2_000_001)}
+    for name, content in odd.items():
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(InputError, match=rf"^--logo .*{name}: (is no \w+ picture|has \d+ bytes)"):
+            logo_address(tmp_path / name)
+    os.mkfifo(tmp_path / "pipe.png")
+    (tmp_path / "zero.png").symlink_to("/dev/zero")
+    for name, kind in (("pipe", "a pipe"), ("zero", "a device"), ("none", "no such picture")):
+        with pytest.raises(InputError, match=rf"^--logo .*{name}\.png: (is )?{kind}"):
+            logo_address(tmp_path / f"{name}.png")
 
 
 def test_nothing_comes_from_elsewhere_every_drawing_has_words_and_every_link_a_place(page: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import datetime
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,6 +14,7 @@ from markupsafe import Markup
 
 from wrsim.contact.settings import DRY, USUAL, ContactSettings
 from wrsim.errors import InputError
+from wrsim.inputs.toml_files import read_bytes
 from wrsim.results import Result
 from wrsim.results.assessment import TRANSITION, Assessment
 from wrsim.results.dataset import table_of_scenario
@@ -20,8 +22,17 @@ from wrsim.results.summary_tables import Summary, extent_words
 from wrsim.results.table import listed, quantity
 from wrsim.results.wheelsets import wheelsets
 
-LOGOS = {".png": "png", ".svg": "svg+xml", ".jpg": "jpeg", ".jpeg": "jpeg", ".webp": "webp"}
-"""Kinds of pictures that a logo may be, by the ending of its file."""
+LOGOS = {
+    ".png": ("png", rb"\x89PNG\r\n\x1a\n"),
+    ".svg": (
+        "svg+xml",
+        rb"(\xef\xbb\xbf)?\s*(?>(<\?[^>]*>|<!--.*?-->|<!DOCTYPE[^>\[]*(\[.*?\]\s*)?>)\s*)*+<svg[\s/>]",
+    ),
+    ".jpg": ("jpeg", rb"\xff\xd8\xff"),
+    ".jpeg": ("jpeg", rb"\xff\xd8\xff"),
+    ".webp": ("webp", rb"RIFF....WEBP"),
+}
+"""Kinds of pictures that a logo may be, by the ending of its file, and how such a file begins."""
 LARGEST_LOGO = 2_000_000  # bytes
 
 ASKED = {
@@ -65,15 +76,18 @@ NO_COVER = Cover()
 
 def logo_address(path: Path) -> str:
     """A picture as a data address. Raises InputError for a file that cannot be read or is no picture of ``LOGOS``."""
-    kind = LOGOS.get(path.suffix.lower())
-    if kind is None:
+    ending = path.suffix.lower()
+    if ending not in LOGOS:
         raise InputError(f"--logo {path}: must end in {', '.join(LOGOS)}")
     try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"--logo {path}: cannot be read ({error.strerror})") from None
+        content = read_bytes(path, "picture")
+    except InputError as error:
+        raise InputError(f"--logo {error}") from None
+    kind, begin = LOGOS[ending]
     if not 0 < len(content) <= LARGEST_LOGO:
         raise InputError(f"--logo {path}: has {len(content)} bytes; from 1 to {LARGEST_LOGO} are allowed")
+    if not re.match(begin, content, re.DOTALL):
+        raise InputError(f"--logo {path}: is no {ending[1:]} picture: such a file begins with other bytes")
     return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
 
 
