@@ -1,6 +1,7 @@
 """Grades, irregularities, spectra and measured tables: where the rails really lie."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -420,3 +421,51 @@ def test_a_wheelset_follows_a_dip_and_tells_where_its_rails_were() -> None:
     load = dataset["Q"].values.sum(axis=1)
     expected = 1813.0 * 400.0 * 3e-3 * (0.1 * math.pi) ** 2
     assert load[np.argmin(np.abs(distance - 40.0))] - load[0] == pytest.approx(expected, rel=0.05)
+
+
+LINE = """
+title = "a long line"
+analysis = "curving"
+[vehicle]
+model = "vehicles/manchester_1.toml"
+speed_kmh = 100
+[track]
+gauge_mm = 1435
+rail = "rails/60E1.toml"
+inclination = "1:40"
+[[track.segments]]
+kind = "straight"
+length_m = 3000
+[[track.irregularities]]
+kind = "spectrum"
+spectrum = "ERRI-low"
+seed = 1
+[run]
+"""
+
+
+def test_a_run_has_the_track_that_it_passes_alone_and_the_same_numbers_there() -> None:
+    """Tables end 100 m beyond the front of the vehicle; their rows are those of the whole track."""
+    short = build(load_text(LINE + "distance_m = 50")).track
+    whole = replace(short, reach=np.inf)
+    rows = short.left.table.shape[0]
+    assert short.left.step == whole.left.step and 160.0 < rows * short.left.step < 165.0
+    assert np.abs(short.left.table - whole.left.table[:rows]).max() < 1e-12
+    assert np.abs(short.centre.table - whole.centre.table[: short.centre.table.shape[0]]).max() == 0.0
+
+
+def test_a_run_that_starts_within_irregularities_starts_on_even_track() -> None:
+    """They fade in over the vehicle's length ahead of its first axle; beyond that they are those of the track."""
+    setup = build(load_text(LINE + "start_distance_m = 500\ndistance_m = 50"))
+    front = 500.0 + max(mounted.x for mounted in setup.vehicle.wheelsets)
+    own, plain = setup.track.left_curve.irregularity, build(load_text(LINE + "distance_m = 600")).track
+    before, behind = np.linspace(480.0, front, 50), np.linspace(front + 30.0, 560.0, 50)
+    assert not any(np.abs(part(before)).max() for part in (own.lateral, own.vertical))
+    assert np.array(own.vertical(behind)) == pytest.approx(np.array(plain.left_curve.irregularity.vertical(behind)))
+    s, h = np.linspace(front + 1.0, front + 18.0, 40), 1e-4
+    value, slope, bend = own.lateral(s)
+    (late, rate, _), (early, before_rate, _) = own.lateral(s + h), own.lateral(s - h)
+    assert (late - early) / (2.0 * h) == pytest.approx(slope, abs=1e-8) and np.ptp(value) > 1e-4
+    assert (rate - before_rate) / (2.0 * h) == pytest.approx(bend, abs=1e-7)
+    assert setup.attributes()["irregularities"] == setup.begun and f"from {front:g} m on" in setup.begun
+    assert not build(load_text(LINE.replace("seed = 1", "seed = 1\nfrom_m = 11"))).begun

@@ -135,11 +135,15 @@ def arclengths(velocity: Callable[[Array], Array], t: Array, points: int = 8) ->
     return np.append(0.0, np.cumsum(gauss_integrals(lambda x: np.hypot(*velocity(x).T), t[:-1], t[1:], points)))
 
 
+AT_ONCE = 10_000  # integrals that are taken side by side: some 10 MB
 _gauss = lru_cache(np.polynomial.legendre.leggauss)
 
 
 def gauss_integrals(function: Callable[[Array], Array], start: Array, end: Array, points: int) -> Array:
     """Integrals of function(s (m,)) -> (m, ...) from start to end, both (n,), by Gauss-Legendre quadrature."""
+    if start.size > AT_ONCE:  # a long track has millions of points
+        parts = [slice(i, i + AT_ONCE) for i in range(0, start.size, AT_ONCE)]
+        return np.concatenate([gauss_integrals(function, start[part], end[part], points) for part in parts])
     middle, half = 0.5 * (start + end), 0.5 * (end - start)
     place, weight = _gauss(points)
     values = function((middle + place[:, None] * half).ravel())

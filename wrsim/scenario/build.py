@@ -31,6 +31,7 @@ from wrsim.scenario.track_build import (
     support_words,
     surfaces_of,
     track_of,
+    track_of_run,
 )
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.vehicle.loads import Drive
@@ -48,7 +49,7 @@ class Setup(Generic[P]):
     change along the track, else None; conical: wheels in place of profiles and contact models; plan: what the analysis
     has to do, from its own table; files: model files that were read; inputs: SHA-256 of every file that was read, by
     its name; kept: names and contents of the model files (`wrsim.scenario.kept`); threads: that compute contacts, which
-    changes no number; support: what the rails of a run rest on."""
+    changes no number; support: what the rails of a run rest on; begun: where irregularities fade in at its start."""
 
     title: str
     analysis: str
@@ -66,6 +67,7 @@ class Setup(Generic[P]):
     kept: KeptFiles = field(default_factory=KeptFiles)
     threads: int = 1
     support: str = ""
+    begun: str = ""
 
     @property
     def wheelset(self) -> Wheelset:
@@ -93,6 +95,7 @@ class Setup(Generic[P]):
             **noted(self.profiles),
         }
         own |= {"structure": self.support} if self.support else {}
+        own |= {"irregularities": self.begun} if self.begun else {}
         return own | ({"stop_reason": stop_reason} if stop_reason else {})
 
 
@@ -137,6 +140,7 @@ def _build(scenario: Scenario) -> Setup[Any]:
     if any(surfaces) and getattr(plan, "wear", None) is not None:
         message = "knows rails of one profile only, not [[track.rail_sections]]"
         raise scenario.fault(("wear", "laws"), message)
+    track, begun = track_of_run(track, vehicle, plan) if analysis.moves else (track, "")
     return Setup(
         title=spec.title,
         analysis=spec.analysis,
@@ -150,6 +154,7 @@ def _build(scenario: Scenario) -> Setup[Any]:
         plan=plan,
         text=scenario.text,
         support=support_words(track, spec.track.structure is None) if analysis.moves else "",
+        begun=begun,
     )
 
 

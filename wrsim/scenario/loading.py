@@ -55,7 +55,7 @@ class Scenario:
     @property
     def text(self) -> str:
         """The whole as TOML, with everything that came from ``base``."""
-        return self.merged.text
+        return self.merged.text or write_toml(self.merged.data)
 
     @property
     def title(self) -> str:
@@ -173,7 +173,7 @@ class Scenario:
             except InputError as error:
                 raise InputError(f"{owner}: {error}") from None
             owners |= {path[:end]: owner for end in range(new, len(path) + 1)}
-        return _checked(replace(self.merged, data=data, text=write_toml(data), owners=owners), self.path, self.finder)
+        return _checked(replace(self.merged, data=data, text="", owners=owners), self.path, self.finder)
 
 
 def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:

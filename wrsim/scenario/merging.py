@@ -25,7 +25,7 @@ class Merged:
     """Tables of a scenario file and of those it starts from, laid over each other.
 
     files: the file itself first, then its base, the base of that, ...; text: TOML of the whole, the file as
-    written when it has no base; owners: file of every key; texts: of the files.
+    written when it has no base, empty where it is made on use; owners: file of every key; texts: of the files.
     """
 
     data: dict[str, Any]

@@ -31,14 +31,18 @@ from wrsim.register import ANALYSES
 from wrsim.scenario.loading import Scenario, load, load_text
 from wrsim.scenario.merging import BASE, FILE
 from wrsim.scenario.sections.irregularities import TableSection
+from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.structure import MovingMassStructure
 from wrsim.scenario.sections.track import CheckRailSection
+from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.wheelset import Wheelset
 
 LEVEL_TRACK = 100.0
 """Length of the straight of static and equilibrium analyses without segments in the file [m]."""
 TABLE_FADE = 20.0
 """Length over which the irregularities of a measured track begin and end [m]."""
+BEYOND = 100.0
+"""How far beyond the end of a run the tables of its track go [m]: more than a step and the rails under a wheel."""
 
 
 def track_model(path: Path, models: Sequence[str | Path] = ()) -> Track:
@@ -128,6 +132,21 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
             step=section.row_distance_m,
             structure=structure,
         )
+
+
+def track_of_run(track: Track, vehicle: Vehicle, plan: RunPlan) -> tuple[Track, str]:
+    """The track as a run along it needs it: tables as far as it comes, and no irregularities under the vehicle at its
+    start, which is a steady motion on even track; words for these."""
+    places = np.array([plan.start + mounted.x for mounted in vehicle.wheelsets])
+    front, back = max(part.centre[0] for part in vehicle.parts), min(part.centre[0] for part in vehicle.parts)
+    track = replace(track, reach=plan.end + front + BEYOND)
+    unevens = [curve.irregularity for curve in (track.left_curve, track.right_curve)]
+    slopes = [np.abs(jet[1]).max() for own in unevens for jet in (own.lateral(places), own.vertical(places))]
+    if plan.end <= plan.start or max(slopes) == 0.0:
+        return track, ""
+    length = max(TABLE_FADE, front - back)
+    words = f"fade in over {length:g} m from {places.max():.6g} m on: the run starts within them, from steady motion"
+    return track.faded(float(places.max()), length), words
 
 
 def support_words(track: Track, default: bool) -> str:

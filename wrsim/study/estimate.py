@@ -5,8 +5,9 @@ from collections.abc import Sequence
 from math import ceil
 from typing import Any
 
-from wrsim.analysis import run
+from wrsim.analysis import cost_of, run
 from wrsim.errors import WrsimError
+from wrsim.register import ANALYSES
 from wrsim.results.table import Column, Table, duration
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario
@@ -31,9 +32,12 @@ def time_of_cases(plan: Plan, todo: Sequence[int], markers: Sequence[Marker]) ->
         return sum(known) / len(known), f"mean of the {len(known)} that are done"
     if not todo:
         return 0.0, "nothing is left"
+    tried = list(dict.fromkeys(todo[(len(todo) - 1) * k // max(PROBES - 1, 1)] for k in range(PROBES)))
+    if ANALYSES[plan.analysis].moves:  # their lengths tell it, and preparing a rail that changes takes half a minute
+        costs = [cost_of(build(plan.scenario(plan.cases[i])))["expected_time_s"] for i in tried]
+        return sum(costs) / len(costs), f"estimated from the lengths of {len(costs)} of them"
     for i in kinds(plan, todo):
         compile_for(plan.scenario(plan.cases[i]))
-    tried = list(dict.fromkeys(todo[(len(todo) - 1) * k // max(PROBES - 1, 1)] for k in range(PROBES)))
     times = [time_of(plan.scenario(plan.cases[i])) for i in tried]
     return sum(times) / len(times), f"estimated from the first seconds of {len(times)} of them"
 

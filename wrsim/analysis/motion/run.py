@@ -154,6 +154,7 @@ def stepper(scenario: Scenario | str | Path, step: float = BENCH_STEP, iteration
         raise scenario.fault(("contact", "normal"), "takes seconds a step; step by step only with the fast models")
     if isinstance(setup.track.structure, SleeperTrack):
         raise scenario.fault(("track", "structure", "kind"), 'cannot be "sleepers" step by step')
+    setup = replace(setup, track=replace(setup.track, reach=np.inf))
     law = force_law(replace(setup, vehicle=with_torques(setup.vehicle), threads=1), stepped=True)
     try:
         return Stepper(law, *start_state(setup, law), step, iterations)

@@ -50,24 +50,39 @@ class Disturbance:
 
 @dataclass(frozen=True)
 class RailIrregularity:
-    """Irregularity of one rail: pairs of weight and shape."""
+    """Irregularity of one rail: pairs of weight and shape; where it begins and over what length it fades in [m]."""
 
     lateral_parts: tuple[tuple[float, Shape], ...] = ()
     vertical_parts: tuple[tuple[float, Shape], ...] = ()
+    fade: tuple[float, float] | None = None
 
     def lateral(self, s: ArrayLike) -> Jet:
         """Offset to the left [m] at s and its first two derivatives."""
-        return _sum(self.lateral_parts, s)
+        return self._faded(_sum(self.lateral_parts, s), s)
 
     def vertical(self, s: ArrayLike) -> Jet:
         """Offset upward [m] at s and its first two derivatives."""
-        return _sum(self.vertical_parts, s)
+        return self._faded(_sum(self.vertical_parts, s), s)
+
+    def _faded(self, jet: Jet, s: ArrayLike) -> Jet:
+        if self.fade is None:
+            return jet
+        (value, slope, bend), length = jet, self.fade[1]
+        x = np.clip((np.asarray(s) - self.fade[0]) / length, 0.0, 1.0)
+        w, dw, ddw = (
+            smooth_step(x),
+            30.0 * (x * (1.0 - x)) ** 2 / length,
+            60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / length**2,
+        )
+        return w * value, w * slope + dw * value, w * bend + 2.0 * dw * slope + ddw * value
 
     @classmethod
     def of(cls, disturbances: Sequence[Disturbance], side: int) -> RailIrregularity:
         """That of the left (+1) or right (-1) rail."""
         first = 0 if side > 0 else 2
-        return cls(*(tuple((d.weights[k], d.shape) for d in disturbances if d.weights[k]) for k in (first, first + 1)))
+        columns = (first, first + 1)
+        lateral, vertical = (tuple((d.weights[k], d.shape) for d in disturbances if d.weights[k]) for k in columns)
+        return cls(lateral, vertical)
 
     @property
     def shapes(self) -> list[Shape]:

@@ -174,12 +174,15 @@ class SweptCurve:
                 break
         return s + arclength - inside
 
-    def path(self, step: float) -> Path:
-        """Table at uniform own arclength, with rows at most ``step`` [m] apart."""
+    def path(self, step: float, reach: float = np.inf) -> Path:
+        """Table at uniform own arclength with rows at most ``step`` [m] apart, up to a distance of the centre line [m],
+        on which its rows do not depend."""
         n = max(2, int(np.ceil(self.length / step - 1e-9)) + 1)
         actual = self.length / (n - 1)
-        s = self.distance(np.linspace(0.0, self.length, n))
-        s[-1] = self.centre.length
+        whole = reach >= self.centre.length
+        rows = np.linspace(0.0, self.length, n)[: None if whole else int(self.arclength(reach) / actual) + 2]
+        s, n = self.distance(rows), rows.size
+        s[-1] = self.centre.length if whole else s[-1]
 
         heading = self.centre.heading(s)
         phi, dphi, _ = self.roll(s)

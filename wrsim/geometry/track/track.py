@@ -84,6 +84,8 @@ class Track:
     """Largest distances of the rows of path tables [m]."""
     structure: RailElasticity | SleeperTrack | Bridge | None = None
     """None: rigid rails."""
+    reach: float = np.inf
+    """Distance up to which tables of paths are made: beyond, they continue straight [m]."""
 
     @classmethod
     def build(
@@ -194,16 +196,16 @@ class Track:
     def centre(self) -> Path:
         """The centre line as a table, with the roll of the track."""
         flat = replace(self.left_curve, side=0, outward=0.0, height=0.0, irregularity=SMOOTH)
-        return flat.path(self.centre_rows)
+        return flat.path(self.centre_rows, self.reach)
 
     @cached_property
     def left(self) -> Path:
         """The left rail as a table; made on first use, for a long track takes seconds."""
-        return self.left_curve.path(self.rail_rows)
+        return self.left_curve.path(self.rail_rows, self.reach)
 
     @cached_property
     def right(self) -> Path:
-        return self.right_curve.path(self.rail_rows)
+        return self.right_curve.path(self.rail_rows, self.reach)
 
     @property
     def length(self) -> float:
@@ -254,6 +256,14 @@ class Track:
         """Outward and up coordinates of the left and right rail profile's origin at nominal gauge [m]."""
         left, right = ((0.5 * self.nominal_gauge + c.outward, c.height) for c in (self.left_curve, self.right_curve))
         return left, right
+
+    def faded(self, place: float, length: float) -> Track:
+        """The track whose irregularities begin at a place and fade in over a length [m]."""
+        left, right = (
+            replace(curve, irregularity=replace(curve.irregularity, fade=(place, length)))
+            for curve in (self.left_curve, self.right_curve)
+        )
+        return replace(self, left_curve=left, right_curve=right)
 
     def relaid(self, segments: Sequence[Segment]) -> Track:
         """Another track, of these segments, with the same rails, gauge and cant base."""
