@@ -1,6 +1,7 @@
 """A scenario becomes a wheelset on a track: SI units, poses, a place for every wheel on its rail."""
 
 import math
+import re
 from dataclasses import fields
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from support.rows import rows_of
 from support.scenario_texts import CURVE, STATIC, edited, faults
 
-from wrsim import InputError, Vehicle, load, load_text, load_vehicle
+from wrsim import InputError, Vehicle, load, load_profile, load_text, load_vehicle
 from wrsim.contact.settings import USUAL
 from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.checking import check_value
@@ -184,6 +185,28 @@ def test_slips_that_are_allowed_are_warned_of(changes, words):
     assert len(found) == len(words)
     assert all(warning.startswith(word) for warning, word in zip(found, words, strict=True))
     assert all("is outside of the usual" in w for w in found)
+
+
+@pytest.mark.parametrize(("changes", "words"), table("implausible_runs_are_warned_of_once"))
+def test_implausible_runs_are_warned_of_once(changes, words):
+    """Each just beyond its limit; just within there is none."""
+    found = warnings(build(load(SCENARIOS / "curve_r300.toml").with_values(changes)))
+    assert len(found) == len(words), found
+    assert all(re.search(word, warning) for warning, word in zip(found, words, strict=True)), found
+
+
+def test_a_scan_of_the_other_body_is_told(tmp_path: Path) -> None:
+    """Scans that do not say what they are of, the wheel upright or the wrong way up."""
+    for name, profile in (("wheel", load_profile("wheels/S1002.toml")), ("rail", load_profile("rails/60E1.toml"))):
+        u, w = profile.at(np.linspace(0.0, profile.length, 400))
+        np.savetxt(tmp_path / f"{name}.csv", 1e3 * np.column_stack([u, w]), delimiter=",")
+    scenario = load(SCENARIOS / "curve_r300.toml")
+    (told,) = warnings(build(scenario.with_values({"track.rail": str(tmp_path / "wheel.csv")})))
+    assert "profile 'wheel' of a rail is shaped like a wheel" in told
+    with pytest.raises(InputError, match=r"rail.csv: .* unless it is a rail: no flange is seen"):
+        build(scenario.with_values({"vehicle.wheel": str(tmp_path / "rail.csv")}))
+    right = {"vehicle.wheel": str(tmp_path / "wheel.csv"), "track.rail": str(tmp_path / "rail.csv")}
+    assert warnings(build(scenario.with_values(right))) == []
 
 
 @pytest.mark.parametrize(

@@ -237,15 +237,11 @@ ALL_MODELS = [path for folder in ("vehicles", "trains") for path in sorted((ship
 COACH_FILE = tomllib.loads((shipped_models() / "vehicles/manchester_1.toml").read_text())
 
 ALL_MODELS += [shipped_models() / "templates/metro.toml", shipped_models() / "templates/locomotive.toml"]
-PUBLISHED = {"gz18": "in pitch at 315"}
-"""Placeholders of 1 kg m2 for the arms, in published data that others have computed with."""
 
 
 @pytest.mark.parametrize("path", ALL_MODELS, ids=lambda path: path.stem)
 def test_shipped_models_are_plausible(path: Path) -> None:
-    found = vehicle_warnings(load_vehicle(path))
-    assert [words for words in found if PUBLISHED.get(path.stem, "-") not in words] == []
-    assert len(found) == (path.stem in PUBLISHED)
+    assert vehicle_warnings(load_vehicle(path)) == []
 
 
 def test_the_metro_to_start_from_weighs_what_the_published_one_weighs() -> None:
@@ -306,14 +302,48 @@ def wheelbase(factor: float) -> Callable[[dict[str, Any]], object]:
     return lambda data: [w.update(x_mm=factor * w["x_mm"]) for w in data["parts"]["bogie"]["wheelsets"].values()]
 
 
-CHANGES: dict[str, Callable[..., Any]] = {one.__name__: one for one in (stiffness, every, update, wheelbase)}
+def wheels(left: float, right: float) -> Callable[[dict[str, Any]], object]:
+    def change(data: dict[str, Any]) -> None:
+        del data["wheelset"]["radius_mm"]
+        data["wheelset"] |= {"radius_left_mm": left, "radius_right_mm": right}
+
+    return change
+
+
+def dampers(name: str, factor: float) -> Callable[[dict[str, Any]], object]:
+    def change(data: dict[str, Any]) -> None:
+        for element in data["parts"]["bogie"]["elements"]:
+            if element["name"] == name:
+                element["damping_kNs_per_m"] *= factor
+
+    return change
+
+
+def carries(mass: float) -> Callable[[dict[str, Any]], object]:
+    load = {"name": "people", "on": "carbody", "at_mm": [0, 0, 1800], "mass_kg": mass, "inertia_kg_m2": [5e4, 2e6, 2e6]}
+    return lambda data: data.update(payloads=[load])
+
+
+def stops(twice: bool) -> Callable[[dict[str, Any]], object]:
+    def change(data: dict[str, Any]) -> None:
+        elements = data["parts"]["bogie"]["elements"]
+        (stop,) = (element for element in elements if element["kind"] == "bump-stop")
+        stop |= {"both_ways": False}
+        if twice:  # of the other side, from the other body
+            elements.append(stop | {"name": "other stop", "body": stop["to"], "to": stop["body"]})
+
+    return change
+
+
+ONES = (stiffness, every, update, wheelbase, wheels, dampers, carries, stops)
+CHANGES: dict[str, Callable[..., Any]] = {one.__name__: one for one in ONES}
 CHANGES |= {one.__name__: lambda one=one: one for one in (one_axle_without_springs, nothing_along)}
 
 
 @pytest.mark.parametrize(("name", "how", "by", "words", "count"), table("an_implausible_value_is_named_once"))
 def test_an_implausible_value_is_named_once(name: str, how: str, by: list[Any], words: str, count: int, tmp_path: Path):
     found = vehicle_warnings(changed_coach(tmp_path, CHANGES[how](*by)))
-    assert len(found) == count and sum(bool(re.search(words, each)) for each in found) == 1, found
+    assert len(found) == count and sum(bool(re.search(words, each)) for each in found) == min(count, 1), found
 
 
 def test_uneven_wheel_loads_are_those_of_the_vehicle_at_rest(tmp_path: Path) -> None:

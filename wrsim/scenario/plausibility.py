@@ -7,7 +7,9 @@ from wrsim.geometry.profile.files import notes_of
 from wrsim.register import ANALYSES
 from wrsim.results.table import Column, Table, formatted
 from wrsim.scenario.build import Setup
+from wrsim.scenario.plausible_runs import run_doubts
 from wrsim.vehicle.plausibility import doubts
+from wrsim.vehicle.plausible_values import value_doubts
 from wrsim.vehicle.vehicle import Vehicle
 
 MOST_LISTED = 20  # segments that the terminal lists
@@ -29,7 +31,7 @@ def warnings(setup: Setup) -> list[str]:
         "m; no patches are stored there"
         for place in getattr(plan, "left_out", ())
     ]
-    return left_out + vehicle_warnings(setup.vehicle)
+    return list(dict.fromkeys([*left_out, *vehicle_warnings(setup.vehicle), *run_doubts(setup)]))
 
 
 def vehicle_warnings(vehicle: Vehicle) -> list[str]:
@@ -40,7 +42,8 @@ def vehicle_warnings(vehicle: Vehicle) -> list[str]:
         if not low <= value <= high
     }
     known = [what.split("'")[1] for what in unusual.values() if what.startswith("mass")]
-    return doubts(vehicle, known) + list(unusual)
+    found = [*doubts(vehicle, known), *unusual]
+    return [*found, *value_doubts(vehicle, bool(found))]
 
 
 def _values(vehicle: Vehicle) -> Iterator[tuple[str, float, tuple[float, float], str]]:

@@ -26,6 +26,8 @@ LONG, LONG_UP_TO = 5.0, 25.0
 ARMS_UP_TO = 250.0
 """Frequency [Hz] of axle boxes on their bushings: a bar of mass m that turns about the axle on a bushing of stiffness k
 at its end has omega^2 = 3 k / m whatever its length, 247 Hz with the stiffest bushings, 40 kN/mm, and 50 kg."""
+LIGHT_ARM = 50.0
+"""That mass [kg]. Lighter boxes are placeholders, links without mass: their stiffness is judged with it."""
 SLOWEST = 1e-3
 """Frequency [Hz] below which a direction is free: within the minutes of a run nothing returns."""
 HIGHEST, ROOF = 4.0, 4.28
@@ -298,9 +300,11 @@ def _frequencies(springs: _Springs, known: Collection[str]) -> Iterator[str]:
             alike = element.stiffness_at_rest.tobytes()
             fastest[alike] = max(fastest.get(alike, (0.0, "")), (frequency, words))
     for at, name in enumerate(vehicle.boxes, 6 * len(vehicle.parts)):
-        frequency = max(whole[at, at] / inertia[at], 0.0) ** 0.5 / (2.0 * pi)
+        k = int(np.argmax([own[at, at] for own in springs.of]))
+        element = vehicle.elements[k]
+        squared_arm = springs.of[k][at, at] / max(element.stiffness_at_rest.max(), 1.0)
+        frequency = (max(whole[at, at], 0.0) / max(inertia[at], LIGHT_ARM * squared_arm / 3.0)) ** 0.5 / (2.0 * pi)
         if frequency > ARMS_UP_TO:
-            element = vehicle.elements[int(np.argmax([own[at, at] for own in springs.of]))]
             words = f"axle box '{name}' oscillates in pitch at {frequency:.4g} Hz on '{element.name}'"
             words += f"; plausible is up to {ARMS_UP_TO:g} Hz: stiffness, mass or inertia is wrong"
             alike = element.stiffness_at_rest.tobytes()

@@ -202,4 +202,4 @@ def _together(body: Body, masses: Sequence[Ballast]) -> Body:
         )
     x, y, z = (float(c) for c in centre)
     a, b, c = (float(own) for own in about)
-    return replace(body, mass=float(sum(weights)), inertia=(a, b, c), centre=(x, y, z))
+    return replace(body, mass=float(sum(weights)), inertia=(a, b, c), centre=(x, y, z), payload=float(sum(weights[1:])))

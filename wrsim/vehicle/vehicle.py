@@ -64,13 +64,15 @@ class Unit:
 
 @dataclass(frozen=True)
 class Body:
-    """A body: mass [kg], principal inertia about x, y, z [kg m2], centre of mass [m]; elastic modes, None: rigid."""
+    """A body: mass [kg], principal inertia about x, y, z [kg m2], centre of mass [m]; elastic modes, None: rigid;
+    payload: what of its mass it carries [kg]."""
 
     name: str
     mass: float
     inertia: Triple
     centre: Triple
     modes: Modes | None = None
+    payload: float = 0.0
 
     @property
     def box(self) -> Triple:

@@ -78,7 +78,8 @@ def placed(
     notes: list[str] = []
     if found is None:
         if heights is None:
-            raise InputError(f"{points.file}: the direction of its heights is unknown; give heights: up or down")
+            words = "the direction of its heights is unknown; give heights: up or down"
+            raise InputError(f"{points.file}: {words}, unless it is a rail: no flange is seen")
         return Placed(_signed(points, SIGNS[field_side or scan.convention] or 1.0, SIGNS[heights]), back, ())
     sign_u, sign_w, shape = found
     if shape.tip is not None:
