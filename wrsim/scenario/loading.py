@@ -103,7 +103,8 @@ class Scenario:
         """Read the model file that the key at ``path`` names. Errors in it also name that key."""
         file = self.find(path, name)
         try:
-            return reader(file)
+            with self.spec.profiles.reading():
+                return reader(file)
         except InputError as error:
             named, message = f"{dotted(path)} in {self.locate(path)}", str(error)
             raise InputError(f"{message}\nnamed by {named}" if "\n" in message else f"{message} ({named})") from None

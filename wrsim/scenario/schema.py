@@ -10,6 +10,7 @@ from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import text
 from wrsim.register import ANALYSES, TABLES, Analysis, resolved
 from wrsim.scenario.sections.contact import ContactSection
+from wrsim.scenario.sections.profiles import ProfilesSection
 from wrsim.scenario.sections.track import TrackSection
 from wrsim.scenario.sections.vehicle import VehicleSection
 
@@ -35,6 +36,8 @@ class ScenarioSpec(Section, header="a scenario"):
     """Gauge, rails, the way they are laid and what they rest on."""
     contact: ContactSection = ContactSection()
     """Contact model, friction and material."""
+    profiles: ProfilesSection = ProfilesSection()
+    """How files of points of wheels and rails are read."""
 
     @classmethod
     def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:

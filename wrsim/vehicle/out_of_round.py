@@ -13,6 +13,7 @@ from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.out_of_round import Flat, Harmonic, Part, RadiusTable, shape_tables
 from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.profile.slices import read_slices
 from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Choice, Fault
@@ -176,21 +177,27 @@ def read_radii(path: Path, shortest: float = 0.0) -> RadiusTable:
 
 
 def read_wheel_sections(path: Path, profile: Profile, shortest: float = 0.0) -> RadiusTable:
-    """Sections of a wheel: columns angle_deg and profile, the name of a profile file beside this one. The deviation is
-    how far a section lies below the profile of the wheel at each place. Raises InputError."""
-    table, lines = read_columns(path, {"angle_deg": _Angle, "profile": str}, ("angle_deg", "profile"), "sections")
-    check_rising(path, "angle_deg", table["angle_deg"], lines)
+    """Sections of a wheel: columns angle_deg and profile, the name of a profile file beside this one, or a list of
+    profiles (.slcw). The deviation is how far a section lies below the profile of the wheel at each place. Raises
+    InputError."""
+    if path.suffix.lower() == ".slcw":
+        slices = read_slices(path)
+        degrees, lines, files = np.degrees(slices.places), np.array(slices.lines), slices.files
+    else:
+        table, lines = read_columns(path, {"angle_deg": _Angle, "profile": str}, ("angle_deg", "profile"), "sections")
+        degrees, files = table["angle_deg"], tuple(path.parent / str(name) for name in table["profile"])
+    check_rising(path, "angle_deg", degrees, lines)
     sections = []
-    for name, line in zip(table["profile"], lines, strict=True):
+    for name, line in zip(files, lines, strict=True):
         try:
-            sections.append(load_profile(path.parent / str(name), "wheel"))
+            sections.append(load_profile(name, "wheel"))
         except InputError as error:
-            raise InputError(f"{path}:{line}: profile = {name}: {error}") from None
+            raise InputError(f"{path}:{line}: profile = {name.name}: {error}") from None
     curves = [_heights(section) for section in (profile, *sections)]
     low, high = max(curve[0][0] for curve in curves), min(curve[0][-1] for curve in curves)
     across = np.linspace(low, high, max(int((high - low) / SECTION_DISTANCE), 4) + 1)
     own, *others = (np.interp(across, *curve) for curve in curves)
-    angle = table["angle_deg"] * SI["angle_deg"]
+    angle = degrees * SI["angle_deg"]
     return _checked(path, angle, across, own - np.array(others), shortest)
 
 

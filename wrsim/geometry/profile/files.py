@@ -18,7 +18,7 @@ from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile import formats, program_formats
 from wrsim.geometry.profile.alignment import aligned
 from wrsim.geometry.profile.formats import METRES, Scan, Side
-from wrsim.geometry.profile.placing import WIDTHS, Heights, Origin, check_gauge_side, placed
+from wrsim.geometry.profile.placing import WIDTHS, Heights, Origin, check_gauge_side, groove_of, placed
 from wrsim.geometry.profile.points import (
     CUTOFF,
     LARGEST_GAP,
@@ -39,6 +39,7 @@ from wrsim.geometry.profile.repair import filled, joined, rounded
 HEIGHTS, SIDES, ORIGINS = (get_args(choice) for choice in (Heights, Side, Origin))
 FARTHEST = 1e3  # largest coordinate of a point, m
 CLOSE = 1e-3  # cut-off of the curve of which a workshop's measures are taken [m]: it follows the points to a micrometre
+HEAD = 30e-3  # a groove nearer to the field end of a rail is beside it on that side [m]: half of a head
 LEVEL = 1e-6  # height of the tread at the tape circle from which it is told [m]
 CLEAR_TURN = 10.0  # distance of points over their scatter at which noise turns the curve by 14 degrees, one deviation
 
@@ -109,7 +110,8 @@ class Reading:
         if self.points is None:
             raise InputError(f"{own.name}: is a shape by formula, with no points to smooth")
         curve = _curve(self.points, own.kind, own.name, self.points.file, True, cutoff)
-        return replace(self, profile=replace(curve, notes=own.notes, back=own.back), measured=True, cutoff=cutoff)
+        curve = replace(curve, notes=own.notes, back=own.back, head=own.head)
+        return replace(self, profile=curve, measured=True, cutoff=cutoff)
 
     @property
     def close(self) -> Profile:
@@ -170,7 +172,7 @@ def read_points(
     if by_file not in (None, body):
         raise InputError(f"{path}: this is a {by_file} profile; a {kind} is needed here")
     options = _checked(path, stated, _reading.get({}).get(body, {}))
-    points, notes = _metric(scan, options.get("unit"), body)
+    points, digit, notes = _metric(scan, options.get("unit"), body)
     measured, cutoff = options.get("measured", scan.measured), options.get("cutoff")
     points, joints = _cleaned(points, bool(measured))
     heights, field_side, origin = (options.get(key) for key in ("heights", "field_side", "origin"))
@@ -187,14 +189,16 @@ def read_points(
     if clip is not None:
         points = points.clipped(*clip)
     points = replace(points, u=points.u + shift[0])
-    if noisy := measured is None and (cutoff is not None or curvature_scatter(points) > 0.0):
-        cutoff = cutoff or cutoff_for(points)
+    if noisy := measured is None and (cutoff is not None or curvature_scatter(points, digit) > 0.0):
+        cutoff = cutoff or cutoff_for(points, digit)
     points, corners = rounded(points, body, 0.5 * np.pi if measured or noisy else LARGEST_TURN)
     longest = LARGEST_GAP * float(points.chords.sum())
     points, gaps = filled(points, body, min(longest, 0.5 * (cutoff or CUTOFF)))
     check_points(points)
+    valley = groove_of(points) if body == "rail" else None
+    head = 0 if valley is None or points.u[valley] > points.u[-1] - HEAD else valley
     if body == "rail" and not (field_side or scan.field_side):
-        check_gauge_side(points)
+        check_gauge_side(points[head:])
     notes += [*scan.notes, *joints, *place.notes, *corners, *gaps]
     if noisy:
         measured, found = True, f"the points scatter by {1e6 * scatter(points):.2g} um"
@@ -209,7 +213,8 @@ def read_points(
         if abs(level) > LEVEL:
             notes.append(f"moved by {1e3 * level:.3f} mm to height 0 at the tape circle")
     line = (f"{path.name}: {'; '.join(notes)}",) if notes else ()
-    curve = replace(curve, w=curve.w + up, notes=line, back=place.back)
+    begin = float(curve.arclength[np.argmin(np.hypot(curve.u - points.u[head], curve.w - points.w[head]))])
+    curve = replace(curve, w=curve.w + up, notes=line, back=place.back, head=begin if head else 0.0)
     return Reading(replace(points, w=points.w + up), curve, bool(measured), cutoff, scan.instrument)
 
 
@@ -227,8 +232,9 @@ def _checked(path: Path, stated: Mapping[str, Any], given: Mapping[str, Any]) ->
     return options
 
 
-def _metric(scan: Scan, unit: str | None, body: Kind) -> tuple[ProfilePoints, list[str]]:
-    """Points in metres and a note where their unit is assumed. Raises InputError for no wheel's or rail's width."""
+def _metric(scan: Scan, unit: str | None, body: Kind) -> tuple[ProfilePoints, float, list[str]]:
+    """Points and their last digit in metres, and a note where their unit is assumed. Raises InputError for no wheel's
+    or rail's width."""
     path, metres = scan.file, METRES[unit] if unit else scan.unit or METRES["mm"]
     lateral, height = metres * np.array(scan.lateral), metres * np.array(scan.height)
     far = np.flatnonzero(np.maximum(np.abs(lateral), np.abs(height)) > FARTHEST)
@@ -243,7 +249,7 @@ def _metric(scan: Scan, unit: str | None, body: Kind) -> tuple[ProfilePoints, li
     if not low <= wide <= high:
         allowed = f"allowed: {1e3 * low:g} to {1e3 * high:g} mm. Is the unit right? Give unit"
         raise InputError(f"{path}: the {body} is {1e3 * wide:.4g} mm wide; {allowed}: {', '.join(METRES)}")
-    return points, [] if unit or scan.unit else ["in mm"]
+    return points, metres * scan.resolution, [] if unit or scan.unit else ["in mm"]
 
 
 def _cleaned(points: ProfilePoints, measured: bool) -> tuple[ProfilePoints, list[str]]:

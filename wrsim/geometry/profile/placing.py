@@ -183,18 +183,16 @@ def _placed_rail(points: ProfilePoints, scan: Scan, heights: Heights | None, fie
     sign, reason = field_side_of(upright)
     usual = SIGNS[scan.convention]
     side = {1.0: "field", -1.0: "gauge"}
-    if usual < 0.0 < sign:
-        words = f"x counts to the gauge side in these files, and {reason} is on the other one"
+    if usual * sign < 0.0:
+        words = f"x counts to the {side[usual]} side in these files, and by {reason} it does not"
         raise InputError(f'{points.file}: {words}: give field_side, "positive" or "negative"')
     if usual:
-        doubt = f", although {reason} is on the field side" if sign * usual < 0.0 else ""
-        return Placed(
-            _signed(upright, usual, 1.0), None, (f"x to the {side[usual]} side, as its format has it{doubt}",)
-        )
-    if sign:
-        return Placed(_signed(upright, sign, 1.0), None, (f"x to the {side[sign]} side by {reason} (field_side)",))
-    note = "both sides alike" if reason else "x to the field side assumed: which side it is does not show (field_side)"
-    return Placed(upright, None, (note,))
+        note = f"x to the {side[usual]} side, as its format has it (field_side)"
+    elif sign:
+        note = f"x to the {side[sign]} side by {reason} (field_side)"
+    else:
+        note = "both sides alike" if reason else "x to the field side assumed: its shape does not show it (field_side)"
+    return Placed(_signed(upright, usual or sign or 1.0, 1.0), None, (note,))
 
 
 def check_gauge_side(rail: ProfilePoints) -> None:
@@ -218,15 +216,20 @@ def check_tread(profile: Profile) -> None:
             raise InputError(f"profile '{profile.name}': u = 0 is not on its tread: {place}; {allowed}")
 
 
+def groove_of(rail: ProfilePoints) -> int | None:
+    """Index of the lowest point of the groove between an upright head and what lies beside it, if there is one."""
+    left, right = np.maximum.accumulate(rail.w), np.maximum.accumulate(rail.w[::-1])[::-1]
+    depth = np.minimum(left, right) - rail.w
+    i = int(np.argmax(depth))
+    return i if depth[i] > GROOVE else None
+
+
 def field_side_of(rail: ProfilePoints) -> tuple[float, str]:
     """Sign of u on the field side of an upright rail, and what shows it; 0 where nothing does, with a word where both
     sides are alike."""
+    if (i := groove_of(rail)) is not None:
+        return (1.0 if rail.u[i] < 0.0 else -1.0), "the groove"
     p, _ = _sampled(rail)
-    left, right = np.maximum.accumulate(p[:, 1]), np.maximum.accumulate(p[::-1, 1])[::-1]
-    valley = np.minimum(left, right) - p[:, 1]
-    i = int(np.argmax(valley))
-    if valley[i] > GROOVE:
-        return (1.0 if p[i, 0] < 0.0 else -1.0), "the groove"
     p = p[p[:, 1] > p[:, 1].max() - HEAD_DEPTH]
     lean, apart = _folded(p)
     if apart <= ALIKE:
@@ -235,7 +238,7 @@ def field_side_of(rail: ProfilePoints) -> tuple[float, str]:
         return float(np.sign(lean)), f"its inclination of 1:{1.0 / abs(lean):.0f}"
     missing = _missing(p)
     return (
-        (float(np.sign(missing)), f"wear, {1e3 * abs(missing):.1f} mm in the mean,")
+        (float(np.sign(missing)), f"wear of {1e3 * abs(missing):.1f} mm in the mean")
         if abs(missing) > WORN
         else (0.0, "")
     )

@@ -167,21 +167,26 @@ def scatter(points: ProfilePoints) -> float:
     return 1.4826 * float(np.median(np.abs(across)))
 
 
-def curvature_scatter(points: ProfilePoints) -> float:
-    """Scatter of the curvature of a curve through the points [1/m]; 0 where it may be."""
-    bend = float(np.sqrt(6.0)) * scatter(points) / float(np.median(points.chords)) ** 2
+def curvature_scatter(points: ProfilePoints, digit: float = 0.0) -> float:
+    """Scatter of the curvature of a curve through the points, or its error by rounding to a last digit [m], if larger
+    [1/m]; 0 where it may be."""
+    bend = max(float(np.sqrt(6.0)) * scatter(points), 2.0 * digit) / float(np.median(points.chords)) ** 2
     return bend if bend > LARGEST_CURVATURE_SCATTER else 0.0
 
 
-def cutoff_for(points: ProfilePoints) -> float:
+def cutoff_for(points: ProfilePoints, digit: float) -> float:
     """Cut-off [m] at which smoothing leaves the curvature that scatter it may have, up to the usual one.
+
+    digit: last one of the coordinates [m]. Rounding errs by half of it with any wavelength; of a wave as long as the
+    cut-off half passes, with (2 pi / l)^2 times its amplitude as curvature.
 
     Independent errors s at distances h are white: of the curvature of what passes 1 / (1 + (l / x)^6) the standard
     deviation is s sqrt(h) (2 pi)^2 l^-2.5 (2 I)^0.5 with I, the integral of x^4 / (1 + x^6)^2 from 0, pi / 18.
     """
     error = scatter(points) * np.sqrt(np.median(points.chords)) * (2.0 * np.pi) ** 2 * np.sqrt(np.pi / 9.0)
-    least = 2.01 * float(points.chords.max())
-    return float(max(least, min(CUTOFF, (error / LARGEST_CURVATURE_SCATTER) ** 0.4)))
+    white = (error / LARGEST_CURVATURE_SCATTER) ** 0.4
+    rounding = 2.0 * np.pi * np.sqrt(0.25 * digit / LARGEST_CURVATURE_SCATTER)
+    return float(max(2.01 * float(points.chords.max()), min(CUTOFF, max(white, rounding))))
 
 
 def interpolated(points: ProfilePoints, name: str, kind: Kind, source: str = "") -> Profile:

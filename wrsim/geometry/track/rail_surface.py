@@ -7,7 +7,7 @@ the last section the rail is constant; a piece that begins or ends between secti
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
 from itertools import pairwise
@@ -19,14 +19,17 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.errors import InputError
+from wrsim.geometry.profile.files import read_points
 from wrsim.geometry.profile.points import ProfilePoints, check_points, interpolated, smoothed
 from wrsim.geometry.profile.profile import CURVE, Array, Profile
+from wrsim.geometry.profile.slices import read_slices
 from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.toml_files import shown_value
 from wrsim.inputs.values import number
 
 STEP = 0.2e-3  # distance of the points of a section [m]
 DEEP = 0.038  # no wheel comes deeper below the highest point [m]
+END = 1e-3  # from the end of a profile within which a feature is that end [m]
 SHORTEST = 1e-4  # A piece below this length [m] does not exist
 FALLING = 0.5  # sine of the slope from which on a section that is cut off goes on straight
 STEEPEST_OVER = 3.0  # largest slope over the smaller secant beside it, for cubics without overshoot
@@ -321,8 +324,10 @@ def read_sections(path: Path, measured: bool = False) -> list[RailSection]:
     """Sections in the order of the table.
 
     Consecutive rows with one ``at_m`` are the points of one section, from one of its ends to the other. measured:
-    points are smoothed, not interpolated. Raises InputError with file, line and what is allowed.
+    points are smoothed, not interpolated. Also a list of profiles (.slcs). Raises InputError with file and line.
     """
+    if path.suffix.lower() == ".slcs":
+        return _sections_of_slices(path)
     table, lines = read_columns(path, COLUMNS, NEEDED, "points")
     at = table["at_m"]
     starts = np.flatnonzero(np.append(True, np.diff(at) != 0.0))
@@ -339,6 +344,25 @@ def read_sections(path: Path, measured: bool = False) -> list[RailSection]:
         profile = (smoothed if measured else interpolated)(retained, f"{path.stem}, {place:g} m", "rail", path.name)
         found.append(RailSection(place, profile, _features(points, marks[own], profile)))
     return found
+
+
+def _sections_of_slices(path: Path) -> list[RailSection]:
+    """The sections of a list of profiles, y to the field side. Raises InputError."""
+    slices, sections = read_slices(path), []
+    for place, file, line, features in zip(
+        1e-3 * slices.places, slices.files, slices.lines, slices.features, strict=True
+    ):
+        try:
+            profile = read_points(file, "rail", field_side="positive").profile
+        except InputError as error:
+            raise InputError(f"{path}:{line}: {error}") from None
+        sections.append(RailSection(float(place), profile, tuple((1e-3 * features).tolist())))
+    # the ends of the profiles are no features
+    ends = np.array([section.profile.length for section in sections])
+    marks = np.array([section.features for section in sections]).reshape(len(sections), -1)
+    inner = ((marks > SHORTEST) & (marks < ends[:, None] - END)).any(axis=0)
+    marks = np.minimum(marks[:, inner], ends[:, None])
+    return [replace(section, features=tuple(own.tolist())) for section, own in zip(sections, marks, strict=True)]
 
 
 def _features(points: ProfilePoints, marks: NDArray[Any], profile: Profile) -> tuple[float, ...]:
