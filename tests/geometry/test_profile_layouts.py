@@ -1,12 +1,13 @@
 """Files of points as programs and instruments write them: what is stated, assumed, and contradicted by the shape."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from support.commands import call, ok
-from support.profile_texts import BACK, cases, lines, miniprof, moved, nodes, outcome, simpack, vampire
+from support.profile_texts import BACK, cases, guide, lines, miniprof, moved, nodes, outcome, simpack, vampire
 
 from wrsim import InputError, Profile, load, load_profile
 from wrsim.geometry.profile.files import read_points
@@ -55,6 +56,22 @@ def test_a_profile_in_any_layout_is_right_or_refused(name, tmp_path):
     assert "wrong" not in refused.values() and len(refused) < 0.2 * len(found)
     # what is refused has no unit, or the rail counts to the other side than its format does
     assert all("Is the unit right" in reason or "give field_side" in reason for reason in refused.values())
+
+
+def test_the_page_shows_the_first_lines_of_each_layout_and_the_line_about_it(tmp_path):
+    page = (Path(__file__).parents[2] / "docs/user/files_as_they_are.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^## (.+?)\n.*?^```text\n(.*?)^```\n\n> (.*?)$", page, re.MULTILINE | re.DOTALL)
+    files = guide(WHEEL, load_profile("rails/60E1_worn.toml"))
+    assert [heading for heading, _, _ in shown] == list(files)
+    for heading, first, line in shown:
+        name, text = files[heading]
+        assert text.startswith(first)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+        try:
+            (note,) = read_points(tmp_path / name, "rail" if name.startswith("rail") else "wheel").profile.notes
+        except InputError as error:
+            note = f"refused: {error}".replace(f"{tmp_path}/", "")
+        assert note == line
 
 
 @pytest.mark.parametrize("text", ["points", "MiniProf"])

@@ -130,3 +130,26 @@ def outcome(case: Case, profile: Profile, folder: Path) -> str:
         curve = curve - (np.mean(ends), curve[:, 1].max())
     apart = 1e3 * float(scipy.spatial.cKDTree(curve).query(places)[0].max())
     return "right" if apart < 0.1 + RIGHT else "wrong"  # nodes of the curve are 0.1 mm apart
+
+
+def guide(wheel: Profile, rail: Profile) -> dict[str, tuple[str, str]]:
+    """Files of docs/user/files_as_they_are.md by their headings: names and texts. wheel: new; rail: worn."""
+    points, back, head = nodes(wheel), moved(nodes(wheel), BACK), nodes(rail)
+    tape_line = "ProgramName=MiniProf\nWheelDiameterTaperline=70.0000\nXYPoints={count}\nColumnDef=X,Y\n"
+    return {
+        "MiniProf wheel": ("wheel.whl", miniprof(back * (1.0, -1.0), tape_line)),
+        "MiniProf wheel, old head": ("old.whl", miniprof(back * (1.0, -1.0), OLD_HEAD)),
+        "MiniProf rail": ("rail.ban", miniprof(head * (-1.0, 1.0), "XYPoints=300\nColumnDef=X,Y\n")),
+        "SIMPACK": ("wheel.prw", simpack(points * (1.0, -1.0), "mm", "wheel")),
+        "VAMPIRE": ("wheel.whe", vampire(points, "wheel")),
+        "Two columns with units": ("wheel.csv", COLUMNS["header"](points, "mm")),
+        "Inches": ("inches.csv", COLUMNS["header"](points, "in")),
+        "Decimal commas": ("comma.txt", COLUMNS["decimal comma"](back, "mm")),
+        "Words and a counter": ("depot.txt", "Depot 7, 3.5.2026, 12 wheels\n" + COLUMNS["counter"](points, "mm")),
+        "Missing values at the end": ("tail.csv", COLUMNS["NaN tail"](points, "mm")),
+        "A worn rail without a word": ("rail.rail", COLUMNS["bare"](head, "mm")),
+        "Heights from elsewhere": ("high.csv", COLUMNS["header"](moved(points, 0.0, 0.3), "mm")),
+        "Few digits": ("digits.csv", "".join(f"{u:.3f},{w:.3f}\n" for u, w in points)),
+        "No unit": ("bare.csv", lines(points, "in")),
+        "Another origin": ("moved.csv", COLUMNS["header"](moved(points, 30.0), "mm")),
+    }

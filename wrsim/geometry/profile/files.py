@@ -249,7 +249,7 @@ def _metric(scan: Scan, unit: str | None, body: Kind) -> tuple[ProfilePoints, fl
     if not low <= wide <= high:
         allowed = f"allowed: {1e3 * low:g} to {1e3 * high:g} mm. Is the unit right? Give unit"
         raise InputError(f"{path}: the {body} is {1e3 * wide:.4g} mm wide; {allowed}: {', '.join(METRES)}")
-    return points, metres * scan.resolution, [] if unit or scan.unit else ["in mm"]
+    return points, metres * scan.resolution, [] if unit or scan.unit else ["in mm by its width (unit)"]
 
 
 def _cleaned(points: ProfilePoints, measured: bool) -> tuple[ProfilePoints, list[str]]:
