@@ -9,6 +9,7 @@ import zlib
 from collections.abc import Iterator
 from dataclasses import replace
 from html.parser import HTMLParser
+from math import radians
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -27,6 +28,7 @@ from support.synthetic_run import Q0, run
 from support.synthetic_run import curve as bend
 
 from wrsim import InputError, Result, analysis, load
+from wrsim.analysis.assessment import assess_runs
 from wrsim.analysis.motion.derailment import WatchedWheel
 from wrsim.analysis.resolve import with_moments
 from wrsim.contact.status import WORDS
@@ -35,12 +37,14 @@ from wrsim.inputs.lookup import shipped_models
 from wrsim.report.charts import envelope, interruptions, pieces_of
 from wrsim.report.document import logo_address
 from wrsim.report.page import report_page
+from wrsim.report.tables import chart_limits
 from wrsim.report.tables import contacts as contacts_of
 from wrsim.report.view_data import PATH_STEP, needed, setup_of, view_data, view_page
 from wrsim.results import CHANNELS
 from wrsim.results.moments import sample_of
 from wrsim.results.summary import CUT_STEPS
 from wrsim.results.wheelsets import wheelsets
+from wrsim.scenario.sections.assessment import AssessmentSettings
 
 EVIL = "</script><script>window.evil = 1</script><img src=x onerror='window.evil=1'>\"'&{{ 7*7 }}"
 
@@ -165,7 +169,8 @@ def test_a_drawn_line_passes_all_its_points(count: int, seed: int) -> None:
 
 def test_a_report_says_who_it_is_how_it_went_and_from_which_bytes_it_came(page: str, coach: Result) -> None:
     assert f"<h1>{coach.title}</h1>" in page
-    assert re.search(r'class="verdict (good|bad)">[^<]*worst margin -?\d+ %', page)
+    words = "Every quantity with a limit is within its limit; without a limit or a value here: "
+    assert re.search(rf'class="verdict open">{words}[^<]*Y_qst[^<]*worst margin -?\d+ %', page), "no green"
     for section in ("summary", "appendix", "assessment", "track", "histories", "wheelsets", "contacts", "again"):
         assert f'<section id="{section}"' in page
     assert '<section id="wear"' not in page
@@ -228,6 +233,20 @@ def test_a_report_has_a_cover(curve: Result, tmp_path: Path) -> None:
     assert "@page" in style and "Ltd" in style and text.count("</style>") == 1
     refused = call("report", tmp_path / "run", "--logo", tmp_path / "run" / "result.nc")
     assert refused.exit_code == 2 and "must end in" in refused.output
+
+
+def test_limits_are_drawn_where_they_hold_with_that_of_nadal_beside_them() -> None:
+    """That of EN 14363 from R 250 m on."""
+    found = assess_runs(
+        run(900.0, curvature=bend(200.0)),
+        AssessmentSettings(axle_load=2.0 * Q0, friction=0.3, flange_angle=radians(70.0)),
+    )
+    limits = chart_limits([found])
+    (own,), (nadal,) = ([o for o in limits["Y_over_Q"] if o["label"].startswith(w)] for w in ("limit", "Nadal"))
+    assert {start for start, _ in own["spans"]} == {s.start for s in found.sections if abs(s.radius) >= 250.0}
+    assert {start for start, _ in nadal["spans"]} == {s.start for s in found.sections} > {s for s, _ in own["spans"]}
+    assert {one["value"] < 0.0 for one in limits["sum_Y"]} == {True, False}
+    assert "Y/Q" in found.unlimited and "ΣY" not in found.unlimited
 
 
 PICTURES = {

@@ -26,6 +26,7 @@ ZONE_SHADE = {
 }  # fmt: skip
 """Background of a class of track against distance."""
 WITHIN, BEYOND = "#0072B2", "#D55E00"
+NADAL_LINE: dict[str, Any] = {"linestyle": (0, (4, 2))}
 MOST = 1.5  # part of a limit at which bars and points are cut off
 
 
@@ -72,7 +73,7 @@ def limits_figure(found: Assessment) -> Figure:
 
 HISTORIES = {
     "sum_Y": ("ΣY, {low_pass_Hz:g} Hz, {window_m:g} m\n[kN]", 1e-3, ("sum_Y",)),
-    "Y_over_Q": ("Y/Q, {low_pass_Hz:g} Hz, {window_m:g} m", 1.0, ("Y_over_Q",)),
+    "Y_over_Q": ("Y/Q, {low_pass_Hz:g} Hz, {window_m:g} m", 1.0, ("Y_over_Q", "Y_over_Q_nadal")),
     "Q": ("Q, {low_pass_Hz:g} Hz\n[kN]", 1e-3, ("Q",)),
     "Y": ("Y, {low_pass_Hz:g} Hz\n[kN]", 1e-3, ("Y_qst", "Y_qst_reduced")),
 }
@@ -106,6 +107,8 @@ def history_figure(found: Assessment, run: str = "") -> Figure:
     for label, line in zip(numbered(names).values() if len(names) > 1 else (), cycle(GROUP_LINE)):
         legend.append(Line2D([], [], color=INK, linestyle=line, label=f"wheelset {label}"))
     legend.append(Line2D([], [], color=STOP_COLOUR, linewidth=0.9, label="limit"))
+    if any(v.limit is not None for v in found.of("Y_over_Q_nadal")):
+        legend.append(Line2D([], [], color=STOP_COLOUR, linewidth=0.9, label="limit of Nadal", **NADAL_LINE))
     title = f"{found.title}\nrun {run}" if run else found.title
     return panels(title, [partial(draw, name=name) for name in HISTORIES], 34.0 * len(HISTORIES) + 24.0, legend=legend)
 
@@ -134,16 +137,17 @@ def track_diagram(dataset: xr.Dataset, sections: Sequence[AssessedSection]) -> F
 
 def _draw_limits(axes: Axes, values: Sequence[Value], factor: float, *, both: bool) -> None:
     """Limits as red lines over their sections, where the picture stays readable with them; else in words."""
-    limits = [(v.section, v.limit.value * factor) for v in values if v.limit is not None]
+    limits = [(v.section, v.limit.value * factor, "nadal" in v.quantity.key) for v in values if v.limit is not None]
     reach = max(abs(y) for y in axes.get_ylim())
-    least = min((limit for _, limit in limits), default=0.0)
+    least = min((limit for _, limit, _ in limits), default=0.0)
     if least > 6.0 * reach:
         corner: Any = {"xycoords": "axes fraction", "ha": "right", "va": "bottom", "color": STOP_COLOUR}
         note(axes, f"limit {'±' if both else ''}{formatted(least, '.3g')}", (1.0, 1.0), (0.0, 1.5), **corner)
         return
-    for section, limit in limits:
+    for section, limit, nadal in limits:
         for y in (limit, -limit) if both else (limit,):
-            axes.plot([section.start, section.end], [y, y], color=STOP_COLOUR, linewidth=0.9, zorder=2.2)
+            look = NADAL_LINE if nadal else {}
+            axes.plot([section.start, section.end], [y, y], color=STOP_COLOUR, linewidth=0.9, zorder=2.2, **look)
 
 
 def shade_sections(axes: Axes, sections: Sequence[AssessedSection]) -> None:

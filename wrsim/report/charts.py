@@ -60,12 +60,12 @@ class Curve(NamedTuple):
 
 
 def charts_of(
-    datasets: Sequence[xr.Dataset], names: Sequence[str], across: Mapping[str, Sequence[tuple[str, float]]]
+    datasets: Sequence[xr.Dataset], names: Sequence[str], across: Mapping[str, Sequence[dict[str, Any]]]
 ) -> dict[str, Any] | None:
     """Charts of runs over distance, or time where nothing moves: abscissae ``x``, ``parts`` (wheelsets and what they
     are called, ``worst`` the first to look at), ``charts`` with words and curves; not-a-number as null.
 
-    names: short ones of the results; across: words and values of limits of a channel, in the unit for readers. None
+    names: short ones of the results; across: limits of a channel: words, values for readers and where they hold. None
     where one of the results is no run of several samples.
     """
     if not all(map(is_history, datasets)):
@@ -95,7 +95,7 @@ def charts_of(
 
 
 def _chart(
-    key: str, curves: Sequence[Curve], pieces: Array, along: str, across: Sequence[tuple[str, float]]
+    key: str, curves: Sequence[Curve], pieces: Array, along: str, across: Sequence[dict[str, Any]]
 ) -> dict[str, Any]:
     channel = CHANNELS[key]
     title = channel.long_name[0].upper() + channel.long_name[1:].replace(" of the body", "")
@@ -109,7 +109,7 @@ def _chart(
         "unit": channel.shown.unit,
         "note": CHARTS[key],
         "peak": f"largest magnitude {quantity(float(best.values[at]), channel.shown.unit)} at {place}{whose}",
-        "limits": [{"label": words, "value": value} for words, value in across],
+        "limits": list(across) if along == "m" else [],
         "lines": [_line(c, pieces) for c in curves],
     }
 

@@ -69,8 +69,9 @@ def verdict(result: Result, found: Assessment | None, why: str) -> ReportVerdict
     elif worst is None:
         words = "No limit applies to anything that was assessed."
     else:
-        words = "Every assessed quantity is within its limit" if found.passed else "A limit is exceeded"
-        words, state = f"{words}; {_tightest(worst)}. {basis(result.dataset, found)}", GOOD if found.passed else BAD
+        words = found.verdict.replace("A LIMIT IS EXCEEDED", "a limit is exceeded").replace("every", "Every")
+        state = BAD if not found.passed else OPEN if found.unlimited else GOOD
+        words = f"{words}; {_tightest(worst)}. {basis(result.dataset, found)}"
     return ReportVerdict(BAD if stop else state, stop + words)
 
 
@@ -141,19 +142,28 @@ def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, 
     return rows, {letter: source for source, letter in letters.items()}
 
 
-def chart_limits(found: Sequence[Assessment | None]) -> dict[str, list[tuple[str, float]]]:
-    """Limits to draw across histories: of the track shifting force both ways, of Y/Q, Q and quasi-static Y. Of limits
-    that lie as near each other as those of wheelsets of nearly one load, the least."""
-    drawn: dict[str, list[tuple[str, float]]] = {}
-    for key in ("sum_Y", "Y_over_Q", "Q", "Y_qst"):
-        apart: list[float] = []
-        values = ((v.limit, v.quantity.shown.factor) for each in found if each is not None for v in each.of(key))
-        for v in sorted(round(limit.value * factor, 3) for limit, factor in values if limit is not None):
-            if not apart or v > APART * apart[-1]:
-                apart.append(v)
-        both = [*apart, *(-v for v in apart)] if key == "sum_Y" else apart
-        of = "limit, quasi-static," if key == "Y_qst" else "limit"
-        drawn[key.removesuffix("_qst")] = [(f"{of} {formatted(v)}", v) for v in both]
+CHART_LIMITS = {
+    "sum_Y": ("sum_Y", "limit"), "Y_over_Q": ("Y_over_Q", "limit"), "Y_over_Q_nadal": ("Y_over_Q", "Nadal"),
+    "Q": ("Q", "limit"), "Y_qst": ("Y", "limit, quasi-static,"),
+}  # fmt: skip
+"""Quantities whose limits are drawn across histories, the channel of each, and what the limit is called."""
+
+
+def chart_limits(found: Sequence[Assessment | None]) -> dict[str, list[dict[str, Any]]]:
+    """Limits to draw across histories, over the sections in which they hold [m]; those of the track shifting force both
+    ways. Of limits that lie as near each other as those of wheelsets of nearly one load, the least."""
+    drawn: dict[str, list[dict[str, Any]]] = {}
+    for key, (channel, words) in CHART_LIMITS.items():
+        apart: dict[float, dict[float, float]] = {}
+        values = [v for each in found if each is not None for v in each.of(key) if v.limit is not None]
+        pairs = [(round(v.limit.value * v.quantity.shown.factor, 3), v.section) for v in values if v.limit is not None]
+        for limit, section in sorted(pairs, key=lambda pair: pair[0]):
+            last = max(apart, default=0.0)
+            apart.setdefault(limit if limit > APART * last else last, {})[section.start] = section.end
+        for limit, spans in apart.items():
+            for y in (limit, -limit) if key == "sum_Y" else (limit,):
+                about = {"label": f"{words} {formatted(y)}", "value": y, "spans": sorted(spans.items())}
+                drawn.setdefault(channel, []).append(about)
     return drawn
 
 

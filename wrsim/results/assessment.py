@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from wrsim.results.channels import SHOWN, Shown
 from wrsim.results.files import as_csv, as_json
-from wrsim.results.limits import Limit, Quantity
+from wrsim.results.limits import INFORMATION, QUANTITIES, Limit, Quantity
 from wrsim.results.moments import Array
 from wrsim.results.rules import RulesFile
 from wrsim.results.table import Cell, Column, Table, as_rows, finite, formatted, quantity
@@ -175,10 +175,13 @@ class ZoneValue:
     def cells(self) -> dict[str, str]:
         """Cells of tables, in the unit for readers; empty texts where there is nothing."""
         worst, limit, factor = self.worst, self.worst.limit, self.worst.quantity.shown.factor
+        missing = "" if worst.quantity.group == INFORMATION else "none"
         return {
             "worst": formatted(worst.value * factor),
             "estimate": "" if self.estimate is None else formatted(self.estimate * factor),
-            "limit": "" if limit is None else "≥ " * worst.quantity.lowest + formatted(limit.value * factor),
+            "limit": missing
+            if limit is None
+            else "at least " * worst.quantity.lowest + formatted(limit.value * factor),
             "margin": "" if worst.margin is None else quantity(100.0 * worst.margin, "%", ".0f"),
             "verdict": "" if self.passed is None else "ok" if self.passed else "EXCEEDED",
             "worst in": worst.where,
@@ -213,6 +216,25 @@ class Assessment:
     def passed(self) -> bool:
         """True when no value and no estimated maximum is beyond its limit."""
         return all(row.passed is not False for row in self.zones)
+
+    @property
+    def unlimited(self) -> list[str]:
+        """Symbols of what is judged, not given for information, but has no limit or no value in some class of track."""
+        judged = [
+            QUANTITIES[clause.quantity] for clause in self.rules.judging("axle", "bogie", "stop", "frame", "body")
+        ]
+        lacking = {row.worst.quantity.key for row in self.zones if row.worst.limit is None}
+        lacking |= {own.key for own in judged} - {row.worst.quantity.key for row in self.zones}
+        return [own.symbol for own in dict.fromkeys(judged) if own.key in lacking and own.group != INFORMATION]
+
+    @property
+    def verdict(self) -> str:
+        """In words."""
+        if self.lone:
+            return NO_VERDICT
+        without = f"; without a limit or a value here: {', '.join(self.unlimited)}" if self.unlimited else ""
+        which = "every quantity with a limit" if self.unlimited else "every quantity"
+        return f"{which} is within its limit{without}" if self.passed else f"A LIMIT IS EXCEEDED{without}"
 
     def tightest(self) -> ZoneValue | None:
         """Where least is left to a limit; None where there are no limits."""
@@ -316,11 +338,9 @@ def assessment_numbers(found: Assessment) -> list[Table]:
     words = ("quantity", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "worst in")
     tables.append(Table("", tuple(map(Column, words)), rows))
     tables += [*_regressions_table(found), *_track_table(found)]
-    verdict = "every quantity is within its limit" if found.passed else "A LIMIT IS EXCEEDED"
-    verdict = NO_VERDICT if found.lone else verdict
     notes = [*(f"{letter}  {source}" for source, letter in letters.items()), *(f"note: {n}" for n in found.notes)]
     confirm = (TO_CONFIRM,) if any(z.worst.limit is not None and z.worst.limit.star for z in found.zones) else ()
-    return [*tables, Table("", notes=(*notes, verdict, *confirm))]
+    return [*tables, Table("", notes=(*notes, found.verdict, *confirm))]
 
 
 def _sections_table(found: Assessment) -> Table:

@@ -133,7 +133,7 @@ def _at_rest(programme: Programme, state: str, case: Case) -> list[Verdict]:
         write_atomically(file, as_json(stored))
     return [
         Verdict(state, own["clause"], own["symbol"], own["unit"], "at rest", formatted(own["value"]), "", "",
-                "≥ " * own["lowest"] + formatted(own["limit"]), quantity(100.0 * own["margin"], "%", ".0f"),
+                "at least " * own["lowest"] + formatted(own["limit"]), quantity(100.0 * own["margin"], "%", ".0f"),
                 own["limit_source"], where, own["passed"], own["margin"])
         if "value" in own
         else Verdict(state, own["clause"], "", "", "at rest", "no rest", "", "", "", "", "", where, False, -1.0)

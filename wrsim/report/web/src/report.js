@@ -36,19 +36,20 @@ function limitsPlugin(limits) {
     ctx.fillStyle = "#b00020";
     ctx.font = `${11 * dot}px sans-serif`;
     ctx.textAlign = "right";
-    const write = (words, at) => {
+    const right = bbox.left + bbox.width - 4;
+    const write = (words, at, edge = right) => {
       ctx.setLineDash([]);
       ctx.lineWidth = 4 * dot;
       ctx.strokeStyle = "#ffffffd8";
-      ctx.strokeText(words, right, at);
-      ctx.fillText(words, right, at);
+      ctx.strokeText(words, edge, at);
+      ctx.fillText(words, edge, at);
     };
-    const right = bbox.left + bbox.width - 4;
-    for (const { label, value } of limits) {
+    for (const { label, value, spans } of limits) {
       const { min, max } = u.scales.y;
       if (value > max || value < min) {
         const end = value > max ? Math.min(...limits.map((l) => l.value).filter((v) => v > max)) : Math.max(...limits.map((l) => l.value).filter((v) => v < min));
-        if (value === end) write(value > max ? `${label} \u2191` : `${label} \u2193`, value > max ? bbox.top + 12 * dot : bbox.top + bbox.height - 4);
+        const words = `${label} ${value > max ? "\u2191" : "\u2193"}`, left = bbox.left + 4 + ctx.measureText(words).width;
+        if (value === end) write(words, value > max ? bbox.top + 12 * dot : bbox.top + bbox.height - 4, left);
         continue;
       }
       const y = u.valToPos(value, "y", true);
@@ -56,10 +57,13 @@ function limitsPlugin(limits) {
       ctx.lineWidth = dot;
       ctx.strokeStyle = "#b00020";
       ctx.beginPath();
-      ctx.moveTo(bbox.left, y);
-      ctx.lineTo(bbox.left + bbox.width, y);
+      for (const [from, to] of spans) {
+        ctx.moveTo(u.valToPos(from, "x", true), y);
+        ctx.lineTo(u.valToPos(to, "x", true), y);
+      }
       ctx.stroke();
-      write(label, y - bbox.top > 20 * dot ? y - 4 : y + 13 * dot);
+      const end = u.valToPos(spans.at(-1)[1], "x", true) - 4;
+      write(label, y - bbox.top > 20 * dot ? y - 4 : y + 13 * dot, Math.min(right, Math.max(end, bbox.left + ctx.measureText(label).width)));
     }
     ctx.restore();
   };
