@@ -17,6 +17,7 @@ from wrsim import Arc, InputError, Straight, Track, Transition, load, run
 from wrsim.geometry.track.segments import Segment
 from wrsim.geometry.track.spectra import Realisation
 from wrsim.inputs.toml_files import write_toml
+from wrsim.recording import restoring
 from wrsim.recording.columns import ChannelSection
 from wrsim.recording.names import guessed
 from wrsim.recording.reading import recording_from
@@ -431,6 +432,13 @@ def rows(**changed: Any) -> str:
     for key, value in changed.items():
         cells[4][{"distance": 0, "level": 1}[key]] = value
     return HEAD + "".join(",".join(c) + "\n" for c in cells)
+
+
+def test_a_segment_that_no_scenario_takes_is_refused(car: Car, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The longest one that ``run`` takes, here of 60 m; the straights of the car's track are longer."""
+    monkeypatch.setattr(restoring, "LONGEST", 60.0)
+    with pytest.raises(InputError, match=r"a segment of 0\.\d+ km follows.*at most 0.06 km.*--from-m, --to-m"):
+        restored(tmp_path, car, geometry(car) | versines(car, 5.0, 5.0), "chord_m = [5, 5]")
 
 
 @pytest.mark.parametrize(("text", "more", "message"), table("bad_recordings_are_refused"))

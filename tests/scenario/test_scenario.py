@@ -126,6 +126,13 @@ def test_a_slip_of_toml_syntax_is_told_with_line_column_and_help(tmp_path: Path,
     assert hint in message
 
 
+@pytest.mark.parametrize("text", ['title = "{}"', "{} = 1", '[vehicle.changes]\n"{}" = 1', 'list = [["{}"]]'])
+def test_names_and_texts_have_a_length_that_people_read(tmp_path: Path, text: str) -> None:
+    (message,) = faults(text.format("n" * 100_000), tmp_path)
+    assert "nnn" in message and "has 100000 characters; at most 4096 are read" in message
+    assert len(message) < 200
+
+
 def test_a_missing_file_names_its_neighbours_and_a_directory_what_is_in_it(tmp_path: Path) -> None:
     (tmp_path / "curve_r300.toml").write_text(CURVE)
     with pytest.raises(InputError, match=r"no such scenario file; did you mean '.*curve_r300\.toml'\?"):

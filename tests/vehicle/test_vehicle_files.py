@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from functools import reduce
 from operator import getitem
 from pathlib import Path
@@ -344,6 +345,14 @@ CHANGES |= {one.__name__: lambda one=one: one for one in (one_axle_without_sprin
 def test_an_implausible_value_is_named_once(name: str, how: str, by: list[Any], words: str, count: int, tmp_path: Path):
     found = vehicle_warnings(changed_coach(tmp_path, CHANGES[how](*by)))
     assert len(found) == count and sum(bool(re.search(words, each)) for each in found) == min(count, 1), found
+
+
+def test_a_mass_high_above_its_wheelset_is_told() -> None:
+    wheelset = load_vehicle(shipped_models() / "vehicles/wheelset_s1002.toml")
+    for height, told in ((4.6, 1), (3.0, 0)):
+        carried = tuple(replace(each, height=height) for each in wheelset.carried)
+        found = vehicle_warnings(replace(wheelset, carried=carried))
+        assert len(found) == told and all("height of the centre of the sprung mass" in each for each in found)
 
 
 def test_uneven_wheel_loads_are_those_of_the_vehicle_at_rest(tmp_path: Path) -> None:

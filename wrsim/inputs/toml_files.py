@@ -21,6 +21,7 @@ _PLACE = re.compile(r" \(at line (\d+), column (\d+)\)")
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
 DEEPEST = 30
+LONGEST_TEXT = 4096  # of a name or a text, as of paths
 """Levels of tables and lists in each other; no file of ours has more than six."""
 _LONG_KEY = re.compile(rf"""(?<![\w.-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{DEEPEST + 1}}}""")
 """Tables in each other by one key; tomllib takes time with the square of their number."""
@@ -197,7 +198,19 @@ def parse_toml(text: str, name: str) -> dict[str, Any]:
         raise InputError(f"{name}: not valid TOML: {error}") from None
     if is_too_deep(data):
         raise InputError(too_deep)
+    text = max(_texts(data), key=len, default="")
+    if len(text) > LONGEST_TEXT:
+        raise InputError(f"{name}: {shown_value(text)} has {len(text)} characters; at most {LONGEST_TEXT} are read")
     return data
+
+
+def _texts(data: Any) -> Iterator[str]:
+    """All names and texts of tables and lists."""
+    if isinstance(data, str):
+        yield data
+    elif isinstance(data, (dict, list)):
+        inside = chain(data, data.values()) if isinstance(data, dict) else data
+        yield from chain.from_iterable(map(_texts, inside))
 
 
 def is_too_deep(data: Any) -> bool:

@@ -14,7 +14,7 @@ from scipy.ndimage import binary_erosion, gaussian_filter1d
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
-from wrsim.geometry.track.segments import Arc, Laws, Segment, Straight, Transition, laws
+from wrsim.geometry.track.segments import LONGEST, Arc, Laws, Segment, Straight, Transition, laws
 from wrsim.geometry.track.track import RAIL_HEAD_WIDTH, ROUNDING
 from wrsim.recording.columns import ChannelSection
 from wrsim.recording.design import FORMS, LEAST_CURVATURE, SMOOTHING, Form, Plateau, fit_design
@@ -76,6 +76,9 @@ def restore(
     cant = work.cant_of_twist(curvature) if recorded_cant is None else recorded_cant
     plateaus = fit_design(s, curvature, np.zeros(s.size) if cant is None else cant, spread, forms)
     segments = _segments(plateaus, s, off_gauge)
+    if (longest := max(segment.length for segment in segments)) > LONGEST:
+        words = f"a segment of {longest / 1e3:.4g} km follows from these rows; must be at most {LONGEST / 1e3:g} km"
+        raise InputError(f"{recording.path}: {words}: check the unit of the distance, or cut it (--from-m, --to-m)")
     try:
         law = laws(segments, gauge, ROUNDING)
     except InputError as error:

@@ -8,13 +8,15 @@ from wrsim.register import ANALYSES
 from wrsim.results.table import Column, Table, formatted
 from wrsim.scenario.build import Setup
 from wrsim.scenario.plausible_runs import run_doubts
-from wrsim.vehicle.plausibility import doubts
+from wrsim.vehicle.plausibility import HIGHEST, doubts
 from wrsim.vehicle.plausible_values import value_doubts
 from wrsim.vehicle.vehicle import Vehicle
 
 MOST_LISTED = 20  # segments that the terminal lists
 USUAL_WHEELSET = (100.0, 5_000.0)
 """Masses of wheelsets [kg], from trams to heavy haul with gears."""
+USUAL_SPRUNG, USUAL_HEIGHT = (10.0, 50e3), (0.0, HIGHEST)
+"""Masses that press on a wheelset [kg], and heights of their centres above the rails [m]."""
 USUAL_BODY = (10.0, 150e3)
 """Masses of bodies that hang on springs [kg]."""
 USUAL_WHEEL_LOAD = (1.0, 250.0)
@@ -55,6 +57,10 @@ def _values(vehicle: Vehicle) -> Iterator[tuple[str, float, tuple[float, float],
             yield f"radius_mm of the {side} wheel of '{mounted.name}'", 1e3 * wheel.radius, USUAL_RADIUS, "mm"
     for body in {body.mass: body for body in vehicle.bodies[::-1]}.values():
         yield f"mass_kg of body '{body.name}'", body.mass, USUAL_BODY, "kg"
+    for carried in (each for each in vehicle.carried if each.mass > 0.0):
+        yield f"sprung_mass_kg of '{carried.body}'", carried.mass, USUAL_SPRUNG, "kg"
+        height = vehicle.place(carried.body)[2] + carried.height
+        yield f"height of the centre of the sprung mass of '{carried.body}'", float(height), USUAL_HEIGHT, "m"
     load = 0.5 * vehicle.weight / len(vehicle.wheelsets) / 1e3
     yield f"mean static wheel load of '{vehicle.name}'", load, USUAL_WHEEL_LOAD, "kN"
 

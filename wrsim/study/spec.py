@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator
+from math import log10
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -78,6 +79,10 @@ class CsvAxis(Section, header='[[vary]] with kind = "csv"'):
     """Name of the axis in the results."""
 
 
+MOST_DECADES = 15
+"""Digits of a number: of values farther apart none is seen beside the other."""
+
+
 class SampledKey(Section, header="[[vary.over]]"):
     """One key that is sampled: evenly from low to high, or normally about a mean."""
 
@@ -110,6 +115,8 @@ class SampledKey(Section, header="[[vary.over]]"):
                 yield Fault("high", f"must be above low ({self.low:g})")
             elif self.spacing == "log" and self.low <= 0.0:
                 yield Fault("low", 'must be above 0 with spacing = "log"')
+            elif self.spacing == "log" and (decades := log10(self.high) - log10(self.low)) > MOST_DECADES:
+                yield Fault("high", f"is {decades:.0f} decades above low; must be at most {MOST_DECADES}")
 
 
 class _Sampled(Section):

@@ -17,6 +17,9 @@ from wrsim.vehicle.out_of_round import AnyOutOfRoundTable
 from wrsim.vehicle.preload import Ballast
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Torsion
 
+LEAST = 1e-3
+"""Least mass [kg] and moment of inertia [kg m2] of a part: over those of a car body, 1e5 and 1e6, the root of the
+accuracy of numbers, of which eigenvalues are left over."""
 Radius = Annotated[float, number(100, 1500, "radius at the tape circle in mm, such as 460")]
 WheelName = Annotated[str, text('a wheel profile file such as "wheels/S1002.toml"')]
 Springs = Annotated[
@@ -56,13 +59,13 @@ class WheelsetTable(Section, header="[wheelset]"):
         "back_to_tape_circle_mm": "flange_back_mm",
     }
 
-    mass_kg: Annotated[float, positive(20_000, "kg")]
+    mass_kg: Annotated[float, number(LEAST, 20_000, "kg")]
     """Mass of the wheelset."""
-    roll_inertia_kg_m2: Annotated[float, positive(1e5, "about the x axis")]
+    roll_inertia_kg_m2: Annotated[float, number(LEAST, 1e5, "about the x axis")]
     """Moment of inertia about the track's direction."""
-    spin_inertia_kg_m2: Annotated[float, positive(1e5, "about the axle")]
+    spin_inertia_kg_m2: Annotated[float, number(LEAST, 1e5, "about the axle")]
     """Moment of inertia about the axle."""
-    yaw_inertia_kg_m2: Annotated[float, positive(1e5, "about the z axis")]
+    yaw_inertia_kg_m2: Annotated[float, number(LEAST, 1e5, "about the z axis")]
     """Moment of inertia about the vertical; equal to that of roll."""
     profile_spacing_mm: Annotated[float, number(400, 2500, "mm between the tape circles")] | None = None
     """Distance between the tape circles, on which the wheel profiles have their origins."""
@@ -174,9 +177,9 @@ class BodyTable(Section, header="[bodies.NAME]"):
 
     aliases: ClassVar[dict[str, str]] = {"centre_mm": "center_mm position_mm"}
 
-    mass_kg: Annotated[float, positive(1e6, "kg")]
+    mass_kg: Annotated[float, number(LEAST, 1e6, "kg")]
     """Mass of the body."""
-    inertia_kg_m2: Three[Annotated[float, positive(1e9, "kg m2")]]
+    inertia_kg_m2: Three[Annotated[float, number(LEAST, 1e9, "kg m2")]]
     """Principal moments of inertia about its centre."""
     centre_mm: Place
     """Its centre of mass in the design position, above the rails."""
@@ -212,7 +215,7 @@ class AxleBoxTable(Section, header="[axle_boxes.NAME]"):
     """Distance of each box from the middle of the axle."""
     mass_kg: Annotated[float, number(0, 10_000, "kg, of each, counted on the axle")]
     """Mass of each box."""
-    inertia_kg_m2: Three[Annotated[float, positive(1e5, "kg m2")]]
+    inertia_kg_m2: Three[Annotated[float, number(LEAST, 1e5, "kg m2")]]
     """Moments of inertia of each box; that about y is of its own pitch."""
 
 

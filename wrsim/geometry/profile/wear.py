@@ -91,9 +91,17 @@ AnyRemoval = Removal | DepthTable
 def worn(new: Profile, removals: Sequence[AnyRemoval], name: str, source: str = "") -> Profile:
     """The profile that is left of ``new``.
 
-    Raises InputError where the curve turns back, crosses itself or gets a corner of more than 0.1 rad.
+    Raises InputError where the curve turns back, crosses itself or gets a corner of more than 0.1 rad, and for material
+    that lies outside of the profile.
     """
     bells = _Bells(new, tuple(removals))
+    for removal in removals:
+        upright = removal.direction == "vertical"
+        low, high = (new.u.min(), new.u.max()) if upright else (-bells.origin, new.length - bells.origin)
+        if removal.edges[0] >= high or removal.edges[1] <= low:
+            (begin, end), (low, high) = (1e3 * np.array(span) for span in (removal.edges, (low, high)))
+            words = f"material between {begin:.6g} and {end:.6g} mm {'in u' if upright else 'along the profile'}"
+            raise InputError(f"{words}: lies outside of the profile, which goes from {low:.6g} to {high:.6g} mm")
     corners = bells.corners()
     nodes = _nodes(new, bells, corners)
     first, last, span = nodes[:-1], nodes[1:], np.diff(nodes)

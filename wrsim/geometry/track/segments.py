@@ -19,6 +19,7 @@ import numpy as np
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.piecewise import Piecewise
 
+LONGEST = 1e5  # longest segment [m]
 MAX_CANT = 0.25  # largest cant [m]; railways use up to 0.18 m
 MAX_WIDENING = 0.1  # largest change of the gauge [m]; railways use up to 0.03 m
 LARGEST = {"cant": MAX_CANT, "gauge_widening": MAX_WIDENING}

@@ -16,7 +16,7 @@ from wrsim.inputs.values import List, number, number_limits, plain_number, posit
 from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection, grades_in_order
 from wrsim.scenario.sections.structure import AnyStructure
 
-Length = Annotated[float, number(0.01, 1e5, "m")]
+Length = Annotated[float, number(0.01, segments.LONGEST, "m")]
 LENGTHS = number_limits(unpacked(Length).limits)[:2]
 Cant = Annotated[float, number(-250, 250, "mm, positive leans to the inside of the curve")]
 Widening = Annotated[float, number(-100, 100, "mm")]
