@@ -44,8 +44,7 @@ def vehicle_warnings(vehicle: Vehicle) -> list[str]:
         if not low <= value <= high
     }
     known = [what.split("'")[1] for what in unusual.values() if what.startswith("mass")]
-    found = [*doubts(vehicle, known), *unusual]
-    return [*found, *value_doubts(vehicle, bool(found))]
+    return [*doubts(vehicle, known), *unusual, *value_doubts(vehicle)]
 
 
 def _values(vehicle: Vehicle) -> Iterator[tuple[str, float, tuple[float, float], str]]:

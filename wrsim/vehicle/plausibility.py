@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.vehicle.elements import Array, Element
+from wrsim.vehicle.plausible_values import overdamped
 from wrsim.vehicle.preload import WORDS, Preload, motions, preloads
 from wrsim.vehicle.vehicle import Body, MountedWheelset, Vehicle
 
@@ -123,7 +124,9 @@ def _of_vehicle(springs: _Springs, moved: list[tuple[Array, Array]], known: Coll
     loads = preloads(vehicle)
     uneven = [] if free or apart else [*_wheel_loads(vehicle, moved, loads)]
     one_a_part = (*radii.values(), *heights.values(), *dense.values())
-    return [*one_a_part, *apart, *light, *free, *fast, *_compression(vehicle, loads), *uneven]
+    found = [*one_a_part, *apart, *light, *free, *fast, *_compression(vehicle, loads), *uneven]
+    # masses and springs that are wrong make wrong damping ratios
+    return found if found or known else [*overdamped(vehicle, moved, springs.whole, springs.inertia)]
 
 
 def _heights(vehicle: Vehicle, known: Collection[str]) -> Iterator[tuple[str, str]]:

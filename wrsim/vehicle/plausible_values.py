@@ -6,7 +6,7 @@ from math import inf, pi
 import numpy as np
 
 from wrsim.vehicle.elements import Array, BilinearSpring, Element, Spring, Strut
-from wrsim.vehicle.preload import WORDS, motions
+from wrsim.vehicle.preload import WORDS
 from wrsim.vehicle.vehicle import Vehicle
 
 MOST_DAMPED = 5.0
@@ -21,9 +21,8 @@ UNLIKE_RADII = 3e-3
 from the middle, where its flange touches (EN 15302: clearance 7 mm)."""
 
 
-def value_doubts(vehicle: Vehicle, others: bool) -> Iterator[str]:
-    """One sentence for every implausible value; of several alike the worst. others: whether something else is wrong, of
-    which damping ratios would tell again."""
+def value_doubts(vehicle: Vehicle) -> Iterator[str]:
+    """One sentence for every implausible value."""
     unlike = [m for m in vehicle.wheelsets if abs(m.wheelset.left.radius - m.wheelset.right.radius) > UNLIKE_RADII]
     for mounted in unlike[:1]:
         left, right = (1e3 * wheel.radius for wheel in (mounted.wheelset.left, mounted.wheelset.right))
@@ -38,8 +37,6 @@ def value_doubts(vehicle: Vehicle, others: bool) -> Iterator[str]:
             )
             yield f"{words}; plausible is that of springs or friction that follow the load, of freight wagons"
     yield from _one_sided_stops(vehicle)
-    if not others:
-        yield from _overdamped(vehicle)
 
 
 def _one_sided_stops(vehicle: Vehicle) -> Iterator[str]:
@@ -56,44 +53,35 @@ def _one_sided_stops(vehicle: Vehicle) -> Iterator[str]:
         yield f"bump stop '{name}'{more} stops one direction along {'xy'[axis]} only, and none the other: both_ways?"
 
 
-def _damping(element: Element) -> Array:
-    """Damping along its directions (m,) [N s/m] at the rated velocity, on a rigid mounting."""
-    if isinstance(element, Spring):
-        return np.array(element.damping)
-    if not isinstance(element, Strut):
-        return np.zeros(len(element.directions))
-    table = element.damper_table
-    return np.array([float(np.interp(RATED, *np.transpose(table))) / RATED if table else element.damping])
+def overdamped(vehicle: Vehicle, moved: list[tuple[Array, Array]], stiffness: Array, inertia: Array) -> Iterator[str]:
+    """Parts that creep back on their springs and dampers, all others held; by the element that damps them most.
 
-
-def _overdamped(vehicle: Vehicle) -> Iterator[str]:
-    """Parts that creep back on their springs and dampers, all others held; by the element that damps them most."""
-    moved = motions(vehicle)
+    moved: motions of the elements; stiffness, inertia: in the coordinates of these.
+    """
+    damping = [_damping(element, *each) for element, each in zip(vehicle.elements, moved, strict=True)]
     worst: dict[bytes, tuple[float, str]] = {}
-    for i, part in enumerate(vehicle.parts):
+    for i, name in enumerate(vehicle.names[: len(vehicle.parts)]):
         places = slice(6 * i, 6 * i + 6)
-        held = [(e, t[:, places], r[:, places]) for e, (t, r) in zip(vehicle.elements, moved, strict=True)]
-        held = [each for each in held if each[1].any() or each[2].any()]
-        stiffness = np.zeros((6, 6))
-        for e, travel, turning in held:
-            stiffness += travel.T * e.stiffness_at_rest @ travel
-            stiffness += turning.T * np.array(e.turning_stiffness) @ turning
-        scale = np.array([*(part.mass,) * 3, *part.inertia]) ** -0.5
-        values, vectors = np.linalg.eigh(scale[:, None] * stiffness * scale)
-        for rate, vector in zip(np.sqrt(np.maximum(values, 0.0)), (scale[:, None] * vectors).T, strict=True):
-            if rate < 2.0 * pi * SLOWEST:
-                continue
-            each = [float((t @ vector) ** 2 @ _damping(e)) for e, t, _ in held]
-            each = [own + float((r @ vector) ** 2 @ _turning(e)) for own, (e, _, r) in zip(each, held, strict=True)]
-            if (ratio := sum(each) / (2.0 * rate)) > MOST_DAMPED:
-                element = held[int(np.argmax(each))][0]
-                along = WORDS[int(np.argmax(np.abs(vector / scale)))]
-                words = f"'{vehicle.names[i]}' has {along} a damping ratio of {ratio:.3g} on '{element.name}'"
-                words += f"; plausible is up to {MOST_DAMPED:g}: is it N s/m that is given as kN s/m?"
-                kind = _damping(element).tobytes()
+        scale = inertia[places] ** -0.5
+        values, vectors = np.linalg.eigh(scale[:, None] * stiffness[places, places] * scale)
+        for rate, vector in zip(np.sqrt(np.maximum(values, 0.0)), vectors.T, strict=True):
+            each = [float(scale * vector @ own[places, places] @ (scale * vector)) for own in damping]
+            if rate > 2.0 * pi * SLOWEST and (ratio := sum(each) / (2.0 * rate)) > MOST_DAMPED:
+                k = int(np.argmax(each))
+                words = f"'{name}' has {WORDS[int(np.argmax(np.abs(vector)))]} a damping ratio of {ratio:.3g} on"
+                words += (
+                    f" '{vehicle.elements[k].name}'; plausible is up to {MOST_DAMPED:g}: is it N s/m given as kN s/m?"
+                )
+                kind = np.round(np.linalg.eigvalsh(damping[k])[-1], 6).tobytes()
                 worst[kind] = max(worst.get(kind, (0.0, "")), (ratio, words))
     yield from (words for _, words in worst.values())
 
 
-def _turning(element: Element) -> Array:
-    return np.array(element.turning_damping) if isinstance(element, Spring) else np.zeros(3)
+def _damping(element: Element, travel: Array, turning: Array) -> Array:
+    """Damping in all coordinates [N s/m], dampers at the rated velocity and on rigid mountings."""
+    if isinstance(element, Spring):
+        about = turning.T * np.array(element.turning_damping) @ turning
+        return np.asarray(travel.T * np.array(element.damping) @ travel + about)
+    table = element.damper_table if isinstance(element, Strut) else ()
+    c = float(np.interp(RATED, *np.transpose(table))) / RATED if table else getattr(element, "damping", 0.0)
+    return np.asarray(c * travel.T @ travel)
