@@ -93,6 +93,17 @@ def test_a_wheel_whose_tread_is_not_at_the_tape_circle_is_never_read_in_silence(
         assert profile.u[0] == pytest.approx(1e-3 * (off - 70.0), abs=3e-4)  # smoothing shortens the end
 
 
+def test_a_wheel_that_ends_before_its_back_tells_how_thick_its_flange_is(write):
+    """The back is known from 70 degrees on: an arc of 20.5 mm ends 1.2 mm before it."""
+    for end, note in ((-69.4, "the flange back is at -69.3 mm"), (-66.0, "so the flange is some 31 mm thick")):
+        found = read_points(write(lines(POINTS[POINTS[:, 0] > end], "mm"), "w.txt"), "wheel").profile
+        assert note in found.notes[0]
+    for shift in (-14.0, 8.0):  # thinner than 20, thicker than 38 mm
+        short = moved(POINTS[POINTS[:, 0] > -45.0], shift)
+        with pytest.raises(InputError, match="the face of the flange lies at u"):
+            read_points(write(lines(short, "mm"), "w.txt"), "wheel")
+
+
 @pytest.mark.parametrize("shift", [50.0, 40.0, -50.0])
 def test_a_shape_by_formula_with_its_flange_on_the_tape_circle_is_refused(shift, write):
     text = (shipped_models() / "wheels/tram.toml").read_text().replace("= -61.6", f"= {shift - 61.6}")
@@ -277,6 +288,9 @@ def test_a_comment_is_no_name_and_vampire_takes_the_right_side(write):
     assert (wheel.name, wheel.source) == ("LM_own", "LM")
     vampires = read_points(write(vampire(POINTS, "wheel"), "own.whe")).profile
     assert measures(vampires) == pytest.approx(S1002, abs=0.01) and vampires.back == pytest.approx(0.07)
+    sheet = write("", "sheet.txt")  # what a spreadsheet calls Unicode text
+    sheet.write_bytes(f"y (mm)\tz (mm)\n{lines(POINTS, 'mm', chr(9), comma=True)}".encode("utf-16"))
+    assert measures(read_points(sheet, "wheel").profile) == pytest.approx(S1002, abs=0.01)
     with pytest.raises(InputError, match=r"'furlong' is no known unit; allowed: m, mm, cm, in"):
         read_points(write("y [furlong],z [furlong]\n" + lines(POINTS, "mm"), "w.csv"), "wheel")
 

@@ -202,6 +202,7 @@ def conicity(
     wheels, rails, diameters = (wheel, wheel_right or wheel), (rail, rail_right or rail), (left / 1e3, right / 1e3)
     found = pairing.conicity(wheels, rails, gauge_mm / 1e3, diameters, curve_m, flange_from_deg)
     numbers = {"title": found.title, **conicity_numbers(found.wheelset())}
+    numbers |= {"profiles": notes.splitlines()} if (notes := str(found.dataset.attrs.get("profile_notes", ""))) else {}
     return Outcome(found.numbers(), numbers, write_conicity(found, Path(output), pictures) if output else [], found)
 
 

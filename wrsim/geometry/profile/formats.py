@@ -4,6 +4,7 @@ A `Scan` holds what is in the file, in the file's own units and axes; `wrsim.geo
 profile. What is read of each format: docs/user/profiles.md.
 """
 
+import codecs
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -65,8 +66,10 @@ class Scan:
 
 
 def read_lines(path: Path) -> list[str]:
-    """Lines of a text file in UTF-8 or, as older programs write, Latin-1. InputError if it cannot be read."""
+    """Lines of a text file in UTF-8, UTF-16 or, as older programs write, Latin-1. InputError if it cannot be read."""
     data = read_bytes(path, "profile file")
+    if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        data = data.decode("utf-16", errors="replace").encode()
     if b"\0" in data:
         raise InputError(f"{path}: not a text file; allowed: points as text")
     try:

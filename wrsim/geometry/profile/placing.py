@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile.flange import BACK, FLANGE_FROM
+from wrsim.geometry.profile.flange import BACK, FLANGE_FROM, LEVEL
 from wrsim.geometry.profile.formats import Scan, Side
 from wrsim.geometry.profile.points import ProfilePoints, turns
 from wrsim.geometry.profile.profile import GAUGE_DEPTH, Array, Kind, Profile
@@ -25,7 +25,7 @@ WIDTHS: dict[Kind, tuple[float, float]] = {"wheel": (0.06, 0.2), "rail": (0.025,
 """Widths of profiles [m]: wheels are 120 to 150 mm wide, heads of rails 36 to 76, with a check rail some 200. A width
 in cm or inches that is taken for mm lies outside."""
 STEP, WINDOW = 0.5e-3, 5  # distance of the samples of which the direction is taken [m], and of how many it is a mean
-BACK_SLOPE = np.radians(80.0)  # the flange back is vertical within the rounding of a scan's end
+BACK_SLOPE = np.radians(70.0)  # where a scan of the back ends at this slope, an arc of 20 mm goes on for 1.2 mm
 TREAD_SLOPE = np.radians(25.0)  # no tread is steeper, with its root and wear
 TREAD_LENGTH = 15e-3  # of a tread beside its flange, at least [m]
 BACK_TOLERANCE = 2.5e-3
@@ -33,7 +33,7 @@ BACK_TOLERANCE = 2.5e-3
 (distance of the backs 1357 to 1363 mm), and 5 mm, which no contact geometry forgives."""
 TIP_RANGE = (8e-3, 25e-3)  # of a flange's tip from its back [m]: 15 mm in EN 13715, some 10 of trams, 20 if worn flat
 TIPS = (-95e-3, -25e-3)  # of the tip of a flange from the tape circle [m], 50 to 100 mm of which are to the back
-FACE_RANGE = (10e-3, 45e-3)  # thickness of a flange [m]
+THICKNESS = (20e-3, 38e-3)  # of flanges [m]: 22 mm in service by EN 15313, 36 mm of thick new ones
 GROOVE = 10e-3  # depth from which a valley beside the head is a groove [m]
 ALIKE = 0.25e-3  # how far the halves of a head may differ [m]: half of the tolerance of its width, EN 13674-1
 WORN = 0.5e-3  # mean width of what is missing on one side from which it is worn [m]: the tolerance of new heads
@@ -54,7 +54,8 @@ class Placed:
 
 @dataclass(frozen=True)
 class FlangeShape:
-    """Flange of an upright wheel: u of tip, back and face [m], None where the points do not reach it."""
+    """Flange of an upright wheel: u of its tip and its back [m], None where the points do not reach it, and of its face
+    10 mm below the tread beside it."""
 
     tip: float | None
     back: float | None
@@ -131,7 +132,8 @@ def _flange_of(points: ProfilePoints) -> FlangeShape | None:
         end = begin + int(flat[0]) if flat.size else angle.size
         if angle.size - end < long or np.abs(angle[end : end + long]).max() > TREAD_SLOPE:
             continue
-        face = float(p[begin + int(np.argmax(angle[begin:end])), 0])
+        level = float(np.median(p[end : end + long, 1])) - LEVEL
+        face = float(np.interp(level, p[begin:end, 1], p[begin:end, 0]))
         falling = np.flatnonzero(angle[:begin] < 0.0)
         if not falling.size:
             return FlangeShape(None, None, face)
@@ -146,27 +148,39 @@ def _from_tape_circle(
 ) -> tuple[float, float, tuple[str, ...]]:
     """How far the points move so that u is counted from the tape circle, where its flange back is [m], and notes."""
     distance = back or BACK
-    mark, low, high, part = (
-        (shape.back, -BACK_TOLERANCE, BACK_TOLERANCE, "the flange back") if shape.back is not None
-        else (shape.tip, *TIP_RANGE, "the tip of the flange") if shape.tip is not None
-        else (shape.face, *FACE_RANGE, "the face of the flange")
-    )  # fmt: skip
     zeros: dict[Origin, float] = {"tape circle": -distance, "flange back": 0.0}
-    fitting = [name for name, zero in zeros.items() if low <= mark + shift - zero <= high]
-    chosen = next((name for name in fitting if origin in (None, name)), None)
+
+    def fits(zero: float) -> bool:
+        """Whether the flange back may lie there."""
+        if shape.back is not None:
+            return abs(shape.back + shift - zero) <= BACK_TOLERANCE
+        near_tip = shape.tip is None or TIP_RANGE[0] <= shape.tip + shift - zero <= TIP_RANGE[1]
+        return near_tip and THICKNESS[0] <= shape.face + shift - zero <= THICKNESS[1]
+
+    chosen = next((name for name in zeros if origin in (None, name) and fits(zeros[name])), None)
     circle = f"tape circle at {1e3 * distance:.6g} mm"
     if chosen is None:
+        marks = {
+            "the flange back": shape.back,
+            "the tip of the flange": shape.tip,
+            "the face of the flange": shape.face,
+        }
+        part, mark = next((part, mark) for part, mark in marks.items() if mark is not None)
         place = f"{part} lies at u = {1e3 * (mark + shift):.1f} mm"
         wrong = f"with its {origin} at u = 0" if origin else "u = 0 is neither its tape circle nor its flange back"
         needed = f"{circle} from the flange back{'' if back else ' (assumed)'}"
         raise InputError(f"{file}: {wrong}: {place}, {needed}. Set back_to_tape_circle_mm, origin, or shift_mm")
     known = by if back else "assumed (back_to_tape_circle_mm)"
+    thick = (
+        f"so the flange is some {1e3 * (shape.face + shift - zeros[chosen]):.0f} mm thick: its back was not measured"
+    )
     if chosen == "flange back":
-        return -distance, distance, (f"x from the flange back, {circle} {known}",)
+        doubt = "" if shape.back is not None else f", {thick}"
+        return -distance, distance, (f"x from the flange back, {circle} {known}{doubt}",)
     if origin:
         return 0.0, distance, ()
-    seen = "" if shape.back is None else f", the flange back is at {1e3 * shape.back:.1f} mm"
-    return 0.0, distance, (f"u = 0 is taken for the tape circle{seen} (origin)",)
+    seen = thick if shape.back is None else f"the flange back is at {1e3 * (shape.back + shift):.1f} mm"
+    return 0.0, distance, (f"u = 0 is taken for the tape circle (origin), {seen}",)
 
 
 def _placed_rail(points: ProfilePoints, scan: Scan, heights: Heights | None, field_side: Side | None) -> Placed:
