@@ -16,6 +16,7 @@ from support.runs import ROOT
 from wrsim import InputError, Profile, Result, load, load_profile, run
 from wrsim.analysis.conicity.conicity import equivalent_conicity, wheelset_conicity
 from wrsim.analysis.conicity.pairs import conicity_map
+from wrsim.geometry.profile.check_rail import with_check_rail
 from wrsim.geometry.profile.flange import FLANGE_FROM
 from wrsim.geometry.profile.models import readings_in
 from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections
@@ -93,6 +94,14 @@ def test_a_cone_gives_its_own_conicity(slope, rail, gauge):
     assert found.attrs["equilibrium_shift_m"] == pytest.approx(0.0, abs=1e-12)
     linear = 2.0 * slope * found["lateral_shift"].values
     assert found["rolling_radius_difference"].values == pytest.approx(linear, abs=1e-12)
+
+
+@pytest.mark.parametrize("height", [0.0, 0.02])
+def test_a_check_rail_leaves_the_conicity_of_its_rail(height):
+    wheel, rail = pair("S1002", "60E1")
+    rails = rail.inclined(1 / 40), with_check_rail(rail.inclined(1 / 40), 0.041, height)
+    found = [swing((wheel, own), 1.435, (RADIUS, RADIUS), "none", [3e-3])["equivalent_conicity"] for own in rails]
+    assert found[1].values == pytest.approx(found[0].values, rel=1e-9)
 
 
 @pytest.mark.parametrize("slope", [0.0, 0.05])

@@ -64,7 +64,7 @@ class _Side:
         self.out, self.up = self.half_spacing + table[:, 0], table[:, 1] + self.drop
         self.origin = 0.5 * gauge - rail.gauge_point()[0]
         # around the top, where the rail's height is a function of u
-        steep, top = np.abs(rail.angle) > STEEPEST, int(np.argmax(rail.w))
+        steep, top = np.abs(rail.angle) > STEEPEST, rail.top_node
         first = int(np.flatnonzero(np.append(True, steep[:top]))[-1])
         part = slice(first, top + int(np.flatnonzero(np.append(steep[top:], True))[0]))
         u, w = rail.u[part] + self.origin, rail.w[part] - rail.top[1]

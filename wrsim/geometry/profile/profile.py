@@ -199,7 +199,7 @@ class Profile:
         InputError where u lies beside the profile.
         """
         wanted = np.asarray(u, dtype=float)
-        start = self._top_node if self.kind == "rail" else int(np.argmin(np.abs(self.u)))
+        start = self.top_node if self.kind == "rail" else int(np.argmin(np.abs(self.u)))
         right = np.maximum.accumulate(self.u[start:])
         left = np.minimum.accumulate(self.u[start::-1])
         slack = 1e-12 + 1e-9 * (right[-1] - left[-1])
@@ -235,13 +235,14 @@ class Profile:
         return L
 
     @cached_property
-    def _top_node(self) -> int:
+    def top_node(self) -> int:
+        """Node at the top of a rail's head."""
         return int(np.argmax(np.where(self.arclength >= self.head, self.w, -np.inf)))
 
     @cached_property
     def top_arclength(self) -> float:
         """Arclength of the highest point, of a rail that of its head, m."""
-        i = self._top_node
+        i = self.top_node
         lo, hi = self.arclength[max(i - 1, 0)], self.arclength[min(i + 1, self.u.size - 1)]
 
         def climb(L: float) -> float:
