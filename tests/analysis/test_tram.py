@@ -100,8 +100,7 @@ def test_what_the_pull_gives_creep_takes(contact_of_the_file):
 # The light rail vehicle with independent wheels in its curve of 300 m: laws that hold with any profiles.
 @cache
 def through(contact: str) -> xr.Dataset:
-    """The shipped scenario from the full curve on, 3 m in steady motion: from straight track its dampers creep for a
-    minute."""
+    """The shipped scenario from the full curve on, 3 m in steady motion."""
     keys = {"run.start_distance_m": 150.0, "run.distance_m": 3.0, "vehicle.drive": "train", "contact.normal": contact}
     found = run(load(SCENARIOS / "irw_r300.toml").with_values(FAST | keys)).dataset
     assert found.attrs["status"] == "completed"
