@@ -218,7 +218,7 @@ def markdown(section: type[Section], level: str = "###") -> list[str]:
         for e in own:
             example = f" *Example:* {_code(e.example)}" if e.example and e.example != e.default else ""
             cells = [
-                f"`{e.key}`" + (f" [{e.unit}]" if e.unit else ""),
+                f"`{e.key}`" + (f" [{e.unit}]" if e.unit else "") + "".join(f", `{key}`" for key in e.us),
                 f"{e.meaning} *Must be* {e.allowed}.{example}",
                 _code(e.default),
                 ", ".join(map(_code, e.aliases)),

@@ -12,6 +12,7 @@ from markupsafe import Markup
 
 from wrsim.errors import INTERRUPTED, STOPPED, InputError
 from wrsim.results.table import Table, as_html, as_text
+from wrsim.results.units import in_text, shown_in
 
 if TYPE_CHECKING:
     from wrsim.results import Result
@@ -39,16 +40,26 @@ class Outcome:
     folder: Path | None = None
     lines: Sequence[str] = ()
 
+    @property
+    def shown_lines(self) -> tuple[str, ...]:
+        """The lines in the units in use."""
+        return tuple(map(in_text, self.lines))
+
     def __repr__(self) -> str:
-        return "\n".join(filter(None, (as_text(self.tables), *self.lines, *map(str, self.files))))
+        return "\n".join(filter(None, (as_text(self.tables), *self.shown_lines, *map(str, self.files))))
 
     def _repr_html_(self) -> str:
-        words = "\n".join((*self.lines, *map(str, self.files)))
+        words = "\n".join((*self.shown_lines, *map(str, self.files)))
         listed = Markup("<pre>{}</pre>").format(words) if words else ""
         return Markup("<div>{}{}</div>").format(Markup("").join(map(as_html, self.tables)), listed)
 
     def __getitem__(self, key: str) -> Any:
         return self.numbers[key]
+
+
+def in_units(system: str | None) -> AbstractContextManager[None]:
+    """A block whose tables, pictures and pages have units; see `wrsim.results.units.shown_in`."""
+    return shown_in(system)
 
 
 def as_result(given: Given) -> Result:

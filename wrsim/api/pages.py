@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -58,6 +58,7 @@ def write_report(
 def _page_of(given: Sequence[Given], with_view: bool, models: Sequence[Path], cover: Cover) -> str:
     """The page about results of runs, a study or a profile evolution; with_view: with viewers of the results inside."""
     from wrsim.results.files import EVOLUTION, STUDY, holds
+    from wrsim.results.units import in_page
 
     for path in paths_among(*given):
         kind = "study" if holds(path, STUDY) else "profile evolution" if holds(path, EVOLUTION) else ""
@@ -72,9 +73,9 @@ def _page_of(given: Sequence[Given], with_view: bool, models: Sequence[Path], co
         from wrsim.study.evolution import history
 
         if kind == "study":
-            return study_page(collect.read_study(path), str(path), cover)
+            return in_page(study_page(collect.read_study(path), str(path), cover))
         dataset = history.read_history(path)
-        return evolution_page(dataset, str(path), history.mileage_table(dataset), cover)
+        return in_page(evolution_page(dataset, str(path), history.mileage_table(dataset), cover))
     from wrsim.report.page import report_page
     from wrsim.report.view_data import view_page
 
@@ -82,7 +83,7 @@ def _page_of(given: Sequence[Given], with_view: bool, models: Sequence[Path], co
     names = [str(each) if isinstance(each, str | Path) else each.title for each in given]
     pairs = zip(results, given, strict=True)
     viewers = [view_page(r, folder_beside(each, None), models) for r, each in pairs] if with_view else []
-    return report_page(results, names, viewers=viewers, cover=cover)
+    return in_page(report_page(results, names, viewers=viewers, cover=cover))
 
 
 def write_view(result: Given, file: str | Path | None = None, models: Sequence[str | Path] = ()) -> Outcome:
@@ -153,8 +154,10 @@ def write_pictures(
 
 
 @contextmanager
-def look(formats: str = "png", width_mm: float | None = None, font: str = "", style: str = "") -> Iterator[None]:
-    """How all pictures that are drawn in the block look.
+def look(
+    formats: str = "png", width_mm: float | None = None, font: str = "", style: str = "", units: str | None = None
+) -> Iterator[None]:
+    """How all pictures that are drawn in the block look, and the units of tables, pictures and pages in it.
 
     Parameters
     ----------
@@ -165,6 +168,8 @@ def look(formats: str = "png", width_mm: float | None = None, font: str = "", st
         Width [mm] from 60 to 500; 170 unless given.
     font, style : str
         A family of letters; a style file of matplotlib, or one of its styles.
+    units : str, optional
+        ``"metric"`` or ``"us"`` (ft, in, mph, kip, degrees of curve).
 
     Returns
     -------
@@ -177,12 +182,14 @@ def look(formats: str = "png", width_mm: float | None = None, font: str = "", st
         For what there is not.
     """
     from wrsim.plots.theme import LOOK, NARROW, WIDE, look_of
+    from wrsim.results.units import shown_in
 
     if width_mm is not None and not NARROW <= width_mm <= WIDE:
         raise InputError(f"--width-mm {width_mm:g}: must be from {NARROW:g} to {WIDE:g}")
     token = LOOK.set(look_of(formats, width_mm, font, style))
     try:
-        yield
+        with shown_in(units) if units is not None else nullcontext():
+            yield
     finally:
         LOOK.reset(token)
 

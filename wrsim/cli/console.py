@@ -41,7 +41,7 @@ def print_outcome(as_json: bool, found: Outcome) -> None:
     print_numbers(as_json, found.numbers | {"files": [str(f) for f in found.files]}, found.tables)
     if not as_json:
         files = map(str, found.files) if found.folder is None else [f"{len(found.files)} files in {found.folder}"]
-        print_lines(*files, *found.lines)
+        print_lines(*files, *found.shown_lines)
 
 
 def print_json(content: dict[str, Any]) -> None:

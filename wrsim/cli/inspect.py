@@ -6,19 +6,19 @@ from typing import Annotated
 import typer
 
 import wrsim
-from wrsim.api.outcome import Outcome
+from wrsim.api.outcome import Outcome, in_units
 from wrsim.cli import options
 from wrsim.cli.console import print_lines, print_numbers
 from wrsim.cli.errors import reporting_errors
 
 
-def show_command(result: options.ResultFile, as_json: options.Json = False) -> None:
+def show_command(result: options.ResultFile, units: options.Units = None, as_json: options.Json = False) -> None:
     """Print the summary of a result, or of what there is of a run."""
-    with reporting_errors(as_json):
+    with reporting_errors(as_json), in_units(units):
         found = wrsim.show(result)
         print_numbers(as_json, found.numbers, found.tables)
         if not as_json:
-            print_lines(*found.lines)
+            print_lines(*found.shown_lines)
 
 
 @options.drawing

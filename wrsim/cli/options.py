@@ -10,7 +10,7 @@ from typing import Annotated, Any, TypeVar, get_args
 import typer
 
 import wrsim
-from wrsim.api.outcome import Outcome
+from wrsim.api.outcome import Outcome, in_units
 from wrsim.cli.console import print_error, print_outcome, progress_of, show_times, silent
 from wrsim.cli.errors import reporting_errors, writing_files
 from wrsim.errors import InputError
@@ -95,19 +95,30 @@ LOOK = {
 """How pictures look."""
 
 
+Units = Annotated[
+    str | None,
+    typer.Option(
+        "--units", metavar="metric|us", help="Of tables, pictures, reports; default: those of the scenario, or metric."
+    ),
+]
+
+
 def drawing(command: Callable[..., None], kinds: bool = True) -> Callable[..., None]:
     """The command with the options of the pictures that it draws; kinds: also that of their kinds, unless a picture is
     named as a whole, with its ending."""
     added: dict[str, Any] = ({"formats": Formats} if kinds else {}) | LOOK
+    of_units: dict[str, Any] = {} if "units" in inspect.signature(command).parameters else {"units": Units}
 
     def looked(**given: Any) -> None:
         chosen = {name: value for name in added if (value := given.pop(name)) is not None}
         with reporting_errors(given["as_json"]), ExitStack() as stack:
+            if of_units:
+                stack.enter_context(in_units(given.pop("units")))
             if chosen:
                 stack.enter_context(wrsim.look(**chosen))
             command(**given)
 
-    return _with_options(looked, command, added)
+    return _with_options(looked, command, added | of_units)
 
 
 drawing_to = partial(drawing, kinds=False)
@@ -153,16 +164,18 @@ def writing(
     one counts. takes: what the function takes by name of "force", "bar", "notify" and "warn", where it takes long: with
     ``--quiet`` and ``--verbose``. workers: whether it also takes where its cases run.
     """
-    added = (WORKERS if workers else {}) | {"force": Force, "as_json": Json}
+    added = (WORKERS if workers else {}) | {"units": Units, "force": Force, "as_json": Json}
     added |= {"quiet": Quiet, "verbose": Verbose} if takes else {}
 
     def decorated(function: Callable[..., Outcome]) -> Callable[..., None]:
-        def command(force: bool, as_json: bool, quiet: bool = False, verbose: bool = False, **given: Any) -> None:
+        def command(
+            force: bool, as_json: bool, units: str | None, quiet: bool = False, verbose: bool = False, **given: Any
+        ) -> None:
             result, *others = _paths(given.get(of)) or [None]
             read = [path for name in reads.split() for path in _paths(given[name])]
             own = {"force": force, "warn": silent if quiet and not workers else print_error}
             own |= progress_of(quiet or as_json)
-            with writing_files(as_json, force, *others, *read, of=result):
+            with writing_files(as_json, force, *others, *read, of=result), in_units(units):
                 found = function(**given, **{name: own[name] for name in takes.split()})
                 for words in [] if as_json else found.numbers.get("warnings", ()):
                     print_error(f"{given['file']}: warning: {words}")

@@ -55,7 +55,7 @@ def run_command(
         else:
             if not quiet:
                 console.print_numbers(False, {}, found.tables)
-                console.print_lines(*found.lines)
+                console.print_lines(*found.shown_lines)
                 console.print_files(len(found.files), found.folder, len(found["removed"]))
             if found.code:
                 console.print_error(f"{file}: stopped: {found.found.result.stop_reason}")

@@ -11,6 +11,7 @@ from wrsim.errors import InputError, suggest
 from wrsim.inputs.checking import dotted
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.toml_files import DEEPEST, shortened, shown_value
+from wrsim.inputs.us_units import metric_key
 
 
 def key_path(dotted_key: str) -> KeyPath:
@@ -45,7 +46,8 @@ def changed(data: Any, path: KeyPath, value: Any) -> Any:
     first, rest = path[0], path[1:]
     if isinstance(data, list):
         return [changed(v, rest, value) if k == first else v for k, v in enumerate(data)]
-    return {**data, first: changed(data.get(first, {} if rest else None), rest, value)}
+    others = {k: v for k, v in data.items() if k == first or metric_key(k) != metric_key(str(first))}
+    return {**others, first: changed(data.get(first, {} if rest else None), rest, value)}
 
 
 def found(data: dict[str, Any], path: KeyPath, *, by_name: bool) -> KeyPath:

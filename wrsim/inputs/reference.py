@@ -17,6 +17,7 @@ from pydantic_core import PydanticCustomError, PydanticUndefined
 
 from wrsim.inputs.section import STRICT, UNITS, Section, unit_of
 from wrsim.inputs.toml_files import shown_value
+from wrsim.inputs.us_units import us_keys
 from wrsim.inputs.values import (
     RANGE,
     entry_of,
@@ -71,7 +72,8 @@ _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?![\w.]*\w)")
 
 @dataclass(frozen=True)
 class Entry:
-    """One key: its meaning, unit in words, what is allowed, default as in TOML (or "needed"), other names, example."""
+    """One key: its meaning, unit in words, what is allowed, default as in TOML (or "needed"), other names, example, the
+    keys in US units that may take its place."""
 
     table: str
     key: str
@@ -81,6 +83,7 @@ class Entry:
     default: str
     aliases: tuple[str, ...]
     example: str
+    us: tuple[str, ...]
 
 
 def entries(section: type[Section]) -> list[Entry]:
@@ -98,8 +101,17 @@ def entries(section: type[Section]) -> list[Entry]:
         if example and default in ("needed", "none", "") and accepts(annotation, given):
             example = shown_value(given)
         unit, meaning = UNITS.get(unit_of(key), ""), meanings(section).get(key, "")
-        found.append(Entry(section.header, key, meaning, unit, words(annotation), default, aliases, example))
+        found.append(
+            Entry(section.header, key, meaning, unit, words(annotation), default, aliases, example, _us(section, key))
+        )
     return found
+
+
+def _us(section: type[Section], key: str) -> tuple[str, ...]:
+    """Keys in US units in place of one, but for those of tables of rows and those that a table has itself."""
+    annotation = section.model_fields[key].annotation
+    rows = entry_of(annotation) is not None and entry_of(entry_of(annotation)) is not None
+    return () if rows or table_header(annotation) else tuple(k for k in us_keys(key) if k not in section.model_fields)
 
 
 @cache
@@ -224,6 +236,12 @@ def _cleaned(schema: dict[str, Any], section: type[Section] | None) -> dict[str,
             if is_table:
                 cleaned.pop("default", None)  # it holds null, which TOML does not have
             schema["properties"][key] = cleaned
+        for key in [*schema.get("properties", {})]:
+            for us in _us(section, key):
+                unit = f"`{key}` in {UNITS[unit_of(us)]}."
+                kinds = {"type": "number"} if "number" in str(schema["properties"][key].get("type")) else {}
+                schema["properties"][us] = kinds | {"description": unit}
+                schema["required"] = [k for k in schema.get("required", []) if k != key]
     return _without_titles(schema)
 
 

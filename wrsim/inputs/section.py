@@ -19,6 +19,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from wrsim.errors import nearest
 from wrsim.inputs.lines import KeyPath
+from wrsim.inputs.us_units import converted, metric, metric_key
 from wrsim.inputs.values import choice, entry_of, fields, refusal, refuse, table_header, unpacked, words
 
 STRICT = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
@@ -30,6 +31,7 @@ UNITS = {
     "m": "m", "mm": "mm", "km": "km", "in": "inches", "ft": "feet", "kmh": "km/h", "mps": "m/s",
     "s": "s", "ms": "ms", "us": "microseconds", "N": "N", "kN": "kN", "kg": "kg", "t": "t", "kg_m2": "kg m2",
     "mrad": "mrad", "rad": "rad", "deg": "degrees", "Pa": "Pa", "MPa": "MPa", "GPa": "GPa", "s_per_m": "s/m",
+    "mph": "mph", "kip": "kips", "lb": "pounds", "kip_per_in": "kip/in", "ksi": "ksi",
     "N_per_m": "N/m", "kN_per_m": "kN/m", "MN_per_m": "MN/m", "Ns_per_m": "N s/m", "kNs_per_m": "kN s/m",
 }  # fmt: skip
 """Unit endings of keys and how they are written in a sentence."""
@@ -179,7 +181,7 @@ class Section(BaseModel):
                 value = value.get(part) if isinstance(value, dict) else None
             faults.append(_detail(ABSENT if rule.missing else FAULT, rule.message, path, value))
         if faults or section is None:
-            raise ValidationError.from_exception_data(cls.__name__, faults)
+            raise ValidationError.from_exception_data(cls.__name__, [_in_written_unit(f, raw, data) for f in faults])
         return section
 
     @classmethod
@@ -192,6 +194,9 @@ class Section(BaseModel):
             if key in cls.model_fields:
                 data[key] = value
                 continue
+            if (ours := metric(str(key))) is not None and ours.key in cls.model_fields:
+                guessed |= cls._convert(key, value, raw, data, faults)
+                continue
             few = len(faults) < MOST_FAULTS  # more are not listed
             message, meant = cls._unknown(str(key), raw) if few else ("unknown key", None)
             faults.append(_detail(UNKNOWN, message, (str(key),), value))
@@ -199,6 +204,23 @@ class Section(BaseModel):
                 guessed.add(meant)
                 data[meant] = value
         return data, faults, guessed
+
+    @classmethod
+    def _convert(
+        cls, key: str, value: Any, raw: dict[str, Any], data: dict[str, Any], faults: list[InitErrorDetails]
+    ) -> set[str]:
+        """Put the value of a key in US units under the metric key; or its fault, and the key that it was meant for."""
+        name, convert = metric(key) or (key, float)
+        others = [other for other in raw if other != key and metric_key(str(other)) == name]
+        message = f"cannot be given with {others[0]}: give one of them" if name in {*raw, *data} else ""
+        try:
+            data[name] = converted(value, convert)
+        except (ValueError, ZeroDivisionError):
+            message = message or f"must be numbers of this unit; rows and words stand under {name}"
+        if message:
+            faults.append(_detail(FAULT, message, (key,), value))
+            data.setdefault(name, value)
+        return {name} if message else set()
 
     @classmethod
     def keys_meant(cls, raw: Any) -> set[str]:
@@ -290,6 +312,16 @@ def given(*values: T | None) -> T:
 
 def _detail(kind: str, message: str, loc: tuple[str | int, ...], value: Any) -> InitErrorDetails:
     return InitErrorDetails(type=PydanticCustomError(kind, message), loc=loc, input=value)  # type: ignore[arg-type]
+
+
+def _in_written_unit(fault: InitErrorDetails, raw: dict[str, Any], data: dict[str, Any]) -> InitErrorDetails:
+    """A fault of a metric key that was given in US units, at the key as it was written."""
+    name, *place = fault["loc"] or ("",)
+    key = next((k for k in raw if k != name and metric_key(str(k)) == name and name not in raw), None)
+    if key is None or name not in data or not isinstance(error := fault["type"], PydanticCustomError):
+        return fault
+    message = f"{error.message_template}: it is {name} = {data[name]:.6g}" if isinstance(data[name], float) else ""
+    return _detail(error.type, message or error.message_template, (key, *place), raw[key])
 
 
 def _described(annotation: Any, error: Any, value: Any) -> InitErrorDetails:

@@ -18,6 +18,7 @@ from wrsim.plots.theme import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_
 from wrsim.results.assessment import INFLUENCES, AssessedSection, Assessment, Value, ZoneValue
 from wrsim.results.summary import events
 from wrsim.results.table import formatted, quantity, with_unit
+from wrsim.results.units import converted
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 ZONE_SHADE = {
@@ -49,7 +50,7 @@ def limits_figure(found: Assessment) -> Figure:
 
     def draw(axes: Axes) -> None:
         for i, (worst, limit) in enumerate(rows):
-            own, zone = worst.quantity.shown, worst.section.zone
+            own, zone = converted(worst.quantity.shown), worst.section.zone
             values = [v for v in found.of(worst.quantity.key) if v.section.zone == zone]
             used = np.array([1.0 - v.margin for v in values if v.margin is not None])
             most = float(np.nanmax(used))

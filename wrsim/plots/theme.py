@@ -30,6 +30,7 @@ from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
+from wrsim.plots.units import show_in_units
 from wrsim.results import CHANNELS, write_atomically
 
 WHEEL_COLOUR = {"left": "#0072B2", "right": "#D55E00"}
@@ -179,6 +180,7 @@ class Picture(Figure):
     def _repr_png_(self) -> bytes:
         stream = io.BytesIO()
         with style():
+            show_in_units(self)
             self.savefig(stream, format="png", dpi=120)
         return stream.getvalue()
 
@@ -239,6 +241,7 @@ def rendered(figure: Figure, kind: str = "png", dpi: int = 220) -> bytes:
     stream = io.BytesIO()
     own: Any = {"svg.hashsalt": "wrsim", "svg.fonttype": "path", "pdf.fonttype": 42, "savefig.dpi": dpi}
     with style(), mpl.rc_context(own):
+        show_in_units(figure)
         if (layout := figure.get_layout_engine()) is not None:
             # matplotlib draws a figure twice to lay it out; once is enough
             layout.execute(figure)

@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 from wrsim.geometry.track.track import Feature, Track
 from wrsim.plots.marks import note, note_above
 from wrsim.plots.theme import CANT_COLOUR, INK, QUIET, WHEEL_COLOUR, full_width, new_figure, style
+from wrsim.results.channels import SHOWN
 from wrsim.results.table import quantity
+from wrsim.results.units import converted
 
 Law = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
@@ -71,11 +73,12 @@ def plan_view(axes: Axes, track: Track) -> None:
         marker = MarkerStyle(shape, transform=Affine2D().rotate(float(track.heading(s))))
         axes.plot(x, y, marker=marker, color=INK, markersize=size, zorder=3.0)
 
-    ticks = np.asarray(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]).tick_values(0.0, track.length))
-    ticks = ticks[(ticks >= 0.0) & (ticks <= track.length)]
+    shown = converted(SHOWN["m"])
+    marks = np.asarray(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]).tick_values(0.0, shown.factor * track.length))
+    ticks = marks[(marks >= 0.0) & (marks <= shown.factor * track.length)] / shown.factor
     for s, (x, y, _), turn in zip(ticks, track.centre_line.position(ticks), track.heading(ticks), strict=True):
         across = np.array((-np.sin(turn), np.cos(turn)))
-        words = f"{s:g} m" if s == 0.0 else f"{s:g}"
+        words = f"{s:g} {shown.symbol}" if s == 0.0 else f"{s * shown.factor:.6g}"
         note(axes, words, (x, y), tuple(9.0 * across), ha="center", va="center")
         note(axes, "", (x, y), tuple(4.5 * across), arrowprops=_TICK, zorder=2.0)
 

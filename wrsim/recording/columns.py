@@ -8,6 +8,7 @@ from pydantic import Field
 
 from wrsim.geometry.piecewise import Array
 from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.us_units import FOOT
 from wrsim.inputs.values import List, Two, number, text
 from wrsim.recording.systems import BANDS, BaseDifference, Chord, Inertial, MeasuringSystem, Plain
 
@@ -18,7 +19,6 @@ Quantity = Literal[
 Unit = Literal["m", "km", "mm", "cm", "um", "in", "ft", "yd", "mi", "ch", "1/km", "1/m", "deg", "mm/m", "permille"]
 Positive = Literal["left", "right", "up", "down", "right rail higher", "left rail higher"]
 
-FOOT = 0.3048
 LENGTHS = {"mm": 1e-3, "m": 1.0, "cm": 1e-2, "um": 1e-6, "in": 0.0254}
 SLOPES = {"mm/m": 1e-3, "permille": 1e-3}
 UNITS: dict[str, dict[str, float]] = {

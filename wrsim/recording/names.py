@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from wrsim.errors import InputError, suggest
-from wrsim.recording.columns import FOOT, LENGTHS, UNITS
+from wrsim.inputs.us_units import FOOT
+from wrsim.recording.columns import LENGTHS, UNITS
 
 NO_USE = (
     r"speed|geschw|vitesse|^v\b|accel|beschl|temp|deficien|fehlbetrag|insuffis|radius|rayon|halbmesser|gradient|rampe|pente"

@@ -15,6 +15,7 @@ from wrsim.results import CHANNELS
 from wrsim.results.channels import PATCHES
 from wrsim.results.moments import Array, is_history
 from wrsim.results.table import quantity
+from wrsim.results.units import conversion, heading_in, in_text
 from wrsim.results.wheelsets import numbered, wheelsets, worst_wheelset
 
 PIECES = 400  # pieces that a history is cut into; each gives two points
@@ -84,7 +85,7 @@ def charts_of(
         return None
     pieces = pieces_of([curve.places for own in curves.values() for curve in own])
     unit = "m" if moves else "s"
-    return {
+    found: dict[str, Any] = {
         "x": [round(v, 3) for v in (pieces[:-1, None] + np.diff(pieces)[:, None] * (0.25, 0.75)).ravel().tolist()],
         "unit": unit,
         "label": "distance along the track [m]" if moves else "time [s]",
@@ -92,6 +93,24 @@ def charts_of(
         "worst": worst_wheelset(datasets[0]),
         "charts": [_chart(key, own, pieces, unit, across.get(key, ())) for key, own in curves.items()],
     }
+    return _in_units(found)
+
+
+def _in_units(charts: dict[str, Any]) -> dict[str, Any]:
+    """The charts in the units in use."""
+    if (along := conversion(charts["unit"])) is not None:
+        label = heading_in(charts["label"])[0]
+        charts |= {"x": [round(along.forward(v), 3) for v in charts["x"]], "unit": along.symbol, "label": label}
+    for chart in charts["charts"]:
+        chart["peak"] = in_text(chart["peak"])
+        if (unit := conversion(chart["unit"])) is None:
+            continue
+        chart["unit"] = unit.symbol
+        for limit in chart["limits"]:
+            limit["value"] = unit.forward(limit["value"])
+        for line in chart["lines"]:
+            line["y"] = [None if v is None else float(f"{unit.forward(v):.5g}") for v in line["y"]]
+    return charts
 
 
 def _chart(

@@ -14,6 +14,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results import Result, write_atomically, write_run
 from wrsim.results.files import Keeper, Manifest, digest_of, keeping, sweep
 from wrsim.results.table import quantity
+from wrsim.results.units import prefer
 from wrsim.timing import timed
 
 if TYPE_CHECKING:
@@ -109,8 +110,11 @@ def read(path: Path) -> Result:
         if path.suffix == ".part":
             from wrsim.analysis import recorded
 
-            return recorded(path)
-        return Result.load(path)
+            result = recorded(path)
+        else:
+            result = Result.load(path)
+    prefer(str(result.dataset.attrs.get("scenario_text", "")))
+    return result
 
 
 def write_ride_of(result: Result, directory: Path, pictures: bool) -> list[Path]:

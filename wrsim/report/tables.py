@@ -29,6 +29,7 @@ from wrsim.results.summary_tables import (
     wheelset_tables,
 )  # fmt: skip
 from wrsim.results.table import TOLD_APART, Cell, Column, Table, formatted, quantity
+from wrsim.results.units import converted
 from wrsim.results.wheelsets import numbered, wheelsets
 
 T = TypeVar("T")
@@ -130,7 +131,7 @@ def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, 
     for i, each in enumerate(found):
         for row in each.zones if each is not None else ():
             of, zone, limit = row.worst.quantity, row.worst.section.zone, row.worst.limit
-            words = {"symbol": of.symbol, "words": of.words, "unit": of.shown.unit, "zone": zone, "first": 0}
+            words = {"symbol": of.symbol, "words": of.words, "unit": converted(of.shown).unit, "zone": zone, "first": 0}
             own = quantities.setdefault(of.key, {}).setdefault(zone, words | {"cells": [None] * len(found)})
             letter = letters.setdefault(limit.source, snapshot_letter(len(letters))) if limit is not None else ""
             cells = row.cells() | ({"verdict": ""} if each is not None and each.lone else {})

@@ -20,6 +20,7 @@ from wrsim.results.limits import INFORMATION, QUANTITIES, Limit, Quantity
 from wrsim.results.moments import Array
 from wrsim.results.rules import RulesFile
 from wrsim.results.table import Cell, Column, Table, as_rows, finite, formatted, quantity
+from wrsim.results.units import converted
 
 Influence = Literal["cant_deficiency", "curvature", "speed"]
 """What the sections of a class differ in, by which values are estimated."""
@@ -173,8 +174,8 @@ class ZoneValue:
         return f"{self.worst.section.zone} ({number})"
 
     def cells(self) -> dict[str, str]:
-        """Cells of tables, in the unit for readers; empty texts where there is nothing."""
-        worst, limit, factor = self.worst, self.worst.limit, self.worst.quantity.shown.factor
+        """Cells of tables, in the unit in use; empty texts where there is nothing."""
+        worst, limit, factor = self.worst, self.worst.limit, converted(self.worst.quantity.shown).factor
         missing = "" if worst.quantity.group == INFORMATION else "none"
         return {
             "worst": formatted(worst.value * factor),
@@ -329,7 +330,7 @@ def assessment_numbers(found: Assessment) -> list[Table]:
         letter = (
             "" if limit is None else letters.setdefault(limit.source + limit.star, chr(ord("a") + len(letters) % 26))
         )
-        head = [own.symbol, own.shown.unit] if own.key != last else ["", ""]
+        head = [own.symbol, converted(own.shown).unit] if own.key != last else ["", ""]
         numbers = [cells[key] for key in ("worst", "estimate", "limit", "margin")] + [
             cells["verdict"] * (not found.lone)
         ]
@@ -365,9 +366,9 @@ def _regressions_table(found: Assessment) -> list[Table]:
         if r is None:
             short |= {row.worst.section.zone} if found.estimate_over else set()
         elif row.worst.limit is not None:
-            factor, slopes = own.shown.factor, dict.fromkeys(found.estimate_over, "")
+            factor, slopes = converted(own.shown).factor, dict.fromkeys(found.estimate_over, "")
             for name, slope, at in zip(r.over, r.slope, r.at, strict=True):
-                unit = INFLUENCES[name]
+                unit = converted(INFLUENCES[name])
                 place = quantity(at * unit.factor, unit.symbol)
                 slopes[name] = f"{formatted(slope * factor / unit.factor, '.3g')} at {place}"
             numbers = (value * factor for value in (r.fit, r.deviation, r.estimate))

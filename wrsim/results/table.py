@@ -16,6 +16,7 @@ from markupsafe import Markup
 
 from wrsim.errors import plain
 from wrsim.results.channels import Channel
+from wrsim.results.units import Conversion, conversion, finer, heading_in, in_text, numbers_in
 
 MISSING = "-"  # in place of a number where there is none
 ROUND_OFF = 1e-15  # in every unit of a table: what is smaller is shown as 0
@@ -49,8 +50,8 @@ class Column:
 
     @property
     def heading(self) -> str:
-        """Words with the unit: ``Y, largest [kN]``."""
-        return with_unit(self.words, self.unit)
+        """Words with the unit in use: ``Y, largest [kN]``."""
+        return heading_in(with_unit(self.words, self.unit))[0]
 
 
 @dataclass(frozen=True)
@@ -63,9 +64,33 @@ class Table:
     notes: tuple[str, ...] = ()
 
     def texts(self) -> list[list[str]]:
-        """All cells as they are read."""
-        forms = [column.form for column in self.columns]
-        return [[formatted(cell, form) for cell, form in zip(row, forms, strict=False)] for row in self.rows]
+        """All cells as they are read, in the units in use; a row may have its own in its first cell."""
+        rows = []
+        for row in self.rows:
+            head, unit = heading_in(row[0]) if row and isinstance(row[0], str) else ("", None)
+            cells = [
+                _shown(cell, column.form, conversion(column.unit) if column.unit else unit)
+                for cell, column in zip(row, self.columns, strict=False)
+            ]
+            rows.append([head, *cells[1:]] if unit else cells)
+        return rows
+
+    @property
+    def shown_notes(self) -> tuple[str, ...]:
+        """Notes in the units in use."""
+        return tuple(map(in_text, self.notes))
+
+
+def _shown(cell: Cell, form: str, unit: Conversion | None) -> str:
+    """One cell as it is read, in another unit where there is one."""
+    if isinstance(cell, Placed):
+        value = cell.value if cell.value is None or unit is None else unit.forward(cell.value)
+        return in_text(formatted(Placed(value, cell.place), finer(form, unit) if unit else form))
+    if isinstance(cell, str):
+        return in_text(cell) if unit is None else numbers_in(cell, unit)
+    if unit is None or isinstance(cell, bool) or not isinstance(cell, int | float):
+        return formatted(cell, form)
+    return formatted(unit.forward(cell), finer(form, unit))
 
 
 def finite(value: float | None, factor: float = 1.0) -> float | None:
@@ -142,7 +167,7 @@ def on_terminal(tables: Iterable[Table], stream: IO[str] | None = None) -> None:
             whole = least
             console.width = max(console.width, sum(least) + 2 * len(heads))
         if table.title:
-            console.print(plain(table.title), style="bold", soft_wrap=True)
+            console.print(plain(in_text(table.title)), style="bold", soft_wrap=True)
         grid = Grid(show_header=any(heads), box=None, pad_edge=False)
         for j, (head, letters) in enumerate(zip(heads, whole, strict=True)):
             words = all(isinstance(row[j], str) for row in table.rows if len(row) > 1)
@@ -153,7 +178,7 @@ def on_terminal(tables: Iterable[Table], stream: IO[str] | None = None) -> None:
             with console.capture() as printed:
                 console.print(grid)
             print("\n".join(line.rstrip() for line in printed.get().splitlines()), file=stream)
-        for note in table.notes:
+        for note in table.shown_notes:
             print(plain(note), file=stream)
 
 
@@ -167,8 +192,8 @@ def as_html(table: Table, look: str = "") -> Markup:
         for row in table.texts()
     )
     head = Markup("<thead><tr>{}</tr></thead>").format(heads) if any(c.heading for c in table.columns) else ""
-    caption = Markup("<caption>{}</caption>").format(table.title) if table.title else ""
-    notes = Markup("").join(Markup('<p class="note">{}</p>').format(note) for note in table.notes)
+    caption = Markup("<caption>{}</caption>").format(in_text(table.title)) if table.title else ""
+    notes = Markup("").join(Markup('<p class="note">{}</p>').format(note) for note in table.shown_notes)
     return Markup('<table class="{}">{}{}<tbody>\n{}\n</tbody></table>{}').format(look, caption, head, rows, notes)
 
 

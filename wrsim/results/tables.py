@@ -14,6 +14,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.dataset import OF_VEHICLE
 from wrsim.results.table import csv_numbers
+from wrsim.results.units import converted
 from wrsim.results.wheelsets import of_wheelset, wheelset_folder, wheelsets
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def columns(dataset: xr.Dataset) -> Iterator[tuple[str, Channel, NDArray[Any]]]:
     for name, channel in CHANNELS.items():
         if name in dataset.variables and dataset[name].dims[:1] == (sample,) and "strip" not in dataset[name].dims:
             for head, values in _flat(dataset, name):
-                yield head, channel, values * channel.shown.factor if channel.kind == "number" else values
+                yield head, channel, values * converted(channel.shown).factor if channel.kind == "number" else values
 
 
 class Units(dict[Any, str]):
@@ -110,7 +111,7 @@ def frame(dataset: xr.Dataset) -> DataFrame:
 
     found = list(columns(dataset))
     table = pd.DataFrame({name: values for name, _, values in found})
-    units = {name: channel.shown.symbol for name, channel, _ in found if channel.kind == "number"}
+    units = {name: converted(channel.shown).symbol for name, channel, _ in found if channel.kind == "number"}
     table.attrs["units"] = Units(units)
     return table
 
@@ -130,8 +131,8 @@ def indexed_frame(dataset: xr.Dataset) -> DataFrame:
         for labels, values in _places(dataset, name):
             of = {str(dim): str(label) for dim, label in zip(dims, labels, strict=True)}
             key = of.pop("wheelset", ""), of.pop("wheel", ""), "_".join((name, *of.values()))
-            found[key] = values * channel.shown.factor if channel.kind == "number" else values
-            units[key] = channel.shown.symbol if channel.kind == "number" else ""
+            found[key] = values * converted(channel.shown).factor if channel.kind == "number" else values
+            units[key] = converted(channel.shown).symbol if channel.kind == "number" else ""
     table = pd.DataFrame(found)
     table.columns = pd.MultiIndex.from_tuples(found, names=("wheelset", "wheel", "channel"))
     table.attrs["units"] = Units(units)
@@ -147,7 +148,7 @@ def indexed_frame(dataset: xr.Dataset) -> DataFrame:
 def _flat(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, NDArray[Any]]]:
     """Columns of a channel with their names: one for each combination of the labels of its further dimensions."""
     for own, values in _places(dataset, name):
-        words = (name, *map(str, own), CHANNELS[name].shown.suffix)
+        words = (name, *map(str, own), converted(CHANNELS[name].shown).suffix)
         yield "_".join(word.replace(" ", "_") for word in words if word), values
 
 
@@ -168,10 +169,15 @@ def long(dataset: xr.Dataset, names: Iterable[str], chosen: NDArray[np.bool_], d
     for name in names:
         if name in CHANNELS:
             at_rows = dataset[name].values[tuple(at[str(d)] for d in dataset[name].dims)]
-            columns.append((CHANNELS[name].column, channel_cells(name, at_rows)))
+            columns.append((_head(name), channel_cells(name, at_rows)))
         else:
             columns.append((name, [str(i) for i in at[name]]))
     return rows_of(columns)
+
+
+def _head(name: str) -> str:
+    """Name of a channel with its unit in use."""
+    return "_".join(filter(None, (name, converted(CHANNELS[name].shown).suffix)))
 
 
 def rows_of(columns: list[tuple[str, list[str]]]) -> list[Row]:
@@ -194,4 +200,4 @@ def channel_cells(name: str, values: NDArray[Any]) -> list[str]:
     """Cells of a channel in the unit for readers."""
     if CHANNELS[name].kind != "number":
         return [str(v) for v in values]
-    return csv_numbers((values * CHANNELS[name].shown.factor).tolist())
+    return csv_numbers((values * converted(CHANNELS[name].shown).factor).tolist())

@@ -20,6 +20,7 @@ from wrsim.inputs.notebook import card, folded
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import parse_value, shortened, value_hint, write_toml
 from wrsim.register import ANALYSES
+from wrsim.results.units import prefer
 from wrsim.scenario.merging import BASE, TRACK_FILE, Merged, holds_key, of_text, read_merged, value_at, with_track_file
 from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
 from wrsim.scenario.sections.vehicle import VehicleSection
@@ -211,6 +212,7 @@ def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
         merged.data = {key: value for key, value in merged.data.items() if key not in unused}
         merged.text = write_toml(merged.data)
     scenario = _scenario(merged, path, models)
+    prefer(scenario.text)
     vehicle, track = scenario.spec.vehicle, scenario.spec.track
     named = {"vehicle": (vehicle, ("model", "wheel", "wheel_left", "wheel_right"))}
     for table, (section, keys) in (named | {"track": (track, ("rail", "rail_left", "rail_right"))}).items():

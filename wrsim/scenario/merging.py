@@ -13,6 +13,7 @@ from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import parse_toml, toml_text, write_toml
+from wrsim.inputs.us_units import metric_key
 from wrsim.inputs.values import Day, Source, text
 
 BASE = "base"
@@ -49,8 +50,9 @@ def of_text(text: str, name: str, files: tuple[Path, ...]) -> Merged:
 
 
 def overlay(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    """Return ``below`` with the keys of ``above``: tables merge, everything else is replaced."""
-    merged = dict(below)
+    """Return ``below`` with the keys of ``above``: tables merge, everything else is replaced, also in another unit."""
+    written = {metric_key(key): key for key in above}
+    merged = {key: value for key, value in below.items() if written.get(metric_key(key), key) == key}
     for key, value in above.items():
         if isinstance(value, dict) and isinstance(merged.get(key), dict):
             merged[key] = overlay(merged[key], value)

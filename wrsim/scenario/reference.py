@@ -46,7 +46,9 @@ def _chosen(section: str, tables: list[type[Section]]) -> dict[type[Section], li
     """The tables of a name with their keys; of the name of a key, ``contact.friction``, that key. Raises InputError."""
     table, _, key = section.strip("[] ").rpartition(".")
     if not any({key, section} & {*_names(kind)} for kind in tables):
-        own = {k: [e for e in entries(k) if key in (e.key, *e.aliases)] for k in tables if table in ("", *_names(k))}
+        own = {
+            k: [e for e in entries(k) if key in (e.key, *e.aliases, *e.us)] for k in tables if table in ("", *_names(k))
+        }
         if found := {kind: those for kind, those in own.items() if those}:
             return found
         if table and own:
@@ -61,6 +63,7 @@ def _entry_text(entry: Entry) -> str:
         "must be": entry.allowed,
         "default": "" if entry.default in ABSENT else entry.default,
         "example": "" if entry.example == entry.default else entry.example,
+        "in US units": ", ".join(entry.us),
         "also understood as": ", ".join(entry.aliases),
     }
     lines = [entry.meaning, ABSENT.get(entry.default, ""), *(f"{head}: {text}" for head, text in more.items() if text)]

@@ -28,6 +28,8 @@ class ScenarioSpec(Section, header="a scenario"):
 
     title: Annotated[str, text("a title")] = "untitled"
     """Title of the scenario, of its pictures, tables and reports."""
+    units: Literal["metric", "us"] = "metric"
+    """Units of tables, pictures and reports: us has ft, in, mph, kip and degrees of curve of 100 ft."""
     analysis: Literal[*ANALYSES]  # type: ignore[valid-type]
     """What is computed; it decides which further tables the file takes."""
     vehicle: VehicleSection

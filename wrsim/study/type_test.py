@@ -18,6 +18,7 @@ from wrsim.results.assessment import TO_CONFIRM, Assessment, ZoneValue
 from wrsim.results.files import as_csv, as_json, from_json
 from wrsim.results.limits import Limit
 from wrsim.results.table import Cell, Column, Table, as_rows, formatted, quantity
+from wrsim.results.units import converted
 from wrsim.scenario.build import Setup, build
 from wrsim.study.collect import MISSING
 from wrsim.study.plan import Case
@@ -105,7 +106,7 @@ def _of_zone(state: str, judged: Assessment, zone: ZoneValue, limit: Limit) -> V
     needed = judged.rules.needed.get(zone.worst.section.zone)
     sections = f"{zone.counted}" + (f" of {needed}" if needed else "")
     return Verdict(
-        state, own.key if clause is None else clause.id, own.symbol, own.shown.unit,
+        state, own.key if clause is None else clause.id, own.symbol, converted(own.shown).unit,
         f"{zone.worst.section.zone} ({sections})", cells["worst"], interval(zone), cells["estimate"], cells["limit"],
         cells["margin"], limit.source + limit.star, cells["worst in"], bool(zone.passed), zone.margin or 0.0,
     )  # fmt: skip
@@ -117,7 +118,7 @@ def interval(zone: ZoneValue) -> str:
     if n < 2 or not np.isfinite(zone.mean):
         return ""
     half = float(stdtrit(n - 1, 0.5 + 0.5 * CONFIDENCE)) * zone.deviation / n**0.5
-    factor = zone.worst.quantity.shown.factor
+    factor = converted(zone.worst.quantity.shown).factor
     return f"{formatted(factor * (zone.mean - half))} to {formatted(factor * (zone.mean + half))}"
 
 
