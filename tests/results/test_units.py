@@ -8,7 +8,7 @@ import wrsim
 from wrsim.plots.theme import new_figure, rendered
 from wrsim.results.channels import SHOWN
 from wrsim.results.table import Column, Placed, Table, as_text
-from wrsim.results.units import converted, in_page, in_text, prefer, shown_in
+from wrsim.results.units import converted, in_page, in_text, prefer_those_of, shown_in
 
 TEXTS = (
     ("70 to 170 m, R 300 m", "230 to 558 ft, R 984 ft"),
@@ -66,7 +66,7 @@ def test_axes_show_round_numbers_of_the_unit_and_panels_of_a_row_share_it() -> N
 def test_the_units_of_a_scenario_count_unless_an_option_says_otherwise() -> None:
     for option, text, expected in ((None, 'units = "us"', "ft"), ("metric", 'units = "us"', "m"), (None, "", "m")):
         with shown_in(option):
-            prefer(text)
+            prefer_those_of(text)
             assert converted(SHOWN["m"]).symbol == expected
     assert '--units miles: must be "metric" or "us"' in refusal("profile", "wheels/S1002.toml", "--units", "miles")
     assert ok("check", "scenarios/curve_r300.toml").exit_code == 0

@@ -143,7 +143,9 @@ def _draw_limits(axes: Axes, values: Sequence[Value], factor: float, *, both: bo
     least = min((limit for _, limit, _ in limits), default=0.0)
     if least > 6.0 * reach:
         corner: Any = {"xycoords": "axes fraction", "ha": "right", "va": "bottom", "color": STOP_COLOUR}
-        note(axes, f"limit {'±' if both else ''}{formatted(least, '.3g')}", (1.0, 1.0), (0.0, 1.5), **corner)
+        shown = values[0].quantity.shown
+        words = f"limit {'±' if both else ''}{formatted(least / shown.factor * converted(shown).factor, '.3g')}"
+        note(axes, words, (1.0, 1.0), (0.0, 1.5), **corner)
         return
     for section, limit, nadal in limits:
         for y in (limit, -limit) if both else (limit,):

@@ -54,7 +54,8 @@ BRACKET = re.compile(r"\s*[\[(]\s*([^\])]*?)\s*[\])]")
 NO_UNIT = re.compile(r"d[123]|.*\d.*m|.*(弦|chord)")
 TAIL = re.compile(
     r"\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|\s/\s*(\S+)|\sin\s+(\S+)"
-    r"|(?:_|(?<!\d)\s)(mm_per_m|per_km|per_m|1/km|1/m|mm/m|permille|mm|cm|um|km|deg|in|ft)|_(m|yd|mi|ch))$"
+    r"|(?:_|(?<!\d)\s)(mm_per_m|per_km|per_m|1/km|1/m|mm/m|permille|mm|cm|um|km|deg|in|ft"
+    r"|met(?:er|re)s?|feet|yards|miles|chains|inch(?:es)?|degrees)|_(m|yd|mi|ch))$"
 )
 FINEST = 0.01  # [m]; no car has rows closer than that: a distance of no stated unit with such rows is in km
 
@@ -139,11 +140,16 @@ def _system(plain: str, length: float | None, chord: Sequence[float] | None, ban
         return {"band": named[1].upper()}
     if waves := WAVES.search(plain):
         return {"band_m": [float(end.replace(",", ".")) for end in waves.groups()]}
-    if length is not None and (re.search(VERSINE, plain) or round(length / FOOT, 6) in map(float, US_CHORDS)):
+    if length is not None and (re.search(VERSINE, plain) or is_us_chord(0.5 * length)):
         return {"chord_m": [0.5 * length, 0.5 * length]}
     if chord is not None:
         return {"chord_m": list(chord)}
     return {} if band is None else {"band": band}
+
+
+def is_us_chord(half: float) -> bool:
+    """Whether half a chord [m] is that of one of US cars, whose records are in inches."""
+    return round(2.0 * half / FOOT, 6) in map(float, US_CHORDS)
 
 
 def _folded(name: str) -> str:

@@ -14,7 +14,7 @@ from wrsim.inputs.checking import check_section, opened
 from wrsim.recording.columns import LENGTHS, SIGNS, ChannelSection, ColumnsFile
 from wrsim.recording.dropouts import Mask, bridged, codes, runs, spikes
 from wrsim.recording.layout import EMPTY, STATION, RecordedTable, read_table
-from wrsim.recording.names import FINEST, guessed, known, stated_unit
+from wrsim.recording.names import FINEST, guessed, is_us_chord, known, stated_unit
 
 GAP = 1.5  # A distance between rows that is so many times the usual one is a gap
 FEWEST = 40  # rows that a recording has at least
@@ -94,7 +94,7 @@ def recording_from(
     _check_distance(path, along[0].column, distance[order], np.array(table.lines)[order])
     values = [_numbers(path, table, c)[order] for c in measured]
     for c, column in zip(measured, values, strict=True):
-        column[codes(column)] = np.nan
+        column[codes(column) | ((c.quantity == "gauge") & (column == 0.0))] = np.nan
         _check_values(path, table.where, chosen, c, column)
     distance, values = _with_missing_rows(distance[order], values, bridge)
     exchanged = falls and chosen.sides == "car"
@@ -143,7 +143,7 @@ def _by_names(
             raise InputError(f"{table.where}: column '{c['column']}': measured by a chord or inertially? {hint}")
         section = ChannelSection.model_validate(c)
         if "unit" not in c:
-            c["unit"] = next(iter(section.units))
+            c["unit"] = "in" if is_us_chord(c.get("chord_m", (0.0,))[0]) else next(iter(section.units))
             if c["quantity"] == "distance" and _step(_numbers(path, table, section)) < FINEST:
                 c["unit"] = "km"
             assumed.setdefault(c["unit"], []).append(c["column"])

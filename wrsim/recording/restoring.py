@@ -18,6 +18,7 @@ from wrsim.geometry.track.segments import LONGEST, Arc, Laws, Segment, Straight,
 from wrsim.geometry.track.track import RAIL_HEAD_WIDTH, ROUNDING
 from wrsim.recording.columns import ChannelSection
 from wrsim.recording.design import FORMS, LEAST_CURVATURE, SMOOTHING, Form, Plateau, fit_design
+from wrsim.recording.dropouts import runs
 from wrsim.recording.reading import TrackRecording
 from wrsim.recording.systems import SKIRTS, Chord, Complex, InverseFilter, Plain, ShapeSystem, filtered
 
@@ -169,8 +170,14 @@ class _Work:
             self.notes.append(f"{source}, added up from a level start; no straight tells its error")
             return np.asarray(summed)
         drift = np.interp(s, s[straight], summed[straight])
-        off = 1e3 * float(np.abs(drift - drift[0]).max())
-        self.notes.append(f"{source}, added up; on straights, where it is taken as 0, it is up to {off:.2g} mm off")
+        removed = 1e3 * float(np.ptp(drift))
+        # a sum of n independent errors, held at both of its ends, has in its middle sqrt(n) / 2 of one of them
+        curve = max((end - begin for begin, end in runs(~straight)), default=0)
+        left = 1e3 * float(np.std(record[straight])) / channel.base * self.recording.step * np.sqrt(curve) / 2.0
+        where = (
+            f"a drift of {removed:.2g} mm is removed, by straights, where cant is 0; in curves some {left:.2g} mm stay"
+        )
+        self.notes.append(f"{source}, added up; {where} unknown")
         return np.asarray(summed - drift)
 
     def inner(self, record: Array) -> Array:

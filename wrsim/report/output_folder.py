@@ -14,7 +14,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results import Result, write_atomically, write_run
 from wrsim.results.files import Keeper, Manifest, digest_of, keeping, sweep
 from wrsim.results.table import quantity
-from wrsim.results.units import prefer
+from wrsim.results.units import prefer_those_of
 from wrsim.timing import timed
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def read(path: Path) -> Result:
             result = recorded(path)
         else:
             result = Result.load(path)
-    prefer(str(result.dataset.attrs.get("scenario_text", "")))
+    prefer_those_of(str(result.dataset.attrs.get("scenario_text", "")))
     return result
 
 

@@ -66,7 +66,7 @@ CHOICE: ContextVar[Choice] = ContextVar("units", default=Choice())  # noqa: B039
 @contextmanager
 def shown_in(system: str | None) -> Iterator[None]:
     """Tables, pictures and pages of the block have these units; None: those of the scenario or result that is read
-    first, or metric. Raises InputError for an unknown system."""
+    last, or metric. Raises InputError for an unknown system."""
     if system is not None and system not in get_args(System):
         raise InputError(f'--units {system}: must be "metric" or "us"')
     token = CHOICE.set(Choice("us" if system == "us" else "metric", system is None))
@@ -76,12 +76,17 @@ def shown_in(system: str | None) -> Iterator[None]:
         CHOICE.reset(token)
 
 
-def prefer(scenario_text: str) -> None:
+def prefer(system: str) -> None:
     """Take the units that a scenario asks for, where they are open."""
     choice = CHOICE.get()
-    if choice.open and scenario_text:
-        choice.system = "us" if parse_toml(scenario_text, "scenario").get("units") == "us" else "metric"
-        choice.open = False
+    if choice.open:
+        choice.system = "us" if system == "us" else "metric"
+
+
+def prefer_those_of(scenario_text: str) -> None:
+    """Take the units of the scenario of a result, where they are open."""
+    if CHOICE.get().open and scenario_text:
+        prefer(str(parse_toml(scenario_text, "scenario").get("units")))
 
 
 def conversion(symbol: str) -> Conversion | None:

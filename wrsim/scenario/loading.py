@@ -175,7 +175,9 @@ class Scenario:
             except InputError as error:
                 raise InputError(f"{owner}: {error}") from None
             owners |= {path[:end]: owner for end in range(new, len(path) + 1)}
-        return _checked(replace(self.merged, data=data, text="", owners=owners), self.path, self.finder)
+        scenario = _checked(replace(self.merged, data=data, text="", owners=owners), self.path, self.finder)
+        prefer(scenario.spec.units)
+        return scenario
 
 
 def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
@@ -212,7 +214,7 @@ def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
         merged.data = {key: value for key, value in merged.data.items() if key not in unused}
         merged.text = write_toml(merged.data)
     scenario = _scenario(merged, path, models)
-    prefer(scenario.text)
+    prefer(scenario.spec.units)
     vehicle, track = scenario.spec.vehicle, scenario.spec.track
     named = {"vehicle": (vehicle, ("model", "wheel", "wheel_left", "wheel_right"))}
     for table, (section, keys) in (named | {"track": (track, ("rail", "rail_left", "rail_right"))}).items():
