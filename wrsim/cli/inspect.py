@@ -12,7 +12,7 @@ from wrsim.cli.console import print_lines, print_numbers
 from wrsim.cli.errors import reporting_errors
 
 
-def show_command(result: options.ResultFile, units: options.Units = None, as_json: options.Json = False) -> None:
+def show_command(result: options.ResultFile, as_json: options.Json = False, units: options.Units = None) -> None:
     """Print the summary of a result, or of what there is of a run."""
     with reporting_errors(as_json), in_units(units):
         found = wrsim.show(result)

@@ -107,18 +107,18 @@ def drawing(command: Callable[..., None], kinds: bool = True) -> Callable[..., N
     """The command with the options of the pictures that it draws; kinds: also that of their kinds, unless a picture is
     named as a whole, with its ending."""
     added: dict[str, Any] = ({"formats": Formats} if kinds else {}) | LOOK
-    of_units: dict[str, Any] = {} if "units" in inspect.signature(command).parameters else {"units": Units}
+    chooses = "units" not in inspect.signature(command).parameters  # else the command does, which is itself decorated
 
     def looked(**given: Any) -> None:
         chosen = {name: value for name in added if (value := given.pop(name)) is not None}
         with reporting_errors(given["as_json"]), ExitStack() as stack:
-            if of_units:
+            if chooses:
                 stack.enter_context(in_units(given.pop("units")))
             if chosen:
                 stack.enter_context(wrsim.look(**chosen))
             command(**given)
 
-    return _with_options(looked, command, added | of_units)
+    return _with_options(looked, command, added | {"units": Units})
 
 
 drawing_to = partial(drawing, kinds=False)
@@ -164,8 +164,8 @@ def writing(
     one counts. takes: what the function takes by name of "force", "bar", "notify" and "warn", where it takes long: with
     ``--quiet`` and ``--verbose``. workers: whether it also takes where its cases run.
     """
-    added = (WORKERS if workers else {}) | {"units": Units, "force": Force, "as_json": Json}
-    added |= {"quiet": Quiet, "verbose": Verbose} if takes else {}
+    added = (WORKERS if workers else {}) | {"force": Force, "as_json": Json}
+    added |= ({"quiet": Quiet, "verbose": Verbose} if takes else {}) | {"units": Units}
 
     def decorated(function: Callable[..., Outcome]) -> Callable[..., None]:
         def command(
@@ -198,7 +198,8 @@ def _with_options(wrapper: Callable[..., T], function: Callable[..., Any], added
     signature = inspect.signature(function, eval_str=True)
     here = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY)
     own = [here(name, annotation=of, default=False if get_args(of)[0] is bool else None) for name, of in added.items()]
-    given = [each for each in signature.parameters.values() if each.kind is not inspect.Parameter.VAR_KEYWORD]
+    given = [each for name, each in signature.parameters.items() if name not in added]
+    given = [each for each in given if each.kind is not inspect.Parameter.VAR_KEYWORD]
     command = wraps(function)(wrapper)
     command.__signature__ = signature.replace(parameters=[*given, *own])  # type: ignore[attr-defined]
     command.__annotations__ = function.__annotations__ | added
