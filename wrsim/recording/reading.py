@@ -94,8 +94,9 @@ def recording_from(
     _check_distance(path, along[0].column, distance[order], np.array(table.lines)[order])
     values = [_numbers(path, table, c)[order] for c in measured]
     for c, column in zip(measured, values, strict=True):
-        column[codes(column) | ((c.quantity == "gauge") & (column == 0.0))] = np.nan
+        column[codes(column)] = np.nan
         _check_values(path, table.where, chosen, c, column)
+        column[(c.quantity == "gauge") & (column == 0.0)] = np.nan
     distance, values = _with_missing_rows(distance[order], values, bridge)
     exchanged = falls and chosen.sides == "car"
     channels = [c.turned() if exchanged else c for c in measured]
