@@ -13,11 +13,11 @@ from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 from wrsim import InputError, Result
 from wrsim.analysis.assessment import assess_runs
 from wrsim.analysis.assessment.estimates import regression
-from wrsim.analysis.assessment.filters import band_pass, low_pass, sliding_mean, sliding_rms, windows
 from wrsim.analysis.assessment.nadal import Climbing, longest_stretch, nadal_limit
 from wrsim.analysis.assessment.sections import sections_of, zone_of
 from wrsim.analysis.ride import ride_section_of
 from wrsim.results.assessment import Assessment, assessment_json
+from wrsim.results.filters import band_pass, low_pass, sliding_mean, sliding_rms, windows
 from wrsim.results.limits import About
 from wrsim.results.rules import rule_set
 from wrsim.scenario.sections.assessment import AssessmentSettings

@@ -14,6 +14,7 @@ import xarray as xr
 from support.rows import rows_of
 from support.runs import FAST, LEADING, setup_of, straight
 from support.synthetic_result import curve_run, static_poses
+from support.synthetic_run import run as synthetic_run
 
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.monitor import Monitor
@@ -295,9 +296,33 @@ def test_a_peak_and_each_of_its_rows_say_where_it_is():
     # one entry of PEAKS makes the number in summary.json and the row in every table
     result = Result(curve_run())
     peaks = result.numbers()[0]
-    known = {key for key in PEAKS if result.summary()["wheelsets"]["wheelset"]["wheels"]["right"][key]["value"]}
+    of_wheel = result.summary()["wheelsets"]["wheelset"]["wheels"]["right"]
+    known = {key for key in of_wheel if of_wheel[key]["value"]}
     assert len(peaks.rows) == len(known)
     assert all(isinstance(cell, Placed) and cell.place.endswith(" m") for row in peaks.rows for cell in row[1:])
+
+
+def test_peaks_below_20_hz_and_over_2_m_stand_beside_raw_ones_and_both_are_named() -> None:
+    """1 Hz passes, 100 Hz does not; a mean over 2 m is one over 0.1 s here. Without load there is no Y/Q nearby."""
+    mean = np.sin(0.1 * np.pi) / (0.1 * np.pi)
+
+    def lateral(s):
+        return 10e3 * np.sin(2.0 * np.pi * s / 20.0) + 5e3 * np.sin(2.0 * np.pi * 5.0 * s), 0.0 * s
+
+    def vertical(s):
+        return np.where(s < 300.0, 50e3, -1e3), 50e3 + 0.0 * s
+
+    result = synthetic_run(y=lateral, q=vertical)
+    own = result.summary()["wheelsets"]["wheelset"]
+    left = own["wheels"]["left"]
+    assert left["Y_max_kN"]["value"] > 14.0
+    assert left["Y_max_20Hz_kN"]["value"] == pytest.approx(10.0, rel=1e-3)
+    assert abs(own["sum_Y_max_20Hz_2m_kN"]["value"]) == pytest.approx(10.0 * mean, rel=1e-3)
+    assert left["Y_over_Q_max_20Hz_2m"]["value"] == pytest.approx(0.2 * mean, rel=5e-3)
+    assert left["Y_over_Q_max_20Hz_2m"]["distance_m"] < 300.0
+    words = [row[0] for table in result.numbers() for row in table.rows]
+    assert {"Y, largest, raw [kN]", "Y, largest, 20 Hz [kN]", "Y/Q, largest, 20 Hz, 2 m"} <= {*words}
+    assert "Y, largest [kN]" in [row[0] for table in Result(static_poses()).numbers() for row in table.rows]
 
 
 def test_quasi_static_values_are_medians_in_the_full_curve():

@@ -25,11 +25,11 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 from scipy.signal import welch
 
-from wrsim.analysis.assessment.filters import on_raster, sampling_rate
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check_section
 from wrsim.results import Result
 from wrsim.results.dataset import table_of_scenario
+from wrsim.results.filters import on_raster, sampling_rate
 from wrsim.results.ride import AXES, Ride
 from wrsim.scenario.sections.run import RideSection, StretchTable
 

@@ -11,12 +11,12 @@ import numpy as np
 import xarray as xr
 from scipy.signal import spectrogram
 
-from wrsim.analysis.assessment.filters import sampling_rate
 from wrsim.analysis.ride import Array, spectrum, stretch_of, third_octaves
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check_section
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import NAMES
+from wrsim.results.filters import sampling_rate
 from wrsim.results.spectra import ORDERS
 from wrsim.results.wheelsets import fast_of
 from wrsim.scenario.sections.run import StretchTable

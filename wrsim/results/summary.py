@@ -1,9 +1,10 @@
 """The few numbers that people ask for first: peaks, where they occur, quasi-static values in full curves, wear.
 
-Units are in the keys. Nothing here is filtered: these are raw peaks, not the quantities of EN 14363.
+Units are in the keys. Raw peaks are those of samples; beside them are those of forces below 20 Hz, of ΣY and Y/Q over
+2 m, the evaluation of EN 14363 without its percentiles.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from wrsim.errors import InputError
 from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS
 from wrsim.results.dataset import COUNTS
@@ -30,12 +32,13 @@ PATCH_CHANNELS = {"N": "N", "p0": "p₀", "contact_angle": "angle", "area": "are
 @dataclass(frozen=True)
 class Peak:
     """One peak: the channel, which of its values ("largest", "least", "magnitude"), words; short: heading in the table
-    of several wheelsets, which leaves out those without."""
+    of several wheelsets, which leaves out those without; filtered: of forces as `filtered` has them."""
 
     channel: str
     which: str
     words: str
     short: str = ""
+    filtered: bool = False
 
     @property
     def unit(self) -> str:
@@ -44,12 +47,16 @@ class Peak:
 
 
 PEAKS = {
-    "Y_max_kN": Peak("Y", "largest", "Y, largest", "Y max"),
-    "Y_min_kN": Peak("Y", "least", "Y, least", "Y min"),
-    "Y_abs_max_kN": Peak("Y", "magnitude", "Y, largest either way"),
-    "Q_max_kN": Peak("Q", "largest", "Q, largest", "Q max"),
-    "Q_min_kN": Peak("Q", "least", "Q, least", "Q min"),
-    "Y_over_Q_max": Peak("Y_over_Q", "largest", "Y/Q, largest", "Y/Q max"),
+    "Y_max_kN": Peak("Y", "largest", "Y, largest, raw", "Y max raw"),
+    "Y_max_20Hz_kN": Peak("Y", "largest", "Y, largest, 20 Hz", "Y max 20 Hz", True),
+    "Y_min_kN": Peak("Y", "least", "Y, least, raw", "Y min raw"),
+    "Y_abs_max_kN": Peak("Y", "magnitude", "Y, largest either way, raw"),
+    "Q_max_kN": Peak("Q", "largest", "Q, largest, raw", "Q max raw"),
+    "Q_max_20Hz_kN": Peak("Q", "largest", "Q, largest, 20 Hz", "Q max 20 Hz", True),
+    "Q_min_kN": Peak("Q", "least", "Q, least, raw", "Q min raw"),
+    "Q_min_20Hz_kN": Peak("Q", "least", "Q, least, 20 Hz", "Q min 20 Hz", True),
+    "Y_over_Q_max": Peak("Y_over_Q", "largest", "Y/Q, largest, raw", "Y/Q max raw"),
+    "Y_over_Q_max_20Hz_2m": Peak("Y_over_Q", "largest", "Y/Q, largest, 20 Hz, 2 m", "Y/Q max 20 Hz, 2 m", True),
     "T_gamma_max_N": Peak("T_gamma", "largest", "wear number Tγ, largest", "Tγ max"),
     "N_max_kN": Peak("N", "largest", "normal force of a patch, largest"),
     "p0_max_MPa": Peak("p0", "largest", "pressure p₀, largest", "p₀ max"),
@@ -63,7 +70,8 @@ PEAKS = {
 OF_WHEELSET = {
     "lateral_shift_max_mm": Peak("lateral_shift", "magnitude", "lateral shift"),
     "angle_of_attack_max_mrad": Peak("yaw", "magnitude", "angle of attack"),
-    "sum_Y_max_kN": Peak("sum_Y", "magnitude", "track shifting force ΣY", "ΣY"),
+    "sum_Y_max_kN": Peak("sum_Y", "magnitude", "track shifting force ΣY, raw", "ΣY raw"),
+    "sum_Y_max_20Hz_2m_kN": Peak("sum_Y", "magnitude", "track shifting force ΣY, 20 Hz, 2 m", "ΣY 20 Hz, 2 m", True),
     "guide_force_y_max_kN": Peak("guide_force_y", "magnitude", "lateral force of the guide frame"),
 }
 """Peaks of a wheelset: those largest either way, with their sign."""
@@ -187,7 +195,9 @@ def energy(dataset: xr.Dataset) -> dict[str, float]:
 def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
     always = ("lateral_shift", "yaw")
     found: dict[str, Any] = {
-        key: peak(one, own) for key, own in OF_WHEELSET.items() if own.channel in one or own.channel in always
+        key: peak(signals, own)
+        for key, own, signals in _signals(one, OF_WHEELSET)
+        if own.channel in one or own.channel in always
     }
     found["wheels"] = wheel_peaks(one)
     if "time" in one.dims:
@@ -198,7 +208,46 @@ def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
 def wheel_peaks(one: xr.Dataset) -> dict[str, dict[str, Any]]:
     """Peaks of the wheels of one wheelset, by wheel and name."""
     wheels = map(str, one["wheel"].values)
-    return {wheel: {key: peak(one, own, wheel) for key, own in PEAKS.items()} for wheel in wheels}
+    peaks = _signals(one, PEAKS)
+    return {wheel: {key: peak(signals, own, wheel) for key, own, signals in peaks} for wheel in wheels}
+
+
+def _signals(one: xr.Dataset, peaks: Mapping[str, Peak]) -> list[tuple[str, Peak, xr.Dataset]]:
+    """Peaks with the dataset that each is of; filtered ones only where forces can be filtered."""
+    smooth = filtered(one)
+    pairs = ((key, own, smooth if own.filtered else one) for key, own in peaks.items())
+    return [(key, own, signals) for key, own, signals in pairs if signals is not None]
+
+
+LOW_PASS, WINDOW = 20.0, 2.0
+"""Of EN 14363: low-pass of forces [Hz], length of the sliding mean of ΣY and Y/Q [m]."""
+
+
+def filtered(one: xr.Dataset) -> xr.Dataset | None:
+    """Y and Q of a wheelset below LOW_PASS, ΣY and Y/Q of these as means over WINDOW about each sample: not a number
+    less than half a window from the ends, and of Y/Q where a wheel has no load. None of poses, and where samples are
+    too few, too slow or uneven."""
+    if "time" not in one.dims or not {"Y", "Q", "wheel", "distance"} <= {*one.variables} or one.sizes["wheel"] < 2:
+        return None
+    from wrsim.results import filters  # scipy's take half a second
+
+    own = filters.on_raster(one)
+    try:
+        rate = filters.sampling_rate(own["time"].values)
+        y, q = (filters.low_pass(own[name].transpose("time", "wheel").values, rate, LOW_PASS) for name in ("Y", "Q"))
+    except InputError:
+        return None
+    place = own["distance"].values
+    if not (np.diff(place) > 0.0).all():
+        return None
+    inside = (place >= place[0] + 0.5 * WINDOW) & (place <= place[-1] - 0.5 * WINDOW)
+    free = q <= 0.0
+    slid = np.column_stack([y[:, 0] - y[:, 1], np.where(free, 0.0, y / np.where(free, 1.0, q)), free])
+    means = np.full(slid.shape, np.nan)
+    means[inside] = filters.sliding_mean(place, slid, place[inside], WINDOW)
+    quotient = np.where(means[:, 3:] > 1e-12, np.nan, means[:, 1:3])
+    wheels = {name: (("time", "wheel"), values) for name, values in (("Y", y), ("Q", q), ("Y_over_Q", quotient))}
+    return xr.Dataset(wheels | {"sum_Y": ("time", means[:, 0])}, own.coords)
 
 
 def peak(dataset: xr.Dataset, of: Peak, wheel: str | None = None) -> dict[str, Any] | None:

@@ -1,6 +1,7 @@
 """The tables of a run or of poses: peaks of wheels and wheelsets, medians in full curves, energy, what happened."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import xarray as xr
 from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, PATCHES, WHEELS
 from wrsim.results.moments import has_patches, with_patches
-from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_SPAN, OF_WHEELSET, PATCH_CHANNELS, PEAKS, wheel_peaks
+from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_SPAN, OF_WHEELSET, PATCH_CHANNELS, PEAKS, Peak, wheel_peaks
 from wrsim.results.table import TOLD_APART, Cell, Column, Placed, Table, formatted, listed, percent, quantity, with_unit
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
@@ -33,6 +34,7 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
         tables = [vehicle_table(title, labels, [each["wheels"] for each in own])]
         cells = {key: [_placed(each.get(key), peak.unit) for each in own] for key, peak in OF_WHEELSET.items()}
         known = {key: peak for key, peak in OF_WHEELSET.items() if any(cell.value for cell in cells[key])}
+        known = {key: named(OF_WHEELSET, known)[key] for key in known}
         rows = [(label, *(cells[key][i] for key in known)) for i, label in enumerate(labels)]
         heads = (Column("wheelset"), *(Column(peak.short or peak.words, peak.unit) for peak in known.values()))
         tables += [Table("largest either way", heads, rows)] if known else []
@@ -99,7 +101,8 @@ def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: 
     two = len(own) == 2 and len(alike) == 1 and all(own)
     wheels = [(each, name, wheel) for each, name in pairs for wheel in (each["wheels"] if each else WHEELS)]
     rows: list[Sequence[Cell]] = []
-    for key, peak in PEAKS.items():
+    known = {key for each in own for part in ((each, *each["wheels"].values()) if each else ()) for key in part}
+    for key, peak in named(PEAKS, known).items():
         cells = [_placed(each["wheels"][wheel].get(key) if each else None, peak.unit) for each, _, wheel in wheels]
         rows.append((with_unit(peak.words, peak.unit), *cells, *(_changes(cells) if two else ())))
     heads = [Column(f"{name}: {wheel}" if len(own) > 1 else wheel) for _, name, wheel in wheels]
@@ -107,7 +110,7 @@ def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: 
         heads += [Column(f"change, {wheel}", "%", ".1f") for wheel in next(iter(alike))]
     tables = [Table(title, (Column(), *heads), _known(rows))]
     rows = []
-    for key, peak in OF_WHEELSET.items():
+    for key, peak in named(OF_WHEELSET, known).items():
         cells = [_placed((each or {}).get(key), peak.unit) for each in own]
         change = _changes(cells) if two else ()
         rows.append((with_unit(f"{peak.words}, largest either way", peak.unit), *cells, *change))
@@ -115,6 +118,14 @@ def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: 
         last = [Column("change", "%", ".1f")] if two else []
         tables.append(Table("", (Column("wheelset"), *map(Column, names), *last), rows))
     return tables
+
+
+def named(peaks: Mapping[str, Peak], known: Collection[str]) -> dict[str, Peak]:
+    """Peaks, which are not called raw where nothing filtered is beside them."""
+    if any(key in known for key, peak in peaks.items() if peak.filtered):
+        return dict(peaks)
+    plain = {key: (peak.words.removesuffix(", raw"), peak.short.removesuffix(" raw")) for key, peak in peaks.items()}
+    return {key: replace(peak, words=plain[key][0], short=plain[key][1]) for key, peak in peaks.items()}
 
 
 def _changes(cells: Sequence[Placed]) -> list[float | None]:
@@ -125,7 +136,8 @@ def _changes(cells: Sequence[Placed]) -> list[float | None]:
 
 def vehicle_table(title: str, labels: Sequence[str], own: Sequence[Summary]) -> Table:
     """Peaks of several wheelsets, a row a wheel. own: by wheel and name."""
-    short = {key: peak for key, peak in PEAKS.items() if peak.short}
+    known = {key for wheels in own for peaks in wheels.values() for key in peaks}
+    short = {key: peak for key, peak in named(PEAKS, known).items() if peak.short and key in known}
     rows = [
         (label if j == 0 else "", wheel, *(_placed(peaks.get(key), short[key].unit).value for key in short))
         for label, wheels in zip(labels, own, strict=True)

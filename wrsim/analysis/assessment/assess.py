@@ -10,7 +10,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.analysis.assessment.estimates import zones_of
-from wrsim.analysis.assessment.filters import on_raster, sampling_rate
 from wrsim.analysis.assessment.nadal import Climbing
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, counts, sections_of
 from wrsim.analysis.assessment.signals import (
@@ -26,6 +25,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.results import Result
 from wrsim.results.assessment import AssessedSection, Assessment, Value
+from wrsim.results.filters import on_raster, sampling_rate
 from wrsim.results.limits import Limit
 from wrsim.results.rules import HistorySection, RulesFile, rule_set
 from wrsim.results.summary import events

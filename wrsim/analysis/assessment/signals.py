@@ -12,11 +12,11 @@ import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.analysis.assessment import filters
 from wrsim.analysis.assessment.nadal import Climbing, longest_stretch
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION
 from wrsim.errors import InputError
 from wrsim.inputs.section import given
+from wrsim.results import filters
 from wrsim.results.assessment import Array, AssessedSection, Value
 from wrsim.results.channels import BOGIE_FRAME, CAR_BODY
 from wrsim.results.limits import About, Limit

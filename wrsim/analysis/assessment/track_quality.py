@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from wrsim.analysis.assessment.filters import band_pass
 from wrsim.results.assessment import AssessedSection, TrackQuality
+from wrsim.results.filters import band_pass
 
 WAVES = 3.0, 25.0  # wavelengths that count [m]
 RASTER = 0.25  # distance of the places at which the track is looked at [m]
