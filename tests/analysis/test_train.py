@@ -126,7 +126,7 @@ def test_modes_of_a_train_that_hardly_anything_couples_are_those_of_each_vehicle
         own = [element for element in setup.vehicle.elements if "-coach" not in element.name]
         loose = replace(setup, vehicle=replace(setup.vehicle, elements=tuple(own), couplings=()))
         rolling = RollingVehicle(loose, 27.8)
-        found.append(rolling.modes(27.8, 30.0).values)
+        found.append(rolling.modes(27.8, replace(setup.plan, highest=30.0)).values)
     one, both = found
     assert len(both) == 2 * len(one) > 20
     apart = np.abs(np.repeat(one, 2)[:, None] - both[None, :]) / np.abs(both)
