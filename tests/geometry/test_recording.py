@@ -1,5 +1,6 @@
 """Track from the recording car: what chords and inertial systems measured comes back, and the design with it."""
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,7 @@ from wrsim.geometry.track.spectra import Realisation
 from wrsim.inputs.toml_files import write_toml
 from wrsim.recording import restoring
 from wrsim.recording.columns import ChannelSection
+from wrsim.recording.dropouts import bridged, codes, spikes
 from wrsim.recording.names import guessed
 from wrsim.recording.reading import recording_from
 from wrsim.recording.restoring import Restored, restore
@@ -561,6 +563,24 @@ def test_dropouts_and_spikes_are_bridged_or_split_the_recording_and_are_told(tmp
     (tmp_path / "line.csv").write_text("\n".join(",".join(row) for row in cells))
     read = recording_from(tmp_path / "line.csv")
     assert "split the recording (12310 to 12661" in "\n".join(read.notes) and read.length == pytest.approx(538.0)
+
+
+@pytest.mark.parametrize(("kind", "limit"), [("level", 8.25e-3), ("cant", 16.5e-3), ("curvature", 1.2e-3)])
+def test_a_spike_is_what_no_rail_can_follow_and_the_largest_bridge_is_a_wave(kind: str, limit: float) -> None:
+    # rows 0.5 m apart: a yielding rail with a dipped joint, 0.5 (0.026 l + 0.02) l; 4e-5 / m behind 6 m of smoothing
+    record = 1e-6 * np.random.default_rng(2).standard_normal(400)
+    record[100], record[200], record[300:303] = 1.1 * limit, 0.8 * limit, 40.0 * limit
+    assert np.flatnonzero(spikes(record, 0.5, kind)).tolist() == [100, 300, 301, 302]
+    gaps = np.where(np.isin(np.arange(400), [*range(50, 57), *range(150, 158)]), np.nan, record)
+    assert np.flatnonzero(np.isnan(bridged(0.5 * np.arange(400), gaps, 3.0))).tolist() == [*range(150, 158)]
+    assert not codes(np.array([999.0, 1000.0, 1001.0] * 20)).any() and codes(np.array([1.0, 2.0, -999.0])).sum() == 1
+
+
+@pytest.mark.parametrize(("off", "refused"), [(0.045, False), (0.055, True)])
+def test_a_gauge_is_refused_beyond_50_mm(off: float, refused: bool, tmp_path: Path) -> None:
+    (tmp_path / "line.csv").write_text(field_table("", ",", ["Distance [m] = s", f"Gauge [m] = gauge + {off}"]))
+    with pytest.raises(InputError, match=r"gauge_mm = 1490\?") if refused else nullcontext():
+        recording_from(tmp_path / "line.csv")
 
 
 @pytest.mark.parametrize(("name", "median", "factor", "message"), table("no_gauge"))

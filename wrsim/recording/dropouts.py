@@ -41,6 +41,7 @@ def spikes(record: Array, step: float, kind: str) -> Mask:
     good = np.isfinite(record)
     filled = np.interp(np.arange(record.size), np.flatnonzero(good), record[good]) if good.any() else record
     found = np.zeros(record.size, dtype=bool)
+    narrower = filled
     many = np.sqrt(2.0 * np.log(max(record.size, 2)))
     for rows in range(1, WIDEST + 1):
         length = rows * step
@@ -50,7 +51,9 @@ def spikes(record: Array, step: float, kind: str) -> Mask:
             rails = 1.0 if kind in ("alignment", "level") else 2.0
             limit = rails * 0.5 * (YIELDING * length + JOINT) * length
         limit = max(limit, many * noise_of(filled, rows, 0.0))
-        found |= np.abs(filled - median_filter(filled, 2 * rows + 1, mode="nearest")) > limit
+        smooth = median_filter(filled, 2 * rows + 1, mode="nearest")
+        found |= np.abs(narrower - smooth) > limit  # of just so many rows
+        narrower = smooth
     return found & good
 
 
