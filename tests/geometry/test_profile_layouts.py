@@ -283,6 +283,21 @@ def test_what_a_workshop_measures_follows_the_points_and_the_head_is_compared(wr
     assert "Sd" in head and "Sh" not in head and "qR" in head
 
 
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        (lambda rows: "NaN,NaN\n" * 3 + rows, "3 lines without numbers at the ends"),
+        (lambda rows: "x,y,z\n" + "".join(f"0.0,{row}\n" for row in rows.split()), "in mm"),
+        (lambda rows: "".join(f"0.0,{row}\n" for row in rows.split()), "the first column is constant and left out"),
+        (lambda rows: "".join(f"{row},1.0\n" for row in rows.split()), "the last column is constant and left out"),
+        (lambda rows: "".join('"{}";"{}"\n'.format(*row.split(",")) for row in rows.split()), "in mm"),
+    ],
+)
+def test_columns_that_hold_no_coordinate_and_ends_without_numbers_are_left_out(text, note, write):
+    found = read_points(write(text(lines(POINTS, "mm")), "w.csv"), "wheel").profile
+    assert measures(found) == pytest.approx(S1002, abs=0.01) and note in found.notes[0]
+
+
 def test_a_comment_is_no_name_and_vampire_takes_the_right_side(write):
     wheel = read_points(write(simpack(POINTS * (1.0, -1.0), "m", "wheel"), "LM_own.prw")).profile
     assert (wheel.name, wheel.source) == ("LM_own", "LM")

@@ -138,15 +138,17 @@ def parse_columns(lines: list[str], file: str) -> Scan:
         elif stated:
             setattr(scan, stated[1].lower(), stated[3])
         text = re.split(r"#(?!n/?a)|!", line, flags=re.IGNORECASE)[0].strip()
+        if text[:1] == '"' and is_point(split_row(bare := text.replace('"', ""))):
+            text = bare  # a table of texts
         if text.strip(",;") and text[0] not in "%\"'*" and not text.startswith("//"):
             rows.append((number, text, split_row(text)))
     first = _first_point(rows)
     header, points = rows[max(first - 2, 0) : first], rows[first:]
     _read_header(scan, [row for row in header if not begins_number(row[2])])
-    while points and is_point(points[-1][2]) and any(map(MISSING.fullmatch, points[-1][2])):
-        points.pop()
+    full = [i for i, row in enumerate(points) if not is_point(row[2]) or not any(map(MISSING.fullmatch, row[2]))]
+    points = points[full[0] : full[-1] + 1] if full else []
     if len(points) < len(rows) - first:
-        scan.notes.append(f"{len(rows) - first - len(points)} lines without numbers at the end are left out")
+        scan.notes.append(f"{len(rows) - first - len(points)} lines without numbers at the ends are left out")
     columns = _columns(scan, header[-1][2] if header else [], [fields for _, _, fields in points])
     for number, _, fields in points:
         if len(fields) != len(columns):
@@ -193,8 +195,10 @@ def _columns(scan: Scan, names: list[str], rows: list[list[str]]) -> list[bool]:
     bare = [re.split(r"[_\s(\[]", name.lower())[0] for name in names]
     if width > 2 and len(bare) == width and {"y", "z"} <= set(bare):
         return [name in ("y", "z") for name in bare]
-    counts = [float(row[0]) if NUMBER.fullmatch(row[0]) else np.nan for row in rows]
-    if width == 3 and (np.diff(counts) == 1.0).all():
-        scan.notes.append("the first column counts the points")
-        return [False, True, True]
+    for column, name in ((0, "first"), (2, "last")) if width == 3 else ():
+        values = [row[column] if len(row) == width else "" for row in rows]
+        steps = np.diff([float(value) if NUMBER.fullmatch(value) else np.nan for value in values])
+        if steps.size and (steps == steps[0]).all() and steps[0] in (0.0, 1.0):
+            scan.notes.append(f"the {name} column {'counts the points' if steps[0] else 'is constant and left out'}")
+            return [i != column for i in range(3)]
     return [True, True]
