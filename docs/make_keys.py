@@ -180,6 +180,7 @@ EVENTS = {
     "strike": "a wheel strikes its rail faster than the time step resolves",
     "spins": "a wheelset driven beyond adhesion",
     "slides": "a wheelset braked beyond adhesion",
+    "swings": "a wheelset that excites itself on its contacts",
     "loose": "a friction element without a normal force",
 }
 CASES = {

@@ -123,6 +123,13 @@ def _remarks(dataset: xr.Dataset) -> dict[str, Any]:
         held = zip((3.6 * dataset["cycle_speed"].values).tolist(), dataset["cycle_branch"].values, strict=True)
         places = [f"{quantity(speed, 'km/h', '.5g')} {branch}" for speed, branch in held]
         found += zip(places, dataset["cycle_remark"].values.tolist(), strict=True)
+    if "kinetic_energy" in dataset and not dataset.sizes.get("external_load"):  # nobody counts what loads do
+        parts = energy(dataset)
+        rest, signs = parts["left_over_kJ"], {"work": 1.0, "gained": -1.0}
+        put_in = sum(max(signs.get(key.split("_")[0], 0.0) * value, 0.0) for key, value in parts.items())
+        if put_in > LEAST_ENERGY and abs(rest) > LEFT_OVER * put_in:
+            words = f"{100.0 * rest / put_in:.3g} % of what was put in is left over"
+            found.append(("energy", f"{words}: steps do not resolve the motion, or rails and contacts take it"))
     remarks = {place: words for place, words in found if words}
     return {"remarks": remarks} if remarks else {}
 
@@ -190,6 +197,11 @@ def energy(dataset: xr.Dataset) -> dict[str, float]:
         found[key] = 1e-3 * float(dataset[name][-1] - dataset[name][0])
     work = found["work_of_pull_kJ"] + found["work_of_drive_kJ"]
     return found | {"left_over_kJ": work - sum(value for key, value in found.items() if not key.startswith("work"))}
+
+
+LEFT_OVER, LEAST_ENERGY = 0.05, 1.0
+"""Part of the energy that was put in which may be left over without a remark; less than that [kJ], what springs hold
+counts as much: 10 kN at 100 mm."""
 
 
 def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:

@@ -26,7 +26,8 @@ from wrsim.simulation.system import COORDINATES, Array, BodySystem, NotFinite, W
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 Monitor = Callable[[float, Array, Array], str | None]
-"""Its ``step(t, sampled)``, if it has one, is called after every step; sampled: whether this state is a sample."""
+"""Its ``step(t, sampled)``, if it has one, is called after every step; sampled: whether this state is a sample. Its
+``longest_step``, if it has one, is the longest step that it allows from there on [s]."""
 Progress = Callable[[float, float], None]
 
 PROGRESS_INTERVAL = 0.1
@@ -187,6 +188,8 @@ class Integration:
         self._recorder = Recorder(system.size) if self.recorder is None else self.recorder
         self._with_state = (system.work, system.forces, self.monitor)
         self._watch = getattr(self.monitor, "step", None)
+        self._parts = 1
+        """Parts that every step is taken in, so that none is longer than the monitor allows."""
         self._ending = Ending("", "")
 
     def run(self, q: Array, q_t: Array) -> Motion:
@@ -260,8 +263,10 @@ class Integration:
     def _after_step(self, t: float) -> bool:
         """Check the numbers, sample, call the monitor, report progress; see ``BodySystem.solve``."""
         q, q_t = self.system.q, self.system.q_t
-        k = round((t - self.start) / self.step)
+        k = int((t - self.start) / self.step + 1e-6)
         if k <= self._last:  # Exudyn calls at the start as well
+            if self._watch is not None and t > self._time(k) + 1e-6 * self.step:  # a part of a step
+                self._watch(t, False)
             return True
         bad = first_not_finite(q, q_t)
         if bad >= 0:
@@ -277,6 +282,8 @@ class Integration:
             reason = self.monitor(self._time(k), q, q_t)
             if reason:
                 return self._stop("monitor", reason)
+            if self._parts_needed() > self._parts:
+                return False  # the segment goes on in shorter steps
         if self.progress is not None:
             now = time.perf_counter()
             if now - self._reported >= PROGRESS_INTERVAL:
@@ -289,10 +296,11 @@ class Integration:
     def _run_segment(self, end: int) -> None:
         """From the last good state until ``end`` steps are done, or the run has to stop."""
         while self._last < end and not self._ending.cause:
-            k = self._last
+            k, self._parts = self._last, self._parts_needed()
             try:
                 self.system.solve(
-                    self._q, self._q_t, self.start, self.step, end - k, self._after_step, first=k,
+                    self._q, self._q_t, self.start, self.step / self._parts, (end - k) * self._parts, self._after_step,
+                    first=k * self._parts,
                     integrator=self.integrator, tolerance=self._tolerance, loosest=LOOSE * self._tolerance,
                 )  # fmt: skip
             except SimulationError:
@@ -301,6 +309,9 @@ class Integration:
                 self._step_in_parts()
             if self._last == k and not self._ending.cause:
                 raise SimulationError(f"Exudyn ended the run at t = {self._time(k):.6g} s without a reason")
+
+    def _parts_needed(self) -> int:
+        return max(1, int(np.ceil(self.step / getattr(self.monitor, "longest_step", np.inf) - 1e-9)))
 
     def _step_in_parts(self) -> None:
         """Take one implicit step that has failed in parts, at last by RK44 where the law allows it.

@@ -8,6 +8,7 @@ forces are near saturation there.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,8 @@ from wrsim.simulation import Integrator
 from wrsim.vehicle.vehicle import Vehicle
 
 if TYPE_CHECKING:
+    from wrsim.simulation.bodies import Solid
+    from wrsim.simulation.force_law import ForceLaw
     from wrsim.simulation.system import Array, BodySystem
 
 LARGEST_STEP, LARGEST_STEP_UNEVEN = 1e-3, 5e-4
@@ -30,6 +33,10 @@ against 0.25 ms: 1.9 % of Q, 1.0 % of Y at 1 ms; 0.17 and 0.07 % at 0.5 ms.
 
 LONGEST = 5e-3
 """Longest step of either method [s]."""
+
+STEPS_OF_A_PERIOD = 10
+"""Least number of steps in a period of an oscillation that grows: generalised alpha makes it slower by
+(2 pi / 10)^2 / 12, 3 %."""
 
 IMPLICIT_STEP, IMPLICIT_WAY, IMPLICIT_GRID = 2e-3, 0.033, 5e-4
 """Largest default step of generalised alpha [s]; longer, up to ``LONGEST`` in whole multiples of the last number [s],
@@ -124,20 +131,29 @@ def round_step(step: float, largest: float = LARGEST_STEP) -> float:
     return 1e-3 / int(np.ceil(1e-3 / min(step, largest) - 1e-9))
 
 
-def eigenvalues(system: BodySystem, q: Array, q_t: Array, t: float = 0.0) -> Array:
+def eigenvalues(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t: float = 0.0) -> Array:
     """Eigenvalues (complex, 12 per body, 2 per damper in series with a spring) [1/s] of the motion about a state.
 
     Without the gyroscopic terms of the spin (some rad/s): this is for the fast modes that limit the step.
     """
-    n, bodies = system.size, len(system.bodies)
+    n = len(q)
     from wrsim.simulation.bodies import mass_matrix
     from wrsim.simulation.force_law import force_derivative
 
-    derivatives = [force_derivative(system.forces, q, q_t, bodies, t, *by) for by in ((1.0, 0.0), (0.0, 1.0))]
+    derivatives = [force_derivative(forces, q, q_t, len(bodies), t, *by) for by in ((1.0, 0.0), (0.0, 1.0))]
     matrix = np.zeros((2 * n, 2 * n))
     matrix[:n, n:] = np.eye(n)
-    matrix[n:] = np.linalg.solve(mass_matrix(system.bodies, q), np.hstack(derivatives))
+    matrix[n:] = np.linalg.solve(mass_matrix(bodies, q), np.hstack(derivatives))
     return np.asarray(np.linalg.eigvals(matrix))
+
+
+def growing_modes(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t: float, within: float) -> Array:
+    """Eigenvalues (n,) [1/s] of oscillations about a state that grow by e within a time [s], the fastest growth first,
+    and that some step of this module is too long for: longer than a part of ``STEPS_OF_A_PERIOD`` of the period."""
+    values = eigenvalues(forces, bodies, q, q_t, t)
+    fast = values.imag > 2.0 * np.pi / (STEPS_OF_A_PERIOD * LONGEST)
+    growing = values[fast & (values.real * within > 1.0)]
+    return np.asarray(growing[np.argsort(-growing.real)])
 
 
 def stable_step(system: BodySystem, q: Array, q_t: Array, t: float = 0.0) -> float:
@@ -145,7 +161,7 @@ def stable_step(system: BodySystem, q: Array, q_t: Array, t: float = 0.0) -> flo
 
     Take ``round_step(SAFETY * stable_step(...))``. Modes that grow, and those slower than 10 rad/s, do not limit it.
     """
-    values = eigenvalues(system, q, q_t, t)
+    values = eigenvalues(system.forces, system.bodies, q, q_t, t)
     values = values[np.abs(values) > 10.0]
     undamped = np.abs(values.real) < 1e-3 * np.abs(values)
     values = np.where(undamped, 1j * values.imag, values)

@@ -89,7 +89,9 @@ class Marker:
         found = case_outputs(result, plan.outputs, Path(plan.hook) if plan.hook else None)
         self.status = COMPLETED
         if result.status != "completed":
-            self.status = DERAILED if result.dataset.attrs.get("stop_cause") == "monitor" else STOPPED
+            unknown = result.stop_reason.startswith(("no verdict", "the contact solution"))
+            derailed = result.dataset.attrs.get("stop_cause") == "monitor" and not unknown
+            self.status = DERAILED if derailed else STOPPED
         self.numbers = {name: value if abs(value) < float("inf") else None for name, value in found.numbers.items()}
         self.units, self.faults, self.absent = found.units, found.faults, found.absent
         self.message = "; ".join(filter(None, (result.stop_reason, *found.faults, *found.absent)))

@@ -16,14 +16,15 @@ from wrsim.vehicle.vehicle import Vehicle
 
 @dataclass(frozen=True)
 class Lost:
-    """What ends a run or a search: a wheel off its rail; one so deep in its rail that no contact law covers it, a lost
-    solution; a vehicle that overturns. words: which and how."""
+    """What ends a run or a search: a wheel off its rail; the same out of an oscillation that is not resolved; a wheel
+    so deep in its rail that no contact law covers it, a lost solution; a vehicle that overturns. words: which and how.
+    """
 
-    kind: Literal["derailed", "overlap", "overturned"]
+    kind: Literal["derailed", "unresolved", "overlap", "overturned"]
     words: str
 
 
-EventKind = Literal["lift", "stop", "contact", "steps", "between", "strike", "spins", "slides", "loose"]
+EventKind = Literal["lift", "stop", "contact", "steps", "between", "strike", "spins", "slides", "loose", "swings"]
 
 
 @dataclass(frozen=True)
@@ -31,12 +32,13 @@ class Event:
     """A wheel without contact, a bump stop beyond the end of its table, a message of a contact (bit of
     `wrsim.contact.status`), steps of the integration that had to be cut, a vertical force that the samples miss, a
     strike of a wheel on its rail that the time step does not resolve, an axle that is driven or braked beyond adhesion,
-    or a friction element without a normal force.
+    a friction element without a normal force, or a wheelset that excites itself on its contacts.
 
     part: name of the wheelset or of the element; start, end: time [s] and distance of the vehicle [m]; missed: the
     force between samples, and by how much it is beyond those beside it [N]; of a strike the force and the error of its
-    peaks [N]; step: that resolves the strike [s]; profile: whose end a contact reaches, which
-    one ("inner", "outer") and where it is, outward [m].
+    peaks [N]; step: that resolves the strike or the oscillation [s]; profile: whose end a contact reaches, which
+    one ("inner", "outer") and where it is, outward [m]; lasted: way [m] and time [s] in all without contact; swing:
+    frequency at which an oscillation grows and that of its cycle, 0 where that is not reached [Hz].
     """
 
     kind: EventKind
@@ -48,6 +50,8 @@ class Event:
     missed: tuple[float, float] = (0.0, 0.0)
     step: float = 0.0
     profile: tuple[str, str, float] | None = None
+    lasted: tuple[float, float] | None = None
+    swing: tuple[float, float] = (0.0, 0.0)
 
 
 class NoSteadyMotion(SimulationError):
@@ -68,13 +72,18 @@ def stop_words(outcome: Lost, time: float, distance: float) -> str:
     reason = f"derailed: {outcome.words}"
     if outcome.kind == "overlap":
         reason = f"the contact solution is lost: {outcome.words}; a shorter step may help"
+    if outcome.kind == "unresolved":
+        reason = f"no verdict: {outcome.words}"
     return f"{reason}, at t = {time:.4g} s, {distance:.2f} m along the track"
 
 
 def event_words(event: Event, vehicle: Vehicle) -> str:
     """What happened, how far and how long."""
-    way, time = event.end[1] - event.start[1], event.end[0] - event.start[0]
+    whole = event.end[1] - event.start[1], event.end[0] - event.start[0]
+    way, time = event.lasted or whole
     lasted = f"for {way:.2f} m, {1e3 * time:.0f} ms"
+    if way < whole[0]:
+        lasted += f" in all on a way of {whole[0]:.2f} m"
     wheel = wheel_words(event.side, event.part, vehicle)
     if event.kind == "contact":
         which = "" if event.profile is None else f": {end_words(*event.profile)}"
@@ -90,6 +99,15 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
         return (
             f"{wheel} strikes its rail (Q {force:.4g} kN) faster than the time step resolves: peaks of Y and Q there "
             f"are uncertain by some {error:.2g} kN before filtering; run.step_us = {1e6 * event.step:.0f} resolves them"
+        )
+    if event.kind == "swings":
+        grows, cycle = event.swing
+        at = f"at {cycle:.0f} Hz (it grows at {grows:.0f} Hz)" if cycle else f"at {grows:.0f} Hz"
+        which = f"wheelset {event.part}" if len(vehicle.wheelsets) > 1 else "the wheelset"
+        return (
+            f"{which} excites itself on its contacts {at}: Y and Q from there on are those of this oscillation, in "
+            f'steps of {1e3 * event.step:.2g} ms; damped rails, [track.structure] kind = "moving mass", or a larger '
+            "contact.damping_s_per_m end it"
         )
     if event.kind == "stop" and any(event.part in coupling.elements for coupling in vehicle.couplings):
         return f"the stroke of {event.part} is used up {lasted}"

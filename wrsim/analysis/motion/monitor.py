@@ -18,8 +18,10 @@ from wrsim.contact.status import bits_of
 from wrsim.core.body import watch as kernel
 from wrsim.core.body.vehicle_forces import FIRST_WHEEL
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
+from wrsim.core.jit.arena import record
 from wrsim.simulation.integrate import EXPLICIT_PARTS
 from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.step_size import STEPS_OF_A_PERIOD, growing_modes
 from wrsim.simulation.system import Array, Work
 
 log = logging.getLogger(__name__)
@@ -33,13 +35,13 @@ WITHIN = 1e-6
 """Change of the positions [m, rad] in the last iteration of a step within which a look takes the contacts as they were
 computed before it."""
 
-LIFT, STOP, STEPS, SPINS, SLIDES, LOOSE = 0.0, -1.0, -2.0, -3.0, -4.0, -5.0
+LIFT, STOP, STEPS, SPINS, SLIDES, LOOSE, SWINGS = 0.0, -1.0, -2.0, -3.0, -4.0, -5.0, -6.0
 """Kinds of events in the notes: a wheel without contact; a bump stop beyond the end of its table; steps that have been
-cut since the last look; an axle that is driven, or braked, beyond adhesion; friction without a normal force. A bit of
-a contact's status is its own kind."""
+cut since the last look; an axle that is driven, or braked, beyond adhesion; friction without a normal force; a wheelset
+that excites itself on its contacts. A bit of a contact's status is its own kind."""
 
 KINDS: dict[float, EventKind] = {
-    LIFT: "lift", STOP: "stop", STEPS: "steps", SPINS: "spins", SLIDES: "slides", LOOSE: "loose",
+    LIFT: "lift", STOP: "stop", STEPS: "steps", SPINS: "spins", SLIDES: "slides", LOOSE: "loose", SWINGS: "swings",
 }  # fmt: skip
 
 MANY = 20  # looks in a row with steps cut, after which the run warns while it lasts: it takes many times as long
@@ -53,10 +55,23 @@ SLIP_DISTANCE = 1.0  # ... and reported where that lasts for longer than this [m
 SAME = 1.0  # events of one kind and place of the vehicle that follow each other within this distance are one [m]
 MISSED = 0.05  # part of the mean wheel load beyond which a force that samples or steps miss is reported
 
+PAUSE = 0.5
+"""Least time between two looks for motions that grow [s]; what grows by less than e until the next one is left to it.
+They are looked for where a vertical force bends by more than ``MISSED`` from look to look: calm wheels cost nothing."""
+
+GROWTH = record("longest looked bend finds frequency wheel force passed cycles cycling")
+"""Longest step that resolves what grows, time of the last look for it [s], second difference of force there [N]; how
+often something grew, its frequency [Hz] and wheel; of this wheel: vertical force at the last step [N], time of its last
+upward passage of the mean load [s]; cycles from one passage to the next, and their time in all [s]."""
+
 STRIKE = np.pi / 12.0
 """Error of a peak of force over its second difference from step to step. A trapezoidal rule such as generalised alpha
 makes a vibration A cos(w t) slower by the part (w h)^2 / 12, half a period later off by pi (w h)^2 / 12 A; the second
 difference is (w h)^2 A."""
+
+CYCLES, LONGEST_CYCLE = 10, 3.0
+"""Cycles that tell the frequency of an oscillation; periods of the growing motion beyond which two passages of the mean
+load do not belong to one cycle: contacts that open make it slower by some 30 %."""
 
 FINER_STEPS = (1e-3, 5e-4, 2.5e-4, 1e-4, 5e-5)
 """Steps that are recommended [s]: whole parts of a millisecond, and so of most sample intervals."""
@@ -79,12 +94,35 @@ class Monitor:
         self.stops = [(i, e.limits, e.travel_place) for i, e in enumerate(elements) if e.limits]
         normals = [None if e.slider is None else e.slider.normal for e in elements]
         self.pressed = np.array([i for i, n in enumerate(normals) if n is not None and n.sense is None], dtype=int)
-        self.notes = np.zeros((0, 7))
-        """Rows (kind, which wheel or element, `WatchedWheel.end_of_profile` or -1, time, distance, last of both)."""
+        self.notes = np.zeros((0, 9))
+        """Rows (kind, which wheel or element, `WatchedWheel.end_of_profile` or -1, time, distance, last of both, time
+        and way without contact)."""
+        self.mean_load = 0.5 * law.vehicle.weight / len(law.vehicle.wheelsets)
+        self.looked = np.full((2, len(self.wheels)), np.nan)
+        """Vertical forces at the last two looks [N]."""
+        self.last = np.full(2, np.nan)
+        """Time [s] and distance [m] of the last look."""
+        self.growing = np.zeros(1, GROWTH)
+        self._growth = self.growing.view(np.recarray)[0]
+        self._growth.longest, self._growth.looked = np.inf, -np.inf
+
+    @property
+    def longest_step(self) -> float:
+        """The longest step that resolves what grows [s], infinite where nothing does."""
+        return float(self._growth.longest)
 
     def step(self, t: float, sampled: bool) -> None:
         """After every step, at the law's last evaluation; sampled: whether its state is stored."""
         kernel.watch_step(t, self.law.distance, sampled, self.watched, *self._wheels)
+        growth = self._growth
+        if growth.finds:
+            force = self.watched["last"][int(growth.wheel)]
+            if growth.force < self.mean_load <= force:
+                period = t - growth.passed
+                if period * growth.frequency < LONGEST_CYCLE:  # else it has been calm
+                    growth.cycles, growth.cycling = growth.cycles + 1.0, growth.cycling + period
+                growth.passed = t
+            growth.force = force
 
     def __call__(self, t: float, q: Array, q_t: Array) -> str | None:
         outcome = self.look(t, q, q_t)
@@ -95,10 +133,19 @@ class Monitor:
         self.law.at(t, q, q_t, WITHIN)
         distance = self.law.distance
         ending: Lost | None = None
+        off = self.last_contact[:, 0] < self.last[0]
         if kernel.all_on_rails(self.watched, *self._wheels):
             self.last_contact[:] = t, distance
         else:
             ending = self._look_at_wheels(t, distance)
+        self._look_for_growth(t, q, q_t, distance)
+        share = 0.5 * off + 0.5 * (self.last_contact[:, 0] < t)  # in the air at both ends of the time between two looks
+        for i in np.flatnonzero(share).tolist():
+            if (row := self._same(LIFT, i, -1)) >= 0 and np.isfinite(self.last[0]):
+                self.notes[row, 7:] += share[i] * (np.array([t, distance]) - self.last)
+        self.last[:] = t, distance
+        if ending is not None and ending.kind == "derailed":
+            ending = self._resolved(ending, distance)
         for i, limits, place in self.stops:
             if not limits[0] <= self.law.records[i, place] <= limits[1]:
                 self._note(STOP, i, t, distance)
@@ -117,6 +164,35 @@ class Monitor:
             self.cut_looks = 0
         self.cut_steps = self.work.cut_steps
         return ending
+
+    def _look_for_growth(self, t: float, q: Array, q_t: Array, distance: float) -> None:
+        """Note an oscillation that grows at the wheel that is the most restless, and the step that resolves it."""
+        forces = self.watched["last"].copy()
+        bend = np.abs(self.looked[0] - 2.0 * self.looked[1] + forces)
+        self.looked[:] = self.looked[1], forces
+        most = float(np.nanmax(bend, initial=0.0))
+        growth = self._growth
+        again = t - growth.looked >= PAUSE or most > 2.0 * growth.bend  # what grows doubles soon
+        if most <= MISSED * self.mean_load or not again or self.law.on_sleepers is not None:
+            return
+        growth.looked, growth.bend = t, most
+        modes = growing_modes(self.law, self.law.bodies, q, q_t, t, PAUSE)
+        if not modes.size:
+            return
+        if not growth.finds:
+            growth.wheel = np.nanargmax(bend)
+            self._note(SWINGS, int(growth.wheel), t, distance)
+        self.notes[self.notes[:, 0] == SWINGS, 5:7] = t, distance
+        growth.finds, growth.frequency = growth.finds + 1.0, modes[0].imag / (2.0 * np.pi)
+        growth.longest = min(growth.longest, 2.0 * np.pi / (STEPS_OF_A_PERIOD * modes.imag.max()))
+
+    def _resolved(self, ending: Lost, distance: float) -> Lost:
+        """A derailment; no verdict where the steps do not resolve the blows of wheels ahead of it."""
+        worst = self.watched[int(np.argmax(self.watched["bend"]))]
+        if STRIKE * worst.bend <= self.mean_load or distance - worst.bend_s > LIFT_DISTANCE:
+            return ending
+        blow = f"blows of wheels (Q {1e-3 * worst.bend_force:.4g} kN) that the time step does not resolve"
+        return Lost("unresolved", f"{ending.words}, after {blow}")
 
     def _look_at_wheels(self, t: float, distance: float) -> Lost | None:
         """What ends the run at a wheel; notes lifted wheels and the remarks of contacts."""
@@ -166,21 +242,28 @@ class Monitor:
 
     def _note(self, kind: float, which: int, t: float, distance: float, end: int = -1) -> None:
         """Begin an event, or let the last one of its kind and place go on."""
-        same = np.flatnonzero((self.notes[:, :3] == (kind, which, end)).all(axis=1))
-        if same.size and abs(distance - self.notes[same[-1], 6]) <= SAME:
-            self.notes[same[-1], 5:] = t, distance
+        same = self._same(kind, which, end)
+        if same >= 0 and abs(distance - self.notes[same, 6]) <= SAME:
+            self.notes[same, 5:7] = t, distance
         else:
-            self.notes = np.vstack([self.notes, [kind, which, end, t, distance, t, distance]])
+            self.notes = np.vstack([self.notes, [kind, which, end, t, distance, t, distance, 0.0, 0.0]])
+
+    def _same(self, kind: float, which: int, end: int) -> int:
+        """The last note of this kind and place; -1 where there is none."""
+        same = np.flatnonzero((self.notes[:, :3] == (kind, which, end)).all(axis=1))
+        return int(same[-1]) if same.size else -1
 
     def events(self) -> list[Event]:
         """Everything noted, in the order of its begin."""
         found = []
-        for kind, which, at_end, t, distance, last_t, last_distance in self.notes.tolist():
+        for kind, which, at_end, t, distance, last_t, last_distance, *off in self.notes.tolist():
             name, part, side = KINDS.get(kind, "contact"), "", ""
             if kind in (SPINS, SLIDES):
                 if last_distance - distance <= SLIP_DISTANCE:
                     continue
                 part = self.law.vehicle.wheelsets[int(which)].name
+            elif kind == SWINGS and self._growth.finds < 2.0:  # the blow of an impact, that has died away
+                continue
             elif kind in (STOP, LOOSE):
                 part = self.law.vehicle.elements[int(which)].name
             elif kind != STEPS:
@@ -188,8 +271,15 @@ class Monitor:
             bit = int(kind) if name == "contact" else 0
             end = _end(self.wheels[int(which)], at_end) if bit == STATUS_PROFILE_END else None
             found.append(Event(name, part, (t, distance), (last_t, last_distance), side, bit, profile=end))
-        mean_load = 0.5 * self.law.vehicle.weight / len(self.law.vehicle.wheelsets)
-        if self.wheels:
+            if kind == LIFT:
+                found[-1] = replace(found[-1], lasted=(off[1], off[0]))
+            if kind == SWINGS:
+                growth = self._growth
+                cycle = float(growth.cycles / growth.cycling) if growth.cycles >= CYCLES else 0.0
+                swing = float(growth.frequency), cycle
+                found[-1] = replace(found[-1], step=self.longest_step, swing=swing)
+        mean_load = self.mean_load
+        if self.wheels and self._growth.finds < 2.0:
             worst = int(np.argmax(self.watched["beyond"]))
             wheel, own = self.wheels[worst], self.watched[worst]
             if own.beyond > MISSED * mean_load:
@@ -215,15 +305,17 @@ class Monitor:
 
     def get_state(self) -> Array:
         """See ``simulation.recorder.HasState``."""
-        own = self.watched.view(float), self.last_contact.ravel(), self.notes.ravel()
-        return np.concatenate([[self.cut_steps], *own])
+        own = self.watched.view(float), self.last_contact.ravel(), self.looked.ravel(), self.last
+        growth = self.growing.view(float)
+        return np.concatenate([[self.cut_steps], *own, growth, self.notes.ravel()])
 
     def set_state(self, memory: Array) -> None:
         """Put back what ``get_state`` gave."""
-        self.cut_steps, peaks, size = int(memory[0]), self.watched.view(float), self.last_contact.size
-        peaks[:], memory = memory[1 : 1 + peaks.size], memory[1 + peaks.size :]
-        self.last_contact = memory[:size].reshape(self.last_contact.shape).copy()
-        self.notes = memory[size:].reshape(-1, 7).copy()
+        self.cut_steps, place, watched = int(memory[0]), 1, self.watched.view(float)
+        for array in (watched, self.last_contact, self.looked, self.last, self.growing.view(float)):
+            array[...] = memory[place : place + array.size].reshape(array.shape)
+            place += array.size
+        self.notes = memory[place:].reshape(-1, 9).copy()
         places = np.where(np.isin(self.notes[:, 0], (STOP, LOOSE)), len(self.law.vehicle.elements), len(self.wheels))
         if not (np.isfinite(self.notes).all() and ((self.notes[:, 1] >= 0) & (self.notes[:, 1] < places)).all()):
             raise ValueError("events of a wheel or an element that is not there")

@@ -200,7 +200,7 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
     wheels = [wheel for own in setup.vehicle.wheelsets for wheel in (own.wheelset.left, own.wheelset.right)]
     flats = [part for wheel in wheels for part in wheel.out_of_round if isinstance(part, Flat)]
     if flats:
-        fastest_mode = float(np.abs(steps.eigenvalues(BodySystem(law.bodies, law), q, q_t).imag).max())
+        fastest_mode = float(np.abs(steps.eigenvalues(law, law.bodies, q, q_t).imag).max())
         ways.append(fastest * (PEAK_ERROR / STRIKE / BLOW ** (1.0 / 3.0)) ** 0.5 / fastest_mode)
     ways += [flat.length / STEPS_OF_A_FLAT for flat in flats]
     return step / max(1, ceil(step * fastest / min(ways))) if ways else step
