@@ -181,6 +181,9 @@ def test_a_unit_begins_again_and_goes_back_to_a_state(made: Any) -> None:
         each.step(20)
         assert outputs(each) == braked
     assert "no state of this unit" in other.refusal(other.deserializeFMUState, content[:-8])
+    for place, forged in ((48, 5), (48, -1), (48, 1 << 40), (40, 0x7FF8 << 48)):  # the mode, a start that is no number
+        state = content[:place] + int(forged).to_bytes(8, "little", signed=True) + content[place + 8 :]
+        assert "no state of this unit" in other.refusal(other.deserializeFMUState, state)
     unit.reset()
     unit.begin().step(20)
     assert outputs(unit) == first

@@ -20,6 +20,7 @@ from wrsim.contact.library_file import MAGIC
 from wrsim.contact.settings import FrictionAlong
 from wrsim.contact.status import WORDS, status_words
 from wrsim.core.contact import records as k
+from wrsim.core.contact.arrays import Arrays
 from wrsim.core.jit import kernel
 from wrsim.library.build import HEADER, LIBRARY, SOURCE, build_library
 
@@ -229,7 +230,7 @@ def test_every_status_has_the_text_of_python(built, saved):
     for status in (0, *WORDS, bits):
         assert opened.words(status) == (status_words(status), len(status_words(status)))
     assert opened.words(bits, 20) == (status_words(bits)[:19], len(status_words(bits)))
-    assert all(opened.words(-error)[0] for error in range(1, 9))
+    assert all(opened.words(-error)[0] for error in range(1, 10))
     opened.close()
 
 
@@ -281,9 +282,22 @@ def test_what_cannot_be_saved_or_built_or_raises_an_error_is_told(tmp_path, monk
     opened.close()
 
 
+def test_forces_that_are_no_numbers_are_no_result(built, saved):
+    path, model = saved
+    pose = poses_under_load(model, (3e-3,))[0, :12]
+    model.save_for_library(path)
+    opened = Opened(built, path)
+    assert opened.evaluate(pose) == 0
+    assert opened.library.wrsim_contact_turn_rail(opened.handle, *map(ctypes.c_double, (1e9, 1e9, 1e9))) == 0
+    assert opened.evaluate(pose) == -9
+    assert opened.library.wrsim_contact_forces(opened.handle, (ctypes.c_char * 1000)()) == -7
+    opened.close()
+
+
 def test_wrong_and_damaged_files_have_a_status_and_a_text(built, saved):
-    path, _ = saved
-    content = path.read_bytes()
+    path, model = saved
+    content, pose = path.read_bytes(), poses_under_load(model, (3e-3,))[0, :12]
+    force = model.evaluate(*pose.reshape(4, 3)).force
     random = np.random.default_rng(1)
     cases = [(b"", -2), (b"[vehicle]\n" * 100, -2), (content[: len(MAGIC)], -2), (content + b"\0" * 8, -4)]
     cases += [(content[:size], -4) for size in (100, 1000, len(content) - 1, len(content) - 8, len(content) // 2)]
@@ -297,6 +311,19 @@ def test_wrong_and_damaged_files_have_a_status_and_a_text(built, saved):
         opened = Opened(built, path)
         assert (opened.status, opened.handle.value) == (status, None), opened.message
         assert opened.message.startswith(f"{path}: ") and len(opened.message) > len(str(path)) + 20
+    words = int.from_bytes(content[48:56], "little")
+    for _ in range(60):  # offsets and sizes of arrays, with the right checksum
+        forged = bytearray(content[:-8])
+        at = 56 + words + 8 * int(random.integers(4 * len(Arrays._fields)))
+        number = int.from_bytes(forged[at : at + 8], "little", signed=True)
+        number = int(random.choice([-1, number + 1, number + 8, 1 << 20, 1 << 40, (1 << 62) + 1, -(1 << 62)]))
+        forged[at : at + 8] = number.to_bytes(8, "little", signed=True)
+        path.write_bytes(forged + zlib.crc32(forged).to_bytes(8, "little"))
+        opened = Opened(built, path)
+        assert opened.status in (0, -4), (at, number)
+        if opened.status == 0:  # an empty array somewhere else
+            assert opened.evaluate(pose) == 0 and opened.result()["force"].tobytes() == force.tobytes()
+            opened.close()
     for place in (path.parent, path.parent / "none"):
         opened = Opened(built, place)
         assert opened.status == -1 and "cannot be read" in opened.message

@@ -46,6 +46,7 @@ static const struct {
     {WRSIM_PROCESSOR, "the processor lacks instructions that this library uses: " TARGET},
     {WRSIM_ARGUMENT, "an argument is a null pointer or out of range"},
     {WRSIM_FAILED, "a kernel ended early"},
+    {WRSIM_NOT_FINITE, "the forces are not numbers: the pose, or the turn of the rail, is out of all proportion"},
 };
 
 static void *array(const wrsim_contact *c, int number) { return c->buffer + c->index[number][0]; }
@@ -59,6 +60,13 @@ static int small(const double *numbers, int count)
 {
     for (int i = 0; i < count; i++)
         if (!(fabs(numbers[i]) <= LARGEST)) return 0;
+    return 1;
+}
+
+static int finite(const double *numbers, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (!isfinite(numbers[i])) return 0;
     return 1;
 }
 
@@ -97,10 +105,36 @@ static unsigned char *read_file(const char *path, size_t *size, int *status)
     return bytes;
 }
 
+/* Whether the arrays lie one behind the other within the buffer, and hold what is written here. */
+static int fits(const int64_t index[ARRAYS][4], int64_t doubles)
+{
+    static const int64_t rows[][2] = {{ARRAY_SETTINGS, sizeof(struct settings)}, {ARRAY_TOTAL, sizeof(struct total)},
+                                      {ARRAY_MEMO, sizeof(struct memo)}, {ARRAY_POSE, 12 * 8}};
+    const int64_t *patches = index[ARRAY_PATCHES], *strips = index[ARRAY_STRIPS], step = ALIGNMENT / 8;
+    int64_t end = 0, sizes[ARRAYS];
+    for (int i = 0; i < ARRAYS; i++) {
+        const int64_t *of = index[i];
+        const int64_t across = i == ARRAY_SHAPE || i == ARRAY_POSE ? 1 : of[2], deep = of[3] ? of[3] : 1;
+        if (of[1] < 0 || across < 0 || deep < 0 || of[1] > doubles || across > doubles || deep > doubles) return 0;
+        if (across && deep > doubles / across) return 0;
+        sizes[i] = across * deep;
+        if (sizes[i] && of[1] > doubles / sizes[i]) return 0;
+        sizes[i] *= of[1];
+        if (of[0] != end && !(sizes[i] == 0 && of[0] >= 0 && of[0] < end)) return 0;
+        end += (sizes[i] + step - 1) / step * step;
+        if (end > doubles) return 0;
+    }
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        if (sizes[rows[i][0]] * 8 < rows[i][1]) return 0;
+    return end == doubles && patches[2] * 8 == sizeof(struct lobe) && strips[1] >= patches[1] &&
+           strips[3] * 8 == sizeof(struct strip);
+}
+
 /* Whether these bytes are a whole contact for these kernels. */
 static int check(const unsigned char *bytes, size_t size, struct head *head)
 {
     uint64_t sum, rest = size;
+    int64_t index[ARRAYS][4];
     if (size < sizeof *head || memcmp(bytes, FILE_MAGIC, sizeof head->magic) != 0) return WRSIM_OTHER_FILE;
     memcpy(head, bytes, sizeof *head);
     if (head->version != FILE_VERSION || memcmp(head->kernels, KERNELS, sizeof head->kernels) != 0)
@@ -112,7 +146,9 @@ static int check(const unsigned char *bytes, size_t size, struct head *head)
     rest -= (uint64_t)head->letters;
     if (rest % 8 != 0 || head->doubles < 0 || (uint64_t)head->doubles != rest / 8) return WRSIM_DAMAGED;
     memcpy(&sum, bytes + size - sizeof sum, sizeof sum);
-    return checksum(bytes, size - sizeof sum) == sum ? 0 : WRSIM_DAMAGED;
+    if (checksum(bytes, size - sizeof sum) != sum) return WRSIM_DAMAGED;
+    memcpy(index, bytes + sizeof *head + head->letters, sizeof index);
+    return fits(index, head->doubles) ? 0 : WRSIM_DAMAGED;
 }
 
 /* A contact from bytes that are checked; NULL where memory is short. */
@@ -228,6 +264,7 @@ int wrsim_contact_evaluate(wrsim_contact *contact, const double origin[3], const
     contact->evaluated = 0;
     status = run(CONTACT_STAGE, contact->buffer, contact->doubles, contact->index[0], ARRAYS, WRSIM_FAILED);
     if (status == WRSIM_FAILED) return WRSIM_FAILED;
+    if (!finite(&total_of(contact)->Ft, 3) || !finite(&total_of(contact)->Mt, 3)) return WRSIM_NOT_FINITE;
     contact->evaluated = 1;
     return (int)status;
 }

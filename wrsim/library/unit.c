@@ -5,6 +5,7 @@
  * a state is a copy of it. Signatures are those of fmi3Functions.h, version 3.0. */
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -208,9 +209,19 @@ EXPORT int fmi3GetFMUState(struct instance *one, struct memory **state)
     return *state ? OK : fail(one, "there is not enough memory%s", "", 0.0);
 }
 
+/* Whether these bytes may be a state: token, mode and start are checked, numbers are those of the unit. */
+static bool is_state(const void *bytes)
+{
+    struct memory head;
+    memcpy(&head, bytes, offsetof(struct memory, numbers));
+    return memcmp(head.token, TOKEN, sizeof TOKEN) == 0 && isfinite(head.start) && head.mode >= INSTANTIATED &&
+           head.mode <= FAILED;
+}
+
 EXPORT int fmi3SetFMUState(struct instance *one, const struct memory *state)
 {
     if (!one || !state) return ERROR;
+    if (!is_state(state)) return fail(one, "fmi3SetFMUState: %sthis is no state of this unit", "", 0.0);
     memcpy(one->memory, state, sizeof *state);
     return OK;
 }
@@ -242,7 +253,7 @@ EXPORT int fmi3SerializeFMUState(struct instance *one, const struct memory *stat
 EXPORT int fmi3DeserializeFMUState(struct instance *one, const uint8_t bytes[], size_t size, struct memory **state)
 {
     if (!one || !bytes || !state) return ERROR;
-    if (size != sizeof **state || memcmp(bytes, TOKEN, sizeof TOKEN) != 0)
+    if (size != sizeof **state || !is_state(bytes))
         return fail(one, "fmi3DeserializeFMUState: %sthe bytes are no state of this unit", "", 0.0);
     if (!*state && !(*state = copy_of(NULL))) return fail(one, "there is not enough memory%s", "", 0.0);
     memcpy(*state, bytes, size);

@@ -6,7 +6,7 @@
  * those of the moment so.
  *
  * A status is 0 (all is well), a sum of bits above 0 (a contact with remarks: wrsim_contact_words has their text), or
- * below 0 (a call that did nothing). A contact belongs to one thread at a time; different contacts share nothing. */
+ * below 0 (a call without a result). A contact belongs to one thread at a time; different contacts share nothing. */
 #ifndef WRSIM_CONTACT_H
 #define WRSIM_CONTACT_H
 
@@ -28,11 +28,12 @@ enum {
     WRSIM_NO_FILE = -1,      /* the file cannot be read */
     WRSIM_OTHER_FILE = -2,   /* it is no contact */
     WRSIM_OTHER_KERNELS = -3, /* it was written by another version of wrsim */
-    WRSIM_DAMAGED = -4,      /* it ends too early, or its checksum is wrong */
+    WRSIM_DAMAGED = -4,      /* it ends too early, its checksum is wrong, or its arrays do not fit */
     WRSIM_NO_MEMORY = -5,
     WRSIM_PROCESSOR = -6,    /* the processor lacks instructions that the library uses */
     WRSIM_ARGUMENT = -7,     /* a null pointer, numbers beyond 1e9 or not finite, an axle that is no unit vector */
-    WRSIM_FAILED = -8        /* a kernel ended early */
+    WRSIM_FAILED = -8,       /* a kernel ended early */
+    WRSIM_NOT_FINITE = -9    /* the forces are not numbers */
 };
 
 /* A wheel profile on a rail profile, with all settings and the memory to compute in. */
