@@ -1,6 +1,7 @@
 """Random poses for the strip model: is every one solved, is any force out of proportion, how long does it take?
 
     python campaigns/strip_robustness.py [--poses 100000] [--strips 16] [--seed 1] [--keep FILE] [--json FILE]
+    python campaigns/strip_robustness.py --loads 1000000 [--seed 1] [--json FILE]
     python campaigns/strip_robustness.py --walks 600 [--strips 16] [--seed 1] [--json FILE]
 
 Six pairs of profiles, lateral shift +-12 mm, yaw +-60 mrad, approach from 1 to 300 um by its logarithm; poses that bear
@@ -8,6 +9,10 @@ Six pairs of profiles, lateral shift +-12 mm, yaw +-60 mrad, approach from 1 to 
 Kik-Piotrowski screens the force: where the strip model has more than SUSPECT of it, or less than one over that, the
 half-space solver is asked. Poses come in blocks of their own seeds; --keep adds each to a file when it is done, and a
 run taken up again leaves out what stands there.
+
+--loads lets a wheel down to loads up to 200 kN, with roll up to 10 and yaw up to 40 mrad: residuals over the median,
+loads at which the strip model has no solution (static poses ask the half-space solver there), contacts of
+Kik-Piotrowski among the others.
 
 --walks carries a wheel along its rail in small steps, as runs do: shift, yaw and approach go smoothly from one random
 pose to another some millimetres away, lobes come and go. The model that follows its last contact is set beside one that
@@ -24,11 +29,14 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from wrsim.analysis.poses.solver import PoseSolver
+from wrsim.contact.batch import search_for
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.models import contact_model
 from wrsim.contact.settings import USUAL, ContactSettings
-from wrsim.core.contact.records import STATUS_NOT_CONVERGED
+from wrsim.contact.status import UNSOLVED, status_words
+from wrsim.core.contact.prescribed_load import meet_load
+from wrsim.core.contact.records import STATUS_IN_A_JUMP, STATUS_NOT_CONVERGED
 from wrsim.geometry.profile.models import load_profile
 
 MODELS = Path(__file__).parents[1] / "models"
@@ -44,6 +52,7 @@ TOO_MUCH = 1.3  # of the half-space solver's force, or one over it
 BLOCK = 5000  # poses
 SLOTS = np.logspace(1.0, 6.0, 2001)  # of times [us]: half a per cent each
 STEPS, KNOTS = 500, 21  # of a walk
+HIGHEST = np.array([12e-3, 40e-3, 10e-3])  # loads: lateral shift [m], yaw, roll [rad]
 LONGEST = np.array([4e-3, 10e-3])  # walk: lateral shift [m], yaw [rad]
 DIFFERENT, JUMP = 1e-6, 5e-3  # of the force: followed from afresh; a step from the two beside it
 
@@ -171,6 +180,35 @@ def poses(arguments: argparse.Namespace) -> dict[str, object]:
     }  # fmt: skip
 
 
+def loads(arguments: argparse.Namespace) -> dict[str, object]:
+    """Random poses at loads; those of which the strip model has no solution are printed."""
+    random, began = np.random.default_rng(arguments.seed), time.monotonic()
+    pairs = [*PAIRS, ("S1002", "60E1_worn", 20), ("S1002_worn", "60E1_worn", 20)]
+    stands = [stand(p, ContactSettings(normal="strips", tangential="none", damping=0.0)) for p in pairs]
+    residuals, count = np.zeros(arguments.loads, dtype=int), Counter[str]()
+    for i in range(arguments.loads):
+        pair = int(random.integers(len(pairs)))
+        lateral, yaw, roll = random.uniform(-1.0, 1.0, 3) * HIGHEST
+        a = stands[pair].wheels[0].model.arrays
+        stands[pair].place(lateral, RADIUS + 0.03, yaw, roll)
+        search = search_for([random.uniform(LEAST, 200e3)], a.pose[2], RADIUS, a.settings.E)[0]
+        status = int(meet_load(a.buffer, a.index, search))
+        residuals[i] = search["residuals"]
+        if status & UNSOLVED:
+            where = f"y {lateral:.9f} yaw {yaw:.9f} roll {roll:.9f} load {search['load']:.3f}"
+            print(f"{status_words(status & UNSOLVED)}: {pairs[pair]} {where}, {residuals[i]} residuals", flush=True)
+        count += Counter(
+            jumps=bool(status & STATUS_IN_A_JUMP), unsolved=bool(status & STATUS_NOT_CONVERGED),
+            kik_piotrowski=not status & UNSOLVED and int(a.rows.memo[0].strips) == 0 and float(a.total["Fb"]) > 0.0,
+            fewer=0 < int(a.rows.memo[0].strips) < STRIPS,
+        )  # fmt: skip
+    median = float(np.median(residuals))
+    return {name: count[name] for name in ("jumps", "unsolved", "kik_piotrowski", "fewer")} | {
+        "poses": arguments.loads, "median_residuals": median, "largest_over_median": float(residuals.max() / median),
+        "above_50_medians": int(np.count_nonzero(residuals > 50.0 * median)), "seconds": time.monotonic() - began,
+    }  # fmt: skip
+
+
 def walk(followed: Stand, afresh: Stand, random: np.random.Generator) -> Counter[str] | None:
     """One walk; None where it leaves the rail or its load."""
     start = random.uniform([-12e-3, -60e-3], [12e-3, 60e-3])
@@ -234,12 +272,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--poses", type=int, default=100_000)
     parser.add_argument("--walks", type=int, default=0, help="Walks instead of poses.")
+    parser.add_argument("--loads", type=int, default=0, help="Poses at loads instead of heights.")
     parser.add_argument("--strips", type=int, default=STRIPS)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--keep", type=Path, help="File of blocks, added to.")
     parser.add_argument("--json", type=Path)
     arguments = parser.parse_args()
-    result = walks(arguments) if arguments.walks else poses(arguments)
+    kind = loads if arguments.loads else walks if arguments.walks else poses
+    result = kind(arguments)
     print(json.dumps(result, indent=1))
     if arguments.json:
         arguments.json.write_text(json.dumps(result, indent=1) + "\n")

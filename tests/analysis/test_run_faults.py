@@ -460,6 +460,9 @@ def test_a_contact_s_event_says_where_and_how_long(monkeypatch: pytest.MonkeyPat
     (at_end,) = (own for own in words if own.startswith(f"the left wheel: {WORDS[STATUS_PROFILE_END]}"))
     assert ", for 0.10 m, 5 ms: the outer end of profile " in at_end
     assert f"the right wheel: {WORDS[STATUS_NOT_CONVERGED]}, for 0.10 m, 5 ms" in words
+    monitor.watched["steps"], monitor.watched["substitutes"] = 40, 3
+    words = [event_words(event, monitor.law.vehicle) for event in monitor.events()]
+    assert any(own.endswith(", for 0.10 m, 5 ms (in all 3 evaluations in 40 steps)") for own in words)
     assert list(monitor.statuses) == [STATUS_PROFILE_END | STATUS_NOT_CONVERGED] * 2
 
 

@@ -14,10 +14,14 @@ from support.hertz import hertz
 from support.rows import rows_of
 from support.sweeps import jumps, steepest
 
+from wrsim.contact.batch import search_for
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.models import contact_model as wheel_on_rail
+from wrsim.contact.pose import Pose
 from wrsim.contact.settings import USUAL, ContactSettings, HalfSpaceSettings, Material
+from wrsim.contact.status import SUBSTITUTED
 from wrsim.contact.tables import combined_modulus, influence_table
+from wrsim.core.contact.prescribed_load import MOST_RESIDUALS, meet_load
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.core.contact.strips.derivatives import jacobian
 from wrsim.core.contact.strips.equations import block_of, residuals
@@ -350,6 +354,74 @@ def test_where_the_penetration_bends_within_a_strip_newton_s_method_is_quadratic
         stand.evaluate(lateral, height + less, 0.0, 0.0)
         assert not model.arrays.call() & STATUS_NOT_CONVERGED
         assert model.arrays.rows.memo[0].iterations < 60
+
+
+WORN = ("S1002", "worn", 20)
+
+
+def bench_of(wheel, rail, inclination):
+    rail = contacts.rail_profile(rail, inclination)
+    return contacts.bench(contacts.contact_model(contacts.wheel_profile(wheel), rail, **STRIPS, **contacts.PLAIN))
+
+
+@pytest.mark.parametrize(("pair", "lateral", "yaw", "roll", "load", "residuals"), [
+    # far grids come into contact one by one: both at once never settled, 76 500 times the median
+    (WORN, 8.13006e-3, 37.8911e-3, -5.5088e-3, 76.4e3, 200),
+    # the ground of two lobes goes on over a gap: no strip belongs to both, else N is 27 % high
+    (WORN, 5.517967e-3, -14.4218e-3, -0.530688e-3, 119.7e3, 200),
+    (("S1002", "54E1", 20), 5.285521957e-3, 13.119826549e-3, 0.065067402e-3, 184.222e3, 200),
+    # a hump below the chord from a higher one to the end of the overlap: without it N is 5.5 % low
+    (("S1002", "worn", 40), 4.528706e-3, -4.445761e-3, 5.719399e-3, 132681.475, 400),
+])  # fmt: skip
+def test_poses_with_several_humps_carry_their_load_as_the_half_space_does(pair, lateral, yaw, roll, load, residuals):
+    stand = bench_of(*pair)
+    model = stand.wheels[0].model
+    solved, contact = contacts.settle(stand, lateral, yaw, load, roll)
+    assert (solved.message, solved.remark, model.arrays.status) == ("", "", 0)
+    assert model.arrays.rows.memo[0].strips == 16
+    assert model.arrays.rows.memo[0].iterations < residuals
+    assert float(model.arrays.total["Fb"]) == pytest.approx(load, rel=1e-6)
+    assert contact.force[2] == pytest.approx(HalfSpace(resolution=20).solve_pose(model).force[2], rel=2e-3)
+
+
+def test_the_shallowest_contacts_are_solved_and_hertz_s():
+    stand = bench_of("S1002", "60E1", 20)
+    model = stand.wheels[0].model
+    a = model.arrays
+    stand.place(8.918934e-3, 0.48, -38.437184e-3, 8.955071e-3)
+    for _ in range(60):
+        a.call()
+        a.pose[2] -= a.total["closest"] if a.total["closest"] > 0.0 else 0.0
+    touching, forces = float(a.pose[2]), []
+    depths = 10.0 ** np.arange(-13.0, -5.0)
+    for depth in depths:
+        a.pose[2] = touching - depth
+        assert a.call() == 0
+        forces.append(float(a.total["Fb"]))
+    assert np.diff(np.log10(forces[2:])) == pytest.approx(1.5, abs=1e-3)
+
+
+def test_a_load_in_a_jump_of_the_force_has_the_contact_of_the_half_space_and_says_so():
+    stand = bench_of(*WORN)
+    solved = stand.solve(Pose("jump", -0.961843e-3, 19.070867e-3, 64255.633, 8.858774e-3))
+    assert "the contact is that of the half-space solver" in solved.remark and not solved.message
+    held = stand.holders[0].model
+    assert held.settings.normal == "half-space" and held.arrays.status & SUBSTITUTED
+    assert float(held.arrays.total["Fb"]) == pytest.approx(64255.633, rel=1e-4)
+    # the next pose is the strip model's again
+    assert not stand.solve(Pose("plain", 0.0, 0.0, 60e3)).remark and stand.holders == stand.wheels
+
+
+def test_a_load_takes_at_most_fifty_times_the_residuals_of_the_median():
+    stand, draw, spent = bench_of("S1002", "60E1", 40), np.random.default_rng(3), []
+    for _ in range(60):
+        lateral, yaw, roll = draw.uniform(-1.0, 1.0, 3) * (12e-3, 40e-3, 10e-3)
+        stand.place(lateral, 0.49, yaw, roll)
+        a = stand.wheels[0].model.arrays
+        search = search_for([draw.uniform(1e3, 200e3)], a.pose[2], contacts.RADIUS, a.settings.E)[0]
+        assert meet_load(a.buffer, a.index, search) & ~3 == 0
+        spent.append(int(search["residuals"]))
+    assert 0.7 < MOST_RESIDUALS / (50.0 * np.median(spent)) < 1.5
 
 
 def rippled(seed, strips):

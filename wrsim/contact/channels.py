@@ -100,16 +100,19 @@ class StripRecorder:
     wheels: Sequence[WheelOnRail]
     moments: list[_Moment] = field(default_factory=list)
 
-    def store(self, elements: Sequence[Sequence[ElementField]] = ()) -> None:
+    def store(
+        self, elements: Sequence[Sequence[ElementField]] = (), holders: Sequence[WheelOnRail] | None = None
+    ) -> None:
         """Take in what belongs to the pose that the models computed last. elements: of every wheel's patches, if any;
-        only those of the first MOST_FIELDS moments are stored."""
-        patches = self.wheels[0].model.arrays.patches.shape[0]
-        raw = RawContacts.empty(1, len(self.wheels), patches)
-        for i, wheel in enumerate(self.wheels):
+        only those of the first MOST_FIELDS moments are stored; holders: the wheels with other models that hold it."""
+        wheels = self.wheels if holders is None else holders
+        patches = wheels[0].model.arrays.patches.shape[0]
+        raw = RawContacts.empty(1, len(wheels), patches)
+        for i, wheel in enumerate(wheels):
             raw.store(0, i, wheel.model.arrays)
         found, strips = patches_of(raw), {}
         for i, j in zip(*np.nonzero(found.present[0]), strict=True):
-            a, main = self.wheels[i].model.arrays, found.main[0, i, j]
+            a, main = wheels[i].model.arrays, found.main[0, i, j]
             parts = []
             for lobe in np.flatnonzero(found.member[0, i, j]):
                 own = a.strips[lobe, : a.patches[lobe].n_strips].copy()
@@ -117,8 +120,8 @@ class StripRecorder:
                 parts.append(own)
             strips[int(i), int(j)] = np.concatenate(parts)
         fields = {(i, j): patch for i, own in enumerate(elements) for j, patch in enumerate(own)}
-        outlines = np.stack([np.concatenate((wheel_outline(w), rail_outline(w))) for w in self.wheels])
-        poses = np.stack([w.model.arrays.pose for w in self.wheels])
+        outlines = np.stack([np.concatenate((wheel_outline(w), rail_outline(w))) for w in wheels])
+        poses = np.stack([w.model.arrays.pose for w in wheels])
         self.moments.append(_Moment(strips, outlines, poses, fields if len(self.moments) < MOST_FIELDS else {}))
 
     def clear_last(self) -> None:

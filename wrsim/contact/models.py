@@ -106,7 +106,23 @@ def contact_model(
 
 def fast_model(model: ContactModel) -> ContactModel:
     """The same wheel on the same rail with `ContactSettings.fast`, in arrays of its own."""
-    surface = None if model.rolled is None else model.rolled.surface
-    return contact_model(
-        model.wheel, model.rail, model.radius, model.settings.fast(), model.friction, surface, model.out_of_round
+    return _same_bodies(model, model.settings.fast())
+
+
+def exact_model(model: ContactModel) -> ContactModel:
+    """The same wheel on the same rail with pressures of the half-space solver, in arrays of its own."""
+    own = model.settings
+    settings = replace(
+        own,
+        normal="half-space",
+        tangential=own.creep_forces,
+        strips=None,
+        strip_width=None,
+        max_patches=own.patch_count,
     )
+    return _same_bodies(model, settings)
+
+
+def _same_bodies(model: ContactModel, settings: ContactSettings) -> ContactModel:
+    surface = None if model.rolled is None else model.rolled.surface
+    return contact_model(model.wheel, model.rail, model.radius, settings, model.friction, surface, model.out_of_round)

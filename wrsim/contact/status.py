@@ -22,6 +22,7 @@ MOST_ROWS = MOST_STRIPS
 TOO_MANY = 64  # elements
 GRID_EDGE = 128  # contact reaches the edge of the grid
 NOT_CONVERGED = 256
+SUBSTITUTED = 1024  # a static pose of which the strip model has no solution
 
 WORDS = {
     STATUS_NOT_REFINED: "a main point of contact was not found to round-off",
@@ -37,12 +38,16 @@ WORDS = {
     ),
     GRID_EDGE: "contact reaches the edge of the grid of elements",
     NOT_CONVERGED: "pressures or tractions have not converged",
+    SUBSTITUTED: "the strip model has no solution at this load: the contact is that of the half-space solver",
 }
 
-UNMET = STATUS_BESIDE | STATUS_OUT_OF_REACH | STATUS_IN_A_JUMP
+UNSOLVED = STATUS_NOT_CONVERGED | STATUS_IN_A_JUMP
+"""Bits of a prescribed load at which the strip model has no solution."""
+
+UNMET = STATUS_BESIDE | STATUS_OUT_OF_REACH | UNSOLVED
 """Bits of a prescribed load that is not met."""
 
-REMARKS = STATUS_NOT_REFINED | STATUS_PROFILE_END
+REMARKS = STATUS_NOT_REFINED | STATUS_PROFILE_END | SUBSTITUTED
 """Bits of contacts that are solved nevertheless."""
 
 

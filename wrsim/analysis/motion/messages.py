@@ -38,7 +38,8 @@ class Event:
     force between samples, and by how much it is beyond those beside it [N]; of a strike the force and the error of its
     peaks [N]; step: that resolves the strike or the oscillation [s]; profile: whose end a contact reaches, which
     one ("inner", "outer") and where it is, outward [m]; lasted: way [m] and time [s] in all without contact; swing:
-    frequency at which an oscillation grows and that of its cycle, 0 where that is not reached [Hz].
+    frequency at which an oscillation grows and that of its cycle, 0 where that is not reached [Hz]; unsolved:
+    evaluations of that contact without a solution of the strip model, and steps, both of the whole run so far.
     """
 
     kind: EventKind
@@ -52,6 +53,7 @@ class Event:
     profile: tuple[str, str, float] | None = None
     lasted: tuple[float, float] | None = None
     swing: tuple[float, float] = (0.0, 0.0)
+    unsolved: tuple[int, int] = (0, 0)
 
 
 class NoSteadyMotion(SimulationError):
@@ -87,6 +89,7 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     wheel = wheel_words(event.side, event.part, vehicle)
     if event.kind == "contact":
         which = "" if event.profile is None else f": {end_words(*event.profile)}"
+        which += " (in all {} evaluations in {} steps)".format(*event.unsolved) if event.unsolved[1] else ""
         return f"{wheel}: {WORDS[event.bit]}" + ("" if event.end == event.start else f", {lasted}") + which
     if event.kind == "between":
         force, beyond = (1e-3 * value for value in event.missed)

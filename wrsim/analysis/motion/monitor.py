@@ -271,6 +271,9 @@ class Monitor:
             bit = int(kind) if name == "contact" else 0
             end = _end(self.wheels[int(which)], at_end) if bit == STATUS_PROFILE_END else None
             found.append(Event(name, part, (t, distance), (last_t, last_distance), side, bit, profile=end))
+            if bit == STATUS_NOT_CONVERGED:
+                own = self.watched[int(which)]
+                found[-1] = replace(found[-1], unsolved=(int(own.substitutes), int(own.steps)))
             if kind == LIFT:
                 found[-1] = replace(found[-1], lasted=(off[1], off[0]))
             if kind == SWINGS:

@@ -8,7 +8,6 @@ at rest in the frictionless case. The height is found for the prescribed load; f
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial, reduce
 from math import sin
@@ -23,13 +22,13 @@ from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
 from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.contact.model import ContactModel
-from wrsim.contact.models import fast_model
+from wrsim.contact.models import exact_model, fast_model
 from wrsim.contact.pose import Pose
-from wrsim.contact.status import REMARKS, TOO_MANY, UNMET, status_words
+from wrsim.contact.status import REMARKS, SUBSTITUTED, TOO_MANY, UNMET, status_words
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_forces import set_pose, wheel_wrench
 from wrsim.core.contact.prescribed_load import SEARCHING, approach_of, begin_search, meet_load, next_height
-from wrsim.core.contact.records import STATUS_IN_A_JUMP, STATUS_TOO_DEEP
+from wrsim.core.contact.records import STATUS_IN_A_JUMP, STATUS_NOT_CONVERGED, STATUS_TOO_DEEP
 from wrsim.core.frames import Frame
 from wrsim.core.linalg import Vec
 
@@ -43,22 +42,27 @@ PATIENCE = 4  # evaluations of it with an overlap that is no contact any more
 @dataclass(frozen=True)
 class Solved:
     """Where the wheelset comes to rest: height of its centre above the track plane [m], roll [rad]; a message when
-    there is no solution (the heights then are not-a-number, or the nearest state); further remarks."""
+    there is no solution (the heights then are not-a-number, or the nearest state); further remarks; whether the model
+    has none though there is a contact."""
 
     height: float
     roll: float
     message: str = ""
     remark: str = ""
+    unsolved: bool = False
 
 
 class PoseSolver:
-    """One wheel or two over their rails on straight track."""
+    """One wheel or two over their rails on straight track. ``holders``: the wheels whose models hold the contact solved
+    last, these or those of the half-space solver where the strip model has no solution."""
 
     load_tolerance = 1e-6  # of the vertical force
     missed = "no equilibrium: the contact force is discontinuous at this load"
 
     def __init__(self, wheels: Sequence[WheelOnRail], rolling: bool, radius: float) -> None:
-        self.wheels = tuple(wheels)
+        self.wheels = self.holders = tuple(wheels)
+        self.rolling = rolling
+        self.exact: HalfSpacePoseSolver | None = None
         self.speed = ROLLING_SPEED if rolling else 0.0
         self.radius = radius
         self.force = np.zeros(3)
@@ -101,7 +105,23 @@ class PoseSolver:
             yield wheel, Frame(origin, Vec(1.0, 0.0, 0.0), Vec(0.0, 1.0, 0.0), Vec(0.0, 0.0, 1.0))
 
     def solve(self, pose: Pose) -> Solved:
-        """Height (and roll, with two wheels) for the pose's load. The models then hold the contact found."""
+        """Height (and roll, with two wheels) for the pose's load. The models of ``holders`` then hold the contact."""
+        solved, self.holders = self.search(pose), self.wheels
+        if not (solved.unsolved and self.wheels[0].model.normal.solves_for_strips):
+            return solved
+        if self.exact is None:
+            wheels = [replace(w, model=exact_model(w.model)) for w in self.wheels]
+            self.exact = HalfSpacePoseSolver(wheels, self.rolling, self.radius)
+        exact = self.exact.solve(pose)
+        if exact.message:
+            return solved
+        self.holders = self.exact.wheels
+        for wheel in self.holders:
+            wheel.model.arrays.total.status |= SUBSTITUTED
+        return replace(exact, remark=status_words(self.exact._status() & REMARKS))
+
+    def search(self, pose: Pose) -> Solved:
+        """The same by the wheels' own models alone."""
         for wheel in self.wheels:
             wheel.model.arrays.settings.wheel_angle = pose.wheel_angle
         try:
@@ -109,8 +129,9 @@ class PoseSolver:
             height = self._height(pose, roll)
         except LoadNotReached as problem:
             words = f"{problem} (lateral shift {1e3 * pose.lateral:g} mm, {pose.load:g} N)"
-            return Solved(float("nan"), float("nan"), words)
-        return Solved(height, roll, self._problem(pose.load), status_words(self._status() & REMARKS))
+            return Solved(float("nan"), float("nan"), words, unsolved=isinstance(problem, Unsolved))
+        missed = abs(self.force[2] / pose.load - 1.0) > self.load_tolerance
+        return Solved(height, roll, self._problem(pose.load), status_words(self._status() & REMARKS), missed)
 
     def elements(self) -> list[list[ElementField]]:
         """Elements of every wheel's patches at the last pose, where the solver has any."""
@@ -142,14 +163,18 @@ class PoseSolver:
         model = self.wheels[0].model
         shift = start - float(model.arrays.pose[2])
         words = lower(model, pose.load)
+        height = float(model.arrays.pose[2]) + shift
+        if model.arrays.status & STATUS_NOT_CONVERGED:
+            raise Unsolved(words, height)
         if words and not model.arrays.status & STATUS_IN_A_JUMP:
             raise LoadNotReached(words)
-        height = float(model.arrays.pose[2]) + shift
         self._sum_up()
         return height
 
     def _carried(self, pose: Pose, roll: float, height: float) -> Carried:
         self.evaluate(pose.lateral, height, pose.yaw, roll)
+        if self._status() & STATUS_NOT_CONVERGED:
+            raise Unsolved(status_words(STATUS_NOT_CONVERGED), height)
         arrays = [wheel.model.arrays for wheel in self.wheels]
         return Carried(float(self.force[2]), max(approach_of(a.patches, a.total) for a in arrays))
 
@@ -191,7 +216,7 @@ class HalfSpacePoseSolver(PoseSolver):
     def solve(self, pose: Pose) -> Solved:
         """See `PoseSolver.solve`; ``contacts`` then holds the contact found."""
         self._fix_elements(pose)
-        solved = super().solve(pose)
+        solved = self.search(pose)
         if np.isnan(solved.height):
             self.contacts = [None] * len(self.wheels)
         return solved
@@ -208,7 +233,7 @@ class HalfSpacePoseSolver(PoseSolver):
         """Elements for the deepest patch of every wheel, at the fast model's height."""
         self.contacts = [None] * len(self.wheels)
         self._solvers = [self.solver] * len(self.wheels)
-        self._fast.solve(pose)
+        self._fast.search(pose)
         for i, (wheel, fast) in enumerate(zip(self.wheels, self._fast.wheels, strict=True)):
             wheel.model.arrays.pose[:] = fast.model.arrays.pose
             wheel.model.arrays.settings.wheel_angle = pose.wheel_angle
@@ -219,8 +244,12 @@ class HalfSpacePoseSolver(PoseSolver):
     def _height(self, pose: Pose, roll: float) -> float:
         """See `PoseSolver._height`; starts from the fast model's height."""
         start = self.radius + CLEARANCE + abs(sin(roll)) * self.wheels[0].half_spacing
-        with suppress(LoadNotReached):
+        try:
             start = self._fast._height(pose, roll)
+        except Unsolved as problem:
+            start = problem.height
+        except LoadNotReached:
+            pass
         too_deep = 0
 
         def carried(z: float) -> Carried:
@@ -239,6 +268,14 @@ class HalfSpacePoseSolver(PoseSolver):
 
 class LoadNotReached(Exception):
     """The load is not met within any sensible approach, or the wheel is beside its rail."""
+
+
+class Unsolved(LoadNotReached):
+    """The strip model has no solution at the load; height: where that was seen [m]."""
+
+    def __init__(self, message: str, height: float) -> None:
+        super().__init__(message)
+        self.height = height
 
 
 class Carried(NamedTuple):

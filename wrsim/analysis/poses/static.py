@@ -18,7 +18,7 @@ from wrsim.contact.models import contact_model
 from wrsim.contact.patches import RawContacts
 from wrsim.contact.pose import Pose
 from wrsim.contact.settings import DRY, AnyFriction, ContactSettings
-from wrsim.contact.status import UNMET
+from wrsim.contact.status import UNMET, UNSOLVED
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.track import STANDARD_GAUGE
@@ -143,9 +143,9 @@ def _solved(
     try:
         for i, pose in enumerate(poses):
             solved = solver.solve(pose)
-            for j, wheel in enumerate(wheels):
+            for j, wheel in enumerate(solver.holders):
                 raw.store(i, j, wheel.model.arrays)
-            strips.store(solver.elements())
+            strips.store(solver.elements(), solver.holders)
             if not np.isfinite(solved.height):
                 raw.clear(i)
                 strips.clear_last()
@@ -273,6 +273,13 @@ def contact_map(
     rows = rows.reshape(-1, rows.shape[-1])
     wanted = np.broadcast_to(axes["load"], shape).ravel()
     found = placed.model.solve_many(rows, wanted, threads=threads)
+    for i in np.flatnonzero(found.status & UNSOLVED).tolist():
+        shift, yaw, roll, load = (float(v[j]) for v, j in zip(axes.values(), np.unravel_index(i, shape), strict=True))
+        solver.solve(Pose(lateral=shift, yaw=yaw, roll=roll, load=load))
+        if solver.holders is not solver.wheels:
+            arrays = solver.holders[0].model.arrays
+            found.raw.store(i, 0, arrays)
+            found.poses[i], found.status[i] = arrays.pose, arrays.status
     unmet = (found.status & UNMET) != 0
     channels = {name: values[:, 0] for name, values in contact_channels(found.raw, [placed]).items()}
     channels["vertical_shift"] = found.poses[:, 2] - rows[:, 2] + start - radius

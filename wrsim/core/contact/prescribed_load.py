@@ -22,6 +22,7 @@ from wrsim.core.contact.records import (
     POSES,
     STATUS_BESIDE,
     STATUS_IN_A_JUMP,
+    STATUS_NOT_CONVERGED,
     STATUS_OUT_OF_REACH,
     TOTAL,
 )
@@ -45,16 +46,17 @@ from wrsim.core.jit import (
 )
 
 SEARCH = record(
-    "load tolerance farthest scale start height first rate last_height last_excess low high width angle",
-    "asked touched bracketed",
+    "load tolerance farthest scale start height first rate last_height last_excess low high width angle"
+    " low_excess high_excess",
+    "asked touched bracketed residuals",
 )
 """A search. load: vertical force [N], 0 for the contact at the height as it is, below 0 for nothing at all; tolerance:
 of it [1]; farthest: from the first height with contact [m]; scale: approach to begin with [m]; start, height: of the
 first contact asked for, of the next or last one [m]; angle: by which a wheel out of round has rolled, of many poses
 [rad].
 The rest is the search's own: first height with contact [m]; rate of force^(2/3) with the height; last height and its
-excess of force^(2/3); heights with too much and with too little force, their distance three steps ago; contacts asked
-for, whether the last one and any one touched, steps within the bracket."""
+excess of force^(2/3); heights with too much and with too little force, their distance three steps ago, their excesses;
+contacts asked for, whether any one touched, steps within the bracket, residuals that the strip model took."""
 
 SEARCHING, REACHED = -1, 0
 """Outcomes of a step of the search besides the STATUS bits of a load that is not reached."""
@@ -62,6 +64,8 @@ SEARCHING, REACHED = -1, 0
 WARM = 1e-7  # of the load: tenfold what two warm contacts of one pose differ by (contact.workspace.WARM_TOLERANCE)
 NOISE = 1e-4  # of the load's 2/3 power: a difference of two forces that gives the rate to a thousandth of it
 IDLE = 0.1  # of the excess: a step that takes less of it, within the noise, was far too short; the next one is twice it
+STEEPEST = 100.0  # slope of force^(2/3) within the bracket over Hertz's, force^(2/3) over approach: beyond it is a jump
+MOST_RESIDUALS = 1350  # of the strip model at a load: fifty times the median of random poses, 27
 HIGHEST = 0.1  # above its rail, from where a wheel is let down [m]
 CLOSEST = 1e-6  # distance of profiles that do not touch, at least [m]
 
@@ -102,10 +106,10 @@ def next_height(s: Record, force: float, approach: float, tolerance: float) -> i
     s.asked += 1
     if touches and abs(force / s.load - 1.0) <= tolerance:
         return REACHED
-    if excess < 0.0:
-        s.high = min(s.high, s.height)
-    else:
-        s.low = max(s.low, s.height)
+    if excess < 0.0 and s.height < s.high:
+        s.high, s.high_excess = s.height, excess
+    elif excess >= 0.0 and s.height > s.low:
+        s.low, s.low_excess = s.height, excess
     if touches and s.touched == 0:
         s.first = s.height
     change = excess - s.last_excess
@@ -123,7 +127,8 @@ def next_height(s: Record, force: float, approach: float, tolerance: float) -> i
         new = s.height + min(max(-excess / s.rate, -most), most)
     if s.low > -inf and s.high < inf:
         middle = 0.5 * (s.low + s.high)
-        if not s.low < middle < s.high:
+        most_change = STEEPEST * (excess + target) / max(approach, CLOSEST) * (s.high - s.low)
+        if not s.low < middle < s.high or (touches and s.low_excess - s.high_excess > most_change):
             return STATUS_IN_A_JUMP
         slow = s.bracketed % 3 == 2 and s.high - s.low > 0.5 * s.width
         if s.bracketed % 3 == 0:
@@ -152,13 +157,18 @@ def approach_of(lobes: Records, total: Record) -> float:
 
 @inlined
 def _search(buffer: Array, index: Ints, s: Record, tolerance: float) -> int:
-    """Search to this tolerance; the workspace then holds the contact asked for last. Returns REACHED or STATUS bits."""
+    """Search to this tolerance; the workspace then holds the contact asked for last. Returns REACHED or STATUS bits.
+    The strip model counts as not solved, too, where all contacts together take MOST_RESIDUALS."""
     own = index[index.shape[0] - _HELD :]
     pose, lobes, total = vector(buffer, own, _POSE), records(buffer, own, _PATCHES, LOBE), results(buffer, own)[0]
+    memo = records(buffer, own, _MEMO, MEMO)[0]
     outcome = SEARCHING
     while outcome == SEARCHING:
         pose[2] = s.height
         stages.run(CONTACT, buffer, own)
+        s.residuals += 0 if total.lobes == 0 else memo.iterations
+        if total.status & STATUS_NOT_CONVERGED != 0 or s.residuals > MOST_RESIDUALS:  # type: ignore[operator]
+            return STATUS_NOT_CONVERGED
         outcome = next_height(s, total.Fb, approach_of(lobes, total), tolerance)
     return outcome
 
@@ -171,7 +181,7 @@ def meet_load(buffer: Array, index: Ints, s: Record) -> int:
     own = index[index.shape[0] - _HELD :]
     settings, memo = settings_of(buffer, own), records(buffer, own, _MEMO, MEMO)[0]
     start = settings.start
-    outcome = SEARCHING
+    outcome, s.residuals = SEARCHING, 0
     begin_search(s)
     if settings.normal == FREE_STRIPS:
         if start == COLD_START:
@@ -184,10 +194,11 @@ def meet_load(buffer: Array, index: Ints, s: Record) -> int:
             if s.rate < 0.0:
                 s.height -= (_power(results(buffer, own)[0].Fb) - _power(s.load)) / s.rate
             outcome = _search(buffer, own, s, s.tolerance)
-        if outcome != REACHED:
+        if outcome != REACHED and s.residuals <= MOST_RESIDUALS:  # type: ignore[operator]
             begin_search(s)
+            outcome = SEARCHING
     settings.start = COLD_START
-    if outcome != REACHED:
+    if outcome == SEARCHING:
         outcome = _search(buffer, own, s, s.tolerance)
     settings.start = start
     total = results(buffer, own)[0]

@@ -88,7 +88,8 @@ def move_edges(system, n, g, start, end):
 
 @kernel
 def enter(system, n):
-    """Strips, edges and grids that come into contact, edges that leave their bounds. True if there are any."""
+    """Strips that come into contact, edges that leave their bounds, and of the grids the one whose gap has closed most:
+    it may press the others apart. True if there are any."""
     memo, places = system.memo[0], system.places
     x = system.vectors[V.X]
     block = block_of(n)
@@ -112,10 +113,17 @@ def enter(system, n):
                 else:
                     grid.end_held = 0
                 changed = True
+    deepest, main = -1, 0
+    most = 0.0
     for g in range(memo.grids if not memo.alone else 0):
         if not system.grids[g].on:
-            changed = _grid_enters(system, n, g) or changed
-    return changed
+            closing, row = _largest_closing(system, n, g)
+            if closing > most:
+                deepest, main, most = g, row, closing
+    if deepest < 0:
+        return changed
+    _grid_enters(system, n, deepest, main)
+    return True
 
 
 @inlined
@@ -128,17 +136,23 @@ def _closing(system, n, g, r):
 
 
 @kernel
-def _grid_enters(system, n, g):
-    """A grid out of contact comes into it where its gap has closed. True if it does."""
+def _largest_closing(system, n, g):
+    """Largest closing of a grid out of contact [m], and its row; 0 where its gap has not closed."""
     memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
-    most = RETURN * (1.0 + grid.entries) * memo.deepest  # more each time, so that no grid comes and goes without end
-    main = -1
+    least = RETURN * (1.0 + grid.entries) * memo.deepest  # more each time, so that no grid comes and goes without end
+    most, main = 0.0, 0
     for r in range(0, ROWS, 2):
-        rows[r].closing = _closing(system, n, g, r) if rows[r].d > most else -1.0
-        if rows[r].closing > most:
+        rows[r].closing = _closing(system, n, g, r) if rows[r].d > least else -1.0
+        if rows[r].closing > max(least, most):
             most, main = rows[r].closing, r
-    if main < 0:
-        return False
+    return most, main
+
+
+@kernel
+def _grid_enters(system, n, g, main):
+    """A grid comes into contact about the row where its gap has closed most."""
+    grid, rows = system.grids[g], system.rows[g]
+    most = rows[main].closing
     first = last = main
     while first - 2 >= 0 and rows[first - 2].closing > HUMP * most:
         first -= 2
@@ -150,7 +164,6 @@ def _grid_enters(system, n, g):
     factor = hertz_ellipse(2.0 * (1.0 - HUMP) * most / (bend * half * half), 0.0, most, bend).factor
     begin_grid(system, n, g, start, end, most, bend, factor)
     grid.entries += 1
-    return True
 
 
 @kernel

@@ -57,6 +57,7 @@ def set_grids(system, found, wheel, rail, pose, count):
         status |= STATUS_PROFILE_END if beyond else 0
         grid.arc, grid.place = found[i].arc_wheel, found[i].arc_rail
         lay_rows(wheel, rail, grid, system.rows[first])
+        _set_saddles(found, i, last, system.rows[first])
         room = system.grids.size - first - (count - 1 - last)
         memo.grids += _part(system, first, min(last - i + 2, room))
         for g in range(first, memo.grids):
@@ -78,6 +79,18 @@ def set_grids(system, found, wheel, rail, pose, count):
     set_fading(system, 1.0)
     _set_shifts(system)
     return status
+
+
+@kernel
+def _set_saddles(found, first, last, rows):
+    """Places of saddles that the search has not seen, where ground goes on over a gap: its lowest row."""
+    for i in range(first, last):
+        if found[i].saddle < 0.0:
+            found[i].saddle_arc = 0.5 * (found[i].arc_rail + found[i + 1].arc_rail)
+            lowest = found[i].depth
+            for r in range(ROWS):
+                if found[i].arc_rail < rows[r].s < found[i + 1].arc_rail and rows[r].d < lowest:
+                    found[i].saddle_arc, lowest = rows[r].s, rows[r].d
 
 
 @inlined
@@ -157,6 +170,16 @@ def _over_hull(rows, p, steep, r):
 
 
 @kernel
+def _crest(rows, first, last, none):
+    """The highest local maximum of the penetration between two rows; ``none`` if there is none."""
+    crest = none
+    for r in range(first + 1, last):
+        if rows[r - 1].d < rows[r].d >= rows[r + 1].d and (crest == none or rows[r].d > rows[crest].d):
+            crest = r
+    return crest
+
+
+@kernel
 def _find_waist(rows, first, last, deepest):
     """Between two rows: where the penetration over its concave hull is least between two humps, in rows, and how much
     it is, 1.0 where there are no two humps."""
@@ -166,11 +189,15 @@ def _find_waist(rows, first, last, deepest):
     p = first
     while p < last:
         q, steep = next_corner(rows, p, last, 1)
-        if p > first and q < last and min(rows[p].d, rows[q].d) > LOW * deepest:
-            for r in range(p + 1, q):
-                ratio = _over_hull(rows, p, steep, r)
+        # a hump may lie below the chord to low ground or to an end
+        start = p if p > first and rows[p].d > LOW * deepest else _crest(rows, p, q, last)
+        end = q if q < last and rows[q].d > LOW * deepest else _crest(rows, p, q, first)
+        if start < end and min(rows[start].d, rows[end].d) > LOW * deepest:
+            steep = (rows[end].d - rows[start].d) / (end - start)
+            for r in range(start + 1, end):
+                ratio = _over_hull(rows, start, steep, r)
                 if ratio < least:
-                    before, after = _over_hull(rows, p, steep, r - 1), _over_hull(rows, p, steep, r + 1)
+                    before, after = _over_hull(rows, start, steep, r - 1), _over_hull(rows, start, steep, r + 1)
                     bend = before + after - 2.0 * ratio
                     at = r + min(max(0.5 * (before - after) / bend, -0.5), 0.5) if bend > 0.0 else float(r)
                     least = ratio

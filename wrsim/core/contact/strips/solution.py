@@ -18,10 +18,11 @@ from wrsim.core.dense import copy
 from wrsim.core.jit.compiling import kernel
 
 TOLERANCE = 1e-9  # of a cold start, over the deepest penetration
+ROUND_OFF = 1e-15  # of penetrations: places are some decimetres [m]
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 LEVELS = 0.0, LOW, 0.3  # of a grid's depth: where contact ends in first guesses; in the first one where Hertz's does
 LEAST_PORTION = 1 / 32  # of the coupling of grids, at which a solution is given up
-MOST = 4000  # residuals, from which on no fewer strips are tried: more than any of a million random poses takes
+MOST = 1500  # residuals, from which on no fewer strips are tried: more than any of a million random poses takes
 
 
 @kernel
@@ -84,7 +85,7 @@ def _switch(system, n):
 @kernel
 def _solved(system, n, tolerance):
     """Newton's method near a solution. True if it ends in one: all unknowns are numbers, some strip is in contact."""
-    if not newton(system, n, tolerance):
+    if not newton(system, n, max(tolerance, ROUND_OFF / system.memo[0].deepest)):
         return False
     x, block = system.vectors[V.X], block_of(n)
     touches = False
