@@ -167,6 +167,9 @@ ENDINGS = {
     ".csv": "a table (wrsim recording, wrsim profile)", ".json": "a JSON file", ".html": "a page", ".fmu": "a unit",
     ".prr": "a rail profile (wrsim profile)", ".prw": "a wheel profile (wrsim profile)",
     ".ban": "a rail profile (wrsim profile)", ".whl": "a wheel profile (wrsim profile)",
+    ".rai": "a rail profile (wrsim profile)", ".whe": "a wheel profile (wrsim profile)",
+    ".rail": "a rail profile (wrsim profile)", ".wheel": "a wheel profile (wrsim profile)",
+    ".slcs": "sections of a rail ([[track.rail_sections]])", ".slcw": "sections of a wheel ([[wheelset.out_of_round]])",
     ".png": "a picture", ".svg": "a picture", ".pdf": "a picture", ".jpg": "a picture",
 }  # fmt: skip
 """Files that are not TOML, by the ending of their name, and the commands that take them."""
