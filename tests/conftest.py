@@ -47,6 +47,14 @@ def _no_foreign_files():
     report_foreign()
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _forgotten_times():
+    """No run tells the time of the next one: what commands print is the same everywhere."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("wrsim.analysis.run_times._file", lambda: None)
+        yield
+
+
 @pytest.fixture
 def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures are neither put together nor painted."""

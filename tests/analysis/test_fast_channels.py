@@ -11,9 +11,9 @@ from support.rows import rows_of
 from support.runs import SCENARIOS
 
 from wrsim import InputError, Result, load, run
-from wrsim.analysis import cost_of, exact_run_warning
+from wrsim.analysis import between, cost_of, exact_run_warning
+from wrsim.analysis.run_times import learn
 from wrsim.results.exports import export_result
-from wrsim.results.table import duration
 from wrsim.scenario.build import build
 
 table = rows_of(__file__)
@@ -120,6 +120,26 @@ def test_channels_of_parts_that_are_not_there_are_refused():
         run(load(Path(SCENARIOS / "curve_r300.toml")).with_values({"run.time_s": 0.01})).fast()
 
 
+def test_the_last_run_on_this_machine_tells_the_time_of_the_next(monkeypatch, tmp_path):
+    """Its forecast is a range; what the file of the last run holds that is no number counts for nothing."""
+    file = tmp_path / "factors.json"
+    monkeypatch.setattr("wrsim.analysis.run_times._file", lambda: file)
+    setup = build(load(SCENARIOS / "curve_r300.toml"))
+    first = cost_of(setup)
+    time = first["expected_time_s"]
+    assert first["expected_by"] == "a common processor"
+    assert first["expected_range_s"] == pytest.approx([time / 2.0, 2.0 * time], rel=0.05)
+    for wall in (5.0 * time, 5.0 * time):  # what is learnt is learnt from
+        learn(setup.contact.normal, cost_of(setup)["expected_time_s"], wall)
+        assert cost_of(setup)["expected_time_s"] == pytest.approx(5.0 * time, rel=0.06)
+    assert cost_of(setup)["expected_by"] == "the last run on this machine"
+    learn(setup.contact.normal, time, 0.5)  # too short to tell
+    assert cost_of(setup)["expected_time_s"] == pytest.approx(5.0 * time, rel=0.06)
+    for odd in ("", "[]", "{", '{"strips": "x"}', '{"strips": -1.0}', '{"strips": 1e9}'):
+        file.write_text(odd)
+        assert cost_of(setup) == first
+
+
 def test_the_time_of_a_run_counts_its_fast_samples_and_the_exact_solver_warns_of_them():
     exact = {"contact.normal": "half-space", "run.distance_m": 20, "run.output_interval_ms": 5.0}
     scenario = load(SCENARIOS / "curve_r300.toml").with_values(exact)
@@ -128,5 +148,5 @@ def test_the_time_of_a_run_counts_its_fast_samples_and_the_exact_solver_warns_of
     samples = plain.plan.duration * 10_000
     assert cost_of(fast)["evaluations"] > cost_of(plain)["evaluations"] + samples
     assert "fast_channels" not in exact_run_warning(plain)[0]
-    without = duration(cost_of(plain)["expected_time_s"])
+    without = between(cost_of(plain)["expected_range_s"])
     assert f"(without run.fast_channels {without})" in exact_run_warning(fast)[0]

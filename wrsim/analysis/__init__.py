@@ -6,13 +6,14 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wrsim.analysis.progress import Progress
+from wrsim.analysis.run_times import SPREAD, forecast
 from wrsim.errors import InputError
 from wrsim.register import ANALYSES, resolved
 from wrsim.results.table import duration
@@ -121,12 +122,17 @@ def exact_run_warning(setup: Setup[Any]) -> list[str]:
     cost, fast = cost_of(setup), ""
     if setup.plan.fast_channels:
         without = cost_of(replace(setup, plan=replace(setup.plan, fast_channels=(), fast_interval=None)))
-        fast = f" (without run.fast_channels {duration(without['expected_time_s'])})"
+        fast = f" (without run.fast_channels {between(without['expected_range_s'])})"
     return [
         'contact.normal = "half-space" solves the exact problem at every stage of the integration and in every sample: '
-        f"about {cost['evaluations']} times for each wheel, some {duration(cost['expected_time_s'])}{fast}. "
+        f"about {cost['evaluations']} times for each wheel, {between(cost['expected_range_s'])}{fast}. "
         "wrsim resolve does it for the snapshots of a fast run"
     ]
+
+
+def between(times: Sequence[float]) -> str:
+    """A range of times [s] in words."""
+    return " to ".join(map(duration, times))
 
 
 EVALUATION_TIME = {"strips": 0.7e-3, "kik-piotrowski": 0.3e-3, "half-space": EXACT_TIME}
@@ -135,8 +141,8 @@ common processor; another one takes half of it or twice."""
 
 
 def cost_of(setup: Setup[Any]) -> dict[str, Any]:
-    """Evaluations of the forces that a run along the track and its samples need, and its time [s] within a factor of
-    two; of other analyses nothing."""
+    """Evaluations of the forces that a run along the track and its samples need, its time [s], the range in which that
+    lies and from where it is known; of other analyses nothing."""
     if not ANALYSES[setup.analysis].moves:
         return {}
     plan = setup.plan
@@ -145,7 +151,10 @@ def cost_of(setup: Setup[Any]) -> dict[str, Any]:
     )
     evaluations += sum(plan.duration / each for each in (plan.output_interval, plan.fast_interval) if each)
     each = EVALUATION_TIME[setup.contact.normal] * len(setup.vehicle.wheelsets)
-    return {"evaluations": round(evaluations), "expected_time_s": float(f"{each * evaluations:.2g}")}
+    expected, source = forecast(setup.contact.normal, each * evaluations)
+    low, middle, high = (float(f"{expected * factor:.2g}") for factor in (1.0 / SPREAD, 1.0, SPREAD))
+    about = {"expected_range_s": [low, high], "expected_by": source}
+    return {"evaluations": round(evaluations), "expected_time_s": middle, **about}
 
 
 @contextmanager
@@ -170,4 +179,4 @@ def recorded(record: str | Path) -> Result:
     return resolved(ANALYSES[setup.analysis].recorded)(setup, Path(record))  # type: ignore[no-any-return]
 
 
-__all__ = ["check_step", "cost_of", "exact_run_warning", "recorded", "run"]
+__all__ = ["between", "check_step", "cost_of", "exact_run_warning", "recorded", "run"]

@@ -179,7 +179,8 @@ def run_into(
     """Run a scenario and write all of its files; while it lasts, the run is stored in ``result.nc.part``. file: the
     scenario's own; progress: a context that gives the callback of `wrsim.run`. Raises InputError, SimulationError;
     KeyboardInterrupt reports where an interrupted run is stored."""
-    from wrsim.analysis import run
+    from wrsim.analysis import cost_of, run
+    from wrsim.analysis.run_times import learn
     from wrsim.core.jit.compiling import COUNT, use_threads
 
     if threads is not None:
@@ -206,6 +207,8 @@ def run_into(
                     result = run(scenario, progress=advance, record=record, resume=resume, setup=setup, threads=threads)
             compiling = COUNT.seconds - before
             wall = time.perf_counter() - started - compiling
+            if not resume and result.status == "completed" and (cost := cost_of(setup)):
+                learn(setup.contact.normal, cost["expected_time_s"], wall)
             files = write(result, directory, pictures)
             took = ({}, "") if resume else _times(result, wall, compiling)
             return Written(result, *took, files, keeper.clear(files))

@@ -5,10 +5,11 @@ from collections.abc import Sequence
 from math import ceil
 from typing import Any
 
-from wrsim.analysis import cost_of, run
+from wrsim.analysis import between, cost_of, run
+from wrsim.analysis.run_times import SPREAD
 from wrsim.errors import WrsimError
 from wrsim.register import ANALYSES
-from wrsim.results.table import Column, Table, duration
+from wrsim.results.table import Column, Table
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario
 from wrsim.study.cluster import processors
@@ -77,8 +78,9 @@ def estimated_cost(plan: Plan, workers: int | None) -> tuple[dict[str, Any], Tab
     notes = [f"... and {count - MOST_LISTED} more; --json lists all"] if count > MOST_LISTED else []
     notes.append(f"{count} cases, {len(todo)} to run")
     if todo:
-        on = f"on {workers} workers the study takes {duration(total)}"
-        notes.append(f"one case takes {duration(each)} ({source}); {on}")
+        spread = 1.0 if any(m.status == COMPLETED and not m.resumed for m in markers) else SPREAD
+        one, all_cases = (between(sorted({x / spread, x * spread})) for x in (each, total))
+        notes.append(f"one case takes {one} ({source}); on {workers} workers the study takes {all_cases}")
     rows = [(c.name, c.label, m.status) for c, m in pairs[:MOST_LISTED]]
     table = Table(plan.title, (Column("case"), Column("values"), Column("state")), rows, tuple(notes))
     return {"cases": cases, "missing": len(todo), "time": expected}, table
