@@ -218,3 +218,11 @@ def test_wrong_usage_is_json_for_machines(arguments: tuple[str, ...], words: str
     assert error["kind"] == "UsageError"
     assert words in error["messages"][0]
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize(("left", "waited", "words"), [
+    (90.0, 0.0, "1.5 min left"), (1.0, 0.0, "1 s left"), (10.0, 8.0, "2 s left"), (float("inf"), 50.0, ""),
+    (1.0, 45.0, "45 s since the last step, longer than expected"),
+])  # fmt: skip
+def test_the_time_left_runs_down_and_is_withdrawn_when_it_is_over(left: float, waited: float, words: str) -> None:
+    assert console.time_left(left, waited) == words

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
+from math import inf
 from pathlib import Path
 from shlex import quote
 from threading import Event, Thread
@@ -137,14 +138,19 @@ def progress_bar(wanted: bool) -> Iterator[Progress | None]:
 def _bar() -> Iterator[tuple[Callable[[str], None], Progress]]:
     """What sets the text of a bar, and what moves it on."""
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+    from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskProgressColumn, TextColumn
+    from rich.text import Text
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[left]}"))
+    class TimeLeft(ProgressColumn):
+        def render(self, task: Task) -> Text:
+            return Text(time_left(task.fields["left"], time.monotonic() - task.fields["told"]))
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeLeft())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("running", total=1.0, left="")
+        task = bar.add_task("running", total=1.0, left=inf, told=time.monotonic())
 
         def advance(fraction: float, seconds_left: float) -> None:
-            bar.update(task, completed=fraction, left=time_left(seconds_left))
+            bar.update(task, completed=fraction, left=seconds_left, told=time.monotonic())
 
         yield lambda words: bar.update(task, description=words, refresh=True), advance
 
@@ -152,13 +158,14 @@ def _bar() -> Iterator[tuple[Callable[[str], None], Progress]]:
 @contextmanager
 def _lines() -> Iterator[tuple[Callable[[str], None], Progress]]:
     """The same in lines, one every ``LINES_APART``, the last one again where nothing new is told for so long."""
-    last, latest, done = time.monotonic(), "running", Event()
+    last, latest, left, told, done = time.monotonic(), "running", inf, time.monotonic(), Event()
 
-    def show(words: str) -> None:
-        nonlocal last, latest
-        latest = words or latest
+    def show(words: str, seconds_left: float = inf) -> None:
+        nonlocal last, latest, left, told
+        if words:
+            latest, left, told = words, seconds_left, time.monotonic()
         if time.monotonic() - last >= LINES_APART:
-            print_error(latest)
+            print_error(f"{latest}, {time_left(left, time.monotonic() - told)}".removesuffix(", "))
             last = time.monotonic()
 
     def repeat() -> None:
@@ -167,13 +174,15 @@ def _lines() -> Iterator[tuple[Callable[[str], None], Progress]]:
 
     Thread(target=repeat, daemon=True).start()
     try:
-        yield show, lambda fraction, seconds_left: show(f"{fraction:.0%}, {time_left(seconds_left)}".removesuffix(", "))
+        yield show, lambda fraction, seconds_left: show(f"{fraction:.0%}", seconds_left)
     finally:
         done.set()
 
 
-def time_left(seconds: float) -> str:
-    """Time left in words that do not flicker."""
+def time_left(seconds: float, waited: float = 0.0) -> str:
+    """Time left in words that do not flicker; waited: since it was told [s]. Where that is over: how long ago."""
     from wrsim.results.table import duration
 
-    return f"{duration(float(round(seconds)))} left" if 0.0 <= seconds < 1e7 else ""
+    if waited > max(seconds, 1.0) + 1.0:
+        return f"{duration(float(round(waited)))} since the last step, longer than expected"
+    return f"{duration(float(round(max(seconds - waited, 0.0))))} left" if 0.0 <= seconds < 1e7 else ""
