@@ -29,6 +29,7 @@ from wrsim.core.contact.strips.influence import find_terms, pressed_at
 from wrsim.core.contact.strips.records import EDGES, VECTORS, V
 from wrsim.core.contact.wheel_rail import wheel_rail
 from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.out_of_round import RadiusTable
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.profile.wear import Removal, worn
 
@@ -422,6 +423,20 @@ def test_a_load_takes_at_most_fifty_times_the_residuals_of_the_median():
         assert meet_load(a.buffer, a.index, search) & ~3 == 0
         spent.append(int(search["residuals"]))
     assert 0.7 < MOST_RESIDUALS / (50.0 * np.median(spent)) < 1.5
+
+
+def test_a_measured_wheel_with_roughness_between_its_sections_carries_every_load_by_strips():
+    draw = np.random.default_rng(5)
+    sections, across = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False), np.linspace(-60e-3, 60e-3, 25)
+    rough = RadiusTable(sections, across, draw.uniform(-5e-6, 5e-6, (36, 25)))
+    rail = contacts.rail_profile("60E1", 40)
+    model = wheel_on_rail(contacts.wheel_profile("S1002"), rail, 0.46, ContactSettings(), 0.3, out_of_round=[rough])
+    stand = contacts.bench(model)
+    for _ in range(20):
+        lateral, yaw = draw.uniform(-1.0, 1.0, 2) * (8e-3, 5e-3)
+        pose = Pose("rough", lateral, yaw, draw.uniform(20e3, 120e3), wheel_angle=draw.uniform(0.0, 2.0 * np.pi))
+        solved = stand.solve(pose)
+        assert (solved.message, solved.remark) == ("", "")
 
 
 def rippled(seed, strips):
