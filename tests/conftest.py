@@ -7,6 +7,8 @@ import sys
 # two threads that share the small matrices of a vehicle wait awake for each other: fifty times the processor time
 # where all cores are busy; read when numpy is imported
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# before numba is imported: it reads its settings anew where they have changed since, and forgets where the cache is
+os.environ.setdefault("NUMBA_NUM_THREADS", "2")  # two threads can be tried on one core
 
 import pytest
 from hypothesis import settings
@@ -19,7 +21,6 @@ from support.workers import add_workers, begin_early, pytest_runtestloop  # noqa
 gc.disable()  # until all modules are there
 os.fsync = lambda handle: None  # what tests write needs to outlive no power cut
 sys.exudynFast = False  # the module that checks ranges and lengths
-os.environ.setdefault("NUMBA_NUM_THREADS", "2")  # two threads can be tried on one core
 # threads that wait awake take turns with the other workers of the suite: a test of two took minutes beside them
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 

@@ -26,7 +26,12 @@ from wrsim.analysis.resolve import resolve_contacts
 from wrsim.contact.status import NOT_CONVERGED, WORDS
 from wrsim.contact.workspace import KernelArrays
 from wrsim.core.contact import records
-from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
+from wrsim.core.contact.records import (
+    STATUS_LOAD_UNSOLVED,
+    STATUS_NOT_CONVERGED,
+    STATUS_PROFILE_END,
+    STATUS_TOO_DEEP,
+)
 from wrsim.scenario.build import Setup, build
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.integrate import Integration
@@ -421,6 +426,8 @@ def test_every_bit_of_the_kernels_has_words() -> None:
 def test_what_a_contact_has_to_say_is_said(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     solved()
     status = sum(KERNEL_BITS.values()) - STATUS_TOO_DEEP + NOT_CONVERGED
+    if name == "static":  # no solution of a pose
+        status &= ~(STATUS_NOT_CONVERGED | STATUS_LOAD_UNSOLVED)
     report(monkeypatch, status)
     said = ANALYSES[name]()
     assert [words for bit, words in WORDS.items() if bit & status and words not in said] == [], said

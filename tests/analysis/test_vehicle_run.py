@@ -88,12 +88,12 @@ def test_a_run_may_start_in_a_transition_as_one_does_that_has_come_there(caplog:
 
 
 def test_irregularities_are_kept_under_every_wheelset_at_its_own_place() -> None:
-    dip = {"kind": "dip", "at_m": 22.8, "length_m": 2.0, "amplitude_mm": 3.0, "rail": "left"}
-    keys = SHORT | {"track.irregularities": [dip], "run.distance_m": 1.0}
+    dip = {"kind": "dip", "at_m": 23.78, "length_m": 2.0, "amplitude_mm": 3.0, "rail": "left"}
+    keys = SHORT | {"track.irregularities": [dip], "run.distance_m": 2.4}
     dataset = run(load(ROOT / "scenarios/manchester_r300.toml").with_values(keys)).dataset
     vertical = dataset["rail_vertical"]
     assert vertical.dims == ("time", "wheelset", "wheel")
-    assert vertical.values[0, 0, 0] == pytest.approx(-3e-3, rel=0.02)  # the first wheelset stands in the middle of it
+    assert vertical.values[:, 0, 0].min() == pytest.approx(-3e-3, rel=0.02)  # the first wheelset passes its middle
     assert np.abs(vertical.values[:, 1:]).max() < 1e-3  # the others are not there yet
     assert np.abs(vertical.values[..., 1]).max() == 0.0
 

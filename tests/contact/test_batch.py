@@ -85,7 +85,8 @@ def test_a_wheel_off_its_rail_or_a_load_in_a_jump_or_beyond_reach_has_a_status()
         force = 1.1e9 * max(-s.height, 0.0) + (0.5 * LOAD if s.height < -30e-6 else 0.0)
         outcome = next_height(s, force, -float(s.height), LOAD_TOLERANCE)
     assert outcome == STATUS_IN_A_JUMP
-    assert s.height == pytest.approx(-30e-6, abs=1e-19)
+    # enclosed where the force is a hundred times as steep as Hertz's
+    assert s.low <= -30e-6 <= s.high and s.high - s.low < 0.01 * 30e-6
 
 
 @pytest.mark.parametrize("approach", [1e-13, 7e-12, 1e-9, 1e-6, 1e-4])

@@ -164,6 +164,7 @@ def test_a_damaged_file_of_the_cache_is_compiled_again_and_said_once(tmp_path, m
         assert again(first) == 2.0 * first
         return sum(again.stats.cache_misses.values())
 
+    caplog.set_level("WARNING", "wrsim")  # a command with --quiet before this test has set it higher
     monkeypatch.setattr(KernelCache, "shipped", None)
     monkeypatch.setattr(KernelCache, "faults", set())
     monkeypatch.setattr(CONFIG, "CACHE_DIR", str(tmp_path))
@@ -177,6 +178,7 @@ def test_a_damaged_file_of_the_cache_is_compiled_again_and_said_once(tmp_path, m
 
 
 def test_a_cache_that_takes_no_files_is_said_once_and_kernels_work(tmp_path, monkeypatch, caplog):
+    caplog.set_level("WARNING", "wrsim")
     monkeypatch.setattr(KernelCache, "faults", set())
     monkeypatch.setattr(CONFIG, "CACHE_DIR", str(tmp_path))
 

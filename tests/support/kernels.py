@@ -67,8 +67,8 @@ CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 CORE = str(Path(wrsim.core.__file__).parent)
 FULL_ALONE = {
-    "_add_to_middles", "_alone", "_closing", "_couple", "_find_stairs", "_grid_enters", "_one_by_one", "_rise",
-    "_switch", "four_touch", "leave", "make_room", "move_edges", "set_middles", "weight_of",
+    "_add_to_middles", "_alone", "_closing", "_couple", "_find_stairs", "_grid_enters", "_largest_closing",
+    "_one_by_one", "_rise", "_switch", "four_touch", "leave", "make_room", "move_edges", "set_middles", "weight_of",
 }  # fmt: skip
 """What the strip model does where Newton's method fails, where grids come and go, and in runs: slow uncompiled."""
 

@@ -8,6 +8,7 @@ from wrsim.contact.model import MOST_STRIPS
 from wrsim.core.contact.records import (
     STATUS_BESIDE,
     STATUS_IN_A_JUMP,
+    STATUS_LOAD_UNSOLVED,
     STATUS_NOT_CONVERGED,
     STATUS_NOT_REFINED,
     STATUS_OUT_OF_REACH,
@@ -32,6 +33,7 @@ WORDS = {
     STATUS_BESIDE: "no contact at any height: the wheel is beside its rail",
     STATUS_OUT_OF_REACH: "the load is not reached within the approach allowed",
     STATUS_IN_A_JUMP: "no equilibrium: the contact force is discontinuous at this load",
+    STATUS_LOAD_UNSOLVED: "the strip model does not meet this load in the residuals allowed",
     TOO_MANY: (
         f"contact needs more than {MOST_ELEMENTS} elements or {MOST_ROWS} rows of them: give larger ones "
         "(contact.half_space)"
@@ -41,7 +43,7 @@ WORDS = {
     SUBSTITUTED: "the strip model has no solution at this load: the contact is that of the half-space solver",
 }
 
-UNSOLVED = STATUS_NOT_CONVERGED | STATUS_IN_A_JUMP
+UNSOLVED = STATUS_NOT_CONVERGED | STATUS_IN_A_JUMP | STATUS_LOAD_UNSOLVED
 """Bits of a prescribed load at which the strip model has no solution."""
 
 UNMET = STATUS_BESIDE | STATUS_OUT_OF_REACH | UNSOLVED

@@ -61,7 +61,7 @@ def scenario_of(attributes: Mapping[str, Any], folder: str | Path, models: Seque
     attributes: of the dataset, or the header of a run file; folder, models: where model files are looked up for results
     that hold none. Raises InputError for a text that is no scenario.
     """
-    scenario = load_text(str(attributes.get("scenario_text", "")), folder, models, closed=True)
+    scenario = load_text(str(attributes["scenario_text"]), folder, models, closed=True)
     if ATTRIBUTE not in attributes:
         return scenario
 

@@ -226,7 +226,8 @@ class Monitor:
         """How the vehicle has derailed at a wheel, if it has. Notes a lifted wheel."""
         off = wheel.off_the_rail()
         if off is not None:
-            at_end = self.notes[(self.notes[:, 0] == STATUS_PROFILE_END) & (self.notes[:, 1] == i)]
+            kind, which, end_of_profile = self.notes[:, :3].T
+            at_end = self.notes[(kind == STATUS_PROFILE_END) & (which == i) & (end_of_profile >= 0)]
             if at_end.size and distance - at_end[-1, 6] <= LIFT_DISTANCE and (end := _end(wheel, at_end[-1, 2])):
                 return replace(off, words=f"{off.words}; its contact has passed {end_words(*end)}")
             return off

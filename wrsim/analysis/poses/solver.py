@@ -24,7 +24,7 @@ from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import exact_model, fast_model
 from wrsim.contact.pose import Pose
-from wrsim.contact.status import REMARKS, SUBSTITUTED, TOO_MANY, UNMET, status_words
+from wrsim.contact.status import REMARKS, SUBSTITUTED, TOO_MANY, UNMET, UNSOLVED, status_words
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_forces import set_pose, wheel_wrench
 from wrsim.core.contact.prescribed_load import SEARCHING, approach_of, begin_search, meet_load, next_height
@@ -164,8 +164,8 @@ class PoseSolver:
         shift = start - float(model.arrays.pose[2])
         words = lower(model, pose.load)
         height = float(model.arrays.pose[2]) + shift
-        if model.arrays.status & STATUS_NOT_CONVERGED:
-            raise Unsolved(words, height)
+        if model.arrays.status & (UNSOLVED & ~STATUS_IN_A_JUMP):
+            raise Unsolved(status_words(model.arrays.status & UNSOLVED), height)
         if words and not model.arrays.status & STATUS_IN_A_JUMP:
             raise LoadNotReached(words)
         self._sum_up()

@@ -22,6 +22,7 @@ from wrsim.core.contact.records import (
     POSES,
     STATUS_BESIDE,
     STATUS_IN_A_JUMP,
+    STATUS_LOAD_UNSOLVED,
     STATUS_NOT_CONVERGED,
     STATUS_OUT_OF_REACH,
     TOTAL,
@@ -158,7 +159,7 @@ def approach_of(lobes: Records, total: Record) -> float:
 @inlined
 def _search(buffer: Array, index: Ints, s: Record, tolerance: float) -> int:
     """Search to this tolerance; the workspace then holds the contact asked for last. Returns REACHED or STATUS bits.
-    The strip model counts as not solved, too, where all contacts together take MOST_RESIDUALS."""
+    The load is unsolved where the strip model takes more than MOST_RESIDUALS in all contacts together."""
     own = index[index.shape[0] - _HELD :]
     pose, lobes, total = vector(buffer, own, _POSE), records(buffer, own, _PATCHES, LOBE), results(buffer, own)[0]
     memo = records(buffer, own, _MEMO, MEMO)[0]
@@ -167,8 +168,10 @@ def _search(buffer: Array, index: Ints, s: Record, tolerance: float) -> int:
         pose[2] = s.height
         stages.run(CONTACT, buffer, own)
         s.residuals += 0 if total.lobes == 0 else memo.iterations
-        if total.status & STATUS_NOT_CONVERGED != 0 or s.residuals > MOST_RESIDUALS:  # type: ignore[operator]
+        if total.status & STATUS_NOT_CONVERGED != 0:
             return STATUS_NOT_CONVERGED
+        if s.residuals > MOST_RESIDUALS:  # type: ignore[operator]
+            return STATUS_LOAD_UNSOLVED
         outcome = next_height(s, total.Fb, approach_of(lobes, total), tolerance)
     return outcome
 

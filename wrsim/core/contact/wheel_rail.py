@@ -198,7 +198,7 @@ def _search(a: Arrays, wheel: PlacedWheel, rail: Rail) -> tuple[int, int]:
     for i in range(count):
         deepest = max(deepest, a.found[i].depth)
     if closest < -deepest - NEAR:  # deepest where a profile ends: no contact is there
-        status |= STATUS_PROFILE_END if closest > -DEEPEST else STATUS_TOO_DEEP
+        status |= STATUS_PROFILE_END
     total.status = status
     if a.depth.shape[0] > 0 and count > 0:
         settings.averaged = _length(wheel, a.found, count, settings.eps)
