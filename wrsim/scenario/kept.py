@@ -61,6 +61,8 @@ def scenario_of(attributes: Mapping[str, Any], folder: str | Path, models: Seque
     attributes: of the dataset, or the header of a run file; folder, models: where model files are looked up for results
     that hold none. Raises InputError for a text that is no scenario.
     """
+    if "scenario_text" not in attributes:
+        raise InputError("its header has no scenario_text; run the scenario again")
     scenario = load_text(str(attributes["scenario_text"]), folder, models, closed=True)
     if ATTRIBUTE not in attributes:
         return scenario
