@@ -28,11 +28,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from wrsim.analysis import run
-from wrsim.analysis.assessment.filters import low_pass
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.run import chosen_step
 from wrsim.analysis.motion.start import start_state
+from wrsim.results.filters import low_pass
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.sections.run import RunPlan

@@ -182,7 +182,8 @@ def test_every_import_of_wrsim_resolves_also_those_inside_functions() -> None:
     """Commands import when they run, and mypy does not look for modules that are missing there."""
     names = r"\w+(?: as \w+)?(?:,\s*\w+(?: as \w+)?)*"
     statement = re.compile(rf"^ *from (wrsim[\w.]*) import (?:\(\s*({names}),?\s*\)|({names}))", re.MULTILINE)
-    for path in sorted((ROOT / "wrsim").rglob("*.py")):
+    rooms = ("wrsim", "campaigns", "benchmarks", "docs")
+    for path in sorted(path for room in rooms for path in (ROOT / room).rglob("*.py")):
         for home, inside, plain in statement.findall(path.read_text()):
             module = import_module(home)
             for name in (words.split()[0] for words in (inside or plain).split(",")):
