@@ -118,3 +118,11 @@ def test_conicity_and_pressure_of_a_table_are_those_of_the_pair() -> None:
 def test_options_that_have_no_use_are_answered(words: tuple[str, ...], message: str, tmp_path: Path) -> None:
     assert message in refusal("profile", *words, "-o", str(tmp_path / "p.png"))
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("file", "words"), [("rails/60E1.toml", "60E1 is a rail"), ("wheels/S1002.toml", "is a shape by formula")]
+)
+def test_an_alignment_onto_what_does_not_fit_is_refused(file, words):
+    with pytest.raises(wrsim.InputError, match=f"^--align wheels/S1002.toml: .*{words}"):
+        wrsim.profiles(file, align="wheels/S1002.toml")

@@ -244,7 +244,7 @@ def profiles(
     """
     from wrsim.analysis.conicity.pairs import Pairing
     from wrsim.analysis.profiles import Partner, measured_tables, wheelsets_table
-    from wrsim.geometry.profile.files import reading_options
+    from wrsim.geometry.profile.files import check_alignable, reading_options
     from wrsim.geometry.profile.models import load_profile, readings_of
     from wrsim.inputs.lookup import model_file
     from wrsim.report.outputs import draw_model, write_profiles
@@ -267,6 +267,7 @@ def profiles(
     check_cutoffs(cutoff)
     with reading_options(**reading, cutoff=next(iter(cutoff), None), align=onto):
         readings, faults = readings_of(names, body, models)
+    check_alignable(readings, align, onto)
     reports = smoothing_reports(next(iter(readings.values())), cutoff) if alone else ()
     found = {name: reading.profile for name, reading in readings.items()}
     tables = measured_tables(readings, faults, unworn, partner)
