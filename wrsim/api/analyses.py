@@ -267,7 +267,8 @@ def profiles(
     check_cutoffs(cutoff)
     with reading_options(**reading, cutoff=next(iter(cutoff), None), align=onto):
         readings, faults = readings_of(names, body, models)
-    check_alignable(readings, align, onto)
+    if align is not None and onto is not None:
+        check_alignable(readings, align, onto)
     reports = smoothing_reports(next(iter(readings.values())), cutoff) if alone else ()
     found = {name: reading.profile for name, reading in readings.items()}
     tables = measured_tables(readings, faults, unworn, partner)

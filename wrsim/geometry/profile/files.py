@@ -138,12 +138,12 @@ def noted(profiles: Iterable[Profile]) -> dict[str, str]:
     return {"profile_notes": "\n".join(notes)} if notes else {}
 
 
-def check_alignable(readings: Mapping[str, Reading], align: str | None, unworn: Profile | None) -> None:
+def check_alignable(readings: Mapping[str, Reading], align: str, unworn: Profile) -> None:
     """Raise InputError where an unworn profile (`aligned`) is of another body than one of the readings, by names, or
     where one has no points."""
-    for name, reading in readings.items() if unworn is not None else ():
+    for name, reading in readings.items():
         kind = reading.profile.kind
-        if unworn is not None and kind != unworn.kind:
+        if kind != unworn.kind:
             raise InputError(f"--align {align}: is a {unworn.kind}; {name} is a {kind}")
         if reading.points is None:
             raise InputError(f"--align {align}: {name} is a shape by formula, with no points to align")
