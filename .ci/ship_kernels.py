@@ -1,4 +1,4 @@
-"""Makes the folder of compiled kernels that a wheel may hold (``wrsim.core.jit.cache``); called by ``.ci/wheel``.
+"""Makes the folder of compiled kernels that a wheel may hold (``wrsim.jit.cache``); called by ``.ci/wheel``.
 
 NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= NUMBA_CACHE_DIR=CACHE python .ci/ship_kernels.py FOLDER
 """
@@ -17,13 +17,13 @@ import numpy as np
 from numba.core.caching import UserProvidedCacheLocator
 
 from wrsim.analysis.warming import warm
+from wrsim.contact import records as k
 from wrsim.contact.models import NORMAL_MODELS, contact_model
+from wrsim.contact.profiles.models import load_profile
 from wrsim.contact.settings import ContactSettings
-from wrsim.core.contact import records as k
-from wrsim.core.contact.wheel_rail import compile_stages, wheel_rail
-from wrsim.core.jit.cache import ABOUT, CONTACT, SOURCES, made_with
+from wrsim.contact.wheel_rail import compile_stages, wheel_rail
 from wrsim.errors import WrsimError
-from wrsim.geometry.profile.models import load_profile
+from wrsim.jit.cache import ABOUT, CONTACT, PACKAGE, made_with, sources
 
 LEVEL = "x86-64-v3"
 NEEDED = (
@@ -59,10 +59,10 @@ def gather(cache: Path, folder: Path, needs: Sequence[str]) -> None:
     for name, normal in NORMAL_MODELS.items():
         if normal.solve is None:
             np.savez_compressed(folder / CONTACT.format(name), **_contact(ContactSettings(normal=name)))
-    for room in sorted({source.parent for source in SOURCES.rglob("*.py")}):
+    for room in sorted({source.parent for source in sources()}):
         kept = cache / UserProvidedCacheLocator.get_suitable_cache_subpath(str(room / "any.py"))
         for file in sorted(kept.glob("*.nb[ic]")):
-            place = folder / room.relative_to(SOURCES)
+            place = folder / room.relative_to(PACKAGE)
             place.mkdir(parents=True, exist_ok=True)
             shutil.copy(file, place)
     target = wheel_rail.targetctx.codegen().magic_tuple()

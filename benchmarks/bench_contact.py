@@ -17,19 +17,19 @@ from pathlib import Path
 import numpy as np
 
 from wrsim.analysis.poses.solver import PoseSolver
+from wrsim.contact import records as k
 from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.creep.fastsim import fastsim
+from wrsim.contact.creep.flexibility import Creepages, Flexibilities, Rolling
+from wrsim.contact.kik_piotrowski import strip_potential
 from wrsim.contact.models import contact_model
 from wrsim.contact.pose import Pose
+from wrsim.contact.profiles.models import load_profile
+from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.settings import ContactSettings, Friction
-from wrsim.core.contact import records as k
-from wrsim.core.contact.normal.kik_piotrowski import strip_potential
-from wrsim.core.contact.tangential.fastsim import fastsim
-from wrsim.core.contact.tangential.flexibility import Creepages, Flexibilities, Rolling
-from wrsim.core.contact.wheel_rail import search as search_contacts
-from wrsim.core.contact.wheel_rail import wheel_rail
-from wrsim.core.jit import kernel
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.profile import Profile
+from wrsim.contact.wheel_rail import search as search_contacts
+from wrsim.contact.wheel_rail import wheel_rail
+from wrsim.jit import kernel
 
 MODELS = Path(__file__).parents[1] / "models"
 POSES = (("tread, two lobes", 0.0, 0.002), ("tread", 3e-3, 0.002), ("tread and root", 5.06e-3, 0.001),

@@ -5,9 +5,9 @@ python benchmarks/bench_track.py
 
 from time import perf_counter
 
-from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
-from wrsim.geometry.track.spectra import Realisation
-from wrsim.geometry.track.track import Track
+from wrsim.track.segments import Arc, Segment, Straight, Transition
+from wrsim.track.spectra import Realisation
+from wrsim.track.track import Track
 
 
 def line(length: float) -> list[Segment]:

@@ -36,7 +36,7 @@ from support.crossings import on, write_crossing  # noqa: E402
 
 from wrsim.analysis import run  # noqa: E402
 from wrsim.contact.model import ContactModel  # noqa: E402
-from wrsim.geometry.track.rail_surface import RailSurface, read_sections  # noqa: E402
+from wrsim.contact.surfaces.rail_surface import RailSurface, read_sections  # noqa: E402
 from wrsim.results.result import Result  # noqa: E402
 from wrsim.scenario.loading import load  # noqa: E402
 

@@ -30,8 +30,8 @@ from table2 import SCENARIO, comparison, ours, published
 
 from wrsim import InputError, SimulationError, load, run
 from wrsim.analysis.poses.static import run_static
-from wrsim.geometry.profile.file_kinds import ChainFile
-from wrsim.geometry.profile.profile import Profile
+from wrsim.contact.profiles.file_kinds import ChainFile
+from wrsim.contact.profiles.profile import Profile
 from wrsim.inputs.checking import check_section
 from wrsim.scenario.build import Setup, build
 

@@ -26,12 +26,11 @@ from scipy.special import elliprd, elliprf
 from wrsim.analysis import run
 from wrsim.analysis import steady as solver
 from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.creep.flexibility import kalker_coefficients
 from wrsim.contact.tables import creep_coefficients
-from wrsim.core.body.kinematics import add_generalised_forces, kinematics
-from wrsim.core.body.wheel_forces import wheel_wrench
-from wrsim.core.contact.tangential.flexibility import kalker_coefficients
-from wrsim.core.linalg import Vec
-from wrsim.core.track.path import frame_at
+from wrsim.dynamics.kinematics import add_generalised_forces, kinematics
+from wrsim.dynamics.wheel_forces import wheel_wrench
+from wrsim.jit.linalg import Vec
 from wrsim.scenario.build import build
 from wrsim.simulation.force_law import Block, all_on_all
 from wrsim.simulation.law import VehicleOnTrack
@@ -39,6 +38,7 @@ from wrsim.simulation.modes import linearise
 from wrsim.simulation.placement import TrackPoses, poses_on_track
 from wrsim.simulation.steady_state import Equilibrium, steady_state
 from wrsim.simulation.system import Array
+from wrsim.track.path_kernel import frame_at
 
 VARIANTS: dict[str, dict[str, Any]] = {
     "Kik-Piotrowski, FASTSIM": {"contact.normal": "kik-piotrowski"},

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from support.profile_texts import cases, outcome
 
-from wrsim.geometry.profile.models import load_profile
+from wrsim.contact.profiles.models import load_profile
 
 
 def main() -> int:

@@ -150,7 +150,7 @@ def run_compiled(command: list[str], changed: Path | None = None, **others: str)
     if changed is not None:
         shutil.copytree(cache, cache := Path("own_cache"))
         limit = PATIENCE
-        kept = {(f.parent.name, f.stem) for f in set(Path("wrsim/core").rglob("*.py")) - users(changed)}
+        kept = {(f.parent.name, f.stem) for f in set(Path("wrsim/jit").rglob("*.py")) - users(changed)}
         for file in cache.rglob("*.nb?"):
             if (file.parent.name.rpartition("_")[0], file.name.split(".")[0]) not in kept:
                 file.unlink()

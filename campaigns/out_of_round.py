@@ -33,10 +33,10 @@ from support.rows import data_rows
 
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model
+from wrsim.contact.profiles.models import load_profile
+from wrsim.contact.profiles.sections import circle, cone
 from wrsim.contact.settings import ContactSettings, HalfSpaceSettings, Material
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.out_of_round import Flat, Harmonic, Part, RadiusTable
-from wrsim.geometry.profile.sections import circle, cone
+from wrsim.contact.surfaces.out_of_round import Flat, Harmonic, Part, RadiusTable
 
 RADIUS, CROWN, LOAD = 0.45, 0.3, 1e4
 DEPTH, LENGTH = 0.9e-3, 0.10018

@@ -24,11 +24,11 @@ from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model
 from wrsim.contact.pose import Pose
+from wrsim.contact.profiles.files import read_points
+from wrsim.contact.profiles.models import load_profile
+from wrsim.contact.profiles.profile import Profile
+from wrsim.contact.profiles.sections import circle
 from wrsim.contact.settings import ContactSettings, Flexibility, Material, Normal, Tangential, TractionBound
-from wrsim.geometry.profile.files import read_points
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.sections import circle
 
 Array = NDArray[np.float64]
 Row = dict[str, str]

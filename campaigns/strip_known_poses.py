@@ -19,7 +19,7 @@ from strip_sweeps import worst_end
 
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.pose import Pose
-from wrsim.core.contact.records import STATUS_NOT_CONVERGED
+from wrsim.contact.records import STATUS_NOT_CONVERGED
 
 COMPARED = 10  # every so many steps of a sweep the half-space solver is asked
 

@@ -33,11 +33,11 @@ from wrsim.contact.batch import search_for
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.models import contact_model
+from wrsim.contact.prescribed_load import meet_load
+from wrsim.contact.profiles.models import load_profile
+from wrsim.contact.records import STATUS_IN_A_JUMP, STATUS_NOT_CONVERGED
 from wrsim.contact.settings import USUAL, ContactSettings
 from wrsim.contact.status import UNSOLVED, status_words
-from wrsim.core.contact.prescribed_load import meet_load
-from wrsim.core.contact.records import STATUS_IN_A_JUMP, STATUS_NOT_CONVERGED
-from wrsim.geometry.profile.models import load_profile
 
 MODELS = Path(__file__).parents[1] / "models"
 PAIRS = (

@@ -17,8 +17,8 @@ from wrsim.contact.half_space.influence import Compliance
 from wrsim.contact.half_space.strips import solve_into
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
+from wrsim.contact.profiles.sections import circle, cone
 from wrsim.contact.settings import ContactSettings
-from wrsim.geometry.profile.sections import circle, cone
 
 Array = NDArray[np.float64]
 

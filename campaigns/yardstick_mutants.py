@@ -3,7 +3,7 @@
     python campaigns/yardstick_mutants.py REFERENCE [--number 50] [--seed 1] [--folder build/yardstick_mutants]
         [--only NUMBER ...] [--comparisons NAME ...]
 
-Draws mutants of signs, operators and factors of `wrsim/core` (`campaigns.mutants`), writes them all into a copy of the
+Draws mutants of signs, operators and factors of `wrsim/jit` (`campaigns.mutants`), writes them all into a copy of the
 sources as ``changed if which(number) == 1 else original``, compiles that once and runs the short form of the benchmark,
 which must be green. Then, in the order of the draw, until ``number`` mutants have counted: a fork runs the short form
 until its first red comparison, cheap ones first, and if none is, another one asks whether the mutant is equivalent
@@ -141,9 +141,9 @@ def build(folder: Path, number: int, seed: int) -> dict[int, str]:
     (folder / "w.c").write_text(C_CODE)
     library = str(folder / "libw.so")
     subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-o", library, str(folder / "w.c")], check=True)
-    (folder / "wrsim/core/jit/which.py").write_text(WHICH.format(library=library))
+    (folder / "wrsim/jit/which.py").write_text(WHICH.format(library=library))
     os.chdir(folder)
-    every = [m for f in sorted(Path("wrsim/core").rglob("*.py")) if not no_kernels(f) and f.name != "which.py"
+    every = [m for f in sorted(Path("wrsim/jit").rglob("*.py")) if not no_kernels(f) and f.name != "which.py"
              for m in mutants_of(f, factors=True)]  # fmt: skip
     words: dict[int, str] = {}
     of_files: dict[Path, dict[Place, tuple[int, ast.expr]]] = {}
@@ -160,7 +160,7 @@ def build(folder: Path, number: int, seed: int) -> dict[int, str]:
     for file, mutants in of_files.items():
         tree = Switches(mutants).visit(ast.parse(file.read_text()))
         first = next(i for i, node in enumerate(tree.body) if isinstance(node, ast.ImportFrom | ast.Import))
-        tree.body.insert(first, ast.parse("from wrsim.core.jit.which import quotient, which").body[0])
+        tree.body.insert(first, ast.parse("from wrsim.jit.which import quotient, which").body[0])
         file.write_text(ast.unparse(ast.fix_missing_locations(tree)))
         for number, _ in mutants.values():
             words[number] += " (no switch)"

@@ -20,11 +20,11 @@ from wrsim.analysis.motion.messages import EventKind
 from wrsim.analysis.motion.monitor import INTERVAL, LIFT_DISTANCE, LIFT_TIME, STRETCH
 from wrsim.analysis.stability.cycles import Ending
 from wrsim.cli import app
+from wrsim.contact.records import STATUS_TOO_DEEP
 from wrsim.contact.status import WORDS
-from wrsim.core.contact.records import STATUS_TOO_DEEP
+from wrsim.inputs.file_kinds import FILES
 from wrsim.inputs.reference import entries, heading, purpose
 from wrsim.inputs.section import Section
-from wrsim.register import FILES
 from wrsim.results import CHANNELS
 from wrsim.scenario.reference import schema_text, tables_of_file
 from wrsim.simulation.recorder import Cause

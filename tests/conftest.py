@@ -69,13 +69,13 @@ def sketched(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 FIRST = (
-    "core/test_kernels.py",
+    "jit/test_kernels.py",
     # without kernels, while these are compiled
     "cli/test_users_files.py", "cli/test_cli.py", "tests/plots/", "tests/results/", "cli/test_words.py",
     "study/test_study.py", "study/test_evolution.py", "tests/report/", "analysis/test_train.py",
     "analysis/test_shipped_scenarios.py", "analysis/test_vehicle_run.py",
     "contact/test_strip_model.py", "analysis/test_resume.py", "contact/test_library.py", "contact/test_crossing.py",
-    "core/test_shipped.py", "simulation/test_energy.py", "vehicle/test_vehicle_loads.py",
+    "jit/test_shipped.py", "simulation/test_energy.py", "vehicle/test_vehicle_loads.py",
 )  # fmt: skip
 """What comes first: the test that compiles nearly all kernels, beside it tests that need none, then the longest."""
 

@@ -7,7 +7,6 @@ summary and tables (``results``), its pictures (``plots``), and one entry here.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib import import_module
 from typing import Any
 
 
@@ -66,7 +65,7 @@ def _shown_by(room: str) -> dict[str, Any]:
 
 _RUN = {"run": "wrsim.scenario.sections.run:RunSection", "output": "wrsim.scenario.sections.run:OutputSection"}
 _ASSESSED = {
-    "assessment": "wrsim.scenario.sections.assessment:AssessmentSection",
+    "assessment": "wrsim.assessment.settings:AssessmentSection",
     "ride": "wrsim.scenario.sections.run:RideSection",
     "wear": "wrsim.scenario.sections.run:WearSection",
 }
@@ -136,49 +135,3 @@ ANALYSES = {
 
 TABLES = {name: kind for analysis in ANALYSES.values() for name, kind in analysis.tables.items()}
 """All tables of a scenario that belong to some analyses only, by name."""
-
-
-FILES = {
-    "scenario": ("a scenario", "wrsim.scenario.schema:ScenarioFile"),
-    "study": ("a study", "wrsim.study.spec:StudyFile"),
-    "programme": ("a type test", "wrsim.study.programme:ProgrammeFile"),
-    "evolution": ("a profile evolution", "wrsim.study.spec:EvolutionFile"),
-    "vehicle": ("a vehicle file", "wrsim.vehicle.vehicle_files:VehicleFile"),
-    "wheelset": ("a vehicle file of one wheelset", "wrsim.vehicle.vehicle_files:WheelsetFile"),
-    "train": ("a train file", "wrsim.vehicle.vehicle_files:TrainFile"),
-    "track": ("a track file", "wrsim.scenario.merging:TrackFile"),
-    "profile": ("a profile file", "wrsim.geometry.profile.models:AnyProfileFile"),
-    "crossing": ("a crossing file", "wrsim.geometry.track.crossing:CrossingFile"),
-    "rules": ("a rule set", "wrsim.results.rules:RulesFile"),
-    "columns": ("the column map of a recording", "wrsim.recording.columns:ColumnsFile"),
-}
-"""Kinds of files that users write, and the class of each, or the classes that it may be one of."""
-
-COMMANDS = {
-    "scenario": "wrsim run", "study": "wrsim study", "programme": "wrsim type-test",
-    "evolution": "wrsim wear", "vehicle": "wrsim vehicle",
-    "wheelset": "wrsim vehicle", "train": "wrsim vehicle", "track": "wrsim track", "profile": "wrsim profile",
-    "rules": "wrsim assess --rules", "columns": "wrsim recording --columns",
-}  # fmt: skip
-"""The commands that take these kinds of files."""
-
-ENDINGS = {
-    ".nc": "a file of numbers (wrsim show, wrsim report)", ".part": "a run that was cut off (wrsim show)",
-    ".csv": "a table (wrsim recording, wrsim profile)", ".json": "a JSON file", ".html": "a page", ".fmu": "a unit",
-    ".prr": "a rail profile (wrsim profile)", ".prw": "a wheel profile (wrsim profile)",
-    ".ban": "a rail profile (wrsim profile)", ".whl": "a wheel profile (wrsim profile)",
-    ".rai": "a rail profile (wrsim profile)", ".whe": "a wheel profile (wrsim profile)",
-    ".rail": "a rail profile (wrsim profile)", ".wheel": "a wheel profile (wrsim profile)",
-    ".slcs": "sections of a rail ([[track.rail_sections]])", ".slcw": "sections of a wheel ([[wheelset.out_of_round]])",
-    ".png": "a picture", ".svg": "a picture", ".pdf": "a picture", ".jpg": "a picture",
-}  # fmt: skip
-"""Files that are not TOML, by the ending of their name, and the commands that take them."""
-
-OTHER_NAMES = {"service": "evolution", "wear": "evolution"}
-"""Other names of kinds of files, that are understood."""
-
-
-def resolved(name: str) -> Any:
-    """The function or class of a name of the register."""
-    module, _, attribute = name.partition(":")
-    return getattr(import_module(module), attribute)

@@ -17,9 +17,9 @@ from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import Contact
 from wrsim.contact.models import contact_model
 from wrsim.contact.pose import Pose
-from wrsim.geometry.profile.out_of_round import RadiusTable
-from wrsim.geometry.profile.points import ProfilePoints, interpolated
-from wrsim.geometry.track.rail_surface import RailSection, RailSurface
+from wrsim.contact.profiles.points import ProfilePoints, interpolated
+from wrsim.contact.surfaces.out_of_round import RadiusTable
+from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface
 
 Array = NDArray[np.float64]
 BESIDE, ROLLED = 5e-3, 0.7  # distance of the axle from the centre [m]; the angle by which the wheel has rolled [rad]

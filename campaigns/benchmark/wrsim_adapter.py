@@ -37,25 +37,25 @@ from wrsim.analysis.conicity.conicity import wheelset_conicity
 from wrsim.analysis.overturning import stopped_at
 from wrsim.analysis.ride import WEIGHTINGS
 from wrsim.analysis.stationary.statics import static_state
+from wrsim.contact.creep.flexibility import kalker_coefficients
 from wrsim.contact.half_space.influence import Compliance, Operator
 from wrsim.contact.half_space.normal import solve_normal
 from wrsim.contact.half_space.rolling import solve_rolling
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model
 from wrsim.contact.pose import Pose
+from wrsim.contact.profiles.models import load_profile
+from wrsim.contact.profiles.sections import circle, cone
 from wrsim.contact.settings import ContactSettings, HalfSpaceSettings, Material
 from wrsim.contact.tables import creep_coefficients
-from wrsim.core.body import vehicle_forces
-from wrsim.core.contact.tangential.flexibility import kalker_coefficients
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.sections import circle, cone
-from wrsim.geometry.track.segments import Arc, Straight, Transition
-from wrsim.geometry.track.sleepers import Layer, RailBeam, SleeperTrack
-from wrsim.geometry.track.track import Track
+from wrsim.dynamics import vehicle_forces
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.simulation.modes import linearise
+from wrsim.track.segments import Arc, Straight, Transition
+from wrsim.track.sleepers import Layer, RailBeam, SleeperTrack
+from wrsim.track.track import Track
 from wrsim.vehicle.elements import Spring
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import AxleBox, Body, Vehicle

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle, FancyArrowPatch, Polygon
 
-from wrsim.geometry.profile.models import load_profile
+from wrsim.contact.profiles.models import load_profile
 from wrsim.plots.theme import INK, MM, QUIET, RAIL_FILL, STYLE, WHEEL_COLOUR, WHEEL_FILL, new_figure
 
 HERE = Path(__file__).parent

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from wrsim.core.body.friction import BERG, COULOMB, FANCHER, slider_force
-from wrsim.core.body.suspension import ELEMENT
+from wrsim.dynamics.friction import BERG, COULOMB, FANCHER, slider_force
+from wrsim.dynamics.suspension import ELEMENT
 from wrsim.plots import new_figure, save, style
 
 HERE = Path(__file__).parent

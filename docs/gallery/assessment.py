@@ -15,7 +15,7 @@ result = run(scenario.with_values(quick))
 
 # %%
 # Values are filtered as the standard asks, section by section of the track.
-from wrsim.analysis.assessment import assess_runs
+from wrsim.assessment.assess import assess_runs
 from wrsim.plots.assessment import limits_figure
 
 figure = limits_figure(assess_runs(result))

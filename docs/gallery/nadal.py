@@ -10,7 +10,7 @@ Quotient Y/Q above which a wheel in full slip climbs its flange, over friction a
 import numpy as np
 from matplotlib.figure import Figure
 
-from wrsim.analysis.assessment.nadal import nadal_limit
+from wrsim.assessment.nadal import nadal_limit
 
 friction = np.linspace(0.1, 0.6, 51)
 figure = Figure(figsize=(6.5, 3.2), layout="constrained")

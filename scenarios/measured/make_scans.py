@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wrsim.geometry.profile.models import load_profile
+from wrsim.contact.profiles.models import load_profile
 
 HERE = Path(__file__).parent
 NOISE = 10e-6

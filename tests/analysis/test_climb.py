@@ -9,10 +9,10 @@ from support.rows import rows_of
 from support.runs import SCENARIOS
 
 from wrsim import InputError, SimulationError, load, load_profile, run
-from wrsim.analysis.assessment.nadal import nadal_limit
 from wrsim.analysis.overturning import at_speed, stopped_at
 from wrsim.analysis.stationary.statics import static_state
-from wrsim.geometry.profile.flange import flange_dimensions, flank_of
+from wrsim.assessment.nadal import nadal_limit
+from wrsim.contact.profiles.flange import flange_dimensions, flank_of
 from wrsim.plots.climb import climb_figure
 from wrsim.plots.overturning import overturning_figures
 from wrsim.results.climb import climb_tables, summarise_climb

@@ -16,10 +16,10 @@ from support.runs import ROOT
 from wrsim import InputError, Profile, Result, load, load_profile, run
 from wrsim.analysis.conicity.conicity import equivalent_conicity, wheelset_conicity
 from wrsim.analysis.conicity.pairs import conicity_map
-from wrsim.geometry.profile.check_rail import with_check_rail
-from wrsim.geometry.profile.flange import FLANGE_FROM
-from wrsim.geometry.profile.models import readings_in
-from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections
+from wrsim.contact.profiles.check_rail import with_check_rail
+from wrsim.contact.profiles.flange import FLANGE_FROM
+from wrsim.contact.profiles.models import readings_in
+from wrsim.contact.profiles.sections import ProfileArc, ProfileLine, circle, cone, profile_from_sections
 from wrsim.results.conicity import steering_summary
 from wrsim.results.tables import tables
 from wrsim.scenario.sections.conicity import ConicityPlan

@@ -18,8 +18,8 @@ from support.vehicles import COARSE, ROOT, on_track, read_vehicle, shipped
 from wrsim import InputError, Scenario, Straight, Track, load, run
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.start import start_state
-from wrsim.core.body.kinematics import kinematics
-from wrsim.core.body.rigid_body import pitched
+from wrsim.dynamics.kinematics import kinematics
+from wrsim.dynamics.rigid_body import pitched
 from wrsim.scenario.build import build
 from wrsim.simulation.bodies import mass_matrix
 from wrsim.simulation.integrate import Integration

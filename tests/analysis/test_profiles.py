@@ -11,11 +11,11 @@ from support.rows import rows_of
 import wrsim
 from wrsim import Profile, load_profile
 from wrsim.analysis.profiles import measured_tables
-from wrsim.geometry.profile.files import Reading
-from wrsim.geometry.profile.flange import tread_hollow
-from wrsim.geometry.profile.head_wear import head_wear
-from wrsim.geometry.profile.sections import cone
-from wrsim.geometry.profile.wear import Removal, worn
+from wrsim.contact.profiles.files import Reading
+from wrsim.contact.profiles.flange import tread_hollow
+from wrsim.contact.profiles.head_wear import head_wear
+from wrsim.contact.profiles.sections import cone
+from wrsim.contact.profiles.wear import Removal, worn
 
 table = rows_of(__file__)
 

@@ -14,7 +14,6 @@ from support.vehicles import Train, manchester, on_track
 
 from wrsim import Arc, Flat, Harmonic, InputError, Result, load, load_profile, load_text, load_vehicle, run
 from wrsim.analysis.resolve import resolve_contacts
-from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.lookup import shipped_models
 from wrsim.inputs.toml_files import write_toml
 from wrsim.results.moments import sample_of
@@ -22,6 +21,7 @@ from wrsim.scenario.build import build
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import lower_on_rails, steady_state
 from wrsim.simulation.step_size import eigenvalues
+from wrsim.track.track import RailElasticity
 
 table = rows_of(__file__)
 

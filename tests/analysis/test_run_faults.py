@@ -23,15 +23,15 @@ from wrsim.analysis.motion.messages import event_words
 from wrsim.analysis.motion.monitor import LIFT_DISTANCE, LIFT_TIME, MANY, STRIKE, Monitor
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.analysis.resolve import resolve_contacts
-from wrsim.contact.status import NOT_CONVERGED, WORDS
-from wrsim.contact.workspace import KernelArrays
-from wrsim.core.contact import records
-from wrsim.core.contact.records import (
+from wrsim.contact import records
+from wrsim.contact.records import (
     STATUS_LOAD_UNSOLVED,
     STATUS_NOT_CONVERGED,
     STATUS_PROFILE_END,
     STATUS_TOO_DEEP,
 )
+from wrsim.contact.status import NOT_CONVERGED, WORDS
+from wrsim.contact.workspace import KernelArrays
 from wrsim.scenario.build import Setup, build
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.integrate import Integration

@@ -15,7 +15,7 @@ from wrsim import Arc, Scenario, Straight, load, run
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.stability.rolling import RollingVehicle
-from wrsim.core.jit.compiling import cores, use_threads
+from wrsim.jit.compiling import cores, use_threads
 from wrsim.plots.histories import vehicle_figures
 from wrsim.scenario.build import build
 from wrsim.simulation.integrate import Integration
@@ -164,6 +164,6 @@ def test_a_train_of_three_takes_all_cores_and_a_coach_one(monkeypatch: pytest.Mo
     for case, given in ((train, {}), (train, {"threads": 1}), (coach, {})):
         run(case, **given)
     assert asked == [cores(), 1, 1]
-    monkeypatch.setattr("wrsim.core.jit.compiling.use_threads", lambda _: use_threads(10**6))
+    monkeypatch.setattr("wrsim.jit.compiling.use_threads", lambda _: use_threads(10**6))
     run(train)
     assert asked[-1] == 1

@@ -79,7 +79,7 @@ class Unit(FMU3Slave):
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("wrsim.library.build.emit_object", kept_object)
+        patch.setattr("wrsim.contact.library.build.emit_object", kept_object)
         return Path(write_unit(COACH, tmp_path_factory.mktemp("unit") / "coach.fmu").files[0])
 
 

@@ -16,9 +16,10 @@ from support.commands import call, ok, refusal
 from support.rows import rows_of
 
 from wrsim import InputError, Vehicle, load, load_profile, load_text, load_vehicle
+from wrsim.inputs.file_kinds import FILES
 from wrsim.inputs.reference import entries
 from wrsim.inputs.toml_files import shown_value
-from wrsim.register import ANALYSES, FILES
+from wrsim.register import ANALYSES
 from wrsim.scenario.build import build
 from wrsim.scenario.plausibility import vehicle_warnings
 from wrsim.scenario.reference import schema_text, tables_of_file

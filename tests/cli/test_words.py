@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 
 import wrsim.analysis
 from wrsim.cli import app
-from wrsim.core.jit.compiling import Kernel
+from wrsim.jit.compiling import Kernel
 from wrsim.plots.moments import moment_title
 from wrsim.results import Result
 from wrsim.results.differences import differences

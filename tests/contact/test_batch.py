@@ -7,9 +7,9 @@ from support.contacts import RADIUS, bench, pair_model, rail_profile, wheel_prof
 
 from wrsim import ContactSettings, InputError, contact_map
 from wrsim.contact.batch import LOAD_TOLERANCE, search_for
-from wrsim.core.contact.prescribed_load import REACHED, SEARCHING, begin_search, next_height
-from wrsim.core.contact.records import STATUS_BESIDE, STATUS_IN_A_JUMP, STATUS_OUT_OF_REACH
-from wrsim.core.jit.compiling import cores
+from wrsim.contact.prescribed_load import REACHED, SEARCHING, begin_search, next_height
+from wrsim.contact.records import STATUS_BESIDE, STATUS_IN_A_JUMP, STATUS_OUT_OF_REACH
+from wrsim.jit.compiling import cores
 
 PAIR = "S1002/60E1 1:40"
 LOAD = 55e3

@@ -8,9 +8,9 @@ import pytest
 from support.contacts import GAUGE, RADIUS, contact_model, rail_profile, wheel_profile
 
 from wrsim import InputError, load
-from wrsim.core.contact.records import STATUS_PROFILE_END
-from wrsim.geometry.profile.check_rail import ends_before_its_back, with_check_rail
-from wrsim.geometry.profile.flange import with_back
+from wrsim.contact.profiles.check_rail import ends_before_its_back, with_check_rail
+from wrsim.contact.profiles.flange import with_back
+from wrsim.contact.records import STATUS_PROFILE_END
 from wrsim.scenario.build import build
 
 SCENARIO = Path(__file__).parents[2] / "scenarios/check_rail.toml"

@@ -15,9 +15,9 @@ from support.examples import examples
 from support.rows import data_rows, rows_of
 
 from wrsim import InputError, load
+from wrsim.contact.creep.flexibility import Flexibilities, Rolling, kalker_coefficients
+from wrsim.contact.creep.march import begin, hold_power, march
 from wrsim.contact.tables import bound_over_cells, creep_coefficients
-from wrsim.core.contact.tangential.flexibility import Flexibilities, Rolling, kalker_coefficients
-from wrsim.core.contact.tangential.march import begin, hold_power, march
 
 table = rows_of(__file__)
 

@@ -22,12 +22,12 @@ from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import Contact
 from wrsim.contact.models import contact_model as model_of
-from wrsim.core.contact.rail import unfold
-from wrsim.geometry.profile.points import ProfilePoints, interpolated
-from wrsim.geometry.profile.sections import ProfileArc, ProfileLine, circle, profile_from_sections
-from wrsim.geometry.track.crossing import read_crossing
-from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
-from wrsim.geometry.track.rolled_rail import rolled_rail
+from wrsim.contact.profiles.points import ProfilePoints, interpolated
+from wrsim.contact.profiles.sections import ProfileArc, ProfileLine, circle, profile_from_sections
+from wrsim.contact.surfaces.rail import unfold
+from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface, read_sections
+from wrsim.contact.surfaces.rolled_rail import rolled_rail
+from wrsim.track.crossing import read_crossing
 
 RISE = 0.1
 

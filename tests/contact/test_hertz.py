@@ -17,10 +17,10 @@ from support.hertz import Ellipse, hertz
 from wrsim import Profile, load_profile
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.kik_piotrowski import strip_potential
 from wrsim.contact.model import EPSILON
+from wrsim.contact.profiles.sections import circle, cone
 from wrsim.contact.tables import combined_modulus
-from wrsim.core.contact.normal.kik_piotrowski import strip_potential
-from wrsim.geometry.profile.sections import circle, cone
 
 # design table: ratio A/B of curvatures -> a, b, area, N, p0 of Kik-Piotrowski over Hertz at equal approach
 RATIOS = {

@@ -18,12 +18,12 @@ from support.contacts import GAUGE, HALF_SPACING, RADIUS, contact_model, finite,
 from wrsim import Pose, Profile
 from wrsim.analysis.poses.solver import HalfSpacePoseSolver, PoseSolver
 from wrsim.contact import models
+from wrsim.contact import records as k
 from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.profiles.sections import circle, cone
+from wrsim.contact.profiles.wear import Removal, worn
 from wrsim.contact.settings import HalfSpaceSettings, Normal
 from wrsim.contact.status import GRID_EDGE, NOT_CONVERGED, TOO_MANY
-from wrsim.core.contact import records as k
-from wrsim.geometry.profile.sections import circle, cone
-from wrsim.geometry.profile.wear import Removal, worn
 
 NORMALS = get_args(Normal)
 FAST = tuple(n for n in NORMALS if n != "half-space")

@@ -16,13 +16,13 @@ from support.contacts import RADIUS, bench, pair_model, rail_profile, settle, wh
 from support.kernels import kept_object
 
 from wrsim import Friction, Harmonic, InputError, WrsimError, contact_model
+from wrsim.contact import records as k
+from wrsim.contact.arrays import Arrays
+from wrsim.contact.library.build import HEADER, LIBRARY, SOURCE, build_library
 from wrsim.contact.library_file import MAGIC
 from wrsim.contact.settings import FrictionAlong
 from wrsim.contact.status import WORDS, status_words
-from wrsim.core.contact import records as k
-from wrsim.core.contact.arrays import Arrays
-from wrsim.core.jit import kernel
-from wrsim.library.build import HEADER, LIBRARY, SOURCE, build_library
+from wrsim.jit import kernel
 
 ROOT = Path(__file__).parents[2]
 CC = os.environ.get("CC", "cc")
@@ -79,7 +79,7 @@ def built(tmp_path_factory):
     folder = tmp_path_factory.mktemp("library")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("CC", f"{CC} -Wall -Wextra -Werror")
-        patch.setattr("wrsim.library.build.emit_object", kept_object)
+        patch.setattr("wrsim.contact.library.build.emit_object", kept_object)
         build_library(folder)
     compile_program(folder, Path(__file__).with_name("library_poses.c"), "-pthread")
     return folder
@@ -274,7 +274,7 @@ def test_what_cannot_be_saved_or_built_or_raises_an_error_is_told(tmp_path, monk
         patch.setenv("CC", "no-such-compiler")
         build_library(tmp_path)
     path, model = saved
-    monkeypatch.setattr("wrsim.library.build.STAGES", {k.CONTACT: raises})
+    monkeypatch.setattr("wrsim.contact.library.build.STAGES", {k.CONTACT: raises})
     build_library(tmp_path)
     opened = Opened(tmp_path, path)
     assert opened.evaluate(poses_under_load(model, (3e-3,))[0, :12]) == -8
@@ -369,7 +369,7 @@ def test_twenty_thousand_random_poses_have_the_bits_of_python(built, normal):
 @pytest.mark.campaign
 def test_a_library_for_common_processors_has_the_bits_of_this_machine(built, tmp_path):
     env = os.environ | {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}
-    subprocess.run([sys.executable, "-m", "wrsim.library.build", tmp_path], env=env, check=True)
+    subprocess.run([sys.executable, "-m", "wrsim.contact.library.build", tmp_path], env=env, check=True)
     compile_program(tmp_path, Path(__file__).with_name("library_poses.c"), "-pthread")
     for normal in NORMALS:
         model = pair_model(PAIR, normal=normal)

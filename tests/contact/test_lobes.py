@@ -6,14 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support import contacts
 
+from wrsim.contact.kik_piotrowski import own_influence, solve_amplitudes
 from wrsim.contact.model import EPSILON
+from wrsim.contact.profiles.profile import Profile
+from wrsim.contact.profiles.sections import ProfileArc, cone, profile_from_sections
+from wrsim.contact.profiles.wear import Removal, worn
+from wrsim.contact.records import FOUND, LOBE
+from wrsim.contact.search.lobes import couple, select_deepest
 from wrsim.contact.tables import combined_modulus
-from wrsim.core.contact.normal.kik_piotrowski import own_influence, solve_amplitudes
-from wrsim.core.contact.records import FOUND, LOBE
-from wrsim.core.contact.search.lobes import couple, select_deepest
-from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.sections import ProfileArc, cone, profile_from_sections
-from wrsim.geometry.profile.wear import Removal, worn
 
 depths = st.floats(1e-6, 1e-3)
 shares = st.floats(0.0, 1.0)

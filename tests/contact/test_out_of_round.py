@@ -9,12 +9,12 @@ from support.rows import data_rows, rows_of
 from support.scripts import script
 
 from wrsim import ContactSettings, Flat, Harmonic, InputError, RadiusTable, contact_model
-from wrsim.core.contact.out_of_round import depth_at
-from wrsim.core.contact.profile import profile_point
-from wrsim.core.contact.search.locus import LARGEST_SINE, locus_node, locus_point
-from wrsim.core.contact.wheel_rail import bodies
-from wrsim.geometry.profile.out_of_round import shape_tables
-from wrsim.geometry.profile.sections import circle, cone
+from wrsim.contact.profiles.sections import circle, cone
+from wrsim.contact.search.locus import LARGEST_SINE, locus_node, locus_point
+from wrsim.contact.surfaces.out_of_round import shape_tables
+from wrsim.contact.surfaces.profile_table import profile_point
+from wrsim.contact.surfaces.wheel_shape import depth_at
+from wrsim.contact.wheel_rail import bodies
 
 table = rows_of(__file__)
 

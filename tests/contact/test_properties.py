@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 from support.contacts import HALF_SPACING, PAIRS, RADIUS, pair_model, rail_origin, strips_of
 from support.examples import examples
 
+from wrsim.contact import records as k
 from wrsim.contact.settings import Friction
-from wrsim.core.contact import records as k
 
 speeds = st.sampled_from([0.0, 1e-3, -0.5, 20.0, 100.0])
 states = st.fixed_dictionaries(

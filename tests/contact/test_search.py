@@ -6,12 +6,12 @@ from scipy.spatial import cKDTree
 from support import contacts
 from support.sweeps import jumps
 
-from wrsim.core.contact.profile import profile_point
-from wrsim.core.contact.records import ProfileTable
-from wrsim.core.contact.search.locus import locus_point, outline
-from wrsim.core.root import Bracket, crossing, narrowed
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.sections import ProfileArc, profile_from_sections, rail_head
+from wrsim.contact.profiles.models import load_profile
+from wrsim.contact.profiles.sections import ProfileArc, profile_from_sections, rail_head
+from wrsim.contact.records import ProfileTable
+from wrsim.contact.search.locus import locus_point, outline
+from wrsim.contact.surfaces.profile_table import profile_point
+from wrsim.jit.root import Bracket, crossing, narrowed
 
 YAWS = (0.0, 0.012, -0.03)
 OTHERS = ("S1002/60E1 1:20", "S1002/54E1 1:20")

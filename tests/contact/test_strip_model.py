@@ -18,20 +18,20 @@ from wrsim.contact.batch import search_for
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.models import contact_model as wheel_on_rail
 from wrsim.contact.pose import Pose
+from wrsim.contact.prescribed_load import MOST_RESIDUALS, meet_load
+from wrsim.contact.profiles.models import load_profile
+from wrsim.contact.profiles.sections import circle
+from wrsim.contact.profiles.wear import Removal, worn
+from wrsim.contact.records import STATUS_NOT_CONVERGED
 from wrsim.contact.settings import USUAL, ContactSettings, HalfSpaceSettings, Material
 from wrsim.contact.status import SUBSTITUTED
+from wrsim.contact.strips.derivatives import jacobian
+from wrsim.contact.strips.equations import block_of, residuals
+from wrsim.contact.strips.influence import find_terms, pressed_at
+from wrsim.contact.strips.records import EDGES, VECTORS, V
+from wrsim.contact.surfaces.out_of_round import RadiusTable
 from wrsim.contact.tables import combined_modulus, influence_table
-from wrsim.core.contact.prescribed_load import MOST_RESIDUALS, meet_load
-from wrsim.core.contact.records import STATUS_NOT_CONVERGED
-from wrsim.core.contact.strips.derivatives import jacobian
-from wrsim.core.contact.strips.equations import block_of, residuals
-from wrsim.core.contact.strips.influence import find_terms, pressed_at
-from wrsim.core.contact.strips.records import EDGES, VECTORS, V
-from wrsim.core.contact.wheel_rail import wheel_rail
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.out_of_round import RadiusTable
-from wrsim.geometry.profile.sections import circle
-from wrsim.geometry.profile.wear import Removal, worn
+from wrsim.contact.wheel_rail import wheel_rail
 
 table = rows_of(__file__)
 

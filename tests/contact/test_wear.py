@@ -7,6 +7,7 @@ import pytest
 from support.contacts import bench, pair_model, settle, wheel_profile
 
 from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.records import LOBE
 from wrsim.contact.wear.laws import (
     DENSITY,
     LawName,
@@ -20,7 +21,6 @@ from wrsim.contact.wear.laws import (
     wear_coefficient,
 )
 from wrsim.contact.wear.losses import Losses, _foot, ways
-from wrsim.core.contact.records import LOBE
 
 PAIR = "S1002/60E1 1:40"
 LAWS: tuple[LawName, ...] = ("usfd", "archard", "brr")

@@ -28,11 +28,12 @@ from support.synthetic_run import Q0, run
 from support.synthetic_run import curve as bend
 
 from wrsim import InputError, Result, analysis, load
-from wrsim.analysis.assessment import assess_runs
 from wrsim.analysis.motion.derailment import WatchedWheel
 from wrsim.analysis.resolve import with_moments
+from wrsim.assessment.assess import assess_runs
+from wrsim.assessment.settings import AssessmentSettings
+from wrsim.contact.records import STATUS_NOT_CONVERGED
 from wrsim.contact.status import WORDS
-from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.charts import envelope, interruptions, pieces_of
 from wrsim.report.document import logo_address
@@ -44,7 +45,6 @@ from wrsim.results import CHANNELS
 from wrsim.results.moments import sample_of
 from wrsim.results.summary import CUT_STEPS
 from wrsim.results.wheelsets import wheelsets
-from wrsim.scenario.sections.assessment import AssessmentSettings
 
 EVIL = "</script><script>window.evil = 1</script><img src=x onerror='window.evil=1'>\"'&{{ 7*7 }}"
 

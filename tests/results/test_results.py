@@ -19,12 +19,12 @@ from support.synthetic_run import run as synthetic_run
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.run import recorded_run
+from wrsim.assessment.limits import QUANTITY_NAMES
 from wrsim.errors import InputError, WrsimError
 from wrsim.report.output_folder import read
 from wrsim.results import CHANNELS, Result, assemble, netcdf, summarise, write_atomically, write_run
 from wrsim.results.channels import NAMES
 from wrsim.results.files import Manifest, as_csv
-from wrsim.results.limits import QUANTITY_NAMES
 from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.run_file import RunFile
 from wrsim.results.summary import OF_WHEELSET, PEAKS

@@ -14,16 +14,17 @@ from support.scenario_texts import CURVE, STATIC, edited, faults
 
 from wrsim import InputError, Vehicle, load, load_profile, load_text, load_vehicle
 from wrsim.contact.settings import USUAL
-from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.checking import check_value
+from wrsim.inputs.file_kinds import resolved
 from wrsim.inputs.values import Series
-from wrsim.register import ANALYSES, TABLES, resolved
+from wrsim.register import ANALYSES, TABLES
 from wrsim.scenario.build import build
 from wrsim.scenario.plausibility import facts, warnings
 from wrsim.scenario.schema import ScenarioFile
 from wrsim.scenario.sections.static import read_cases
 from wrsim.scenario.track_build import rest_on_rail
 from wrsim.scenario.vehicle_build import vehicle_of
+from wrsim.track.track import RailElasticity
 from wrsim.vehicle.elements import Spring
 from wrsim.vehicle.loads import SlipControl
 

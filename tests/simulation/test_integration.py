@@ -16,8 +16,8 @@ from support.runs import FAST, arc, straight, transition
 from support.vehicles import ROOT
 
 from wrsim import InputError, SimulationError, load, stepper
-from wrsim.core.body import stepper as kernel
-from wrsim.core.body.implicit_step import AHEAD
+from wrsim.dynamics import stepper as kernel
+from wrsim.dynamics.implicit_step import AHEAD
 from wrsim.simulation import step_size
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.implicit_step import ImplicitStep

@@ -180,7 +180,7 @@ def test_a_programme_that_cannot_be_run_is_refused(tmp_path, more, old, new, wor
 
 
 def test_a_rule_set_beside_the_programme_judges_its_runs(tmp_path, monkeypatch):
-    shipped = (ROOT / "wrsim" / "results" / "data" / "rules" / "en14363.toml").read_text()
+    shipped = (ROOT / "wrsim" / "assessment" / "data" / "en14363.toml").read_text()
     (tmp_path / "mine.toml").write_text(shipped.replace('id = "track shift"', 'id = "shift by my rules"'))
     file = filled(tmp_path)
     file.write_text(file.read_text().replace("[[states]]", 'rules = "mine.toml"\n[[states]]', 1))

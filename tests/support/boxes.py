@@ -8,7 +8,7 @@ import numpy as np
 
 from support.vehicles import manchester
 from wrsim import Straight, Track, Vehicle
-from wrsim.core.body import vehicle_forces
+from wrsim.dynamics import vehicle_forces
 from wrsim.simulation import Integrator
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack

@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 from wrsim import ContactModel, ContactSettings, Pose, Profile, load_profile
 from wrsim.analysis.poses.solver import PoseSolver, Solved
 from wrsim.contact import models
+from wrsim.contact import records as k
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import Contact
+from wrsim.contact.profiles.sections import circle, cone
+from wrsim.contact.records import PlacedWheel, Shape
+from wrsim.contact.records import ProfileTable as Table
+from wrsim.contact.records import WheelPose as WheelPose
+from wrsim.contact.search.locus import placed
 from wrsim.contact.settings import Material
-from wrsim.core.contact import records as k
-from wrsim.core.contact.records import PlacedWheel, Shape
-from wrsim.core.contact.records import ProfileTable as Table
-from wrsim.core.contact.records import WheelPose as WheelPose
-from wrsim.core.contact.search.locus import placed
-from wrsim.core.contact.strips.records import System
-from wrsim.core.contact.wheel_rail import bodies
-from wrsim.core.linalg import Vec
-from wrsim.geometry.profile.sections import circle, cone
+from wrsim.contact.strips.records import System
+from wrsim.contact.wheel_rail import bodies
+from wrsim.jit.linalg import Vec
 
 Array = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ from scipy.interpolate import CubicSpline
 
 from support.contacts import PLAIN, RADIUS, contact_model
 from wrsim import ContactModel, Profile
-from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
-from wrsim.geometry.track.rolled_rail import rolled_rail
+from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface, read_sections
+from wrsim.contact.surfaces.rolled_rail import rolled_rail
 
 NOSE_DEPTH = -30.0  # [mm]
 OUTER_EDGE = (31.0, 25.0, 3.8)  # of the head: where it is, at least so far from the corner; how far it falls off [mm]

@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.contact import records as k
+from wrsim.contact.arrays import ARRAYS, Arrays
+from wrsim.contact.creep.creep_forces import creep_forces
 from wrsim.contact.model import TANGENTIAL
 from wrsim.contact.tables import bound_over_cells, creep_coefficients
-from wrsim.core.contact import records as k
-from wrsim.core.contact.arrays import ARRAYS, Arrays
-from wrsim.core.contact.tangential.creep_forces import creep_forces
 
 Array = NDArray[np.float64]
 

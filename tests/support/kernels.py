@@ -1,4 +1,4 @@
-"""Work for every kernel of wrsim.core: small cases whose numbers are the same compiled and not.
+"""Work for every kernel: small cases whose numbers are the same compiled and not.
 
 Run as a program without the compiler (`support.workers.uncompiled`) it writes what the cases gave and which kernels
 worked; with it and no form it compiles ahead (`.ci/test`)."""
@@ -7,7 +7,6 @@ import copy
 import hashlib
 import importlib
 import pickle
-import pkgutil
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -21,7 +20,6 @@ import numpy as np
 import pytest
 from numba.core.registry import CPUDispatcher
 
-import wrsim.core
 from support.contacts import bench, contact_of, numbers, pair_model, settle, strip_system
 from support.ellipse import roll
 from support.knife_edge import KnifeEdgeForces, example_wheelset
@@ -30,24 +28,20 @@ from support.vehicles import manchester, on_track, shipped
 from wrsim import Arc, ContactModel, ContactSettings, Flat, Friction, contact_model
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.contact.channels import WheelOnRail, wheel_outline
+from wrsim.contact.profiles.sections import circle
+from wrsim.contact.search.locus import locus_point
 from wrsim.contact.settings import ConicalWheels, FrictionAlong, HalfSpaceSettings, Material
-from wrsim.core.body.kinematics import first_not_finite, is_near
-from wrsim.core.body.rigid_body import kinetic_energies
-from wrsim.core.contact.rail import unfold
-from wrsim.core.contact.search.locus import locus_point
-from wrsim.core.contact.strips.changes import leave
-from wrsim.core.contact.strips.derivatives import jacobian
-from wrsim.core.contact.strips.equations import residuals
-from wrsim.core.contact.strips.records import OF_A_STRIP, V
-from wrsim.core.contact.wheel_rail import STAGES, bodies, compile_stages
-from wrsim.core.jit.cache import CACHE
-from wrsim.core.jit.objects import emit_object, target
-from wrsim.geometry.profile.sections import circle
-from wrsim.geometry.track.bridge import Bridge
-from wrsim.geometry.track.rail_surface import RailSection, RailSurface
-from wrsim.geometry.track.segments import Segment
-from wrsim.geometry.track.sleepers import Layer, RailBeam, SleeperTrack
-from wrsim.geometry.track.track import RailElasticity
+from wrsim.contact.strips.changes import leave
+from wrsim.contact.strips.derivatives import jacobian
+from wrsim.contact.strips.equations import residuals
+from wrsim.contact.strips.records import OF_A_STRIP, V
+from wrsim.contact.surfaces.rail import unfold
+from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface
+from wrsim.contact.wheel_rail import STAGES, bodies, compile_stages
+from wrsim.dynamics.kinematics import first_not_finite, is_near
+from wrsim.dynamics.rigid_body import kinetic_energies
+from wrsim.jit.cache import CACHE, PACKAGE, sources
+from wrsim.jit.objects import emit_object, target
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
 from wrsim.simulation.force_law import Array, force_derivative
 from wrsim.simulation.implicit_step import ImplicitStep
@@ -55,6 +49,10 @@ from wrsim.simulation.law import ConicalVehicleOnTrack, VehicleOnTrack
 from wrsim.simulation.placement import design_state, poses_on_track
 from wrsim.simulation.steady_state import SteadyMotion
 from wrsim.simulation.stepper import Stepper
+from wrsim.track.bridge import Bridge
+from wrsim.track.segments import Segment
+from wrsim.track.sleepers import Layer, RailBeam, SleeperTrack
+from wrsim.track.track import RailElasticity
 from wrsim.vehicle.axle import Axle
 from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut
 from wrsim.vehicle.loads import Effort, Load, SlipControl
@@ -65,7 +63,7 @@ FRICTION = Friction(0.4, gauge_corner=0.1, falling_ratio=0.5)
 SMALL = {"strips": 6, "cells": 4, "friction": FRICTION}
 CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
-CORE = str(Path(wrsim.core.__file__).parent)
+SOURCES = {str(path) for path in sources()}
 FULL_ALONE = {
     "_add_to_middles", "_alone", "_closing", "_couple", "_find_stairs", "_grid_enters", "_largest_closing",
     "_one_by_one", "_rise", "_switch", "four_touch", "leave", "make_room", "move_edges", "set_middles", "weight_of",
@@ -76,8 +74,9 @@ FULL_ALONE = {
 def kernels() -> dict[tuple[str, str], Any]:
     """All kernels by the file and the name of their Python function."""
     found = {}
-    for module in pkgutil.walk_packages(wrsim.core.__path__, "wrsim.core."):
-        for thing in vars(importlib.import_module(module.name)).values():
+    for path in sources():
+        module = ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
+        for thing in vars(importlib.import_module(module)).values():
             function = getattr(thing, "py_func", None)
             if function is not None:
                 found[function.__code__.co_filename, function.__name__] = thing
@@ -371,7 +370,7 @@ def note_first_calls() -> set[tuple[str, str]]:
     for module in list(sys.modules.values()):
         for own in (vars(module), *(thing for thing in vars(module).values() if type(thing) is dict)):  # stages, too
             for name, thing in own.items():
-                if isinstance(thing, FunctionType) and thing.__code__.co_filename.startswith(CORE):
+                if isinstance(thing, FunctionType) and thing.__code__.co_filename in SOURCES:
                     found.setdefault(thing, []).append((own, name))
     for kernel, places in found.items():
         for own, name in places:

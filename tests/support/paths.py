@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wrsim.core.frames import VECTOR, CurveNodes
-from wrsim.core.jit import Ints, Records, kernel
-from wrsim.core.track import path as core
-from wrsim.geometry.piecewise import Array
-from wrsim.geometry.track.path import Path
+from wrsim.jit import Ints, Records, kernel
+from wrsim.jit.frames import VECTOR, CurveNodes
+from wrsim.track import path_kernel as core
+from wrsim.track.path import Path
+from wrsim.track.piecewise import Array
 
 
 @kernel

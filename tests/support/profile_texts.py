@@ -10,7 +10,7 @@ import scipy
 from numpy.typing import NDArray
 
 from wrsim import InputError, Profile
-from wrsim.geometry.profile.files import read_points
+from wrsim.contact.profiles.files import read_points
 
 UNITS = {"mm": 1.0, "cm": 10.0, "m": 1e3, "in": 25.4}
 DIGITS = {"mm": 5, "cm": 6, "m": 8, "in": 7}

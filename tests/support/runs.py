@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from support.held import held_state
 from wrsim import Arc, ContactSettings, Profile, Track, Vehicle, contact_model, load, load_profile
 from wrsim.analysis.contacts import force_law
-from wrsim.geometry.track.segments import Segment
 from wrsim.scenario.build import Setup, build
 from wrsim.simulation.bodies import Solid
 from wrsim.simulation.integrate import Integration, Motion
@@ -21,6 +20,7 @@ from wrsim.simulation.placement import TrackPoses, design_state, poses_on_track
 from wrsim.simulation.steady_state import Equilibrium
 from wrsim.simulation.step_size import SAFETY, round_step, stable_step
 from wrsim.simulation.system import BodySystem
+from wrsim.track.segments import Segment
 from wrsim.vehicle.elements import Triple
 from wrsim.vehicle.vehicle import single_wheelset
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset

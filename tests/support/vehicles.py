@@ -8,12 +8,12 @@ from pathlib import Path
 
 from support.runs import FAST, arc, straight, transition
 from wrsim import Result, Straight, Track, Vehicle, contact_model, load, load_vehicle, run
-from wrsim.geometry.track.segments import Segment
-from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.scenario.build import Setup, build
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import BodySystem
+from wrsim.track.segments import Segment
+from wrsim.track.track import RailElasticity
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 

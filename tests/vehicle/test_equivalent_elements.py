@@ -8,7 +8,7 @@ import pytest
 from support import boxes
 from support.boxes import motion
 
-from wrsim.core.body.friction import BERG, COULOMB, FANCHER
+from wrsim.dynamics.friction import BERG, COULOMB, FANCHER
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.placement import design_state
 from wrsim.vehicle.element_tables import KINDS, VEHICLE_AXES, Joint

@@ -16,7 +16,7 @@ from support.vehicles import ROOT, manchester, shipped
 import wrsim
 from wrsim import InputError, load
 from wrsim.analysis.contacts import force_law
-from wrsim.core.body.friction import STUCK
+from wrsim.dynamics.friction import STUCK
 from wrsim.scenario.build import build
 from wrsim.simulation import Integrator
 from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces

@@ -12,11 +12,11 @@ from wrsim import Arc, SimulationError, Track, Vehicle, stationary
 from wrsim.analysis.motion.derailment import Resultant, check_upright, resultant
 from wrsim.analysis.motion.messages import NoSteadyMotion
 from wrsim.analysis.stationary.statics import canted, static_state
-from wrsim.geometry.track.segments import Segment
 from wrsim.inputs.lookup import shipped_models
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state, poses_on_track
 from wrsim.simulation.steady_state import lower_on_rails, steady_state
+from wrsim.track.segments import Segment
 from wrsim.vehicle.loads import Load, Payload
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 from wrsim.vehicle.wind import Air

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 from wrsim.analysis.progress import Progress
 from wrsim.analysis.run_times import SPREAD, forecast
 from wrsim.errors import InputError
-from wrsim.register import ANALYSES, resolved
+from wrsim.inputs.file_kinds import resolved
+from wrsim.register import ANALYSES
 from wrsim.results.table import duration
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario, loaded
@@ -31,7 +32,7 @@ MANY = 3  # vehicles whose contacts take all cores unless threads are given
 
 def _usual_threads(setup: Setup) -> int:
     """How many compute the contacts of this vehicle or train: one also where there is no OpenMP."""
-    from wrsim.core.jit.compiling import cores, use_threads
+    from wrsim.jit.compiling import cores, use_threads
 
     if len(setup.vehicle.units) < MANY:
         return 1

@@ -14,19 +14,18 @@ from typing import Any
 
 import numpy as np
 
-from wrsim.analysis.assessment.nadal import distance_to_climb, nadal_limit
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import overlap, wheels_of
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words, stop_words
 from wrsim.analysis.motion.monitor import WITHIN
 from wrsim.analysis.motion.start import STEADY_ENOUGH
 from wrsim.analysis.progress import Progress, Report
+from wrsim.assessment.nadal import distance_to_climb, nadal_limit
+from wrsim.contact.profiles.flange import Flank, flank_of
+from wrsim.contact.records import STATUS_TOO_DEEP
 from wrsim.contact.settings import ContactSettings, Friction
-from wrsim.core.body import kinematics
-from wrsim.core.contact.records import STATUS_TOO_DEEP
+from wrsim.dynamics import kinematics
 from wrsim.errors import InputError, SimulationError
-from wrsim.geometry.profile.flange import Flank, flank_of
-from wrsim.geometry.track.segments import Straight
 from wrsim.results import Result, assemble
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.climb import ClimbPlan, ClimbPoint
@@ -37,6 +36,7 @@ from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import crept_state, lower_on_rails
 from wrsim.simulation.step_size import implicit_step
 from wrsim.simulation.system import Array, BodySystem
+from wrsim.track.segments import Straight
 from wrsim.vehicle.elements import ZERO, Spring
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset

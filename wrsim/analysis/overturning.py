@@ -18,12 +18,12 @@ from wrsim.analysis.motion.start import MARGIN
 from wrsim.analysis.progress import Progress, Report
 from wrsim.analysis.stationary.statics import SupportedVehicle, accelerated, rest_from_design, static_state
 from wrsim.errors import SimulationError
-from wrsim.geometry.track.segments import Arc, Straight, Transition
 from wrsim.results import Result, assemble
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.overturning import OverturningPlan
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.system import Array
+from wrsim.track.segments import Arc, Straight, Transition
 from wrsim.vehicle.vehicle import Vehicle
 
 STEPS = 40  # speeds from the lowest to the highest at which a rest is looked for, at least

@@ -10,11 +10,11 @@ import numpy as np
 
 from wrsim.analysis.conicity.pairs import Pairing, conicity_map
 from wrsim.analysis.poses.static import contact_map
+from wrsim.contact.profiles.files import Reading, notes_of
+from wrsim.contact.profiles.flange import flange_dimensions, tread_hollow
+from wrsim.contact.profiles.head_wear import head_wear
+from wrsim.contact.profiles.profile import KINDS, Kind, Profile
 from wrsim.errors import InputError
-from wrsim.geometry.profile.files import Reading, notes_of
-from wrsim.geometry.profile.flange import flange_dimensions, tread_hollow
-from wrsim.geometry.profile.head_wear import head_wear
-from wrsim.geometry.profile.profile import KINDS, Kind, Profile
 from wrsim.results.table import Cell, Column, Table, quantity
 
 HEADS_APART = 0.2  # difference from a measure in the head of a file from which it is told [mm]

@@ -24,8 +24,8 @@ from wrsim.analysis.progress import Progress, Report
 from wrsim.contact import channels
 from wrsim.contact.channels import POSE_CHANNELS, ElementField, StripRecorder, WheelOnRail
 from wrsim.contact.half_space.strips import element_fields, solve_into
+from wrsim.contact.prescribed_load import approach_of
 from wrsim.contact.status import status_words
-from wrsim.core.contact.prescribed_load import approach_of
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import CHANNELS, Result, assemble
 from wrsim.results.moments import sample_of

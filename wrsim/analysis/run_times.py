@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from wrsim.core.jit.cache import cache_folder
+from wrsim.jit.cache import cache_folder
 from wrsim.results.files import write_atomically
 
 LEAST = 1.0

@@ -1,7 +1,7 @@
 """Steady analysis: the quasi-static equilibrium of a vehicle in many curves, found by Newton's method.
 
 In a full curve nothing changes any more but the heading: the vehicle turns about the axis of the curve with poses held
-(``core.body.rigid_body``). Each is found as that at the start of a run. That it is stable, too, is not proved by it.
+(``dynamics.rigid_body``). Each is found as that at the start of a run. That it is stable, too, is not proved by it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import contact_channels, remarks_channel
 from wrsim.contact.patches import RawContacts
 from wrsim.errors import SimulationError
-from wrsim.geometry.track.segments import Arc
 from wrsim.results import Result, assemble
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
@@ -29,6 +28,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.steady_state import SteadyMotion
 from wrsim.simulation.system import Array
+from wrsim.track.segments import Arc
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 MARGIN = 20.0  # the arc goes on so far before and behind the vehicle [m]

@@ -4,11 +4,11 @@ import time
 
 from wrsim.analysis import run
 from wrsim.contact.models import NORMAL_MODELS
-from wrsim.core.contact.records import FREE_STRIPS
-from wrsim.core.contact.wheel_rail import compiled_aside
-from wrsim.core.jit.cache import CACHE
+from wrsim.contact.records import FREE_STRIPS
+from wrsim.contact.wheel_rail import compiled_aside
 from wrsim.errors import WrsimError
 from wrsim.inputs.lookup import shipped_models
+from wrsim.jit.cache import CACHE
 from wrsim.results.table import quantity
 from wrsim.scenario.loading import load_text
 from wrsim.scenario.templates import scenario_template

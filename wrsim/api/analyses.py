@@ -46,11 +46,11 @@ def assess(
     InputError
         For results that are no runs, or not of one vehicle.
     """
-    from wrsim.analysis.assessment import assess_runs
+    from wrsim.assessment.assess import assess_runs
+    from wrsim.assessment.outcome import assessment_dict, assessment_numbers
+    from wrsim.assessment.settings import AssessmentSection
     from wrsim.report.output_folder import names_apart, naming
     from wrsim.report.outputs import write_assessment
-    from wrsim.results.assessment import assessment_dict, assessment_numbers
-    from wrsim.scenario.sections.assessment import AssessmentSection
 
     several = as_list(results)
     paths = paths_among(*several)
@@ -244,8 +244,8 @@ def profiles(
     """
     from wrsim.analysis.conicity.pairs import Pairing
     from wrsim.analysis.profiles import Partner, measured_tables, wheelsets_table
-    from wrsim.geometry.profile.files import check_alignable, reading_options
-    from wrsim.geometry.profile.models import load_profile, readings_of
+    from wrsim.contact.profiles.files import check_alignable, reading_options
+    from wrsim.contact.profiles.models import load_profile, readings_of
     from wrsim.inputs.lookup import model_file
     from wrsim.report.outputs import draw_model, write_profiles
     from wrsim.results.smoothing import body_of, check_cutoffs, smoothing_reports, smoothing_table

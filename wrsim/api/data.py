@@ -70,9 +70,9 @@ def read_recording(
     """
     from wrsim.inputs.checking import check_value, kind_of
     from wrsim.inputs.values import number
+    from wrsim.recording.scenario_file import restored_track
+    from wrsim.recording.tables import recording_numbers, recording_tables
     from wrsim.report.outputs import write_recording
-    from wrsim.results.recording import recording_numbers, recording_tables
-    from wrsim.scenario.recorded import restored_track
 
     check_value(Annotated[float, number(1, 500, "km/h")] | None, speed_kmh, "--speed-kmh")
     path, beside = Path(file), Path(file).with_suffix(".toml")
@@ -146,7 +146,8 @@ def new_file(kind: str = "curving", template: str | None = None, output: str | P
     InputError
         For a kind or a template that there is not.
     """
-    from wrsim.register import ANALYSES, OTHER_NAMES
+    from wrsim.inputs.file_kinds import OTHER_NAMES
+    from wrsim.register import ANALYSES
     from wrsim.results import write_atomically
     from wrsim.scenario.templates import template_files
 

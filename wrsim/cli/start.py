@@ -11,7 +11,8 @@ from wrsim.api.outcome import Outcome
 from wrsim.cli import options
 from wrsim.cli.console import print_error, print_json, print_lines, print_numbers, progress_bar
 from wrsim.cli.errors import reporting_errors
-from wrsim.register import ANALYSES, FILES
+from wrsim.inputs.file_kinds import FILES
+from wrsim.register import ANALYSES
 
 
 @options.writing()

@@ -5,15 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from wrsim.contact import records as k
+from wrsim.contact.arrays import Arrays
 from wrsim.contact.patches import RawContacts, patch_channels
+from wrsim.contact.prescribed_load import SEARCH, side_by_side, some_poses
+from wrsim.contact.wheel_rail import compile_stages
 from wrsim.contact.workspace import pack
-from wrsim.core.contact import records as k
-from wrsim.core.contact.arrays import Arrays
-from wrsim.core.contact.prescribed_load import SEARCH, side_by_side, some_poses
-from wrsim.core.contact.wheel_rail import compile_stages
-from wrsim.core.jit import Array, Records, stages
-from wrsim.core.jit.compiling import cores, use_threads
 from wrsim.errors import InputError
+from wrsim.jit import Array, Records, stages
+from wrsim.jit.compiling import cores, use_threads
 
 LOAD_TOLERANCE = 1e-8  # of the vertical force: ten times what cold contacts of the strip model are solved to
 DEEPEST = 5e-3  # approach at which the search for the load is given up [m]

@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.contact import records as k
 from wrsim.contact.model import ContactModel
 from wrsim.contact.patches import RawContacts, of_main, of_patches, patches_of
-from wrsim.core.contact import records as k
-from wrsim.core.contact.search.locus import outline
-from wrsim.core.jit import Array, Records
-from wrsim.geometry.profile.profile import Profile
+from wrsim.contact.profiles.profile import Profile
+from wrsim.contact.search.locus import outline
+from wrsim.jit import Array, Records
 
 _OF_STRIPS = ("s", "ds", "x", "a", "p", "o", "b", "N", "Fx", "Fy", "xi", "eta", "phi", "mu")
 _RENAMED = {"o": "y", "b": "z", "mu": "friction"}

@@ -8,10 +8,10 @@ import struct
 import zlib
 from pathlib import Path
 
+from wrsim.contact.arrays import Arrays
 from wrsim.contact.workspace import pack
-from wrsim.core.contact.arrays import Arrays
-from wrsim.core.jit.cache import digest_of_sources
 from wrsim.errors import WrsimError
+from wrsim.jit.cache import digest_of_sources
 
 MAGIC, VERSION = b"wrsimcon", 1
 

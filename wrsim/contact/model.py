@@ -12,21 +12,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from wrsim.contact import records as k
 from wrsim.contact import tables
+from wrsim.contact.arrays import Arrays
 from wrsim.contact.batch import Contacts, evaluate_poses
 from wrsim.contact.library_file import save_library
+from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, Tangential
+from wrsim.contact.strips.equations import block_of
+from wrsim.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECTORS
+from wrsim.contact.surfaces.out_of_round import Part, shape_tables
+from wrsim.contact.surfaces.rolled_rail import RolledRail
+from wrsim.contact.wheel_rail import compile_stages
 from wrsim.contact.workspace import WARM_TOLERANCE, KernelArrays, Workspace, pack
-from wrsim.core.contact import records as k
-from wrsim.core.contact.arrays import Arrays
-from wrsim.core.contact.strips.equations import block_of
-from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECTORS
-from wrsim.core.contact.wheel_rail import compile_stages
-from wrsim.core.jit import Array, Records
 from wrsim.errors import InputError
-from wrsim.geometry.profile.out_of_round import Part, shape_tables
-from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.track.rolled_rail import RolledRail
+from wrsim.jit import Array, Records
 
 SEARCH_REACH = 0.75e-3  # distance of the search's samples near the rail [m]
 EPSILON = 0.55  # [S 23]
@@ -48,7 +48,7 @@ LEAST_SPEED = 0.05  # rolling speed below which creepages are regularised [m/s]
 class NormalModel:
     """What sets one normal model apart.
 
-    kernel: its number in core.contact.records; recess: of a lobe's depth, where its strips begin; joint: whether
+    kernel: its number in contact.records; recess: of a lobe's depth, where its strips begin; joint: whether
     the lobes of a patch share recess and strips; fewest, most: bounds of their number on one lobe;
     solves_for_strips: whether every strip is solved for: few, with a projected approach, from the contact of the
     last call in a run; solve: another way to find the contact at the pose set in a model's arrays, writes it there and

@@ -1,6 +1,6 @@
 """The contact models as one family: the register of normal models, and how a model is built.
 
-A new normal model is a kernel that core.contact.wheel_rail calls, its number in core.contact.records, its name in
+A new normal model is a kernel that contact.wheel_rail calls, its number in contact.records, its name in
 `wrsim.contact.settings.Normal` with its usual choices in ``USUAL``, and an entry here.
 """
 
@@ -10,13 +10,13 @@ from dataclasses import replace
 import numpy as np
 
 from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel
+from wrsim.contact.profiles.profile import Profile
+from wrsim.contact.records import FREE_STRIPS, KIK_PIOTROWSKI
 from wrsim.contact.settings import DRY, SOLVED_STRIPS, AnyFriction, ContactSettings, Friction, FrictionAlong, Normal
-from wrsim.core.contact.records import FREE_STRIPS, KIK_PIOTROWSKI
+from wrsim.contact.surfaces.out_of_round import Part, shape_tables
+from wrsim.contact.surfaces.rail_surface import RailSurface
+from wrsim.contact.surfaces.rolled_rail import rolled_rail
 from wrsim.errors import InputError
-from wrsim.geometry.profile.out_of_round import Part, shape_tables
-from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.track.rail_surface import RailSurface
-from wrsim.geometry.track.rolled_rail import rolled_rail
 
 
 def _solve_exactly(model: ContactModel) -> int:

@@ -1,6 +1,6 @@
 """Of the kernel's records: which lobes make which patch, and the quantities of patches.
 
-Raw arrays are stacked over samples and wheels, one row per lobe. Lobes that share a patch (core.contact.search.lobes)
+Raw arrays are stacked over samples and wheels, one row per lobe. Lobes that share a patch (contact.search.lobes)
 are joined here: forces and areas add up, extremes are taken over all, the main point is that of the deepest lobe.
 Patches are put in the order of their normal force, largest first; absent ones become not-a-number.
 """
@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.contact import records as k
 from wrsim.contact.workspace import KernelArrays
-from wrsim.core.contact import records as k
-from wrsim.core.jit import Array, Records
+from wrsim.jit import Array, Records
 
 _SUMS = {"N": "N", "Fx": "Fx", "Fy": "Fy", "area": "area", "n_strips": "n_strips"}
 _LARGEST = {"p0": "p0", "contact_angle_max": "angle_max", "length": "length"}

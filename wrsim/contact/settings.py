@@ -83,7 +83,7 @@ class HalfSpaceSettings:
     together, apart: distances of two zones of overlap up to which they press each other down fully, and from which on
     not at all [m] (see contact.half_space.zones; the strip model takes them too). pairing: which points of the
     profiles belong together, ``"opposite"`` ones or, as in CONTACT, those of equal arclength from two points of the
-    same lateral place (``"level"``; see core.contact.half_space.surface).
+    same lateral place (``"level"``; see contact.half_space.surface_kernel).
     """
 
     element: tuple[float, float] | None = None
@@ -143,7 +143,7 @@ class Friction:
     def coefficient(self, normal: Array, slip: Array) -> Array:
         """Coefficients at places with these unit normals (..., 2), outward and up, at these slip speeds [m/s].
 
-        The same as `core.contact.tangential.friction` gives the strips.
+        The same as `contact.creep.friction` gives the strips.
         """
         start, end = (tan(0.5 * angle) for angle in self.ramp)
         part = np.clip((-normal[..., 0] / (1.0 + normal[..., 1]) - start) / max(end - start, 1e-9), 0.0, 1.0)
@@ -164,7 +164,7 @@ class FrictionAlong:
 
     @cached_property
     def table(self) -> Array:
-        """Rows (n, 7) as `core.contact.tangential.friction` reads them."""
+        """Rows (n, 7) as `contact.creep.friction` reads them."""
         return np.array([(place, *law.numbers) for place, law in zip(self.places, self.laws, strict=True)])
 
     def numbers(self, place: ArrayLike) -> Array:
@@ -299,7 +299,7 @@ class ContactSettings:
 
 @dataclass(frozen=True)
 class ConicalWheels:
-    """The textbook contact of ``core.body.conical``, alike for all wheels of a vehicle.
+    """The textbook contact of ``dynamics.conical``, alike for all wheels of a vehicle.
 
     conicity [1]; half_spacing: of the contacts from the middle of the axle [m]; creep_longitudinal, creep_lateral: of
     Kalker, of one wheel [N]; friction: coefficient at which creep forces saturate, None for linear ones.

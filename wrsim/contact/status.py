@@ -5,7 +5,7 @@ stability analyses as a remark at the speed; an overlap ends a run and is no ste
 """
 
 from wrsim.contact.model import MOST_STRIPS
-from wrsim.core.contact.records import (
+from wrsim.contact.records import (
     STATUS_BESIDE,
     STATUS_IN_A_JUMP,
     STATUS_LOAD_UNSOLVED,
@@ -15,7 +15,7 @@ from wrsim.core.contact.records import (
     STATUS_PROFILE_END,
     STATUS_TOO_DEEP,
 )
-from wrsim.core.contact.wheel_rail import DEEPEST
+from wrsim.contact.wheel_rail import DEEPEST
 
 MOST_ELEMENTS = 200_000
 MOST_ROWS = MOST_STRIPS

@@ -8,19 +8,19 @@ from importlib.resources import files
 import numpy as np
 import scipy
 
+from wrsim.contact.creep.flexibility import ASPECTS, SLENDEREST
+from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.settings import Array, ContactSettings
-from wrsim.core.contact.strips.influence import HIGHEST, INNER, LOWEST, OUTER, RISE, SHARP, STEPS, STEPS_BESIDE
-from wrsim.core.contact.tangential.flexibility import ASPECTS, SLENDEREST
-from wrsim.geometry.profile.distance_field import DistanceField, distance_field
-from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.track.rolled_rail import RolledRail, station_fields
+from wrsim.contact.strips.influence import HIGHEST, INNER, LOWEST, OUTER, RISE, SHARP, STEPS, STEPS_BESIDE
+from wrsim.contact.surfaces.distance_field import DistanceField, distance_field
+from wrsim.contact.surfaces.rolled_rail import RolledRail, station_fields
 
 TABLE_STEP = 0.1e-3  # of the profile tables [m]
 
 
 @dataclass(frozen=True)
 class RailTables:
-    """What the kernel takes of a rail, see `core.contact.arrays.Arrays`: rows of one section and their distance; its
+    """What the kernel takes of a rail, see `contact.arrays.Arrays`: rows of one section and their distance; its
     field (of several stations one behind the other) with so many rows each, how far it may be off; largest concave
     curvature [1/m]."""
 
@@ -133,7 +133,7 @@ def creep_coefficients(poisson_ratio: float) -> Array:
 
 @cache
 def influence_table() -> Array:
-    """Coefficients of the cubic spline of PHI/t, see `core.contact.strips.influence`: (places of xi + 3, of t + 2), in
+    """Coefficients of the cubic spline of PHI/t, see `contact.strips.influence`: (places of xi + 3, of t + 2), in
     the last row for xi = 0.
 
     PHI is the integral of sqrt(1 - x^2) asinh(t/|x - xi|) over x; its pieces begin and end where that is singular.
@@ -156,7 +156,7 @@ def influence_table() -> Array:
 
 
 def _at_octave(octave: Array) -> Array:
-    """The numbers with these octaves, see `core.contact.strips.influence.octave`, by Newton's method."""
+    """The numbers with these octaves, see `contact.strips.influence.octave`, by Newton's method."""
     whole = np.floor(octave)
     z = part = octave - whole
     rise = np.polynomial.Polynomial((0.0, *RISE))

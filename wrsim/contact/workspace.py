@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.core.contact import records as k
-from wrsim.core.contact.arrays import Arrays
-from wrsim.core.contact.strips.records import V
-from wrsim.core.contact.wheel_rail import search, wheel_rail
-from wrsim.core.jit import Array, Records
+from wrsim.contact import records as k
+from wrsim.contact.arrays import Arrays
+from wrsim.contact.strips.records import V
+from wrsim.contact.wheel_rail import search, wheel_rail
+from wrsim.jit import Array, Records
 
 WARM_TOLERANCE = 1e-9  # of the strip model from its last contact, over the deepest penetration: that of a cold start
 ALIGNMENT = 8  # doubles: every array starts on a cache line of its own
@@ -73,7 +73,7 @@ def pack(arrays: Sequence[NDArray[Any]]) -> Workspace:
 
 
 class KernelArrays:
-    """The arrays of one wheel on one rail by their names (core.contact.arrays.Arrays), and the kernel on them."""
+    """The arrays of one wheel on one rail by their names (contact.arrays.Arrays), and the kernel on them."""
 
     def __init__(self, workspace: Workspace, follows: bool) -> None:
         """follows: whether the normal model can start from the contact of the last call."""

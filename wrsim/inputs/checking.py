@@ -8,11 +8,11 @@ from typing import Any, TypeVar, get_args
 from pydantic import TypeAdapter, ValidationError
 
 from wrsim.errors import InputError, nearest
+from wrsim.inputs.file_kinds import COMMANDS, ENDINGS, FILES, resolved
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.section import ABSENT, FAULT, MOST_FAULTS, STRICT, UNKNOWN, Section
 from wrsim.inputs.toml_files import parse_toml, shortened, shown_value, toml_text
 from wrsim.inputs.values import refusal
-from wrsim.register import COMMANDS, ENDINGS, FILES, resolved
 
 S = TypeVar("S", bound=Section)
 

@@ -1,17 +1,16 @@
 """What objects look like in notebooks: a heading, rows of a name and a value, and what follows them."""
 
 from collections.abc import Iterable
-
-from markupsafe import Markup
+from html import escape
 
 
 def card(title: str, rows: Iterable[tuple[str, object]], more: str = "") -> str:
     """HTML of a heading over rows; more: HTML beneath. Texts are escaped."""
-    row = Markup("<tr><th scope='row' style='text-align:left'>{}</th><td style='text-align:left'>{}</td></tr>")
-    cells = Markup("").join(row.format(name, value) for name, value in rows)
-    return Markup("<div><strong>{}</strong><table>{}</table>{}</div>").format(title, cells, Markup(more))
+    row = "<tr><th scope='row' style='text-align:left'>{}</th><td style='text-align:left'>{}</td></tr>"
+    cells = "".join(row.format(escape(name), escape(str(value))) for name, value in rows)
+    return f"<div><strong>{escape(title)}</strong><table>{cells}</table>{more}</div>"
 
 
 def folded(words: str, text: str) -> str:
     """HTML of a text that is shown on a click on the words."""
-    return Markup("<details><summary>{}</summary><pre>{}</pre></details>").format(words, text)
+    return f"<details><summary>{escape(words)}</summary><pre>{escape(text)}</pre></details>"

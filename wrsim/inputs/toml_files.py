@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from wrsim.errors import InputError
-from wrsim.register import ENDINGS
+from wrsim.inputs.file_kinds import ENDINGS
 
 _PLACE = re.compile(r" \(at line (\d+), column (\d+)\)")
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")

@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from wrsim.assessment.outcome import INFLUENCES, AssessedSection, Assessment, Value, ZoneValue
 from wrsim.plots.histories import mark_snapshots, track_layout
 from wrsim.plots.marks import mark_stop, note, note_above, panels, wheel_entries
 from wrsim.plots.theme import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
-from wrsim.results.assessment import INFLUENCES, AssessedSection, Assessment, Value, ZoneValue
 from wrsim.results.summary import events
 from wrsim.results.table import formatted, quantity, with_unit
 from wrsim.results.units import converted

@@ -16,14 +16,14 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from wrsim.assessment.limits import About
+from wrsim.assessment.rules import rule_set
 from wrsim.inputs.section import given
 from wrsim.plots import marks, theme
 from wrsim.plots.gallery import PATCH_NAMES
 from wrsim.plots.moments import snapshot_letter
 from wrsim.results import CHANNELS
-from wrsim.results.limits import About
 from wrsim.results.moments import is_history
-from wrsim.results.rules import rule_set
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 ANGLE_JUMP = 6.0

@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from wrsim.errors import InputError
+from wrsim.inputs.file_kinds import resolved
 from wrsim.plots.bent import bent_figures
 from wrsim.plots.cross_section import has_outlines, section_gallery
 from wrsim.plots.drawing import save_all
@@ -16,7 +17,7 @@ from wrsim.plots.histories import ANGLES, channels_figure, overview_figure, vehi
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.static import PANELS, static_figure
 from wrsim.plots.wear import fatigue_figure, wear_figure
-from wrsim.register import ANALYSES, resolved
+from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import NAMES
 from wrsim.results.moments import has_patches, is_history

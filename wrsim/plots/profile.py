@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
+from wrsim.contact.profiles.profile import Profile
 from wrsim.errors import InputError
-from wrsim.geometry.profile.profile import Profile
 from wrsim.plots import theme
 from wrsim.plots.marks import minus, note, remark, right_axis
 from wrsim.results.smoothing import SmoothingReport

@@ -14,12 +14,12 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
-from wrsim.geometry.track.track import Feature, Track
 from wrsim.plots.marks import note, note_above
 from wrsim.plots.theme import CANT_COLOUR, INK, QUIET, WHEEL_COLOUR, full_width, new_figure, style
 from wrsim.results.channels import SHOWN
 from wrsim.results.table import quantity
 from wrsim.results.units import converted
+from wrsim.track.track import Feature, Track
 
 Law = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 

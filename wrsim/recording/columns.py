@@ -6,11 +6,11 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from wrsim.geometry.piecewise import Array
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.us_units import FOOT
 from wrsim.inputs.values import List, Two, number, text
 from wrsim.recording.systems import BANDS, BaseDifference, Chord, Inertial, MeasuringSystem, Plain
+from wrsim.track.piecewise import Array
 
 Quantity = Literal[
     "distance", "curvature", "gauge", "gauge_deviation", "cant", "twist",

@@ -18,7 +18,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.optimize import least_squares
 from scipy.special import ndtr
 
-from wrsim.geometry.piecewise import Array
+from wrsim.track.piecewise import Array
 
 Form = Literal["clothoid", "bloss"]
 FORMS: tuple[Form, ...] = ("clothoid", "bloss")

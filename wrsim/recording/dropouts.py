@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import median_filter
 
-from wrsim.geometry.piecewise import Array
 from wrsim.recording.design import LEAST_CURVATURE, SMOOTHING, noise_of
+from wrsim.track.piecewise import Array
 
 Mask = NDArray[np.bool_]
 

@@ -9,12 +9,12 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from wrsim.errors import InputError, suggest
-from wrsim.geometry.piecewise import Array
 from wrsim.inputs.checking import check_section, opened
 from wrsim.recording.columns import LENGTHS, SIGNS, ChannelSection, ColumnsFile
 from wrsim.recording.dropouts import Mask, bridged, codes, runs, spikes
 from wrsim.recording.layout import EMPTY, STATION, RecordedTable, read_table
 from wrsim.recording.names import FINEST, guessed, is_us_chord, known, stated_unit
+from wrsim.track.piecewise import Array
 
 GAP = 1.5  # A distance between rows that is so many times the usual one is a gap
 FEWEST = 40  # rows that a recording has at least

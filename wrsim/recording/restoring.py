@@ -13,14 +13,14 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import binary_erosion, gaussian_filter1d
 
 from wrsim.errors import InputError
-from wrsim.geometry.piecewise import Array
-from wrsim.geometry.track.segments import LONGEST, Arc, Laws, Segment, Straight, Transition, laws
-from wrsim.geometry.track.track import RAIL_HEAD_WIDTH, ROUNDING
 from wrsim.recording.columns import ChannelSection
 from wrsim.recording.design import FORMS, LEAST_CURVATURE, SMOOTHING, Form, Plateau, fit_design
 from wrsim.recording.dropouts import runs
 from wrsim.recording.reading import TrackRecording
 from wrsim.recording.systems import SKIRTS, Chord, Complex, InverseFilter, Plain, ShapeSystem, filtered
+from wrsim.track.piecewise import Array
+from wrsim.track.segments import LONGEST, Arc, Laws, Segment, Straight, Transition, laws
+from wrsim.track.track import RAIL_HEAD_WIDTH, ROUNDING
 
 SIDES = {"_left": 1.0, "_right": -1.0}
 LEAST_WIDENING = 1.5e-3  # mean gauge of an arc beyond the nominal one that counts as designed [m]

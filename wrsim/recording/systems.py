@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
-from wrsim.geometry.piecewise import Array
-from wrsim.geometry.track.irregularities import smooth_step
+from wrsim.track.irregularities import smooth_step
+from wrsim.track.piecewise import Array
 
 Complex = NDArray[np.complex128]
 Response = Callable[[Array], Complex]

@@ -12,11 +12,11 @@ from pathlib import Path
 import xarray as xr
 from markupsafe import Markup
 
+from wrsim.assessment.outcome import TRANSITION, Assessment
 from wrsim.contact.settings import DRY, USUAL, ContactSettings
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.results import Result
-from wrsim.results.assessment import TRANSITION, Assessment
 from wrsim.results.dataset import table_of_scenario
 from wrsim.results.summary_tables import Summary, extent_words
 from wrsim.results.table import listed, quantity

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wrsim.errors import InputError, SimulationError, WrsimError, in_one_line
-from wrsim.register import ANALYSES, resolved
+from wrsim.inputs.file_kinds import resolved
+from wrsim.register import ANALYSES
 from wrsim.results import Result, write_atomically, write_run
 from wrsim.results.files import Keeper, Manifest, digest_of, keeping, sweep
 from wrsim.results.table import quantity
@@ -181,7 +182,7 @@ def run_into(
     KeyboardInterrupt reports where an interrupted run is stored."""
     from wrsim.analysis import cost_of, run
     from wrsim.analysis.run_times import learn
-    from wrsim.core.jit.compiling import COUNT, use_threads
+    from wrsim.jit.compiling import COUNT, use_threads
 
     if threads is not None:
         use_threads(threads)

@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from wrsim.assessment.outcome import Assessment, assessment_csv, assessment_json
 from wrsim.errors import InputError, in_one_line
 from wrsim.inputs.toml_files import write_toml
 from wrsim.plots import patch_gallery, save, section_gallery, standard_figures, standard_pictures
@@ -28,7 +29,6 @@ from wrsim.plots.spectra import spectra_figure
 from wrsim.plots.theme import LOOK
 from wrsim.plots.track import track_figure
 from wrsim.plots.vehicle import campbell_figure, loops_figure, vehicle_figure
-from wrsim.results.assessment import Assessment, assessment_csv, assessment_json
 from wrsim.results.channels import WHEELS
 from wrsim.results.conicity import ConicityMap
 from wrsim.results.differences import Deviation, difference_table
@@ -43,7 +43,7 @@ from wrsim.results.wheelsets import matched, of_wheelset, wheelsets, worst_wheel
 if TYPE_CHECKING:
     from wrsim.analysis.compare import Comparison
     from wrsim.analysis.stationary.loops import RotationTest, TwistTest
-    from wrsim.geometry.profile.profile import Kind, Profile
+    from wrsim.contact.profiles.profile import Kind, Profile
     from wrsim.recording.restoring import Restored
     from wrsim.results import Result
     from wrsim.vehicle.vehicle import Vehicle
@@ -127,8 +127,8 @@ def write_recording(
     restored: Restored, directory: Path, vehicle: str, speed: float | None, models: Iterable[Path], pictures: bool
 ) -> list[Path]:
     """All files of a restored track, none of them before it is sure that no file of the user's is in the way."""
-    from wrsim.plots.recording import recording_figure
-    from wrsim.scenario import recorded
+    from wrsim.recording import scenario_file as recorded
+    from wrsim.recording.picture import recording_figure
     from wrsim.scenario.build import build
     from wrsim.scenario.loading import load
 

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from wrsim import __version__
+from wrsim.assessment.outcome import TO_CONFIRM, Assessment
 from wrsim.errors import InputError
 from wrsim.plots.assessment import history_figure, track_diagram
 from wrsim.plots.compare import overlay_figure
@@ -33,7 +34,6 @@ from wrsim.report import tables
 from wrsim.report.charts import charts_of
 from wrsim.report.document import NO_COVER, Cover, css_text, paragraph, together
 from wrsim.results import Result
-from wrsim.results.assessment import TO_CONFIRM, Assessment
 from wrsim.results.moments import has_patches, moment_dim
 from wrsim.results.spectra import spectra_table
 from wrsim.results.summary import has_wear
@@ -59,8 +59,8 @@ def report_page(
     names = names if len(names) > 1 else [""]
     alike = [Result(matched(r.dataset, results[0].dataset)) for r in results]  # wheelsets by order, from the front
     summaries = [r.summary() for r in alike]
-    from wrsim.analysis.assessment import assess_runs
     from wrsim.analysis.ride import evaluate_ride
+    from wrsim.assessment.assess import assess_runs
 
     both = [tables.evaluated(assess_runs, r) for r in results]
     found = [assessment for assessment, _ in both]

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple, TypeVar
 
 import xarray as xr
 
+from wrsim.assessment.outcome import NO_VERDICT, Assessment, ZoneValue
 from wrsim.errors import InputError
 from wrsim.plots.moments import moment_title, patches_at, snapshot_letter
 from wrsim.plots.wear import LAW_WORDS
 from wrsim.report.document import basis, is_lone
 from wrsim.results import CHANNELS, Result
-from wrsim.results.assessment import NO_VERDICT, Assessment, ZoneValue
 from wrsim.results.channels import PATCHES
 from wrsim.results.dataset import table_of_scenario
 from wrsim.results.differences import LISTED, beyond, difference_table, differences, inputs_apart, one_sided

@@ -15,8 +15,8 @@ from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
 from wrsim import __version__
+from wrsim.contact.profiles.profile import Profile
 from wrsim.errors import InputError, SimulationError, in_one_line
-from wrsim.geometry.profile.profile import Profile
 from wrsim.plots.cross_section import has_outlines, pressed_curve
 from wrsim.plots.moments import patches_at, select, touching_runs
 from wrsim.plots.theme import pressure_map

@@ -10,7 +10,7 @@ import xarray as xr
 from markupsafe import Markup
 
 from wrsim.errors import InputError
-from wrsim.register import resolved
+from wrsim.inputs.file_kinds import resolved
 from wrsim.results.dataset import FORMAT, FORMAT_VERSION, faults_of_result
 from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.table import Table, as_html, as_text

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
+from wrsim.contact.profiles.files import Reading
+from wrsim.contact.profiles.points import ProfilePoints, scatter
+from wrsim.contact.profiles.profile import Array, Kind, Profile, curvature_of, plane_cross
 from wrsim.errors import InputError
-from wrsim.geometry.profile.files import Reading
-from wrsim.geometry.profile.points import ProfilePoints, scatter
-from wrsim.geometry.profile.profile import Array, Kind, Profile, curvature_of, plane_cross
 from wrsim.results.table import Cell, Column, Table, quantity
 
 MOST_CUTOFFS = 4

@@ -13,7 +13,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError
-from wrsim.register import ANALYSES, resolved
+from wrsim.inputs.file_kinds import resolved
+from wrsim.register import ANALYSES
 from wrsim.results.channels import CHANNELS
 from wrsim.results.dataset import COUNTS
 from wrsim.results.table import finite, quantity

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from wrsim.register import ANALYSES, resolved
+from wrsim.inputs.file_kinds import resolved
+from wrsim.register import ANALYSES
 from wrsim.results.channels import CHANNELS, PATCHES, WHEELS
 from wrsim.results.moments import has_patches, with_patches
 from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_SPAN, OF_WHEELSET, PATCH_CHANNELS, PEAKS, Peak, wheel_peaks

@@ -10,7 +10,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.register import ANALYSES, resolved
+from wrsim.inputs.file_kinds import resolved
+from wrsim.register import ANALYSES
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.dataset import OF_VEHICLE
 from wrsim.results.table import csv_numbers

@@ -8,17 +8,17 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any, Generic, TypeVar
 
+from wrsim.contact.profiles.files import noted
+from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.settings import ConicalWheels, ContactSettings, Friction, FrictionAlong
-from wrsim.geometry.profile.files import noted
-from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.track.rail_surface import RailSurface
-from wrsim.geometry.track.track import Track
+from wrsim.contact.surfaces.rail_surface import RailSurface
 from wrsim.inputs.csv_tables import check_rising, read_columns
+from wrsim.inputs.file_kinds import resolved
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import SIDES, on_side
 from wrsim.inputs.toml_files import noting_reads, read_bytes
 from wrsim.inputs.values import number
-from wrsim.register import ANALYSES, Analysis, resolved
+from wrsim.register import ANALYSES, Analysis
 from wrsim.scenario.kept import ATTRIBUTE, KeptFiles
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.contact import Coefficient, law_of
@@ -34,6 +34,7 @@ from wrsim.scenario.track_build import (
     track_of_run,
 )
 from wrsim.scenario.vehicle_build import vehicle_of
+from wrsim.track.track import Track
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.wheelset import Wheelset

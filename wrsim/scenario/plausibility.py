@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from wrsim.geometry.profile.files import notes_of
+from wrsim.contact.profiles.files import notes_of
 from wrsim.register import ANALYSES
 from wrsim.results.table import Column, Table, formatted
 from wrsim.scenario.build import Setup

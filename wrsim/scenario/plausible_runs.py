@@ -5,8 +5,8 @@ from itertools import chain
 
 import numpy as np
 
+from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.settings import Friction, FrictionAlong
-from wrsim.geometry.profile.profile import Profile
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.steady import SteadyPlan

@@ -6,9 +6,9 @@ from textwrap import fill
 from typing import Any
 
 from wrsim.errors import InputError, suggest
+from wrsim.inputs.file_kinds import FILES, OTHER_NAMES, resolved
 from wrsim.inputs.reference import Entry, entries, heading, json_schema, purpose, tables_in
 from wrsim.inputs.section import Section
-from wrsim.register import FILES, OTHER_NAMES, resolved
 from wrsim.scenario.merging import BASE
 
 WIDTH = 110

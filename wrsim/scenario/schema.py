@@ -5,10 +5,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import create_model
 
+from wrsim.inputs.file_kinds import resolved
 from wrsim.inputs.reference import tables_in
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import text
-from wrsim.register import ANALYSES, TABLES, Analysis, resolved
+from wrsim.register import ANALYSES, TABLES, Analysis
 from wrsim.scenario.sections.contact import ContactSection
 from wrsim.scenario.sections.profiles import ProfilesSection
 from wrsim.scenario.sections.track import TrackSection

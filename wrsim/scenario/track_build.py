@@ -10,18 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
+from wrsim.contact.profiles.check_rail import ends_before_its_back, floor_of, with_check_rail
+from wrsim.contact.profiles.flange import LEVEL
+from wrsim.contact.profiles.models import load_profile
+from wrsim.contact.profiles.profile import Array, Profile
+from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface, read_sections
 from wrsim.errors import InputError
-from wrsim.geometry.profile.check_rail import ends_before_its_back, floor_of, with_check_rail
-from wrsim.geometry.profile.flange import LEVEL
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.profile import Array, Profile
-from wrsim.geometry.track.crossing import read_crossing
-from wrsim.geometry.track.irregularities import Disturbance
-from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
-from wrsim.geometry.track.segments import Grade, Laws, Segment, Straight, laws
-from wrsim.geometry.track.sleepers import SleeperTrack
-from wrsim.geometry.track.table import IRREGULARITIES, TrackTable
-from wrsim.geometry.track.track import MAX_OFFSET, ROUNDING, RailElasticity, Track
 from wrsim.inputs.checking import dotted, kind_of, opened
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import SIDES, on_side
@@ -34,6 +28,12 @@ from wrsim.scenario.sections.irregularities import TableSection
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.structure import MovingMassStructure
 from wrsim.scenario.sections.track import CheckRailSection
+from wrsim.track.crossing import read_crossing
+from wrsim.track.irregularities import Disturbance
+from wrsim.track.segments import Grade, Laws, Segment, Straight, laws
+from wrsim.track.sleepers import SleeperTrack
+from wrsim.track.table import IRREGULARITIES, TrackTable
+from wrsim.track.track import MAX_OFFSET, ROUNDING, RailElasticity, Track
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.wheelset import Wheelset
 

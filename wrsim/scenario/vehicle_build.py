@@ -6,8 +6,8 @@ from functools import partial
 from operator import methodcaller
 from pathlib import Path
 
+from wrsim.contact.profiles.models import load_profile
 from wrsim.errors import InputError, suggest
-from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import model_file, usual_finder
 from wrsim.inputs.section import SIDES

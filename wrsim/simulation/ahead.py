@@ -1,4 +1,4 @@
-"""The large kernels of a run along the track, compiled ahead: needs nothing but numba and `wrsim.core`.
+"""The large kernels of a run along the track, compiled ahead: needs nothing but numba and `wrsim.jit`.
 
 ``python -m wrsim.simulation.ahead strips`` compiles the strip model into the cache, without a word all the others: two
 processes side by side, while a machine is set up (``.ci/setup``).
@@ -7,10 +7,10 @@ processes side by side, while a machine is set up (``.ci/setup``).
 import sys
 from typing import Any
 
-from wrsim.core.body import derivative, vehicle_forces, wheel_forces
-from wrsim.core.contact.records import CONTACT, CREEP_FORCES, FREE_STRIPS
-from wrsim.core.contact.wheel_rail import compile_stages
-from wrsim.core.jit.stages import ARGUMENTS
+from wrsim.contact.records import CONTACT, CREEP_FORCES, FREE_STRIPS
+from wrsim.contact.wheel_rail import compile_stages
+from wrsim.dynamics import derivative, vehicle_forces, wheel_forces
+from wrsim.jit.stages import ARGUMENTS
 
 LARGE: tuple[tuple[Any, Any], ...] = (
     (wheel_forces.one_wheel, ARGUMENTS),

@@ -1,4 +1,4 @@
-"""The arrays of elastic bodies and axles for their kernel (``core.body.flexible``), and their attachments."""
+"""The arrays of elastic bodies and axles for their kernel (``dynamics.flexible``), and their attachments."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.core.body import flexible, vehicle_forces
-from wrsim.geometry.track.bridge import Bridge
+from wrsim.dynamics import flexible, vehicle_forces
 from wrsim.simulation.force_law import Array
+from wrsim.track.bridge import Bridge
 from wrsim.vehicle.elements import Triple
 from wrsim.vehicle.flexible import Modes
 from wrsim.vehicle.preload import Preload
@@ -63,7 +63,7 @@ class Attachments:
         return [part for part, _ in self._points]
 
     def arrays(self, coordinate: int, preloads: Sequence[Preload]) -> list[NDArray[Any]]:
-        """MODES, ATTACHMENTS, SHAPES and GYROSCOPIC of ``core.body.vehicle_forces``. coordinate: of the first mode."""
+        """MODES, ATTACHMENTS, SHAPES and GYROSCOPIC of ``dynamics.vehicle_forces``. coordinate: of the first mode."""
         vehicle, most = self.vehicle, max([len(own.frequencies) for own in self.modes.values()], default=1)
         rows = [np.zeros(0, flexible.MODE)]
         points = np.zeros(len(self._points), flexible.ATTACHMENT)

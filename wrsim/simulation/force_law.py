@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.workspace import WARM_TOLERANCE
-from wrsim.core.body import derivative as k
+from wrsim.dynamics import derivative as k
 from wrsim.vehicle.elements import Array
 from wrsim.vehicle.equivalent import Stroke
 
@@ -126,7 +126,7 @@ class Block:
         self.forces, self.groups = forces, groups
 
     def add_differences(self, t: float, central: bool, work: Array, matrix: Array) -> None:
-        """Add the derivative of its forces to the matrix (size, size); work: see ``core.body.derivative``."""
+        """Add the derivative of its forces to the matrix (size, size); work: see ``dynamics.derivative``."""
         state, rate, up, down = work[k.STATE], work[k.RATE], work[k.UP], work[k.DOWN]
         if not central:
             self.forces(t, state, rate, down)

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wrsim.core.body import implicit_step as kernel
+from wrsim.dynamics import implicit_step as kernel
 from wrsim.errors import SimulationError
 from wrsim.simulation.force_law import COORDINATES, SMALL, Array
 
@@ -47,7 +47,7 @@ class NotSolved(SimulationError):
 
 class ImplicitStep:
     """Newton's method within a call of ``BodySystem.solve``; its state is a record and arrays, its method is compiled
-    (``core.body.implicit_step``)."""
+    (``dynamics.implicit_step``)."""
 
     def __init__(
         self, q: Array, q_t: Array, q_tt: Array, bodies: int, rails: int, step: float, tolerance: float,

@@ -17,7 +17,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from wrsim.contact.workspace import WARM_TOLERANCE
-from wrsim.core.body.kinematics import first_not_finite
+from wrsim.dynamics.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
 from wrsim.simulation import DEFAULT_INTEGRATOR, Integrator

@@ -12,15 +12,13 @@ from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ConicalWheels
 from wrsim.contact.workspace import WARM_TOLERANCE, pack
-from wrsim.core.body import conical, friction, vehicle_forces
-from wrsim.core.body import derivative as differences
-from wrsim.core.body import wheel_forces as wheel_kernel
-from wrsim.core.body.kinematics import is_near
-from wrsim.core.jit.compiling import use_threads
-from wrsim.core.jit.stages import make_ready
+from wrsim.dynamics import conical, friction, vehicle_forces
+from wrsim.dynamics import derivative as differences
+from wrsim.dynamics import wheel_forces as wheel_kernel
+from wrsim.dynamics.kinematics import is_near
 from wrsim.errors import SimulationError
-from wrsim.geometry.track.sleepers import SleeperTrack
-from wrsim.geometry.track.track import Track
+from wrsim.jit.compiling import use_threads
+from wrsim.jit.stages import make_ready
 from wrsim.simulation.force_law import OF_DIFFERENCES, Array, Block, Groups, all_on_all, groups_in_a_row
 from wrsim.simulation.rails import RailsOnSleepers
 from wrsim.simulation.vehicle_arrays import (
@@ -32,6 +30,8 @@ from wrsim.simulation.vehicle_arrays import (
     stepper_arrays,
     vehicle_arrays,
 )
+from wrsim.track.sleepers import SleeperTrack
+from wrsim.track.track import Track
 from wrsim.vehicle.equivalent import Stroke, equivalent_elements
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.speed import SpeedProfile
@@ -52,7 +52,7 @@ class VehicleOnTrack(Layout):
 
     After a call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body
     and travel of every element in the axes of its first body (of a strut along a line: tension and extension, in the
-    places of x), ``axles`` moments and slip of drive and brakes on each wheelset (records AXLE of ``core.body.loads``),
+    places of x), ``axles`` moments and slip of drive and brakes on each wheelset (records AXLE of ``dynamics.loads``),
     ``distance`` that of the reference body along the centre line.
     """
 
@@ -239,7 +239,7 @@ class VehicleOnTrack(Layout):
         self._evaluated = np.nan
 
     def own(self, wheelset: int) -> list[Any]:
-        """The records WHEEL of both wheels of a wheelset (``core.body.wheel_forces``)."""
+        """The records WHEEL of both wheels of a wheelset (``dynamics.wheel_forces``)."""
         return self._records_of_wheels[2 * wheelset : 2 * wheelset + 2]
 
     def look_near(self, origin: float | Array) -> None:
@@ -356,7 +356,7 @@ class CompiledBlock(Block):
     """A part of a vehicle's forces, all differences of which are one compiled call."""
 
     def __init__(self, law: VehicleOnTrack, part: int, groups: Groups) -> None:
-        """part: ON_BODIES or ON_WHEELS of ``core.body.derivative``."""
+        """part: ON_BODIES or ON_WHEELS of ``dynamics.derivative``."""
         self.workspace, self.part, self.groups = law.workspace, part, groups
         widest, longest = max(len(columns) for columns, _ in groups), max(rows.shape[1] for _, rows in groups)
         self._columns, self._rows = np.full((len(groups), widest), -1), np.zeros((len(groups), widest, longest), int)

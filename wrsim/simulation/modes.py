@@ -8,12 +8,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.geometry.track.segments import Straight
-from wrsim.geometry.track.track import Track
 from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
 from wrsim.simulation.force_law import Array, ForceLaw, force_derivative
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
+from wrsim.track.segments import Straight
+from wrsim.track.track import Track
 from wrsim.vehicle.equivalent import SMALL_STROKE, Stroke
 from wrsim.vehicle.vehicle import Vehicle
 

@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wrsim.core.body import kinematics as kernels
-from wrsim.core.track import path as path_kernels
+from wrsim.dynamics import kinematics as kernels
 from wrsim.errors import SimulationError
-from wrsim.geometry.track.path import Path
 from wrsim.simulation.force_law import COORDINATES, Array
 from wrsim.simulation.law import VehicleOnTrack
+from wrsim.track import path_kernel as path_kernels
+from wrsim.track.path import Path
 from wrsim.vehicle.bogies import wheelsets_beneath
 
 SPIN = COORDINATES.index("spin")

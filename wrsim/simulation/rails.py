@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.core.body import sleepers as kernel
-from wrsim.core.jit import Array, Ints
+from wrsim.dynamics import sleepers as kernel
 from wrsim.errors import InputError
-from wrsim.geometry.track.sleepers import SleeperTrack
-from wrsim.geometry.track.track import RailElasticity, Track
+from wrsim.jit import Array, Ints
 from wrsim.simulation.implicit_step import METHOD, damping_by
+from wrsim.track.sleepers import SleeperTrack
+from wrsim.track.track import RailElasticity, Track
 
 MOVE = 6
 """Bays by which the window moves at once where they differ."""
@@ -30,7 +30,7 @@ the numerical damping of 100 Hz at 1 ms is 0.4 % of critical."""
 
 
 class RailsOnSleepers:
-    """Rails under the wheels of a vehicle, from their start on; see ``core.body.sleepers``.
+    """Rails under the wheels of a vehicle, from their start on; see ``dynamics.sleepers``.
 
     Until the first step the rails are at rest under each wheel's force. ``static``: a spring and a mass in their
     place for the search of that state.
@@ -41,7 +41,7 @@ class RailsOnSleepers:
         places: Array, weight: float, size: int, deck: NDArray[Any],
     ) -> None:  # fmt: skip
         """own: what the rails of the track lie on; workspace: buffer and index of the wheels
-        (``core.body.wheel_forces``); wheels: their records WHEEL; places (wheels,) along the centre line [m]; weight
+        (``dynamics.wheel_forces``); wheels: their records WHEEL; places (wheels,) along the centre line [m]; weight
         [N] and size of the state of the vehicle; deck: records MODE of the bridge below. Raises InputError for wheels
         on it."""
         self.sleepers, self._wheels, self._records = own, workspace, wheels

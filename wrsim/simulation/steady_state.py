@@ -12,17 +12,17 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.core.body import rigid_body as kernels
-from wrsim.core.body.kinematics import HEADING, X, Y
-from wrsim.core.linalg import Vec
-from wrsim.core.track.path import frame_at
+from wrsim.dynamics import rigid_body as kernels
+from wrsim.dynamics.kinematics import HEADING, X, Y
 from wrsim.errors import SimulationError
+from wrsim.jit.linalg import Vec
 from wrsim.simulation.bodies import inertia_table
 from wrsim.simulation.force_law import Forces, Groups, all_on_all, groups_in_a_row
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import DIFFERENCE, Terms, damped_newton, relax, roots
 from wrsim.simulation.placement import design_state, turn_gears
 from wrsim.simulation.system import COORDINATES, Array
+from wrsim.track.path_kernel import frame_at
 
 SMALL_WHEELSET = {"z": 1e-5, "x": 1e-3, "y": 1e-4, "heading": 1e-4, "roll": 1e-5, "spin": 1e-2}
 SMALL_BODY = {"z": 1e-4, "x": 1e-3, "y": 1e-3, "heading": 1e-3, "roll": 1e-3, "spin": 1e-4}

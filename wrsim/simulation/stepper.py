@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from wrsim.core.body import outputs, vehicle_forces
-from wrsim.core.body import stepper as kernel
-from wrsim.core.body.wheel_forces import OFF_TRACK
+from wrsim.dynamics import outputs, vehicle_forces
+from wrsim.dynamics import stepper as kernel
+from wrsim.dynamics.wheel_forces import OFF_TRACK
 from wrsim.errors import InputError, SimulationError, suggest
 from wrsim.inputs.section import SIDES
 from wrsim.simulation import law as laws
@@ -29,7 +29,7 @@ UNITS = {
 
 
 class Stepper:
-    """Generalised alpha with a fixed step, a fixed number of iterations and one Jacobian, see ``core.body.stepper``.
+    """Generalised alpha with a fixed step, a fixed number of iterations and one Jacobian, see ``dynamics.stepper``.
 
     A step is one compiled call that allocates no memory and writes no file. It takes no smaller steps where the motion
     would need them: ``residual`` is what is left of the balance.

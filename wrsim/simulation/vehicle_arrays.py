@@ -1,4 +1,4 @@
-"""The arrays of a vehicle on its track for its kernel, in the order of ``core.body.vehicle_forces``, and the places of
+"""The arrays of a vehicle on its track for its kernel, in the order of ``dynamics.vehicle_forces``, and the places of
 all unknowns in its state."""
 
 from collections.abc import Sequence
@@ -7,22 +7,22 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.contact.arrays import TABLES as TABLES_OF_A_WHEEL
 from wrsim.contact.model import ContactModel
-from wrsim.core.body import deck as deck_kernel
-from wrsim.core.body import friction, outputs, suspension, vehicle_forces
-from wrsim.core.body import loads as load_kernel
-from wrsim.core.body import rigid_body as body_kernel
-from wrsim.core.body import stepper as step_kernel
-from wrsim.core.body import wheel_forces as wheel_kernel
-from wrsim.core.body.suspension import ELEMENT
-from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
-from wrsim.core.frames import BODY
-from wrsim.geometry.track.bridge import Bridge
-from wrsim.geometry.track.sleepers import SleeperTrack
-from wrsim.geometry.track.track import RailElasticity, Track
+from wrsim.dynamics import deck as deck_kernel
+from wrsim.dynamics import friction, outputs, suspension, vehicle_forces
+from wrsim.dynamics import loads as load_kernel
+from wrsim.dynamics import rigid_body as body_kernel
+from wrsim.dynamics import stepper as step_kernel
+from wrsim.dynamics import wheel_forces as wheel_kernel
+from wrsim.dynamics.suspension import ELEMENT
+from wrsim.jit.frames import BODY
 from wrsim.simulation.bodies import bodies_of, inertia_table
 from wrsim.simulation.flexible_arrays import Attachments, mode_records
 from wrsim.simulation.force_law import Array, ForceLaw
+from wrsim.track.bridge import Bridge
+from wrsim.track.sleepers import SleeperTrack
+from wrsim.track.track import RailElasticity, Track
 from wrsim.vehicle.bogies import holders_of
 from wrsim.vehicle.elements import Tables
 from wrsim.vehicle.loads import Drive, LoadAxes, Over
@@ -146,7 +146,7 @@ def box_records(vehicle: Vehicle, attachments: Attachments) -> NDArray[np.record
 
 
 DRIVES, LOAD_AXES, OVER = map(get_args, (Drive, LoadAxes, Over))
-"""In the order of their numbers in ``core.body.loads``."""
+"""In the order of their numbers in ``dynamics.loads``."""
 
 
 def vehicle_arrays(
@@ -154,7 +154,7 @@ def vehicle_arrays(
 ) -> list[Any]:
     """All arrays but those of the wheels, which follow them.
 
-    gravity [m/s2]; turns: how the wheels take their turns (a stage of ``core.body.wheel_forces``); motion: see
+    gravity [m/s2]; turns: how the wheels take their turns (a stage of ``dynamics.wheel_forces``); motion: see
     ``pieces_of_motion``.
     """
     vehicle = layout.vehicle
@@ -198,7 +198,7 @@ def _modes(layout: Layout) -> list[Any]:
 
 
 def stepper_arrays(layout: Layout, wheelsets: int) -> list[Any]:
-    """The arrays of ``core.body.stepper`` ahead of all others."""
+    """The arrays of ``dynamics.stepper`` ahead of all others."""
     size, bodies = layout.size, layout.bodies
     return [
         np.zeros(1, step_kernel.STEP),
@@ -212,7 +212,7 @@ def stepper_arrays(layout: Layout, wheelsets: int) -> list[Any]:
 
 
 def arrays_of_wheels(wheelset: Wheelset, track: Track, contacts: tuple[ContactModel, ContactModel]) -> list[Any]:
-    """The arrays of both wheels of a wheelset in the order of ``core.body.wheel_forces``."""
+    """The arrays of both wheels of a wheelset in the order of ``dynamics.wheel_forces``."""
     found: list[Any] = []
     for rail, model, side in zip((track.left, track.right), contacts, (1.0, -1.0), strict=True):
         wheel = np.zeros(1, wheel_kernel.WHEEL)

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.assessment.limits import QUANTITIES
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import CHANNELS, Result
-from wrsim.results.limits import QUANTITIES
 from wrsim.results.table import formatted
 from wrsim.study.spec import REDUCTIONS, ChannelOutput, OutputsSection
 
@@ -182,7 +182,7 @@ def _margin_name(key: str) -> str:
 
 def _take_assessment(found: Outputs, result: Result, wanted: tuple[str, ...]) -> None:
     """The worst value of every quantity over all sections, and the least margin to its limit where it has one."""
-    from wrsim.analysis.assessment import assess_runs
+    from wrsim.assessment.assess import assess_runs
 
     columns = {key: _assessment_name(key) for key in wanted}
     for key, column in columns.items():

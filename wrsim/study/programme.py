@@ -8,13 +8,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from wrsim.analysis.assessment.sections import CANT_BASE, cant_deficiency, section_length, zone_of
+from wrsim.assessment.rules import USUAL, RulesFile, rule_set
+from wrsim.assessment.sections import CANT_BASE, cant_deficiency, section_length, zone_of
 from wrsim.errors import InputError
 from wrsim.inputs.checking import fault_line
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.toml_files import noting_reads
 from wrsim.inputs.values import List, number, positive, text
-from wrsim.results.rules import USUAL, RulesFile, rule_set
 from wrsim.scenario.sections.irregularities import IrregularitySection
 from wrsim.scenario.sections.steady import SHARPEST
 from wrsim.scenario.sections.track import Cant

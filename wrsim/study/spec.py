@@ -9,12 +9,12 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field
 
+from wrsim.assessment.limits import OF_RUNS, QUANTITY_NAMES
 from wrsim.contact.wear.laws import LawName
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, number, positive, refuse, spread, text
 from wrsim.results import CHANNELS
 from wrsim.results.channels import NAMES
-from wrsim.results.limits import OF_RUNS, QUANTITY_NAMES
 from wrsim.vehicle.vehicle_sections import WheelName
 
 MOST_CASES = 1_000_000

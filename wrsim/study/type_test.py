@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from scipy.special import stdtrit
 
-from wrsim.analysis.assessment.assess import assess_runs
 from wrsim.analysis.stationary.at_rest import conicity, leaning, settling, stationary_tests, weighing
 from wrsim.analysis.stationary.statics import static_state
+from wrsim.assessment.assess import assess_runs
+from wrsim.assessment.limits import Limit
+from wrsim.assessment.outcome import TO_CONFIRM, Assessment, ZoneValue
 from wrsim.errors import InputError, SimulationError
 from wrsim.inputs.section import given
 from wrsim.results import Result, write_atomically
-from wrsim.results.assessment import TO_CONFIRM, Assessment, ZoneValue
 from wrsim.results.files import as_csv, as_json, from_json
-from wrsim.results.limits import Limit
 from wrsim.results.table import Cell, Column, Table, as_rows, formatted, quantity
 from wrsim.results.units import converted
 from wrsim.scenario.build import Setup, build

@@ -1,6 +1,6 @@
 """Elastic axles: a shaft in steps of its diameter with stiff wheels and discs; [wheelset.axle].
 
-Bending with shear and rotary inertia in finite elements (``geometry.track.beams``). The wheels have the mass and the
+Bending with shear and rotary inertia in finite elements (``track.beams``). The wheels have the mass and the
 inertia that shaft and discs leave of the wheelset's, so the modes fit the rigid wheelset.
 """
 
@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from wrsim.errors import InputError
-from wrsim.geometry.track.beams import bending_matrices
 from wrsim.inputs.section import Section
 from wrsim.inputs.values import List, number, positive
+from wrsim.track.beams import bending_matrices
 from wrsim.vehicle.elements import Array
 from wrsim.vehicle.flexible import Modes
 

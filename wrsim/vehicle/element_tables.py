@@ -2,7 +2,7 @@
 
 A new kind is a subclass of `ElementTable` and an entry in ``AnyElementTable``. Its ``element`` gives one of the laws of
 ``vehicle.elements`` (`Spring`: along and about three axes; `Strut`: in one direction), or an `Element` with a
-function in ``core.body.suspension``.
+function in ``dynamics.suspension``.
 """
 
 import math

@@ -2,7 +2,7 @@
 
 Each joins a ``first`` body to a ``second`` one, by their names, at points given in the vehicle's axes in its design
 position: x forward, y left, z up above the rails. The axes of an element are those of its first body; forces are those
-on the second one. The keys of vehicle files: ``element_tables``; the forces: ``core.body.suspension``.
+on the second one. The keys of vehicle files: ``element_tables``; the forces: ``dynamics.suspension``.
 """
 
 from abc import ABC, abstractmethod
@@ -69,7 +69,7 @@ class Normal:
 
 @dataclass(frozen=True)
 class Slider:
-    """A spring in series with a sliding surface, see ``core.body.friction``.
+    """A spring in series with a sliding surface, see ``dynamics.friction``.
 
     stiffness [N/m], damping [N s/m] while it sticks; or, in place of the stiffness, the distance [m] over which the
     largest force at rest builds up. Largest force: bound [N] + friction times the normal force.
@@ -85,7 +85,7 @@ class Slider:
 
     def write(self, row: Any, tables: Tables, directions: int = 1, at_rest: float = 0.0) -> None:
         """Write its law to a record ELEMENT; directions: in which it slips; at_rest: its element's own force [N]."""
-        from wrsim.core.body import friction as kernel
+        from wrsim.dynamics import friction as kernel
 
         row.slider = {"coulomb": kernel.COULOMB, "fancher": kernel.FANCHER, "berg": kernel.BERG}[self.law]
         row.stick, row.stick_damping, row.bound = self.stiffness, self.damping, self.bound
@@ -114,7 +114,7 @@ class Element(ABC):
     turns_with_first = True
     """Whether its axes are those of its first body."""
     travel_place = 3
-    """Place of its travel among the six numbers of a reading (``core.body.suspension``)."""
+    """Place of its travel among the six numbers of a reading (``dynamics.suspension``)."""
     resists_turning = False
     """Whether moments hold its bodies against each other."""
     turning_stiffness = ZERO
@@ -142,7 +142,7 @@ class Element(ABC):
 
     @abstractmethod
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
-        """Write its law to a record ELEMENT of ``core.body.suspension``, bodies and points left out.
+        """Write its law to a record ELEMENT of ``dynamics.suspension``, bodies and points left out.
 
         preload: force on the second body along its directions in the design position, (m,) [N].
         """
@@ -185,7 +185,7 @@ class Spring(Element):
         return any(self.turning_stiffness) or any(self.turning_damping)
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
-        from wrsim.core.body import suspension as kernel
+        from wrsim.dynamics import suspension as kernel
 
         row.kind = kernel.SHEAR if self.column else kernel.FIELD
         row.stiffness, row.damping, row.preload = self.stiffness, self.damping, tuple(preload)
@@ -252,7 +252,7 @@ class Strut(Element):
         return np.array(self.ends[1]) - np.array(self.ends[0])
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
-        from wrsim.core.body import suspension as kernel
+        from wrsim.dynamics import suspension as kernel
 
         row.kind = kernel.LINE if self.axis is None else kernel.AXIS
         row.direction = self.axis or 0
@@ -310,7 +310,7 @@ class PlaneFriction(Element):
         return np.delete(np.eye(3), self.across, axis=0)
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
-        from wrsim.core.body import suspension as kernel
+        from wrsim.dynamics import suspension as kernel
 
         row.kind, row.direction = kernel.PLANE, self.across
         if self.slider is not None:

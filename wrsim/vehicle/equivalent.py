@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.core.body import friction
+from wrsim.dynamics import friction
 
 Array = NDArray[np.float64]
 
@@ -96,7 +96,7 @@ def damper_coefficient(table: Array, stroke: Stroke, series: float | None = None
 
 
 def slider_coefficients(law: int, stick: float, bound: float, amplitude: float) -> tuple[float, float]:
-    """Equivalent stiffness [N/m] and damping times the angular frequency [N/m] of a slider of ``core.body.friction``.
+    """Equivalent stiffness [N/m] and damping times the angular frequency [N/m] of a slider of ``dynamics.friction``.
 
     stick: its stiffness [N/m]; bound of its force [N]. In its loop the force on the way up, over the bound, begins at
     the return -s and comes to s at the end of the stroke.

@@ -1,6 +1,6 @@
 """Elastic modes of a body: from a file of frequencies and mode shapes, or those of a beam; [bodies.NAME.flexible].
 
-Modes are those of the free body. Their equations: ``core.body.flexible``.
+Modes are those of the free body. Their equations: ``dynamics.flexible``.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Modes(ABC):
         InputError for a point that the modes do not reach."""
 
     def gyroscopic(self) -> tuple[Array, Array]:
-        """Sums G (n, n) and g (n, 3) of ``core.body.flexible``; 0 for what does not spin."""
+        """Sums G (n, n) and g (n, 3) of ``dynamics.flexible``; 0 for what does not spin."""
         n = len(self.frequencies)
         return np.zeros((n, n)), np.zeros((n, 3))
 

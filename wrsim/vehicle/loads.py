@@ -10,7 +10,7 @@ import numpy as np
 from wrsim.vehicle.elements import Triple
 
 Drive = Literal["free", "train", "wheels"]
-"""What holds the speed: nothing; a force along the track; moments on the axles. See ``core.body.vehicle_forces``."""
+"""What holds the speed: nothing; a force along the track; moments on the axles. See ``dynamics.vehicle_forces``."""
 
 LoadAxes = Literal["track", "body"]
 """Axes of a load's components."""
@@ -97,7 +97,7 @@ class Effort:
 
 @dataclass(frozen=True)
 class GearedMotor:
-    """A motor that drives a wheelset through a gear and a hollow axle, see ``core.body.loads``.
+    """A motor that drives a wheelset through a gear and a hollow axle, see ``dynamics.loads``.
 
     motor, case: bodies that hold the motor's stator and the gear. ratio: turns of the rotor for one of the axle,
     negative where it turns the other way. rotor_inertia about the rotor, hollow_inertia of hollow axle and large wheel
@@ -126,7 +126,7 @@ class GearedMotor:
 
 @dataclass(frozen=True)
 class SlipControl:
-    """Keeps the slip speed of every axle below speed + creepage V [m/s], see ``core.body.loads``."""
+    """Keeps the slip speed of every axle below speed + creepage V [m/s], see ``dynamics.loads``."""
 
     speed: float
     creepage: float

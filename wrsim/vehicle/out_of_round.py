@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from wrsim.contact.profiles.models import load_profile
+from wrsim.contact.profiles.profile import Profile
+from wrsim.contact.surfaces.out_of_round import Flat, Harmonic, Part, RadiusTable, shape_tables
+from wrsim.contact.surfaces.slices import read_slices
 from wrsim.errors import InputError
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.out_of_round import Flat, Harmonic, Part, RadiusTable, shape_tables
-from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.slices import read_slices
 from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Choice, Fault

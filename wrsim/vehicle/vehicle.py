@@ -85,7 +85,7 @@ class Body:
 @dataclass(frozen=True)
 class AxleBox:
     """A body that turns freely about the axle of its wheelset, its centre on the axle at y [m]: the arm of a primary
-    suspension. Mass [kg], inertia about x, y (the axle), z [kg m2]. See ``core.body.rigid_body``."""
+    suspension. Mass [kg], inertia about x, y (the axle), z [kg m2]. See ``dynamics.rigid_body``."""
 
     name: str
     y: float

@@ -11,8 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from wrsim.contact.profiles.models import load_profile
 from wrsim.errors import InputError, suggest
-from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.changes import changed, found, key_path
 from wrsim.inputs.checking import Locate, check_section, fault_line, opened, refuse_other_kind
 from wrsim.inputs.lines import KeyPath

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
-    from wrsim.geometry.profile.out_of_round import Part
-    from wrsim.geometry.profile.profile import Profile
+    from wrsim.contact.profiles.profile import Profile
+    from wrsim.contact.surfaces.out_of_round import Part
     from wrsim.vehicle.axle import Axle
 
 SAME_BACK = 0.05e-3

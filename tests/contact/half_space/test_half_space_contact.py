@@ -16,11 +16,11 @@ from wrsim.analysis.poses.solver import HalfSpacePoseSolver
 from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space import HalfSpace
+from wrsim.contact.half_space.surface_kernel import _meet_section
 from wrsim.contact.half_space.zones import _box
+from wrsim.contact.profiles.sections import circle
 from wrsim.contact.settings import Material
-from wrsim.core.contact.half_space.surface import _meet_section
-from wrsim.core.linalg import Vec
-from wrsim.geometry.profile.sections import circle
+from wrsim.jit.linalg import Vec
 
 EXACT = {"normal": "half-space", "tangential": "half-space"}
 FRICTIONLESS = EXACT | {"tangential": "none"}

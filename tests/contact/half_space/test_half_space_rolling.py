@@ -9,11 +9,11 @@ from support.ellipse import roll as strips
 from support.hertz import COMPLIANCE, Ellipse, EllipseGrid
 from support.rows import data_rows, rows_of
 
+from wrsim.contact.creep.flexibility import kalker_coefficients
 from wrsim.contact.half_space.influence import Operator
 from wrsim.contact.half_space.normal import solve_normal
 from wrsim.contact.half_space.rolling import solve_rolling
 from wrsim.contact.tables import creep_coefficients
-from wrsim.core.contact.tangential.flexibility import kalker_coefficients
 
 table = rows_of(__file__)
 

@@ -27,8 +27,8 @@ from scipy.optimize import brentq
 
 from wrsim.analysis.conicity.rigid import RigidContact, rigid_contact
 from wrsim.analysis.progress import Progress, Report
+from wrsim.contact.profiles.profile import Profile
 from wrsim.errors import InputError
-from wrsim.geometry.profile.profile import Profile
 from wrsim.results import Result, assemble
 from wrsim.results.conicity import CONTACT_DISTANCE, Array
 from wrsim.scenario.build import Setup

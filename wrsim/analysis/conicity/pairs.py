@@ -10,11 +10,11 @@ from typing import Annotated, Any
 import numpy as np
 
 from wrsim.analysis.conicity.conicity import wheelset_conicity
+from wrsim.contact.profiles.files import noted, notes_of, reading_options
+from wrsim.contact.profiles.flange import BACK
+from wrsim.contact.profiles.models import gathered, load_profile
+from wrsim.contact.profiles.profile import Kind, Profile
 from wrsim.errors import InputError
-from wrsim.geometry.profile.files import noted, notes_of, reading_options
-from wrsim.geometry.profile.flange import BACK
-from wrsim.geometry.profile.models import gathered, load_profile
-from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.inputs.checking import check_value
 from wrsim.inputs.lookup import model_file
 from wrsim.inputs.values import number

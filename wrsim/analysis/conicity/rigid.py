@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
+from wrsim.contact.profiles.profile import Profile
 from wrsim.errors import InputError
-from wrsim.geometry.profile.profile import Profile
 from wrsim.results.conicity import Array
 
 NODE_DISTANCE = 1e-4

@@ -5,17 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from wrsim.core.body import vehicle_forces
-from wrsim.core.body.kinematics import kinematics
-from wrsim.core.body.rigid_body import kinetic_energies, pitched
-from wrsim.core.track import path as path_kernels
-from wrsim.geometry.track.track import Track
+from wrsim.dynamics import vehicle_forces
+from wrsim.dynamics.kinematics import kinematics
+from wrsim.dynamics.rigid_body import kinetic_energies, pitched
 from wrsim.inputs.section import SIDES
 from wrsim.simulation.bodies import accelerations, inertia_table
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.system import COORDINATES, Array
+from wrsim.track import path_kernel as path_kernels
+from wrsim.track.track import Track
 from wrsim.vehicle.axle import AxleModes
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.vehicle import MeasuringPoint, Vehicle
@@ -92,7 +92,7 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 def _angular_acceleration(q: Array, q_t: Array, q_tt: Array) -> Array:
-    """Rate of the angular velocity in body axes (3,) [rad/s2]: G theta_tt + G_t theta_t (``core.body.rigid_body``)."""
+    """Rate of the angular velocity in body axes (3,) [rad/s2]: G theta_tt + G_t theta_t (``dynamics.rigid_body``)."""
     sr, cr, sp, cp = np.sin(q[4]), np.cos(q[4]), np.sin(q[5]), np.cos(q[5])
     h, r, p = q_t[3:6]
     turning = np.array([[-cr * sp, cp, 0.0], [sr, 0.0, 1.0], [cr * cp, sp, 0.0]])

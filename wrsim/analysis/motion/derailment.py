@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 from wrsim.analysis.motion.messages import Lost, NoSteadyMotion, wheel_words
 from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.profiles.profile import Profile
+from wrsim.contact.records import STATUS_TOO_DEEP
 from wrsim.contact.status import status_words
-from wrsim.core.body.watch import WATCH
-from wrsim.core.contact.records import STATUS_TOO_DEEP
-from wrsim.core.contact.wheel_rail import DEEPEST
+from wrsim.contact.wheel_rail import DEEPEST
+from wrsim.dynamics.watch import WATCH
 from wrsim.errors import InputError
-from wrsim.geometry.profile.profile import Profile
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.law import VehicleOnTrack
@@ -98,7 +98,7 @@ def wheels_of(law: VehicleOnTrack) -> list[WatchedWheel]:
 
 
 def watched(wheels: Sequence[WatchedWheel]) -> NDArray[np.void]:
-    """Records WATCH of wheels (``core.body.watch``), with their geometry."""
+    """Records WATCH of wheels (``dynamics.watch``), with their geometry."""
     found = np.zeros(len(wheels), WATCH)
     for row, wheel in zip(found, wheels, strict=True):
         row.level, row.drop, row.face, row.substitutes = wheel.level, -DROP, wheel.face, wheel.model.arrays.substitutes

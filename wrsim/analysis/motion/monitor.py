@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from wrsim.analysis.motion.derailment import WatchedWheel, overlap, watched, wheels_of
 from wrsim.analysis.motion.messages import Event, EventKind, Lost, end_words, stop_words
+from wrsim.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
 from wrsim.contact.status import bits_of
-from wrsim.core.body import watch as kernel
-from wrsim.core.body.vehicle_forces import FIRST_WHEEL
-from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
-from wrsim.core.jit.arena import record
+from wrsim.dynamics import watch as kernel
+from wrsim.dynamics.vehicle_forces import FIRST_WHEEL
+from wrsim.jit.arena import record
 from wrsim.simulation.integrate import EXPLICIT_PARTS
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.step_size import STEPS_OF_A_PERIOD, growing_modes

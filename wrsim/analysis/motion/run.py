@@ -15,18 +15,15 @@ from wrsim.analysis.motion.record import RunRecord
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.progress import Progress
+from wrsim.contact import wheel_rail
 from wrsim.contact.models import NORMAL_MODELS
-from wrsim.core.body import derivative, implicit_step, kinematics, rigid_body, vehicle_forces, watch, wheel_forces
-from wrsim.core.contact import wheel_rail
-from wrsim.core.contact.records import FREE_STRIPS
-from wrsim.core.contact.search import locus
-from wrsim.core.contact.strips import equations
-from wrsim.core.jit.compiling import COUNT, Kernel
-from wrsim.core.track import path as path_kernels
+from wrsim.contact.records import FREE_STRIPS
+from wrsim.contact.search import locus
+from wrsim.contact.strips import equations
+from wrsim.contact.surfaces.out_of_round import Flat
+from wrsim.dynamics import derivative, implicit_step, kinematics, rigid_body, vehicle_forces, watch, wheel_forces
 from wrsim.errors import InputError, SimulationError
-from wrsim.geometry.profile.out_of_round import Flat
-from wrsim.geometry.track.segments import Straight
-from wrsim.geometry.track.sleepers import SleeperTrack
+from wrsim.jit.compiling import COUNT, Kernel
 from wrsim.register import ANALYSES
 from wrsim.results import Result
 from wrsim.results.run_file import run_header
@@ -41,6 +38,9 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.stepper import Stepper, with_torques
 from wrsim.simulation.system import Array, BodySystem
 from wrsim.timing import timed
+from wrsim.track import path_kernel as path_kernels
+from wrsim.track.segments import Straight
+from wrsim.track.sleepers import SleeperTrack
 
 log = logging.getLogger(__name__)
 

@@ -1,7 +1,7 @@
 """A vehicle on its track as a co-simulation unit of FMI 3.0: one file with machine code, description, and the scenario.
 
-What a `Stepper` computes in is packed into the unit's library with the kernels that move it (``wrsim/library/unit.c``):
-it needs no Python when it runs, and gives the bits of the `Stepper`.
+What a `Stepper` computes in is packed into the unit's library with the kernels that move it (``simulation/unit.c``): it
+needs no Python when it runs, and gives the bits of the `Stepper`.
 """
 
 import hashlib
@@ -12,21 +12,25 @@ import re
 import uuid
 import zipfile
 from collections.abc import Mapping
+from pathlib import Path
 from xml.etree import ElementTree as xml
 
 import numpy as np
 
 import wrsim
+from wrsim import simulation
 from wrsim.analysis.motion.run import BENCH_STEP, stepper
+from wrsim.contact import records, wheel_rail
+from wrsim.contact.library.build import shared_library
 from wrsim.contact.models import NORMAL_MODELS
-from wrsim.core.body import outputs, wheel_forces
-from wrsim.core.body import stepper as kernel
-from wrsim.core.contact import records, wheel_rail
-from wrsim.core.jit.cache import digest_of_sources
-from wrsim.library.build import shared_library
+from wrsim.dynamics import outputs, wheel_forces
+from wrsim.dynamics import stepper as kernel
+from wrsim.jit.cache import digest_of_sources
 from wrsim.scenario.build import build, name_among_models
 from wrsim.scenario.loading import Scenario
 from wrsim.simulation.stepper import Stepper
+
+SOURCE = Path(simulation.__file__).parent / "unit.c"
 
 UNITS: dict[str, tuple[str, dict[str, int]]] = {
     "m": ("m", {"m": 1}), "m_s": ("m/s", {"m": 1, "s": -1}), "m_s2": ("m/s2", {"m": 1, "s": -2}),
@@ -79,7 +83,7 @@ def packed_unit(scenario: Scenario, name: str, step: float = BENCH_STEP) -> tupl
     table = {number: wheel_rail.STAGES[number] for number in (normal, records.CREEP_FORCES, records.CONTACT)}
     table |= {number: wheel_forces.STAGES[number] for number in (wheel_forces.ONE_WHEEL, wheel_forces.IN_TURN)}
     more = {"wrsim_advance": kernel.advance, "wrsim_observe": outputs.observe}
-    library = shared_library("unit.c", table, more, {"unit.bin": content, "unit.h": _header(bench, token, variables)})
+    library = shared_library(SOURCE, table, more, {"unit.bin": content, "unit.h": _header(bench, token, variables)})
     files = {
         "modelDescription.xml": _description(bench, scenario.title, identifier, token, setup.plan.duration),
         f"binaries/{platform.machine()}-linux/{identifier}.so": library,

@@ -17,14 +17,14 @@ from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
 from wrsim.contact.patches import RawContacts
 from wrsim.contact.pose import Pose
+from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.settings import DRY, AnyFriction, ContactSettings
 from wrsim.contact.status import UNMET, UNSOLVED
 from wrsim.errors import InputError, SimulationError
-from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.track.track import STANDARD_GAUGE
 from wrsim.results import CHANNELS, Result, assemble
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.static import StaticPlan, named
+from wrsim.track.track import STANDARD_GAUGE
 
 STEEP = np.radians(60.0)
 """Steepest direction of a wheel's force, from the vertical, that passes without a word: to carry a vertical load on a

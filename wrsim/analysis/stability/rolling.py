@@ -16,9 +16,8 @@ from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import contact_words, overlap, pushed, wheels_of
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.start import steady_alone
-from wrsim.core.contact.records import STATUS_TOO_DEEP
+from wrsim.contact.records import STATUS_TOO_DEEP
 from wrsim.errors import SimulationError
-from wrsim.geometry.track.segments import Straight
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.stability import StabilityPlan
@@ -26,6 +25,7 @@ from wrsim.simulation.law import ConicalVehicleOnTrack, VehicleOnTrack
 from wrsim.simulation.modes import linearise, mode_name
 from wrsim.simulation.steady_state import steady_state
 from wrsim.simulation.system import Array
+from wrsim.track.segments import Straight
 
 LENGTH, PLACE = 400.0, 200.0
 """Straight track, and where on it the vehicle starts [m]; behind its end it goes on straight."""

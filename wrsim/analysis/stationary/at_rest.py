@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.assessment.sections import CANT_BASE
 from wrsim.analysis.conicity.conicity import wheelset_conicity
 from wrsim.analysis.stationary import loops
 from wrsim.analysis.stationary.loops import RotationTest, TwistTest
 from wrsim.analysis.stationary.statics import StaticState, canted, static_state
+from wrsim.assessment.limits import About, Limit
+from wrsim.assessment.rules import rule_set
+from wrsim.assessment.sections import CANT_BASE
+from wrsim.contact.profiles.profile import Profile
 from wrsim.errors import InputError, SimulationError
-from wrsim.geometry.profile.profile import Profile
 from wrsim.inputs.section import given
-from wrsim.results.limits import About, Limit
-from wrsim.results.rules import rule_set
 from wrsim.results.table import Column, Table, formatted, quantity
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.simulation.modes import natural_modes

@@ -10,8 +10,8 @@ from math import asin, radians
 
 import numpy as np
 
-from wrsim.analysis.assessment.sections import CANT_BASE
 from wrsim.analysis.stationary.statics import SupportedVehicle
+from wrsim.assessment.sections import CANT_BASE
 from wrsim.errors import InputError
 from wrsim.simulation.system import Array
 from wrsim.vehicle.bogies import Bogie, bogies_of

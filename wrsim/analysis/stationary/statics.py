@@ -14,15 +14,15 @@ from math import cos, sin
 
 import numpy as np
 
-from wrsim.core.linalg import Vec
 from wrsim.errors import SimulationError
-from wrsim.geometry.track.segments import Straight
-from wrsim.geometry.track.track import Track
+from wrsim.jit.linalg import Vec
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import damped_newton
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import TOLERANCE, SteadyMotion
 from wrsim.simulation.system import COORDINATES, Array
+from wrsim.track.segments import Straight
+from wrsim.track.track import Track
 from wrsim.vehicle.bogies import Bogie
 from wrsim.vehicle.elements import Triple
 from wrsim.vehicle.loads import Load

@@ -20,7 +20,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from wrsim.contact.settings import Material
-from wrsim.core.jit import Array
+from wrsim.jit import Array
 
 Spectrum = NDArray[np.complexfloating]
 

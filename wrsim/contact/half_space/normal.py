@@ -1,12 +1,12 @@
-"""Pressures of half-spaces in contact at a given approach: the loop around core.contact.half_space.normal."""
+"""Pressures of half-spaces in contact at a given approach: the loop around contact.half_space.normal_kernel."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from wrsim.contact.half_space import normal_kernel as normal
 from wrsim.contact.half_space.influence import Operator
-from wrsim.core.contact.half_space import normal
-from wrsim.core.jit import Array
+from wrsim.jit import Array
 
 FIRST_LEVEL = 0.45  # of the approach: where the first guess of the pressure begins
 MOST_STEPS = 200

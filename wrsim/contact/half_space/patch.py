@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from wrsim.contact.half_space.normal import Pressure
 from wrsim.contact.half_space.rolling import Traction
+from wrsim.contact.half_space.rolling_kernel import OUTSIDE, SLIP
 from wrsim.contact.half_space.surface import Grid
-from wrsim.core.contact.half_space.rolling import OUTSIDE, SLIP
-from wrsim.core.contact.wheel_rail import turned
-from wrsim.core.jit import Array
-from wrsim.core.linalg import Vec
+from wrsim.contact.wheel_rail import turned
+from wrsim.jit import Array
+from wrsim.jit.linalg import Vec
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,13 +1,13 @@
-"""Tractions of half-spaces in steady rolling: the loop around core.contact.half_space.rolling."""
+"""Tractions of half-spaces in steady rolling: the loop around contact.half_space.rolling_kernel."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from wrsim.contact.half_space import rolling_kernel as rolling
 from wrsim.contact.half_space.influence import Operator
-from wrsim.core.contact.half_space import rolling
-from wrsim.core.jit import Array
+from wrsim.jit import Array
 
 NEWTON_STEPS = 80
 KRYLOV_STEPS = 40

@@ -17,10 +17,10 @@ from wrsim.contact.half_space.rolling import Traction, solve_rolling
 from wrsim.contact.half_space.surface import Grid
 from wrsim.contact.half_space.zones import Footprint, find_footprints
 from wrsim.contact.model import LEAST_SPEED, ContactModel
+from wrsim.contact.records import STATUS_PROFILE_END, STATUS_TOO_DEEP
 from wrsim.contact.settings import HalfSpaceSettings
-from wrsim.core.contact.records import STATUS_PROFILE_END, STATUS_TOO_DEEP
-from wrsim.core.contact.wheel_rail import DEEPEST
-from wrsim.core.jit import Array
+from wrsim.contact.wheel_rail import DEEPEST
+from wrsim.jit import Array
 
 AHEAD = 1.0 / 6.0  # of an element: where the rigid slip is taken, which cancels most of the error of first order
 ALTERNATIONS = 30  # between pressures and tractions that move each other

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from wrsim.contact import records as k
 from wrsim.contact.channels import ElementField
+from wrsim.contact.creep.friction import set_friction
 from wrsim.contact.half_space.patch import HalfSpaceContact, Patch, Region
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.model import ContactModel
-from wrsim.core.contact import records as k
-from wrsim.core.contact.resultants import add_lobe, set_creepages
-from wrsim.core.contact.tangential.friction import set_friction
-from wrsim.core.contact.wheel_rail import carry, in_track_axes, pose_in_rail_axes
-from wrsim.core.jit import Array, Records
+from wrsim.contact.resultants import add_lobe, set_creepages
+from wrsim.contact.wheel_rail import carry, in_track_axes, pose_in_rail_axes
+from wrsim.jit import Array, Records
 
 FORCE, MOMENT = ("Ft", "Fo", "Fb"), ("Mt", "Mo", "Mb")
 

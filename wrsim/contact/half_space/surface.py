@@ -1,4 +1,4 @@
-"""The curved reference surface of a patch and elements on it: the shell of core.contact.half_space.surface."""
+"""The curved reference surface of a patch and elements on it: the shell of contact.half_space.surface_kernel."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,15 +7,15 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.contact.half_space import surface_kernel as surface
 from wrsim.contact.model import ContactModel
-from wrsim.core.contact.half_space import surface
-from wrsim.core.contact.records import PlacedWheel, Rail, WheelPose
-from wrsim.core.contact.wheel_rail import bodies
-from wrsim.core.jit import Array
-from wrsim.geometry.track.rail_surface import RailSurface
+from wrsim.contact.records import PlacedWheel, Rail, WheelPose
+from wrsim.contact.surfaces.rail_surface import RailSurface
+from wrsim.contact.wheel_rail import bodies
+from wrsim.jit import Array
 
 Rows = NDArray[np.void]
-"""Rows of core.contact.half_space.surface.AXIS."""
+"""Rows of contact.half_space.surface_kernel.AXIS."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Bodies:
 
 @dataclass(frozen=True)
 class Axis:
-    """The curved axis through a pair of opposite points; level: see core.contact.half_space.surface."""
+    """The curved axis through a pair of opposite points; level: see contact.half_space.surface_kernel."""
 
     bodies: Bodies
     arc_wheel: float

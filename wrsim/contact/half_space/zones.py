@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from wrsim.contact.half_space.surface import Axis, Bodies
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import HalfSpaceSettings
-from wrsim.core.jit import Array
+from wrsim.jit import Array
 
 LEVEL = 0.15  # of a lobe's depth: contact beyond it is rare, and found out
 KERNEL_LEVEL = 0.45  # of a lobe's depth: about where contact ends

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.profiles.profile import Profile
+from wrsim.contact.records import LOBE, POSE, STRIP
 from wrsim.contact.wear.laws import DENSITY, LawName, WearSettings, brr, damage, slip_along, usfd, wear_coefficient
-from wrsim.core.contact.records import LOBE, POSE, STRIP
-from wrsim.core.jit import Array, Records
-from wrsim.geometry.profile.profile import Profile
+from wrsim.jit import Array, Records
 
 FLANGE_ANGLE = np.radians(30.0)
 """Slope of a profile from which on, towards the gauge side, it is flange or gauge corner; before it is tread or top."""

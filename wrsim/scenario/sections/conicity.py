@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import degrees, radians
 from typing import Annotated, Any, Literal
 
-from wrsim.geometry.profile.flange import FLANGE_FROM
+from wrsim.contact.profiles.flange import FLANGE_FROM
 from wrsim.inputs.values import Series, number, positive
 from wrsim.scenario.sections.table import Given, PlanTable
 

@@ -8,13 +8,13 @@ from annotated_types import Predicate
 from pydantic import Field
 
 from wrsim.errors import InputError
-from wrsim.geometry.track.irregularities import CHANNELS, Bump, Channel, Disturbance, Polygon, Rail, Shape
-from wrsim.geometry.track.spectra import SPECTRA, Realisation
-from wrsim.geometry.track.table import TrackTable
-from wrsim.geometry.track.track import ROUNDING
 from wrsim.inputs.section import Choice, Fault, Section, given
 from wrsim.inputs.values import List, Two, fields, number, positive, text, words
 from wrsim.results.channels import table
+from wrsim.track.irregularities import CHANNELS, Bump, Channel, Disturbance, Polygon, Rail, Shape
+from wrsim.track.spectra import SPECTRA, Realisation
+from wrsim.track.table import TrackTable
+from wrsim.track.track import ROUNDING
 
 Place = Annotated[float, number(0, 1e6, "m along the centre line")]
 Band = Annotated[

@@ -3,9 +3,9 @@
 from contextlib import AbstractContextManager
 from typing import Annotated, Literal
 
-from wrsim.geometry.profile.file_kinds import BackToTapeCircle
-from wrsim.geometry.profile.files import HEIGHTS, ORIGINS, SIDES, reading_as
-from wrsim.geometry.profile.formats import METRES
+from wrsim.contact.profiles.file_kinds import BackToTapeCircle
+from wrsim.contact.profiles.files import HEIGHTS, ORIGINS, SIDES, reading_as
+from wrsim.contact.profiles.formats import METRES
 from wrsim.inputs.section import Section
 from wrsim.inputs.values import positive
 

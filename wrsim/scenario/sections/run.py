@@ -8,13 +8,13 @@ from pydantic import Field
 
 from wrsim.contact.wear.laws import LawName, WearSettings
 from wrsim.errors import InputError
-from wrsim.geometry.track.bridge import Bridge
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number, positive
 from wrsim.results.channels import CHANNELS, FAST, NAMES
 from wrsim.scenario.sections.table import AnalysisTable, Given, PlanTable
 from wrsim.simulation import DEFAULT_INTEGRATOR, Integrator
+from wrsim.track.bridge import Bridge
 from wrsim.vehicle.speed import SpeedProfile
 
 Place = Annotated[float, number(-1e6, 1e6, "m along the centre line")]

@@ -6,11 +6,11 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
 
-from wrsim.geometry.track.bridge import Bridge, read_bridge
-from wrsim.geometry.track.sleepers import Layer, RailBeam, RailJoint, SleeperTrack, SupportRow
-from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.section import Choice, Section, given
 from wrsim.inputs.values import List, number, positive, text
+from wrsim.track.bridge import Bridge, read_bridge
+from wrsim.track.sleepers import Layer, RailBeam, RailJoint, SleeperTrack, SupportRow
+from wrsim.track.track import RailElasticity
 
 Stiffness = Annotated[float, number(0.1, 1e5)]
 Damping = Annotated[float, number(0, 1e5)]

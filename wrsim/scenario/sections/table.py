@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from wrsim.errors import InputError
-from wrsim.geometry.track.track import Track
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Fault, Section
 from wrsim.register import Analysis
 from wrsim.scenario.sections.vehicle import LOWEST, SpeedTable
+from wrsim.track.track import Track
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.speed import SpeedProfile
 from wrsim.vehicle.vehicle import Vehicle

@@ -9,12 +9,12 @@ from typing import Annotated, Any, ClassVar, Literal
 from annotated_types import Predicate
 from pydantic import BeforeValidator, Field
 
-from wrsim.geometry.profile.profile import GAUGE_DEPTH
-from wrsim.geometry.track import segments
+from wrsim.contact.profiles.profile import GAUGE_DEPTH
 from wrsim.inputs.section import SIDES, Choice, Fault, Section, both_or_sides, on_side
 from wrsim.inputs.values import List, number, number_limits, plain_number, positive, refuse, text, unpacked, words
 from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection, grades_in_order
 from wrsim.scenario.sections.structure import AnyStructure
+from wrsim.track import segments
 
 Length = Annotated[float, number(0.01, segments.LONGEST, "m")]
 LENGTHS = number_limits(unpacked(Length).limits)[:2]

@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 
 from wrsim.analysis.conicity.conicity import wheelset_conicity
+from wrsim.contact.profiles.flange import flange_dimensions
+from wrsim.contact.profiles.profile import Profile
 from wrsim.errors import InputError
-from wrsim.geometry.profile.flange import flange_dimensions
-from wrsim.geometry.profile.profile import Profile
 from wrsim.plots.drawing import save_all
 from wrsim.plots.wear import evolution_figures
 from wrsim.results import write_atomically

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from wrsim.contact.profiles.models import load_profile
+from wrsim.contact.profiles.profile import Profile
+from wrsim.contact.profiles.wear import DepthTable, bin_edges, depths_of, worn
 from wrsim.errors import InputError
-from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.wear import DepthTable, bin_edges, depths_of, worn
 from wrsim.inputs.toml_files import noting_reads
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario

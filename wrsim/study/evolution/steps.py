@@ -26,9 +26,9 @@ from typing import Annotated
 import numpy as np
 from pydantic import AliasChoices, ConfigDict, Field, FiniteFloat, TypeAdapter, ValidationError
 
+from wrsim.contact.profiles.models import write_depths
+from wrsim.contact.profiles.wear import on_unworn, smoothed_table
 from wrsim.errors import InputError, SimulationError
-from wrsim.geometry.profile.models import write_depths
-from wrsim.geometry.profile.wear import on_unworn, smoothed_table
 from wrsim.inputs.toml_files import read_bytes, write_toml
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import as_json

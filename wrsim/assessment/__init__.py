@@ -1,0 +1,1 @@
+"""Assessment of runs by a rule set, section by section of track: forces, derailment, wear, ride."""

@@ -1,0 +1,177 @@
+"""Creep forces of one lobe: its equivalent ellipse, its mean creepages, the model of the user's choice."""
+
+from math import pi, sqrt
+from typing import NamedTuple
+
+from wrsim.contact.arrays import Arrays
+from wrsim.contact.creep.fastrip import fastrip
+from wrsim.contact.creep.fastsim import PARABOLA_PEAK, fastsim, fastsim_blended
+from wrsim.contact.creep.flexibility import (
+    Creepages,
+    Ellipse,
+    Flexibilities,
+    Rolling,
+    ellipse_of,
+    flexibilities,
+    kalker_coefficients,
+)
+from wrsim.contact.creep.friction import set_friction
+from wrsim.contact.creep.linear import linear_creep
+from wrsim.contact.creep.polach import polach
+from wrsim.contact.records import FASTRIP, FASTSIM, LINEAR, POLACH, SHEN_HEDRICK_ELKINS
+from wrsim.jit import Array, Record, Records, inlined, kernel
+
+GAP = 1e-6  # of a strip's width: more apart are other stretches
+FIRM = 4.0  # from a quarter of the wheel's largest pressure amplitude on a lobe counts in full
+
+
+@kernel
+def creep_forces(a: Arrays, speed: float, count: int, i: int) -> None:
+    """Write Fx, Fy, Mz of the strips of lobe i of ``count``; speed: of the wheel along the rail [m/s]. Coupled lobes
+    share the ellipse and the mean creepages by their coupling. The ellipse has the area of the patch and its aspect,
+    length over width."""
+    settings, lobes, own = a.settings[0], a.patches, a.strips[i]
+    lobe = lobes[i]
+    n = lobe.n_strips
+    largest = set_friction(speed, settings, own, n)
+    if n == 0 or lobe.N <= 0.0 or largest <= 0.0:
+        for j in range(n):
+            own[j].Fx = own[j].Fy = own[j].Mz = 0.0
+        return
+    ellipse, mean, normal = _joint(lobes, a.strips, count, i)
+    direction = 1.0 if speed >= 0.0 else -1.0
+    model = settings.tangential
+    if model == POLACH:
+        _spread_polach(a.creep, settings, own, n, normal, mean, ellipse, direction)
+        return
+    soft = flexibilities(a.creep, ellipse, settings.G)
+    if model == LINEAR:
+        # Kalker's linear forces know the area, not the load: a lobe about to lift off has to lose its grip
+        grip = 1.0
+        for j in range(count):
+            grip = min(grip, FIRM * lobe.amplitude / max(lobes[j].amplitude, 1e-300))
+        soft = Flexibilities(soft.l1 / grip, soft.l2 / grip, soft.l3 / grip)
+    if settings.slope_k0 != 1.0 or settings.slope_beta > 0.0:
+        soft = _reduced(a.creep, settings, own, n, normal, mean, ellipse, soft)
+    on = Rolling(own, n, soft, direction, a.shape, a.work)
+    peak = PARABOLA_PEAK if settings.parabolic else 1.0
+    if model == FASTSIM and settings.blended:
+        fastsim_blended(on, peak)
+    elif model == FASTSIM:
+        fastsim(on, mean, peak)
+    elif model == FASTRIP:
+        fastrip(on, ellipse.a)
+    else:
+        linear_creep(on, mean, 1.0 if model == SHEN_HEDRICK_ELKINS else 0.0)
+
+
+@inlined
+def _reduced(
+    creep: Array, settings: Record, strips: Records, n: int, normal: float, mean: Creepages, ellipse: Ellipse,
+    soft: Flexibilities,
+) -> Flexibilities:  # fmt: skip
+    """Flexibilities over the factor k of the slope reduction (Spiryagin, Polach, Oldknow, Vollebregt and Dollevoet,
+    Vehicle System Dynamics 51, 2013),
+
+        k = k_0 (alpha_inf + (1 - alpha_inf) / (1 + beta eps)),   eps = G pi a b k_0 C11 nu / (4 mu N),
+
+    nu the total creepage, spin at the end of the ellipse included."""
+    friction = own = 0.0
+    for i in range(n):
+        friction += strips[i].mu * strips[i].N
+        own += strips[i].N
+    eta = mean.eta + mean.phi * ellipse.a
+    eta = eta if abs(eta) > abs(mean.eta) else mean.eta
+    total = sqrt(mean.xi * mean.xi + eta * eta)
+    c11 = kalker_coefficients(creep, ellipse.aspect).c11
+    area = pi * ellipse.a * ellipse.b
+    eps = settings.G * area * settings.slope_k0 * c11 * total * own / (4.0 * friction * normal)
+    alpha = settings.slope_alpha_inf
+    k = settings.slope_k0 * (alpha + (1.0 - alpha) / (1.0 + settings.slope_beta * eps))
+    return Flexibilities(soft.l1 / k, soft.l2 / k, soft.l3 / k)
+
+
+class Stretch(NamedTuple):
+    """Strips beside one another without a gap: the first one behind them, their largest half length [m] and their
+    amplitude, largest pressure over that."""
+
+    end: int
+    longest: float
+    amplitude: float
+
+
+@inlined
+def _stretch(strips: Records, first: int, n: int) -> Stretch:
+    """The stretch that begins with a strip."""
+    longest = pressure = 0.0
+    j = first
+    while j < n:
+        strip = strips[j]
+        if j > first and strip.s - 0.5 * strip.ds > strips[j - 1].s + (0.5 + GAP) * strips[j - 1].ds:
+            break
+        longest, pressure = max(longest, strip.a), max(pressure, strip.p)
+        j += 1
+    return Stretch(j, longest, pressure / max(longest, 1e-300))
+
+
+@kernel
+def _joint(lobes: Records, strips: Records, count: int, i: int) -> tuple[Ellipse, Creepages, float]:
+    """Ellipse, mean creepages and normal force of lobe i and its share of those that it is coupled to. A lobe may touch
+    in several stretches, with gaps between. Each counts by its own length and width; one that is about to lift off for
+    as little as it carries."""
+    lobe = lobes[i]
+    area = width = longest = normal = xi = eta = phi = 0.0
+    firmest = 0.0
+    m = 0
+    while m < lobe.n_strips:
+        own = _stretch(strips[i], m, lobe.n_strips)
+        m, firmest = own.end, max(firmest, own.amplitude)
+    for j in range(count):
+        other = lobes[j]
+        share = 1.0
+        if j != i:
+            share = 0.0
+            if lobe.partner == j:
+                share = lobe.coupling
+            if other.partner == i:
+                share = max(share, other.coupling)
+        if share == 0.0 or other.N <= 0.0:
+            continue
+        m = 0
+        while m < other.n_strips:
+            stretch = _stretch(strips[j], m, other.n_strips)
+            part = share * min(stretch.amplitude / firmest, 1.0)
+            longest = max(longest, 2.0 * part * stretch.longest)
+            for k in range(m, stretch.end):
+                strip = strips[j, k]
+                area += 2.0 * part * strip.a * strip.ds
+                width += part * strip.ds
+                normal += part * strip.N
+                xi += part * strip.N * strip.xi
+                eta += part * strip.N * strip.eta
+                phi += part * strip.N * strip.phi
+            m = stretch.end
+    return ellipse_of(area, longest / width), Creepages(xi / normal, eta / normal, phi / normal), normal
+
+
+@kernel
+def _spread_polach(
+    creep: Array, settings: Record, strips: Records, n: int, normal: float, mean: Creepages, ellipse: Ellipse,
+    direction: float,
+) -> None:  # fmt: skip
+    """Polach's forces, over the strips in proportion to their mu N; normal: force on the ellipse [N]."""
+    friction = own = 0.0
+    for i in range(n):
+        friction += strips[i].mu * strips[i].N
+        own += strips[i].N
+    stiffness = settings.G * own / (normal * friction)
+    # rolling backwards is the mirror image x -> -x: xi, phi and Fx, Mz change sign
+    forward = Creepages(direction * mean.xi, mean.eta, direction * mean.phi)
+    coefficients = kalker_coefficients(creep, ellipse.aspect)
+    fx, fy, mz = polach(forward, ellipse, coefficients, stiffness, settings.kA, settings.kS)
+    for i in range(n):
+        strip = strips[i]
+        limit = strip.mu * strip.N
+        strip.Fx = direction * fx * limit
+        strip.Fy = fy * limit
+        strip.Mz = direction * mz * limit

@@ -1,0 +1,90 @@
+"""FaStrip (Sichani, Enblom and Berg 2016): strip theory where the surfaces stick, FASTSIM's march where they slip.
+
+Strip theory takes each strip for a rolling cylinder in plane strain. With mu p = c sqrt(a^2 - x^2), c = mu P / a, the
+tractions
+
+    T = c [alpha k(x) - (alpha - psi e_y) k_d(x)],   k = sqrt(a^2 - x^2),   k_d = sqrt(d^2 - (x - e)^2),  e = a - d,
+
+have constant gradients of displacement in the zone of adhesion, the 2d behind the leading edge, where k_d is real. They
+cancel the rigid slip (xi, eta + phi x) there if
+
+    alpha = (xi' / e, eta' / e + psi),   xi' = G xi / (2 (1 - nu) c),   eta' = G eta / (2 c),   psi = G phi / (2 c),
+
+and the slip zone behind begins at the bound if |alpha| = 1. That is a quadratic equation for e, with the root
+
+    e = (xi'^2 + eta'^2) / (sqrt(eta'^2 + (1 - psi^2) xi'^2) - eta' psi),
+
+valid for |psi| < 1; then |T| <= mu p throughout. A strip with e > a slips all along. Summed over an ellipse this gives
+creep coefficients pi^2 / (4 (1 - nu)), pi^2 / 4 and pi sqrt(a/b) / 3, true for slender strips only. FaStrip puts
+Kalker's coefficients in their place: with FASTSIM's flexibilities L1, L2, L3 of the equivalent ellipse of half length
+a_0
+
+    xi' = 16 a_0 xi / (3 pi^2 L1 c),   eta' = 16 a_0 eta / (3 pi^2 L2 c),   psi = 3 a_0 phi / (8 L3 c).
+
+Behind the adhesion zone the tractions are followed as in FASTSIM, with one flexibility where they slide and with three
+where they stick again (`march`).
+
+With much spin (|psi| -> 1) strip theory has no answer. The adhesion zone is faded out from |psi| = 0.85 on; for
+|psi| >= 1 the march starts at the leading edge from zero. The slip zone then is longer than e: alpha is taken for the
+length that it has, so that what sticks still follows the rigid slip. |alpha| is below 1 then, and no creepage at all is
+no place where the direction of a traction at the bound changes by itself.
+Not in the paper: the one flexibility and the sticking again, the fading, and that the longitudinal creepage by spin
+works through L1 like the rest of it.
+"""
+
+from math import pi, sqrt
+
+from wrsim.contact.creep.flexibility import Rolling
+from wrsim.contact.creep.march import NOTHING, begin, largest_traction, march
+from wrsim.jit import kernel
+
+FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken back
+
+
+@kernel
+def fastrip(on: Rolling, half_length: float) -> None:
+    """Tangential forces of the strips, bound elliptic; half_length: a_0 of the equivalent ellipse [m]."""
+    strips, n, soft, direction, shape, work = on
+    dx = 2.0 / shape.shape[0]
+    shift = 16.0 * half_length / (3.0 * pi * pi)
+    for i in range(n):
+        strip = strips[i]
+        bound = largest_traction(strip)
+        ax, ay, d, psi = 0.0, 0.0, 0.0, 0.0
+        if bound > NOTHING:
+            # all over a
+            x = -shift * strip.xi / (soft.l1 * bound)
+            y = -shift * strip.eta / (soft.l2 * bound)
+            psi = -direction * 0.375 * half_length * strip.phi * strip.a / (soft.l3 * bound)
+            ax, ay, d = _adhesion(x, y, psi)
+        # what k_d takes from the bound in the adhesion zone; the march adds the rest
+        fx = -ax * 0.5 * pi * d * d / dx
+        fy = (psi - ay) * 0.5 * pi * d * d / dx
+        begin(work, i, bound, 1.0 - 2.0 * d, ax, ay, fx, fy, fy * (1.0 - d))
+    march(on, True)
+
+
+@kernel
+def _adhesion(x: float, y: float, psi: float) -> tuple[float, float, float]:
+    """alpha and half length d of the adhesion zone over a; x, y: xi'/a, eta'/a."""
+    size2 = x * x + y * y
+    e = 1.0
+    if abs(psi) < 1.0:
+        root = sqrt(y * y + (1.0 - psi * psi) * x * x) - y * psi
+        if size2 == 0.0:
+            e = 0.0
+        elif size2 < root:
+            e = size2 / root
+    # smooth, from 1 at FADING to 0 at |psi| = 1
+    part = min(max((1.0 - abs(psi)) / (1.0 - FADING), 0.0), 1.0)
+    kept = part * part * (3.0 - 2.0 * part)
+    start = min(2.0 * kept, 1.0)
+    d = kept * (1.0 - e)
+    ax, ay = x, y + psi * (1.0 - d)
+    size = max(sqrt(ax * ax + ay * ay), 1.0 - d)
+    if size > 0.0:
+        ax /= size
+        ay /= size
+    elif psi != 0.0:
+        ay = 1.0 if psi > 0.0 else -1.0
+    return start * ax, start * ay, d

@@ -1,0 +1,331 @@
+/* Around the compiled kernels: reads a contact, passes addresses, copies results.
+ *
+ * contact_kernels.h has the kernels' own records as structs, the numbers of the arrays of a workspace, the texts of
+ * the status bits. */
+#include "wrsim_contact.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "runtime.h"
+#include "contact_kernels.h"
+
+#define LARGEST 1e9  /* of an argument: products of thirty of them are finite */
+#define ROUGH 1e-6   /* of the axle's length: ten times the round-off of single precision */
+
+struct wrsim_contact {
+    double *buffer;
+    int64_t doubles;
+    int64_t index[ARRAYS][4]; /* offset and sizes of every array, see wrsim.jit.arena */
+    int evaluated;
+    char *description;
+};
+
+/* The head of a file; behind it description, index, buffer, and the checksum of all before (8 bytes). */
+struct head {
+    char magic[8];
+    int64_t version;
+    char kernels[16];
+    int64_t arrays, doubles, letters;
+};
+
+static const struct {
+    int status;
+    const char *text;
+} words[] = {
+    STATUS_WORDS,
+    {WRSIM_NO_FILE, "the file cannot be read"},
+    {WRSIM_OTHER_FILE, "the file is not one of ContactModel.save_for_library"},
+    {WRSIM_OTHER_KERNELS, "the file was written by another version of wrsim than this library"},
+    {WRSIM_DAMAGED, "the file is damaged"},
+    {WRSIM_NO_MEMORY, "there is not enough memory"},
+    {WRSIM_PROCESSOR, "the processor lacks instructions that this library uses: " TARGET},
+    {WRSIM_ARGUMENT, "an argument is a null pointer or out of range"},
+    {WRSIM_FAILED, "a kernel ended early"},
+    {WRSIM_NOT_FINITE, "the forces are not numbers: the pose, or the turn of the rail, is out of all proportion"},
+};
+
+static void *array(const wrsim_contact *c, int number) { return c->buffer + c->index[number][0]; }
+
+static struct settings *settings_of(const wrsim_contact *c) { return array(c, ARRAY_SETTINGS); }
+
+static const struct total *total_of(const wrsim_contact *c) { return array(c, ARRAY_TOTAL); }
+
+/* Whether these are numbers up to LARGEST. */
+static int small(const double *numbers, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (!(fabs(numbers[i]) <= LARGEST)) return 0;
+    return 1;
+}
+
+static int finite(const double *numbers, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (!isfinite(numbers[i])) return 0;
+    return 1;
+}
+
+/* CRC-32 as in zlib. */
+static uint32_t checksum(const unsigned char *bytes, size_t size)
+{
+    uint32_t table[256], crc = 0xffffffffu;
+    for (uint32_t i = 0; i < 256; i++) {
+        table[i] = i;
+        for (int bit = 0; bit < 8; bit++) table[i] = table[i] & 1 ? table[i] >> 1 ^ 0xedb88320u : table[i] >> 1;
+    }
+    for (size_t i = 0; i < size; i++) crc = crc >> 8 ^ table[(crc ^ bytes[i]) & 255];
+    return ~crc;
+}
+
+/* The whole file in new memory; NULL and a status where that fails. */
+static unsigned char *read_file(const char *path, size_t *size, int *status)
+{
+    unsigned char *bytes = NULL;
+    FILE *file = fopen(path, "rb");
+    *status = WRSIM_NO_FILE;
+    if (!file) return NULL;
+    if (fseek(file, 0, SEEK_END) == 0) {
+        long end = ftell(file);
+        if (end >= 0 && end < LONG_MAX && fseek(file, 0, SEEK_SET) == 0) {
+            *size = (size_t)end;
+            bytes = malloc(*size + 1);
+            if (!bytes) *status = WRSIM_NO_MEMORY;
+            if (bytes && fread(bytes, 1, *size, file) != *size) {
+                free(bytes);
+                bytes = NULL;
+            }
+        }
+    }
+    fclose(file);
+    return bytes;
+}
+
+/* Whether the arrays lie one behind the other within the buffer, and hold what is written here. */
+static int fits(const int64_t index[ARRAYS][4], int64_t doubles)
+{
+    static const int64_t rows[][2] = {{ARRAY_SETTINGS, sizeof(struct settings)}, {ARRAY_TOTAL, sizeof(struct total)},
+                                      {ARRAY_MEMO, sizeof(struct memo)}, {ARRAY_POSE, 12 * 8}};
+    const int64_t *patches = index[ARRAY_PATCHES], *strips = index[ARRAY_STRIPS], step = ALIGNMENT / 8;
+    int64_t end = 0, sizes[ARRAYS];
+    for (int i = 0; i < ARRAYS; i++) {
+        const int64_t *of = index[i];
+        const int64_t across = i == ARRAY_SHAPE || i == ARRAY_POSE ? 1 : of[2], deep = of[3] ? of[3] : 1;
+        if (of[1] < 0 || across < 0 || deep < 0 || of[1] > doubles || across > doubles || deep > doubles) return 0;
+        if (across && deep > doubles / across) return 0;
+        sizes[i] = across * deep;
+        if (sizes[i] && of[1] > doubles / sizes[i]) return 0;
+        sizes[i] *= of[1];
+        if (of[0] != end && !(sizes[i] == 0 && of[0] >= 0 && of[0] < end)) return 0;
+        end += (sizes[i] + step - 1) / step * step;
+        if (end > doubles) return 0;
+    }
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        if (sizes[rows[i][0]] * 8 < rows[i][1]) return 0;
+    return end == doubles && patches[2] * 8 == sizeof(struct lobe) && strips[1] >= patches[1] &&
+           strips[3] * 8 == sizeof(struct strip);
+}
+
+/* Whether these bytes are a whole contact for these kernels. */
+static int check(const unsigned char *bytes, size_t size, struct head *head)
+{
+    uint64_t sum, rest = size;
+    int64_t index[ARRAYS][4];
+    if (size < sizeof *head || memcmp(bytes, FILE_MAGIC, sizeof head->magic) != 0) return WRSIM_OTHER_FILE;
+    memcpy(head, bytes, sizeof *head);
+    if (head->version != FILE_VERSION || memcmp(head->kernels, KERNELS, sizeof head->kernels) != 0)
+        return WRSIM_OTHER_KERNELS;
+    rest -= sizeof *head;
+    if (rest < sizeof sum + ARRAYS * 4 * 8 || head->arrays != ARRAYS) return WRSIM_DAMAGED;
+    rest -= sizeof sum + ARRAYS * 4 * 8;
+    if (head->letters < 0 || (uint64_t)head->letters > rest) return WRSIM_DAMAGED;
+    rest -= (uint64_t)head->letters;
+    if (rest % 8 != 0 || head->doubles < 0 || (uint64_t)head->doubles != rest / 8) return WRSIM_DAMAGED;
+    memcpy(&sum, bytes + size - sizeof sum, sizeof sum);
+    if (checksum(bytes, size - sizeof sum) != sum) return WRSIM_DAMAGED;
+    memcpy(index, bytes + sizeof *head + head->letters, sizeof index);
+    return fits(index, head->doubles) ? 0 : WRSIM_DAMAGED;
+}
+
+/* A contact from bytes that are checked; NULL where memory is short. */
+static wrsim_contact *unpack(const unsigned char *bytes, const struct head *head)
+{
+    wrsim_contact *c = calloc(1, sizeof *c);
+    size_t room = (size_t)head->doubles * 8;
+    if (!c) return NULL;
+    c->doubles = head->doubles;
+    c->description = calloc(1, (size_t)head->letters + 1);
+    c->buffer = aligned_alloc(ALIGNMENT, (room / ALIGNMENT + 1) * ALIGNMENT);
+    if (!c->description || !c->buffer) {
+        wrsim_contact_free(c);
+        return NULL;
+    }
+    bytes += sizeof *head;
+    memcpy(c->description, bytes, (size_t)head->letters);
+    bytes += head->letters;
+    memcpy(c->index, bytes, sizeof c->index);
+    memcpy(c->buffer, bytes + sizeof c->index, room);
+    return c;
+}
+
+/* Put the reason for a status into the message; returns the status. */
+static int report(int status, const char *path, char *message, size_t size)
+{
+    char text[160];
+    if (!message || size == 0) return status;
+    message[0] = 0;
+    if (status == 0) return status;
+    wrsim_contact_words(status, text, sizeof text);
+    snprintf(message, size, "%s: %s%s%s", path ? path : "(no path)", text, status == WRSIM_NO_FILE ? ": " : "",
+             status == WRSIM_NO_FILE ? strerror(errno) : status == WRSIM_OTHER_KERNELS ? " (kernels " KERNELS ")" : "");
+    return status;
+}
+
+const char *wrsim_contact_version(void)
+{
+    return "wrsim " WRSIM_VERSION ", kernels " KERNELS ", processors " TARGET;
+}
+
+int wrsim_contact_open(const char *path, wrsim_contact **contact, char *message, size_t size)
+{
+    struct head head;
+    size_t length = 0;
+    int status;
+    unsigned char *bytes;
+    errno = 0;
+    if (contact) *contact = NULL;
+    if (!path || !contact) return report(WRSIM_ARGUMENT, path, message, size);
+    if (!processor_fits()) return report(WRSIM_PROCESSOR, path, message, size);
+    bytes = read_file(path, &length, &status);
+    if (!bytes) return report(status, path, message, size);
+    status = check(bytes, length, &head);
+    if (status == 0) {
+        *contact = unpack(bytes, &head);
+        if (!*contact) status = WRSIM_NO_MEMORY;
+    }
+    free(bytes);
+    return report(status, path, message, size);
+}
+
+void wrsim_contact_free(wrsim_contact *contact)
+{
+    if (!contact) return;
+    free(contact->description);
+    free(contact->buffer);
+    free(contact);
+}
+
+const char *wrsim_contact_description(const wrsim_contact *contact) { return contact ? contact->description : ""; }
+
+int wrsim_contact_follow(wrsim_contact *contact, int on)
+{
+    if (!contact) return WRSIM_ARGUMENT;
+    settings_of(contact)->start = on ? FROM_LAST : COLD_START;
+    ((struct memo *)array(contact, ARRAY_MEMO))->known = 0;
+    return 0;
+}
+
+int wrsim_contact_turn_rail(wrsim_contact *contact, double twist, double outward, double up)
+{
+    const double turning[] = {twist, outward, up};
+    if (!contact || !small(turning, 3)) return WRSIM_ARGUMENT;
+    settings_of(contact)->twist = twist;
+    settings_of(contact)->bow_o = outward;
+    settings_of(contact)->bow_b = up;
+    return 0;
+}
+
+int wrsim_contact_turn_wheel(wrsim_contact *contact, double angle)
+{
+    if (!contact || !isfinite(angle)) return WRSIM_ARGUMENT;
+    settings_of(contact)->wheel_angle = angle;
+    return 0;
+}
+
+int wrsim_contact_evaluate(wrsim_contact *contact, const double origin[3], const double axle[3],
+                           const double velocity[3], const double omega[3], double place)
+{
+    const double *parts[] = {origin, axle, velocity, omega};
+    double *pose;
+    int64_t status;
+    if (!contact || !origin || !axle || !velocity || !omega || !small(&place, 1)) return WRSIM_ARGUMENT;
+    for (int i = 0; i < 4; i++)
+        if (!small(parts[i], 3)) return WRSIM_ARGUMENT;
+    if (fabs(sqrt(axle[0] * axle[0] + axle[1] * axle[1] + axle[2] * axle[2]) - 1.0) > ROUGH ||
+        axle[0] * axle[0] >= 1.0)
+        return WRSIM_ARGUMENT;
+    pose = array(contact, ARRAY_POSE);
+    for (int i = 0; i < 12; i++) pose[i] = parts[i / 3][i % 3];
+    settings_of(contact)->place = place;
+    contact->evaluated = 0;
+    status = run(CONTACT_STAGE, contact->buffer, contact->doubles, contact->index[0], ARRAYS, WRSIM_FAILED);
+    if (status == WRSIM_FAILED) return WRSIM_FAILED;
+    if (!finite(&total_of(contact)->Ft, 3) || !finite(&total_of(contact)->Mt, 3)) return WRSIM_NOT_FINITE;
+    contact->evaluated = 1;
+    return (int)status;
+}
+
+int wrsim_contact_forces(const wrsim_contact *contact, wrsim_contact_result *result)
+{
+    const struct total *total;
+    if (!contact || !result || !contact->evaluated) return WRSIM_ARGUMENT;
+    total = total_of(contact);
+    memcpy(result->force, (double[]){total->Ft, total->Fo, total->Fb}, sizeof result->force);
+    memcpy(result->moment, (double[]){total->Mt, total->Mo, total->Mb}, sizeof result->moment);
+    result->wear_number = total->wear;
+    result->closest = total->closest;
+    result->patches = (int32_t)total->lobes;
+    result->status = (int32_t)total->status;
+    return 0;
+}
+
+int wrsim_contact_patches(const wrsim_contact *contact, wrsim_contact_patch *patches, int most)
+{
+    int count;
+    if (!contact || !contact->evaluated || most < 0 || (most > 0 && !patches)) return WRSIM_ARGUMENT;
+    count = (int)total_of(contact)->lobes;
+    for (int i = 0; i < count && i < most; i++) {
+        const struct lobe *of = (const struct lobe *)array(contact, ARRAY_PATCHES) + i;
+        patches[i] = (wrsim_contact_patch){
+            of->N, of->Fx, of->Fy, of->Mz, of->p0, of->area, of->length, of->width, of->approach, of->angle,
+            of->angle_min, of->angle_max, of->xi, of->eta, of->phi, of->wear, of->x, of->o, of->b, of->no, of->nb,
+            of->arc_wheel, of->arc_rail, (int32_t)of->group, (int32_t)of->n_strips};
+    }
+    return count;
+}
+
+int wrsim_contact_strips(const wrsim_contact *contact, int patch, wrsim_contact_strip *strips, int most)
+{
+    const struct lobe *lobe;
+    const struct strip *row;
+    int count;
+    if (!contact || !contact->evaluated || most < 0 || (most > 0 && !strips)) return WRSIM_ARGUMENT;
+    if (patch < 0 || patch >= total_of(contact)->lobes) return WRSIM_ARGUMENT;
+    lobe = (const struct lobe *)array(contact, ARRAY_PATCHES) + patch;
+    row = (const struct strip *)array(contact, ARRAY_STRIPS) + patch * contact->index[ARRAY_STRIPS][2];
+    count = (int)lobe->n_strips;
+    for (int i = 0; i < count && i < most; i++) {
+        const struct strip *of = row + i;
+        strips[i] = (wrsim_contact_strip){
+            of->s, of->ds, of->x, of->a, of->p, of->o, of->b, of->no, of->nb, of->N, of->Fx, of->Fy, of->Mz, of->xi,
+            of->eta, of->phi, of->mu, of->penetration};
+    }
+    return count;
+}
+
+int wrsim_contact_words(int status, char *text, size_t size)
+{
+    size_t length = 0;
+    if (text && size > 0) text[0] = 0;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        const char *one = words[i].text, *join = length ? "; " : "";
+        if (status < 0 ? words[i].status != status : words[i].status < 0 || !(words[i].status & status)) continue;
+        if (text && length < size) snprintf(text + length, size - length, "%s%s", join, one);
+        length += strlen(join) + strlen(one);
+    }
+    return (int)length;
+}

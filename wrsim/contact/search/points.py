@@ -1,0 +1,311 @@
+"""Search for the main contact points of a wheel outline and a rail profile.
+
+The rail carries a field of signed distances (negative inside the steel) with the arclength of the nearest rail
+point. The outline of the wheel is followed node by node; because a distance changes by no more than the way walked,
+most of the outline is skipped. Near the rail the slope of the distance along the outline, t_w . n_r, tells how far the
+next step may go. Each change of its sign from minus to plus is a local minimum of the distance, found to round-off by
+Newton's method: a place where the connecting vector is parallel to both normals [S 13-15]. Distances are measured along
+normals throughout, so a vertical rail side is as good as the crown.
+"""
+
+from math import inf, sqrt
+from typing import NamedTuple
+
+from wrsim.contact.records import Field, PlacedWheel, Rail
+from wrsim.contact.search.locus import LARGEST_SINE, locus_node, locus_point
+from wrsim.contact.surfaces.profile_table import node
+from wrsim.contact.surfaces.rail import rail_chord, rail_length, rail_point
+from wrsim.jit import Record, Records, inlined, kernel
+
+FIELD_ERROR = 1e-5  # of the field's interpolation, generously [m]
+NEAR = 5e-5  # estimated least distance below which contact is looked for exactly [m]
+FAR = 5e-3  # distance beyond which the slope is not worth computing [m]
+STRETCH = 1.2  # the outline is at most this much longer than the profile where abs(sine) < STEEP
+STEEP = 0.1  # on steeper parts of a yawed wheel nothing is skipped
+YAW_HOLLOWS = 0.03  # yaw that makes the hollow parts of the outline about twice as hollow as the profile [rad]
+MARGIN = 5.5e-3  # the field reaches at least this far beyond the rail [m]
+LARGEST_TURN, FARTHEST_FOOT = 0.02, 2e-3  # of the rail between a foot and where it is guessed: angle, arclength [m]
+FALL = 0.02  # of the slope in a good step of Newton's
+MINIMUM, MAXIMUM = 1.0, -1.0  # of the distance
+DOUBTFUL = 0.02  # slope whose sign samples may give wrongly
+DEEP = 1e-3  # overlap beyond which the nearest point of the rail may leap to another place [m]
+CLOSE = 1e-11  # last step to a stationary point [m]
+SAME = 1e-6  # distance of two stationary points that are one [m]
+EXACT, ROUGH, NONE = range(3)  # a stationary point to round-off; not so; no such point between both ends
+
+
+class Foot(NamedTuple):
+    """Foot of a perpendicular on the rail: arclength, distance along the rail normal, that normal, curvature."""
+
+    arc: float
+    distance: float
+    no: float
+    nb: float
+    k: float
+
+
+class Stationary(NamedTuple):
+    """Stationary point of the distance: arclengths on wheel and rail, distance, relative curvature; status EXACT, ROUGH
+    or NONE."""
+
+    arc_wheel: float
+    arc_rail: float
+    distance: float
+    curvature: float
+    status: int
+
+
+@inlined
+def field_distance(field: Field, o: float, b: float) -> tuple[float, float]:
+    """(signed distance, arclength of the nearest rail point) by bilinear interpolation of the field. Outside the grid a
+    lower bound stands for the distance. The arclength is 0 there, and where the distance is of no interest."""
+    values = field.values
+    inverse = 1.0 / field.spacing
+    x, y = (o - field.o) * inverse, (b - field.b) * inverse
+    nx, ny = field.rows - 1, values.shape[1] - 1
+    if x < 0.0 or y < 0.0 or x >= nx or y >= ny:
+        outside = max(max(-x, x - nx), max(-y, y - ny))
+        return outside * field.spacing + MARGIN, 0.0
+    i, j = int(x), int(y)
+    x, y = x - i, y - j
+    i += field.first
+    w00, w10, w01, w11 = (1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y
+    distance = (
+        w00 * values[i, j, 0] + w10 * values[i + 1, j, 0] + w01 * values[i, j + 1, 0] + w11 * values[i + 1, j + 1, 0]
+    )
+    if distance > FAR + field.slack:
+        return distance, 0.0
+    foot = w00 * values[i, j, 1] + w10 * values[i + 1, j, 1] + w01 * values[i, j + 1, 1] + w11 * values[i + 1, j + 1, 1]
+    return distance, foot
+
+
+@inlined
+def project(rail: Rail, o: float, b: float, arc: float, steps: int) -> Foot:
+    """Foot of the perpendicular from (o, b) on the rail by ``steps`` Newton steps from ``arc``."""
+    for i in range(steps + 1):
+        at = rail_point(rail, arc)
+        no, nb = -at.tw, at.tu
+        du, dw = o - at.u, b - at.w
+        distance = du * no + dw * nb
+        if i == steps:
+            break
+        arc += (du * at.tu + dw * at.tw) / max(1.0 - at.k * distance, 0.2)
+    return Foot(arc, distance, no, nb, at.k)
+
+
+@inlined
+def _near(rail: Rail, o: float, b: float, foot: float, no: float, nb: float) -> tuple[float, float, float]:
+    """Distance of (o, b) from a rail that changes along the track, arclength of its foot, and slope of the distance
+    along a wheel outline with normal (no, nb); foot: about where it is. Right to second order in how far that is off,
+    which the samples of a search want; else by Newton's method."""
+    at = rail_chord(rail, foot)
+    du, dw = o - at.u, b - at.w
+    distance = dw * at.tu - du * at.tw
+    lean = 1.0 / max(1.0 - at.k * distance, 0.2)
+    off = (du * at.tu + dw * at.tw) * lean
+    turn = at.k * off
+    if abs(turn) > LARGEST_TURN or abs(off) > FARTHEST_FOOT:
+        on_rail = project(rail, o, b, foot, 2)
+        return on_rail.distance, on_rail.arc, no * on_rail.nb - nb * on_rail.no
+    # normal over the foot: (-tw - turn tu, tu - turn tw)
+    slope = no * (at.tu - turn * at.tw) + nb * (at.tw + turn * at.tu)
+    return distance - 0.5 * turn * off / lean, foot + off, slope
+
+
+@kernel
+def refine(wheel: PlacedWheel, rail: Rail, lo: float, hi: float, arc: float, foot: float, kind: float) -> Stationary:
+    """A stationary point of the distance between two wheel arclengths: safeguarded Newton on its slope.
+
+    Where curvatures jump, at joins of arcs, they give the rate of the slope wrongly: where a step has not brought it
+    down by far the next one is the secant's. Samples give the slope of a nearly straight distance by chords, perhaps
+    with a wrong sign: then there is no such point, and the search ends at one of the ends. It ends there, too, where
+    the distance has a bend far inside the rail, which counts.
+
+    arc, foot: first guess on wheel and rail; kind: MINIMUM (slope negative at ``lo``) or MAXIMUM.
+    """
+    distance, curvature, status = 0.0, 0.0, ROUGH
+    ends = lo, hi
+    projections = 3  # the first guess of the foot may be far off; later ones are predicted
+    last = 1.0  # length of the last step
+    before, slope_before = arc, inf
+    for _ in range(60):
+        at = locus_point(wheel, arc)
+        on_rail = project(rail, at.o, at.b, foot, projections)
+        foot, distance = on_rail.arc, on_rail.distance
+        projections = 1
+        slope = -at.nb * on_rail.no + at.no * on_rail.nb  # wheel tangent (-nb, no) times rail normal
+        cosine = -(at.no * on_rail.no + at.nb * on_rail.nb)
+        curvature = at.shrink * at.k - on_rail.k
+        if kind * slope < 0.0:
+            lo = arc
+        else:
+            hi = arc
+        lean = max(1.0 - on_rail.k * distance, 0.2)
+        rate = at.k * cosine - on_rail.k * cosine * cosine / (lean * at.shrink)
+        if abs(slope) > FALL * abs(slope_before):
+            secant = (slope - slope_before) / (arc - before)
+            rate = secant if kind * secant > 0.0 else rate
+        before, slope_before = arc, slope
+        step = -slope / rate if kind * rate > 0.0 else 2.0 * (hi - lo)
+        if abs(step) < CLOSE or hi - lo < CLOSE:
+            on_rail = project(rail, at.o, at.b, foot, projections)
+            foot, distance = on_rail.arc, on_rail.distance
+            at_end = hi - lo < CLOSE and (lo == ends[0] or hi == ends[1])
+            status = NONE if at_end and abs(slope) < DOUBTFUL and distance > -DEEP else EXACT
+            break
+        new = arc + step
+        # else steps may swing to and fro
+        if new <= lo or new >= hi or abs(step) > 0.5 * last:
+            new = 0.5 * (lo + hi)
+        last = abs(new - arc)
+        foot += (new - arc) * cosine / (lean * at.shrink)
+        arc = new
+    return Stationary(arc, foot, distance, curvature, status)
+
+
+@inlined
+def _rail_slope(rail: Rail, foot: float, no: float, nb: float) -> float:
+    """Slope of the distance along a wheel outline with normal (no, nb) over the point ``foot`` of a plain rail."""
+    table = rail.table
+    x = foot / rail.step
+    i = min(max(int(x), 0), table.shape[0] - 2)
+    r = x - i
+    tu = table[i, 2] + r * (table[i + 1, 2] - table[i, 2])
+    tw = table[i, 3] + r * (table[i + 1, 3] - table[i, 3])
+    return nb * tw + no * tu  # wheel tangent (-nb, no) times rail normal (-tw, tu)
+
+
+@inlined
+def _set_saddle(wheel: PlacedWheel, rail: Rail, before: Record, met: Stationary, top: float) -> None:
+    """The place between two contacts where the distance is largest, if it is in the rail; top: about where on the
+    wheel."""
+    span = met.arc_wheel - before.arc_wheel
+    if not before.arc_wheel < top < met.arc_wheel:
+        top = before.arc_wheel + 0.5 * span
+    foot = before.arc_rail + (met.arc_rail - before.arc_rail) * (top - before.arc_wheel) / span
+    saddle = refine(wheel, rail, before.arc_wheel, met.arc_wheel, top, foot, MAXIMUM)
+    if saddle.distance < 0.0:
+        before.saddle = -saddle.distance
+        before.saddle_arc = saddle.arc_rail
+
+
+class Sample(NamedTuple):
+    """What is known at a node of the outline near the rail: its point, distance of the rail, arclength of the foot on
+    it (0: none), slope of the distance along the outline."""
+
+    node: int
+    o: float
+    b: float
+    distance: float
+    foot: float
+    slope: float
+
+
+@inlined
+def _turns(last: Sample, at: Sample) -> bool:
+    """Whether the slope changes its sign between two samples, near the rail. The parabola's vertex between them says
+    whether a closer look is worth it; where the locus climbs around a yawed wheel, its outline is many times as long as
+    the profile."""
+    if (at.slope < 0.0) == (last.slope < 0.0):
+        return False
+    between = sqrt((at.o - last.o) ** 2 + (at.b - last.b) ** 2)
+    return last.distance - 0.5 * between * last.slope * last.slope / (at.slope - last.slope) < NEAR
+
+
+@inlined
+def _passed(last: Sample, i: int) -> Sample:
+    """The last sample, moved on to a node that is out of reach of the rail."""
+    return Sample(i, last.o, last.b, last.distance, 0.0, last.slope)
+
+
+@kernel
+def find_contacts(
+    wheel: PlacedWheel, rail: Rail, field: Field, stride: int, hollow: float, found: Records
+) -> tuple[int, float, int]:
+    """All local maxima of the interpenetration, in order along the wheel profile.
+
+    stride: nodes between two samples near the rail; hollow: largest concave curvatures of both bodies together [1/m].
+    found: (n,) FOUND records. Returns (number found, smallest distance met, status): status bit 1 says a point was not
+    refined to round-off.
+    """
+    step = wheel.profile.step
+    rail_end = rail_length(rail)
+    per_node = 1.0 / (STRETCH * step)
+    hollow *= 1.0 + (wheel.axle.x / YAW_HOLLOWS) ** 2
+    count, closest, status = 0, 1.0, 0
+    last = Sample(-stride, 0.0, 0.0, 0.0, 0.0, 0.0)
+    near = False  # whether the last sample was one stride ago
+    linked = False  # whether the outline stayed in the rail since the last contact found
+    top = 0.0  # about where the distance was largest since then
+    wary = 0  # no skips before this node
+    i = 0
+    while i < wheel.profile.table.shape[0]:
+        point = locus_node(wheel, node(wheel.profile, i), LARGEST_SINE)
+        if abs(point.sine) >= LARGEST_SINE:
+            near = linked = False
+            last = _passed(last, i)
+            i += stride
+            continue
+        # measured here: a function that gives all three back costs a tenth of the search
+        distance, foot = field_distance(field, point.o, point.b)
+        slope = 0.0
+        if field.slack > 0.0:  # the field is that of a station nearby
+            if distance < FAR + field.slack:
+                if near and last.foot > 0.0:
+                    # nearer to the foot than the field, where curvatures change within a millimetre
+                    foot = last.foot + sqrt((point.o - last.o) ** 2 + (point.b - last.b) ** 2)
+                distance, foot, slope = _near(rail, point.o, point.b, foot, point.no, point.nb)
+            else:
+                distance -= field.slack
+        if distance < FIELD_ERROR and not near and i - stride > last.node:
+            # a skip has ended inside the rail: the outline was longer than thought; back, and step by step
+            wary, i, near = i, last.node + stride, True
+            continue
+        closest = min(closest, distance)
+        calm = i >= wary and abs(point.sine) < STEEP
+        if distance > FAR or foot <= 0.0 or foot >= rail_end:
+            # far away, or beside an end of the rail, where the distance bends as it likes: no more than the way
+            near = linked = False
+            last = _passed(last, i)
+            skip = int((distance - FIELD_ERROR) * per_node)
+            i += skip if calm and skip > stride else stride
+            continue
+        if field.slack == 0.0:
+            slope = _rail_slope(rail, foot, point.no, point.nb)
+        at = Sample(i, point.o, point.b, distance, foot, slope)
+        if near and _turns(last, at):
+            guess = (i - stride * at.slope / (at.slope - last.slope)) * step
+            if last.slope >= 0.0:
+                top = guess
+            else:
+                met = refine(wheel, rail, (last.node - stride) * step, (i + stride) * step, guess, at.foot, MINIMUM)
+                reach = stride
+                while met.status == NONE and at.distance < 0.0 and reach < wheel.profile.table.shape[0]:
+                    # both bodies are nearly parallel here, and the samples' slopes of no use
+                    reach *= 2
+                    lo, hi = max(last.node - reach, 0) * step, min(i + reach, wheel.profile.table.shape[0] - 1) * step
+                    met = refine(wheel, rail, lo, hi, met.arc_wheel, met.arc_rail, MINIMUM)
+                # else the slopes of samples were wrong, here or at the last turn
+                if met.status != NONE and (count == 0 or met.arc_wheel > found[count - 1].arc_wheel + SAME):
+                    closest = min(closest, met.distance)
+                    if met.distance < 0.0 and 0.0 < met.arc_rail < rail_end and count < found.shape[0]:
+                        if linked:
+                            _set_saddle(wheel, rail, found[count - 1], met, top)
+                        row = found[count]
+                        row.arc_wheel, row.arc_rail = met.arc_wheel, met.arc_rail
+                        row.depth, row.curvature, row.saddle = -met.distance, met.curvature, -1.0
+                        status |= met.status
+                        count += 1
+                        linked = True
+        last, near = at, True
+        clear = at.distance - FIELD_ERROR
+        if clear > 0.0:
+            # the distance bends down by no more than both bodies are hollow: the first place where it can vanish
+            linked = False
+            skip = int((at.slope + sqrt(at.slope * at.slope + 2.0 * hollow * clear)) / hollow * per_node)
+            if calm and skip > stride:
+                near = False
+                i += skip
+                continue
+        i += stride
+    return count, closest, status

@@ -1,0 +1,191 @@
+"""What strips of pressure do to the surface, from one function of two arguments.
+
+A semi-ellipse of pressure p = Q sqrt(a^2 - x^2) on a line across s = 0 presses a half-space down by Q/(pi E*) times
+
+    f(a, x, s) = int_-a..a sqrt((a^2 - z^2)/((x - z)^2 + s^2)) dz.
+
+f is of degree one in its arguments, so that a strip from s = lo to s = hi presses down by Q a^2/(pi E*) times a
+difference of two values of
+
+    PHI(xi, t) = int_0..t f(1, xi, z) dz,    xi = x/a,    t = s/a,
+
+however wide it is, near or far. PHI/t is a cubic spline at equal steps of the octaves of t and of y + sqrt(y^2 + 1),
+y = SHARP (xi^2 - 1), which is fine beside the end of the line, xi = 1, where f bends within t.
+`wrsim.contact.tables` makes its coefficients; the last row has those of the spline at xi = 0.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+from wrsim.contact.strips.records import V
+from wrsim.jit.arena import bits_of, number_of
+from wrsim.jit.compiling import filling, inlined, kernel
+from wrsim.jit.spline import difference, difference_in_row, with_slope_in_row, with_slopes
+
+LOWEST, HIGHEST, STEPS = -12, 12, 6
+"""Octaves of t in the table, and steps in each; below the first t counts as its start."""
+INNER, OUTER, STEPS_BESIDE = -8, 24, 8
+"""Of the other axis: octaves of xi = 0 and of its end, and steps in each."""
+SHARP = 0.5 * (2.0**-INNER - 2.0**INNER)  # how fine it is at xi = 1
+_MOST_T = (HIGHEST - LOWEST) * STEPS - 1e-6
+_MOST_XI = (OUTER - INNER) * STEPS_BESIDE - 1e-6
+_LEAST_T = 2.0**LOWEST
+_ONE = 1023 << 52
+_MANTISSA = (1 << 52) - 1
+RISE = 942.0 / 651.0, -472.0 / 651.0, 272.0 / 651.0, -112.0 / 651.0, 21.0 / 651.0  # within an octave
+
+
+@inlined
+def octave(x):
+    """The logarithm of x > 0 to base 2, to 0.0005: exact at powers of two, between them the quintic of the mantissa
+    that leaves no step in the first four derivatives."""
+    bits = bits_of(x)
+    z = number_of((bits & _MANTISSA) | _ONE) - 1.0
+    return (bits >> 52) - 1023.0 + z * (RISE[0] + z * (RISE[1] + z * (RISE[2] + z * (RISE[3] + z * RISE[4]))))
+
+
+@inlined
+def _octave_rate(x):
+    """Derivative of the octave by the natural logarithm of x."""
+    z = number_of((bits_of(x) & _MANTISSA) | _ONE) - 1.0
+    slope = RISE[0] + z * (2.0 * RISE[1] + z * (3.0 * RISE[2] + z * (4.0 * RISE[3] + z * 5.0 * RISE[4])))
+    return (1.0 + z) * slope
+
+
+@inlined
+def _place_across(t):
+    """Steps up to t."""
+    return min((octave(max(abs(t), _LEAST_T)) - LOWEST) * STEPS, _MOST_T)
+
+
+@inlined
+def _place_beside(xi):
+    """Steps up to xi."""
+    y = SHARP * (xi * xi - 1.0)
+    return min(max((octave(y + sqrt(y * y + 1.0)) - INNER) * STEPS_BESIDE, 0.0), _MOST_XI)
+
+
+@filling
+def _find_ends(vectors, first, last, s, low, high):
+    """Places on the table's axis across, (>= last,): of both ends of strips, seen from s."""
+    for j in range(first, last):
+        inverse = vectors[V.INVERSE, j]
+        low[j] = _place_across((vectors[V.FROM, j] - s) * inverse)
+        high[j] = _place_across((vectors[V.TO, j] - s) * inverse)
+
+
+@filling
+def _find_point(vectors, first, last, x, beside):
+    """Places on the other axis, (>= last,): of the point x, seen from the middles of strips."""
+    for j in range(first, last):
+        beside[j] = _place_beside((x - vectors[V.MIDDLE, j]) * vectors[V.INVERSE, j])
+
+
+@filling
+def _find_rates(vectors, first, last, s, low, high):
+    """Slopes of the places of both ends over the logarithm of t, (>= last,)."""
+    for j in range(first, last):
+        inverse = vectors[V.INVERSE, j]
+        low[j] = STEPS * _octave_rate(max(abs((vectors[V.FROM, j] - s) * inverse), _LEAST_T))
+        high[j] = STEPS * _octave_rate(max(abs((vectors[V.TO, j] - s) * inverse), _LEAST_T))
+
+
+@filling
+def _scale_by_rate(vectors, first, last, x, p):
+    """Multiply by the slope of the place on the other axis over xi, (>= last,)."""
+    for j in range(first, last):
+        xi = (x - vectors[V.MIDDLE, j]) * vectors[V.INVERSE, j]
+        y = SHARP * (xi * xi - 1.0)
+        root = sqrt(y * y + 1.0)
+        p[j] *= STEPS_BESIDE * _octave_rate(y + root) * 2.0 * SHARP * xi / root
+
+
+@inlined
+def facing(vectors, j, no, nb, s):
+    """How much of what strip j does to its own normal direction is felt along another normal (no, nb), at s.
+
+    The influence is that of the half-space tangent at the strip, turned by the angle from the normal there to that of
+    strip j: its cosine, and for the lateral creep forces its sine (contact.half_space.influence, "angle-corrected").
+    """
+    level = vectors[V.NO, j] * no + vectors[V.NB, j] * nb
+    if vectors[V.SIDE, j] == 0.0:
+        return level
+    t = (0.5 * (vectors[V.FROM, j] + vectors[V.TO, j]) - s) * vectors[V.INVERSE, j]
+    # a force along s acts as one along n does and nu/(1 - nu) s^2/r^2 of it, roughly with the mean r over the strip
+    return level + (vectors[V.NB, j] * no - vectors[V.NO, j] * nb) * (
+        vectors[V.SIDE, j] + vectors[V.LIFT, j] * abs(t) / sqrt(t * t + 0.5)
+    )
+
+
+class Displacements(NamedTuple):
+    """At a point and beside it along the rail, times pi E*."""
+
+    middle: float
+    fore: float
+    aft: float
+
+
+@kernel
+def pressed_at(table, vectors, first, last, s, x, r, points, no, nb, aligned):
+    """Displacements under strips that follow each other at (x, s), x + r and x - r, or the first ``points`` of these;
+    no, nb: the normal there; aligned: x is the middle of all strips.
+
+    The places in the table are found for several strips at a time.
+    """
+    low, high, beside, before, behind = (
+        vectors[V.TERMS], vectors[V.TERMS + 1], vectors[V.TERMS + 2], vectors[V.TERMS + 3], vectors[V.TERMS + 4],
+    )  # fmt: skip
+    _find_ends(vectors, first, last, s, low, high)
+    if not aligned:
+        _find_point(vectors, first, last, x, beside)
+    if points > 1:
+        _find_point(vectors, first, last, x + r, before)
+    if points > 2:
+        _find_point(vectors, first, last, x - r, behind)
+    in_middle = table[table.shape[0] - 1]
+    middle = fore = aft = 0.0
+    for j in range(first, last):
+        push = vectors[V.PUSH, j] * vectors[V.INVERSE, j]
+        if push == 0.0:
+            continue
+        push *= facing(vectors, j, no, nb, s)
+        lo, hi = (vectors[V.FROM, j] - s) * push, (vectors[V.TO, j] - s) * push
+        if aligned:
+            middle += difference_in_row(in_middle, lo, low[j], hi, high[j])
+        else:
+            middle += difference(table, beside[j], lo, low[j], hi, high[j])
+        if points > 1:
+            fore += difference(table, before[j], lo, low[j], hi, high[j])
+        if points > 2:
+            aft += difference(table, behind[j], lo, low[j], hi, high[j])
+    return Displacements(middle, fore, aft)
+
+
+@kernel
+def find_terms(table, vectors, first, last, s, x, aligned, p, p_xi, turn, f0, f1):
+    """What the derivatives of the displacement at (x, s) by strips that follow each other are made of, each (>= last,).
+
+    Differences of PHI, and of its slope by xi; of t f; f(1, xi, t) at both ends. aligned: as in ``pressed_at``.
+    """
+    in_middle = table[table.shape[0] - 1]
+    _find_ends(vectors, first, last, s, f0, f1)
+    _find_rates(vectors, first, last, s, turn, p_xi)
+    if not aligned:
+        _find_point(vectors, first, last, x, p)
+    for j in range(first, last):
+        inverse = vectors[V.INVERSE, j]
+        lo, hi = (vectors[V.FROM, j] - s) * inverse, (vectors[V.TO, j] - s) * inverse
+        if aligned:
+            low, low_t = with_slope_in_row(in_middle, f0[j])
+            high, high_t = with_slope_in_row(in_middle, f1[j])
+            low_xi = high_xi = 0.0
+        else:
+            low, low_xi, low_t = with_slopes(table, p[j], f0[j])
+            high, high_xi, high_t = with_slopes(table, p[j], f1[j])
+        f0[j] = low + turn[j] * low_t
+        f1[j] = high + p_xi[j] * high_t
+        p[j] = hi * high - lo * low
+        p_xi[j] = hi * high_xi - lo * low_xi
+        turn[j] = hi * f1[j] - lo * f0[j]
+    if not aligned:
+        _scale_by_rate(vectors, first, last, x, p_xi)

@@ -1,0 +1,394 @@
+"""A rail at a wheel: its profile, or the effective profile (envelope) of sections that change along the track.
+
+A rail that turns about itself, as it does on a ramp of cant, rises along the track wherever it is touched beside its
+origin, and one that bends wherever a yawed wheel touches it ahead of its axle or behind. These are slopes of 0.1 to 2
+mrad; without them the work of lifting or pushing the wheel would be missing.
+
+Between stations the tables are cubics of the distance (values and rates at both), row by row; between rows a point is
+read as in ``surfaces.profile_table``. A yawed wheel touches every point at the place where its own outline has it, by
+e_x (u - R tan) ahead with the tangent's slope across.
+
+What is touched ahead of the outline is felt as high as it is there, not as wide: a flank that moves along its normal
+by m a metre is felt stretched, by some m e_x R k. So a rail that runs outward is looked at in axes of its own, turned
+in plan by the angle whose sine is ``sine``: there a straight rail laid askew is a prism, and yaw is relative to it.
+"""
+
+from math import atan2, inf, sqrt
+from typing import NamedTuple
+
+from wrsim.contact.records import ProfileTable, Rail, Share
+from wrsim.contact.surfaces.profile_table import ProfilePoint, between, profile_point
+from wrsim.jit import Array, Bools, inlined, kernel
+from wrsim.jit.root import interval
+
+STEEPEST = 3.0  # slope across up to which a yawed wheel's shift is followed
+LEAST_PARTING = 0.1  # of the wheel's curvature: a rail that is more hollow is touched at two places
+
+
+class Along(NamedTuple):
+    """Along the track at a point of the rail: how far ahead the wheel touches it and how much higher that is than in
+    the effective profile [m], slope, curvature [1/m]."""
+
+    ahead: float
+    drop: float
+    slope: float
+    bend: float
+
+
+class Envelope(NamedTuple):
+    """What the tables of a rail that changes along the track give at a point of its section: how far ahead of the axle
+    it is touched [m], slope, curvature [1/m]."""
+
+    ahead: float
+    slope: float
+    bend: float
+
+
+@inlined
+def changes(rail: Rail) -> bool:
+    """Whether the rail changes along the track."""
+    return rail.rates.shape[0] > 0
+
+
+@inlined
+def rail_length(rail: Rail) -> float:
+    """Arclength of the last row [m]."""
+    return (rail.rows - 1) * rail.step
+
+
+@inlined
+def share_at(stations: Array, rows: int, s: float, guess: int) -> Share:
+    """The stations about s, and the weights of their values and rates."""
+    i = interval(stations, s, guess)
+    low = stations[i]
+    h = stations[i + 1] - low
+    f = min(max((s - low) / h, 0.0), 1.0)
+    rise = f * f * (3.0 - 2.0 * f)
+    bow = h * f * (1.0 - f)
+    return Share(i, i * rows, (i + 1) * rows, 1.0 - rise, rise, bow * (1.0 - f), -bow * f)
+
+
+@inlined
+def _share(rail: Rail, row: int) -> tuple[Share, float]:
+    """Where the wheel touches a row: a yawed one ahead of its axle or behind it; how far out the track's axis has gone
+    from that of the rail on this way [m]."""
+    cosine = sqrt(1.0 - rail.sine * rail.sine)
+    if rail.yaw == 0.0:
+        return rail.share, -rail.sine * rail.beside * cosine
+    own = rail.share.low + row
+    tangent = min(max(rail.table[own, 3] / max(rail.table[own, 2], 1e-3), -STEEPEST), STEEPEST)
+    ahead = rail.beside + rail.yaw * (rail.table[own, 0] - rail.o - rail.radius * tangent)
+    way = ahead * cosine
+    return share_at(rail.stations, rail.rows, rail.place + way, rail.share.at), -rail.sine * way
+
+
+@inlined
+def _value(rail: Rail, share: Share, row: int, column: int) -> float:
+    table, rates = rail.table, rail.rates
+    low, high = share.low + row, share.high + row
+    return (
+        share.a * table[low, column]
+        + share.b * table[high, column]
+        + share.c * rates[low, column]
+        + share.d * rates[high, column]
+    )
+
+
+@inlined
+def _node(rail: Rail, share: Share, row: int, out: float) -> ProfilePoint:
+    """A row as a point, moved ``out``. The next row is touched elsewhere by a yawed wheel, where the rail may be
+    higher: the tangent goes along."""
+    tu, tw, k = _value(rail, share, row, 2), _value(rail, share, row, 3), _value(rail, share, row, 4)
+    u, w = _value(rail, share, row, 0) + out, _value(rail, share, row, 1)
+    if rail.yaw != 0.0:
+        bent = rail.radius * k / max(tu * tu, 1e-6) if abs(tw) < STEEPEST * tu else 0.0
+        farther = rail.yaw * (tu - bent) * sqrt(1.0 - rail.sine * rail.sine)
+        outward = share.a * rail.rates[share.low + row, 0] + share.b * rail.rates[share.high + row, 0]
+        tu += farther * (outward - rail.sine)
+        tw += farther * (share.a * rail.rates[share.low + row, 1] + share.b * rail.rates[share.high + row, 1])
+    return ProfilePoint(u, w, tu, tw, k)
+
+
+@inlined
+def _bent(p: ProfilePoint, q: ProfilePoint, r: float, step: float) -> float:
+    """Curvature between two rows, linear, so that their tangents turn into each other [1/m]."""
+    turn = p.tu * q.tw - p.tw * q.tu
+    lengths = sqrt((p.tu * p.tu + p.tw * p.tw) * (q.tu * q.tu + q.tw * q.tw))
+    return turn / (lengths * step) + (r - 0.5) * (q.k - p.k)
+
+
+@inlined
+def rail_point(rail: Rail, arc: float) -> ProfilePoint:
+    """Point of the rail's section at arclength ``arc`` [m]; beyond either end it goes on straight."""
+    return rail_and_envelope(rail, arc)[0]
+
+
+@inlined
+def rail_and_envelope(rail: Rail, arc: float) -> tuple[ProfilePoint, Envelope]:
+    """As ``rail_point``, and what the tables give along the track there."""
+    if not changes(rail):
+        return profile_point(ProfileTable(rail.table, rail.step), arc), Envelope(0.0, 0.0, 0.0)
+    x, i, (one, out), (other, farther) = _at(rail, arc)
+    r, p, q = x - i, _node(rail, one, i, out), _node(rail, other, i + 1, farther)
+    at = between(p, q, r, rail.step)
+    if rail.yaw != 0.0:
+        inverse = 1.0 / sqrt(at.tu * at.tu + at.tw * at.tw)
+        at = ProfilePoint(at.u, at.w, at.tu * inverse, at.tw * inverse, _bent(p, q, r, rail.step))
+    beyond = arc - min(max(arc, 0.0), rail_length(rail))
+    if beyond != 0.0:
+        at = ProfilePoint(at.u + beyond * at.tu, at.w + beyond * at.tw, at.tu, at.tw, 0.0)
+    return at, Envelope(
+        (1.0 - r) * _value(rail, one, i, 5) + r * _value(rail, other, i + 1, 5),
+        (1.0 - r) * _value(rail, one, i, 6) + r * _value(rail, other, i + 1, 6),
+        (1.0 - r) * _value(rail, one, i, 7) + r * _value(rail, other, i + 1, 7),
+    )
+
+
+@inlined
+def _at(rail: Rail, arc: float) -> tuple[float, int, tuple[Share, float], tuple[Share, float]]:
+    """Of a rail that changes along the track: arclength in rows, held on them; the row before; where that one and the
+    next are touched (``_share``)."""
+    x = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
+    i = min(int(x), rail.rows - 2)
+    return x, i, _share(rail, i), _share(rail, i + 1)
+
+
+@inlined
+def rail_chord(rail: Rail, arc: float) -> ProfilePoint:
+    """Point of a rail that changes along the track, linear between two rows: half a micrometre off where a rail is bent
+    most; beyond either end the last one."""
+    x, i, (one, out), (other, farther) = _at(rail, arc)
+    p, q = _node(rail, one, i, out), _node(rail, other, i + 1, farther)
+    r = x - i
+    return ProfilePoint(
+        p.u + r * (q.u - p.u),
+        p.w + r * (q.w - p.w),
+        p.tu + r * (q.tu - p.tu),
+        p.tw + r * (q.tw - p.tw),
+        _bent(p, q, r, rail.step) if rail.yaw != 0.0 else p.k + r * (q.k - p.k),
+    )
+
+
+@inlined
+def along(rail: Rail, envelope: Envelope, point: ProfilePoint, x: float, to_axle: float) -> Along:
+    """What the rail does along the track where its section has ``point`` and ``envelope`` and a wheel touches at x [m];
+    nothing where it is one profile that neither turns nor bends.
+
+    A section that turns by ``twist`` a metre about (0, 0) rises along its normal by twist (u tu + w tw), one that bends
+    by bow_b tu - bow_o tw times the way from the wheel's section. It is touched so far ahead of x that the true normal
+    meets the axle, at the distance ``to_axle``: a wheel without friction is not driven.
+    """
+    bow = rail.bow_b * point.tu - rail.bow_o * point.tw
+    rise = rail.twist * (point.u * point.tu + point.w * point.tw) + bow * (x + envelope.ahead)
+    rise /= max(1.0 - bow * to_axle, LEAST_PARTING)  # the way that it is ahead for this rise counts, too
+    ahead = envelope.ahead + to_axle * rise
+    drop = rail.radius - sqrt(rail.radius * rail.radius - ahead * ahead)
+    return Along(ahead, drop, envelope.slope + rise, envelope.bend)
+
+
+@inlined
+def tilted(at: Along) -> float:
+    """Cosine of the slope along the track: of a distance in the section to that along the true normal."""
+    return 1.0 / sqrt(1.0 + at.slope * at.slope)
+
+
+@inlined
+def parting(r_t: float, at: Along) -> float:
+    """Radius with which a wheel of radius ``r_t`` along the track and the rail part [m]."""
+    if at.bend == 0.0:
+        return r_t
+    return 1.0 / max(1.0 / r_t - at.bend, LEAST_PARTING / r_t)
+
+
+# tables of a rail whose profile changes along the track: see `wrsim.contact.surfaces.rolled_rail`
+
+PLACES = 61  # at least, at which a contact is looked for before it is found to round-off
+FALL = 3.0  # slope with which a piece falls off behind its ends
+LONGEST_LOOP = 100  # rows that run backwards where two branches cross
+
+
+class Heading(NamedTuple):
+    """A direction in plan: sine and cosine of its angle to the track, outward."""
+
+    sine: float
+    cosine: float
+
+
+class Row(NamedTuple):
+    """Of a row at some distance ahead, in axes turned by a heading: place ahead; point (u, w) lowered by the wheel's
+    drop, tangent; along the track the rates of place, point and tangent without the drop's, second derivative of the
+    point; how fast the lowered point still rises along its normal."""
+
+    ahead: float
+    u: float
+    w: float
+    tu: float
+    tw: float
+    da: float
+    du: float
+    dw: float
+    ddu: float
+    ddw: float
+    dtu: float
+    dtw: float
+    miss: float
+
+
+@inlined
+def _cubic(c: Array, i: int, row: int, column: int, x: float) -> tuple[float, float, float]:
+    """Value and two derivatives of a cubic of interval i."""
+    c3, c2, c1, c0 = c[0, i, row, column], c[1, i, row, column], c[2, i, row, column], c[3, i, row, column]
+    return c0 + x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + 3.0 * x * c3), 2.0 * c2 + 6.0 * x * c3
+
+
+@inlined
+def _lowered_row(
+    c: Array, knots: Array, ends: Array, row: int, s: float, x: float, radius: float, i: int, heading: Heading
+) -> Row:
+    """A row at s + x, which lies in interval i."""
+    at = s + x
+    inside = min(max(at, knots[0]), knots[knots.size - 1])
+    beyond = at - inside
+    y = inside - knots[i]
+    u, du, ddu = _cubic(c, i, row, 0, y)
+    w, dw, ddw = _cubic(c, i, row, 1, y)
+    tu, dtu, _ = _cubic(c, i, row, 2, y)
+    tw, dtw, _ = _cubic(c, i, row, 3, y)
+    if beyond != 0.0:
+        du = dw = ddu = ddw = dtu = dtw = 0.0
+        if (beyond < 0.0 and ends[0] > 0.0) or (beyond > 0.0 and ends[1] > 0.0):
+            w -= FALL * abs(beyond)
+            dw = -FALL if beyond > 0.0 else FALL
+    ahead, da = x * heading.cosine + u * heading.sine, heading.cosine + du * heading.sine
+    u, du = u * heading.cosine - x * heading.sine, du * heading.cosine - heading.sine
+    tu, dtu, ddu = tu * heading.cosine, dtu * heading.cosine, ddu * heading.cosine
+    length = sqrt(tu * tu + tw * tw)
+    tu, tw = tu / length, tw / length
+    root = sqrt(radius * radius - ahead * ahead)
+    miss = -tw * du + tu * (dw - ahead / root * da)
+    return Row(ahead, u, w - (radius - root), tu, tw, da, du, dw, ddu, ddw, dtu / length, dtw / length, miss)
+
+
+@inlined
+def _own_curvature(c: Array, row: int, y: float, i: int, cosine: float) -> float:
+    """Curvature at a row of the section at y in interval i [1/m]: how its tangent turns from the row before to the one
+    behind, over their distance."""
+    p, q = max(row - 1, 0), min(row + 1, c.shape[2] - 1)
+    pu, pw = cosine * _cubic(c, i, p, 2, y)[0], _cubic(c, i, p, 3, y)[0]
+    qu, qw = cosine * _cubic(c, i, q, 2, y)[0], _cubic(c, i, q, 3, y)[0]
+    du = cosine * (_cubic(c, i, q, 0, y)[0] - _cubic(c, i, p, 0, y)[0])
+    dw = _cubic(c, i, q, 1, y)[0] - _cubic(c, i, p, 1, y)[0]
+    return atan2(pu * qw - pw * qu, pu * qu + pw * qw) / max(sqrt(du * du + dw * dw), 1e-9)
+
+
+@inlined
+def _next(knots: Array, s: float, i: int, step: float) -> float:
+    """The next place to look at: every knot and the middle between two of them are among these."""
+    if s < knots[0] or s >= knots[knots.size - 1]:
+        return min(s + step, knots[0]) if s < knots[0] - 1e-9 else s + step
+    half = 0.5 * (knots[i + 1] - knots[i])
+    end = knots[i] + half if s < knots[i] + half - 1e-9 else knots[i + 1]
+    return min(s + step, end) if end > s + 1e-9 else s + 1e-9
+
+
+@kernel
+def envelope_rows(
+    c: Array, knots: Array, ends: Array, s: float, radius: float, reach: float, heading: Heading, out: Array
+) -> None:
+    """The effective profile of a piece at s in axes turned by a heading, one row of ``out`` (n, 8) for each of its
+    rows: u, w, tu, tw, how far ahead it is touched, slope and curvature along the axes, along its normal; whether it
+    was found within reach.
+
+    A row slips past: along the track, across to nothing, its section's own curvature counts, too.
+
+    c, knots: of the cubics (4, m, n, 4), (m + 1,); ends: (2,), above 0 where the piece falls off.
+    """
+    n = c.shape[2]
+    step = 2.0 * reach / (PLACES - 1)
+    for row in range(n):
+        i = interval(knots, s, 0)
+        axle = _lowered_row(c, knots, ends, row, s, 0.0, radius, i, heading)
+        best, low, high, found = -inf, 0.0, 0.0, 0.0
+        farthest, place = -inf, 0.0
+        before = out_before = 0.0
+        i = interval(knots, s - reach, i)
+        x = last = -reach
+        while x <= reach:
+            i = interval(knots, s + x, i)
+            at = _lowered_row(c, knots, ends, row, s, x, radius, i, heading)
+            height = axle.tu * at.w - axle.tw * at.u
+            if height > farthest:
+                farthest, place = height, x
+            if before > 0.0 and at.miss <= 0.0 and max(height, out_before) > best:
+                best, low, high, found = max(height, out_before), last, x, 1.0
+            before, out_before, last = at.miss, height, x
+            x = _next(knots, s + x, i, step) - s
+        x = place
+        if found > 0.0:
+            for _ in range(50):
+                x = 0.5 * (low + high)
+                i = interval(knots, s + x, i)
+                if _lowered_row(c, knots, ends, row, s, x, radius, i, heading).miss > 0.0:
+                    low = x
+                else:
+                    high = x
+        i = interval(knots, s + x, i)
+        at = _lowered_row(c, knots, ends, row, s, x, radius, i, heading)
+        past = at.du * at.tu + at.dw * at.tw
+        own = out[row]
+        own[0], own[1], own[2], own[3], own[4] = at.u, at.w, at.tu, at.tw, at.ahead
+        own[5] = (at.tu * at.dw - at.tw * at.du) / at.da
+        y = min(max(s + x, knots[0]), knots[knots.size - 1]) - knots[i]
+        own[6] = at.tu * (at.ddw - 2.0 * past * at.dtw) - at.tw * (at.ddu - 2.0 * past * at.dtu)
+        own[6] = (own[6] + past * past * _own_curvature(c, row, y, i, heading.cosine)) / (at.da * at.da)
+        own[7] = found
+
+
+@kernel
+def unfold(rows: Array, anchor: int, lowest: float, keep: Bools) -> None:
+    """Mark in ``keep`` (n,) the rows that follow each other from the anchor to both sides, down to a height. Where two
+    branches of the effective profile cross, rows run on beneath the other branch, backwards, and forwards again on that
+    one: what lies beyond the crossing on the first and before it on the second is left out."""
+    keep[:] = False
+    keep[anchor] = True
+    for way in (1, -1):
+        last, i = anchor, anchor + way
+        while 0 <= i < rows.shape[0] and rows[i, 1] > lowest:
+            du, dw = way * (rows[i, 0] - rows[last, 0]), way * (rows[i, 1] - rows[last, 1])
+            forward = du * rows[last, 2] + dw * rows[last, 3]
+            if forward > 1e-6 and du * rows[i, 2] + dw * rows[i, 3] > 1e-6:
+                keep[i] = True
+                last = i
+            elif (i - last) * way <= LONGEST_LOOP:
+                back = _crossed(rows, i, way, anchor, keep)
+                if back != i:
+                    k = last
+                    while k != back:
+                        keep[k] = False
+                        k -= way
+                    last = back
+            i += way
+
+
+@kernel
+def _crossed(rows: Array, i: int, way: int, anchor: int, keep: Bools) -> int:
+    """The last row that is kept before the way from row i to the next crosses what is kept; i if it does not."""
+    if not 0 <= i + way < rows.shape[0]:
+        return i
+    au, aw, bu, bw = rows[i, 0], rows[i, 1], rows[i + way, 0], rows[i + way, 1]
+    before = i
+    k, steps = i - way, 0
+    while (k - anchor) * way >= 0 and steps < 2 * LONGEST_LOOP:
+        if keep[k]:
+            if before != i:
+                cu, cw, du, dw = rows[k, 0], rows[k, 1], rows[before, 0], rows[before, 1]
+                one = (bu - au) * (cw - aw) - (bw - aw) * (cu - au)
+                other = (bu - au) * (dw - aw) - (bw - aw) * (du - au)
+                third = (du - cu) * (aw - cw) - (dw - cw) * (au - cu)
+                fourth = (du - cu) * (bw - cw) - (dw - cw) * (bu - cu)
+                if one * other < 0.0 and third * fourth <= 0.0:
+                    return k
+            before = k
+        k -= way
+        steps += 1
+    return i

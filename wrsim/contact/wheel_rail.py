@@ -1,0 +1,350 @@
+"""One wheel on one rail: from a pose and a motion to forces, all stages in one call.
+
+On the right side the rail's axes (t, o, b) are left-handed; a mirrored angular velocity (sign changed once more) makes
+every formula hold unchanged, so the kernel knows no side.
+
+The normal models, the creep forces and, for a vehicle, the whole contact are stages (jit.stages): `STAGES`. A
+stage takes the lobes that the search has found, their number in ``total``, and returns status bits.
+"""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wrsim.contact.arrays import Arrays, arrays
+from wrsim.contact.creep.creep_forces import creep_forces
+from wrsim.contact.creep.friction import set_law
+from wrsim.contact.kik_piotrowski import bound_lobe, lay_lobe, press_lobes
+from wrsim.contact.records import (
+    CONTACT,
+    CREEP_FORCES,
+    FREE_STRIPS,
+    KIK_PIOTROWSKI,
+    NO_CREEP_FORCES,
+    STATUS_NOT_CONVERGED,
+    STATUS_PROFILE_END,
+    STATUS_TOO_DEEP,
+    Field,
+    PlacedWheel,
+    ProfileTable,
+    Rail,
+    Shape,
+    Share,
+    WheelPose,
+    read_pose,
+)
+from wrsim.contact.resultants import add_lobe
+from wrsim.contact.search.lobes import couple, room_beside, select_deepest
+from wrsim.contact.search.locus import locus_point, placed
+from wrsim.contact.search.points import NEAR, find_contacts
+from wrsim.contact.strips.model import press_strips
+from wrsim.contact.surfaces.profile_table import profile_point
+from wrsim.contact.surfaces.rail import along, rail_and_envelope, share_at
+from wrsim.contact.surfaces.wheel_shape import contact_length, find_branches
+from wrsim.jit import Array, Ints, Record, Records, inlined, kernel, stages
+from wrsim.jit.cache import CACHE, CONFIG, own_process
+from wrsim.jit.cache import CONTACT as STORED
+from wrsim.jit.compiling import COUNT, cores
+from wrsim.jit.linalg import Vec
+
+TURNS = 2  # of creep forces and pressures that act on each other: each leaves a hundredth of the last change
+DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
+
+
+@inlined
+def turned(a: Vec, sine: float) -> Vec:
+    """A vector in axes that are turned outward in plan by the angle with this sine."""
+    cosine = sqrt(1.0 - sine * sine)
+    return Vec(cosine * a.x + sine * a.y, cosine * a.y - sine * a.x, a.z)
+
+
+@kernel
+def pose_in_rail_axes(a: Arrays) -> WheelPose:
+    """The pose in the rail's own axes, which ``bodies`` finds: turned about the rail beside the wheel's origin."""
+    pose, sine = read_pose(a.pose), a.settings[0].sine
+    if sine == 0.0:
+        return pose
+    origin = turned(Vec(0.0, pose.origin.y, pose.origin.z), sine)
+    return WheelPose(
+        Vec(pose.origin.x + origin.x, origin.y, origin.z),
+        turned(pose.axle, sine), turned(pose.velocity, sine), turned(pose.omega, sine),
+    )  # fmt: skip
+
+
+@kernel
+def in_track_axes(a: Arrays) -> None:
+    """Turn force, moment and places of lobes and strips back from the rail's own axes."""
+    settings, total = a.settings[0], a.total[0]
+    sine, about = settings.sine, settings.about
+    if sine == 0.0:
+        return
+    force, moment = Vec(total.Ft, total.Fo, total.Fb), Vec(total.Mt, total.Mo, total.Mb)
+    force, moment = turned(force, -sine), turned(moment, -sine)
+    total.Ft, total.Fo, total.Mt, total.Mo = force.x, force.y, moment.x, moment.y
+    for i in range(total.lobes):
+        lobe = a.patches[i]
+        at = turned(Vec(lobe.x - about, lobe.o, 0.0), -sine)
+        lobe.x, lobe.o = about + at.x, at.y
+        for j in range(lobe.n_strips):
+            strip = a.strips[i, j]
+            at = turned(Vec(strip.x - about, strip.o, 0.0), -sine)
+            strip.x, strip.o = about + at.x, at.y
+
+
+@kernel
+def bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
+    """The wheel in its place, the rail there, and the pose; in the own axes of a rail that runs outward."""
+    settings, pose = a.settings[0], read_pose(a.pose)
+    shape = Shape(
+        a.depth, a.branches, settings.depth_rows, settings.depth_first, settings.depth_step, settings.depth_least,
+        settings.wheel_angle, settings.averaged,
+    )  # fmt: skip
+    wheel = placed(ProfileTable(a.wheel, settings.wheel_step), settings.radius, pose, shape)
+    place = settings.place + pose.origin.x
+    if a.friction.shape[0] > 0:
+        set_law(a.friction, place, settings)
+    share, ahead = Share(0, 0, 0, 1.0, 0.0, 0.0, 0.0), 0.0
+    settings.sine = 0.0
+    if a.rates.shape[0] > 0:
+        share = share_at(a.stations[0], settings.rows, place, settings.station)
+        sines, rates, i = a.stations[2], a.stations[3], share.at
+        sine = share.a * sines[i] + share.b * sines[i + 1] + share.c * rates[i] + share.d * rates[i + 1]
+        if sine != 0.0:
+            settings.sine, settings.about = sine, pose.origin.x
+            pose = pose_in_rail_axes(a)
+            wheel = placed(wheel.profile, settings.radius, pose, shape)
+            ahead = pose.origin.x - settings.about
+            share = share_at(a.stations[0], settings.rows, place + ahead * sqrt(1.0 - sine * sine), i)
+        settings.station = share.at
+    rail = Rail(
+        a.rail, a.rates, a.stations[0], settings.rail_step, settings.rows, share, place, settings.sine, ahead,
+        settings.twist, settings.bow_o, settings.bow_b, pose.axle.x, pose.origin.y, settings.radius,
+    )  # fmt: skip
+    return wheel, rail, pose
+
+
+@kernel
+def wheel_rail(buffer: Array, index: Ints) -> int:
+    """Contact of one wheel and one rail at the pose set in the workspace; see `contact.arrays.Arrays`. Forces act
+    on the wheel; a lobe with N = 0 is none. Returns a status, also written to ``total``: 0, or a sum of the STATUS
+    bits."""
+    a = arrays(buffer, index)
+    settings, lobes = a.settings[0], a.patches
+    settings.averaged = 0.0
+    wheel, rail, pose = bodies(a)
+    count, status = _search(a, wheel, rail)
+    if count == 0:
+        return status
+    count = select_deepest(a.found, count, lobes.shape[0])
+    couple(a.found, count, settings.eps, lobes)
+    for i in range(count):
+        status |= _start_lobe(wheel, rail, a.found[i], lobes[i])
+    _group(a.found, settings.eps, lobes, count)
+    a.total[0].lobes = count
+    a.memo[0].turn = 0
+    pressed = stages.run(settings.normal, buffer, index)
+    for turn in range(TURNS if settings.curved and settings.tangential != NO_CREEP_FORCES else 0):
+        stages.run(CREEP_FORCES, buffer, index)
+        a.memo[0].turn = turn + 1
+        pressed = stages.run(settings.normal, buffer, index)
+    status |= pressed
+    _sum_up(a, pose, buffer, index)
+    in_track_axes(a)
+    a.total[0].status = status
+    return status
+
+
+@kernel
+def search(buffer: Array, index: Ints) -> tuple[int, int]:
+    """Contacts at the pose set in the workspace, before any force, written to ``found``. Returns their number and a
+    status; the closest distance is written to ``total``."""
+    a = arrays(buffer, index)
+    a.settings[0].averaged = 0.0
+    wheel, rail, _pose = bodies(a)
+    return _search(a, wheel, rail)
+
+
+@kernel
+def carry(buffer: Array, index: Ints, count: int) -> None:
+    """Creep forces of ``count`` lobes whose pressures are known, and the sums over all of them."""
+    a = arrays(buffer, index)
+    a.total[0].lobes = count
+    _sum_up(a, pose_in_rail_axes(a), buffer, index)
+
+
+@kernel
+def _search(a: Arrays, wheel: PlacedWheel, rail: Rail) -> tuple[int, int]:
+    """Clears the totals; returns the number of contacts found and a status."""
+    settings, total = a.settings[0], a.total[0]
+    total.Ft = total.Fo = total.Fb = 0.0
+    total.Mt = total.Mo = total.Mb = 0.0
+    total.wear = 0.0
+    total.lobes = total.patches = 0
+    if a.depth.shape[0] > 0:
+        find_branches(wheel)
+    first = int(a.stations[1, rail.share.at]) * settings.field_rows
+    field = Field(
+        a.field, first, settings.field_rows, settings.field_o, settings.field_b, settings.field_spacing, settings.slack
+    )
+    count, closest, status = find_contacts(wheel, rail, field, settings.stride, settings.hollow, a.found)
+    total.closest = closest
+    deepest = 0.0
+    for i in range(count):
+        deepest = max(deepest, a.found[i].depth)
+    if closest < -deepest - NEAR:  # deepest where a profile ends: no contact is there
+        status |= STATUS_PROFILE_END
+    total.status = status
+    if a.depth.shape[0] > 0 and count > 0:
+        settings.averaged = _length(wheel, a.found, count, settings.eps)
+    return count, status
+
+
+@kernel
+def _length(wheel: PlacedWheel, found: Records, count: int, eps: float) -> float:
+    """Half length of contact of a wheel out of round where it is deepest [m]."""
+    deepest = 0
+    for i in range(1, count):
+        deepest = i if found[i].depth > found[deepest].depth else deepest
+    own = found[deepest]
+    return contact_length(wheel, profile_point(wheel.profile, own.arc_wheel), eps * own.depth)
+
+
+@kernel
+def _sum_up(a: Arrays, pose: WheelPose, buffer: Array, index: Ints) -> None:
+    """Creep forces, and the sums over all lobes."""
+    lobes, total = a.patches, a.total[0]
+    if a.settings[0].tangential != NO_CREEP_FORCES:
+        stages.run(CREEP_FORCES, buffer, index)
+    loaded = -1
+    for i in range(total.lobes):
+        add_lobe(pose, lobes[i], a.strips[i], lobes[i].n_strips, total)
+        if lobes[i].N > 0.0 and lobes[i].group != loaded:
+            loaded = lobes[i].group
+            total.patches += 1
+
+
+@kernel
+def _start_lobe(wheel: PlacedWheel, rail: Rail, own: Record, lobe: Record) -> int:
+    """Main point of a lobe that the search has found, so far without pressure. Returns status bits."""
+    on_wheel = locus_point(wheel, own.arc_wheel)
+    at, envelope = rail_and_envelope(rail, own.arc_rail)
+    lobe.approach = own.depth
+    lobe.arc_wheel = own.arc_wheel
+    lobe.arc_rail = own.arc_rail
+    lobe.no = -at.tw
+    lobe.nb = at.tu
+    lobe.slope = along(rail, envelope, at, on_wheel.x, on_wheel.to_axle).slope
+    lobe.n_strips = 0
+    lobe.N = lobe.p0 = lobe.area = lobe.length = lobe.width = lobe.recess = 0.0
+    return STATUS_TOO_DEEP if own.depth > DEEPEST else 0
+
+
+@kernel
+def _group(found: Records, eps: float, lobes: Records, count: int) -> None:
+    """Number the patches: neighbours whose virtual penetrations overlap share one."""
+    group = -1
+    for i in range(count):
+        joined = (
+            i > 0
+            and found[i - 1].saddle >= 0.0
+            and found[i - 1].saddle > (1.0 - eps) * min(found[i - 1].depth, found[i].depth)
+        )
+        if not joined:
+            group += 1
+        lobes[i].group = group
+
+
+@kernel
+def kik_piotrowski(buffer: Array, index: Ints) -> int:
+    """Strips and pressures by Kik and Piotrowski's model."""
+    return _press_by_overlap(arrays(buffer, index))
+
+
+@kernel
+def free_strips(buffer: Array, index: Ints) -> int:
+    """Strips and pressures by the strip model; by Kik and Piotrowski's where that has no solution."""
+    a = arrays(buffer, index)
+    wheel, rail, pose = bodies(a)
+    status = press_strips(a, wheel, rail, pose, a.total[0].lobes)
+    if status & STATUS_NOT_CONVERGED:
+        status |= _press_by_overlap(a)
+    return status
+
+
+@kernel
+def _press_by_overlap(a: Arrays) -> int:
+    """Strips and pressures of all lobes by Kik and Piotrowski's model."""
+    settings, lobes, count = a.settings[0], a.patches, a.total[0].lobes
+    wheel, rail, pose = bodies(a)
+    status = 0
+    for i in range(count):
+        left, right = room_beside(a.found, i, count)
+        status |= bound_lobe(wheel, rail, settings, a.found, i, left, right, lobes)
+    for i in range(count):
+        lay_lobe(wheel, rail, settings, lobes, count, i, a.strips[i])
+    press_lobes(settings, pose, lobes, a.strips, count, a.work)
+    return status
+
+
+@kernel
+def all_creep_forces(buffer: Array, index: Ints) -> int:
+    """Creep forces; the pressures are known."""
+    a = arrays(buffer, index)
+    speed, count = pose_in_rail_axes(a).velocity.x, a.total[0].lobes
+    for i in range(count):
+        creep_forces(a, speed, count, i)
+    return 0
+
+
+STAGES: dict[int, Any] = {
+    KIK_PIOTROWSKI: kik_piotrowski,
+    FREE_STRIPS: free_strips,
+    CREEP_FORCES: all_creep_forces,
+    CONTACT: wheel_rail,
+}
+
+
+def compile_stages(*numbers: int) -> None:
+    """See `jit.stages.make_ready`."""
+    for number in numbers:
+        stages.make_ready(number, STAGES[number])
+
+
+@contextmanager
+def compiled_aside(number: int) -> Iterator[bool]:
+    """While this lasts another process compiles a stage into the cache, which is waited for at the end. Not where it is
+    there already, or there is one processor: False. If that process fails the stage is compiled when it is asked for.
+    """
+    kernel = STAGES[number]
+    if CACHE is None or CONFIG.DISABLE_JIT or cores() < 2 or kernel.kept:
+        yield False
+        return
+    code = f"from {__name__} import compile_stages; compile_stages({number})"
+    other = subprocess.Popen(**own_process(code), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield True
+        other.wait()
+        COUNT.end(kernel.py_func, all_in_it=True)
+    finally:
+        if other.poll() is None:
+            other.kill()
+            other.wait()
+
+
+def repeat_contacts(folder: str) -> None:
+    """End the process with 0 if the contacts that came with shipped kernels come out of them again, to the bit."""
+    paths = sorted(Path(folder).glob(STORED.format("*")))
+    for path in paths:
+        with np.load(path) as stored:
+            compile_stages(*stored["stages"].tolist())
+            buffer, index = stored["before"].copy(), stored["index"].copy()
+            status = wheel_rail(buffer, index)
+            if status != stored["status"] or buffer.tobytes() != stored["after"].tobytes():
+                sys.exit(1)
+    sys.exit(0 if paths else 1)

@@ -1,1 +1,0 @@
-"""One wheel on one rail, stage by stage: search, normal pressure, creep forces."""

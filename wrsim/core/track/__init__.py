@@ -1,1 +1,0 @@
-"""Paths and frames along them."""

@@ -1,0 +1,145 @@
+"""Elastic bodies and axles: modes of vibration on top of the rigid motion.
+
+A body deforms by u(p) = sum_k phi_k(p) eta_k and turns locally by theta(p) = sum_k psi_k(p) eta_k, both in the body's
+axes. The modes are those of the free body, so they move neither its centre nor its mean orientation (Buckens' frame:
+O. P. Agrawal and A. A. Shabana, Comput. Struct. 21 (1985) 1303) and weight does no work on them; with deformations
+small beside the body the rigid equations stay as they are, and
+
+    m_k (eta_k_tt + 2 zeta_k omega_k eta_k_t + omega_k^2 eta_k) = sum over attachments of phi_k . F + psi_k . M - f_k
+
+with f_k, what the preload does to the mode: in the design position the body has its given shape. Forces act at
+attachments, which move with both motions. Changes of inertia by the deformation, and products of velocities of the
+deformation and angular velocities, are left out, but for those of a wheelset's spin: with Omega about the axle e, polar
+moments of inertia J_d of its sections and the sums g_k = sum J_d psi_k and G_kl = sum J_d e . (psi_k x psi_l)
+
+    on mode k:  -Omega (e . (g_k x omega) + sum_l G_kl eta_l_t),      on the wheelset:  -Omega sum_k eta_k_t g_k x e.
+
+Axes of a wheelset do not spin, so its modes are bending in two planes that stand still.
+"""
+
+from wrsim.dynamics.kinematics import SPIN
+from wrsim.dynamics.suspension import material_point, own_components
+from wrsim.jit import Array, Records, inlined, kernel, record
+from wrsim.jit.frames import VECTOR, BodyMotion, accumulate, get_body, point_velocity, put_body, vec
+from wrsim.jit.linalg import ZERO, Vec, add, cross, dot, from_components, scale, shifted, sub
+
+MODE = record("stiffness damping mass rest", "coordinate body first count", turning=VECTOR)
+"""Of a mode: omega^2 [1/s2], 2 zeta omega [1/s], modal mass m [kg], force of the preload f [N]; numbers of eta [m]
+among the coordinates, of the body, of the body's first mode and of its modes; of a wheelset g [kg m]."""
+
+ATTACHMENT = record("", "body first count spins", point=VECTOR)
+"""A point of an elastic body, in its axes; number of the body, of its first mode, and how many it has; whether it is an
+axle."""
+
+
+@inlined
+def _shape(shapes: Array, j: int, k: int) -> tuple[Vec, Vec]:
+    """Displacement and turn of the attachment j for a unit of the mode k of its body."""
+    own = shapes[j, k]
+    return Vec(own[0], own[1], own[2]), Vec(own[3], own[4], own[5])
+
+
+@kernel
+def attached(
+    body: BodyMotion, j: int, q: Array, q_t: Array, modes: Records, attachments: Records, shapes: Array
+) -> BodyMotion:
+    """The attachment j of a body as a body of its own. shapes (attachments, modes, 6): displacement and turn."""
+    own = attachments[j]
+    moved, turned, velocity, rate = ZERO, ZERO, ZERO, ZERO
+    for k in range(own.count):
+        at = modes[own.first + k].coordinate
+        shift, turn = _shape(shapes, j, k)
+        moved, velocity = shifted(moved, q[at], shift), shifted(velocity, q_t[at], shift)
+        turned, rate = shifted(turned, q[at], turn), shifted(rate, q_t[at], turn)
+    f, left, up = body.forward, body.left, body.up
+    place = add(material_point(body, own.point), from_components(moved, f, left, up))
+    moving = add(point_velocity(body, place), from_components(velocity, f, left, up))
+    about = from_components(turned, f, left, up)
+    omega = add(body.omega, from_components(rate, f, left, up))
+    return BodyMotion(place, moving, _turned(f, about), _turned(left, about), _turned(up, about), omega)
+
+
+@inlined
+def _turned(axis: Vec, about: Vec) -> Vec:
+    """An axis turned by a small angle; to second order, so that it stays a unit vector to fourth."""
+    once = cross(about, axis)
+    return shifted(add(axis, once), 0.5, cross(about, once))
+
+
+@kernel
+def deform(
+    q: Array, q_t: Array, modes: Records, attachments: Records, shapes: Array, bodies: Records, place: int
+) -> None:
+    """Write all attachments as bodies, behind ``place`` others."""
+    for j in range(attachments.shape[0]):
+        body = get_body(bodies[attachments[j].body])
+        put_body(bodies[place + j], attached(body, j, q, q_t, modes, attachments, shapes))
+
+
+@kernel
+def push_modes(
+    j: int, body: BodyMotion, force: Vec, moment: Vec, modes: Records, attachments: Records, shapes: Array, out: Array
+) -> None:
+    """Add the accelerations of the modes by a force and a moment at the attachment j of a body."""
+    own = attachments[j]
+    f, m = own_components(body, force), own_components(body, moment)
+    for k in range(own.count):
+        mode = modes[own.first + k]
+        shift, turn = _shape(shapes, j, k)
+        out[mode.coordinate] += (dot(shift, f) + dot(turn, m)) / mode.mass
+
+
+@kernel
+def hand_over_forces(
+    modes: Records, attachments: Records, shapes: Array, bodies: Records, wrenches: Records, place: int, out: Array
+) -> None:
+    """Hand what acts on the attachments, behind ``place`` other bodies, over to their bodies and modes."""
+    for j in range(attachments.shape[0]):
+        wrench, i = wrenches[place + j], attachments[j].body
+        body, force, moment = get_body(bodies[i]), vec(wrench.force), vec(wrench.moment)
+        turning = cross(sub(vec(bodies[place + j].position), body.position), force)
+        if attachments[j].spins != 0:  # each section of an axle spins about its own middle
+            turning = shifted(turning, -dot(turning, body.left), body.left)
+        accumulate(wrenches[i].force, force)
+        accumulate(wrenches[i].moment, add(moment, turning))
+        push_modes(j, body, force, moment, modes, attachments, shapes, out)
+
+
+@kernel
+def vibrate(
+    q: Array, q_t: Array, modes: Records, gyroscopic: Array, bodies: Records, wrenches: Records, out: Array
+) -> None:
+    """Write the accelerations of all modes without forces but those at rest, and the gyroscopic ones of wheelsets;
+    adds their moments. gyroscopic (modes, modes of a body): G [kg m2/m2]."""
+    for k in range(modes.shape[0]):
+        own = modes[k]
+        at = own.coordinate
+        out[at] = -own.stiffness * q[at] - own.damping * q_t[at] - own.rest / own.mass
+        if own.turning.x == 0.0 and own.turning.z == 0.0:
+            continue
+        body, spin = get_body(bodies[own.body]), q_t[6 * own.body + SPIN]
+        g = from_components(own.turning, body.forward, body.left, body.up)
+        held = dot(body.left, cross(g, body.omega))
+        for j in range(own.count):
+            held += gyroscopic[k, j] * q_t[modes[own.first + j].coordinate]
+        out[at] -= spin * held / own.mass
+        accumulate(wrenches[own.body].moment, scale(-spin * q_t[at], cross(g, body.left)))
+
+
+@inlined
+def wheel_on_axle(own: BodyMotion, arm: float, spin: float) -> BodyMotion:
+    """The wheelset that a rigid one would have to be to move the wheel at its attachment as the elastic one does.
+
+    own: the attachment; arm: place of the wheel on the axle [m]; spin: angular velocity of the wheel about it [rad/s].
+    """
+    place = shifted(own.position, -arm, own.left)
+    velocity = point_velocity(own, place)
+    return BodyMotion(place, velocity, own.forward, own.left, own.up, shifted(own.omega, spin, own.left))
+
+
+@inlined
+def at_wheel(wheel: BodyMotion, arm: float, force: Vec, moment: Vec) -> tuple[Vec, Vec]:
+    """Place of the wheel on its axle, and the moment about it of what acts on it; wheel: as `wheel_on_axle` gives it;
+    force and moment: at its position."""
+    place = shifted(wheel.position, arm, wheel.left)
+    return place, add(moment, cross(sub(wheel.position, place), force))

@@ -1,0 +1,107 @@
+"""One step of generalised alpha for a deadline: a fixed number of iterations with an inverse that was made beforehand.
+
+The method is that of ``dynamics.implicit_step`` (Arnold and Bruls, Multibody System Dynamics 18
+(2007), algorithm 1); an iteration is one evaluation of the forces and one correction, whatever its residual. The
+inverse of M - q_of_q_tt dF/dq - q_t_of_q_tt dF/dq_t belongs to a state of the past. The coordinates x and y are global,
+so the residual of every body is turned back by what its heading has changed since then, and the correction forth. At
+1 ms the mass is several times as large as what stiffness and creep add to it: an iteration with such an inverse leaves
+a small part of the residual.
+"""
+
+from math import cos, isfinite, sin, sqrt
+
+from wrsim.dynamics.kinematics import HEADING, X, Y
+from wrsim.dynamics.rigid_body import INERTIA, mass_block, quadratic_forces
+from wrsim.dynamics.vehicle_forces import vehicle_forces
+from wrsim.jit import Array, Ints, Records, kernel, matrix, record, records
+from wrsim.jit.dense import multiply
+
+STEP = record("h alpha_m alpha_f beta gamma q_of_q_tt q_t_of_q_tt residual most", "iterations steps")
+"""Step [s], numbers of the method, changes of q and q_t for a change of q_tt (s2, s); norm of the residual
+forces ahead of the last correction, at this step and the most so far [N]; iterations of a step; steps done."""
+
+Q, Q_T, Q_TT, A, LAST, FORCES, LEFT, MORE, AT = range(9)
+"""Rows (size,): coordinates, rates, accelerations and those of the method; accelerations a step ago; forces, residual,
+correction; the coordinates that the inverse belongs to."""
+ROWS = 9
+
+OWN, STATE, INVERSE, INERTIAS, SCRATCH, SEEN, WHEELS = range(7)
+"""Arrays of the workspace: record STEP; rows; (size, size); records INERTIA of the bodies; (6, 6); what is read of
+bodies and wheels (``dynamics.outputs``)."""
+OF_VEHICLE = 7
+"""The first of those of ``vehicle_forces``, behind them."""
+
+NOT_FINITE = -1
+
+TREND = 0.5
+"""Part of the last change of the accelerations that is extrapolated to the next step."""
+
+
+@kernel
+def advance(buffer: Array, index: Ints) -> int:
+    """Take one step from the state in the rows. Returns a status: that of ``vehicle_forces`` at the last evaluation, or
+    NOT_FINITE."""
+    own, rows, vehicle = records(buffer, index, OWN, STEP)[0], matrix(buffer, index, STATE), index[OF_VEHICLE:]
+    inverse, block = matrix(buffer, index, INVERSE), matrix(buffer, index, SCRATCH)
+    inertia, n = records(buffer, index, INERTIAS, INERTIA), rows.shape[1]
+    h, am, af = own.h, own.alpha_m, own.alpha_f
+    a_of_q_tt = (1.0 - af) / (1.0 - am)
+    trend = TREND if own.steps > 0 else 0.0
+    for i in range(n):
+        known, q_tt = rows[A, i], rows[Q_TT, i]
+        a = (af * q_tt - am * known) / (1.0 - am)
+        ahead = q_tt + trend * (q_tt - rows[LAST, i])
+        rows[Q, i] += h * rows[Q_T, i] + h * h * ((0.5 - own.beta) * known + own.beta * a) + own.q_of_q_tt * ahead
+        rows[Q_T, i] += h * ((1.0 - own.gamma) * known + own.gamma * a) + own.q_t_of_q_tt * ahead
+        rows[A, i] = a + a_of_q_tt * ahead
+        rows[LAST, i], rows[Q_TT, i] = q_tt, ahead
+    own.steps += 1
+    time = own.steps * h
+    status = 0
+    for _ in range(own.iterations):
+        status = vehicle_forces(time, rows[Q], rows[Q_T], rows[FORCES], buffer, vehicle)
+        own.residual = _residual(rows, inertia, block)
+        if not isfinite(own.residual):
+            return NOT_FINITE
+        _turn(rows, LEFT, inertia.shape[0], -1.0)
+        multiply(inverse, n, rows[LEFT], rows[MORE])
+        _turn(rows, MORE, inertia.shape[0], 1.0)
+        for i in range(n):
+            more = rows[MORE, i]
+            rows[Q_TT, i] -= more
+            rows[Q_T, i] -= own.q_t_of_q_tt * more
+            rows[Q, i] -= own.q_of_q_tt * more
+            rows[A, i] -= a_of_q_tt * more
+    own.most = max(own.most, own.residual)
+    return status
+
+
+@kernel
+def _residual(rows: Array, inertia: Records, block: Array) -> float:
+    """Write M q_tt + h - F to the row LEFT; returns its norm. block: (6, 6) scratch."""
+    q, q_t, q_tt, left = rows[Q], rows[Q_T], rows[Q_TT], rows[LEFT]
+    n = q.size
+    for i in range(n):
+        left[i] = q_tt[i]
+    for b in range(inertia.shape[0]):
+        first, last, body = 6 * b, 6 * b + 6, inertia[b]
+        quadratic_forces(q[first:last], q_t[first:last], body.xx, body.yy, body.zz, left[first:last])
+        mass_block(q[first:last], body.mass, body.xx, body.yy, body.zz, block)
+        for i in range(6):
+            for j in range(6):
+                left[first + i] += block[i, j] * q_tt[first + j]
+    total = 0.0
+    for i in range(n):
+        left[i] -= rows[FORCES, i]
+        total += left[i] * left[i]
+    return sqrt(total)
+
+
+@kernel
+def _turn(rows: Array, which: int, bodies: int, way: float) -> None:
+    """Turn x and y of every body in a row by what its heading has changed since the inverse was made."""
+    for b in range(bodies):
+        x, y, angle = 6 * b + X, 6 * b + Y, rows[Q, 6 * b + HEADING] - rows[AT, 6 * b + HEADING]
+        c, s = cos(angle), way * sin(angle)
+        along, across = rows[which, x], rows[which, y]
+        rows[which, x], rows[which, y] = c * along - s * across, s * along + c * across

@@ -1,0 +1,173 @@
+"""The contacts of a vehicle's wheels on their rails: of one wheel, and of all of them.
+
+One wheel on one rail is computed in the axes (t, o, b) of its rail, o outward. On the left side o = n and the axes are
+right-handed; on the right side o = -n. Vectors keep their geometry; the components of angular velocities and moments
+change sign once more there (they are pseudovectors), so the formulae hold on both sides and mirrored states give
+mirrored forces to round-off.
+
+Arrays lie in a workspace (jit.arena), wheel after wheel, the left one of a wheelset before the right one. Of
+each: a record WHEEL, the nodes of its rail, and those of its contact, `contact.arrays.Arrays`. A wheel writes to
+its own arrays alone, so neither order nor threads change a bit.
+"""
+
+from wrsim.contact.arrays import ARRAYS as ARRAYS_OF_A_CONTACT
+from wrsim.contact.arrays import Arrays, results, settings_of
+from wrsim.contact.records import CONTACT, WheelPose
+from wrsim.jit import Array, Ints, Record, inlined, kernel, parallel, prange, record, records, stages, vector
+from wrsim.jit.frames import BODY, VECTOR, BodyMotion, CurveNodes, Frame, get_body, point_velocity, put, put_at
+from wrsim.jit.linalg import ZERO, Vec, add, components, cross, from_components, scale, shifted, sub
+from wrsim.track.path_kernel import NODE, bends, frame_at, locate
+
+# arrays of one wheel
+OWN, RAIL, IN_CONTACT = range(3)
+ARRAYS = IN_CONTACT + ARRAYS_OF_A_CONTACT
+POSE, LOBES = (Arrays._fields.index(name) for name in ("pose", "patches"))
+
+WHEEL = record(
+    "side half_spacing s step rail_n rail_b rail_n_t rail_b_t slope_n slope_b angle yield_nn yield_nb yield_bb free_n"
+    " free_b held_n held_b rate_n rate_b",
+    "status", body=BODY, force=VECTOR, moment=VECTOR,
+)  # fmt: skip
+"""+1 left, -1 right; H/2 [m]; distance along the rail (a guess, updated) and step of its path [m]; the motion of the
+piece of rail under the wheel along n and b: displacement [m], velocity [m/s], slope along the track; angle by which the
+wheel has rolled [rad]; how the rail on sleepers yields: compliances along n and b [m/N], displacements without its
+force [m]; how far its unknowns count themselves (1 at rest), and their rates [1/s2] (``dynamics.vehicle_forces``); the
+body of the wheelset. What comes out: force [N] and moment [N m] at its centre of mass, in global axes, and a status."""
+
+OK, OFF_TRACK = 0, 1024
+
+ONE_WHEEL, IN_TURN, SIDE_BY_SIDE = 4, 5, 6
+"""Numbers of the stages below (jit.stages), behind those of a contact."""
+
+
+@inlined
+def wheel_origin(body: BodyMotion, side: float, half_spacing: float) -> Vec:
+    """Wheel profile origin on the axle, global. side: +1 left, -1 right; half_spacing: H/2 [m]."""
+    return shifted(body.position, side * half_spacing, body.left)
+
+
+@inlined
+def _in_rail(a: Vec, rail: Frame, side: float) -> Vec:
+    """Components of a vector in the rail's axes (t, o, b)."""
+    own = components(a, rail.t, rail.n, rail.b)
+    return Vec(own.x, side * own.y, own.z)
+
+
+@inlined
+def pose_of(body: BodyMotion, rail: Frame, side: float, half_spacing: float) -> WheelPose:
+    """Pose and motion of one wheel in its rail's axes. rail: frame of the rail at the section beside the wheel
+    (track.path_kernel.frame_at)."""
+    origin = wheel_origin(body, side, half_spacing)
+    turning = components(body.omega, rail.t, rail.n, rail.b)
+    return WheelPose(
+        _in_rail(sub(origin, rail.origin), rail, side),
+        _in_rail(scale(side, body.left), rail, side),
+        _in_rail(point_velocity(body, origin), rail, side),
+        Vec(side * turning.x, turning.y, side * turning.z),
+    )
+
+
+@kernel
+def set_pose(body: BodyMotion, rail: Frame, side: float, half_spacing: float, pose: Array) -> None:
+    """Write the pose and motion of one wheel to ``pose`` (POSE,), see contact.records."""
+    own = pose_of(body, rail, side, half_spacing)
+    put_at(pose, 0, own.origin)
+    put_at(pose, 3, own.axle)
+    put_at(pose, 6, own.velocity)
+    put_at(pose, 9, own.omega)
+
+
+@kernel
+def wheel_wrench(body: BodyMotion, rail: Frame, side: float, half_spacing: float, total: Record) -> tuple[Vec, Vec]:
+    """Force and moment at the centre of mass, in global axes, of one wheel's contact; total: a record TOTAL."""
+    f = Vec(total.Ft, side * total.Fo, total.Fb)
+    m = Vec(side * total.Mt, total.Mo, side * total.Mb)
+    force = from_components(f, rail.t, rail.n, rail.b)
+    arm = scale(side * half_spacing, body.left)
+    return force, add(from_components(m, rail.t, rail.n, rail.b), cross(arm, force))
+
+
+@kernel
+def one_wheel(buffer: Array, index: Ints) -> int:
+    """Force and moment of one wheel's contact, written to its record; a status. index: the part that is its own."""
+    wheel = records(buffer, index, OWN, WHEEL)[0]
+    rail = CurveNodes(records(buffer, index, RAIL, NODE), wheel.step)
+    body = get_body(wheel.body)
+    put(wheel.force, ZERO)
+    put(wheel.moment, ZERO)
+    s, bad = locate(rail, wheel_origin(body, wheel.side, wheel.half_spacing), wheel.s)
+    if bad != 0:
+        wheel.status = OFF_TRACK
+        return OFF_TRACK
+    wheel.s = s
+    at = frame_at(rail, s)
+    arrays = index[IN_CONTACT:]
+    pose = vector(buffer, arrays, POSE)
+    set_pose(body, at, wheel.side, wheel.half_spacing, pose)
+    # the rail's piece has moved away by so much, and moves with the wheel along the track
+    pose[1] -= wheel.side * wheel.rail_n
+    pose[2] -= wheel.rail_b
+    pose[7] -= wheel.side * wheel.rail_n_t
+    pose[8] -= wheel.rail_b_t
+    settings = settings_of(buffer, arrays)
+    settings.place, settings.wheel_angle = s, wheel.angle
+    twist, to_left, up = bends(rail, s, at)
+    settings.twist, settings.bow_o, settings.bow_b = wheel.side * twist, wheel.side * to_left, up
+    wheel.status = stages.run(CONTACT, buffer, arrays)
+    total = results(buffer, arrays)[0]
+    force, moment = wheel_wrench(body, at, wheel.side, wheel.half_spacing, total)
+    # a rail that is bent down ahead of the wheel or behind it turns the force about the axle: what it takes from the
+    # motion along the track is the work on the moving rail
+    along = scale(-wheel.side * total.Fo * wheel.slope_n - total.Fb * wheel.slope_b, at.t)
+    put(wheel.force, add(force, along))
+    put(wheel.moment, add(moment, cross(scale(wheel.side * wheel.half_spacing, body.left), along)))
+    return wheel.status
+
+
+@kernel
+def in_turn(buffer: Array, index: Ints) -> int:
+    """All wheels, one after the other. index: that of the first wheel and of all behind it."""
+    for i in range(index.shape[0] // ARRAYS):
+        stages.run(ONE_WHEEL, buffer, index[i * ARRAYS : (i + 1) * ARRAYS])
+    return OK
+
+
+@parallel
+def in_parallel(buffer: Array, index: Ints) -> int:
+    """As `in_turn`, on as many threads as numba is set to use."""
+    for i in prange(index.shape[0] // ARRAYS):
+        stages.run(ONE_WHEEL, buffer, index[i * ARRAYS : (i + 1) * ARRAYS])
+    return OK
+
+
+STAGES = {ONE_WHEEL: one_wheel, IN_TURN: in_turn, SIDE_BY_SIDE: in_parallel}
+
+
+@inlined
+def wheel_record(buffer: Array, index: Ints, i: int) -> Record:
+    """The record WHEEL of the wheel number i; index: as in `in_turn`."""
+    return records(buffer, index[i * ARRAYS :], OWN, WHEEL)[0]
+
+
+@inlined
+def place_on_rail(buffer: Array, index: Ints, i: int) -> float:
+    """Distance of the wheel number i along its rail [m], that of the last evaluation where it has no place."""
+    wheel = wheel_record(buffer, index, i)
+    rail = CurveNodes(records(buffer, index[i * ARRAYS :], RAIL, NODE), wheel.step)
+    s, bad = locate(rail, wheel_origin(get_body(wheel.body), wheel.side, wheel.half_spacing), wheel.s)
+    return s if bad == 0 else wheel.s
+
+
+@inlined
+def pose_on_rail(buffer: Array, index: Ints, i: int) -> WheelPose:
+    """Pose and motion of the wheel number i beside its rail, of which no displacement counts."""
+    wheel = wheel_record(buffer, index, i)
+    rail = CurveNodes(records(buffer, index[i * ARRAYS :], RAIL, NODE), wheel.step)
+    at = frame_at(rail, place_on_rail(buffer, index, i))
+    return pose_of(get_body(wheel.body), at, wheel.side, wheel.half_spacing)
+
+
+@inlined
+def wheel_total(buffer: Array, index: Ints, i: int) -> Record:
+    """Resultants of this wheel's contact: a record TOTAL."""
+    return results(buffer, index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS])[0]

@@ -1,0 +1,24 @@
+"""What knows numba: compiling, the cache of compiled kernels, arrays in one buffer, kernels called by number.
+
+Nothing else imports numba or llvmlite (import contract in pyproject.toml).
+"""
+
+from wrsim.jit.arena import (
+    Array,
+    Bools,
+    Ints,
+    Record,
+    Records,
+    block,
+    matrix,
+    record,
+    record_rows,
+    records,
+    vector,
+)
+from wrsim.jit.compiling import filling, inlined, kernel, parallel, prange, summing
+
+__all__ = [
+    "Array", "Bools", "Ints", "Record", "Records", "block", "filling", "inlined", "kernel", "matrix", "parallel",
+    "prange", "record", "record_rows", "records", "summing", "vector",
+]  # fmt: skip

@@ -1,0 +1,124 @@
+"""Many arrays in one: a numba call costs about 0.1 us for every array that it is handed, so all arrays of a
+wheelset lie in one buffer and an index gives their places.
+
+index: (K, 4) int64 rows: offset, then up to three sizes (0 where there is no such dimension). Records (``record``) lie
+in the same buffer of doubles; the size of a record is their last dimension.
+"""
+
+from math import prod
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core.cgutils import unpack_tuple
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array, populate_array
+from numpy.typing import NDArray
+
+from wrsim.jit.cache import CONFIG
+from wrsim.jit.compiling import inlined
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+Record = np.record
+Records = NDArray[np.void]
+"""Of signatures: arrays, a record (`record`), arrays of records."""
+
+NUMBER = np.dtype(np.float64)
+
+
+def record(floats: str = "", integers: str = "", **parts: Any) -> Any:
+    """Type of a record of 8-byte numbers with these names, and of other records; ``row.name`` reads and writes,
+    compiled or not.
+    """
+    fields = [(name, "f8") for name in floats.split()] + [(name, "i8") for name in integers.split()]
+    fields += list(parts.items())
+    return np.dtype((np.record, np.dtype(fields, align=True)))
+
+
+def _look(buffer: Array, offset: int, shape: tuple[int, ...], kind: Any) -> Any:
+    """Array of this kind and shape in the buffer, from ``offset`` on."""
+    return buffer[offset : offset + prod(shape) * kind.itemsize // 8].view(kind).reshape(shape)
+
+
+@intrinsic
+def _look_compiled(_context: Any, buffer: Any, offset: Any, shape: Any, kind: Any) -> Any:
+    """As `_look`; numba's own slices, views and new shapes take ten times as long."""
+    found = types.Array(kind.dtype, len(shape), "C")
+
+    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        word = context.get_value_type(types.intp)
+        size = context.get_abi_sizeof(context.get_data_type(kind.dtype))
+        own = make_array(found)(context, builder)
+        place = builder.gep(make_array(buffer)(context, builder, args[0]).data, [args[1]])
+        shapes = unpack_tuple(builder, args[2])
+        strides = [word(size)]
+        for length in reversed(shapes[1:]):
+            strides.insert(0, builder.mul(strides[0], length))
+        data = builder.bitcast(place, own.data.type)
+        populate_array(own, data, shapes, strides, word(size), None)
+        return own._getvalue()
+
+    return found(buffer, types.intp, shape, kind), code
+
+
+look: Any = _look if CONFIG.DISABLE_JIT else _look_compiled
+
+
+def _bits_of(x: float) -> int:
+    """The 64 bits of a number as a whole number."""
+    return int(np.float64(x).view(np.int64))
+
+
+def _number_of(bits: int) -> float:
+    """The number with these bits."""
+    return float(np.int64(bits).view(np.float64))
+
+
+@intrinsic
+def _bits_compiled(_context: Any, x: Any) -> Any:
+    """As `_bits_of`."""
+    return types.int64(types.float64), lambda _c, builder, _s, args: builder.bitcast(args[0], ir.IntType(64))
+
+
+@intrinsic
+def _number_compiled(_context: Any, bits: Any) -> Any:
+    """As `_number_of`."""
+    return types.float64(types.int64), lambda _c, builder, _s, args: builder.bitcast(args[0], ir.DoubleType())
+
+
+bits_of: Any
+number_of: Any
+bits_of, number_of = (_bits_of, _number_of) if CONFIG.DISABLE_JIT else (_bits_compiled, _number_compiled)
+
+
+@inlined
+def vector(buffer: Array, index: Ints, k: int) -> Array:
+    """Array number k as (n,)."""
+    return look(buffer, index[k, 0], (index[k, 1],), NUMBER)
+
+
+@inlined
+def matrix(buffer: Array, index: Ints, k: int) -> Array:
+    """Array number k as (n, m)."""
+    return look(buffer, index[k, 0], (index[k, 1], index[k, 2]), NUMBER)
+
+
+@inlined
+def block(buffer: Array, index: Ints, k: int) -> Array:
+    """Array number k as (n, m, l)."""
+    return look(buffer, index[k, 0], (index[k, 1], index[k, 2], index[k, 3]), NUMBER)
+
+
+@inlined
+def records(buffer: Array, index: Ints, k: int, kind: Any) -> Records:
+    """Array number k as (n,) records of this kind."""
+    return look(buffer, index[k, 0], (index[k, 1],), kind)
+
+
+@inlined
+def record_rows(buffer: Array, index: Ints, k: int, kind: Any) -> Records:
+    """Array number k as (n, m) records of this kind."""
+    return look(buffer, index[k, 0], (index[k, 1], index[k, 2]), kind)

@@ -1,0 +1,183 @@
+"""Bicubic splines of a table of coefficients, four of them at a time.
+
+LLVM does not find the four columns that lie side by side behind numba's bounds, so sums are written in vectors here.
+"""
+
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array
+
+from wrsim.jit.arena import Array
+from wrsim.jit.cache import CONFIG
+
+WEIGHTS = (
+    (1 / 6, -1 / 2, 1 / 2, -1 / 6),
+    (2 / 3, 0.0, -1.0, 1 / 2),
+    (1 / 6, 1 / 2, 1 / 2, -1 / 2),
+    (0.0, 0.0, 0.0, 1 / 6),
+)
+"""Of the four coefficients around a place z of a step, 0 to 1: cubic B-splines, by powers of z."""
+SLOPES = tuple((b, 2.0 * c, 3.0 * d, 0.0) for _a, b, c, d in WEIGHTS)
+"""The same of the derivative by z."""
+
+WORD, LANE, DOUBLE = ir.IntType(64), ir.IntType(32), ir.DoubleType()
+FOUR, LANES = ir.VectorType(DOUBLE, 4), ir.VectorType(LANE, 4)
+FUSED = ("contract",)  # a product and a sum in one, where the processor can
+
+
+def _with_slopes(table: Array, u: float, v: float) -> tuple[float, float, float]:
+    (i, rows), (_, turned) = _weights(u, WEIGHTS), _weights(u, SLOPES)
+    (j, columns), (_, leaning) = _weights(v, WEIGHTS), _weights(v, SLOPES)
+    value = by_u = by_v = 0.0
+    for p in range(4):
+        for q in range(4):
+            value += rows[p] * columns[q] * table[i + p, j + q]
+            by_u += turned[p] * columns[q] * table[i + p, j + q]
+            by_v += rows[p] * leaning[q] * table[i + p, j + q]
+    return value, by_u, by_v
+
+
+def _with_slope_in_row(row: Array, v: float) -> tuple[float, float]:
+    (j, columns), (_, leaning) = _weights(v, WEIGHTS), _weights(v, SLOPES)
+    return sum(columns[q] * row[j + q] for q in range(4)), sum(leaning[q] * row[j + q] for q in range(4))
+
+
+def _weights(at: float, powers: Any) -> tuple[int, list[float]]:
+    """The first coefficient that counts at a place, and the weights of four."""
+    i = int(at)
+    z = at - i
+    return i, [a + z * (b + z * (c + z * d)) for a, b, c, d in powers]
+
+
+def _difference(table: Array, u: float, lo: float, v: float, hi: float, w: float) -> float:
+    return hi * _with_slopes(table, u, w)[0] - lo * _with_slopes(table, u, v)[0]
+
+
+def _difference_in_row(row: Array, lo: float, v: float, hi: float, w: float) -> float:
+    return hi * _with_slope_in_row(row, w)[0] - lo * _with_slope_in_row(row, v)[0]
+
+
+class Sum:
+    """Writes the sum of coefficients of a table around places."""
+
+    def __init__(self, context: Any, builder: Any, kind: Any, table: Any) -> None:
+        own = make_array(kind)(context, builder, table)
+        self.builder, self.data, self.width = builder, own.data, builder.extract_value(own.shape, kind.ndim - 1)
+
+    def weights(self, at: Any, powers: Any) -> tuple[Any, Any]:
+        """As `_weights`, four side by side."""
+        i = self.builder.fptosi(at, WORD)
+        z = self.spread(self.builder.fsub(at, self.builder.sitofp(i, DOUBLE)))
+        *others, found = (FOUR(list(column)) for column in zip(*powers, strict=True))
+        for constant in reversed(others):
+            found = self.add(self.times(found, z), constant)
+        return i, found
+
+    def columns(self, i: Any, j: Any, *weights: Any) -> list[Any]:
+        """Four columns from j on, each the sum of four rows from i on, by each of these weights."""
+        place = self.builder.add(self.builder.mul(i, self.width), j)
+        found = [FOUR([0.0] * 4)] * len(weights)
+        for p in range(4):
+            row = self.load(place)
+            for w, of_rows in enumerate(weights):
+                weight = self.builder.shuffle_vector(of_rows, of_rows, LANES([p] * 4))
+                found[w] = self.add(found[w], self.times(row, weight))
+            place = self.builder.add(place, self.width)
+        return found
+
+    def load(self, place: Any) -> Any:
+        """Four numbers from a place on."""
+        at = self.builder.gep(self.data, [place])
+        return self.builder.load(self.builder.bitcast(at, FOUR.as_pointer()), align=8)
+
+    def spread(self, x: Any) -> Any:
+        """A number four times."""
+        x = self.builder.insert_element(ir.Constant(FOUR, ir.Undefined), x, LANE(0))
+        return self.builder.shuffle_vector(x, x, LANES([0] * 4))
+
+    def times(self, a: Any, b: Any) -> Any:
+        return self.builder.fmul(a, b, flags=FUSED)
+
+    def add(self, a: Any, b: Any) -> Any:
+        return self.builder.fadd(a, b, flags=FUSED)
+
+    def step(self, lo: Any, start: Any, hi: Any, end: Any) -> Any:
+        """hi end - lo start, added up."""
+        hi, lo = self.times(self.spread(hi), end), self.times(self.spread(lo), start)
+        return self.total(self.builder.fsub(hi, lo, flags=FUSED))
+
+    def total(self, x: Any) -> Any:
+        """The sum of four."""
+        one, two, three, four = (self.builder.extract_element(x, LANE(p)) for p in range(4))
+        return self.builder.fadd(self.builder.fadd(one, three), self.builder.fadd(two, four))
+
+
+@intrinsic
+def _with_slopes_compiled(_context: Any, table: Any, u: Any, v: Any) -> Any:
+    found = types.UniTuple(types.float64, 3)
+
+    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        own = Sum(context, builder, table, args[0])
+        (i, rows), (_, turned) = (own.weights(args[1], powers) for powers in (WEIGHTS, SLOPES))
+        (j, columns), (_, leaning) = (own.weights(args[2], powers) for powers in (WEIGHTS, SLOPES))
+        level, by_u = own.columns(i, j, rows, turned)
+        products = own.times(level, columns), own.times(by_u, columns), own.times(level, leaning)
+        return context.make_tuple(builder, found, [own.total(x) for x in products])
+
+    return found(table, types.float64, types.float64), code
+
+
+@intrinsic
+def _with_slope_in_row_compiled(_context: Any, row: Any, v: Any) -> Any:
+    found = types.UniTuple(types.float64, 2)
+
+    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        own = Sum(context, builder, row, args[0])
+        (j, columns), (_, leaning) = (own.weights(args[1], powers) for powers in (WEIGHTS, SLOPES))
+        level = own.load(j)
+        return context.make_tuple(builder, found, [own.total(own.times(level, x)) for x in (columns, leaning)])
+
+    return found(row, types.float64), code
+
+
+@intrinsic
+def _difference_compiled(_context: Any, table: Any, u: Any, lo: Any, v: Any, hi: Any, w: Any) -> Any:
+    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        own = Sum(context, builder, table, args[0])
+        (k, rows), (i, start), (j, end) = (own.weights(at, WEIGHTS) for at in (args[1], args[3], args[5]))
+        low, high = own.columns(k, i, rows)[0], own.columns(k, j, rows)[0]
+        return own.step(args[2], own.times(low, start), args[4], own.times(high, end))
+
+    return types.float64(table, *[types.float64] * 5), code
+
+
+@intrinsic
+def _difference_in_row_compiled(_context: Any, row: Any, lo: Any, v: Any, hi: Any, w: Any) -> Any:
+    def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        own = Sum(context, builder, row, args[0])
+        (i, start), (j, end) = (own.weights(at, WEIGHTS) for at in (args[2], args[4]))
+        return own.step(args[1], own.times(own.load(i), start), args[3], own.times(own.load(j), end))
+
+    return types.float64(row, *[types.float64] * 4), code
+
+
+with_slopes: Any
+with_slope_in_row: Any
+difference: Any
+difference_in_row: Any
+if CONFIG.DISABLE_JIT:
+    with_slopes, with_slope_in_row = _with_slopes, _with_slope_in_row
+    difference, difference_in_row = _difference, _difference_in_row
+else:
+    with_slopes, with_slope_in_row = _with_slopes_compiled, _with_slope_in_row_compiled
+    difference, difference_in_row = _difference_compiled, _difference_in_row_compiled
+"""Of a C-contiguous table, in whose rows u to u + 3 and columns v to v + 3 the coefficients lie that count at (u, v)
+steps along rows and columns, or of a row of one.
+
+with_slopes(table, u, v), with_slope_in_row(row, v): value and derivatives by u and v, or by v;
+difference(table, u, lo, v, hi, w), difference_in_row(row, lo, v, hi, w): hi times the value at w less lo times that at
+v.
+"""

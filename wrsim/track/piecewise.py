@@ -1,0 +1,129 @@
+"""Piecewise polynomials of distance: curvature, cant, gauge and pitch along a track."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import factorial, perm
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+Jet = tuple[Array, Array, Array]  # value, slope and second derivative
+
+
+@dataclass(frozen=True, eq=False)
+class Polynomials:
+    """Polynomials between the places x (m + 1,): coefficients c (k, m) of falling powers of the distance from the
+    beginning of a piece. As scipy's PPoly, which takes longer to import than a track to lay."""
+
+    c: Array
+    x: Array
+
+    def derivative(self, order: int) -> Polynomials:
+        c = self.c
+        for _ in range(order):
+            c = c[:-1] * np.arange(len(c) - 1, 0, -1)[:, None]
+        return Polynomials(c if len(c) else np.zeros_like(self.c[:1]), self.x)
+
+    def antiderivative(self) -> Polynomials:
+        """The integral from the first place on."""
+        c = np.vstack([self.c / np.arange(len(self.c), 0, -1)[:, None], np.zeros_like(self.c[:1])])
+        c[-1, 1:] = np.cumsum(np.polyval(c, np.diff(self.x)))[:-1]
+        return Polynomials(c, self.x)
+
+    def __call__(self, s: ArrayLike, order: int = 0) -> Array:
+        """Value or a derivative at s; beyond the ends that of the first or the last piece."""
+        s = np.asarray(s, dtype=float)
+        i = np.clip(np.searchsorted(self.x, s, "right") - 1, 0, len(self.x) - 2)
+        return np.asarray(np.polyval(self.derivative(order).c[:, i], s - self.x[i]))
+
+
+@dataclass(frozen=True, eq=False)
+class Piecewise:
+    """A polynomial in each piece from s = 0 [m] on.
+
+    At a joint the piece behind it holds. Outside, value and derivatives of the nearer end are held.
+    """
+
+    pieces: Polynomials
+
+    @classmethod
+    def of_rows(cls, edges: Array, rows: ArrayLike) -> Piecewise:
+        """c0 + c1 xi + c2 xi^2 + ... with xi = 0..1 in each piece; edges: (m + 1,) [m], rows: (m, k)."""
+        coefficients = np.array(rows, dtype=np.float64).T
+        powers = np.arange(len(coefficients))[:, None]
+        return cls(Polynomials((coefficients / np.diff(edges) ** powers)[::-1], edges))
+
+    @classmethod
+    def through(cls, s: Array, values: Array) -> Piecewise:
+        """Straight lines through values (m + 1,) at rising s [m]."""
+        return cls.of_rows(s, np.column_stack((values[:-1], np.diff(values))))
+
+    @property
+    def end(self) -> float:
+        """Distance of the end of the last piece [m]."""
+        return float(self.pieces.x[-1])
+
+    @property
+    def breaks(self) -> Array:
+        """Distances between which the function is smooth, from 0 to the end."""
+        return np.asarray(self.pieces.x)
+
+    @cached_property
+    def is_zero(self) -> bool:
+        """True when the function is zero everywhere."""
+        return not self.pieces.c.any()
+
+    @cached_property
+    def _integral(self) -> Polynomials:
+        return self.pieces.antiderivative()
+
+    def __call__(self, s: ArrayLike, derivative: int = 0) -> Array:
+        """Value (derivative = 0), slope (1) or second derivative (2) at s; shape of s."""
+        if self.is_zero:
+            return np.zeros(np.shape(s))
+        return np.asarray(self.pieces(np.clip(s, 0.0, self.end), derivative))
+
+    def jet(self, s: ArrayLike) -> Jet:
+        """Value, slope and second derivative at s, each of its shape."""
+        return self(s), self(s, 1), self(s, 2)
+
+    def integral(self, s: ArrayLike) -> Array:
+        """Integral from 0 to s, exact; constant outside."""
+        return np.asarray(self._integral(np.clip(s, 0.0, self.end)))
+
+    def joints(self, derivative: int = 0) -> tuple[Array, Array]:
+        """Value or slope just before and just behind each inner joint, (m - 1,) each."""
+        law = self.pieces.derivative(derivative)
+        return np.asarray(np.polyval(law.c[:, :-1], np.diff(law.x)[:-1])), law.c[-1, 1:]
+
+    def rounded(self, half_width: float) -> Piecewise:
+        """The function with its kinks rounded over +-half_width [m], never beyond a neighbour.
+
+        A kink is convolved with a parabola of that support (docs/theory/track.md): value, slope and second derivative
+        are continuous, the function beyond is the same. A jump J of the slope changes the value by at most 3/16 J w.
+        """
+        edges = self.breaks
+        before, behind = self.joints(1)
+        length = np.diff(edges)
+        scale = np.abs(self.pieces.c * length ** np.arange(len(self.pieces.c))[::-1, None]).max() / length.min()
+        real = np.abs(behind - before) > 1e-14 * scale
+        joint, jump = edges[1:-1][real], (behind - before)[real]
+        width = np.minimum(half_width, np.minimum(length[:-1], length[1:]))[real]
+        parts = np.unique(np.clip(np.concatenate([edges, joint - width, joint + width]), 0.0, self.end))
+        orders = range(4, -1, -1)
+        c = np.array([self.pieces(parts[:-1], n) / factorial(n) for n in orders])
+        # (1 - a)^3 (3 + a) from s - w to s and from s to s + w, in falling powers of the distance from there over w
+        halves = np.array([[-1.0, -1.0], [4.0, 0.0], [0.0, 6.0], [0.0, -8.0], [0.0, 3.0]])
+        first, last = (np.searchsorted(parts[:-1], joint + sign * width) for sign in (-1.0, 1.0))
+        which = np.repeat(np.arange(joint.size), last - first)  # joint whose bump goes over the part ``at``
+        at = np.arange(which.size) + np.repeat(last - np.cumsum(last - first), last - first)
+        s, w, half = joint[which], width[which], (parts[at] >= joint[which]).astype(int)
+        powers = np.cumprod([np.ones(at.size), *[parts[at] - np.where(half, s, s - w)] * 4], axis=0)
+        bump = (jump * width / 16.0)[which] * halves[:, half] / w ** np.array(orders)[:, None]
+        for row, n in zip(c, orders, strict=True):
+            slopes = sum(bump[4 - k] * powers[k - n] * perm(k, n) for k in range(n, 5))
+            np.add.at(row, at, slopes / factorial(n))
+        return Piecewise(Polynomials(c, parts)) if real.any() else self

@@ -1,0 +1,245 @@
+"""The pieces a track is made of, and the laws of curvature, cant and gauge that follow from a row of them.
+
+Cant of a segment is positive when it leans the vehicle to the inside, in curves of either hand. Inside the library cant
+is signed like the curvature: positive when the right rail is the higher one. Beside a transition at an end of the row
+lies level straight track at nominal gauge. Without a transition the curvature jumps, as in the branch of a turnout;
+path tables spread the jump over one step. A vertical curve has half of its length before the change of grade and half
+behind (docs/theory/track.md).
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import accumulate
+from numbers import Real
+from typing import Literal
+
+import numpy as np
+
+from wrsim.errors import InputError, suggest
+from wrsim.track.piecewise import Piecewise
+
+LONGEST = 1e5  # longest segment [m]
+MAX_CANT = 0.25  # largest cant [m]; railways use up to 0.18 m
+MAX_WIDENING = 0.1  # largest change of the gauge [m]; railways use up to 0.03 m
+LARGEST = {"cant": MAX_CANT, "gauge_widening": MAX_WIDENING}
+SHORTEST = 1e-9  # shortest segment [m]
+FORMS = ("clothoid", "bloss")
+
+
+@dataclass(frozen=True)
+class Straight:
+    """Straight track. length [m]; cant and gauge widening [m] at both ends, linear between.
+
+    The cant of an end belongs to the nearest curve on that side of the segment (to the other side if there is
+    none; to a left curve, right rail higher, on a track without curves).
+    """
+
+    length: float
+    cant_start: float = 0.0
+    cant_end: float = 0.0
+    gauge_widening_start: float = 0.0
+    gauge_widening_end: float = 0.0
+
+
+@dataclass(frozen=True)
+class Arc:
+    """Circular track. length [m] along the centre line, radius [m] positive to the left; cant and gauge
+    widening [m] are held."""
+
+    length: float
+    radius: float
+    cant: float = 0.0
+    gauge_widening: float = 0.0
+
+
+@dataclass(frozen=True)
+class Transition:
+    """Track whose curvature, cant and gauge run from those of the segment before to those of the segment
+    behind.
+
+    length [m]; form "clothoid": linear ramps; "bloss": ramps 3 xi^2 - 2 xi^3, slope zero at both ends.
+    """
+
+    length: float
+    form: Literal["clothoid", "bloss"] = "clothoid"
+
+
+Segment = Straight | Arc | Transition
+
+
+@dataclass(frozen=True, eq=False)
+class Laws:
+    """Curvature [1/m], signed cant [m] and gauge widening [m] over the distance along the centre line; angle of slope
+    [rad] where it is not given by grades."""
+
+    curvature: Piecewise
+    cant: Piecewise
+    widening: Piecewise
+    pitch: Piecewise | None = None
+
+
+def kind_word(segment: Segment) -> str:
+    """The word for a segment in files and messages: straight, arc, transition."""
+    return type(segment).__name__.lower()
+
+
+def check_segments(segments: Sequence[Segment], gauge: float) -> None:
+    """Refuse segments that are no track, each with its number, key and value. Raises InputError."""
+    if not segments:
+        raise InputError("track.segments is empty; allowed: at least one straight, transition or arc")
+    for number, segment in enumerate(segments, 1):
+        if not isinstance(segment, Segment):
+            raise InputError(f"segment {number} is a {type(segment).__name__}; allowed: Straight, Transition, Arc")
+        where = f"segment {number} ({kind_word(segment)})"
+        for key, value in vars(segment).items():
+            if key != "form":
+                _check_number(where, key, value)
+        if not segment.length >= SHORTEST:
+            raise InputError(f"{where}: length_m = {segment.length:g}; allowed: above 0, {SHORTEST:g} at least")
+        if isinstance(segment, Transition):
+            if segment.form not in FORMS:
+                hint = suggest(str(segment.form), FORMS)
+                raise InputError(f"{where}: form = {segment.form!r}; allowed: {', '.join(map(repr, FORMS))}{hint}")
+            if number > 1 and isinstance(segments[number - 2], Transition):
+                words = "follows another transition, so the curvature between them is open; allowed: one transition"
+                raise InputError(f"{where} {words} between two arcs or straights (put an arc or a straight between)")
+        if isinstance(segment, Arc) and abs(segment.radius) <= gauge:
+            hint = (
+                "positive to the left; the inner rail of a tighter curve does not exist, straight track is a straight"
+            )
+            allowed = f"above the gauge ({gauge:g} m) in size, {hint}"
+            raise InputError(f"{where}: radius_m = {segment.radius:g}; allowed: {allowed}")
+
+
+def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
+    """Curvature, cant and widening over distance for a row of segments.
+
+    Ramps are linear or those of A. E. Bloss, Der Uebergangsbogen mit geschwungener Ueberhoehungsrampe, Organ fuer die
+    Fortschritte des Eisenbahnwesens 73 (1936) 319-320. rounding: half length [m] over which kinks of cant and gauge are
+    rounded (`Piecewise.rounded`): a rail is a beam and has no kinks. Raises InputError for wrong values and for jumps
+    of cant or gauge.
+    """
+    check_segments(segments, gauge)
+    edges = np.concatenate(([0.0], np.cumsum([float(s.length) for s in segments])))
+    hands = _hands(segments)
+    start, end = np.array([_ends(segments, hands, i) for i in range(len(segments))]).transpose(1, 2, 0)
+    bloss = np.array([isinstance(s, Transition) and s.form == "bloss" for s in segments])
+    rise, none = end - start, np.zeros(start.shape)
+    linear = np.stack((start, rise, none, none), axis=-1)
+    rows = np.where(bloss[:, None], np.stack((start, none, 3.0 * rise, -2.0 * rise), axis=-1), linear)
+    curvature, cant, widening = (Piecewise.of_rows(edges, own) for own in rows)
+    for law, key in ((cant, "cant"), (widening, "gauge_widening")):
+        before, behind = law.joints()
+        for i in np.flatnonzero(np.abs(behind - before) > 1e-9)[:1]:
+            signs = " (positive: right rail higher)" if key == "cant" else ""
+            raise InputError(
+                f"{key}_mm jumps from {1e3 * before[i]:g} to {1e3 * behind[i]:g}{signs} between segment {i + 1} "
+                f"({kind_word(segments[i])}) and segment {i + 2} ({kind_word(segments[i + 1])}); allowed: equal values "
+                f"at a joint (put a transition between, or a straight with {key}_start_mm and {key}_end_mm)"
+            )
+    return Laws(curvature, cant.rounded(rounding), widening.rounded(rounding))
+
+
+State = tuple[float, float, float]
+LEVEL: State = (0.0, 0.0, 0.0)
+
+
+def _ends(segments: Sequence[Segment], hands: Sequence[tuple[float, float]], i: int) -> tuple[State, State]:
+    """(curvature, signed cant, widening) at the two ends of a segment. hands: see `_hands`."""
+    segment = segments[i]
+    if isinstance(segment, Arc):
+        state = (1.0 / segment.radius, math.copysign(1.0, segment.radius) * segment.cant, segment.gauge_widening)
+        return state, state
+    if isinstance(segment, Straight):
+        start, end = hands[i]
+        return (
+            (0.0, start * segment.cant_start, segment.gauge_widening_start),
+            (0.0, end * segment.cant_end, segment.gauge_widening_end),
+        )
+    return (
+        _ends(segments, hands, i - 1)[1] if i else LEVEL,
+        _ends(segments, hands, i + 1)[0] if i + 1 < len(segments) else LEVEL,
+    )
+
+
+def _hands(segments: Sequence[Segment]) -> list[tuple[float, float]]:
+    """Hand (+1 left, -1 right) of the nearest arc before and behind each segment, or of the one on the other side."""
+
+    def passed(row: Iterable[Segment]) -> list[float]:
+        arcs = (math.copysign(1.0, segment.radius) if isinstance(segment, Arc) else 0.0 for segment in row)
+        return list(accumulate(arcs, lambda last, own: own or last, initial=0.0))
+
+    before, behind = passed(segments), passed(reversed(segments))[-2::-1]
+    return [(b or f or 1.0, f or b or 1.0) for b, f in zip(before, behind, strict=False)]
+
+
+def check_range(where: str, key: str, value: float, low: float, high: float, scale: float = 1.0) -> None:
+    """Refuse a value outside of [low, high], or not a number; the message shows it times ``scale``."""
+    if not low <= value <= high:
+        raise InputError(f"{where}: {key} = {scale * value:g}; allowed: {scale * low:g} to {scale * high:g}")
+
+
+def _check_number(where: str, key: str, value: object) -> None:
+    """Refuse what is not a finite number [m], and cant and widening that are too large."""
+    most = LARGEST.get(key.removesuffix("_start").removesuffix("_end"))
+    key = f"{key}_mm" if most else f"{key}_m"
+    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
+        raise InputError(f"{where}: {key} = {value!r}; allowed: a finite number")
+    if most:
+        check_range(where, key, float(value), -most, most, 1e3)
+
+
+STEEPEST = 0.15  # largest grade: 150 per thousand; adhesion railways use up to 80
+TIGHTEST = 200.0  # smallest vertical radius [m]; light rail goes down to 350 m, marshalling humps to 250 m
+
+
+@dataclass(frozen=True)
+class Grade:
+    """From a distance on [m] the track climbs by ``slope`` (rise over length along the level; 0.008 is 8 per
+    thousand). radius: of the vertical curve at the change [m]; without meaning for a grade that begins at 0."""
+
+    start: float
+    slope: float
+    radius: float = 10_000.0
+
+
+def pitch_law(grades: Sequence[Grade], length: float) -> Piecewise:
+    """Angle of slope [rad], positive uphill, over the distance along a track of that length [m].
+
+    Level where there are no grades, and before the first. Raises InputError, with the grade's number, for wrong
+    values and for vertical curves that overlap or reach beyond the track.
+    """
+    starts, rows = [0.0], [0.0]  # knots of the piecewise linear angle
+    angle, free, last = 0.0, 0.0, -1.0
+    for number, grade in enumerate(grades):
+        where = f"grades[{number}]"
+        if not (max(last + 1e-9, 0.0) <= grade.start < length):
+            after = f"above {last:g} (the grade before)" if number else "0"
+            fault = f"from_m = {grade.start:g}; allowed: {after} to {length:g}, on the track and rising"
+            raise InputError(f"{where}: {fault}")
+        check_range(where, "grade_permille", grade.slope, -STEEPEST, STEEPEST, 1e3)
+        check_range(where, "vertical_radius_m", grade.radius, TIGHTEST, 1e7)
+        target, last = math.atan(grade.slope), grade.start
+        if grade.start == 0.0:
+            rows[0] = angle = target
+            continue
+        half = 0.5 * abs(target - angle) * grade.radius
+        if half == 0.0:
+            continue
+        begin, end = grade.start - half, grade.start + half
+        if begin < free - 1e-9 or end > length + 1e-9:
+            meets = "the end of the track" if end > length else "the one before, or the start of the track"
+            allowed = f"a smaller vertical_radius_m (now {grade.radius:g}), or grades further apart"
+            curve = f"its vertical curve runs from {begin:g} to {end:g} m"
+            raise InputError(f"{where}: {curve} and meets {meets}; allowed: {allowed}")
+        if begin > starts[-1] + 1e-9:
+            starts.append(begin)
+            rows.append(angle)
+        starts.append(min(end, length))
+        rows.append(target)
+        angle, free = target, end
+    if length > starts[-1] + 1e-9:
+        starts.append(length)
+        rows.append(angle)
+    return Piecewise.through(np.array(starts), np.array(rows))
