@@ -51,9 +51,15 @@ POSES = 7
 COLD_START, FROM_LAST = range(2)
 """SETTINGS.start of the strip model: cold, or from the last contact."""
 
-FOUND = record("arc_wheel arc_rail depth curvature saddle saddle_arc")
-"""A contact that the search found: arclengths on wheel and rail [m], penetration [m], relative curvature [1/m]; least
-penetration between this one and the next, with its rail arclength (-1 where the profiles separate in between) [m]."""
+FOUND = record("""
+    arc_wheel   [m]    arclength on the wheel
+    arc_rail    [m]    arclength on the rail
+    depth       [m]    penetration
+    curvature   [1/m]  relative curvature across
+    saddle      [m]    least penetration between this contact and the next; -1 where the profiles separate in between
+    saddle_arc  [m]    rail arclength of that place
+""")
+"""A contact that the search found."""
 
 STRIP = record("s ds x a p no nb slope o b N Fx Fy Mz xi eta phi r_t mu penetration")
 """A strip: centre s and width ds across, middle x and half length a along the rail [m], largest pressure p [Pa]; unit

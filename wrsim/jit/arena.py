@@ -5,6 +5,7 @@ index: (K, 4) int64 rows: offset, then up to three sizes (0 where there is no su
 in the same buffer of doubles; the size of a record is their last dimension.
 """
 
+import re
 from math import prod
 from typing import Any
 
@@ -29,13 +30,27 @@ Records = NDArray[np.void]
 NUMBER = np.dtype(np.float64)
 
 
-def record(floats: str = "", integers: str = "", **parts: Any) -> Any:
-    """Type of a record of 8-byte numbers with these names, and of other records; ``row.name`` reads and writes,
-    compiled or not.
+MEANINGS: dict[int, dict[str, tuple[str, str]]] = {}
+"""Unit and meaning of the fields of records, by the identity of the type."""
+
+
+def record(fields: str = "", integers: str = "", **parts: Any) -> Any:
+    """Type of a record of 8-byte numbers; ``row.name`` reads and writes, compiled or not.
+
+    fields: a line each, ``name [unit] meaning``; the unit ``[int]`` makes a whole number, a name among ``parts`` has
+    that type, of another record.
     """
-    fields = [(name, "f8") for name in floats.split()] + [(name, "i8") for name in integers.split()]
-    fields += list(parts.items())
-    return np.dtype((np.record, np.dtype(fields, align=True)))
+    if "\n" not in fields:
+        kinds = [(name, "f8") for name in fields.split()] + [(name, "i8") for name in integers.split()]
+        return np.dtype((np.record, np.dtype(kinds + list(parts.items()), align=True)))
+    rows = [re.fullmatch(r"(\w+) +\[(.+?)\] *(.*)", line.strip()) for line in fields.strip().split("\n")]
+    if not all(rows):
+        raise ValueError(f"a field needs name, [unit] and meaning: {fields}")
+    texts = {name: (unit, meaning) for name, unit, meaning in (row.groups() for row in rows if row)}
+    kinds = [(name, parts.get(name, "i8" if unit == "int" else "f8")) for name, (unit, _) in texts.items()]
+    kind = np.dtype((np.record, np.dtype(kinds, align=True)))
+    MEANINGS[id(kind)] = texts
+    return kind
 
 
 def _look(buffer: Array, offset: int, shape: tuple[int, ...], kind: Any) -> Any:
