@@ -316,7 +316,7 @@ def keys() -> str:
     """The page of keys: the tables of every kind of file, each where it comes first."""
     lines = [HEAD]
     shown: set[type] = set()
-    for name, (words, _) in FILES.items():
+    for name, (words, *_) in FILES.items():
         lines += [f"## {words[0].upper()}{words[1:]}", ""]
         for table in tables_of_file(name):
             if table not in shown:

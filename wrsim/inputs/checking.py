@@ -8,7 +8,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import TypeAdapter, ValidationError
 
 from wrsim.errors import InputError, nearest
-from wrsim.inputs.file_kinds import COMMANDS, ENDINGS, FILES, resolved
+from wrsim.inputs.file_kinds import ENDINGS, FILES, resolved
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.section import ABSENT, FAULT, MOST_FAULTS, STRICT, UNKNOWN, Section
 from wrsim.inputs.toml_files import parse_toml, shortened, shown_value, toml_text
@@ -49,9 +49,9 @@ def refuse_other_kind(kind: Any, data: dict[str, Any], locate: Locate) -> None:
     strange = data.keys() - own
     meant = [key for each in _classes(kind) for key in each.model_fields]
     wholly = len(other) == len(data) and strange and not any(nearest(key, meant) for key in strange)
-    wanted = [words for words, place in FILES.values() if {*_classes(kind)} <= {*_classes(resolved(place))}]
+    wanted = [own.words for own in FILES.values() if {*_classes(kind)} <= {*_classes(resolved(own.place))}]
     if wanted and (wholly or (2 * len(own) <= len(data) and len(other) > len(own) + 1)):
-        raise InputError(f"{locate(())}: is {FILES[name][0]} ({COMMANDS[name]}); {wanted[0]} is needed here")
+        raise InputError(f"{locate(())}: is {FILES[name].described}; {wanted[0]} is needed here")
 
 
 def kind_of(path: Path) -> str:
@@ -59,13 +59,13 @@ def kind_of(path: Path) -> str:
     with contextlib.suppress(InputError):
         data, _ = opened(path, "file")
         name, known = _likeliest(data)
-        return f"{FILES[name][0]} ({COMMANDS[name]})" if 2 * len(known) > len(data) else ""
+        return FILES[name].described if 2 * len(known) > len(data) else ""
     return ENDINGS.get(path.suffix.lower(), "")
 
 
 def _likeliest(data: dict[str, Any]) -> tuple[str, set[str]]:
     """The kind of file that knows most of the keys at the top of one, and these."""
-    found = {name: _known(resolved(place), data) for name, (_, place) in FILES.items() if name in COMMANDS}
+    found = {name: _known(resolved(own.place), data) for name, own in FILES.items() if own.command}
     return max(found.items(), key=lambda own: len(own[1]))
 
 

@@ -3,47 +3,39 @@
 Classes are named as ``package.module:name`` and imported when they are used: all rooms read files.
 """
 
+import tomllib
 from importlib import import_module
-from typing import Any
+from importlib.resources import files
+from typing import Any, NamedTuple
 
-FILES = {
-    "scenario": ("a scenario", "wrsim.scenario.schema:ScenarioFile"),
-    "study": ("a study", "wrsim.study.spec:StudyFile"),
-    "programme": ("a type test", "wrsim.study.programme:ProgrammeFile"),
-    "evolution": ("a profile evolution", "wrsim.study.spec:EvolutionFile"),
-    "vehicle": ("a vehicle file", "wrsim.vehicle.vehicle_files:VehicleFile"),
-    "wheelset": ("a vehicle file of one wheelset", "wrsim.vehicle.vehicle_files:WheelsetFile"),
-    "train": ("a train file", "wrsim.vehicle.vehicle_files:TrainFile"),
-    "track": ("a track file", "wrsim.scenario.merging:TrackFile"),
-    "profile": ("a profile file", "wrsim.contact.profiles.models:AnyProfileFile"),
-    "crossing": ("a crossing file", "wrsim.track.crossing:CrossingFile"),
-    "rules": ("a rule set", "wrsim.assessment.rules:RulesFile"),
-    "columns": ("the column map of a recording", "wrsim.recording.columns:ColumnsFile"),
-}
-"""Kinds of files that users write, and the class of each, or the classes that it may be one of."""
 
-COMMANDS = {
-    "scenario": "wrsim run", "study": "wrsim study", "programme": "wrsim type-test",
-    "evolution": "wrsim wear", "vehicle": "wrsim vehicle",
-    "wheelset": "wrsim vehicle", "train": "wrsim vehicle", "track": "wrsim track", "profile": "wrsim profile",
-    "rules": "wrsim assess --rules", "columns": "wrsim recording --columns",
-}  # fmt: skip
-"""The commands that take these kinds of files."""
+def packaged(room: str, name: str) -> dict[str, Any]:
+    """The tables of a TOML file in a package."""
+    return tomllib.loads(files(room).joinpath(name).read_text(encoding="utf-8"))
 
-ENDINGS = {
-    ".nc": "a file of numbers (wrsim show, wrsim report)", ".part": "a run that was cut off (wrsim show)",
-    ".csv": "a table (wrsim recording, wrsim profile)", ".json": "a JSON file", ".html": "a page", ".fmu": "a unit",
-    ".prr": "a rail profile (wrsim profile)", ".prw": "a wheel profile (wrsim profile)",
-    ".ban": "a rail profile (wrsim profile)", ".whl": "a wheel profile (wrsim profile)",
-    ".rai": "a rail profile (wrsim profile)", ".whe": "a wheel profile (wrsim profile)",
-    ".rail": "a rail profile (wrsim profile)", ".wheel": "a wheel profile (wrsim profile)",
-    ".slcs": "sections of a rail ([[track.rail_sections]])", ".slcw": "sections of a wheel ([[wheelset.out_of_round]])",
-    ".png": "a picture", ".svg": "a picture", ".pdf": "a picture", ".jpg": "a picture",
-}  # fmt: skip
+
+class FileKind(NamedTuple):
+    """What a file is in words, its class or the classes that it may be one of, the command that takes it, if any."""
+
+    words: str
+    place: str
+    command: str = ""
+
+    @property
+    def described(self) -> str:
+        """What it is, with the command: "a scenario (wrsim run)"."""
+        return f"{self.words} ({self.command})"
+
+
+_TABLES = packaged("wrsim.inputs", "file_kinds.toml")
+FILES = {name: FileKind(**row) for name, row in _TABLES["kinds"].items()}
+"""Kinds of files that users write."""
+ENDINGS: dict[str, str] = _TABLES["endings"]
 """Files that are not TOML, by the ending of their name, and the commands that take them."""
-
-OTHER_NAMES = {"service": "evolution", "wear": "evolution"}
+OTHER_NAMES: dict[str, str] = _TABLES["other_names"]
 """Other names of kinds of files, that are understood."""
+WORDS = packaged("wrsim.inputs", "words.toml")
+"""Words of other programs and of the field, names of units, hints for messages."""
 
 
 def resolved(name: str) -> Any:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from wrsim.errors import InputError
+from wrsim.inputs.file_kinds import WORDS
 from wrsim.inputs.toml_files import KEPT, Kept, out_of_reach, reading_within
 from wrsim.inputs.values import nearest
 
@@ -78,14 +79,7 @@ class Finder:
         return nearest(file.as_posix(), known) or stems.get(nearest(file.stem, list(stems)) or "")
 
 
-OTHER_NAMES = {
-    "uic60": "60E1",
-    "uic60e1": "60E1",
-    "uic54": "54E1",
-    "uic54e": "54E1",
-    "ore1002": "S1002",
-    "s1002": "S1002",
-}
+OTHER_NAMES: dict[str, str] = WORDS["profiles"]
 """Former and other names of profiles."""
 
 ESCAPES = {"\t": "t", "\n": "n", "\r": "r", "\b": "b", "\f": "f", "\x1b": "e"}

@@ -4,17 +4,16 @@ import ast
 import inspect
 import re
 import sys
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from itertools import pairwise
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticCustomError, PydanticUndefined
 
+from wrsim.inputs.file_kinds import packaged
 from wrsim.inputs.section import STRICT, UNITS, Section, unit_of
 from wrsim.inputs.toml_files import shown_value
 from wrsim.inputs.us_units import us_keys
@@ -117,7 +116,7 @@ def _us(section: type[Section], key: str) -> tuple[str, ...]:
 @cache
 def _examples() -> dict[str, Any]:
     """Figures of the trade for keys without a default, by key, or by table and key (``inputs/examples.toml``)."""
-    return tomllib.loads(files("wrsim.inputs").joinpath("examples.toml").read_text(encoding="utf-8"))
+    return packaged("wrsim.inputs", "examples.toml")
 
 
 def accepts(annotation: Any, value: Any) -> bool:

@@ -18,6 +18,7 @@ from pydantic import BaseModel, ConfigDict, ModelWrapValidatorHandler, Validatio
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from wrsim.errors import nearest
+from wrsim.inputs.file_kinds import WORDS
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.us_units import converted, metric, metric_key
 from wrsim.inputs.values import choice, entry_of, fields, refusal, refuse, table_header, unpacked, words
@@ -27,13 +28,7 @@ FAULT, ABSENT, UNKNOWN = "fault", "absent", "unknown"
 """Types of faults whose messages are final; all others are pydantic's."""
 MOST_FAULTS = 50
 """Faults of one file that are listed; more are counted."""
-UNITS = {
-    "m": "m", "mm": "mm", "km": "km", "in": "inches", "ft": "feet", "kmh": "km/h", "mps": "m/s",
-    "s": "s", "ms": "ms", "us": "microseconds", "N": "N", "kN": "kN", "kg": "kg", "t": "t", "kg_m2": "kg m2",
-    "mrad": "mrad", "rad": "rad", "deg": "degrees", "Pa": "Pa", "MPa": "MPa", "GPa": "GPa", "s_per_m": "s/m",
-    "mph": "mph", "kip": "kips", "lb": "pounds", "kip_per_in": "kip/in", "ksi": "ksi",
-    "N_per_m": "N/m", "kN_per_m": "kN/m", "MN_per_m": "MN/m", "Ns_per_m": "N s/m", "kNs_per_m": "kN s/m",
-}  # fmt: skip
+UNITS: dict[str, str] = WORDS["units"]
 """Unit endings of keys and how they are written in a sentence."""
 TO_SI: dict[str, Callable[[float], float]] = {
     "_mm": lambda x: x / 1e3, "_kmh": lambda x: x / 3.6, "_deg": radians, "_MPa": lambda x: 1e6 * x,

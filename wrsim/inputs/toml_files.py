@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from wrsim.errors import InputError
-from wrsim.inputs.file_kinds import ENDINGS
+from wrsim.inputs.file_kinds import ENDINGS, WORDS
 
 _PLACE = re.compile(r" \(at line (\d+), column (\d+)\)")
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
@@ -247,7 +247,7 @@ def _syntax_message(reason: str, text: str, name: str) -> str:
     if place := _PLACE.search(reason):
         row, column = int(place[1]), int(place[2])
     reason = _PLACE.sub("", reason).replace(" (at end of document)", " at the end of the file")
-    reason += next((hint for cause, hint in _CAUSES.items() if cause in reason), "")
+    reason += next((hint for cause, hint in WORDS["syntax"].items() if cause in reason), "")
     message = f"{name}:{row}:{column}: not valid TOML: {reason[:1].lower()}{reason[1:]}"
     if 0 < row <= len(source) and len(source[row - 1]) <= 120:
         line = source[row - 1].expandtabs(1)
@@ -257,31 +257,10 @@ def _syntax_message(reason: str, text: str, name: str) -> str:
     return message
 
 
-_CAUSES = {
-    r"'\r'": "; lines end in LF or CR LF", "overwrite a value": "; the key is given already",
-    "annot declare": "; it is given already: tables of which there are several have double brackets, [[...]]",
-}  # fmt: skip
-"""What reasons of the parser mean, by words of theirs."""
-
-
 def value_hint(value: str) -> str:
     """A hint on a text that is no value of TOML, on a line of its own; or nothing."""
-    hints = (hint for pattern, hint in _HINTS.items() if re.fullmatch(pattern, value))
+    hints = (f"\n    {hint}" for pattern, hint in WORDS["hints"].items() if re.fullmatch(pattern, value))
     return next(hints, "").format(value, value.replace(",", "."))
-
-
-_HINTS = {
-    r'".*\\.*"': "\n    in a path write / for folders; in other texts single quotes leave every \\ as it is",
-    r"[-+]?\d+,\d+": "\n    decimals need a point: {1}",
-    r"[-+]?(\.\d+|\d+\.)": "\n    a decimal point needs digits on both sides: 0.5, 1.0",
-    r"[-+]?[\d.]+\s*[A-Za-z/%]+": "\n    a number has no unit: the unit is part of the key",
-    r"(?i)true|false|yes|no|on|off": "\n    a switch is true or false, in small letters",
-    r"\d+:\d+|[A-Za-z][\w./-]*": '\n    text needs quotes: "{0}"',
-    r"\w+:.*": "\n    = stands between a key and its value",
-    r".*;": "\n    nothing stands behind a value, but for # and a comment",
-    r"[“”„‘’«».].*": "\n    quotes are straight, \" or '",
-}
-"""Hints for values that are no TOML, by their pattern; the first that matches counts."""
 
 
 def shown_value(value: Any, longest: int = 60) -> str:

@@ -22,6 +22,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from wrsim.errors import nearest
+from wrsim.inputs.file_kinds import WORDS
 
 MOST_POINTS = 100_000
 """Longest series that ``{from, to, step}`` may describe."""
@@ -170,17 +171,7 @@ def words(annotation: Any) -> str:
     return "text in quotes"
 
 
-ELSEWHERE: dict[str, tuple[str, ...]] = {
-    "hertz": ("strips", "half-space"), "hertzian": ("strips", "half-space"), "non-hertzian": ("strips",),
-    "kalker": ("fastsim", "linear", "half-space"), "usetab": ("fastrip", "half-space"),
-    "simplified": ("fastsim",), "contact": ("half-space",), "average": ("mean",), "std": ("deviation",),
-    "multi-hertz": ("strips",), "stripes": ("strips",), "kp": ("kik-piotrowski",), "duvorol": ("half-space",),
-    "newmark": ("generalised-alpha",), "hht": ("generalised-alpha",), "runge-kutta": ("rk44",), "rk4": ("rk44",),
-    "sodasrt": ("generalised-alpha",), "sodasrt2": ("generalised-alpha",), "bdf": ("generalised-alpha",),
-    "implicit": ("generalised-alpha",), "explicit": ("rk44",), "coil": ("spring", "shear-spring"),
-    "clothoid": ("transition",), "curve": ("arc",), "circle": ("arc",), "tangent": ("straight",),
-    "shear": ("shear-spring",), "bushing": ("spring",), "bumpstop": ("bump-stop",), "airspring": ("air-spring",),
-}  # fmt: skip
+ELSEWHERE: dict[str, list[str]] = WORDS["elsewhere"]
 """Words of other programs and of the field, and what comes nearest to them here."""
 
 

@@ -76,7 +76,7 @@ def _indented(text: str, by: int) -> str:
 
 def tables_of_file(file: str) -> list[type[Section]]:
     """All tables of a kind of file, the file itself first."""
-    return list(dict.fromkeys(tables_in(resolved(FILES[file][1]))))
+    return list(dict.fromkeys(tables_in(resolved(FILES[file].place))))
 
 
 def chosen_tables(section: str, tables: list[type[Section]]) -> list[type[Section]]:
@@ -98,8 +98,8 @@ def _names(kind: type[Section]) -> list[str]:
 
 def schema_text(file: str) -> str:
     """The JSON schema of a kind of file, as in ``docs/schema``."""
-    words, place = FILES[file]
-    schema = json_schema(resolved(place), f"wrsim: {words}")
+    kind = FILES[file]
+    schema = json_schema(resolved(kind.place), f"wrsim: {kind.words}")
     if file == "scenario":  # keys may come from the base or from a track file
         start = "Scenario file to start from; keys of this file override it."
         schema["properties"] = {BASE: {"type": "string", "description": start}} | schema["properties"]
@@ -107,7 +107,7 @@ def schema_text(file: str) -> str:
         for own in schema["properties"].values():
             schema["definitions"].get(own.get("$ref", "").rpartition("/")[2], {}).pop("required", None)
     if file == "track":  # the table [track] is that of a scenario
-        whole = json_schema(resolved(FILES["scenario"][1]), "")
+        whole = json_schema(resolved(FILES["scenario"].place), "")
         schema["properties"]["track"] = {"$ref": "#/definitions/TrackSection"}
         schema["definitions"] = whole["definitions"]
         schema["definitions"]["TrackSection"].pop("required", None)

@@ -5,6 +5,7 @@ from textwrap import wrap
 from typing import Any
 
 from wrsim.errors import InputError, suggest
+from wrsim.inputs.file_kinds import packaged
 from wrsim.inputs.lookup import shipped_models
 from wrsim.inputs.reference import Entry, entries
 from wrsim.inputs.section import Section
@@ -12,72 +13,11 @@ from wrsim.inputs.toml_files import shown_value
 from wrsim.inputs.values import entry_of, fields, table_header, unpacked
 from wrsim.register import ANALYSES
 
-WHEELSET, COACH = "vehicles/wheelset_s1002_steering.toml", "vehicles/manchester_1.toml"
-CURVE: tuple[dict[str, Any], ...] = (
-    {"kind": "straight", "length_m": 30},
-    {"kind": "transition", "length_m": 40},
-    {"kind": "arc", "radius_m": 300, "length_m": 100, "cant_mm": 60},
-)
-RAILS = {"gauge_mm": 1435, "rail": "rails/60E1.toml", "inclination": "1:40"}
-ELASTIC = {"structure": {"kind": "moving mass"}}
-STARTS: dict[str, dict[str, Any]] = {
-    "static": {
-        "vehicle": {"model": WHEELSET},
-        "track": RAILS,
-        "static": {"target": "wheelset", "lateral_mm": {"from": -6, "to": 6, "step": 1}, "load_kN": 110},
-    },
-    "equilibrium": {"vehicle": {"model": WHEELSET}, "track": RAILS},
-    "curving": {"vehicle": {"model": WHEELSET, "speed_kmh": 54}, "track": RAILS | ELASTIC | {"segments": CURVE}},
-    "ride": {
-        "vehicle": {"model": COACH, "speed_kmh": 120},
-        "track": RAILS
-        | ELASTIC
-        | {
-            "segments": ({"kind": "straight", "length_m": 200},),
-            "irregularities": ({"kind": "spectrum", "spectrum": "ERRI-low", "seed": 1},),
-        },
-    },
-    "conicity": {"vehicle": {"model": WHEELSET}, "track": RAILS},
-    "stability": {
-        "vehicle": {"model": COACH},
-        "track": RAILS,
-        "stability": {"speed_kmh": {"from": 60, "to": 240, "step": 60}},
-    },
-    "steady": {
-        "vehicle": {"model": COACH, "speed_kmh": 60},
-        "track": RAILS,
-        "steady": {"radius_m": [300, 600], "cant_mm": 60},
-    },
-    "climb": {
-        "vehicle": {"model": WHEELSET},
-        "track": RAILS,
-        "contact": {"friction": 0.5},
-        "climb": {"angle_of_attack_mrad": [5, 10, 20]},
-    },
-    "overturning": {
-        "vehicle": {"model": COACH},
-        "track": RAILS,
-        "overturning": {"radius_m": 300, "cant_mm": 100},
-    },
-}
-"""Keys that are given, by analysis and table."""
-LINE = 120
-
-TEMPLATES: dict[str, dict[str, str]] = {
-    "vehicle": {
-        "coach": "vehicles/manchester_1.toml", "metro": "templates/metro.toml", "freight": "vehicles/freight_y25.toml",
-        "tram": "vehicles/tram.toml", "locomotive": "templates/locomotive.toml",
-        "wheelset": "vehicles/wheelset_s1002_leading.toml",
-    },
-    "train": {"coaches": "trains/manchester_3.toml"},
-    "track": {"curve": "templates/curve.toml", "line": "tracks/mixed_line.toml"},
-    "profile": {"wheel": "wheels/S1002.toml", "rail": "rails/60E1.toml", "worn-wheel": "wheels/S1002_worn.toml"},
-    "study": {"grid": "templates/study.toml"},
-    "wear": {"service": "templates/service.toml"},
-}  # fmt: skip
+_TABLES = packaged("wrsim.scenario", "data/templates.toml")
+TEMPLATES: dict[str, dict[str, str]] = _TABLES["copies"]
 """Shipped files that are copied, by kind and name, the usual one first."""
-BESIDE = {"study": {"base.toml": "curving"}, "wear": {"base.toml": "service_base.toml", "service.csv": "service.csv"}}
-"""Files that a template names: by their names there, an analysis or a template."""
+LINE, COLUMN = 120, 40
+"""Letters of a line, and where its words begin."""
 
 
 def template_files(kind: str, name: str | None, path: Path) -> dict[Path, str]:
@@ -95,7 +35,7 @@ def template_files(kind: str, name: str | None, path: Path) -> dict[Path, str]:
     if kind in ANALYSES:
         return {path: scenario_template(kind)}
     texts = {path: _shipped(TEMPLATES[kind][name or names[0]])}
-    for own, source in BESIDE.get(kind, {}).items():
+    for own, source in _TABLES["beside"].get(kind, {}).items():
         beside = path.with_name(f"{path.stem}_{own}")
         texts[path] = texts[path].replace(f'"{own}"', f'"{beside.name}"')
         texts[beside] = scenario_template(source) if source in ANALYSES else _shipped(f"templates/{source}")
@@ -110,7 +50,8 @@ def scenario_template(analysis: str) -> str:
     """The text of a scenario of this kind."""
     from wrsim.scenario.schema import ScenarioFile  # all models of tables, which a wrong name does not need
 
-    start = STARTS[analysis]
+    start = {"track": {}} | _TABLES["starts"][analysis]
+    start["track"] = _TABLES["rails"] | start["track"]
     lines = [
         "# A scenario of wrsim. Lines like # key = value are keys with their defaults: take the # away to change one.",
         "# Keys without a value have no default: give them one when you need them; wrsim keys SECTION has examples.",
@@ -130,11 +71,12 @@ def _keys_of(table: type[Section], given: dict[str, Any], name: str) -> list[str
     lines, after = [], []
     for entry in entries(table):
         annotation = fields(table)[entry.key]
-        if entry.key in given and isinstance(given[entry.key], tuple):
-            for each in given[entry.key]:
+        value = given.get(entry.key)
+        if isinstance(value, list) and isinstance(value[0], dict):
+            for each in value:
                 after += ["", f"[[{name}.{entry.key}]]", *(f"{k} = {shown_value(v)}" for k, v in each.items())]
-        elif entry.key in given:
-            lines += _lines(f"{entry.key} = {shown_value(given[entry.key])}", entry)
+        elif value is not None:
+            lines += _lines(f"{entry.key} = {shown_value(value)}", entry)
         elif entry.default.endswith(" ...") or not entry.default or table_header(entry_of(annotation) or annotation):
             inner = f"wrsim keys {name}" if entry.default.endswith(" ...") else f"wrsim keys {name}.{entry.key}"
             more = entry.allowed if entry.allowed.startswith("a table such") else inner
@@ -152,7 +94,3 @@ def _lines(start: str, entry: Entry) -> list[str]:
     first, *more = wrap(words, LINE - COLUMN - 2)
     lines = [f"{start:<{COLUMN}}# {first}"] if len(start) < COLUMN else [start, f"{'#':<{COLUMN}}# {first}"]
     return lines + [f"{'#':<{COLUMN}}# {line}" for line in more]
-
-
-COLUMN = 40
-"""Where the words begin."""
