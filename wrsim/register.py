@@ -2,12 +2,14 @@
 
 Functions and classes are named as ``package.module:name`` and imported when they are used: all layers import the
 register. A new analysis is a table of the scenario (``scenario.sections``), a function that runs it (``analysis``), its
-summary and tables (``results``), its pictures (``plots``), and one entry here.
+summary and tables (``results``), its pictures (``plots``), and one entry in ``register.toml``.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
+
+from wrsim.inputs.file_kinds import packaged
 
 
 @dataclass(frozen=True)
@@ -53,84 +55,18 @@ class Analysis:
         return bool(self.recorded)
 
 
-def _shown_by(room: str) -> dict[str, Any]:
-    """Functions of an analysis whose results are not contacts in poses or along the track."""
-    return {
-        "summary": f"wrsim.results.{room}:summarise_{room}",
-        "csv_files": f"wrsim.results.{room}:csv_of_{room}",
-        "pictures": f"wrsim.plots.{room}:{room}_figures",
-        "numbers": f"wrsim.results.{room}:{room}_tables",
-    }
+def _analysis(name: str, entry: dict[str, Any]) -> Analysis:
+    """An entry of the register; ``shown_by``: room of the functions that show results that are no contacts."""
+    if room := entry.pop("shown_by", ""):
+        entry |= {
+            "summary": f"wrsim.results.{room}:summarise_{room}",
+            "csv_files": f"wrsim.results.{room}:csv_of_{room}",
+        }
+        entry |= {"pictures": f"wrsim.plots.{room}:{room}_figures", "numbers": f"wrsim.results.{room}:{room}_tables"}
+    return Analysis(name, **entry)
 
 
-_RUN = {"run": "wrsim.scenario.sections.run:RunSection", "output": "wrsim.scenario.sections.run:OutputSection"}
-_ASSESSED = {
-    "assessment": "wrsim.assessment.settings:AssessmentSection",
-    "ride": "wrsim.scenario.sections.run:RideSection",
-    "wear": "wrsim.scenario.sections.run:WearSection",
-}
-_CURVING = Analysis(
-    name="curving",
-    tables=_RUN | _ASSESSED,
-    run="wrsim.analysis.motion.run:run_in_time",
-    recorded="wrsim.analysis.motion.run:recorded_run",
-    compared=True,
-)
-
-ANALYSES = {
-    kind.name: kind
-    for kind in (
-        Analysis(
-            name="static",
-            tables={"static": "wrsim.scenario.sections.static:StaticSection"},
-            run="wrsim.analysis.poses.static:run_static",
-            loaded=False,
-            origins=True,
-            compared=True,
-        ),
-        Analysis("equilibrium", _RUN, run="wrsim.analysis.motion.equilibrium:run_equilibrium", compared=True),
-        _CURVING,
-        replace(_CURVING, name="ride", points=True, compared=False, further="wrsim.report.output_folder:write_ride_of"),
-        Analysis(
-            name="conicity",
-            tables={"conicity": "wrsim.scenario.sections.conicity:ConicitySection"},
-            run="wrsim.analysis.conicity.conicity:run_conicity",
-            **_shown_by("conicity"),
-            loaded=False,
-        ),
-        Analysis(
-            name="stability",
-            tables={"stability": "wrsim.scenario.sections.stability:StabilitySection"},
-            run="wrsim.analysis.stability.run:run_stability",
-            **_shown_by("stability"),
-            own_track=True,
-            conical=True,
-        ),
-        Analysis(
-            name="climb",
-            tables={"climb": "wrsim.scenario.sections.climb:ClimbSection"},
-            run="wrsim.analysis.climb:run_climb",
-            **_shown_by("climb"),
-            own_track=True,
-            loaded=False,
-        ),
-        Analysis(
-            name="overturning",
-            tables={"overturning": "wrsim.scenario.sections.overturning:OverturningSection"},
-            run="wrsim.analysis.overturning:run_overturning",
-            **_shown_by("overturning"),
-            own_track=True,
-            loaded=False,
-        ),
-        Analysis(
-            name="steady",
-            tables={"steady": "wrsim.scenario.sections.steady:SteadySection"},
-            run="wrsim.analysis.steady:run_steady",
-            **_shown_by("steady"),
-            own_track=True,
-        ),
-    )
-}
+ANALYSES = {name: _analysis(name, entry) for name, entry in packaged("wrsim", "register.toml").items()}
 """All kinds by name."""
 
 TABLES = {name: kind for analysis in ANALYSES.values() for name, kind in analysis.tables.items()}

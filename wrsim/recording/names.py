@@ -6,49 +6,29 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from wrsim.errors import InputError, suggest
+from wrsim.inputs.file_kinds import packaged
 from wrsim.inputs.us_units import FOOT
 from wrsim.recording.columns import LENGTHS, UNITS
 
-NO_USE = (
-    r"speed|geschw|vitesse|^v\b|accel|beschl|temp|deficien|fehlbetrag|insuffis|radius|rayon|halbmesser|gradient|rampe|pente"
-    r"|(?<!quer)neigung|gps|latitude|longitude|date\b|datum|\btime|zeit|heure|fahrtrichtung|messrichtung|sens\b|std|sigma|standardab|type"
-    r"|change|variation|aender|warp|速|加速度|不足|欠超高|时间|時刻|日期|半径|变化率|変化|坡度|勾配|温度|(运行|检测)方向"
-)
-"""Names of columns that are left out though they hold words of quantities, such as cant deficiency."""
-VERSINE = r"versine|pfeilho(e)?hen?|fleche|sehne|chord|corde|ordinate|mco|正矢|弦"
-GUESSES: tuple[tuple[str, str], ...] = (
-    ("distance", r"dist|chainage|mileage|mile.?post|^(mp|miles?|feet|foot|ft|yards?|chains?|met(er|re)s?)$|kilomet"
-                 r"|stati?on|posit|locat|(^|[^a-z])pk($|[^a-z])|km$|^s$|^k?m$|abscisse|weg|里程|公里|距離|距离|キロ程"),
-    ("twist", r"twist|verwind|gauchiss|^gauche(?!.*(dress|nivel|fleche))|三角坑|扭曲|平面性"),
-    ("cant", r"cant|cross.?level|(?<![a-z])xl(v|$)|x.?level|super.?elev|u(e)?berho|querho|querneig|gegens|devers"
-             r"|nivel.*trans|超高|水平(?!.*(弦|正矢))|水準|カント"),
-    ("gauge", r"gauge|(?<![a-z])gage|spur|ecartement|轨距|軌距|軌間"),
-    ("curvature", r"curv|kru(e)?mm|courbure|曲率"),
-    ("level", rf"(?=.*({VERSINE})).*(vertic|vertik|senkr|profil|nivel|level|top|(?<!pfeil)ho(e)?he|垂|高低)"),
-    ("alignment", rf"align|aline|richt|dress|lateral|seitenlage|horizontal|轨向|軌向|方向|通り|{VERSINE}"),
-    ("level", r"level|vertical|vertikal|profil|(?<![a-z])[lr]?prof(?![a-z])|surface|(?<![a-z])[lr]?top(?![a-z])"
-              r"|uneven|ho(e)?he|nivea|nivel|高低"),
-)  # fmt: skip
+_TABLES = packaged("wrsim.recording", "data/names.toml")
+
+
+def _pattern(patterns: Sequence[str], **parts: str) -> re.Pattern[str]:
+    """One of several patterns; parts: patterns that these name in braces."""
+    joined = "|".join(patterns)
+    for name, part in parts.items():
+        joined = joined.replace(f"{{{name}}}", part)
+    return re.compile(joined)
+
+
+NO_USE, VERSINE, DEVIATION = (_pattern(_TABLES[name]) for name in ("no_use", "versine", "deviation"))
+GUESSES = [(row["quantity"], _pattern(row["patterns"], versine=VERSINE.pattern)) for row in _TABLES["quantities"]]
 """Quantities and patterns of their columns' names, without accents; the first counts."""
-DEVIATION = (
-    r"dev|abw|erweit|widen|delta|sur.?ecart|ecart.?d.?ecart|偏差|狂い|スラック"  # of a gauge, from the nominal one
-)
-SIDES = {"left": r"left|link|gauche|左", "right": r"right|recht|droite?|右"}
-LETTERS = {"left": {"l", "lh", "li", "g"}, "right": {"r", "rh", "re", "d"}}
 JOINED = r"^{0}(?=prof|align|aline|surf|top|mco)|(?:prof|align|aline|surf|top|mco)\d*{0}$"  # LPROF62, ALIGN62R
 LENGTH = re.compile(r"(\d+(?:[.,]\d+)?)\s*(m(?![a-z])|ft|feet|foot|'|米)?")
 US_CHORDS = ("31", "62", "124")  # feet, of 49 CFR 213; a chord or a base of these numbers has no unit in its name
 WAVES = re.compile(r"(\d+(?:[.,]\d+)?)\s*m?\s*(?:-|–|~|to|bis|a)\s*(\d+(?:[.,]\d+)?)\s*m(?![a-z])")
-SPELLINGS = {
-    "km-1": "1/km", "m-1": "1/m", "km^-1": "1/km", "m^-1": "1/m", "km⁻¹": "1/km", "m⁻¹": "1/m", "‰": "permille",
-    "µm": "um", "μm": "um", "per_km": "1/km", "per_m": "1/m", "mm_per_m": "mm/m", "rad/km": "1/km", "mrad/m": "1/km",
-    "rad/m": "1/m", "°": "deg", "deg/100ft": "deg", "°/100ft": "deg", "grad": "deg", '"': "in", "'": "ft", "mp": "mi",
-    "公里": "km", "千米": "km", "米": "m", "毫米": "mm",
-} | {word: unit for unit, words in {
-    "m": "meter meters metre metres", "mm": "millimeter millimetre", "km": "kilometer kilometers kilometre kilometres",
-    "in": "inch inches zoll pouce pouces", "ft": "foot feet fuss pied pieds", "mi": "mile miles meile meilen milepost",
-    "yd": "yard yards yds", "ch": "chain chains", "deg": "degree degrees degres",
-}.items() for word in words.split()}  # fmt: skip
+SPELLINGS = {word: unit for unit, words in _TABLES["spellings"].items() for word in words}
 """Other spellings of units."""
 BRACKET = re.compile(r"\s*[\[(]\s*([^\])]*?)\s*[\])]")
 NO_UNIT = re.compile(r"d[123]|.*\d.*m|.*(弦|chord)")
@@ -96,7 +76,7 @@ def guessed(
         length = _length(plain)
         if quantity in ("alignment", "level"):
             channel |= {"quantity": f"{quantity}{_side(plain)}"} | _system(plain, length, chord, band)
-        elif quantity == "gauge" and re.search(DEVIATION, plain):
+        elif quantity == "gauge" and DEVIATION.search(plain):
             channel["quantity"] = "gauge_deviation"
         elif quantity == "twist" and length is not None:
             channel["base_m"] = length
@@ -115,14 +95,18 @@ def guessed(
 
 
 def _quantity(plain: str) -> str | None:
-    quantity = next((q for q, pattern in GUESSES if re.search(pattern, plain)), None)
-    return None if quantity is None or re.search(NO_USE, plain) else quantity
+    quantity = next((q for q, pattern in GUESSES if pattern.search(plain)), None)
+    return None if quantity is None or NO_USE.search(plain) else quantity
 
 
 def _side(plain: str) -> str:
     """``_left`` or ``_right``, or nothing where the name has none or both."""
     words = {*re.split(r"[^a-z0-9]+", plain)}
-    sides = [s for s in SIDES if re.search(f"{SIDES[s]}|{JOINED.format(s[0])}", plain) or words & LETTERS[s]]
+    sides = [
+        side
+        for side, names in _TABLES["sides"].items()
+        if words & {*names["letters"]} or _pattern([*names["patterns"], JOINED.format(side[0])]).search(plain)
+    ]
     return f"_{sides[0]}" if len(sides) == 1 else ""
 
 
@@ -140,7 +124,7 @@ def _system(plain: str, length: float | None, chord: Sequence[float] | None, ban
         return {"band": named[1].upper()}
     if waves := WAVES.search(plain):
         return {"band_m": [float(end.replace(",", ".")) for end in waves.groups()]}
-    if length is not None and (re.search(VERSINE, plain) or is_us_chord(0.5 * length)):
+    if length is not None and (VERSINE.search(plain) or is_us_chord(0.5 * length)):
         return {"chord_m": [0.5 * length, 0.5 * length]}
     if chord is not None:
         return {"chord_m": list(chord)}
