@@ -1,7 +1,6 @@
 """Tables in CSV files: a header with the unit in every column's name, then rows of numbers and names."""
 
 import csv
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from wrsim.errors import InputError, nearest
 from wrsim.inputs.checking import first_faults
 from wrsim.inputs.section import MOST_FAULTS
 from wrsim.inputs.toml_files import read_text, shown_value
-from wrsim.inputs.values import number_limits, unpacked, words
+from wrsim.inputs.values import number_limits, repeated, unpacked, words
 
 MOST_ROWS = 2_000_000
 Row = tuple[int, list[str]]
@@ -33,7 +32,7 @@ def read_columns(
     lines = table_lines(path)
     if not lines:
         raise InputError(f"{path}: the table is empty; its first line must name columns: {', '.join(columns)}")
-    separator = ";" if ";" in lines[0][1] and "," not in lines[0][1] else ","
+    separator = separator_of(lines[0][1])
     first, header = csv_cells(path, *lines.pop(0), separator)
     _refuse(path, _header_faults(header, f"{path}:{first}", columns, needed))
     if not lines:
@@ -62,9 +61,19 @@ def check_rising(path: Path, name: str, values: NDArray[Any], lines: NDArray[np.
 
 
 def table_lines(path: Path) -> list[tuple[int, str]]:
-    """The lines of a table with their numbers, but for empty ones and comments; they end in LF, CR or both."""
-    lines = read_text(path, "table").replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    return [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
+    """The lines of a table with their numbers, but for empty ones and comments."""
+    return [(i, line) for i, line in numbered(read_text(path, "table")) if not line.lstrip().startswith("#")]
+
+
+def numbered(text: str) -> list[tuple[int, str]]:
+    """The lines of a text that are not empty, with their numbers; they end in LF, CR or both."""
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return [(i, line) for i, line in enumerate(lines, 1) if line.strip()]
+
+
+def separator_of(header: str) -> str:
+    """What separates cells: semicolons where the header has no comma."""
+    return ";" if ";" in header and "," not in header else ","
 
 
 def csv_cells(path: Path, number: int, line: str, separator: str) -> Row:
@@ -91,8 +100,7 @@ def _header_faults(header: list[str], where: str, columns: Mapping[str, Any], ne
             guessed.add(near)
             hint = f"did you mean '{near}'?" if near else f"the columns are {', '.join(columns)}"
             faults.append(f"{where}: column {shown_value(name)}: unknown; {hint}")
-    twice = sorted(name for name, times in Counter(header).items() if times > 1)
-    faults += [f"{where}: column {shown_value(name)}: duplicate" for name in twice]
+    faults += [f"{where}: column {shown_value(name)}: duplicate" for name in sorted(repeated(header))]
     missing = [n for n in needed if n not in header and n not in guessed]
     return faults + [f"{where}: column '{n}' is missing; the columns are {', '.join(columns)}" for n in missing]
 

@@ -28,6 +28,11 @@ class Finder:
     kept: Kept | None = field(default=None, repr=False, compare=False)
     """Model files of a result (`wrsim.scenario.kept`)."""
 
+    @classmethod
+    def of(cls, folders: Sequence[Path], models: Sequence[str | Path] | None = (), closed: bool = False) -> Finder:
+        """A finder in folders, then in those of the user (`user_folders`), then in the models that are shipped."""
+        return cls(tuple(dict.fromkeys((*folders, *user_folders(tuple(models or ())), shipped_models()))), closed)
+
     def guard(self) -> AbstractContextManager[None]:
         """Within this block names inside of files are not opened outside of the folders either, if they are closed."""
         return reading_within(self.folders, self.kept) if self.closed else nullcontext()
@@ -120,7 +125,7 @@ def model_file(name: str | Path, extra: Sequence[str | Path] | None = ()) -> Pat
 
 def usual_finder(extra: Sequence[str | Path] | None = ()) -> Finder:
     """A finder for names from Python or from a command line."""
-    return Finder((Path(), *user_folders(tuple(extra or ())), shipped_models()))
+    return Finder.of((Path(),), extra)
 
 
 def user_folders(extra: tuple[str | Path, ...] = ()) -> tuple[Path, ...]:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from inspect import signature
 from math import radians
+from operator import gt, le
 from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ModelWrapValidatorHandler, ValidationError, model_validator
@@ -79,6 +80,10 @@ class Section(BaseModel):
     """Rows of keys that are given all or not at all."""
     goes_with: ClassVar[dict[str, str]] = {}
     """Key -> the key or keys, of which one is enough, without which it means nothing."""
+    above: ClassVar[dict[str, str]] = {}
+    """Key -> the key whose value its own is above."""
+    not_above: ClassVar[dict[str, str]] = {}
+    """Key -> the key whose value its own is not above."""
     also_called: ClassVar[str] = ""
     """Names of this kind of table in other programs, with spaces between."""
 
@@ -112,6 +117,14 @@ class Section(BaseModel):
         for key, needs in cls.goes_with.items():
             if key in raw and not any(need in raw for need in needs.split()):
                 yield Fault(key, f"goes with {' or '.join(needs.split())}")
+
+    def _order(self) -> Iterator[Fault]:
+        """Faults against `above` and `not_above`."""
+        for rule, must, holds in ((self.above, "must be", gt), (self.not_above, "must not be", le)):
+            for key, other in rule.items():
+                value, limit = getattr(self, key), getattr(self, other)
+                if value is not None and limit is not None and not holds(value, limit):
+                    yield Fault(key, f"{must} above {other} ({limit:g})")
 
     def consistency(self) -> Iterator[Fault]:
         """Yield faults in the combination of values; called when every value and every rule is met."""
@@ -165,7 +178,7 @@ class Section(BaseModel):
         named = {f["loc"] for f in faults}
         combinations = [*cls._ways(data), *cls.raw_faults(data)]
         if section is not None and not faults and not combinations:
-            combinations = list(section.consistency())
+            combinations = [*section._order(), *section.consistency()]
         for rule in combinations:
             path = (rule.path,) if isinstance(rule.path, str) else rule.path
             if path in named or (path and path[0] in guessed):

@@ -198,19 +198,21 @@ def parse_toml(text: str, name: str) -> dict[str, Any]:
         raise InputError(f"{name}: not valid TOML: {error}") from None
     if is_too_deep(data):
         raise InputError(too_deep)
-    text = max(_texts(data), key=len, default="")
+    text = max(texts_in(data), key=len, default="")
     if len(text) > LONGEST_TEXT:
         raise InputError(f"{name}: {shown_value(text)} has {len(text)} characters; at most {LONGEST_TEXT} are read")
     return data
 
 
-def _texts(data: Any) -> Iterator[str]:
-    """All names and texts of tables and lists."""
+def texts_in(data: Any, without: str = "") -> Iterator[str]:
+    """All texts in a tree of tables and lists, names of keys included; without: a key that is left out."""
     if isinstance(data, str):
         yield data
-    elif isinstance(data, (dict, list)):
-        inside = chain(data, data.values()) if isinstance(data, dict) else data
-        yield from chain.from_iterable(map(_texts, inside))
+    elif isinstance(data, (dict, list, tuple)):
+        inside = (
+            chain.from_iterable(item for item in data.items() if item[0] != without) if isinstance(data, dict) else data
+        )
+        yield from chain.from_iterable(texts_in(value, without) for value in inside)
 
 
 def is_too_deep(data: Any) -> bool:

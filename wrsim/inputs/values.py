@@ -11,7 +11,8 @@ Limits and an example are beside the type::
 import datetime
 import math
 import types
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from functools import cache
 from itertools import pairwise
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -189,6 +190,11 @@ def meant(word: str, allowed: Sequence[str]) -> str:
         return f"; did you mean {one_of(here)}?"
     near = nearest(word, allowed)
     return f'; did you mean "{near}"?' if near else ""
+
+
+def repeated(names: Iterable[T]) -> list[T]:
+    """Names that are there more than once."""
+    return [name for name, count in Counter(names).items() if count > 1]
 
 
 def one_of(quoted: Sequence[str]) -> str:

@@ -1,14 +1,14 @@
 """The table in a recording's file: letters, separator, decimal sign, header, row of units, rows."""
 
 import re
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from wrsim.errors import InputError
-from wrsim.inputs.csv_tables import csv_cells
+from wrsim.inputs.csv_tables import csv_cells, numbered
 from wrsim.inputs.toml_files import read_bytes
+from wrsim.inputs.values import repeated
 from wrsim.recording.names import unit_in
 
 EMPTY = re.compile(r"(-+|[*?]+|n\.?/?a\.?n?\.?|null|none|nil|#[a-z]+[/!?]?[a-z0]*[!?]?)?", re.IGNORECASE)
@@ -40,8 +40,7 @@ def read_table(path: Path, known: Callable[[str], bool]) -> RecordedTable:
     """
     best: tuple[int, str, Lines, str | None, int, list[str], int] | None = None
     for encoding, text in _texts(path):
-        rows = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-        lines = [(i, line) for i, line in enumerate(rows, 1) if line.strip()]
+        lines = numbered(text)
         separator = next((sign for sign in ";\t,|" if 2 * sum(sign in line for _, line in lines) > len(lines)), None)
         top = [_cells(path, line, separator) for line in lines[:200]]
         first = next((i for i, cells in enumerate(top) if _is_row(cells)), len(top))
@@ -55,9 +54,8 @@ def read_table(path: Path, known: Callable[[str], bool]) -> RecordedTable:
     where = f"{path}:{lines[head][0]}"
     while header and not header[-1]:
         header.pop()
-    for name, times in Counter(header).items():
-        if times > 1:
-            raise InputError(f"{where}: column '{name}': duplicate")
+    for name in repeated(header):
+        raise InputError(f"{where}: column '{name}': duplicate")
     units: dict[str, str] = {}
     for line in lines[head + 1 : first]:
         if _is_of_units(cells := _cells(path, line, separator)):

@@ -15,7 +15,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.changes import changed, found, key_path
 from wrsim.inputs.checking import check_section, dotted, fault_line, refuse_other_kind
 from wrsim.inputs.lines import KeyPath
-from wrsim.inputs.lookup import Finder, as_path, shipped_models, user_folders
+from wrsim.inputs.lookup import Finder, as_path
 from wrsim.inputs.notebook import card, folded
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import parse_value, shortened, value_hint, write_toml
@@ -267,8 +267,7 @@ def _scenario(
     merged: Merged, path: Path | None, models: Sequence[str | Path], folder: Path = Path(), closed: bool = False
 ) -> Scenario:
     beside = [file.parent for file in merged.files] or [folder]
-    folders = (*beside, *user_folders(tuple(models)), shipped_models())
-    return _checked(merged, path, Finder(tuple(dict.fromkeys(folders)), closed))
+    return _checked(merged, path, Finder.of(beside, models, closed))
 
 
 def _checked(merged: Merged, path: Path | None, finder: Finder) -> Scenario:

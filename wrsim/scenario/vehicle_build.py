@@ -71,9 +71,7 @@ def _out_of_round(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
     tables, names = scenario.spec.vehicle.out_of_round, [mounted.name for mounted in vehicle.wheelsets]
     for i, table in enumerate(tables):
         for name in table.on:
-            if name not in names:
-                words = f"is no wheelset; there is {', '.join(names)}{suggest(name, names)}"
-                raise scenario.fault(("vehicle", "out_of_round", i, "on"), f"'{name}' {words}")
+            _check_wheelset(scenario, ("vehicle", "out_of_round", i, "on"), name, names)
     if not tables:
         return vehicle
 
@@ -92,14 +90,18 @@ def _out_of_round(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
     return replace(vehicle, wheelsets=tuple(wheelsets))
 
 
+def _check_wheelset(scenario: Scenario, key: KeyPath, name: str, names: Sequence[str]) -> None:
+    if name not in names:
+        message = f"'{name}' is no wheelset; there is {', '.join(names)}{suggest(name, names)}"
+        raise scenario.fault(key, message)
+
+
 def _with_efforts(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
     section, names = scenario.spec.vehicle, tuple(mounted.name for mounted in vehicle.wheelsets)
     efforts: list[Effort] = []
     for i, table in enumerate(section.efforts):
         for name in table.on or names:
-            if name not in names:
-                words = f"is no wheelset; there is {', '.join(names)}{suggest(name, names)}"
-                raise scenario.fault(("vehicle", "efforts", i, "on"), f"'{name}' {words}")
+            _check_wheelset(scenario, ("vehicle", "efforts", i, "on"), name, names)
             if table.wheel != "both" and vehicle.wheelsets[names.index(name)].wheelset.torsion is None:
                 words = f"is for wheels that turn on their own; those of '{name}' sit on a rigid axle"
                 raise scenario.fault(("vehicle", "efforts", i, "wheel"), words)

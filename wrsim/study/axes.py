@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError
-from wrsim.inputs.csv_tables import csv_cells, table_lines
+from wrsim.inputs.csv_tables import csv_cells, separator_of, table_lines
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import given
 from wrsim.inputs.toml_files import parse_value
@@ -84,8 +84,7 @@ def _rows(path: Path, name: str) -> AxisPoints:
     if len(lines) < 2:
         where = f"{path}:{lines[0][0]}: is all that is there" if lines else f"{path}: is empty"
         raise InputError(f"{where}; must have a header of dotted keys and a row for every case")
-    separator = ";" if ";" in lines[0][1] and "," not in lines[0][1] else ","
-    (first, header), *rows = (csv_cells(path, *line, separator) for line in lines)
+    (first, header), *rows = (csv_cells(path, *line, separator_of(lines[0][1])) for line in lines)
     for column in header:
         if not column:
             raise InputError(f"{path}:{first}: a column has no name; must be a dotted key such as vehicle.speed_kmh")

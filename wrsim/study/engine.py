@@ -12,11 +12,12 @@ from distributed import Client, Future, KilledWorker, as_completed
 
 from wrsim.analysis.progress import Progress, Report
 from wrsim.errors import InputError, WrsimError
+from wrsim.inputs.toml_files import texts_in
 from wrsim.results import write_atomically
 from wrsim.results.files import Keeper, Manifest, digest_of, keeping
 from wrsim.study import cluster, task
 from wrsim.study.cluster import ATTEMPTS, address_of, check_threads
-from wrsim.study.plan import PLAN, Plan, texts_in
+from wrsim.study.plan import PLAN, Plan
 
 LOGGER = logging.getLogger("wrsim.study")
 Bar = Callable[[], AbstractContextManager[Progress | None]]

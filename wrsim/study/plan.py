@@ -21,9 +21,9 @@ from pydantic import TypeAdapter
 
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.checking import check_section, fault_line, opened
-from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
-from wrsim.inputs.toml_files import noting_reads, shown_value
+from wrsim.inputs.toml_files import noting_reads, shown_value, texts_in
 from wrsim.results.files import digest_of
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load, load_text
@@ -120,7 +120,7 @@ class StudyInput:
         self.file, self.text = file, file.read_text(encoding="utf-8")
         self.spec: Any
         self.spec = check_section(kind, data, self.locate)
-        self.finder = Finder(tuple(dict.fromkeys((file.parent, *user_folders(tuple(models)), shipped_models()))))
+        self.finder = Finder.of((file.parent,), models)
         self.base = load(self.found("base", self.spec.base), models)
         self.title: str = self.spec.title or self.base.title
 
@@ -214,7 +214,7 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
         label = _label(plan.axes, place)
         try:
             scenario = base.with_values(values, owner)
-            group = tuple(texts_in(scenario.merged.data))
+            group = tuple(texts_in(scenario.merged.data, "title"))  # cases that share them read the same files
             if (changes := str(scenario.spec.vehicle.changes)) not in changed:
                 changed.add(changes)
                 vehicle_of(scenario)
@@ -261,20 +261,6 @@ def in_words(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     return value if isinstance(value, str) else shown_value(value, 40)
-
-
-def texts_in(data: Any) -> Iterator[str]:
-    """All texts in a tree of tables, keys included: cases that share them read the same files."""
-    if isinstance(data, dict):
-        for key, value in data.items():
-            if key != "title":
-                yield key
-                yield from texts_in(value)
-    elif isinstance(data, list | tuple):
-        for value in data:
-            yield from texts_in(value)
-    elif isinstance(data, str):
-        yield data
 
 
 def _name(tables: dict[str, Any], files: dict[str, str]) -> str:

@@ -1,6 +1,5 @@
 """The file of a type test: vehicle states, runs on track that is made for them, stationary tests, a rule set."""
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.checking import fault_line
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.toml_files import noting_reads
-from wrsim.inputs.values import List, number, positive, text
+from wrsim.inputs.values import List, number, positive, repeated, text
 from wrsim.scenario.sections.irregularities import IrregularitySection
 from wrsim.scenario.sections.steady import SHARPEST
 from wrsim.scenario.sections.track import Cant
@@ -143,9 +142,8 @@ class ProgrammeFile(Section, header="a type test"):
 
     def consistency(self) -> Iterator[Fault]:
         for key in ("states", "runs"):
-            for name, count in Counter(each.name for each in getattr(self, key)).items():
-                if count > 1:
-                    yield Fault(key, f'two of them are called "{name}"')
+            for name in repeated(each.name for each in getattr(self, key)):
+                yield Fault(key, f'two of them are called "{name}"')
         first = self.states[0]
         for i, state in enumerate(self.states[1:], 1):
             if odd := sorted(set(state.set) ^ set(first.set)):

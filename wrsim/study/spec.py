@@ -1,7 +1,6 @@
 """The files of a study and of profile evolution: a base scenario, its cases, what is stored of them."""
 
 import re
-from collections import Counter
 from collections.abc import Callable, Iterator
 from math import log10
 from typing import Annotated, Any, Literal
@@ -12,7 +11,7 @@ from pydantic import BeforeValidator, Field
 from wrsim.assessment.limits import OF_RUNS, QUANTITY_NAMES
 from wrsim.contact.wear.laws import LawName
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import List, number, positive, refuse, spread, text
+from wrsim.inputs.values import List, number, positive, refuse, repeated, spread, text
 from wrsim.results import CHANNELS
 from wrsim.results.channels import NAMES
 from wrsim.vehicle.vehicle_sections import WheelName
@@ -93,6 +92,7 @@ class SampledKey(Section, header="[[vary.over]]"):
     one_of = ("low mean",)
     together = ("low high", "mean deviation")
     goes_with = {"spacing": "low"}
+    above = {"high": "low"}
 
     key: Keys
     """Key of the scenario that is sampled, or several that take the same value."""
@@ -111,11 +111,11 @@ class SampledKey(Section, header="[[vary.over]]"):
 
     def consistency(self) -> Iterator[Fault]:
         if self.low is not None and self.high is not None:
-            if not self.low < self.high:
-                yield Fault("high", f"must be above low ({self.low:g})")
-            elif self.spacing == "log" and self.low <= 0.0:
+            if self.spacing == "log" and self.low <= 0.0:
                 yield Fault("low", 'must be above 0 with spacing = "log"')
-            elif self.spacing == "log" and (decades := log10(self.high) - log10(self.low)) > MOST_DECADES:
+            elif (
+                self.spacing == "log" and (decades := log10(max(self.high, self.low)) - log10(self.low)) > MOST_DECADES
+            ):
                 yield Fault("high", f"is {decades:.0f} decades above low; must be at most {MOST_DECADES}")
 
 
@@ -202,6 +202,7 @@ class ChannelOutput(Section, header="[[outputs.channels]]"):
         "channel": "name_of_channel quantity variable", "reduce": "reduction operation statistic",
         "from_m": "start_m", "to_m": "end_m",
     }  # fmt: skip
+    above = {"to_m": "from_m"}
 
     channel: NAMES.among(NUMBERS).key()  # type: ignore[valid-type]
     """Channel of the result."""
@@ -242,10 +243,6 @@ class ChannelOutput(Section, header="[[outputs.channels]]"):
                 if label in raw and label not in channel.dims:
                     yield Fault(label, f'channel "{channel.name}" has none: it belongs to ({", ".join(channel.dims)})')
 
-    def consistency(self) -> Iterator[Fault]:
-        if self.from_m is not None and self.to_m is not None and not self.from_m < self.to_m:
-            yield Fault("to_m", f"must be above from_m ({self.from_m:g})")
-
     def chosen(self) -> dict[str, str]:
         """The chosen labels by dimension."""
         return {label: getattr(self, label) for label in LABELS if getattr(self, label) is not None}
@@ -281,9 +278,8 @@ class OutputsSection(Section, header="[outputs]"):
     """Your own function of a result, which gives a dict of numbers."""
 
     def consistency(self) -> Iterator[Fault]:
-        for name, count in Counter(one.column for one in self.channels).items():
-            if count > 1:
-                yield Fault(("channels",), f'two outputs are called "{name}": give one of them another name')
+        for name in repeated(one.column for one in self.channels):
+            yield Fault(("channels",), f'two outputs are called "{name}": give one of them another name')
 
 
 class CasesSection(Section, header="[cases]"):
@@ -317,9 +313,8 @@ class StudyFile(Section, header="a study"):
     """Limits of a case, and what is stored of it."""
 
     def consistency(self) -> Iterator[Fault]:
-        for name, count in Counter(map(axis_name, self.vary)).items():
-            if count > 1:
-                yield Fault("vary", f'two axes are called "{name}": give one of them another name')
+        for name in repeated(map(axis_name, self.vary)):
+            yield Fault("vary", f'two axes are called "{name}": give one of them another name')
 
 
 def axis_name(axis: Axis) -> str:

@@ -5,7 +5,6 @@ A file with bodies, parts, elements or [wheelsets] is assembled from its parts; 
 docs/user/vehicles.md and docs/user/trains.md for the formats.
 """
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +16,7 @@ from wrsim.inputs.changes import changed, found, key_path
 from wrsim.inputs.checking import Locate, check_section, fault_line, opened, refuse_other_kind
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, model_file, usual_finder
+from wrsim.inputs.values import repeated
 from wrsim.vehicle.assembly import Assembly, Place
 from wrsim.vehicle.couplings import Gap
 from wrsim.vehicle.element_tables import Axes
@@ -182,8 +182,7 @@ def _check_connected(vehicle: Vehicle) -> None:
     if not vehicle.wheelsets:
         raise InputError("the vehicle has no wheelset: a table [wheelsets.NAME] is needed")
     for what, named in (("elements", vehicle.elements), ("loads", vehicle.loads)):
-        twice = sorted(name for name, times in Counter(each.name for each in named).items() if times > 1)
-        if twice:
+        if twice := sorted(repeated(each.name for each in named)):
             raise InputError(f"duplicate names of {what}; must be different for each: {', '.join(twice)}")
     held = {TRACK, GUIDE, *(mounted.name for mounted in vehicle.wheelsets), *vehicle.boxes}
     joints = [{element.first, element.second} for element in vehicle.elements]

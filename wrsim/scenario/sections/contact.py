@@ -140,6 +140,7 @@ class FrictionSection(Section, header="[contact.friction]"):
         "gauge_corner_from_deg": "gauge_corner", "gauge_corner_full_deg": "gauge_corner",
         "falling_decay_s_per_m": "falling_ratio",
     }  # fmt: skip
+    above = {"gauge_corner_full_deg": "gauge_corner_from_deg"}
     elsewhere = {
         "left": "[contact] as friction_left", "right": "[contact] as friction_right", "friction_left": "[contact]",
         "friction_right": "[contact]",
@@ -157,11 +158,6 @@ class FrictionSection(Section, header="[contact.friction]"):
     """Friction at fast slip over that at no slip: A of static ((1 - A) exp(-B w) + A)."""
     falling_decay_s_per_m: Annotated[float, number(0, 100, "dry 0.6, wet 0.2")] = PLAIN.falling_decay
     """How soon friction falls with the slip speed w: B of the same law."""
-
-    def consistency(self) -> Iterator[Fault]:
-        if self.gauge_corner_full_deg <= self.gauge_corner_from_deg:
-            message = f"must be above gauge_corner_from_deg ({self.gauge_corner_from_deg:g})"
-            yield Fault("gauge_corner_full_deg", message)
 
     def law(self) -> Friction:
         return self.to_si(Friction, ramp=(radians(self.gauge_corner_from_deg), radians(self.gauge_corner_full_deg)))
@@ -198,6 +194,7 @@ class ContactSection(Section, header="[contact]"):
 
     at_most_one = ("friction_sections friction_table",)
     goes_with = {"friction_at_m": "friction_sections friction_table"}
+    not_above = {"polach_kS": "polach_kA"}
     aliases = {
         "friction": "mu friction_coefficient", "friction_left": "mu_left", "friction_right": "mu_right",
         "friction_sections": "friction_along friction_section", "friction_table": "friction_file friction_csv",
@@ -285,8 +282,6 @@ class ContactSection(Section, header="[contact]"):
             yield Fault("strip_width_mm", f'goes with normal = "kik-piotrowski" only: {others}')
 
     def consistency(self) -> Iterator[Fault]:
-        if self.polach_kS > self.polach_kA:
-            yield Fault("polach_kS", f"must not be above polach_kA ({self.polach_kA:g})")
         for side in SIDES:
             for (_, before), (i, section) in pairwise(on_side(self.friction_sections, side)):
                 end = before.from_m + before.transition_m

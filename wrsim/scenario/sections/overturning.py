@@ -50,6 +50,7 @@ class OverturningSection(PlanTable, header="[overturning]"):
         "radius_m": "R", "cant_mm": "superelevation_mm", "run": "dynamic", "highest_kmh": "max_speed_kmh",
         "lowest_kmh": "min_speed_kmh",
     }  # fmt: skip
+    above = {"highest_kmh": "lowest_kmh"}
 
     radius_m: Radius
     """Radius of the curve."""
@@ -72,8 +73,6 @@ class OverturningSection(PlanTable, header="[overturning]"):
         if abs(self.radius_m) < SHARPEST:
             message = f"must be {SHARPEST:g} m or more, or negative and as far from 0"
             yield Fault("radius_m", message)
-        if self.highest_kmh <= self.lowest_kmh:
-            yield Fault("highest_kmh", f"must be above lowest_kmh ({self.lowest_kmh:g})")
         if self.wind is not None and self.run and len(self.wind.speed_m_s) > 1:
             yield Fault(("wind", "speed_m_s"), "one speed with run = true")
         if self.wind is not None and self.wind.gust is not None and not self.run:

@@ -1,12 +1,11 @@
 """The air against the side of a vehicle, and [vehicle.wind]: wind along the track of a run."""
 
-from collections.abc import Iterator
 from math import radians
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.section import Section
 from wrsim.inputs.values import RisingRows, number, positive
 from wrsim.vehicle.wind import Air
 
@@ -52,6 +51,8 @@ class AirSection(Section, header="wind"):
 class WindTable(AirSection, header="[vehicle.wind]"):
     """Wind across the track on the heaviest body of a vehicle, or of each of a train, in a run at constant speed."""
 
+    above = {"peak_m": "begins_m"}
+
     speed_m_s: Largest
     """Speed of the wind; of a gust the largest."""
     towards: Literal["left", "right"] = "left"
@@ -60,7 +61,3 @@ class WindTable(AirSection, header="[vehicle.wind]"):
     """Where the wind begins; it rises over the first half of the way to its peak."""
     peak_m: Annotated[float, number(0, 1e6, "m along the track")]
     """Where the gust has its peak; without a gust the wind is steady from the middle of both places on."""
-
-    def consistency(self) -> Iterator[Fault]:
-        if self.peak_m <= self.begins_m:
-            yield Fault("peak_m", f"must be above begins_m ({self.begins_m:g})")
