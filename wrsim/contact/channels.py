@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact import records as k
+from wrsim.contact.contact_angle import contact_angles
 from wrsim.contact.model import ContactModel
 from wrsim.contact.patches import RawContacts, of_main, of_patches, patches_of
 from wrsim.contact.profiles.profile import Profile
@@ -141,7 +142,7 @@ class StripRecorder:
             for (i, j), own in moment.strips.items():
                 table[m, i, j, : len(own)] = own
         result = {name: table[column] for name, column in _STRIP_CHANNELS.items()}
-        result["strip_angle"] = np.arctan2(-table["no"], table["nb"])
+        result["strip_angle"] = contact_angles(table["no"], table["nb"])
         for i, name in enumerate(("wheel_profile_y", "wheel_profile_z", "rail_profile_y", "rail_profile_z")):
             result[name] = np.stack([m.outlines[:, i] for m in self.moments])
         poses = np.stack([m.poses for m in self.moments])

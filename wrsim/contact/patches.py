@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact import records as k
+from wrsim.contact.contact_angle import mean_contact_angle
 from wrsim.contact.workspace import KernelArrays
 from wrsim.jit import Array, Records
 
@@ -92,11 +93,7 @@ def of_patches(raw: RawContacts, p: PatchesOf) -> dict[str, Array]:
     channels |= {name: np.where(p.member, over(c), -np.inf).max(axis=-1) for name, c in _LARGEST.items()}
     channels |= {name: main(c) for name, c in _OF_MAIN.items()}
     channels["contact_angle_min"] = np.where(p.member, over("angle_min"), np.inf).min(axis=-1)
-    weight = np.where(p.member, over("N"), 0.0)
-    mean = over("angle_mean")
-    channels["contact_angle_mean"] = np.arctan2(
-        (weight * np.sin(mean)).sum(axis=-1), (weight * np.cos(mean)).sum(axis=-1)
-    )
+    channels["contact_angle_mean"] = mean_contact_angle(over("angle_mean"), np.where(p.member, over("N"), 0.0))
     place = over("arc_rail")
     ends = np.where(p.member, place + over("end"), -np.inf).max(axis=-1)
     starts = np.where(p.member, place + over("start"), np.inf).min(axis=-1)

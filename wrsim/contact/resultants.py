@@ -1,7 +1,8 @@
 """From the strips of a lobe to forces, moments and the figures that people read."""
 
-from math import atan, atan2, pi, sqrt
+from math import atan, pi, sqrt
 
+from wrsim.contact.contact_angle import contact_angle
 from wrsim.contact.records import WheelPose
 from wrsim.jit import Record, Records, inlined, kernel
 from wrsim.jit.frames import Frame
@@ -101,10 +102,10 @@ def add_lobe(pose: WheelPose, lobe: Record, strips: Records, n: int, total: Reco
         sum_nb += strip.N * strip.nb
         main_moment = add(main_moment, shifted(cross(sub(at.origin, main.origin), creep), strip.Mz, at.b))
     lobe.Fx, lobe.Fy, lobe.Mz = sum_x, sum_y, dot(main_moment, main.b)
-    lobe.angle = atan2(-lobe.no, lobe.nb)
+    lobe.angle = contact_angle(lobe.no, lobe.nb)
     lobe.angle_min = 2.0 * atan(least)
     lobe.angle_max = 2.0 * atan(most)
-    lobe.angle_mean = atan2(-sum_no, sum_nb)
+    lobe.angle_mean = contact_angle(sum_no, sum_nb)
     lobe.wear = wear
     total.Ft, total.Fo, total.Fb = total.Ft + force.x, total.Fo + force.y, total.Fb + force.z
     total.Mt, total.Mo, total.Mb = total.Mt + moment.x, total.Mo + moment.y, total.Mb + moment.z

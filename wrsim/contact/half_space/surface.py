@@ -7,6 +7,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.contact.contact_angle import contact_angles
 from wrsim.contact.half_space import surface_kernel as surface
 from wrsim.contact.model import ContactModel
 from wrsim.contact.records import PlacedWheel, Rail, WheelPose
@@ -144,8 +145,8 @@ class Grid:
 
     @property
     def angle(self) -> Array:
-        """Contact angle of the rows [rad], positive where the plane climbs towards the flange."""
-        return np.asarray(np.arctan2(-self.axis["no"], self.axis["nb"]))
+        """Contact angle of the rows [rad]."""
+        return contact_angles(self.axis["no"], self.axis["nb"])
 
     @property
     def pen(self) -> Array:
