@@ -1,5 +1,7 @@
 """Pictures draw the data they are given. Artists are inspected; nobody compares pixels."""
 
+from itertools import product
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from wrsim.plots import new_figure, patch_gallery, standard_figures, standard_pi
 from wrsim.plots.cross_section import cross_section_zoom
 from wrsim.plots.histories import channels_figure, contact_angle, history, track_layout
 from wrsim.plots.marks import broken
-from wrsim.plots.moments import PatchAt
+from wrsim.plots.moments import PatchAt, patches_at
 from wrsim.plots.patches import contact_patch, pressure_scale
 from wrsim.plots.theme import WHEEL_COLOUR
 from wrsim.results import Result
@@ -162,3 +164,26 @@ def test_pictures_have_the_same_bytes_for_the_same_data_and_leave_settings_alone
     before = dict(mpl.rcParams)
     channels_figure(curve_run(), ("Q",))
     assert dict(mpl.rcParams) == before
+
+
+def test_drawn_contact_angles_are_slopes_of_the_rail_and_positive_on_the_flange(axes):
+    dataset = static_poses((-7.0, 6.0, 7.0), (0.0,))  # right flange, left flange root, left flange
+    angles = ("contact_angle_min", "contact_angle", "contact_angle_max")
+    largest = {}
+    for pose, wheel in product(range(3), ("left", "right")):
+        (where,) = patches_at(dataset, pose, wheel)
+        axes.clear()
+        cross_section_zoom(axes, dataset, where, pressure_scale(dataset))
+        (fan,) = [c for c in axes.collections if c.get_gid() == "normals"]
+        foot, tip = np.transpose(fan.get_segments(), (1, 0, 2))
+        rail = next(line for line in axes.get_lines() if line.get_gid() == "rail").get_xydata()[1:-1]
+        nearest = np.argmin(np.hypot(*(rail[:, None] - foot).transpose(2, 0, 1)), axis=0)
+        climb = rail[nearest + 1] - rail[nearest - 1]
+        slope = np.degrees(np.arctan2(climb[:, 1], climb[:, 0]))
+        lean = np.degrees(np.arctan2(*((tip - foot) * (-1.0, 1.0)).T))  # of the normals to the middle of the track
+        np.testing.assert_allclose(lean, slope, atol=5.0)  # strips lie between rail and wheel
+        history = [float(np.degrees(dataset[name].sel(wheel=wheel)[pose, 0])) for name in angles]
+        assert history[0] - 1.0 < lean.min() <= history[1] <= lean.max() < history[2] + 1.0
+        largest[pose, wheel] = lean.max()
+    assert largest[0, "right"] > 60.0 and largest[2, "left"] > 60.0
+    assert largest[0, "left"] < 5.0 and largest[2, "right"] < 5.0

@@ -429,6 +429,12 @@ def unpacked(of: dict[str, Any]) -> np.ndarray:
     return np.frombuffer(zlib.decompress(base64.b64decode(of["data"])), f"<{of['kind']}").reshape(of["shape"])
 
 
+def summed(of: dict[str, Any]) -> np.ndarray:
+    """Values of which the differences are stored in whole units."""
+    steps = unpacked(of).astype(np.int64)
+    return of["unit"] * ((np.cumsum(steps, axis=0) + 32768) % 65536 - 32768)
+
+
 def data_in(viewed: Path) -> Any:
     return json.loads(re.findall(r'id="data">(.*?)</script>', viewed.read_text(), re.DOTALL)[0])
 
@@ -532,6 +538,38 @@ def test_the_drawn_track_is_the_track_of_the_run(coach: Result, viewed: Path) ->
     )
 
 
+@pytest.mark.parametrize("base_mm", [1450.0, 1800.0])
+def test_the_drawn_cant_lies_over_the_cant_base_of_the_track(coach: Result, base_mm: float, monkeypatch) -> None:
+    monkeypatch.setattr("wrsim.report.view_data.SECTIONS", 2)
+    text = coach.dataset.attrs["scenario_text"].replace("[track]", f"[track]\ncant_base_mm = {base_mm}")
+    other = Result(coach.dataset.assign_attrs(scenario_text=text))
+    setup, why = setup_of(other, Path())
+    assert setup is not None, why
+    track = view_data(other, setup)["run"]["track"]
+    roll = unpacked(track["line"])[:, 4]
+    s = track["start"] + PATH_STEP * np.arange(len(roll))
+    inside = (s > 1.0) & (s < 60.0)
+    # in a left curve the right rail, on the side of -n, is higher by the cant
+    assert -1e3 * np.sin(roll).min() * setup.track.cant_base == pytest.approx(100.0, rel=1e-3)
+    assert -np.sin(roll).min() == pytest.approx(100.0 / base_mm, rel=1e-3)
+    assert roll[inside] == pytest.approx(setup.track.left_curve.roll(s[inside])[0], abs=1e-3)
+
+
+def test_contact_angles_of_the_viewer_are_slopes_of_the_rail_and_positive_on_the_flange() -> None:
+    sections = view_data(Result(static_poses((-7.0, 7.0), (0.0,))), None)["sections"]
+    for wheel, flange in ((0, 1), (1, 0)):
+        of = sections["of"][wheel]
+        patches, (_, means, _) = summed(of["patch"]), unpacked(of["patch_numbers"]).T
+        assert of["patch_moment"] == [0, 1]
+        for pose, (points, mean) in enumerate(zip(patches, means, strict=True)):
+            o, b, turn = points[:, 0], points[:, 1], np.degrees(0.1 * points[:, 2])
+            inner = slice(3, -3)  # ends of a patch are drawn straight
+            slope = np.degrees(np.arctan2(np.gradient(b), np.gradient(o)))
+            np.testing.assert_allclose(turn[inner], slope[inner], atol=2.0)
+            assert turn.min() <= mean <= turn.max()
+            assert mean > 60.0 if pose == flange else abs(mean) < 5.0
+
+
 def test_modes_are_those_of_the_result(stability: Result, modes_page: Path) -> None:
     data = data_in(modes_page)["modes"]
     speeds = stability.dataset["pose_speed"].values * 3.6
@@ -603,6 +641,28 @@ def test_exaggeration_moves_bodies_away_from_the_track(viewer: Browser) -> None:
         shifts.append(viewer.run(place))
     assert shifts[1] == pytest.approx(10.0 * shifts[0]) and shifts[2] == pytest.approx(50.0 * shifts[0])
     assert abs(shifts[0]) > 1e-4
+
+
+def test_the_right_rail_of_the_scene_is_higher_by_the_cant_in_a_left_curve(viewer: Browser, coach: Result) -> None:
+    viewer.run("return wrsim.ready.then(() => wrsim.seek(45))")
+    stage = "const { rails, parts } = wrsim.viewer.stage;"
+    heights = viewer.run(  # of the rail tops beside the vehicle's origin: the ring of rails that is nearest to x = 0
+        f"{stage} return rails.map(({{ mesh, ring, nodes }}) => {{"
+        " const p = mesh.geometry.attributes.position.array, n = ring.length;"
+        " const at = (i) => Math.abs(p[3 * n * i]); let best = 0;"
+        " for (let i = 0; i < nodes; i++) if (at(i) < at(best)) best = i;"
+        " let top = [0, -9];"
+        " for (let k = 0; k < n; k++) {"
+        "  const [y, z] = [p[3 * (best * n + k) + 1], p[3 * (best * n + k) + 2]];"
+        "  if (z > top[1]) top = [y, z];"
+        " } return top; })"
+    )
+    (left, up_left), (right, up_right) = heights
+    assert left > 0.0 > right
+    cant = float(coach.dataset["cant"].sel(wheelset="front.outer").max())
+    assert up_right - up_left == pytest.approx(cant, rel=0.03) and cant == pytest.approx(0.1, rel=1e-3)
+    roll = viewer.run(f"{stage} return parts.get('front.outer').carrier.rotation.x")
+    assert roll == pytest.approx(-cant / 1.5, rel=0.1)  # this wheelset is in the transition
 
 
 def test_keys_and_the_history_go_along_the_run(viewer: Browser) -> None:

@@ -23,6 +23,7 @@ from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.overturning import OverturningPlan
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.system import Array
+from wrsim.track.cant import cant_angle
 from wrsim.track.segments import Arc, Straight, Transition
 from wrsim.vehicle.vehicle import Vehicle
 
@@ -151,7 +152,7 @@ def at_speed(setup: Setup[OverturningPlan], vehicle: Vehicle, speed: float, wind
 def _outward_and_tilt(setup: Setup[OverturningPlan]) -> tuple[float, float]:
     """1 where outward is to the left, -1 to the right; tilt of the full curve [rad]."""
     plan = setup.plan
-    return float(-np.sign(plan.radius)), float(np.arcsin(plan.cant / setup.track.cant_base))
+    return float(-np.sign(plan.radius)), float(cant_angle(plan.cant, setup.track.cant_base))
 
 
 def runs_into_curve(setup: Setup[OverturningPlan], limit: float, report: Report) -> dict[str, Any]:

@@ -28,6 +28,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.steady_state import SteadyMotion
 from wrsim.simulation.system import Array
+from wrsim.track.cant import cant_angle
 from wrsim.track.segments import Arc
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
@@ -120,7 +121,7 @@ def cant_deficiency(point: SteadyPoint, base: float) -> float:
 def steady_in_curve(setup: Setup, point: SteadyPoint) -> Found:
     """The vehicle in steady motion in the middle of a long arc. Raises SimulationError when there is none."""
     base, curvature = setup.track.cant_base, 1.0 / point.radius
-    tilt = float(np.copysign(np.arcsin(point.cant / base), point.cant * curvature))
+    tilt = float(np.copysign(cant_angle(point.cant, base), point.cant * curvature))
     check_upright(resultant(setup.vehicle, 0.0, curvature, tilt, point.speed), base, curvature, setup.vehicle)
     law = _law(setup, point)
     q, q_t = start_state(replace(setup, track=law.track, plan=RunPlan(law.start, law.start, point.speed)), law)

@@ -18,6 +18,7 @@ import xarray as xr
 
 from wrsim.assessment.outcome import TRANSITION, Array, AssessedSection
 from wrsim.assessment.rules import ClassSection
+from wrsim.track.cant import CANT_BASE
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 STRAIGHT = "straight"
@@ -26,7 +27,6 @@ CHANGING = 1e-6  # change of curvature [1/m2] from which track counts as a trans
 LEAST = 5.0  # stretches shorter than this [m] are joined to the one before
 NEARLY = 0.01  # part of its length that may be missing from a section, for samples seldom lie at its ends
 CLOSE = 1e-3  # places nearer than this [m] are one
-CANT_BASE = 1.5  # distance over which cant, cant deficiency and twist are counted, whatever the gauge [m]
 
 
 def counts(section: AssessedSection, admissible: float | None, tested: tuple[float, float]) -> bool:

@@ -18,9 +18,10 @@ from wrsim.recording.design import FORMS, LEAST_CURVATURE, SMOOTHING, Form, Plat
 from wrsim.recording.dropouts import runs
 from wrsim.recording.reading import TrackRecording
 from wrsim.recording.systems import SKIRTS, Chord, Complex, InverseFilter, Plain, ShapeSystem, filtered
+from wrsim.track.cant import cant_angle, cant_base
 from wrsim.track.piecewise import Array
 from wrsim.track.segments import LONGEST, Arc, Laws, Segment, Straight, Transition, laws
-from wrsim.track.track import RAIL_HEAD_WIDTH, ROUNDING
+from wrsim.track.track import ROUNDING
 
 SIDES = {"_left": 1.0, "_right": -1.0}
 LEAST_WIDENING = 1.5e-3  # mean gauge of an arc beyond the nominal one that counts as designed [m]
@@ -252,8 +253,8 @@ def _left_by_design(work: _Work, channel: ChannelSection, system: ShapeSystem, r
     reach, step = system.reach, work.recording.step
     side = next((sign for end, sign in SIDES.items() if channel.quantity.endswith(end)), 0.0)
     # systems measure in the plane of the rails and across it: cant turns a share of the curve upward
-    base = (work.recording.columns.cant_base_mm or work.recording.columns.gauge_mm + 1e3 * RAIL_HEAD_WIDTH) / 1e3
-    roll = np.arcsin(design.cant / base)
+    columns = work.recording.columns
+    roll = cant_angle(design.cant, cant_base(columns.gauge_mm, columns.cant_base_mm))
     if channel.kind == "level":
         up = filtered(design.curvature * np.sin(roll), step, system.of_curvature, reach, held=True)
         return up + side * filtered(-0.5 * design.cant, step, system.response, reach, held=True)

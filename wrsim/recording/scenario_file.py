@@ -15,9 +15,9 @@ from wrsim.recording.design import FORMS, Plateau
 from wrsim.recording.reading import recording_from
 from wrsim.recording.restoring import Restored, restore
 from wrsim.recording.tables import LONGEST_BAND
+from wrsim.track.cant import cant_base
 from wrsim.track.irregularities import smooth_step
 from wrsim.track.segments import Arc, Transition
-from wrsim.track.track import RAIL_HEAD_WIDTH
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 TRACK, IRREGULARITIES, SCENARIO, COLUMNS = "track.toml", "irregularities.csv", "scenario.toml", "columns.toml"
@@ -44,7 +44,7 @@ def start_of(restored: Restored) -> Plateau:
 def usual_speed(restored: Restored) -> float:
     """The speed [km/h] at which no arc has more than 100 mm of cant deficiency, within limits and in steps of 5."""
     columns = restored.recording.columns
-    base = (columns.cant_base_mm or columns.gauge_mm + 1e3 * RAIL_HEAD_WIDTH) / 1e3
+    base = cant_base(columns.gauge_mm, columns.cant_base_mm)
     speeds = [FASTEST]
     for p in restored.plateaus:
         if not p.is_straight:

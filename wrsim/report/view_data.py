@@ -15,6 +15,7 @@ from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
 from wrsim import __version__
+from wrsim.contact.contact_angle import contact_angles, mean_contact_angle
 from wrsim.contact.profiles.profile import Profile
 from wrsim.errors import InputError, SimulationError, in_one_line
 from wrsim.plots.cross_section import has_outlines, pressed_curve
@@ -28,6 +29,7 @@ from wrsim.results.moments import Array, has_patches, is_history, moment_dim, sa
 from wrsim.results.summary import events, has_wear
 from wrsim.results.table import quantity
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
+from wrsim.track.cant import cant_angle
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
@@ -99,7 +101,7 @@ def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[s
     if is_history(dataset):
         count = dataset.sizes["time"]
         keep = np.unique(np.append(np.arange(0, count, -(-count // MOST_SAMPLES)), count - 1))
-        data["run"] = _run(dataset, keep)
+        data["run"] = _run(dataset, setup, keep)
         if "bent_at_m" in dataset.attrs:
             data["run"]["bent"] = _bent(dataset, keep, data["run"]["events"])
         dense = _dense(dataset, setup, keep, data["notes"])
@@ -129,7 +131,7 @@ def _dense(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp]
     return dense
 
 
-def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
+def _run(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp]) -> dict[str, Any]:
     """The motion: channels at the samples in units for readers (of forces) or SI (of poses), and the track."""
     names = wheelsets(dataset)
     count = len(names)
@@ -143,7 +145,8 @@ def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
     columns = {"time": dataset["time"].values, "distance": distance, "place": place}
     run: dict[str, Any] = {"wheelsets": list(names)} | {n: packed(own[keep], "f8") for n, own in columns.items()}
     run["spin"] = packed(spin[keep] % (2.0 * np.pi), "f4")
-    run |= {"channels": {}, "track": _track(dataset, place), "events": _events(dataset)}
+    track = _track(dataset, place, setup.track.cant_base) if setup is not None else None
+    run |= {"channels": {}, "track": track, "events": _events(dataset)}
     channels = {name: (dataset[name], CHANNELS[name], "") for name in OF_WHEELSETS if name in dataset}
     for k in range(dataset.sizes.get("patch", 0)):
         for name in OF_PATCHES if np.isfinite(dataset["N"].values[..., k]).any() else ():
@@ -196,9 +199,9 @@ def _events(dataset: xr.Dataset) -> list[dict[str, Any]]:
     return sorted((e for e in found if np.isfinite(e["s"])), key=lambda e: e["s"])
 
 
-def _track(dataset: xr.Dataset, place: Array) -> dict[str, Any] | None:
+def _track(dataset: xr.Dataset, place: Array, cant_base: float) -> dict[str, Any] | None:
     """The centre line at even steps, from the curvature, cant and grade that the first and last wheelsets passed. x, y,
-    z [m] from the start, heading [rad], cant [rad] about the tangent. Good for a drawing: trapezoidal steps."""
+    z [m] from the start, heading and roll [rad]. cant_base [m]. Good for a drawing: trapezoidal steps."""
     if "curvature" not in dataset:
         return None
     order = np.argsort(np.concatenate((place[:, -1], place[:, 0])), kind="stable")
@@ -214,16 +217,14 @@ def _track(dataset: xr.Dataset, place: Array) -> dict[str, Any] | None:
         return np.interp(s, at, both)
 
     curvature, grade = along("curvature"), along("grade")
-    gauge = float(np.nanmedian(dataset["gauge"].values)) if "gauge" in dataset else 1.435
-    # positive cant lifts the right rail: a turn about the tangent that is negative
-    cant = -np.arcsin(np.clip(along("cant") / (gauge + 0.065), -1.0, 1.0))
+    roll = -cant_angle(along("cant"), cant_base)
     middle = 0.5 * (curvature[1:] + curvature[:-1])
     heading = np.concatenate(([0.0], np.cumsum(middle * PATH_STEP)))
     bend = 0.5 * (heading[1:] + heading[:-1])
     x, y = (np.concatenate(([0.0], np.cumsum(f(bend) * PATH_STEP))) for f in (np.cos, np.sin))
     z = np.concatenate(([0.0], np.cumsum(0.5 * (grade[1:] + grade[:-1]) * PATH_STEP)))
-    line = np.stack((x, y, z, heading, cant, curvature), axis=1)
-    return {"start": float(s[0]), "step": PATH_STEP, "gauge": gauge, "line": packed(line, "f8")}
+    line = np.stack((x, y, z, heading, roll), axis=1)
+    return {"start": float(s[0]), "step": PATH_STEP, "line": packed(line, "f8")}
 
 
 def _vehicle(setup: Setup[Any]) -> dict[str, Any]:
@@ -319,14 +320,13 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
                 curve, normal, p = pressed_curve(strips)
                 walked = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(curve, axis=0).T))))
                 at = 0.5 * walked[-1] * (1.0 - np.cos(np.linspace(0.0, np.pi, NODES)))
-                points_of = [np.interp(at, walked, v) for v in (*curve.T, np.arctan2(-normal[:, 0], normal[:, 1]))]
+                points_of = [np.interp(at, walked, v) for v in (*curve.T, contact_angles(*normal.T))]
                 pressure = np.interp(at, walked, p)
                 moments.append(m)
                 shapes.append(np.stack((points_of[0], points_of[1], 10.0 * points_of[2], 50.0 * pressure / most), 1))
-                angle = strips["strip_angle"].values
-                weight = strips["strip_N"].values
-                mean = np.arctan2((weight * np.sin(angle)).sum(), (weight * np.cos(angle)).sum())
-                numbers.append((float(weight.sum()) * 1e-3, float(np.degrees(mean)), float(p.max())))
+                force = strips["strip_N"].values
+                mean = mean_contact_angle(strips["strip_angle"].values, force)
+                numbers.append((float(force.sum()) * 1e-3, float(np.degrees(mean)), float(p.max())))
     found = {"wear": worn_outlines(mine, on_wheel, on_rail)} if worn else {}
     return found | {
         "rail": packed_steps(rail, 0.005),

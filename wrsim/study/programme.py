@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from wrsim.assessment.rules import USUAL, RulesFile, rule_set
-from wrsim.assessment.sections import CANT_BASE, cant_deficiency, section_length, zone_of
+from wrsim.assessment.sections import cant_deficiency, section_length, zone_of
 from wrsim.errors import InputError
 from wrsim.inputs.checking import fault_line
 from wrsim.inputs.section import Fault, Section
@@ -20,6 +20,7 @@ from wrsim.scenario.sections.track import Cant
 from wrsim.study.axes import AxisPoints
 from wrsim.study.plan import Plan, StudyInput, with_cases
 from wrsim.study.spec import CasesSection, Key, OutputsSection
+from wrsim.track.cant import CANT_BASE
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 AHEAD = 60.0  # straight track before and behind a curve: a vehicle with its ends, and even track to start on [m]

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wrsim.contact.profiles.curves import gauss_integrals, subdivided
+from wrsim.track.cant import cant_angle
 from wrsim.track.irregularities import SMOOTH, RailIrregularity
 from wrsim.track.path import COLUMNS, Path
 from wrsim.track.piecewise import Array, Jet, Piecewise
@@ -87,7 +88,7 @@ class SweptCurve:
     irregularity, h = height + vertical irregularity.
 
     side: +1 left rail, -1 right rail, 0 the centre line itself with the roll of the track, which has no
-    irregularities. cant: signed cant [m], positive with the right rail higher: phi = -asin(cant / cant_base).
+    irregularities. cant: signed cant [m], positive with the right rail higher: phi = -cant_angle(cant, cant_base).
     """
 
     centre: CentreLine
@@ -119,7 +120,7 @@ class SweptCurve:
         """Roll angle phi and its first two derivatives at centre-line distance s [rad, rad/m, rad/m2]."""
         c, dc, ddc = self.cant.jet(s)
         root = np.sqrt(self.cant_base**2 - c**2)
-        return -np.arcsin(c / self.cant_base), -dc / root, -(ddc / root + c * dc**2 / root**3)
+        return -cant_angle(c, self.cant_base), -dc / root, -(ddc / root + c * dc**2 / root**3)
 
     def offsets(self, s: ArrayLike) -> tuple[Jet, Jet]:
         """(d, d', d'') along n and (h, h', h'') along b at s [m, 1, 1/m]."""

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from wrsim.errors import InputError
 from wrsim.inputs.notebook import card
 from wrsim.track.bridge import Bridge
+from wrsim.track.cant import RAIL_HEAD_WIDTH, STANDARD_GAUGE
 from wrsim.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.track.path import Path
 from wrsim.track.piecewise import Array
@@ -43,8 +44,6 @@ class RailElasticity:
     mass: tuple[float, float]
 
 
-STANDARD_GAUGE = 1.435  # standard gauge [m]
-RAIL_HEAD_WIDTH = 0.065  # difference of cant base and gauge when no cant base is given [m]: 1.5 m for standard gauge
 ROUNDING = 1.0
 """Half length of the rounding of kinks in cant and gauge [m].
 

@@ -25,6 +25,7 @@ from wrsim.errors import InputError
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.law import VehicleOnTrack
+from wrsim.track.cant import cant_angle
 from wrsim.vehicle.vehicle import Vehicle
 
 DROP = 15e-3  # depth of the tape circle below the top of its rail at which a wheel has left the rail's head [m]
@@ -189,7 +190,7 @@ def pushed(setup: Setup[RunPlan], speed: float) -> Resultant:
     """The same on the track where the run starts. Raises NoSteadyMotion when it would overturn the vehicle."""
     track, start = setup.track, setup.plan.start
     curvature = float(track.curvature(start))
-    tilt = float(np.arcsin(track.cant(start) / track.cant_base))
+    tilt = float(cant_angle(track.cant(start), track.cant_base))
     found = resultant(setup.vehicle, start, curvature, tilt, speed)
     check_upright(found, track.cant_base, curvature, setup.vehicle)
     return found

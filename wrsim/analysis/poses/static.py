@@ -24,7 +24,7 @@ from wrsim.errors import InputError, SimulationError
 from wrsim.results import CHANNELS, Result, assemble
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.static import StaticPlan, named
-from wrsim.track.track import STANDARD_GAUGE
+from wrsim.track.cant import STANDARD_GAUGE
 
 STEEP = np.radians(60.0)
 """Steepest direction of a wheel's force, from the vertical, that passes without a word: to carry a vertical load on a

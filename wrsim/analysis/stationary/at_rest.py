@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from math import asin, degrees
+from math import degrees
 from typing import Any
 
 import numpy as np
@@ -14,13 +14,13 @@ from wrsim.analysis.stationary.loops import RotationTest, TwistTest
 from wrsim.analysis.stationary.statics import StaticState, canted, static_state
 from wrsim.assessment.limits import About, Limit
 from wrsim.assessment.rules import rule_set
-from wrsim.assessment.sections import CANT_BASE
 from wrsim.contact.profiles.profile import Profile
 from wrsim.errors import InputError, SimulationError
 from wrsim.inputs.section import given
 from wrsim.results.table import Column, Table, formatted, quantity
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.simulation.modes import natural_modes
+from wrsim.track.cant import CANT_BASE, cant_angle
 from wrsim.vehicle.axle import whirl
 from wrsim.vehicle.equivalent import SMALL_STROKE, Stroke
 from wrsim.vehicle.loads import Load
@@ -143,7 +143,7 @@ def leaning(vehicle: Vehicle, level: StaticState, cant_deficiency: float, most: 
 
     The verdicts are those of 49 CFR 213.57, and that on the flexibility coefficient of the car body; most: its limit.
     """
-    angle = asin(cant_deficiency / 1e3 / CANT_BASE)
+    angle = float(cant_angle(cant_deficiency / 1e3, CANT_BASE))
     rest = static_state(canted(vehicle, angle))
     rolls = {b.name: -float(roll) for b, roll in zip(vehicle.bodies, rest.moved[:, 2], strict=True)}
     sway = {

@@ -11,9 +11,9 @@ from math import asin, radians
 import numpy as np
 
 from wrsim.analysis.stationary.statics import SupportedVehicle
-from wrsim.assessment.sections import CANT_BASE
 from wrsim.errors import InputError
 from wrsim.simulation.system import Array
+from wrsim.track.cant import CANT_BASE
 from wrsim.vehicle.bogies import Bogie, bogies_of
 from wrsim.vehicle.elements import Strut
 from wrsim.vehicle.vehicle import Vehicle

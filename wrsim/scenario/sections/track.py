@@ -15,6 +15,7 @@ from wrsim.inputs.values import List, number, number_limits, plain_number, posit
 from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection, grades_in_order
 from wrsim.scenario.sections.structure import AnyStructure
 from wrsim.track import segments
+from wrsim.track.cant import cant_base
 
 Length = Annotated[float, number(0.01, segments.LONGEST, "m")]
 LENGTHS = number_limits(unpacked(Length).limits)[:2]
@@ -266,4 +267,4 @@ class TrackSection(Section, header="[track]"):
     @property
     def cant_base(self) -> float:
         """Distance between the rail tops [m] that the cant is measured over: gauge + 65 mm unless given."""
-        return (self.gauge_mm + 65.0 if self.cant_base_mm is None else self.cant_base_mm) / 1000.0
+        return cant_base(self.gauge_mm, self.cant_base_mm)

@@ -16,11 +16,10 @@ const SIDES = [1, -1];
 export class Track {
   constructor(track) {
     this.track = track;
-    this.gauge = track?.gauge ?? 1.435;
   }
 
   at(s) {
-    if (!this.track) return { x: s, y: 0, z: 0, heading: 0, cant: 0, slope: 0 };
+    if (!this.track) return { x: s, y: 0, z: 0, heading: 0, roll: 0, slope: 0 };
     const { start, step, line } = this.track;
     const rows = line.shape[0], wide = line.shape[1], data = line.data;
     const f = Math.min(Math.max((s - start) / step, 0), rows - 1.000001), i = Math.floor(f), r = f - i;
@@ -31,7 +30,7 @@ export class Track {
       y: mix(1) + beyond * Math.sin(heading),
       z: mix(2),
       heading,
-      cant: mix(4),
+      roll: mix(4),
       slope: (data[(i + 1) * wide + 2] - data[i * wide + 2]) / step,
     };
   }
@@ -187,7 +186,7 @@ export class Stage {
   relative(s) {
     const p = this.track.at(s), c = Math.cos(this.origin.heading), d = Math.sin(this.origin.heading);
     const dx = p.x - this.origin.x, dy = p.y - this.origin.y;
-    return { x: c * dx + d * dy, y: c * dy - d * dx, z: p.z - this.origin.z, heading: p.heading - this.origin.heading, cant: p.cant, slope: p.slope };
+    return { x: c * dx + d * dy, y: c * dy - d * dx, z: p.z - this.origin.z, heading: p.heading - this.origin.heading, roll: p.roll, slope: p.slope };
   }
 
   /**
@@ -202,7 +201,7 @@ export class Stage {
       if (!part) continue;
       const frame = this.relative(pose.place);
       part.carrier.position.set(frame.x, frame.y, frame.z);
-      part.carrier.rotation.set(frame.cant, -Math.atan(frame.slope), frame.heading);
+      part.carrier.rotation.set(frame.roll, -Math.atan(frame.slope), frame.heading);
       part.group.position.set(factor * (pose.ahead ?? 0), part.centre[1] + factor * pose.lateral, part.centre[2] + factor * pose.vertical);
       part.group.rotation.set(factor * pose.roll, factor * (pose.pitch ?? 0), factor * pose.yaw);
       if (part.turning) part.turning.rotation.y = pose.spin ?? 0;
@@ -262,7 +261,7 @@ export class Stage {
       for (let i = 0; i < nodes; i++) {
         const f = this.relative(first + i * this.step);
         if (up) f.z += factor * between(place.data, up, first + i * this.step);
-        const c = Math.cos(f.cant), d = Math.sin(f.cant), ch = Math.cos(f.heading), sh = Math.sin(f.heading);
+        const c = Math.cos(f.roll), d = Math.sin(f.roll), ch = Math.cos(f.heading), sh = Math.sin(f.heading);
         for (const [y, z] of ring) {
           const side = c * y - d * z;
           position.array[at++] = f.x - sh * side;
@@ -277,7 +276,7 @@ export class Stage {
     for (let i = 0; i < this.sleepers.count; i++) {
       const f = this.relative((begin + i) * SLEEPERS);
       one.position.set(f.x, f.y, f.z - 0.3);
-      one.rotation.set(f.cant, -Math.atan(f.slope), f.heading);
+      one.rotation.set(f.roll, -Math.atan(f.slope), f.heading);
       one.updateMatrix();
       this.sleepers.setMatrixAt(i, one.matrix);
     }
