@@ -18,6 +18,7 @@ from support.rows import rows_of
 from wrsim import InputError, Vehicle, load, load_profile, load_text, load_vehicle
 from wrsim.inputs.file_kinds import FILES
 from wrsim.inputs.reference import entries
+from wrsim.inputs.section import ALIASES
 from wrsim.inputs.toml_files import shown_value
 from wrsim.register import ANALYSES
 from wrsim.scenario.build import build
@@ -169,6 +170,16 @@ def test_examples_of_keys_are_values_that_they_take() -> None:
         assert used.issuperset(keys), f"no table takes the example of {keys}"
     (flange_back,) = (e for e in entries(WheelsetTable) if e.key == "flange_back_mm")
     assert flange_back.example == "1360"
+
+
+def test_other_names_are_those_of_keys() -> None:
+    fields: dict[str, set[str]] = {}
+    for table in {table for file in FILES for table in tables_of_file(file)}:
+        for base in table.__mro__:  # a base has names of keys that not all of its kinds have
+            fields[base.__name__] = fields.get(base.__name__, set()) | {*table.model_fields}
+    assert ALIASES.keys() <= fields.keys()
+    for name, names in ALIASES.items():
+        assert names.keys() <= fields[name], f"{name} has no keys {names.keys() - fields[name]}"
 
 
 @pytest.mark.parametrize(("command", "file", "words"), table("a_file_of_another_kind_is_named_as_what_it_is"))

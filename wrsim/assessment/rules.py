@@ -49,11 +49,6 @@ Length = Annotated[float, positive(1000, "m")]
 class ClauseSection(Section, header="[[clauses]]"):
     """One clause: a quantity, how it is evaluated, its limit."""
 
-    aliases: ClassVar[dict[str, str]] = {
-        "low_pass_Hz": "filter_Hz cut_off_Hz",
-        "id": "clause name",
-        "percentile": "percentiles",
-    }
     together = ("window_m step_m",)
     goes_with: ClassVar[dict[str, str]] = {"over": "window_m", "classes": "limit"}
 

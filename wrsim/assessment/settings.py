@@ -34,14 +34,6 @@ class AssessmentSettings:
 class AssessmentSection(AnalysisTable, header="[assessment]"):
     """What an assessment rests on, where that is not to come from the result."""
 
-    aliases = {
-        "rules": "standard rule_set", "vehicle_kind": "kind type", "friction": "mu", "flange_angle_deg": "flange_deg",
-        "instability_frequency_Hz": "f0_Hz", "section_length_m": "section_m", "straight_deficiency_mm": "straight_mm",
-        "admissible_deficiency_mm": "admissible_mm I_adm_mm", "estimate_over": "regression influences",
-        "estimate_cant_deficiency_mm": "cant_deficiency_mm", "estimate_radius_m": "estimate_R",
-        "estimate_speed_kmh": "estimate_v_kmh",
-    }  # fmt: skip
-
     rules: Literal[*NAMES] = USUAL  # type: ignore[valid-type]
     """Rule set by which runs are assessed."""
     vehicle_kind: Kind = "passenger"

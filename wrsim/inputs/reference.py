@@ -94,7 +94,7 @@ def entries(section: type[Section]) -> list[Entry]:
         default = _default(section, key)
         if default == "[]" and not accepts(annotation, []):
             default = "none"
-        aliases = tuple(section.aliases.get(key, "").split())
+        aliases = tuple(section.aliases.get(key, ()))
         given = _examples().get(section.header, {}).get(key) or _examples().get(key)
         example = default if default not in ("needed", "none", "") else example_of(annotation)
         if example and default in ("needed", "none", "") and accepts(annotation, given):

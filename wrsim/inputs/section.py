@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, ModelWrapValidatorHandler, Validatio
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from wrsim.errors import nearest
-from wrsim.inputs.file_kinds import WORDS
+from wrsim.inputs.file_kinds import WORDS, packaged
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.us_units import converted, metric, metric_key
 from wrsim.inputs.values import choice, entry_of, fields, refusal, refuse, table_header, unpacked, words
@@ -29,6 +29,7 @@ FAULT, ABSENT, UNKNOWN = "fault", "absent", "unknown"
 """Types of faults whose messages are final; all others are pydantic's."""
 MOST_FAULTS = 50
 """Faults of one file that are listed; more are counted."""
+ALIASES: dict[str, dict[str, list[str]]] = packaged("wrsim.inputs", "aliases.toml")
 UNITS: dict[str, str] = WORDS["units"]
 """Unit endings of keys and how they are written in a sentence."""
 TO_SI: dict[str, Callable[[float], float]] = {
@@ -68,8 +69,8 @@ class Section(BaseModel):
     """Name of the table in messages; a subclass sets it: ``header="[vehicle]"``."""
     foreign: ClassVar[tuple[str, ...]] = ()
     """Tables of a file that are those of another kind of file and are not among its keys."""
-    aliases: ClassVar[dict[str, str]] = {}
-    """Key -> its names in other programs, with spaces between."""
+    aliases: ClassVar[dict[str, list[str]]] = {}
+    """Key -> its names in other programs (``inputs/aliases.toml``)."""
     elsewhere: ClassVar[dict[str, str]] = {}
     """Keys of other tables -> the header of that table."""
     one_of: ClassVar[tuple[str, ...]] = ()
@@ -89,6 +90,8 @@ class Section(BaseModel):
 
     def __init_subclass__(cls, header: str = "", **rest: Any) -> None:
         super().__init_subclass__(**rest)
+        named = (ALIASES.get(kind.__name__, {}) for kind in reversed(cls.__mro__))
+        cls.aliases = {key: names for aliases in named for key, names in aliases.items()}
         if header:
             cls.header = header
 
@@ -239,7 +242,7 @@ class Section(BaseModel):
     def _unknown(cls, key: str, raw: dict[str, Any]) -> tuple[str, str | None]:
         """The message for an unknown key and the key of this section that was meant, if any."""
         allowed = [*cls.model_fields, *cls.foreign]
-        meant = next((ours for ours, names in cls.aliases.items() if key in names.split()), None)
+        meant = next((ours for ours, names in cls.aliases.items() if key in names), None)
         meant = meant or _same_stem(key, allowed)
         if meant is None and key not in cls.elsewhere:
             stems = {_stem(k): k for k in allowed}

@@ -1,7 +1,7 @@
 """The columns of a recording, as in a TOML file beside the CSV."""
 
 from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -40,11 +40,6 @@ BASE = 3.0  # usual base of twist [m]
 
 class ChannelSection(Section, header="[[channels]]"):
     """A column: quantity, unit, sign, and the measuring system of alignment and level."""
-
-    aliases: ClassVar[dict[str, str]] = {
-        "column": "name header", "quantity": "channel kind", "positive": "sign", "chord_m": "chord", "band": "range",
-        "base_m": "twist_base_m",
-    }  # fmt: skip
 
     column: Annotated[str, text('the name of a column in the CSV file such as "level_left"')]
     """Name of the column in the table's first line."""
@@ -153,8 +148,6 @@ class ChannelSection(Section, header="[[channels]]"):
 
 class ColumnsFile(Section, header="a column map"):
     """The columns of a recording, and the gauge of the line."""
-
-    aliases: ClassVar[dict[str, str]] = {"channels": "channel columns"}
 
     gauge_mm: Annotated[float, number(400, 2000, "nominal")] = 1435.0
     """Nominal gauge of the line."""

@@ -25,8 +25,6 @@ class ScenarioSpec(Section, header="a scenario"):
     These tables belong to all analyses; the others come from the register.
     """
 
-    aliases = {"title": "name", "analysis": "type", "vehicle": "wheelset", "run": "simulation", "output": "results"}
-
     title: Annotated[str, text("a title")] = "untitled"
     """Title of the scenario, of its pictures, tables and reports."""
     units: Literal["metric", "us"] = "metric"

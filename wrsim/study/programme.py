@@ -32,8 +32,6 @@ Word = Annotated[str, text("a name")]
 class StateSection(Section, header="[[states]]"):
     """A state of the vehicle: empty, laden, with worn wheels, with deflated springs, on wet rails."""
 
-    aliases = {"set": "values keys changes"}
-
     name: Word
     """Name of the state."""
     set: dict[Key, Any] = {}
@@ -43,7 +41,6 @@ class StateSection(Section, header="[[states]]"):
 class ProgrammeRun(Section, header="[[runs]]"):
     """Runs in one test zone: full curves of a radius, or straight track, at a speed."""
 
-    aliases = {"radius_m": "R", "cant_mm": "superelevation_mm"}
     one_of = ("speed_kmh cant_deficiency_mm",)
     goes_with = {"cant_deficiency_mm": "radius_m", "cant_mm": "radius_m"}
 
@@ -115,8 +112,6 @@ class ProgrammeIrregularities(Section, header="[irregularities]"):
 
 class ProgrammeFile(Section, header="a type test"):
     """A type test: the scenario it starts from, states of the vehicle, runs, stationary tests, rules."""
-
-    aliases = {"base": "scenario", "rules": "standard", "runs": "zones"}
 
     title: Annotated[str, text("a title")] | None = None
     """Title of the test; that of its scenario unless given."""

@@ -53,8 +53,6 @@ TimeLimit = Annotated[float, number(1, 1e7, "s of one case")]
 class GridAxis(Section, header='[[vary]] with kind = "grid"'):
     """Every value of a list; axes of several tables are combined with each other."""
 
-    aliases = {"key": "keys parameter variable", "values": "value list", "name": "axis label"}
-
     kind: Literal["grid"]
     """Every value of a list; several axes are combined with each other."""
     key: Keys
@@ -67,8 +65,6 @@ class GridAxis(Section, header='[[vary]] with kind = "grid"'):
 
 class CsvAxis(Section, header='[[vary]] with kind = "csv"'):
     """Rows of a table: the header holds dotted keys, a column ``id`` names the rows."""
-
-    aliases = {"file": "csv table rows", "name": "axis label"}
 
     kind: Literal["csv"]
     """A row of a table for every case."""
@@ -85,10 +81,6 @@ MOST_DECADES = 15
 class SampledKey(Section, header="[[vary.over]]"):
     """One key that is sampled: evenly from low to high, or normally about a mean."""
 
-    aliases = {
-        "key": "keys parameter variable", "low": "from min lower", "high": "to max upper",
-        "deviation": "sigma std standard_deviation", "mean": "mu",
-    }  # fmt: skip
     one_of = ("low mean",)
     together = ("low high", "mean deviation")
     goes_with = {"spacing": "low"}
@@ -121,8 +113,6 @@ class SampledKey(Section, header="[[vary.over]]"):
 
 class _Sampled(Section):
     """What all samples have in common."""
-
-    aliases = {"samples": "count n size", "over": "keys key ranges", "name": "axis label"}
 
     samples: Annotated[int, number(1, MOST_SAMPLES)]
     """How many cases are drawn."""
@@ -160,8 +150,6 @@ def _power_of_2(samples: int) -> str:
 class SensitivitySection(_Sampled, header="[sensitivity]"):
     """A design of cases that finds which keys decide on the outputs; in place of [[vary]]."""
 
-    aliases = _Sampled.aliases | {"outputs": "output", "method": "kind design"}
-
     method: Literal["sobol", "morris", "regression"]
     """Sobol's indices, effects of Morris (needs SALib), or a linear fit on a Latin hypercube."""
     outputs: List[str] = ()
@@ -198,10 +186,6 @@ LABELS = ("wheelset", "wheel", "body", "point", "suspension", "coupling", "exter
 class ChannelOutput(Section, header="[[outputs.channels]]"):
     """A channel, reduced to one number; of several wheels or wheelsets the largest counts (with min the smallest)."""
 
-    aliases = {
-        "channel": "name_of_channel quantity variable", "reduce": "reduction operation statistic",
-        "from_m": "start_m", "to_m": "end_m",
-    }  # fmt: skip
     above = {"to_m": "from_m"}
 
     channel: NAMES.among(NUMBERS).key()  # type: ignore[valid-type]
@@ -285,8 +269,6 @@ class OutputsSection(Section, header="[outputs]"):
 class CasesSection(Section, header="[cases]"):
     """Limits of a case, and what is stored of it."""
 
-    aliases = {"time_limit_s": "timeout timeout_s limit_s max_time_s"}
-
     time_limit_s: TimeLimit = 3600.0
     """Longest time of one case."""
     keep: Literal["results", "numbers"] = "results"
@@ -296,7 +278,6 @@ class CasesSection(Section, header="[cases]"):
 class StudyFile(Section, header="a study"):
     """A study: the scenario it starts from, what is varied, what is stored."""
 
-    aliases = {"base": "scenario", "vary": "axes axis parameters", "outputs": "output"}
     one_of = ("vary sensitivity",)
 
     title: Annotated[str, text("a title")] | None = None
@@ -331,11 +312,6 @@ def short_name(key: str) -> str:
 
 class EvolutionFile(Section, header="a profile evolution"):
     """A profile evolution: the scenario its cases start from, their table, the mileage, and the steps of wear."""
-
-    aliases = {
-        "base": "scenario", "cases": "csv table", "wheel": "profile wheel_profile", "mileage_km": "distance_km",
-        "largest_depth_mm": "depth_mm step_depth_mm", "largest_step_km": "step_km", "smoothing_mm": "cutoff_mm",
-    }  # fmt: skip
 
     title: Annotated[str, text("a title")] | None = None
     """Title; that of its scenario unless given."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 
@@ -38,8 +38,6 @@ EASE = 0.2  # of the ramp of the nose's top: where it is not straight
 
 class CrossingFile(Section, header="a crossing file"):
     """A fixed crossing of a straight track, as wheels of that track pass it."""
-
-    aliases: ClassVar[dict[str, str]] = {"one_in": "angle number", "rail": "profile", "source": "reference"}
 
     name: Annotated[str, text("the crossing's name")]
     """Name of the crossing, for messages."""

@@ -101,7 +101,6 @@ class Glyph(NamedTuple):
 class ElementTable(Choice, header="[[elements]]"):
     """What all elements have: a name, the body whose axes they follow, the one (or each of those) they lead to."""
 
-    aliases: ClassVar[dict[str, str]] = {"kind": "type", "body": "from", "both_sides": "mirror", "body_mm": "from_mm"}
     glyph: ClassVar[Glyph | None] = None
     """Mark of its kind in drawings; None: not drawn."""
 
@@ -231,8 +230,6 @@ class TabulatedSpringTable(AxialTable, kind="tabulated-spring", glyph=Glyph("h",
 class BumpStopTable(AxialTable, kind="bump-stop", glyph=Glyph("X", "#B00020")):
     """A stop of a given travel; force against travel, the same in both directions or in one."""
 
-    aliases: ClassVar[dict[str, str]] = {**AxialTable.aliases, "travel_mm_force_kN": "gap_mm_force_N"}
-
     travel_mm_force_kN: ForceOfTravel
     """Force over travel, row by row; the free travel has no force."""
     both_ways: bool = True
@@ -329,7 +326,6 @@ class AntiRollBarTable(ElementTable, kind="anti-roll-bar"):
 class FrictionTable(ElementTable, kind="friction", glyph=Glyph("D", "#CC79A7", hollow=True)):
     """Coulomb friction along an axis (direction) or in a plane (plane), behind a stiffness where it sticks."""
 
-    aliases: ClassVar[dict[str, str]] = {**ElementTable.aliases, "friction": "mu", "normal_force_kN": "force_kN"}
     one_of: ClassVar[tuple[str, ...]] = ("direction plane", "normal_force_kN normal_spring")
     goes_with: ClassVar[dict[str, str]] = {"normal_spring_axis": "normal_spring", "normal_factor": "normal_spring"}
 

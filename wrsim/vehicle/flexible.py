@@ -210,7 +210,6 @@ def _free_shape(k: float, x: Array) -> tuple[Array, Array]:
 class FlexibleTable(Section, header="[bodies.NAME.flexible]"):
     """[bodies.NAME.flexible]: elastic modes of a body, from a file or those of a free uniform beam along x."""
 
-    aliases: ClassVar[dict[str, str]] = {"modes": "file", "first_vertical_Hz": "first_bending_Hz frequency_Hz"}
     one_of = ("modes length_mm",)
     goes_with: ClassVar[dict[str, str]] = dict.fromkeys(
         ("first_vertical_Hz", "first_lateral_Hz", "count", "damping"), "length_mm"

@@ -55,8 +55,6 @@ class OutOfRoundTable(Choice, header="[[out_of_round]]"):
 class HarmonicTable(OutOfRoundTable, kind="harmonic"):
     """A polygon: a wave of whole number around the wheel."""
 
-    aliases: ClassVar[dict[str, str]] = {"order": "n harmonic waves", "phase_deg": "angle_deg"}
-
     order: Annotated[int, number(1, 200, "waves around the wheel")]
     """Number of waves around the wheel; 1 is an eccentric wheel."""
     amplitude_mm: Annotated[float, number(0, 20, "mm, half of the largest difference of radii")]
@@ -71,7 +69,6 @@ class HarmonicTable(OutOfRoundTable, kind="harmonic"):
 class FlatTable(OutOfRoundTable, kind="flat"):
     """A flat: fresh, a chord whose edges are short, or rounded, a wave of the cosine."""
 
-    aliases: ClassVar[dict[str, str]] = {"at_deg": "angle_deg place_deg", "shape": "form type"}
     goes_with: ClassVar[dict[str, str]] = {"across_mm": "width_mm"}
 
     shape: Literal["fresh", "rounded"] = "fresh"

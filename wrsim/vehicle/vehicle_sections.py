@@ -31,8 +31,6 @@ Springs = Annotated[
 class ModelFile(Section, header="a vehicle file"):
     """Keys of all vehicle files."""
 
-    aliases: ClassVar[dict[str, str]] = {"name": "title"}
-
     name: Annotated[str, text("the vehicle's name")]
     """Name of the vehicle."""
     source: Source
@@ -46,12 +44,6 @@ class WheelsetTable(Section, header="[wheelset]"):
 
     Wheels that turn against each other have half of spin_inertia_kg_m2 each.
     """
-
-    aliases: ClassVar[dict[str, str]] = {
-        "wheel": "profile wheel_profile", "roll_inertia_kg_m2": "ixx_kg_m2",
-        "spin_inertia_kg_m2": "iyy_kg_m2 pitch_inertia_kg_m2", "yaw_inertia_kg_m2": "izz_kg_m2",
-        "flange_back_mm": "back_to_back_mm",
-    }  # fmt: skip
 
     one_of: ClassVar[tuple[str, ...]] = ("profile_spacing_mm flange_back_mm",)
     goes_with: ClassVar[dict[str, str]] = {
@@ -161,8 +153,6 @@ class SuspensionTable(Section, header="[suspension]"):
 class SprungTable(Section, header="[sprung]"):
     """[sprung]: the share of the vehicle that this wheelset carries."""
 
-    aliases: ClassVar[dict[str, str]] = {"height_above_axle_mm": "height_mm"}
-
     mass_kg: Annotated[float, number(0, 50_000, "kg")] = 0.0
     """Mass that presses on the axle without moving by itself."""
     height_above_axle_mm: Annotated[float, number(-1000, 5000, "mm of its centre above the axle")] = 0.0
@@ -174,8 +164,6 @@ Mirror = Annotated[List[Literal["x", "y"]], Field(description='a list of "x" (fr
 
 class BodyTable(Section, header="[bodies.NAME]"):
     """[bodies.NAME]: a body, rigid or with elastic modes."""
-
-    aliases: ClassVar[dict[str, str]] = {"centre_mm": "center_mm position_mm"}
 
     mass_kg: Annotated[float, number(LEAST, 1e6, "kg")]
     """Mass of the body."""
@@ -207,8 +195,6 @@ class MountTable(Section, header="[wheelsets.NAME]"):
 class AxleBoxTable(Section, header="[axle_boxes.NAME]"):
     """[axle_boxes.NAME]: the two bodies that turn freely about an axle at +-y, NAME left and NAME right."""
 
-    aliases: ClassVar[dict[str, str]] = {"wheelset": "on", "y_mm": "half_spacing_mm"}
-
     wheelset: Annotated[str, text("the name of a wheelset of the same part")]
     """Wheelset that it sits on."""
     y_mm: Annotated[float, positive(2000, "mm from the middle of the axle")]
@@ -221,10 +207,6 @@ class AxleBoxTable(Section, header="[axle_boxes.NAME]"):
 
 class DriveTable(Section, header="[[drives]]"):
     """[[drives]]: a motor that drives a wheelset through a gear and a hollow axle."""
-
-    aliases: ClassVar[dict[str, str]] = {
-        "on": "wheelset axle", "case": "gear gearbox gear_case", "ratio": "gear_ratio i",
-    }  # fmt: skip
 
     on: Annotated[str, text("the name of a wheelset of the same part")]
     """Wheelset that is driven."""
@@ -267,7 +249,6 @@ class LoadTable(Section, header="[[loads]]"):
     """[[loads]]: a force at a point of a body, constant or over the time or the distance, at rest and in runs."""
 
     one_of: ClassVar[tuple[str, ...]] = ("force_kN time_s_force_kN distance_m_force_kN",)
-    aliases: ClassVar[dict[str, str]] = {"on": "body", "axes": "frame", "force_kN": "f_kN"}
 
     name: Name
     """Name of the load."""
@@ -300,7 +281,6 @@ class LoadTable(Section, header="[[loads]]"):
 class PayloadTable(Section, header="[[payloads]]"):
     """[[payloads]]: a mass that is part of a body, or a constant force, with which the vehicle is trimmed."""
 
-    aliases: ClassVar[dict[str, str]] = {"on": "body", "force_kN": "f_kN"}
     one_of: ClassVar[tuple[str, ...]] = ("mass_kg force_kN",)
     goes_with: ClassVar[dict[str, str]] = {"inertia_kg_m2": "mass_kg"}
 
@@ -375,8 +355,6 @@ class PartTable(Section, header="[parts.NAME]"):
 class WheelsetFile(ModelFile):
     """The file of a single wheelset."""
 
-    aliases: ClassVar[dict[str, str]] = {**ModelFile.aliases, "wheelset": "vehicle", "sprung": "sprung_mass"}
-
     wheelset: WheelsetTable
     """The rigid body and its wheels."""
     suspension: SuspensionTable = SuspensionTable()
@@ -400,8 +378,6 @@ class VehicleFile(ModelFile, PartTable):
 
 class MemberTable(Section, header="[[vehicles]]"):
     """[[vehicles]]: a vehicle of a train, or several alike, one behind the other."""
-
-    aliases: ClassVar[dict[str, str]] = {"model": "file vehicle", "count": "number times", "length_mm": "length_m"}
 
     model: Annotated[str, text('a vehicle file such as "vehicles/manchester_1.toml"')]
     """File of the vehicle."""
@@ -427,8 +403,6 @@ class MemberTable(Section, header="[[vehicles]]"):
 
 class TrainFile(ModelFile, header="a train file"):
     """The file of a train: vehicles from front to rear, and what couples them."""
-
-    aliases: ClassVar[dict[str, str]] = {**ModelFile.aliases, "vehicles": "vehicle", "couplings": "coupling"}
 
     name: Annotated[str, text("the train's name")]
     """Name of the train."""

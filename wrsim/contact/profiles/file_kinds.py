@@ -145,8 +145,6 @@ class ChainArc(PieceTable, kind="arc"):
 class ProfileFile(Choice, header="a profile file"):
     """A profile file."""
 
-    aliases: ClassVar[dict[str, str]] = {"kind": "type", "name": "title", "source": "reference"}
-
     name: Annotated[str, text("the profile's name")]
     """Name of the profile, for pictures and messages."""
     body: Kind

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextvars import ContextVar
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -74,8 +74,6 @@ def write_depths(table: DepthTable) -> str:
 
 class WornFile(ProfileFile, kind="worn"):
     """Another profile with bells of material taken off, or depths from a table."""
-
-    aliases: ClassVar[dict[str, str]] = ProfileFile.aliases | {"removals": "removal wear", "depths": "depth_table"}
 
     base: Annotated[str, text('the file of the unworn profile, such as "S1002.toml",')]
     """The unworn profile, looked up beside this file and then among the models."""

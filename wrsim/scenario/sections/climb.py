@@ -37,11 +37,6 @@ class ClimbPlan:
 class ClimbSection(PlanTable, header="[climb]"):
     """Angles of attack and lateral forces under which the left wheel of a wheelset may climb its flange."""
 
-    aliases = {
-        "angle_of_attack_mrad": "attack_mrad yaw_mrad aoa_mrad AOA", "Y_over_Q": "L_over_V l_v y_q",
-        "longest_m": "distance_m length_m",
-    }  # fmt: skip
-
     angle_of_attack_mrad: Series[Annotated[float, number(-50, 50, "mrad, positive: towards the flange")]]
     """Angles of attack at which the wheelset is held; each with every Y/Q."""
     Y_over_Q: Series[Annotated[float, number(0.05, 10)]] = (1.99,)

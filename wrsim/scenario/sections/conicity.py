@@ -39,8 +39,6 @@ class ConicityPlan:
 class ConicitySection(PlanTable, header="[conicity]"):
     """Amplitudes of the equivalent conicity, and how the wheelset's shift is counted."""
 
-    aliases = {"amplitude_mm": "amplitudes_mm y_mm", "curve_radius_m": "curve_radii_m radius_m R"}
-
     amplitude_mm: Series[Amplitude] = AMPLITUDES
     """Amplitudes of the lateral motion for which the conicity is found."""
     roll: Roll = "none"

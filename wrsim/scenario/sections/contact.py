@@ -31,10 +31,6 @@ class ConicalSection(Section, header="[contact.conical]"):
     """Conical wheels with a prescribed creep law; profiles and the other keys of [contact] then count for nothing."""
 
     together = ("flange_clearance_mm flange_stiffness_kN_per_m",)
-    aliases = {
-        "conicity": "lambda", "friction": "mu", "creep_longitudinal_kN": "creep_x_kN f11_kN",
-        "creep_lateral_kN": "creep_y_kN f22_kN", "half_spacing_mm": "half_contact_spacing_mm",
-    }  # fmt: skip
 
     conicity: Annotated[float, number(0, 1, "such as 0.05")]
     """Slope of the tread."""
@@ -61,16 +57,9 @@ STEEL = Material()
 EXACT = HalfSpaceSettings()
 DEFAULTS = ContactSettings()
 
-MATERIAL_ALIASES = {
-    "youngs_modulus_GPa": "E E_GPa modulus_GPa young_GPa",
-    "poisson": "nu poisson_ratio poissons_ratio sigma",
-}
-
 
 class OneMaterial(Section, header="[contact.material.wheel] or [contact.material.rail]"):
     """The material of one side of the contact."""
-
-    aliases = MATERIAL_ALIASES
 
     youngs_modulus_GPa: Modulus | None = None
     """Young's modulus of this side; that of [contact.material] unless given."""
@@ -80,8 +69,6 @@ class OneMaterial(Section, header="[contact.material.wheel] or [contact.material
 
 class MaterialSection(Section, header="[contact.material]"):
     """The material of wheel and rail; the tables ``wheel`` and ``rail`` override it for one of them."""
-
-    aliases = MATERIAL_ALIASES
 
     youngs_modulus_GPa: Modulus = STEEL.youngs_modulus / 1e9
     """Young's modulus of wheel and rail."""
@@ -103,7 +90,6 @@ class HalfSpaceSection(Section, header="[contact.half_space]"):
 
     together = ("element_x_mm element_s_mm",)
     at_most_one = ("element_x_mm resolution",)
-    aliases = {"element_x_mm": "dx_mm", "element_s_mm": "ds_mm", "resolution": "elements", "influence": "kernel"}
 
     element_x_mm: Element | None = None
     """Length of an element along the track; chosen by resolution unless given."""
@@ -132,10 +118,6 @@ FROM_DEG, FULL_DEG = 15.0, 35.0
 class FrictionSection(Section, header="[contact.friction]"):
     """Friction of both rails or of one, that depends on the place on the rail and on the slip speed."""
 
-    aliases = {
-        "static": "mu mu0 coefficient top_of_rail", "gauge_corner": "gauge flange", "falling_ratio": "A",
-        "falling_decay_s_per_m": "B",
-    }  # fmt: skip
     goes_with = {
         "gauge_corner_from_deg": "gauge_corner", "gauge_corner_full_deg": "gauge_corner",
         "falling_decay_s_per_m": "falling_ratio",
@@ -174,11 +156,6 @@ def law_of(value: float | FrictionSection) -> Friction:
 class FrictionPlaceSection(Section, header="[[contact.friction_sections]]"):
     """From a place on another friction holds, which is reached smoothly over transition_m behind that place."""
 
-    aliases = {
-        "from_m": "at_m distance_m s_m", "friction": "mu coefficient static", "side": "rail",
-        "transition_m": "fade_m length_m",
-    }  # fmt: skip
-
     from_m: Annotated[float, number(0, 1e6, "m along the track")]
     """Where it begins; it holds up to the next section of the same rail."""
     friction: FrictionValue
@@ -195,15 +172,6 @@ class ContactSection(Section, header="[contact]"):
     at_most_one = ("friction_sections friction_table",)
     goes_with = {"friction_at_m": "friction_sections friction_table"}
     not_above = {"polach_kS": "polach_kA"}
-    aliases = {
-        "friction": "mu friction_coefficient", "friction_left": "mu_left", "friction_right": "mu_right",
-        "friction_sections": "friction_along friction_section", "friction_table": "friction_file friction_csv",
-        "normal": "normal_model model contact_model", "traction_bound": "bound",
-        "tangential": "tangential_model creep creep_forces creep_model",
-        "strips": "n_strips", "cells": "n_cells", "max_patches": "patches", "polach_kA": "kA k_A",
-        "polach_kS": "kS k_S", "slope_k0": "k_0 k0_mf", "slope_alpha_inf": "alpha_inf alfamf",
-        "slope_beta": "betamf",
-    }  # fmt: skip
 
     normal: Normal = DEFAULTS.normal
     """Model of the normal pressure: strips, the paper's, or the exact half-space solver."""

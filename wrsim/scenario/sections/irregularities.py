@@ -28,8 +28,6 @@ Channels = Annotated[List[Channel], Field(min_length=1), Predicate(lambda names:
 class GradeSection(Section, header="[[track.grades]]"):
     """From a distance on the track climbs or falls; a vertical curve leads over from the grade before."""
 
-    aliases = {"from_m": "at_m", "vertical_radius_m": "radius_m", "grade_permille": "grade"}
-
     from_m: Place
     """Where the grade begins; the middle of the vertical curve."""
     grade_permille: Annotated[float, number(-150, 150, "positive: uphill")]
@@ -63,8 +61,6 @@ class _Stretch(IrregularityTable):
 class SpectrumSection(_Stretch, kind="spectrum"):
     """Irregularities drawn from a spectrum."""
 
-    aliases = {"wavelength_m": "band_m wavelengths_m", "spectrum": "name"}
-
     spectrum: Literal[*SPECTRA]  # type: ignore[valid-type]
     """Whose density, of which quality of track."""
     seed: Annotated[int, number(0, 2**31 - 1)]
@@ -91,8 +87,6 @@ class SpectrumSection(_Stretch, kind="spectrum"):
 class TableSection(_Stretch, kind="table"):
     """Measured irregularities from a CSV table."""
 
-    aliases = {"file": "table csv", "wavelength_m": "band_m"}
-
     file: Annotated[str, text('a CSV file such as "measured.csv"')]
     """Table of the measurement; docs/user/track.md has its columns."""
     wavelength_m: Band | None = None
@@ -107,7 +101,6 @@ class TableSection(_Stretch, kind="table"):
 class _Defect(IrregularityTable):
     """One place: its middle, length, shape and size."""
 
-    aliases = {"amplitude_mm": "depth_mm height_mm", "at_m": "distance_m"}
     channel: ClassVar[Channel]
     sign: ClassVar[float] = 1.0
 
@@ -182,7 +175,6 @@ class McatSection(IrregularityTable, kind="mcat"):
     """Deviations of minimally compliant analytical track (49 CFR 213, Appendix D): waves as long as a chord, so that
     the mid-chord offset of that chord is the amplitude."""
 
-    aliases = {"deviation": "channel type", "chord_ft": "wavelength_ft", "waves": "count repeats", "from_m": "at_m"}
     one_of = ("amplitude_mm track_class",)
 
     deviation: Literal[*MCAT]  # type: ignore[valid-type]

@@ -37,8 +37,6 @@ class OverturningPlan:
 class WindSection(AirSection, header="[overturning.wind]"):
     """Wind across the track, from the inside of the curve."""
 
-    aliases = AirSection.aliases | {"speed_m_s": "wind_m_s speeds_m_s"}
-
     speed_m_s: Series[Largest]
     """Speeds of the wind, each on its own; of a gust the largest."""
 
@@ -46,10 +44,6 @@ class WindSection(AirSection, header="[overturning.wind]"):
 class OverturningSection(PlanTable, header="[overturning]"):
     """A curve, and the wind, in which the speed is looked for at which a vehicle overturns."""
 
-    aliases = {
-        "radius_m": "R", "cant_mm": "superelevation_mm", "run": "dynamic", "highest_kmh": "max_speed_kmh",
-        "lowest_kmh": "min_speed_kmh",
-    }  # fmt: skip
     above = {"highest_kmh": "lowest_kmh"}
 
     radius_m: Radius

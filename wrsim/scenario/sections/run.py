@@ -43,12 +43,6 @@ Coefficients = Annotated[
 class WearSection(StretchTable, header="[wear]"):
     """By which laws wear and rolling contact fatigue of a run are computed, and over which stretch."""
 
-    aliases = {
-        "laws": "law model", "from_m": "start_m", "to_m": "end_m", "hardness_GPa": "hardness H_GPa",
-        "archard_coefficients": "wear_coefficients k", "shear_yield_MPa": "k_MPa yield_in_shear_MPa",
-        "place_step_mm": "step_mm resolution_mm",
-    }  # fmt: skip
-
     laws: List[LawName] = ()
     """Laws of wear, one or several; without any there is neither wear nor fatigue in the result."""
     hardness_GPa: Annotated[float, number(0.5, 20, "of the softer body")] = 2.8
@@ -82,8 +76,6 @@ class WearSection(StretchTable, header="[wear]"):
 
 class RideSection(StretchTable, header="[ride]"):
     """Which stretch of a run is evaluated, and how finely; it leaves out where a run starts and ends."""
-
-    aliases = {"from_m": "start_m", "to_m": "end_m", "resolution_Hz": "df_Hz"}
 
     resolution_Hz: Annotated[float, number(0.001, 10, "Hz")] = 0.1
     """Distance between two lines of the spectra."""
@@ -147,11 +139,6 @@ class RunSection(PlanTable, header="[run]"):
     """Where a run along the track starts and ends, and its steps in time."""
 
     at_most_one = ("distance_m time_s",)
-    aliases = {
-        "time_s": "duration_s t_end_s end_time_s", "distance_m": "length_m",
-        "integrator": "method solver integration", "step_us": "dt_us h_us dt dt_s step_s step_ms time_step_ms",
-        "output_interval_ms": "output_step_ms sampling_ms", "channels_at_hz": "channels_at_Hz fast_Hz sampling_rate_Hz",
-    }  # fmt: skip
 
     start_distance_m: Annotated[float, number(0, 1e6, "m along the centre line")] = 0.0
     """Where the run starts; it starts from steady motion at that place."""
@@ -251,8 +238,6 @@ def _is_whole(number: float) -> bool:
 
 class OutputSection(AnalysisTable, header="[output]"):
     """What is stored besides the channels."""
-
-    aliases = {"patches_at_m": "snapshots_m patches"}
 
     patches_at_m: List[Annotated[float, number(0, 1e6, "m, distance of the vehicle")]] | None = None
     """Places at which whole patches are stored; the middle of every arc unless given."""

@@ -50,10 +50,6 @@ class StabilityPlan:
 class StabilitySection(PlanTable, header="[stability]"):
     """Speeds of the linearised modes, and how limit cycles are looked for."""
 
-    aliases = {
-        "speed_kmh": "speeds_kmh", "highest_Hz": "highest_frequency_Hz", "nonlinear": "limit_cycles bifurcation",
-        "cycle_step_kmh": "step_kmh", "cycle_start_kmh": "start_kmh",
-    }  # fmt: skip
     above = {"cycle_start_kmh": "lowest_kmh", "small_kick_mm": "rest_mm"}
     not_above = {"tolerance_kmh": "cycle_step_kmh"}
 

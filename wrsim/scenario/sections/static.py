@@ -49,11 +49,6 @@ class StaticSection(PlanTable, header="[static]"):
     CSV table ``cases``. The load is that of the one wheel, or of the whole wheelset, which finds its own roll.
     """
 
-    aliases = {
-        "lateral_mm": "y_mm shift_mm lateral_shift_mm", "yaw_mrad": "attack_mrad angle_of_attack_mrad",
-        "load_kN": "force_kN Q_kN wheel_load_kN axle_load_kN", "cases": "file csv table", "side": "wheel",
-    }  # fmt: skip
-
     target: Literal["wheel", "wheelset"]
     """One wheel in a prescribed pose, or a wheelset that finds its own roll."""
     side: Literal["left", "right"] = "left"

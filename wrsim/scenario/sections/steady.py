@@ -42,8 +42,6 @@ class SteadyPlan:
 class SteadySection(PlanTable, header="[steady]"):
     """Curves, cants and speeds at which the steady motion of a vehicle is looked for."""
 
-    aliases = {"radius_m": "radii_m R", "speed_kmh": "speeds_kmh v", "cant_mm": "cants_mm superelevation_mm"}
-
     radius_m: Series[Radius]
     """Radii of the curves."""
     cant_mm: Series[Cant] = (0.0,)

@@ -42,7 +42,6 @@ class MovingMassStructure(StructureTable, kind="moving mass"):
     wheel, recalled; its lateral damping is the same part of critical as the vertical one, 22 %.
     """
 
-    aliases = {"vertical_mass_kg": "mass_kg"}
     source: ClassVar[str] = "GM/TT0088"
 
     lateral_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "20 to 50 for one rail under one wheel")] = 25.0
@@ -165,7 +164,6 @@ class JointSection(Section, header="[[track.structure.joints]]"):
 class BridgeSection(Section, header="[track.structure.bridge]"):
     """A bridge: a continuous beam over its spans, or modes from a file; it moves up and down."""
 
-    aliases = {"spans_m": "length_m span_m", "modes": "file", "count": "mode_count"}
     one_of = ("spans_m modes",)
     together = ("spans_m bending_GNm2 mass_t_per_m",)
     goes_with = {"damping_percent": "spans_m", "count": "spans_m"}
@@ -194,8 +192,6 @@ class BridgeSection(Section, header="[track.structure.bridge]"):
 
 class SleepersStructure(StructureTable, kind="sleepers"):
     """Each rail a beam on pads, sleepers and ballast, in a window that travels with the vehicle."""
-
-    aliases = {"spacing_mm": "sleeper_spacing_mm", "sleeper_mass_kg": "mass_kg"}
 
     spacing_mm: Annotated[float, number(100, 2000)] = 600.0
     """Distance between two sleepers."""

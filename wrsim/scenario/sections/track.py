@@ -72,7 +72,6 @@ class StraightSegment(SegmentTable, kind="straight"):
 
     geometry = segments.Straight
     also_called = "tangent line"
-    aliases = {"length_m": "l L"}
 
     length_m: Length
     """Length along the centre line."""
@@ -91,7 +90,6 @@ class TransitionSegment(SegmentTable, kind="transition"):
 
     geometry = segments.Transition
     also_called = "spiral easement ramp"
-    aliases = {"length_m": "l L", "form": "type shape"}
 
     length_m: Length
     """Length along the centre line."""
@@ -104,10 +102,6 @@ class ArcSegment(SegmentTable, kind="arc"):
 
     also_called = "curve circle circular radius"
     one_of = ("length_m angle_deg",)
-    aliases = {
-        "length_m": "l L", "radius_m": "r R", "cant_mm": "superelevation superelevation_mm",
-        "gauge_widening_mm": "widening widening_mm",
-    }  # fmt: skip
 
     radius_m: Radius
     """Radius of the centre line; positive curves to the left."""
@@ -158,7 +152,6 @@ class RailSectionSection(Section, header="[[track.rail_sections]]"):
     one_of = ("rail table crossing",)
     at_most_one = ("table features_mm", "crossing features_mm", "check_rail features_mm")
     goes_with = {"measured": "table", "trailing": "crossing", "check_rail": "rail"}
-    aliases = {"at_m": "distance_m position_m s_m", "rail": "profile", "features_mm": "features"}
 
     at_m: Annotated[float, number(0, 1e6, "m along the track")]
     """Where along the track the rail has this section; where the distances of a table begin to count, or where the
@@ -193,12 +186,6 @@ class TrackSection(Section, header="[track]"):
     """
 
     at_most_one = ("segments table", "check_rail check_rail_left", "check_rail check_rail_right")
-    aliases = {
-        "check_rail": "guard_rail", "inclination": "rail_cant rail_inclination", "rail": "profile rail_profile",
-        "segments": "segment",
-        "grades": "grade gradients", "rail_sections": "sections rail_section",
-        "irregularities": "irregularity defects", "structure": "elasticity", "table": "csv", "file": "model",
-    }  # fmt: skip
 
     file: Annotated[str, text('a track file such as "tracks/mixed_line.toml"')] | None = None
     """File of a track that many scenarios share; keys given here lie over its own, keys of a base beneath."""

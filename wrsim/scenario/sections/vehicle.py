@@ -72,7 +72,6 @@ class EffortTable(Section, header="[[vehicle.efforts]]"):
     """A moment on each of some wheelsets over the time or the distance of the vehicle's origin, positive forward."""
 
     one_of = ("moment_kNm time_s_moment_kNm distance_m_moment_kNm",)
-    aliases = {"on": "wheelsets wheelset axles axle", "moment_kNm": "torque_kNm"}
 
     on: List[Annotated[str, text("the name of a wheelset")]] = ()
     """Wheelsets that the moment acts on, each alike; all of them where it is not given."""
@@ -97,8 +96,6 @@ class SlipControlTable(Section, header="[vehicle.slip_control]"):
     A moment is given in full up to half of that, from there on linearly less, nothing at the limit.
     """
 
-    aliases = {"slip_kmh": "slip_speed_kmh", "creepage": "slip_ratio"}
-
     slip_kmh: Annotated[float, number(0, 50, "km/h of slip speed")] = 0.0
     """Part of the limit that does not change with the speed."""
     creepage: Annotated[float, number(0, 1, "slip speed over the vehicle's speed")] = 0.0
@@ -115,11 +112,6 @@ class VehicleSection(Section, header="[vehicle]"):
     drive: a pull along the track ("train", the default), moments on the axles ("wheels"), nothing but springs to a
     frame of constant speed, if there are any ("free", the default of a single wheelset).
     """
-
-    aliases = {
-        "speed_kmh": "v velocity velocity_kmh v0", "model": "file name", "wheel": "profile wheel_profile",
-        "wheel_left": "profile_left", "wheel_right": "profile_right", "sprung_mass_kg": "mass mass_kg",
-    }  # fmt: skip
 
     model: Annotated[str, text('a vehicle file such as "vehicles/wheelset_s1002.toml"')]
     """File of the vehicle, or of a single wheelset."""

@@ -1,7 +1,7 @@
 """The air against the side of a vehicle, and [vehicle.wind]: wind along the track of a run."""
 
 from math import radians
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -17,10 +17,6 @@ Table = RisingRows[Annotated[_Four, Field(description="four numbers [yaw deg, si
 class AirSection(Section, header="wind"):
     """What the wind pushes at."""
 
-    aliases: ClassVar[dict[str, str]] = {
-        "side_area_m2": "area_m2", "coefficient": "c_y cy side_coefficient",
-        "yaw_deg_side_lift_roll": "coefficients", "reference_length_m": "d0_m",
-    }  # fmt: skip
     together = ("yaw_deg_side_lift_roll reference_length_m",)
     one_of = ("height_m yaw_deg_side_lift_roll",)
 
