@@ -79,7 +79,7 @@ def _contact(settings: ContactSettings) -> dict[str, Any]:
     stages = [k.CONTACT, NORMAL_MODELS[settings.normal].kernel, k.CREEP_FORCES]
     compile_stages(*stages)
     before = arrays.buffer.copy()
-    status = arrays.call()
+    status = arrays.evaluate()
     return {"before": before, "after": arrays.buffer, "index": arrays.index, "status": status, "stages": stages}
 
 

@@ -55,7 +55,7 @@ def compare(stand: Stand, drawn: Drawn, exact: HalfSpace) -> tuple[float, float,
     """N and p0 over those of the half-space less 1, with how many strips the pose was solved, Jacobians."""
     _pair, lateral, yaw, load = drawn
     stand.strips.solve(Pose("", 1e-3 * lateral, 1e-3 * yaw, 1e3 * load))
-    stand.arrays.call()
+    stand.arrays.evaluate()
     lobes, memo = stand.arrays.patches[: stand.arrays.total["lobes"]], stand.arrays.rows.memo[0]
     ours = float(lobes["N"].sum()), float(lobes["p0"].max())
     model = stand.screen.wheels[0].model

@@ -125,7 +125,7 @@ def pose_block(stands: list[Stand], seed: tuple[int, int], wanted: int) -> dict[
             stand.strips.evaluate(lateral, height - depth, yaw, 0.0)
             memo = stand.arrays.rows.memo[0]
             began = time.thread_time()
-            status = stand.arrays.call()
+            status = stand.arrays.evaluate()
             times.append(1e6 * (time.thread_time() - began))
             iterations.append(int(memo["iterations"]))
             ours, strips = force(stand.strips), int(memo["strips"])
@@ -191,7 +191,7 @@ def loads(arguments: argparse.Namespace) -> dict[str, object]:
         lateral, yaw, roll = random.uniform(-1.0, 1.0, 3) * HIGHEST
         a = stands[pair].wheels[0].model.arrays
         stands[pair].place(lateral, RADIUS + 0.03, yaw, roll)
-        search = search_for([random.uniform(LEAST, 200e3)], a.pose[2], RADIUS, a.settings.E)[0]
+        search = search_for([random.uniform(LEAST, 200e3)], a.pose[2], RADIUS, a.model.E)[0]
         status = int(meet_load(a.buffer, a.index, search))
         residuals[i] = search["residuals"]
         if status & UNSOLVED:

@@ -64,7 +64,7 @@ def forces(chosen: Chosen, settings: ContactSettings, row: Row) -> Array:
         if chosen.solver is not None:
             solve_into(model, chosen.solver, None)
         else:
-            model.arrays.call()
+            model.arrays.evaluate()
         return float(model.arrays.patches["N"][: int(model.arrays.total["lobes"])].sum()) - target
 
     if chosen.solver is None:

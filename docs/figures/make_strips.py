@@ -38,7 +38,7 @@ def plan(axes: Axes, model: ContactModel) -> None:
     """Strips from above, the three points of each, and the contact locus."""
     a = model.arrays
     rows = a.rows.rows[0]
-    places = a.rows.places[: int(a.settings.strips)]
+    places = a.rows.places[: int(a.model.strips)]
     for place in places[places["y"] > 0.0]:
         half, middle = np.sqrt(place["y"]), place["x"] + place["off"]
         lo, hi = MM * place["lo"], MM * place["hi"]

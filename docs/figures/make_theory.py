@@ -180,7 +180,7 @@ def half_space(figure: Figure) -> None:
 def creep_forces(figure: Figure) -> None:
     """Strips and cells in adhesion and slip, tractions along a strip."""
     model = solved(tangential="fastsim")
-    lobe, shear = model.arrays.patches[0], float(model.arrays.settings.G)
+    lobe, shear = model.arrays.patches[0], float(model.arrays.model.G)
     half, across = 0.5 * lobe.length, 2 * lobe.area / np.pi / lobe.length
     soft = 8 * half / (3 * shear) / np.array([4.12, 3.67])  # Kalker's coefficients of a circle
     turning = np.pi * half * np.sqrt(half / across) / (4 * 1.47 * shear)

@@ -18,7 +18,7 @@ from support.kernels import kept_object
 from wrsim import Friction, Harmonic, InputError, WrsimError, contact_model
 from wrsim.contact import records as k
 from wrsim.contact.arrays import Arrays
-from wrsim.contact.library.build import HEADER, LIBRARY, SOURCE, build_library
+from wrsim.contact.library.build import LIBRARY, build_library, public_header
 from wrsim.contact.library_file import MAGIC
 from wrsim.contact.settings import FrictionAlong
 from wrsim.contact.status import WORDS, status_words
@@ -39,7 +39,7 @@ pytestmark = [
 
 def row_type(name):
     """numpy's type of a struct of the header, with its names."""
-    body = re.search(r"typedef struct \{([^}]*)\} " + name + ";", (SOURCE / HEADER).read_text())[1]
+    body = re.search(r"typedef struct \{([^}]*)\} " + name + ";", public_header())[1]
     plain = re.sub(r"/\*.*?\*/", "", body, flags=re.S)
     fields = []
     for kind, names in re.findall(r"(double|int32_t) ([^;]*);", plain):
@@ -336,7 +336,7 @@ def test_the_library_needs_the_c_library_alone_and_shows_its_functions_alone(bui
     assert {name.split(".")[0] for name in needed} <= {"libc", "libm"}
     listed = subprocess.run(["nm", "-D", "--defined-only", str(built / LIBRARY)], **run).stdout
     shown = {line.split()[-1] for line in listed.splitlines()}
-    assert shown == set(re.findall(r"WRSIM_API [^;(]*?(wrsim_\w+)\(", (SOURCE / HEADER).read_text()))
+    assert shown == set(re.findall(r"WRSIM_API [^;(]*?(wrsim_\w+)\(", public_header()))
     assert len(shown) <= 15
 
 

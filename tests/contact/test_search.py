@@ -40,13 +40,13 @@ def random_poses(model, count, seed, deepest=0.4e-3):
 def wheel_point(model, origin, axle, arc):
     """(o, b) and tangent of the outline of the kernel's wheel."""
     a = model.arrays
-    at = locus_point(contacts.wheel_at(a.wheel, a.settings.wheel_step, model.radius, origin, axle), arc)
+    at = locus_point(contacts.wheel_at(a.wheel, a.model.wheel_step, model.radius, origin, axle), arc)
     return np.array([at.o, at.b]), np.array([-at.nb, at.no])
 
 
 def rail_point(model, arc):
     """(o, b) and tangent of the kernel's rail."""
-    at = profile_point(ProfileTable(model.arrays.rail, float(model.arrays.settings.rail_step)), arc)
+    at = profile_point(ProfileTable(model.arrays.rail, float(model.arrays.model.rail_step)), arc)
     return np.array([at.u, at.w]), np.array([at.tu, at.tw])
 
 
@@ -88,7 +88,7 @@ def brute_force(model, points=4001):
 
     def depths():
         none, numbers = np.zeros((0, 0)), np.zeros(5)
-        outline(a.wheel, a.settings["wheel_step"], model.radius, a.pose, none, none, numbers, arc, line)
+        outline(a.wheel, a.model["wheel_step"], model.radius, a.pose, none, none, numbers, arc, line)
         distance, near = tree.query(line.T)
         depth = -(-(line[0] - u[near]) * tw[near] + (line[1] - w[near]) * tu[near])
         beside = (near == 0) | (near == len(u) - 1) | (distance > 5e-3)

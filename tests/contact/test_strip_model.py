@@ -259,13 +259,13 @@ def test_where_a_run_came_from_does_not_show():
     forces = []
     for step in (1e-6, -7e-6, 40e-6):
         arrays.pose[1] = pose[1] + 10 * step
-        arrays.call()
+        arrays.evaluate()
         for k in range(10, -1, -1):
             arrays.pose[1] = pose[1] + k * step
-            arrays.call()
+            arrays.evaluate()
         forces.append(arrays.force)
     arrays.follow(False)
-    arrays.call()
+    arrays.evaluate()
     # demanded: 1e-7 of the load
     assert np.abs(np.array(forces) - arrays.force).max() < 1e-7 * 60e3
 
@@ -308,7 +308,7 @@ def test_random_poses_are_solved_afresh(pair):
         touching = contacts.settle(stand, lateral, yaw, 10.0)[0].height
         for depth in 1e-6 * 300.0 ** random.uniform(0.0, 1.0, 4):
             stand.evaluate(lateral, touching - depth, yaw, 0.0)
-            assert not model.arrays.call() & STATUS_NOT_CONVERGED, (lateral, yaw, depth)
+            assert not model.arrays.evaluate() & STATUS_NOT_CONVERGED, (lateral, yaw, depth)
 
 
 @pytest.mark.parametrize(("lateral", "yaw", "depth"), [
@@ -322,7 +322,7 @@ def test_a_shoulder_that_all_but_touches_beyond_a_gap_is_solved(lateral, yaw, de
     forces = []
     for share in np.linspace(0.97, 1.03, 13):
         stand.evaluate(lateral, touching - share * depth, yaw, 0.0)
-        assert not model.arrays.call() & STATUS_NOT_CONVERGED
+        assert not model.arrays.evaluate() & STATUS_NOT_CONVERGED
         forces.append(model.arrays.patches["N"][: model.arrays.total["lobes"]].sum())
     assert np.all(np.diff(forces) > 0.0)
 
@@ -339,7 +339,7 @@ def test_a_narrow_contact_with_an_end_as_long_as_can_be_is_solved(lateral, yaw, 
     stand = contacts.bench(model, rolling=False)
     for load in loads:
         _solved, contact = contacts.settle(stand, lateral, yaw, load)
-        assert not model.arrays.call() & STATUS_NOT_CONVERGED and model.arrays.substitutes == 0
+        assert not model.arrays.evaluate() & STATUS_NOT_CONVERGED and model.arrays.substitutes == 0
         assert contact.normal_force == pytest.approx(HalfSpace(resolution=16).solve_pose(model).normal_force, rel=wrong)
 
 
@@ -353,7 +353,7 @@ def test_where_the_penetration_bends_within_a_strip_newton_s_method_is_quadratic
     height = contacts.settle(stand, lateral, 0.0, load)[0].height
     for less in np.linspace(-1e-6, 1e-6, 5):
         stand.evaluate(lateral, height + less, 0.0, 0.0)
-        assert not model.arrays.call() & STATUS_NOT_CONVERGED
+        assert not model.arrays.evaluate() & STATUS_NOT_CONVERGED
         assert model.arrays.rows.memo[0].iterations < 60
 
 
@@ -391,13 +391,13 @@ def test_the_shallowest_contacts_are_solved_and_hertz_s():
     a = model.arrays
     stand.place(8.918934e-3, 0.48, -38.437184e-3, 8.955071e-3)
     for _ in range(60):
-        a.call()
+        a.evaluate()
         a.pose[2] -= a.total["closest"] if a.total["closest"] > 0.0 else 0.0
     touching, forces = float(a.pose[2]), []
     depths = 10.0 ** np.arange(-13.0, -5.0)
     for depth in depths:
         a.pose[2] = touching - depth
-        assert a.call() == 0
+        assert a.evaluate() == 0
         forces.append(float(a.total["Fb"]))
     assert np.diff(np.log10(forces[2:])) == pytest.approx(1.5, abs=1e-3)
 
@@ -419,7 +419,7 @@ def test_a_load_takes_at_most_fifty_times_the_residuals_of_the_median():
         lateral, yaw, roll = draw.uniform(-1.0, 1.0, 3) * (12e-3, 40e-3, 10e-3)
         stand.place(lateral, 0.49, yaw, roll)
         a = stand.wheels[0].model.arrays
-        search = search_for([draw.uniform(1e3, 200e3)], a.pose[2], contacts.RADIUS, a.settings.E)[0]
+        search = search_for([draw.uniform(1e3, 200e3)], a.pose[2], contacts.RADIUS, a.model.E)[0]
         assert meet_load(a.buffer, a.index, search) & ~3 == 0
         spent.append(int(search["residuals"]))
     assert 0.7 < MOST_RESIDUALS / (50.0 * np.median(spent)) < 1.5

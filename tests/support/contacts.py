@@ -142,4 +142,4 @@ def strip_system(model: ContactModel) -> tuple[System, int]:
     a = model.arrays.rows
     wheel, rail, _pose = bodies(a)
     system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
-    return system, int(model.arrays.settings.strips)
+    return system, int(model.arrays.model.strips)

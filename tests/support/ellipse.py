@@ -48,29 +48,30 @@ def roll(
     """A tangential model on the ellipse; xi, eta at its centre, spin phi [1/m]. Returns the strips.
 
     model: a choice of ContactSettings.tangential, or "fastsim, parabolic", or "fastsim, blended"; direction: speed
-    along x [m/s]; numbers: of SETTINGS."""
+    along x [m/s]; numbers: of MODEL and CALL."""
     rows = ellipse(aspect, strips, radius, peak)
     rows["xi"], rows["eta"], rows["phi"] = xi - phi * rows["s"], eta, phi
     force = rows["N"].sum()
-    lobes, settings = np.zeros(1, k.LOBE), np.zeros(1, k.SETTINGS)
+    lobes, constants, call = np.zeros(1, k.LOBE), np.zeros(1, k.MODEL), np.zeros(1, k.CALL)
     lobes["N"], lobes["n_strips"], lobes["amplitude"], lobes["partner"] = force, strips, 1.0, -1
     lobes["area"] = np.pi * radius**2
     lobes["length"], lobes["width"] = 2.0 * radius * np.sqrt(aspect), 2.0 * radius / np.sqrt(aspect)
     name, _, option = model.partition(", ")
-    settings["tangential"] = TANGENTIAL[name]
-    settings["parabolic"] = option == "parabolic"
-    settings["blended"] = option == "blended"
-    settings["mu"] = settings["mu_gauge"] = friction
-    settings["G"] = SHEAR_MODULUS
-    for factor in ("fall_ratio", "kA", "kS", "slope_k0", "slope_alpha_inf"):
-        settings[factor] = 1.0
+    constants["tangential"] = TANGENTIAL[name]
+    constants["parabolic"] = option == "parabolic"
+    constants["blended"] = option == "blended"
+    call["mu"] = call["mu_gauge"] = friction
+    constants["G"] = SHEAR_MODULUS
+    call["fall_ratio"] = 1.0
+    for factor in ("kA", "kS", "slope_k0", "slope_alpha_inf"):
+        constants[factor] = 1.0
     for name, value in numbers.items():
-        settings[name] = value
+        (call if name in call.dtype.names else constants)[name] = value
     shape = bound_over_cells(cells, option == "parabolic")
     work = np.zeros((12, max(strips, 8)))
     nothing = Arrays(*[None] * ARRAYS)
     a = nothing._replace(
-        creep=COEFFICIENTS, shape=shape, settings=settings, patches=lobes, strips=rows[None], work=work
+        creep=COEFFICIENTS, shape=shape, model=constants, call=call, patches=lobes, strips=rows[None], work=work
     )
     creep_forces(a, direction, 1, 0)
     return rows

@@ -92,9 +92,8 @@ def resolve_contacts(
                 rail = setup.track.left if wheel.side > 0 else setup.track.right
                 ahead = wheel.half_spacing * poses[moment, j, 3]  # of a yawed axle's end
                 place = float(along[row, j] + ahead)
-                wheel.model.arrays.settings.place = place
                 twist, left, up = rail.turning(place)
-                wheel.model.turn_rail(wheel.side * twist, wheel.side * left, up)
+                wheel.model.arrays.set_call(place, (wheel.side * twist, wheel.side * left, up))
                 wheel.model.arrays.pose[:] = poses[moment, j]
                 fields, words = _settle(wheel, float(loads[row, j]) if keep == "load" else 0.0)
                 raw.store(row, j, wheel.model.arrays)

@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from wrsim.contact.records import FOUND, LOBE, SETTINGS, STRIP, TOTAL
+from wrsim.contact.records import CALL, FOUND, LOBE, MODEL, STATE, STRIP, TOTAL
 from wrsim.contact.strips.records import GRID, MEMO, PLACE, ROW
 from wrsim.jit import Array, Ints, Record, Records, block, inlined, kernel, matrix, record_rows, records, vector
 
@@ -10,49 +10,45 @@ from wrsim.jit import Array, Ints, Record, Records, block, inlined, kernel, matr
 class Arrays(NamedTuple):
     """Arrays of one wheel on one rail, in the order of the workspace.
 
-    wheel, rail: profile tables, the rail's in (o, b) with its inclination, of one that changes along the track station
-    by station; rates: of these along s; stations: (4, n) their places, numbers of their fields, sines of the rail's own
-    axes and the rates of these, (2, 1) for a rail of one profile; field: signed distances of the rail, one grid behind
-    the other; creep: (ASPECTS, 3) Kalker coefficients; shape: (cells,) bound over the cells; settings: (1,) SETTINGS;
-    pose: (POSE,). found: (8,) FOUND, work: (14, >= strips, >= 8): scratch; influence to memo: of the strip model
-    (contact.strips.records); friction: (rows, 7) along the rail (contact.creep.friction), no rows where
-    it is the same everywhere; depth, branches: of a wheel out of round (contact.records.Shape), no rows for a
-    round one. Results: patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.
+    Those of a rail that changes along the track have its stations one behind the other; a rail of one profile is one
+    station.
     """
 
-    wheel: Any
-    rail: Any
-    rates: Any
-    stations: Any
-    field: Any
-    creep: Any
-    shape: Any
-    settings: Any
-    pose: Any
-    found: Any
-    patches: Any
-    strips: Any
-    work: Any
-    influence: Any
-    rows: Any
-    places: Any
-    grids: Any
-    vectors: Any
-    matrix: Any
-    memo: Any
-    friction: Any
-    depth: Any
-    branches: Any
-    total: Any
+    wheel: Any  # (n, 5) table of the profile (contact.surfaces.profile_table)
+    rail: Any  # the same of the rail in (o, b), with its inclination
+    rates: Any  # of the rail's table along s; (0, 0) for one profile
+    stations: (
+        Any  # (4, n): place, number of the field, sine of the rail's own axes and its rate; (2, 1) for one profile
+    )
+    field: Any  # signed distances of the rail, see contact.search.points
+    creep: Any  # (ASPECTS, 3) Kalker's coefficients
+    shape: Any  # (cells,) traction bound over the cells of a strip
+    model: Any  # (1,) MODEL
+    call: Any  # (1,) CALL
+    pose: Any  # (POSE,)
+    state: Any  # (1,) STATE
+    found: Any  # (8,) FOUND: what the search found
+    patches: Any  # (lobes,) LOBE: result
+    strips: Any  # (lobes, n) STRIP: result
+    work: Any  # (14, >= strips, >= 8) scratch
+    influence: Any  # table of the strip model (contact.strips.influence)
+    rows: Any  # (grids, ROWS) ROW of the strip model
+    places: Any  # (grids * n,) PLACE of the strip model
+    grids: Any  # (grids,) GRID of the strip model
+    vectors: Any  # (VECTORS, unknowns) of the strip model
+    matrix: Any  # (unknowns, unknowns) of the strip model
+    memo: Any  # (1,) MEMO of the strip model
+    friction: Any  # (rows, 7) along the rail (contact.creep.friction); no rows where it is the same everywhere
+    depth: Any  # of a wheel out of round (Shape); no rows for a round one
+    branches: Any  # (n, 4) of a wheel out of round
+    total: Any  # (1,) TOTAL: result
 
 
 ARRAYS = len(Arrays._fields)
-TABLES = tuple(
-    Arrays._fields.index(name)
-    for name in ("wheel", "rail", "rates", "stations", "field", "creep", "shape", "influence", "friction", "depth")
-)
+READ_ONLY = {"wheel", "rail", "rates", "stations", "field", "creep", "shape", "model", "influence", "friction", "depth"}
+TABLES = tuple(i for i, name in enumerate(Arrays._fields) if name in READ_ONLY)
 """Arrays that kernels only read."""
-SETTINGS_PLACE = Arrays._fields.index("settings")
+_CALL = Arrays._fields.index("call")
 
 
 @kernel
@@ -67,23 +63,25 @@ def arrays(buffer: Array, index: Ints) -> Arrays:
         block(buffer, index, first + 4),
         matrix(buffer, index, first + 5),
         vector(buffer, index, first + 6),
-        records(buffer, index, first + 7, SETTINGS),
-        vector(buffer, index, first + 8),
-        records(buffer, index, first + 9, FOUND),
-        records(buffer, index, first + 10, LOBE),
-        record_rows(buffer, index, first + 11, STRIP),
-        matrix(buffer, index, first + 12),
-        matrix(buffer, index, first + 13),
-        record_rows(buffer, index, first + 14, ROW),
-        records(buffer, index, first + 15, PLACE),
-        records(buffer, index, first + 16, GRID),
-        matrix(buffer, index, first + 17),
-        matrix(buffer, index, first + 18),
-        records(buffer, index, first + 19, MEMO),
+        records(buffer, index, first + 7, MODEL),
+        records(buffer, index, first + 8, CALL),
+        vector(buffer, index, first + 9),
+        records(buffer, index, first + 10, STATE),
+        records(buffer, index, first + 11, FOUND),
+        records(buffer, index, first + 12, LOBE),
+        record_rows(buffer, index, first + 13, STRIP),
+        matrix(buffer, index, first + 14),
+        matrix(buffer, index, first + 15),
+        record_rows(buffer, index, first + 16, ROW),
+        records(buffer, index, first + 17, PLACE),
+        records(buffer, index, first + 18, GRID),
+        matrix(buffer, index, first + 19),
         matrix(buffer, index, first + 20),
-        matrix(buffer, index, first + 21),
+        records(buffer, index, first + 21, MEMO),
         matrix(buffer, index, first + 22),
-        records(buffer, index, first + 23, TOTAL),
+        matrix(buffer, index, first + 23),
+        matrix(buffer, index, first + 24),
+        records(buffer, index, first + 25, TOTAL),
     )
 
 
@@ -94,6 +92,6 @@ def results(buffer: Array, index: Ints) -> Records:
 
 
 @inlined
-def settings_of(buffer: Array, index: Ints) -> Record:
-    """The SETTINGS record in a workspace of one wheel."""
-    return records(buffer, index, index.shape[0] - ARRAYS + SETTINGS_PLACE, SETTINGS)[0]
+def call_of(buffer: Array, index: Ints) -> Record:
+    """The CALL record in a workspace of one wheel."""
+    return records(buffer, index, index.shape[0] - ARRAYS + _CALL, CALL)[0]

@@ -92,7 +92,7 @@ def evaluate_poses(
     use_threads(count)
     count = min(count, n)
     share = -(-n // count)
-    number = inputs.settings[0]
+    number = inputs.model[0]
     compile_stages(k.CONTACT)
     stages.make_ready(k.POSES, some_poses)
     lobes = len(inputs.patches)
@@ -107,7 +107,7 @@ def evaluate_poses(
         return buffers[:, begin : begin + like.nbytes // 8].view(like.dtype).reshape(count, *like.shape)
 
     at, asked, totals, found = (view(i, part) for i, part in enumerate(parts))
-    view(len(parts) + inputs._fields.index("settings"), inputs.settings)["place"] = place
+    view(len(parts) + inputs._fields.index("call"), inputs.call)["place"] = place
     mine = [(t, slice(t * share, min((t + 1) * share, n))) for t in range(count) if t * share < n]
     own = search_for(wanted, rows[:, 2], number.radius, number.E)
     try:

@@ -169,8 +169,8 @@ def wheel_outline(wheel: WheelOnRail) -> Array:
     a = wheel.model.arrays
     arc = np.linspace(0.0, wheel.model.wheel.length, OUTLINE_POINTS)
     out = np.empty((2, OUTLINE_POINTS))
-    n = a.settings
-    numbers = np.array([n.depth_rows, n.depth_first, n.depth_step, n.depth_least, n.wheel_angle])
+    n = a.model
+    numbers = np.array([n.depth_rows, n.depth_first, n.depth_step, n.depth_least, a.inputs.wheel_angle])
     outline(a.wheel, n.wheel_step, n.radius, a.pose, a.rows.depth, a.rows.branches, numbers, arc, out)
     begin = int(np.argmax(out[1, : int(np.argmin(out[1])) + 1]))
     out[:, :begin] = out[:, begin, None]
@@ -181,5 +181,5 @@ def rail_outline(wheel: WheelOnRail) -> Array:
     """The rail's section (o, b) at the pose computed last, the effective one, (2, OUTLINE_POINTS) [m]."""
     model = wheel.model
     if model.rolled is not None:
-        return model.rolled.outline(float(model.arrays.settings.place), OUTLINE_POINTS).T
+        return model.rolled.outline(float(model.arrays.inputs.place), OUTLINE_POINTS).T
     return np.stack(model.rail.at(np.linspace(0.0, model.rail.length, OUTLINE_POINTS)))

@@ -32,27 +32,27 @@ MOST_LOBES = 6
 
 @kernel
 def bound_lobe(
-    wheel: PlacedWheel, rail: Rail, settings: Record, found: Records, i: int, left: float, right: float, lobes: Records
+    wheel: PlacedWheel, rail: Rail, model: Record, found: Records, i: int, left: float, right: float, lobes: Records
 ) -> int:
     """Recess and edges of lobe i, at most ``left`` and ``right`` of the main point. Returns status bits; without
     contact the width is zero."""
     lobe, own = lobes[i], found[i]
     delta = level = own.depth
-    if settings.joint and lobe.partner >= 0 and found[lobe.partner].depth > delta:
+    if model.joint and lobe.partner >= 0 and found[lobe.partner].depth > delta:
         level += lobe.coupling * (found[lobe.partner].depth - delta)
-    lobe.recess = settings.recess * level
+    lobe.recess = model.recess * level
     if delta <= lobe.recess:
         return 0
     first = first_step(delta - lobe.recess, own.curvature)
-    lobe.end, beyond = find_edge(wheel, rail, lobe, settings.projected, first, 1.0, right)
-    lobe.start, before = find_edge(wheel, rail, lobe, settings.projected, first, -1.0, left)
+    lobe.end, beyond = find_edge(wheel, rail, lobe, model.projected, first, 1.0, right)
+    lobe.start, before = find_edge(wheel, rail, lobe, model.projected, first, -1.0, left)
     lobe.width = lobe.end - lobe.start
     return STATUS_PROFILE_END if beyond or before else 0
 
 
 @kernel
 def lay_lobe(
-    wheel: PlacedWheel, rail: Rail, settings: Record, lobes: Records, count: int, i: int, strips: Records
+    wheel: PlacedWheel, rail: Rail, model: Record, lobes: Records, count: int, i: int, strips: Records
 ) -> None:
     """Strips of one lobe: by their width, or by their number. Where the model's patches are joint the lobes of a patch
     share the number by their widths; else every lobe has all of them, because its forces would jump, if slightly, with
@@ -60,18 +60,18 @@ def lay_lobe(
     lobe = lobes[i]
     if lobe.width <= 0.0:
         return
-    if settings.strip_width > 0.0:
-        n = int(ceil(lobe.width / settings.strip_width))  # noqa: RUF046 (a float in compiled code)
-    elif settings.joint:
+    if model.strip_width > 0.0:
+        n = int(ceil(lobe.width / model.strip_width))  # noqa: RUF046 (a float in compiled code)
+    elif model.joint:
         width = 0.0
         for j in range(count):
             if lobes[j].group == lobe.group:
                 width += lobes[j].width
-        n = int(ceil(settings.strips * lobe.width / width - 1e-9))  # noqa: RUF046
+        n = int(ceil(model.strips * lobe.width / width - 1e-9))  # noqa: RUF046
     else:
-        n = settings.strips
-    n = min(max(n, settings.fewest), strips.shape[0])
-    lobe.half_length = fill_strips(wheel, rail, lobe, settings.projected, n, strips)
+        n = model.strips
+    n = min(max(n, model.fewest), strips.shape[0])
+    lobe.half_length = fill_strips(wheel, rail, lobe, model.projected, n, strips)
     lobe.n_strips = n
     # the main point lies within its strip: its coordinates follow along the strip's tangent
     main = min(max(int(-lobe.start / (lobe.width / n)), 0), n - 1)
@@ -83,11 +83,11 @@ def lay_lobe(
 
 
 @kernel
-def press_lobes(settings: Record, pose: WheelPose, lobes: Records, strips: Records, count: int, work: Array) -> None:
+def press_lobes(model: Record, pose: WheelPose, lobes: Records, strips: Records, count: int, work: Array) -> None:
     """Pressures of all lobes from the displacements at their main points, with damping. work: (14, >= 8) scratch."""
     matrix, rows = work[:MOST_LOBES], work[MOST_LOBES : 2 * MOST_LOBES]
     amplitude, pivot = work[2 * MOST_LOBES], work[2 * MOST_LOBES + 1]
-    stiffness = pi * settings.E
+    stiffness = pi * model.E
     for i in range(count):
         lobe = lobes[i]
         n = lobe.n_strips
@@ -96,7 +96,7 @@ def press_lobes(settings: Record, pose: WheelPose, lobes: Records, strips: Recor
             matrix[i, j] = 0.0
         if n == 0:
             continue
-        set_creepages(pose, settings.least_speed, lobe, strips[i], n)
+        set_creepages(pose, model.least_speed, lobe, strips[i], n)
         own = own_influence(strips[i], n, lobe.half_length)
         if count == 1:
             amplitude[0] = stiffness * lobe.approach / own
@@ -118,7 +118,7 @@ def press_lobes(settings: Record, pose: WheelPose, lobes: Records, strips: Recor
         solve_amplitudes(matrix, count, rows, amplitude, pivot)
     for i in range(count):
         lobe = lobes[i]
-        factor = max(1.0 + settings.damping * lobe.closing, 0.0)
+        factor = max(1.0 + model.damping * lobe.closing, 0.0)
         for j in range(lobe.n_strips):
             strips[i, j].p = amplitude[i]
         largest, normal, area, longest = set_pressures(strips[i], lobe.n_strips, factor)

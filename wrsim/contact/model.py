@@ -41,6 +41,7 @@ TANGENTIAL: dict[Tangential, int] = {
     "shen-hedrick-elkins": k.SHEN_HEDRICK_ELKINS,
     "half-space": k.NO_CREEP_FORCES,  # not the kernel's: contact.half_space
 }
+FRICTION = ("mu", "mu_gauge", "zone_start", "zone_end", "fall_ratio", "fall_decay")
 LEAST_SPEED = 0.05  # rolling speed below which creepages are regularised [m/s]
 
 
@@ -149,8 +150,7 @@ class ContactModel:
         InputError
             For vectors of another shape.
         """
-        self.arrays.settings.place, self.arrays.settings.wheel_angle = place, wheel_angle
-        self.turn_rail(*turning)
+        self.arrays.set_call(place, turning, wheel_angle)
         vectors = [np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)]
         if any(x.shape != (3,) for x in vectors):
             raise InputError(f"origin, axle, velocity, omega: must be of shape (3,), not {[x.shape for x in vectors]}")
@@ -236,11 +236,6 @@ class ContactModel:
         self._check_compiled()
         save_library(_inputs(self), repr(self), path)
 
-    def turn_rail(self, twist: float, outward: float, up: float) -> None:
-        """Set how the rail turns and bends where the wheel is; see `evaluate`."""
-        settings = self.arrays.settings
-        settings.twist, settings.bow_o, settings.bow_b = twist, outward, up
-
     def _check_compiled(self) -> None:
         if self.normal.solve is not None:
             raise InputError(f'normal = "{self.settings.normal}": is not compiled; solve_poses solves its poses')
@@ -254,11 +249,11 @@ class ContactModel:
     def friction_here(self) -> Friction:
         """The law of friction at the place set in the arrays."""
         own = self.friction
-        return own if isinstance(own, Friction) else own.at(self.arrays.settings.place + self.arrays.pose[0])
+        return own if isinstance(own, Friction) else own.at(self.arrays.inputs.place + self.arrays.pose[0])
 
     def solve(self) -> int:
         """Contact at the pose set in the arrays, written into them; returns the status."""
-        return self.arrays.call() if self.normal.solve is None else self.normal.solve(self)
+        return self.arrays.evaluate() if self.normal.solve is None else self.normal.solve(self)
 
 
 @dataclass(frozen=True)
@@ -309,7 +304,7 @@ def _inputs(model: ContactModel) -> Arrays:
     poisson = 0.5 * sum(m.poisson_ratio / m.shear_modulus for m in (settings.wheel, settings.rail)) / shear_compliance
     # yaw makes the outline a little more hollow than the profile, distance the rail's curves of equal distance
     hollows = max(float(-wheel_table[:, 4].min()), 0.0) + rail.hollow
-    numbers = np.zeros(1, k.SETTINGS)
+    numbers, call, state = np.zeros(1, k.MODEL), np.zeros(1, k.CALL), np.zeros(1, k.STATE)
     n: Any = numbers[0]
     n.E, n.G = tables.combined_modulus(settings), 1.0 / shear_compliance
     n.eps, n.damping, n.least_speed = EPSILON, settings.damping, LEAST_SPEED
@@ -317,7 +312,7 @@ def _inputs(model: ContactModel) -> Arrays:
     n.projected = settings.approach == "projected"
     n.strips = normal.rows(settings.strip_count) if normal.solves_for_strips else settings.strip_count or 0
     n.together, n.apart = settings.half_space.together, settings.half_space.apart
-    n.tolerance = WARM_TOLERANCE
+    state["tolerance"] = WARM_TOLERANCE
     n.curved = normal.solves_for_strips and settings.half_space.influence == "angle-corrected"
     n.strip_width = settings.strip_width or 0.0
     n.tangential = TANGENTIAL[settings.creep_forces]
@@ -325,7 +320,8 @@ def _inputs(model: ContactModel) -> Arrays:
     n.kA, n.kS = settings.polach_adhesion, settings.polach_slip
     n.slope_k0, n.slope_alpha_inf, n.slope_beta = settings.slope_k0, settings.slope_alpha_inf, settings.slope_beta
     law = friction if isinstance(friction, Friction) else friction.laws[0]
-    n.mu, n.mu_gauge, n.zone_start, n.zone_end, n.fall_ratio, n.fall_decay = law.numbers
+    for name, number in zip(FRICTION, law.numbers, strict=True):
+        call[name] = number
     n.wheel_step, n.radius, n.rail_step = wheel_step, model.radius, rail.step
     n.rows, n.field_rows, n.slack = rail.rows, rail.field_rows, rail.slack
     (n.field_o, n.field_b), n.field_spacing = field_.origin, field_.spacing
@@ -349,8 +345,10 @@ def _inputs(model: ContactModel) -> Arrays:
         field=field_.values,
         creep=tables.creep_coefficients(poisson),
         shape=tables.bound_over_cells(settings.cells, parabolic),
-        settings=numbers,
+        model=numbers,
+        call=call,
         pose=np.zeros(k.POSE),
+        state=state,
         found=np.zeros(8, k.FOUND),
         patches=np.zeros(lobes, k.LOBE),
         strips=np.zeros((lobes, of_a_lobe), k.STRIP),

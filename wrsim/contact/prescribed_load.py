@@ -12,14 +12,16 @@ warm contacts do not lead to the load, the search begins anew with cold ones.
 
 from math import inf
 
-from wrsim.contact.arrays import Arrays, results, settings_of
+from wrsim.contact.arrays import Arrays, call_of, results
 from wrsim.contact.records import (
     COLD_START,
     CONTACT,
     FREE_STRIPS,
     FROM_LAST,
     LOBE,
+    MODEL,
     POSES,
+    STATE,
     STATUS_BESIDE,
     STATUS_IN_A_JUMP,
     STATUS_LOAD_UNSOLVED,
@@ -46,18 +48,29 @@ from wrsim.jit import (
 )
 from wrsim.jit.dense import copy
 
-SEARCH = record(
-    "load tolerance farthest scale start height first rate last_height last_excess low high width angle"
-    " low_excess high_excess",
-    "asked touched bracketed residuals",
-)
-"""A search. load: vertical force [N], 0 for the contact at the height as it is, below 0 for nothing at all; tolerance:
-of it [1]; farthest: from the first height with contact [m]; scale: approach to begin with [m]; start, height: of the
-first contact asked for, of the next or last one [m]; angle: by which a wheel out of round has rolled, of many poses
-[rad].
-The rest is the search's own: first height with contact [m]; rate of force^(2/3) with the height; last height and its
-excess of force^(2/3); heights with too much and with too little force, their distance three steps ago, their excesses;
-contacts asked for, whether any one touched, steps within the bracket, residuals that the strip model took."""
+SEARCH = record("""
+    load        [N]     vertical force; 0 for the contact at the height as it is, below 0 for nothing at all
+    tolerance   [1]     of the load
+    farthest    [m]     largest distance from the first height with contact
+    scale       [m]     approach to begin with
+    start       [m]     height of the first contact asked for
+    height      [m]     height of the next contact, or of the last one
+    first       [m]     first height with contact
+    rate        [N^(2/3)/m] of force^(2/3) with the height
+    last_height [m]     last height
+    last_excess [N^(2/3)] excess of force^(2/3) there
+    low         [m]     height with too much force
+    high        [m]     height with too little force
+    width       [m]     their distance three steps ago
+    angle       [rad]   by which a wheel out of round has rolled, of many poses
+    low_excess  [N^(2/3)] excess at ``low``
+    high_excess [N^(2/3)] excess at ``high``
+    asked       [int]   contacts asked for
+    touched     [int]   whether any one touched
+    bracketed   [int]   steps within the bracket
+    residuals   [int]   residuals that the strip model took
+""")
+"""A search for the height at which a wheel carries a load."""
 
 SEARCHING, REACHED = -1, 0
 """Outcomes of a step of the search besides the STATUS bits of a load that is not reached."""
@@ -71,7 +84,9 @@ HIGHEST = 0.1  # above its rail, from where a wheel is let down [m]
 CLOSEST = 1e-6  # distance of profiles that do not touch, at least [m]
 
 BATCH = 4  # arrays in a workspace before those of the contact: poses, searches, and of each TOTAL and LOBE records
-_POSE, _PATCHES, _MEMO = (Arrays._fields.index(name) for name in ("pose", "patches", "memo"))
+_MODEL, _POSE, _STATE, _PATCHES, _MEMO = (
+    Arrays._fields.index(name) for name in ("model", "pose", "state", "patches", "memo")
+)
 _HELD = len(Arrays._fields)
 
 
@@ -180,19 +195,19 @@ def _search(buffer: Array, index: Ints, s: Record, tolerance: float) -> int:
 def meet_load(buffer: Array, index: Ints, s: Record) -> int:
     """Contact of one wheel at the height at which its vertical force is the load, from ``s.start`` on; all but the
     height is set in the workspace. Returns the status of the contact, and why the load is not met, if so; also written
-    to the TOTAL record. With settings.start = FROM_LAST the first guess is the contact of the last call."""
+    to the TOTAL record. With STATE.start = FROM_LAST the first guess is the contact of the last call."""
     own = index[index.shape[0] - _HELD :]
-    settings, memo = settings_of(buffer, own), records(buffer, own, _MEMO, MEMO)[0]
-    start = settings.start
+    state, memo = records(buffer, own, _STATE, STATE)[0], records(buffer, own, _MEMO, MEMO)[0]
+    start = state.start
     outcome, s.residuals = SEARCHING, 0
     begin_search(s)
-    if settings.normal == FREE_STRIPS:
+    if records(buffer, own, _MODEL, MODEL)[0].normal == FREE_STRIPS:
         if start == COLD_START:
             memo.known = 0
-        settings.start = FROM_LAST
+        state.start = FROM_LAST
         outcome = _search(buffer, own, s, max(WARM, s.tolerance))
         if outcome == REACHED:
-            settings.start = COLD_START
+            state.start = COLD_START
             _open(s)
             if s.rate < 0.0:
                 s.height -= (_power(results(buffer, own)[0].Fb) - _power(s.load)) / s.rate
@@ -200,10 +215,10 @@ def meet_load(buffer: Array, index: Ints, s: Record) -> int:
         if outcome != REACHED and s.residuals <= MOST_RESIDUALS:  # type: ignore[operator]
             begin_search(s)
             outcome = SEARCHING
-    settings.start = COLD_START
+    state.start = COLD_START
     if outcome == SEARCHING:
         outcome = _search(buffer, own, s, s.tolerance)
-    settings.start = start
+    state.start = start
     total = results(buffer, own)[0]
     total.status |= outcome
     return total.status
@@ -217,26 +232,26 @@ def some_poses(buffer: Array, index: Ints) -> int:
     poses, searches = matrix(buffer, index, first), records(buffer, index, first + 1, SEARCH)
     totals, lobes = records(buffer, index, first + 2, TOTAL), record_rows(buffer, index, first + 3, LOBE)
     pose, found, total = vector(buffer, own, _POSE), records(buffer, own, _PATCHES, LOBE), results(buffer, own)
-    settings = settings_of(buffer, own)
+    call, state = call_of(buffer, own), records(buffer, own, _STATE, STATE)[0]
     start = COLD_START
     for i in range(poses.shape[0]):
         s = searches[i]
         if s.load < 0.0:
             continue
         copy(pose.shape[0], poses[i], pose)
-        settings.wheel_angle = s.angle
+        call.wheel_angle = s.angle
         if s.load > 0.0:
-            settings.start = start
+            state.start = start
             meet_load(buffer, own, s)
             poses[i, 2] = pose[2]
             start = FROM_LAST
         else:
-            settings.start = COLD_START
+            state.start = COLD_START
             stages.run(CONTACT, buffer, own)
         totals[i] = total[0]
         for k in range(total[0].lobes):
             lobes[i, k] = found[k]
-    settings.start = COLD_START
+    state.start = COLD_START
     return 0
 
 

@@ -10,46 +10,83 @@ from wrsim.jit import Array, inlined, record
 from wrsim.jit.frames import vec_at
 from wrsim.jit.linalg import Vec
 
-SETTINGS = record(
-    "E G eps recess damping kA kS strip_width least_speed mu mu_gauge zone_start zone_end fall_ratio fall_decay"
-    " wheel_step radius rail_step field_o field_b field_spacing hollow together apart tolerance place twist bow_o bow_b"
-    " sine about slack wheel_angle averaged depth_first depth_step depth_least"
-    " slope_k0 slope_alpha_inf slope_beta",
-    "tangential parabolic blended stride normal projected joint strips fewest start rows station field_rows curved"
-    " depth_rows",
-)
-"""Numbers of a contact model.
+MODEL = record("""
+    E            [Pa]   combined modulus E* of the pair of bodies
+    G            [Pa]   shear modulus of the pair: inverse of the mean compliance
+    eps          [1]    share of the approach that the virtual penetration has (Kik-Piotrowski)
+    recess       [1]    share of the depth at which strips begin
+    damping      [s/m]  of the normal force, over the rate of approach
+    kA           [1]    reduction of the initial slope in adhesion (Polach)
+    kS           [1]    reduction of the initial slope in slip (Polach)
+    strip_width  [m]    width of strips; 0 where their number rules
+    least_speed  [m/s]  rolling speed below which creepages are regularised
+    wheel_step   [m]    arclength between rows of the wheel's table
+    radius       [m]    of the wheel at the tape circle
+    rail_step    [m]    arclength between rows of the rail's table
+    field_o      [m]    outward coordinate at which the rail's distances begin
+    field_b      [m]    height at which the rail's distances begin
+    field_spacing [m]   grid of the rail's distances
+    hollow       [1/m]  largest hollows of both bodies
+    together     [m]    distance up to which contacts press each other down fully
+    apart        [m]    distance from which on contacts do not act on each other
+    slack        [m]    how far the rail's distances may be off
+    depth_first  [m]    first column of the depth of a wheel out of round
+    depth_step   [m]    distance of these columns
+    depth_least  [m]    least depth
+    slope_k0     [1]    initial slope reduction of FASTSIM and FaStrip
+    slope_alpha_inf [1] slope reduction at large creepages, over the initial one
+    slope_beta   [1]    decay of the slope reduction
+    tangential   [int]  creep law, of ``wrsim.contact.models``
+    parabolic    [int]  whether the traction bound is a parabola along the strip
+    blended      [int]  whether FASTSIM has one flexibility, blended of three
+    stride       [int]  nodes between two samples of the search
+    normal       [int]  stage of the normal model
+    projected    [int]  whether the approach is projected on the strip's normal
+    joint        [int]  whether lobes of a patch share recess and strips
+    strips       [int]  number of strips on a lobe
+    fewest       [int]  least number of strips on a lobe
+    rows         [int]  rows of a section in the rail's table
+    field_rows   [int]  rows of the distances of a section
+    curved       [int]  whether the influence of strips is turned with their normals
+    depth_rows   [int]  rows of the depth of a wheel out of round, around it
+""")
+"""Numbers of a contact model, which no kernel changes."""
 
-E, G: of the pair of bodies [Pa]; eps: Kik-Piotrowski's [1]; recess: of the depth, where strips begin [1]; damping
-[s/m]; kA, kS: Polach's [1]; strip_width: 0 where their number rules [m]; least_speed [m/s].
-slope_k0, slope_alpha_inf, slope_beta: of the slope reduction of FASTSIM and FaStrip [1].
-mu, mu_gauge: friction on the top and on the gauge corner [1]; zone_start, zone_end: tangents of half the angles of the
-ramp between them; fall_ratio, fall_decay: of its fall with the slip [1, s/m].
-wheel_step, rail_step: of the tables [m]; radius: of the wheel [m]; field_o, field_b, field_spacing: grid of the rail's
-distances [m]; slack: how far these may be off [m]; hollow: largest hollows of both bodies [1/m]; together, apart:
-distances of two places of contact that press each other down fully, and not at all [m], tolerance: of a contact that
-starts from the last one, of the deepest penetration [1] (strip model).
-place: distance along the rail [m]; twist, bow_o, bow_b: how it turns [rad/m] and bends [1/m] there; sine: of the angle
-in plan by which it runs outward, about a point at the distance ``about`` from the place [m].
-wheel_angle: by which a wheel out of round has rolled [rad]; averaged: half length over which its curvature along the
-rail is a mean [m]; depth_first, depth_step: of the columns of its depth [m]; depth_least: of all [m]; depth_rows:
-around the wheel.
-tangential, normal, start: see below; projected, parabolic, blended: 0 or 1; joint: whether lobes of a patch share
-recess and strips; stride: nodes between two samples of the search; strips, fewest: their number on a lobe; rows: of a
-section of the rail; station: its last one; field_rows: of the distances of a section; curved: whether the
-influence of strips is turned with their normals.
-"""
+CALL = record("""
+    place        [m]     distance of the wheel along the rail
+    twist        [rad/m] how the rail turns along the track, positive where its outer side rises
+    bow_o        [1/m]   curvature of the rail outward
+    bow_b        [1/m]   curvature of the rail up
+    wheel_angle  [rad]   angle by which a wheel out of round has rolled
+    sine         [1]     of the angle in plan by which the rail runs outward
+    about        [m]     distance of the point, from the place, about which the rail's axes are turned
+    averaged     [m]     half length over which the curvature of a wheel out of round along the rail is a mean
+    mu           [1]     friction on the top of the rail
+    mu_gauge     [1]     friction on its gauge corner
+    zone_start   [1]     tangent of half the contact angle at which the ramp between both begins
+    zone_end     [1]     tangent of half the contact angle at which it ends
+    fall_ratio   [1]     friction at large slip over that at rest
+    fall_decay   [s/m]   decay of friction with the slip
+""")
+"""One evaluation: what the caller sets besides the pose, and what holds at that place of the rail."""
+
+STATE = record("""
+    tolerance  [1]    residual of a contact that starts from the last one, over the deepest penetration
+    start      [int]  COLD_START or FROM_LAST
+    station    [int]  station of the rail found last
+""")
+"""What one evaluation leaves for the next, and how it is used; the strip model's own is its MEMO."""
 
 NO_CREEP_FORCES, FASTSIM, FASTRIP, POLACH, LINEAR, SHEN_HEDRICK_ELKINS = range(6)
-"""SETTINGS.tangential."""
+"""MODEL.tangential."""
 
 KIK_PIOTROWSKI, FREE_STRIPS, CREEP_FORCES, CONTACT = range(4)
-"""Stages (contact.wheel_rail). The first two are SETTINGS.normal; `wrsim.contact.models` lists the models."""
+"""Stages (contact.wheel_rail). The first two are MODEL.normal; `wrsim.contact.models` lists the models."""
 POSES = 7
 """Stage of many poses (contact.prescribed_load), behind those of a vehicle (dynamics.wheel_forces)."""
 
 COLD_START, FROM_LAST = range(2)
-"""SETTINGS.start of the strip model: cold, or from the last contact."""
+"""STATE.start of the strip model: cold, or from the last contact."""
 
 FOUND = record("""
     arc_wheel   [m]    arclength on the wheel
@@ -61,27 +98,83 @@ FOUND = record("""
 """)
 """A contact that the search found."""
 
-STRIP = record("s ds x a p no nb slope o b N Fx Fy Mz xi eta phi r_t mu penetration")
-"""A strip: centre s and width ds across, middle x and half length a along the rail [m], largest pressure p [Pa]; unit
-normal (no, nb) from rail to wheel, slope of the rail along the track there, and centre (o, b) [m]; normal force, creep
-forces [N], moment about the centre [N m]; creepages [1], spin [1/m]; radius of curvature along the rail [m];
-coefficient of friction; penetration [m]."""
+STRIP = record("""
+    s     [m]    centre across, by the rail's arclength from the main point
+    ds    [m]    width across
+    x     [m]    middle along the rail
+    a     [m]    half length along the rail
+    p     [Pa]   largest pressure
+    no    [1]    outward component of the normal from rail to wheel
+    nb    [1]    upward component of the normal
+    slope [1]    of the rail along the track
+    o     [m]    centre, outward
+    b     [m]    centre, up
+    N     [N]    normal force
+    Fx    [N]    creep force on the wheel, along the rail
+    Fy    [N]    creep force on the wheel, across
+    Mz    [N m]  moment of the creep forces about the centre
+    xi    [1]    longitudinal creepage
+    eta   [1]    lateral creepage
+    phi   [1/m]  spin
+    r_t   [m]    radius of curvature along the rail
+    mu    [1]    coefficient of friction
+    penetration [m] of the undeformed bodies
+""")
+"""A strip."""
 
-LOBE = record(
-    "N Fx Fy Mz p0 area length width approach angle angle_min angle_max angle_mean xi eta phi closing wear"
-    " arc_wheel arc_rail x o b no nb slope start end recess half_length coupling amplitude",
-    "group partner n_strips",
-)
-"""A lobe of a patch. Forces on the wheel [N], Mz about the main point [N m]; largest pressure [Pa], area [m2], length,
-width and approach [m]; contact angles [rad]; creepages [1], spin [1/m], rate of approach [m/s]; wear: what creep
-dissipates [N].
-The main point: arclengths, place (x, o, b) [m], normal (no, nb), slope along the track. Edges along s and the recess
-that the strips are laid over, half length at the main point [m]; coupling to ``partner`` [1], amplitude p / a of the
-pressure [Pa/m]. Number of the patch, lobe that this one is coupled to or -1, number of strips."""
+LOBE = record("""
+    N           [N]     normal force
+    Fx          [N]     creep force on the wheel, along the rail
+    Fy          [N]     creep force on the wheel, across
+    Mz          [N m]   spin moment about the main point
+    p0          [Pa]    largest pressure
+    area        [m2]    contact area
+    length      [m]     along the track
+    width       [m]     across
+    approach    [m]     of the undeformed bodies
+    angle       [rad]   contact angle at the main point
+    angle_min   [rad]   least contact angle
+    angle_max   [rad]   largest contact angle
+    angle_mean  [rad]   contact angle of the resultant of the pressures
+    xi          [1]     longitudinal creepage at the main point
+    eta         [1]     lateral creepage at the main point
+    phi         [1/m]   spin at the main point
+    closing     [m/s]   rate of approach
+    wear        [N]     what creep dissipates over the distance
+    arc_wheel   [m]     arclength of the main point on the wheel
+    arc_rail    [m]     arclength of the main point on the rail
+    x           [m]     main point, along the track
+    o           [m]     main point, outward
+    b           [m]     main point, up
+    no          [1]     outward component of the normal from rail to wheel at the main point
+    nb          [1]     upward component of the normal at the main point
+    slope       [1]     of the rail along the track at the main point
+    start       [m]     lower edge along s
+    end         [m]     upper edge along s
+    recess      [m]     over which the strips are laid
+    half_length [m]     at the main point
+    coupling    [1]     to ``partner``
+    amplitude   [Pa/m]  p / a of the pressure
+    group       [int]   number of the patch
+    partner     [int]   lobe that this one is coupled to, or -1
+    n_strips    [int]   number of strips
+""")
+"""A lobe of a patch."""
 
-TOTAL = record("Ft Fo Fb Mt Mo Mb wear closest", "lobes patches status")
-"""Force [N] and moment [N m] on the wheel about its profile origin, wear number [N], closest distance [m]; numbers of
-lobes and of patches (lobes that share a patch count once); sum of the STATUS bits."""
+TOTAL = record("""
+    Ft      [N]    force on the wheel, along the track
+    Fo      [N]    force on the wheel, outward
+    Fb      [N]    force on the wheel, up
+    Mt      [N m]  moment on the wheel about its profile origin, along the track
+    Mo      [N m]  moment, outward
+    Mb      [N m]  moment, up
+    wear    [N]    wear number T-gamma
+    closest [m]    smallest distance between the profiles, negative in contact
+    lobes   [int]  number of lobes
+    patches [int]  number of patches: lobes that share one count once
+    status  [int]  sum of the STATUS bits
+""")
+"""The sums over all lobes."""
 
 STATUS_NOT_REFINED = 1  # a main point was not found to round-off
 STATUS_PROFILE_END = 2  # contact reaches the end of a profile
@@ -94,12 +187,12 @@ the strip model does not meet it in the residuals allowed.
 
 
 class WheelPose(NamedTuple):
-    """A wheel: its profile origin on the axle, the axle (a unit vector outward), velocity of that origin, rotation."""
+    """Place and motion of a wheel."""
 
-    origin: Vec
-    axle: Vec
-    velocity: Vec
-    omega: Vec
+    origin: Vec  # profile origin on the axle [m]
+    axle: Vec  # unit vector outward [1]
+    velocity: Vec  # of that origin [m/s]
+    omega: Vec  # angular velocity [rad/s]
 
 
 POSE = 12
@@ -113,89 +206,76 @@ def read_pose(row: Array) -> WheelPose:
 
 
 class ProfileTable(NamedTuple):
-    """A profile: its table (n, 5), see ``contact.surfaces.profile_table``, and the arclength between rows [m]."""
+    """A profile over its arclength."""
 
-    table: Any
-    step: float
+    table: Any  # (n, 5), see ``contact.surfaces.profile_table``
+    step: float  # arclength between rows [m]
 
 
 class Share(NamedTuple):
-    """Between two stations of a rail: number of the first, first rows of both, weights of their values and rates."""
+    """A place between two stations of a rail: cubic weights of their values and rates."""
 
-    at: int
-    low: int
-    high: int
-    a: float
-    b: float
-    c: float
-    d: float
+    at: int  # number of the first station
+    low: int  # first row of that station
+    high: int  # first row of the next one
+    a: float  # weight of the first station's values [1]
+    b: float  # weight of the next one's values [1]
+    c: float  # weight of the first one's rates [m]
+    d: float  # weight of the next one's rates [m]
 
 
 class Rail(NamedTuple):
-    """A rail: one profile, or sections that change along the track (`wrsim.contact.surfaces.rolled_rail`).
+    """A rail: one profile, or sections that change along the track (`wrsim.contact.surfaces.rolled_rail`)."""
 
-    table: (stations * rows, 5 or 8); rates: of the same shape, (0, 0) for one profile; stations: their places (n,);
-    step: arclength between rows [m]; rows: of one section; share: between which stations the wheel is; place:
-    distance along the rail about which its own axes are turned in plan; sine: of that angle; beside: how far ahead of
-    it the axle is [m]; twist: how the section turns along it, positive where its outer side rises [rad/m]; bow_o,
-    bow_b: curvature of the rail outward and up [1/m]; yaw: axle's component along the rail; o, radius: of the wheel.
-    """
-
-    table: Any
-    rates: Any
-    stations: Any
-    step: float
-    rows: int
-    share: Share
-    place: float
-    sine: float
-    beside: float
-    twist: float
-    bow_o: float
-    bow_b: float
-    yaw: float
-    o: float
-    radius: float
+    table: Any  # (stations * rows, 5 or 8)
+    rates: Any  # of the same shape; (0, 0) for one profile
+    stations: Any  # (n,) places of the sections [m]
+    step: float  # arclength between rows [m]
+    rows: int  # of one section
+    share: Share  # between which stations the wheel is
+    place: float  # distance along the rail about which its own axes are turned in plan [m]
+    sine: float  # of that angle [1]
+    beside: float  # how far ahead of that place the axle is [m]
+    twist: float  # how the section turns along the rail, positive where its outer side rises [rad/m]
+    bow_o: float  # curvature outward [1/m]
+    bow_b: float  # curvature up [1/m]
+    yaw: float  # component of the axle along the rail [1]
+    o: float  # outward coordinate of the wheel [m]
+    radius: float  # of the wheel [m]
 
 
 class Shape(NamedTuple):
-    """How a wheel is out of round, see ``contact.surfaces.wheel_shape``.
+    """How a wheel is out of round, see ``contact.surfaces.wheel_shape``."""
 
-    depth: (columns * rows, 4) of values, rates over a row and a column, and of both, no rows for a round wheel;
-    branches: (n, 4); rows: around; first, step: first column and distance of columns [m]; least: depth [m]; angle: by
-    which it has rolled [rad]; averaged: half length of contact [m]."""
-
-    depth: Any
-    branches: Any
-    rows: int
-    first: float
-    step: float
-    least: float
-    angle: float
-    averaged: float
+    depth: Any  # (columns * rows, 4) values, rates over a row and a column, and of both; no rows for a round wheel
+    branches: Any  # (n, 4)
+    rows: int  # around the wheel
+    first: float  # first column [m]
+    step: float  # distance of columns [m]
+    least: float  # least depth [m]
+    angle: float  # by which the wheel has rolled [rad]
+    averaged: float  # half length of contact [m]
 
 
 class PlacedWheel(NamedTuple):
-    """A wheel in its place: radius at the tape circle, profile origin on the axle, axle e, q = sqrt(1 - e_t^2); lean:
-    e_t of a round wheel, 0 of one out of round."""
+    """A wheel in its place."""
 
     profile: ProfileTable
-    radius: float
-    origin: Vec
-    axle: Vec
-    q: float
-    lean: float
+    radius: float  # at the tape circle [m]
+    origin: Vec  # profile origin on the axle [m]
+    axle: Vec  # unit vector e outward [1]
+    q: float  # sqrt(1 - e_t^2) [1]
+    lean: float  # e_t of a round wheel, 0 of one out of round [1]
     shape: Shape
 
 
 class Field(NamedTuple):
-    """Signed distances of a rail, see ``contact.search.points``, on a square grid from (o, b): so many ``rows`` of
-    ``values`` (n, n_b, 2) from ``first`` on. slack: how far it may be off; 0 for a rail of one profile."""
+    """Signed distances of a rail on a square grid, see ``contact.search.points``."""
 
-    values: Any
-    first: int
-    rows: int
-    o: float
-    b: float
-    spacing: float
-    slack: float
+    values: Any  # (n, n_b, 2) distances and arclengths [m]
+    first: int  # first row of the section
+    rows: int  # rows of a section
+    o: float  # outward coordinate of the first row [m]
+    b: float  # height of the first column [m]
+    spacing: float  # of the grid [m]
+    slack: float  # how far a distance may be off; 0 for a rail of one profile [m]

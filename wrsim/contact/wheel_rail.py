@@ -67,7 +67,7 @@ def turned(a: Vec, sine: float) -> Vec:
 @kernel
 def pose_in_rail_axes(a: Arrays) -> WheelPose:
     """The pose in the rail's own axes, which ``bodies`` finds: turned about the rail beside the wheel's origin."""
-    pose, sine = read_pose(a.pose), a.settings[0].sine
+    pose, sine = read_pose(a.pose), a.call[0].sine
     if sine == 0.0:
         return pose
     origin = turned(Vec(0.0, pose.origin.y, pose.origin.z), sine)
@@ -80,8 +80,8 @@ def pose_in_rail_axes(a: Arrays) -> WheelPose:
 @kernel
 def in_track_axes(a: Arrays) -> None:
     """Turn force, moment and places of lobes and strips back from the rail's own axes."""
-    settings, total = a.settings[0], a.total[0]
-    sine, about = settings.sine, settings.about
+    call, total = a.call[0], a.total[0]
+    sine, about = call.sine, call.about
     if sine == 0.0:
         return
     force, moment = Vec(total.Ft, total.Fo, total.Fb), Vec(total.Mt, total.Mo, total.Mb)
@@ -100,31 +100,31 @@ def in_track_axes(a: Arrays) -> None:
 @kernel
 def bodies(a: Arrays) -> tuple[PlacedWheel, Rail, WheelPose]:
     """The wheel in its place, the rail there, and the pose; in the own axes of a rail that runs outward."""
-    settings, pose = a.settings[0], read_pose(a.pose)
+    model, call, state, pose = a.model[0], a.call[0], a.state[0], read_pose(a.pose)
     shape = Shape(
-        a.depth, a.branches, settings.depth_rows, settings.depth_first, settings.depth_step, settings.depth_least,
-        settings.wheel_angle, settings.averaged,
+        a.depth, a.branches, model.depth_rows, model.depth_first, model.depth_step, model.depth_least,
+        call.wheel_angle, call.averaged,
     )  # fmt: skip
-    wheel = placed(ProfileTable(a.wheel, settings.wheel_step), settings.radius, pose, shape)
-    place = settings.place + pose.origin.x
+    wheel = placed(ProfileTable(a.wheel, model.wheel_step), model.radius, pose, shape)
+    place = call.place + pose.origin.x
     if a.friction.shape[0] > 0:
-        set_law(a.friction, place, settings)
+        set_law(a.friction, place, call)
     share, ahead = Share(0, 0, 0, 1.0, 0.0, 0.0, 0.0), 0.0
-    settings.sine = 0.0
+    call.sine = 0.0
     if a.rates.shape[0] > 0:
-        share = share_at(a.stations[0], settings.rows, place, settings.station)
+        share = share_at(a.stations[0], model.rows, place, state.station)
         sines, rates, i = a.stations[2], a.stations[3], share.at
         sine = share.a * sines[i] + share.b * sines[i + 1] + share.c * rates[i] + share.d * rates[i + 1]
         if sine != 0.0:
-            settings.sine, settings.about = sine, pose.origin.x
+            call.sine, call.about = sine, pose.origin.x
             pose = pose_in_rail_axes(a)
-            wheel = placed(wheel.profile, settings.radius, pose, shape)
-            ahead = pose.origin.x - settings.about
-            share = share_at(a.stations[0], settings.rows, place + ahead * sqrt(1.0 - sine * sine), i)
-        settings.station = share.at
+            wheel = placed(wheel.profile, model.radius, pose, shape)
+            ahead = pose.origin.x - call.about
+            share = share_at(a.stations[0], model.rows, place + ahead * sqrt(1.0 - sine * sine), i)
+        state.station = share.at
     rail = Rail(
-        a.rail, a.rates, a.stations[0], settings.rail_step, settings.rows, share, place, settings.sine, ahead,
-        settings.twist, settings.bow_o, settings.bow_b, pose.axle.x, pose.origin.y, settings.radius,
+        a.rail, a.rates, a.stations[0], model.rail_step, model.rows, share, place, call.sine, ahead,
+        call.twist, call.bow_o, call.bow_b, pose.axle.x, pose.origin.y, model.radius,
     )  # fmt: skip
     return wheel, rail, pose
 
@@ -135,24 +135,24 @@ def wheel_rail(buffer: Array, index: Ints) -> int:
     on the wheel; a lobe with N = 0 is none. Returns a status, also written to ``total``: 0, or a sum of the STATUS
     bits."""
     a = arrays(buffer, index)
-    settings, lobes = a.settings[0], a.patches
-    settings.averaged = 0.0
+    model, lobes = a.model[0], a.patches
+    a.call[0].averaged = 0.0
     wheel, rail, pose = bodies(a)
     count, status = _search(a, wheel, rail)
     if count == 0:
         return status
     count = select_deepest(a.found, count, lobes.shape[0])
-    couple(a.found, count, settings.eps, lobes)
+    couple(a.found, count, model.eps, lobes)
     for i in range(count):
         status |= _start_lobe(wheel, rail, a.found[i], lobes[i])
-    _group(a.found, settings.eps, lobes, count)
+    _group(a.found, model.eps, lobes, count)
     a.total[0].lobes = count
     a.memo[0].turn = 0
-    pressed = stages.run(settings.normal, buffer, index)
-    for turn in range(TURNS if settings.curved and settings.tangential != NO_CREEP_FORCES else 0):
+    pressed = stages.run(model.normal, buffer, index)
+    for turn in range(TURNS if model.curved and model.tangential != NO_CREEP_FORCES else 0):
         stages.run(CREEP_FORCES, buffer, index)
         a.memo[0].turn = turn + 1
-        pressed = stages.run(settings.normal, buffer, index)
+        pressed = stages.run(model.normal, buffer, index)
     status |= pressed
     _sum_up(a, pose, buffer, index)
     in_track_axes(a)
@@ -165,7 +165,7 @@ def search(buffer: Array, index: Ints) -> tuple[int, int]:
     """Contacts at the pose set in the workspace, before any force, written to ``found``. Returns their number and a
     status; the closest distance is written to ``total``."""
     a = arrays(buffer, index)
-    a.settings[0].averaged = 0.0
+    a.call[0].averaged = 0.0
     wheel, rail, _pose = bodies(a)
     return _search(a, wheel, rail)
 
@@ -181,18 +181,16 @@ def carry(buffer: Array, index: Ints, count: int) -> None:
 @kernel
 def _search(a: Arrays, wheel: PlacedWheel, rail: Rail) -> tuple[int, int]:
     """Clears the totals; returns the number of contacts found and a status."""
-    settings, total = a.settings[0], a.total[0]
+    model, total = a.model[0], a.total[0]
     total.Ft = total.Fo = total.Fb = 0.0
     total.Mt = total.Mo = total.Mb = 0.0
     total.wear = 0.0
     total.lobes = total.patches = 0
     if a.depth.shape[0] > 0:
         find_branches(wheel)
-    first = int(a.stations[1, rail.share.at]) * settings.field_rows
-    field = Field(
-        a.field, first, settings.field_rows, settings.field_o, settings.field_b, settings.field_spacing, settings.slack
-    )
-    count, closest, status = find_contacts(wheel, rail, field, settings.stride, settings.hollow, a.found)
+    first = int(a.stations[1, rail.share.at]) * model.field_rows
+    field = Field(a.field, first, model.field_rows, model.field_o, model.field_b, model.field_spacing, model.slack)
+    count, closest, status = find_contacts(wheel, rail, field, model.stride, model.hollow, a.found)
     total.closest = closest
     deepest = 0.0
     for i in range(count):
@@ -201,7 +199,7 @@ def _search(a: Arrays, wheel: PlacedWheel, rail: Rail) -> tuple[int, int]:
         status |= STATUS_PROFILE_END
     total.status = status
     if a.depth.shape[0] > 0 and count > 0:
-        settings.averaged = _length(wheel, a.found, count, settings.eps)
+        a.call[0].averaged = _length(wheel, a.found, count, model.eps)
     return count, status
 
 
@@ -219,7 +217,7 @@ def _length(wheel: PlacedWheel, found: Records, count: int, eps: float) -> float
 def _sum_up(a: Arrays, pose: WheelPose, buffer: Array, index: Ints) -> None:
     """Creep forces, and the sums over all lobes."""
     lobes, total = a.patches, a.total[0]
-    if a.settings[0].tangential != NO_CREEP_FORCES:
+    if a.model[0].tangential != NO_CREEP_FORCES:
         stages.run(CREEP_FORCES, buffer, index)
     loaded = -1
     for i in range(total.lobes):
@@ -280,15 +278,15 @@ def free_strips(buffer: Array, index: Ints) -> int:
 @kernel
 def _press_by_overlap(a: Arrays) -> int:
     """Strips and pressures of all lobes by Kik and Piotrowski's model."""
-    settings, lobes, count = a.settings[0], a.patches, a.total[0].lobes
+    model, lobes, count = a.model[0], a.patches, a.total[0].lobes
     wheel, rail, pose = bodies(a)
     status = 0
     for i in range(count):
         left, right = room_beside(a.found, i, count)
-        status |= bound_lobe(wheel, rail, settings, a.found, i, left, right, lobes)
+        status |= bound_lobe(wheel, rail, model, a.found, i, left, right, lobes)
     for i in range(count):
-        lay_lobe(wheel, rail, settings, lobes, count, i, a.strips[i])
-    press_lobes(settings, pose, lobes, a.strips, count, a.work)
+        lay_lobe(wheel, rail, model, lobes, count, i, a.strips[i])
+    press_lobes(model, pose, lobes, a.strips, count, a.work)
     return status
 
 

@@ -81,8 +81,11 @@ class KernelArrays:
         self.rows = Arrays(*workspace.views)
         self.wheel: Array = self.rows.wheel
         self.rail: Array = self.rows.rail
-        self.settings: Any = self.rows.settings[0]
+        self.rows.model.flags.writeable = False
+        self.model: Any = self.rows.model[0]
+        self.inputs: Any = self.rows.call[0]
         self.pose: Array = self.rows.pose
+        self.state: Any = self.rows.state[0]
         self.found: Records = self.rows.found
         self.patches: Records = self.rows.patches
         self.strips: Records = self.rows.strips
@@ -100,7 +103,14 @@ class KernelArrays:
         """On the wheel about its profile origin (t, o, b) [N m]."""
         return np.array([self.total.Mt, self.total.Mo, self.total.Mb])
 
-    def call(self) -> int:
+    def set_call(
+        self, place: float = 0.0, turning: tuple[float, float, float] = (0.0, 0.0, 0.0), wheel_angle: float = 0.0
+    ) -> None:
+        """Set what an evaluation needs besides the pose; see `ContactModel.evaluate`."""
+        self.inputs.place, self.inputs.wheel_angle = place, wheel_angle
+        self.inputs.twist, self.inputs.bow_o, self.inputs.bow_b = turning
+
+    def evaluate(self) -> int:
         """Run the kernel on the pose that is set; returns its status."""
         return int(wheel_rail(self.buffer, self.index))
 
@@ -122,14 +132,14 @@ class KernelArrays:
     def follow(self, on: bool, tolerance: float = WARM_TOLERANCE) -> None:
         """From now on the strip model starts from the contact solved last (in runs), or cold each time. Its answer
         is the same to this tolerance."""
-        self.settings.start = k.FROM_LAST if on else k.COLD_START
-        self.settings.tolerance = tolerance
+        self.state.start = k.FROM_LAST if on else k.COLD_START
+        self.state.tolerance = tolerance
         self.rows.memo["known"] = 0
 
     def kept(self) -> tuple[NDArray[Any], ...]:
         """Views on what one call leaves for the next: the last contact, if the model follows it. Who puts them back
         gives up the inverse that is stored besides (``rows.memo``)."""
-        if not (self._follows and self.settings.start):
+        if not (self._follows and self.state.start):
             return ()
         grids, places = self.rows.grids, self.rows.places
         memo = self.rows.memo

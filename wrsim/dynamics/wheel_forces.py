@@ -11,7 +11,7 @@ its own arrays alone, so neither order nor threads change a bit.
 """
 
 from wrsim.contact.arrays import ARRAYS as ARRAYS_OF_A_CONTACT
-from wrsim.contact.arrays import Arrays, results, settings_of
+from wrsim.contact.arrays import Arrays, call_of, results
 from wrsim.contact.records import CONTACT, WheelPose
 from wrsim.jit import Array, Ints, Record, inlined, kernel, parallel, prange, record, records, stages, vector
 from wrsim.jit.frames import BODY, VECTOR, BodyMotion, CurveNodes, Frame, get_body, point_velocity, put, put_at
@@ -109,10 +109,10 @@ def one_wheel(buffer: Array, index: Ints) -> int:
     pose[2] -= wheel.rail_b
     pose[7] -= wheel.side * wheel.rail_n_t
     pose[8] -= wheel.rail_b_t
-    settings = settings_of(buffer, arrays)
-    settings.place, settings.wheel_angle = s, wheel.angle
+    call = call_of(buffer, arrays)
+    call.place, call.wheel_angle = s, wheel.angle
     twist, to_left, up = bends(rail, s, at)
-    settings.twist, settings.bow_o, settings.bow_b = wheel.side * twist, wheel.side * to_left, up
+    call.twist, call.bow_o, call.bow_b = wheel.side * twist, wheel.side * to_left, up
     wheel.status = stages.run(CONTACT, buffer, arrays)
     total = results(buffer, arrays)[0]
     force, moment = wheel_wrench(body, at, wheel.side, wheel.half_spacing, total)

@@ -188,15 +188,15 @@ class VehicleOnTrack(Layout):
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
         before, state, evaluated = [view.copy() for view in self._changing], self._state.copy(), self._evaluated
-        settings = [wheel.model.arrays.settings for wheels in self.wheels for wheel in wheels]
-        tolerances = [own.tolerance for own in settings]
-        for own in settings:
-            own.tolerance = max(OF_DIFFERENCES * own.tolerance, WARM_TOLERANCE)
+        contacts = [wheel.model.arrays.state for wheels in self.wheels for wheel in wheels]
+        tolerances = [contact.tolerance for contact in contacts]
+        for contact in contacts:
+            contact.tolerance = max(OF_DIFFERENCES * contact.tolerance, WARM_TOLERANCE)
         try:
             yield
         finally:
-            for own, tolerance in zip(settings, tolerances, strict=True):
-                own.tolerance = tolerance
+            for contact, tolerance in zip(contacts, tolerances, strict=True):
+                contact.tolerance = tolerance
             for view, values in zip(self._changing, before, strict=True):
                 view[...] = values
             self._state[:], self._evaluated = state, evaluated

@@ -123,7 +123,7 @@ class PoseSolver:
     def search(self, pose: Pose) -> Solved:
         """The same by the wheels' own models alone."""
         for wheel in self.wheels:
-            wheel.model.arrays.settings.wheel_angle = pose.wheel_angle
+            wheel.model.arrays.inputs.wheel_angle = pose.wheel_angle
         try:
             roll = pose.roll if len(self.wheels) == 1 else self._balanced_roll(pose)
             height = self._height(pose, roll)
@@ -139,7 +139,7 @@ class PoseSolver:
 
     def _touch(self, wheel: int) -> None:
         """Contact of one wheel at the pose set in its model's arrays."""
-        self.wheels[wheel].model.arrays.call()
+        self.wheels[wheel].model.arrays.evaluate()
 
     def _status(self) -> int:
         """Status of all the contacts found last."""
@@ -236,7 +236,7 @@ class HalfSpacePoseSolver(PoseSolver):
         self._fast.search(pose)
         for i, (wheel, fast) in enumerate(zip(self.wheels, self._fast.wheels, strict=True)):
             wheel.model.arrays.pose[:] = fast.model.arrays.pose
-            wheel.model.arrays.settings.wheel_angle = pose.wheel_angle
+            wheel.model.arrays.inputs.wheel_angle = pose.wheel_angle
             element = self.solver.elements_at(wheel.model)
             if element is not None:
                 self._solvers[i] = replace(self.solver, element=element)
@@ -289,7 +289,7 @@ def lower(model: ContactModel, load: float, farthest: float = DEEPEST) -> str:
     """Bring one wheel from the height set in its model's arrays to that at which its vertical force is the load [N];
     the arrays then hold the contact there. Returns why the load is not met, empty if it is. Compiled models only."""
     a = model.arrays
-    search = search_for([load], a.pose[2], model.radius, a.settings.E, farthest=farthest)[0]
+    search = search_for([load], a.pose[2], model.radius, a.model.E, farthest=farthest)[0]
     return status_words(meet_load(a.buffer, a.index, search) & UNMET)
 
 
@@ -302,7 +302,7 @@ def height_for_load(
     model: of one of the wheels; height: to begin with. Raises LoadNotReached when there is no contact, or the load is
     not met within ``farthest`` of the first contact [m]; a load in a jump of the force ends at the jump.
     """
-    s = search_for([load], height, model.radius, model.arrays.settings.E, tolerance, farthest)[0]
+    s = search_for([load], height, model.radius, model.arrays.model.E, tolerance, farthest)[0]
     begin_search(s)
     outcome = SEARCHING
     while outcome == SEARCHING:

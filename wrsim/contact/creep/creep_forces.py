@@ -30,44 +30,44 @@ def creep_forces(a: Arrays, speed: float, count: int, i: int) -> None:
     """Write Fx, Fy, Mz of the strips of lobe i of ``count``; speed: of the wheel along the rail [m/s]. Coupled lobes
     share the ellipse and the mean creepages by their coupling. The ellipse has the area of the patch and its aspect,
     length over width."""
-    settings, lobes, own = a.settings[0], a.patches, a.strips[i]
+    model, lobes, own = a.model[0], a.patches, a.strips[i]
     lobe = lobes[i]
     n = lobe.n_strips
-    largest = set_friction(speed, settings, own, n)
+    largest = set_friction(speed, a.call[0], model.least_speed, own, n)
     if n == 0 or lobe.N <= 0.0 or largest <= 0.0:
         for j in range(n):
             own[j].Fx = own[j].Fy = own[j].Mz = 0.0
         return
     ellipse, mean, normal = _joint(lobes, a.strips, count, i)
     direction = 1.0 if speed >= 0.0 else -1.0
-    model = settings.tangential
-    if model == POLACH:
-        _spread_polach(a.creep, settings, own, n, normal, mean, ellipse, direction)
+    law = model.tangential
+    if law == POLACH:
+        _spread_polach(a.creep, model, own, n, normal, mean, ellipse, direction)
         return
-    soft = flexibilities(a.creep, ellipse, settings.G)
-    if model == LINEAR:
+    soft = flexibilities(a.creep, ellipse, model.G)
+    if law == LINEAR:
         # Kalker's linear forces know the area, not the load: a lobe about to lift off has to lose its grip
         grip = 1.0
         for j in range(count):
             grip = min(grip, FIRM * lobe.amplitude / max(lobes[j].amplitude, 1e-300))
         soft = Flexibilities(soft.l1 / grip, soft.l2 / grip, soft.l3 / grip)
-    if settings.slope_k0 != 1.0 or settings.slope_beta > 0.0:
-        soft = _reduced(a.creep, settings, own, n, normal, mean, ellipse, soft)
+    if model.slope_k0 != 1.0 or model.slope_beta > 0.0:
+        soft = _reduced(a.creep, model, own, n, normal, mean, ellipse, soft)
     on = Rolling(own, n, soft, direction, a.shape, a.work)
-    peak = PARABOLA_PEAK if settings.parabolic else 1.0
-    if model == FASTSIM and settings.blended:
+    peak = PARABOLA_PEAK if model.parabolic else 1.0
+    if law == FASTSIM and model.blended:
         fastsim_blended(on, peak)
-    elif model == FASTSIM:
+    elif law == FASTSIM:
         fastsim(on, mean, peak)
-    elif model == FASTRIP:
+    elif law == FASTRIP:
         fastrip(on, ellipse.a)
     else:
-        linear_creep(on, mean, 1.0 if model == SHEN_HEDRICK_ELKINS else 0.0)
+        linear_creep(on, mean, 1.0 if law == SHEN_HEDRICK_ELKINS else 0.0)
 
 
 @inlined
 def _reduced(
-    creep: Array, settings: Record, strips: Records, n: int, normal: float, mean: Creepages, ellipse: Ellipse,
+    creep: Array, model: Record, strips: Records, n: int, normal: float, mean: Creepages, ellipse: Ellipse,
     soft: Flexibilities,
 ) -> Flexibilities:  # fmt: skip
     """Flexibilities over the factor k of the slope reduction (Spiryagin, Polach, Oldknow, Vollebregt and Dollevoet,
@@ -85,9 +85,9 @@ def _reduced(
     total = sqrt(mean.xi * mean.xi + eta * eta)
     c11 = kalker_coefficients(creep, ellipse.aspect).c11
     area = pi * ellipse.a * ellipse.b
-    eps = settings.G * area * settings.slope_k0 * c11 * total * own / (4.0 * friction * normal)
-    alpha = settings.slope_alpha_inf
-    k = settings.slope_k0 * (alpha + (1.0 - alpha) / (1.0 + settings.slope_beta * eps))
+    eps = model.G * area * model.slope_k0 * c11 * total * own / (4.0 * friction * normal)
+    alpha = model.slope_alpha_inf
+    k = model.slope_k0 * (alpha + (1.0 - alpha) / (1.0 + model.slope_beta * eps))
     return Flexibilities(soft.l1 / k, soft.l2 / k, soft.l3 / k)
 
 
@@ -156,7 +156,7 @@ def _joint(lobes: Records, strips: Records, count: int, i: int) -> tuple[Ellipse
 
 @kernel
 def _spread_polach(
-    creep: Array, settings: Record, strips: Records, n: int, normal: float, mean: Creepages, ellipse: Ellipse,
+    creep: Array, model: Record, strips: Records, n: int, normal: float, mean: Creepages, ellipse: Ellipse,
     direction: float,
 ) -> None:  # fmt: skip
     """Polach's forces, over the strips in proportion to their mu N; normal: force on the ellipse [N]."""
@@ -164,11 +164,11 @@ def _spread_polach(
     for i in range(n):
         friction += strips[i].mu * strips[i].N
         own += strips[i].N
-    stiffness = settings.G * own / (normal * friction)
+    stiffness = model.G * own / (normal * friction)
     # rolling backwards is the mirror image x -> -x: xi, phi and Fx, Mz change sign
     forward = Creepages(direction * mean.xi, mean.eta, direction * mean.phi)
     coefficients = kalker_coefficients(creep, ellipse.aspect)
-    fx, fy, mz = polach(forward, ellipse, coefficients, stiffness, settings.kA, settings.kS)
+    fx, fy, mz = polach(forward, ellipse, coefficients, stiffness, model.kA, model.kS)
     for i in range(n):
         strip = strips[i]
         limit = strip.mu * strip.N

@@ -43,9 +43,9 @@ def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
         lobe, strips, n = a.patches[i], a.strips[i], len(region.p)
         _write_region(patch, region, lobe, strips[:n])
         lobe.group = i
-        set_creepages(pose, a.settings.least_speed, lobe, strips, n)
+        set_creepages(pose, a.model.least_speed, lobe, strips, n)
         if tangential != "none":
-            set_friction(pose.velocity.x, a.settings, strips, n)
+            set_friction(pose.velocity.x, a.inputs, a.model.least_speed, strips, n)
         add_lobe(pose, lobe, strips, n, total)
     force, moment, wear = contact.force, contact.moment, contact.wear
     if tangential not in ("half-space", "none"):

@@ -38,8 +38,8 @@ class Bodies:
         """At the pose set in a model's arrays."""
         surface = None if model.rolled is None else model.rolled.surface
         wheel, rail, pose = bodies(model.arrays.rows)
-        at = model.arrays.settings
-        return cls(wheel, rail, pose, surface, *(float(at[name]) for name in ("place", "sine", "about")))
+        call = model.arrays.inputs
+        return cls(wheel, rail, pose, surface, *(float(call[name]) for name in ("place", "sine", "about")))
 
     def sections(self, x: Array, out: float) -> tuple[Array, NDArray[np.int64]]:
         """`RailSurface.rows` at x (n,), seen along the axes; out: about where they are of use [m]."""

@@ -24,6 +24,7 @@ from wrsim.contact.strips.records import MEMO
 from wrsim.contact.wheel_rail import STAGES
 from wrsim.errors import WrsimError
 from wrsim.jit import stages
+from wrsim.jit.arena import MEANINGS
 from wrsim.jit.cache import digest_of_sources
 from wrsim.jit.objects import emit_object, target
 
@@ -33,7 +34,17 @@ OPTIONS = "-std=c11 -O2 -fPIC -shared -fvisibility=hidden -Wl,-z,defs -Wl,--excl
 LEVELS = {"x86-64-v3": ["avx2", "fma", "bmi2"]}
 INSTRUCTIONS = ("avx2", "fma", "bmi2", "avx512f", "avx512bw", "avx512dq", "avx512vl")
 """What a library looks for in the processor: of common levels, and else of those that it is compiled for."""
-RECORDS = {"settings": k.SETTINGS, "memo": MEMO, "lobe": k.LOBE, "strip": k.STRIP, "total": k.TOTAL}
+RECORDS = {"call": k.CALL, "state": k.STATE, "memo": MEMO, "lobe": k.LOBE, "strip": k.STRIP, "total": k.TOTAL}
+PUBLIC = {
+    "PATCH": (
+        k.LOBE,
+        "N Fx Fy Mz p0 area length width approach angle angle_min angle_max xi eta phi wear x o b no nb"
+        " arc_wheel arc_rail group n_strips",
+    ),
+    "STRIP": (k.STRIP, "s ds x a p o b no nb N Fx Fy Mz xi eta phi mu penetration"),
+}
+"""Fields of records that users of the C library see."""
+C_TYPES = {"f": "double", "i": "int32_t"}
 OF_A_STAGE = (
     "int64_t *, void **, void *, void *, int64_t, int64_t, double *, int64_t, int64_t, void *, void *,"
     " int64_t, int64_t, int64_t *, int64_t, int64_t, int64_t, int64_t"
@@ -49,10 +60,10 @@ def build_library(folder: str | Path) -> Path:
     """
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
-    (place / LIBRARY).write_bytes(
-        shared_library(SOURCE / "contact.c", STAGES, {}, {"contact_kernels.h": _contact_header()})
-    )
-    shutil.copy(SOURCE / HEADER, place / HEADER)
+    header = public_header()
+    files = {HEADER: header, "contact_kernels.h": _contact_header()}
+    (place / LIBRARY).write_bytes(shared_library(SOURCE / "contact.c", STAGES, {}, files))
+    (place / HEADER).write_text(header)
     return place / LIBRARY
 
 
@@ -101,6 +112,20 @@ def _kernels_header(table: Mapping[int, Any], by_name: Mapping[str, Any]) -> str
     return "\n".join(lines) + "\n"
 
 
+def public_header() -> str:
+    """The header for users: the fields of patches and strips with unit and meaning, from the records of the kernels."""
+    text = (SOURCE / f"{HEADER}.in").read_text()
+    for part, (kind, names) in PUBLIC.items():
+        texts = MEANINGS[id(kind)]
+        rows = [(f"{C_TYPES[kind[name].kind]} {name.removeprefix('n_')};", *texts[name]) for name in names.split()]
+        lines = [
+            f"    {declared:24s} /* {meaning}{'' if unit == 'int' else f' [{unit}]'} */"
+            for declared, unit, meaning in rows
+        ]
+        text = text.replace(f"@{part}_FIELDS@", "\n".join(lines))
+    return text
+
+
 def _contact_header() -> str:
     """What contact.c has to know of the kernels: contact_kernels.h."""
     texts = {"WRSIM_VERSION": wrsim.__version__, "KERNELS": digest_of_sources(), "FILE_MAGIC": MAGIC.decode()}
@@ -113,6 +138,9 @@ def _contact_header() -> str:
     lines += [f"#define {name} {value}" for name, value in plain.items()]
     lines.append(f"enum {{{_listed(f'ARRAY_{name.upper()}' for name in Arrays._fields)}, ARRAYS}};")
     lines += [f"struct {name} {{{_members(kind)}}};" for name, kind in RECORDS.items()]
+    for part, (kind, names) in PUBLIC.items():
+        values = (f"({C_TYPES[kind[name].kind]})(of)->{name}" for name in names.split())
+        lines.append(f"#define {part}_VALUES(of) {_listed(values)}")
     return "\n".join(lines) + "\n"
 
 

@@ -51,7 +51,7 @@ static const struct {
 
 static void *array(const wrsim_contact *c, int number) { return c->buffer + c->index[number][0]; }
 
-static struct settings *settings_of(const wrsim_contact *c) { return array(c, ARRAY_SETTINGS); }
+static struct call *call_of(const wrsim_contact *c) { return array(c, ARRAY_CALL); }
 
 static const struct total *total_of(const wrsim_contact *c) { return array(c, ARRAY_TOTAL); }
 
@@ -108,8 +108,9 @@ static unsigned char *read_file(const char *path, size_t *size, int *status)
 /* Whether the arrays lie one behind the other within the buffer, and hold what is written here. */
 static int fits(const int64_t index[ARRAYS][4], int64_t doubles)
 {
-    static const int64_t rows[][2] = {{ARRAY_SETTINGS, sizeof(struct settings)}, {ARRAY_TOTAL, sizeof(struct total)},
-                                      {ARRAY_MEMO, sizeof(struct memo)}, {ARRAY_POSE, 12 * 8}};
+    static const int64_t rows[][2] = {{ARRAY_CALL, sizeof(struct call)},   {ARRAY_STATE, sizeof(struct state)},
+                                      {ARRAY_TOTAL, sizeof(struct total)}, {ARRAY_MEMO, sizeof(struct memo)},
+                                      {ARRAY_POSE, 12 * 8}};
     const int64_t *patches = index[ARRAY_PATCHES], *strips = index[ARRAY_STRIPS], step = ALIGNMENT / 8;
     int64_t end = 0, sizes[ARRAYS];
     for (int i = 0; i < ARRAYS; i++) {
@@ -224,7 +225,7 @@ const char *wrsim_contact_description(const wrsim_contact *contact) { return con
 int wrsim_contact_follow(wrsim_contact *contact, int on)
 {
     if (!contact) return WRSIM_ARGUMENT;
-    settings_of(contact)->start = on ? FROM_LAST : COLD_START;
+    ((struct state *)array(contact, ARRAY_STATE))->start = on ? FROM_LAST : COLD_START;
     ((struct memo *)array(contact, ARRAY_MEMO))->known = 0;
     return 0;
 }
@@ -233,16 +234,16 @@ int wrsim_contact_turn_rail(wrsim_contact *contact, double twist, double outward
 {
     const double turning[] = {twist, outward, up};
     if (!contact || !small(turning, 3)) return WRSIM_ARGUMENT;
-    settings_of(contact)->twist = twist;
-    settings_of(contact)->bow_o = outward;
-    settings_of(contact)->bow_b = up;
+    call_of(contact)->twist = twist;
+    call_of(contact)->bow_o = outward;
+    call_of(contact)->bow_b = up;
     return 0;
 }
 
 int wrsim_contact_turn_wheel(wrsim_contact *contact, double angle)
 {
     if (!contact || !isfinite(angle)) return WRSIM_ARGUMENT;
-    settings_of(contact)->wheel_angle = angle;
+    call_of(contact)->wheel_angle = angle;
     return 0;
 }
 
@@ -260,7 +261,7 @@ int wrsim_contact_evaluate(wrsim_contact *contact, const double origin[3], const
         return WRSIM_ARGUMENT;
     pose = array(contact, ARRAY_POSE);
     for (int i = 0; i < 12; i++) pose[i] = parts[i / 3][i % 3];
-    settings_of(contact)->place = place;
+    call_of(contact)->place = place;
     contact->evaluated = 0;
     status = run(CONTACT_STAGE, contact->buffer, contact->doubles, contact->index[0], ARRAYS, WRSIM_FAILED);
     if (status == WRSIM_FAILED) return WRSIM_FAILED;
@@ -290,10 +291,7 @@ int wrsim_contact_patches(const wrsim_contact *contact, wrsim_contact_patch *pat
     count = (int)total_of(contact)->lobes;
     for (int i = 0; i < count && i < most; i++) {
         const struct lobe *of = (const struct lobe *)array(contact, ARRAY_PATCHES) + i;
-        patches[i] = (wrsim_contact_patch){
-            of->N, of->Fx, of->Fy, of->Mz, of->p0, of->area, of->length, of->width, of->approach, of->angle,
-            of->angle_min, of->angle_max, of->xi, of->eta, of->phi, of->wear, of->x, of->o, of->b, of->no, of->nb,
-            of->arc_wheel, of->arc_rail, (int32_t)of->group, (int32_t)of->n_strips};
+        patches[i] = (wrsim_contact_patch){PATCH_VALUES(of)};
     }
     return count;
 }
@@ -310,9 +308,7 @@ int wrsim_contact_strips(const wrsim_contact *contact, int patch, wrsim_contact_
     count = (int)lobe->n_strips;
     for (int i = 0; i < count && i < most; i++) {
         const struct strip *of = row + i;
-        strips[i] = (wrsim_contact_strip){
-            of->s, of->ds, of->x, of->a, of->p, of->o, of->b, of->no, of->nb, of->N, of->Fx, of->Fy, of->Mz, of->xi,
-            of->eta, of->phi, of->mu, of->penetration};
+        strips[i] = (wrsim_contact_strip){STRIP_VALUES(of)};
     }
     return count;
 }

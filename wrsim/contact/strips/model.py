@@ -39,22 +39,22 @@ OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the 
 def press_strips(a, wheel, rail, pose, count):
     """Pressures of all lobes, with damping; a: Arrays of contact.arrays. Returns a status: STATUS_NOT_CONVERGED
     and no strips where there is no solution."""
-    settings, lobes = a.settings[0], a.patches
-    n = settings.strips
+    model, state, lobes = a.model[0], a.state[0], a.patches
+    n = model.strips
     system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
     memo = a.memo[0]
-    if settings.start == COLD_START and memo.turn == 0:
+    if state.start == COLD_START and memo.turn == 0:
         memo.known = 0
     for i in range(count):
         _set_main_point(wheel, rail, lobes[i])
-    memo.modulus = settings.E
-    memo.together, memo.apart = settings.together, settings.apart
-    memo.stiffness = pi * settings.E
-    memo.curved = settings.curved
-    _set_sides(system, n, settings.E / settings.G - 1.0, a.strips)
+    memo.modulus = model.E
+    memo.together, memo.apart = model.together, model.apart
+    memo.stiffness = pi * model.E
+    memo.curved = model.curved
+    _set_sides(system, n, model.E / model.G - 1.0, a.strips)
     status = set_grids(system, a.found, wheel, rail, pose, count)
     known = memo.known > 0 and _same_grids(system, n, memo.known)
-    memo.strips = solve(system, n, known, settings.tolerance)
+    memo.strips = solve(system, n, known, state.tolerance)
     memo.known = memo.grids if memo.strips == n else 0
     for i in range(count):
         lobes[i].n_strips = 0
@@ -64,7 +64,7 @@ def press_strips(a, wheel, rail, pose, count):
     for g in range(memo.grids):
         _hand_out(system, memo.strips, g, a.found, lobes, a.strips)
     for i in range(count):
-        _report(settings, pose, lobes[i], a.strips[i])
+        _report(model, pose, lobes[i], a.strips[i])
     return status
 
 
@@ -159,11 +159,11 @@ def _hand_out(system, n, g, found, lobes, strips):
 
 
 @kernel
-def _report(settings, pose, lobe, strips):
+def _report(model, pose, lobe, strips):
     """Damping, forces of the strips, and what a lobe reports. The strips' p comes as amplitude and goes as pressure."""
     n = lobe.n_strips
-    set_creepages(pose, settings.least_speed, lobe, strips, n)
-    factor = max(1.0 + settings.damping * lobe.closing, 0.0)
+    set_creepages(pose, model.least_speed, lobe, strips, n)
+    factor = max(1.0 + model.damping * lobe.closing, 0.0)
     largest, lobe.N, lobe.area, longest = set_pressures(strips, n, factor)
     lobe.p0 = _peak(strips, n, largest)
     lobe.start = strips[0].s - 0.5 * strips[0].ds if n > 0 else 0.0
