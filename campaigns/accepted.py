@@ -108,9 +108,9 @@ def broken_laws(setup: Setup, law: VehicleOnTrack, motion: Motion) -> list[str]:
     n = 6 * len(law.bodies)
     power, held = [], 0.0
     problems: set[str] = set()
-    law.look_near(law.start)
+    law.set_search_start(law.start)
     law.follow(True)
-    bare.look_near(bare.start)
+    bare.set_search_start(bare.start)
     samples = slice(0, -1 if motion.status == "stopped" else None)
     for t, q, q_t in zip(motion.times[samples], motion.q[samples], motion.q_t[samples], strict=True):
         law(t, q, q_t, whole)

@@ -215,7 +215,7 @@ class EquivalentElasticOnTrack(VehicleOnTrack):
         change = np.zeros((2, 3))
         rails = self.track.left.curve, self.track.right.curve
         both: list[Contact | None] = []
-        for wheel, rail, place in zip(self.wheels[w], rails, self.own(w), strict=True):
+        for wheel, rail, place in zip(self.wheels[w], rails, self.wheel_records(w), strict=True):
             found = self._contact(wheel)
             more = wheel.model.arrays.total.copy()
             values = np.zeros(6) if found is None else found[1]

@@ -9,8 +9,8 @@ LOGGER = logging.getLogger("wrsim.timing")
 
 
 @contextmanager
-def timed(words: str | Callable[[], str]) -> Iterator[None]:
-    """A part of the work, logged at its end with its time as ``seconds``; words: or what gives them then."""
+def timed(label: str | Callable[[], str]) -> Iterator[None]:
+    """A part of the work, logged at its end with its time as ``seconds``; label: or what gives them then."""
     began = time.perf_counter()
     yield
-    LOGGER.info(words if isinstance(words, str) else words(), extra={"seconds": time.perf_counter() - began})
+    LOGGER.info(label if isinstance(label, str) else label(), extra={"seconds": time.perf_counter() - began})

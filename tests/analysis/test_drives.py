@@ -214,7 +214,7 @@ def test_dampers_take_what_does_not_turn_round_with_the_velocities():
     law = on_springs(manchester())
     q, q_t = displaced(law)
     n = 6 * len(law.bodies)
-    q_t = law.settled_rates(q, q_t)  # nothing in the springs behind dampers
+    q_t = law.relaxed_rates(q, q_t)  # nothing in the springs behind dampers
     power, taken = [], []
     for sign in (1.0, -1.0):
         rates, out = q_t.copy(), np.zeros(law.size)

@@ -192,7 +192,7 @@ def steady(elastic: bool, curved: bool = False):
     if not curved:
         return steady_state(law)
     q, q_t = design_state(law, lateral=-3e-3)  # a curve is searched for from outward
-    law.look_near(50.0)
+    law.set_search_start(50.0)
     q, q_t = lower_on_rails(law, q, q_t)
     return steady_state(law, (q, q_t))
 

@@ -88,7 +88,7 @@ def test_growth_in_time_is_the_eigenvalue_s_for_a_whole_bogie():
     q_t += 2e-6 * shape[n:].real
     system = BodySystem(law.bodies, law)
     step = min(SAFETY * stable_step(system, q, q_t), 5e-4)
-    rolling.law.look_near(200.0)
+    rolling.law.set_search_start(200.0)
     period = 2.0 * np.pi / values[most].imag
     motion = Integration(system, duration=4.0 * period, step=step, integrator="rk44", sample_interval=1e-3).run(q, q_t)
     lateral = motion.q[:, 2] * np.exp(-values[most].real * motion.times)

@@ -21,8 +21,8 @@ from wrsim.analysis.motion.start import start_state
 from wrsim.contact.settings import Normal, Tangential
 from wrsim.contact.workspace import WARM_TOLERANCE
 from wrsim.scenario.build import Setup, build
-from wrsim.simulation.force_law import COORDINATES, OF_DIFFERENCES, SMALL, SMALL_RATE, force_derivative
-from wrsim.simulation.integrate import OF_CONTACTS, Integration
+from wrsim.simulation.force_law import COORDINATES, DIFFERENCE_TOLERANCE, SMALL, SMALL_RATE, force_derivative
+from wrsim.simulation.integrate import CONTACT_TOLERANCE, Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.steady_state import lower_on_rails
@@ -103,8 +103,8 @@ def test_a_ramp_of_cant_takes_no_energy(normal):
         sample_interval=1e-3,
     ).run(q, q_t)  # fmt: skip
     bare = VehicleOnTrack(law.vehicle, law.track, (), speed=law.speed, start=law.start, drive=law.drive)
-    law.look_near(law.start)
-    bare.look_near(bare.start)
+    law.set_search_start(law.start)
+    bare.set_search_start(bare.start)
     power = []
     for t, state, rates in zip(motion.times, motion.q, motion.q_t, strict=True):
         whole, rest = np.zeros(law.size), np.zeros(bare.size)
@@ -133,10 +133,10 @@ def test_the_frame_gives_what_the_creep_forces_dissipate(curve):
     setup = CURVES[curve]()
     own = runs.ride(setup)
     q, q_t = start_state(setup, own.law)
-    own.law.look_near(own.law.start)
+    own.law.set_search_start(own.law.start)
     own.law(0.0, q, q_t, np.zeros(own.law.size))
     bare = VehicleOnTrack(own.vehicle, own.track, (), speed=own.law.speed, start=own.law.start)
-    bare.look_near(bare.start)
+    bare.set_search_start(bare.start)
     given = np.zeros(bare.size)
     bare(0.0, q, q_t, given)
     arrays = [wheel.model.arrays for wheel in own.law.wheels[0]]
@@ -163,7 +163,7 @@ ALLOWED = 0.02  # part of the matrix: an iteration of Newton's method then leave
 
 def pressed(law: VehicleOnTrack, lateral: float, yaw: float, approach: float) -> tuple[np.ndarray, np.ndarray]:
     """A wheelset that rolls with some creep in all directions, deeper in its rails than where they touch."""
-    law.look_near(law.start)
+    law.set_search_start(law.start)
     q, q_t = design_state(law, lateral=np.full(1, lateral))
     q[3] += yaw
     q, q_t = lower_on_rails(law, q, q_t)
@@ -199,10 +199,10 @@ def test_the_derivative_is_that_of_the_forces(normal: str, creep: str, pose: str
     middle = cold(np.zeros(law.size), np.zeros(law.size))
     carried = sum(abs(wheel.model.arrays.total.Fb) for wheel in law.wheels[0])
     assert carried > 3e4
-    known = (0.0, 0.0) if normal == "kik-piotrowski" else (WARM_TOLERANCE, OF_DIFFERENCES * OF_CONTACTS)
+    known = (0.0, 0.0) if normal == "kik-piotrowski" else (WARM_TOLERANCE, DIFFERENCE_TOLERANCE * CONTACT_TOLERANCE)
     cold_error, warm_error = (carried * (tolerance + 1e-12) for tolerance in known)
     for by_q, by_q_t in DIRECTIONS:
-        with law.following(OF_CONTACTS):
+        with law.following(CONTACT_TOLERANCE):
             law(0.0, q, q_t, np.zeros(law.size))
             found = force_derivative(law, q, q_t, 1, 0.0, by_q, by_q_t, central=False)[:6, :6] / SCALE[:, None]
         whole = np.linalg.norm(found / SCALE)

@@ -399,7 +399,7 @@ def test_steps_with_a_fixed_number_of_iterations_follow_the_usual_run() -> None:
     assert own.residual[1] < 0.02
     count = allocations(lambda _, *arguments: kernel.advance(*arguments), 0, own.memory.buffer, own.memory.index)
     assert count == 0
-    law.look_near(12.0)
+    law.set_search_start(12.0)
     usual = Integration(BodySystem(law.bodies, law), duration=3.0, step=2e-3, sample_interval=10e-3).run(q, q_t)
     bodies = 6 * len(law.bodies)
     off = (np.array(states) - usual.q)[:, :bodies].reshape(len(states), -1, 6)

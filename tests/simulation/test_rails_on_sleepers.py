@@ -83,8 +83,8 @@ def test_rails_at_rest_yield_to_their_own_wheel_however_many_elements_they_have(
     for elements in (1, 2, 3):
         law = on_track(shipped("wheelset_s1002"), structure=replace(TRACK, elements=elements), start=60.2).law
         assert law.on_sleepers is not None
-        found.append(np.concatenate([law.on_sleepers.ties[name] for name in ("nn", "nb", "bb")]))
-        assert [wheel.free_b for wheel in law.own(0)] == pytest.approx([0.0, 0.0], abs=1e-12)
+        found.append(np.concatenate([law.on_sleepers.wheels[name] for name in ("nn", "nb", "bb")]))
+        assert [wheel.free_b for wheel in law.wheel_records(0)] == pytest.approx([0.0, 0.0], abs=1e-12)
     assert np.array(found[1:]) == pytest.approx(np.array([found[0]] * 2), rel=1e-6)
 
 
@@ -92,10 +92,10 @@ def test_a_step_ends_as_foretold_under_the_forces_that_were_foretold() -> None:
     rails, (q, q_t, q_tt) = standing(TRACK, 60.2), np.zeros((3, 4))
     for k in range(20):
         push(rails, 1e-4, np.array([[1e3 * k, -5e3 * k], [0.0, -2e3 * k]]))
-    before = np.column_stack([rails.ties["bent_n"], rails.ties["bent_b"]])
+    before = np.column_stack([rails.wheels["bent_n"], rails.wheels["bent_b"]])
     rails.begin(1e-4, q, q_t, q_tt)
     rails.end(q)
-    between = np.column_stack([rails.ties["bent_n"], rails.ties["bent_b"]])  # nodes
+    between = np.column_stack([rails.wheels["bent_n"], rails.wheels["bent_b"]])  # nodes
     found = np.array([kernel.read(kernel.U_T, i, rails.rails.loads, rails.rails) for i in range(2)])
     assert q_t.reshape(2, 2) == pytest.approx(found + (between - before) / 1e-4, rel=1e-9)
 
@@ -119,7 +119,7 @@ def test_a_run_goes_on_from_its_snapshot_to_the_bit() -> None:
     rest, found = steady_state(laws[0]), []
     for law, begin, duration in zip(laws, (0.0, 0.0, 0.06), (0.12, 0.06, 0.06), strict=True):
         q, q_t, state = found[-1] if begin else (rest.q, rest.q_t, None)
-        law.look_near(law.start) if state is None else law.set_state(state)
+        law.set_search_start(law.start) if state is None else law.set_state(state)
         going = Integration(BodySystem(law.bodies, law), duration=duration, start=begin, step=1e-3, segment=60)
         motion = going.run(q, q_t)
         found.append((motion.q[-1], motion.q_t[-1], law.get_state()))
@@ -160,7 +160,7 @@ def test_what_wheels_lose_goes_to_creep_and_to_what_they_roll_on(
         stored = 0.5 * mode["mass"] @ (eta_t**2 + mode["stiffness"] * eta**2) + (energy(rails, eta) if rails else 0.0)
         damped = mode["mass"] * mode["damping"] @ eta_t**2 + (lost(rails, eta_t) if rails else 0.0)
         rows.append((t, (whole[:6] - rest[:6]) @ q_t[:6], creep, damped, stored + pressed))
-        for tie, a in zip(rails.ties if rails else (), arrays, strict=False):
+        for tie, a in zip(rails.wheels if rails else (), arrays, strict=False):
             assert len(rows) < 3 or tie.last_n + tie.side * float(a.total["Fo"]) == pytest.approx(0.0, abs=50.0)
 
     work = rolling(law, duration, step, look).work
@@ -181,7 +181,7 @@ def test_a_rail_that_moves_along_the_normal_of_its_contact_slips_no_more() -> No
     for i, wheel in enumerate(law.wheels[0]):
         lobes = wheel.model.arrays.patches[: wheel.model.arrays.total.lobes]
         along = [lobes["N"] / lobes["approach"] @ lobes[name] for name in ("no", "nb")]
-        found[1][1, 2 * i : 2 * i + 2] += along / np.linalg.norm(along) * (rails.ties["side"][i], 1.0)
+        found[1][1, 2 * i : 2 * i + 2] += along / np.linalg.norm(along) * (rails.wheels["side"][i], 1.0)
     for own in found:
         kernel.look_at_wheels(rails.method, own, *rails._wheels, rails.rails)
     assert found[1][0] == pytest.approx(found[0][0], abs=1e-12)

@@ -19,7 +19,7 @@ def held_state(
     """The steady motion near (q, q_t) in the unknown coordinates, all others held; "spin" stands for the spin rate.
 
     equations: coordinates whose forces vanish, by default those of the unknowns."""
-    law.look_near(law.start)
+    law.set_search_start(law.start)
     steady = SteadyMotion(law)
     if "roll" in unknowns:
         q, q_t = lower_on_rails(law, q, q_t)

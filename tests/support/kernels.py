@@ -241,7 +241,7 @@ def vehicle_cases() -> dict[str, list[float]]:
     still, turning = design_state(geared)
     turning[list(geared.gears.values())] = 1e-3
     geared(0.0, still, turning, shafts := np.zeros(geared.size))
-    found["geared motors"] = [*shafts, *geared.settled_rates(still, turning)]
+    found["geared motors"] = [*shafts, *geared.relaxed_rates(still, turning)]
     frame, sides = vehicle.index("front.frame"), {"coulomb": 1e5, "fancher": 5e4, "berg": 3e4}
     ends = vehicle.parts[frame].name, "carbody", vehicle.parts[frame].centre
     sliders: list[Element] = [
@@ -256,7 +256,7 @@ def vehicle_cases() -> dict[str, list[float]]:
     rubs[:] += np.cos(np.arange(rubbing.size)) * 1e-2
     rubbing(0.0, rubs, rubs_t, rubbed := np.zeros(rubbing.size))
     found["friction"] = list(rubbed)
-    found["friction settled"] = list(rubbing.settled_rates(rubs, rubs_t))
+    found["friction settled"] = list(rubbing.relaxed_rates(rubs, rubs_t))
     found["inertia"] = [*mass_matrix(law.bodies, q).ravel(), *velocity_forces(law.bodies, q, q_t)]
     kinetic_energies(q[None], q_t[None], inertia_table(law.bodies), len(vehicle.wheelsets), energy := np.zeros(1))
     found["kinetic energy"] = list(energy)

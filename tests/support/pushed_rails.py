@@ -21,7 +21,7 @@ def standing(track: SleeperTrack, start: float) -> RailsOnSleepers:
     rails = on_track(shipped("wheelset_s1002"), structure=track, start=start).law.on_sleepers
     assert rails is not None
     rails._state[1] = 1.0
-    rails.ties["push_b"] = 0.0
+    rails.wheels["push_b"] = 0.0
     for pair in (rails.rails.vertical, rails.rails.lateral):
         pair.rows[:] = 0.0
     return rails
@@ -31,10 +31,10 @@ def push(rails: RailsOnSleepers, step: float, forces: np.ndarray) -> np.ndarray:
     """One step under forces (wheels, 2) at its end; displacements of the rails under the wheels (wheels, 2)."""
     q, q_t, q_tt = np.zeros((3, forces.size))
     rails.begin(step, q, q_t, q_tt)
-    ties = rails.ties
-    n, b = forces[:, 0] - ties["push_n"], forces[:, 1] - ties["push_b"]
-    q[0::2] += ties["nn"] * n + ties["nb"] * b
-    q[1::2] += ties["nb"] * n + ties["bb"] * b
+    wheels = rails.wheels
+    n, b = forces[:, 0] - wheels["push_n"], forces[:, 1] - wheels["push_b"]
+    q[0::2] += wheels["nn"] * n + wheels["nb"] * b
+    q[1::2] += wheels["nb"] * n + wheels["bb"] * b
     rails.end(q)
     return np.array([kernel.read(kernel.U, i, rails.rails.loads, rails.rails) for i in range(len(forces))])
 
@@ -51,14 +51,14 @@ def response(rails: RailsOnSleepers, frequency: float, way: str, turns: int = 16
         moved = push(rails, step, forces)[0, at]
         if k > (periods - 1) * turns:
             found += 2.0 / turns * moved * np.exp(-1j * phase)
-    assert abs(rails.ties["last_b"] - forces[:, 1]).max() < 1e-6
+    assert abs(rails.wheels["last_b"] - forces[:, 1]).max() < 1e-6
     return found
 
 
 def rolling(law: VehicleOnTrack, duration: float, step: float, monitor: Monitor | None = None) -> Motion:
     """A vehicle that goes on from its steady motion; monitor: called after every step."""
     start = steady_state(law)
-    law.look_near(law.start)
+    law.set_search_start(law.start)
     system = BodySystem(law.bodies, law)
     going = Integration(system, duration=duration, step=step, weight=law.vehicle.weight, monitor=monitor)
     return going.run(start.q, start.q_t)
@@ -72,8 +72,8 @@ def rolled(track: SleeperTrack, speed: float) -> dict[str, float]:
     assert rails is not None
 
     def look(t: float, q: np.ndarray, q_t: np.ndarray) -> None:
-        load = -rails.ties["last_b"]
-        slope = [wheel.slope_b for wheel in law.own(0)]
+        load = -rails.wheels["last_b"]
+        slope = [wheel.slope_b for wheel in law.wheel_records(0)]
         rows.append((np.mean(-q[-3::2] / load), np.mean(slope / load)))
 
     rolling(law, 0.2, 2e-4, look)

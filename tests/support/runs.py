@@ -137,7 +137,7 @@ class Ride:
         system = self.system
         if step is None:
             step = round_step(SAFETY * stable_step(system, q, q_t))
-        self.law.look_near(self.law.start)
+        self.law.set_search_start(self.law.start)
         motion = Integration(system, duration=duration, step=step, integrator="rk44", sample_interval=every).run(q, q_t)
         assert motion.status == "completed", motion.reason
         return motion

@@ -295,7 +295,7 @@ def test_a_track_laid_from_its_own_measurement_is_the_same_track(tmp_path: Path)
             },
         )
     )
-    again = Track.lay(table.laws(1.435), 1.435, irregularities=table.disturbances(0.0, 1e-3), **OFFSETS)
+    again = Track.from_laws(table.laws(1.435), 1.435, irregularities=table.disturbances(0.0, 1e-3), **OFFSETS)
     places = np.linspace(1.0, 179.0, 400)
     for side in ("left", "right"):
         one = getattr(track, side).frame(track.rail_distance(side, places))

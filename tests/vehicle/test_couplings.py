@@ -221,7 +221,7 @@ def turned(law: VehicleOnTrack, moved: float, lateral: float, yaw: float) -> dic
     second[2] += lateral
     second[3] += yaw
     out = np.zeros(law.size)
-    with law.settled():
+    with law.relaxed_dampers():
         law(0.0, q, q_t, out)
     found = {e.name: r.copy() for e, r in zip(law.vehicle.elements, law.records, strict=True)}
     return found | {"on": out[[13, 14, 15]]}

@@ -490,7 +490,7 @@ def test_contacts_give_an_elastic_axle_the_power_that_they_have_at_its_wheels() 
     forces = whole - without
     forces[own] *= law.attachments.modes[0].masses
     found = 0.0
-    for wheel in law.own(0):
+    for wheel in law.wheel_records(0):
         for force, rate in ((wheel.force, wheel.body.velocity), (wheel.moment, wheel.body.omega)):
             found += sum(float(force[axis] * rate[axis]) for axis in "xyz")
     assert abs(found) > 1e3

@@ -47,7 +47,7 @@ def swings(law: Any, place: int, reach: float) -> list[tuple[float, float]]:
     q, q_t = design_state(law)
     middle = q[place]
     q[place] += reach
-    found = motion(law, q, law.settled_rates(q, q_t), 1.4, 5e-4, "rk44")
+    found = motion(law, q, law.relaxed_rates(q, q_t), 1.4, 5e-4, "rk44")
     x = found.q[:, place] - middle
     turns = np.flatnonzero(np.diff(np.sign(np.diff(x)))) + 1
     levels = [0.5 * (x[a] + x[b]) for a, b in pairwise(turns)]

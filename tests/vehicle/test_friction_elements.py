@@ -57,7 +57,7 @@ def test_a_block_on_a_slope_stays_below_the_angle_of_friction_and_slides_above_i
             part = np.tan(slope) / friction  # of the bound: on the bend of the stick spring
             x = friction * across / k * (STUCK - (1.0 - STUCK) * np.log((1.0 - part) / (1.0 - STUCK)))
             q[6 + 1] += x
-            q_t = law.settled_rates(q, q_t)
+            q_t = law.relaxed_rates(q, q_t)
             assert abs(accelerations(law, q, q_t)[6 + 1]) < 1e-9 * along
             found = motion(law, q, q_t, 1.0, 1e-3, integrator)
             assert np.abs(found.q[:, 6 + 1] - q[6 + 1]).max() < 1e-9
@@ -143,7 +143,7 @@ def test_friction_between_bodies_keeps_momentum_and_its_derivatives_are_those_of
     law = boxes.on_springs(replace(two, bodies=(*two.bodies, lid)))
     q, q_t = boxes.displaced(law)
     for stretched in (1e-4, 1.5e-3, 8e-3):
-        q_t[18:] = law.settled_rates(q, q_t)[18:] * (1.0 - stretched)
+        q_t[18:] = law.relaxed_rates(q, q_t)[18:] * (1.0 - stretched)
         jacobian = force_derivative(law, q, q_t, 3, 0.0, 0.7, 300.0)
         out, column = np.zeros(law.size), np.zeros(law.size)
         for i in range(6, law.size):
@@ -208,7 +208,7 @@ def test_in_small_motions_friction_sticks() -> None:
     assert modes["box lateral"] == pytest.approx(np.sqrt(stick[1] / boxes.MASS) / (2.0 * np.pi), rel=1e-6)
     q, q_t = design_state(law)
     q[7] += 5e-3  # far in slip
-    linear = linearise(law, law.bodies, q, law.settled_rates(q, q_t), Stroke(1e-4, 1.0))
+    linear = linearise(law, law.bodies, q, law.relaxed_rates(q, q_t), Stroke(1e-4, 1.0))
     assert linear.stiffness[7, 7] == pytest.approx(stick[0], rel=1e-6)
     assert len(linear.state_matrix) == 24
 
@@ -289,7 +289,7 @@ def test_the_loops_of_a_leaf_spring_are_those_of_fancher(share: bool) -> None:
         for lower, sign in ((amplitude, 1.0), (-amplitude, -1.0)):
             q[boxes.Z] -= lower
             out = np.zeros(law.size)
-            law(0.0, q, law.settled_rates(q, q_t), out)
+            law(0.0, q, law.relaxed_rates(q, q_t), out)
             bound = limit + sign * 0.1 * 4e5 * amplitude
             virgin = bound * (1.0 - np.exp(-amplitude / distance * limit / bound))
             assert out[boxes.Z] == pytest.approx(sign * (4e5 * amplitude + virgin), rel=1e-9)

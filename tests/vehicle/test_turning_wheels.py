@@ -74,7 +74,7 @@ def along(law: VehicleOnTrack) -> Array:
 
 def about_axle(law: VehicleOnTrack) -> Array:
     """Moment of the contact about the axle, of both wheels [N m]."""
-    return np.array([np.dot(tuple(own.moment), tuple(own.body.left)) for own in law.own(0)])
+    return np.array([np.dot(tuple(own.moment), tuple(own.body.left)) for own in law.wheel_records(0)])
 
 
 @pytest.mark.parametrize("radius", [300.0, inf])
@@ -92,7 +92,9 @@ def test_independent_wheels_in_steady_motion_are_not_driven(radius):
 def test_independent_wheels_roll_at_the_speeds_of_their_rails_and_do_not_steer():
     law, q, q_t = steady(INDEPENDENT)
     spin, apart = q_t[SPIN], q_t[law.twists[0]]
-    for wheel, own, rate in zip(law.wheels[0], law.own(0), (spin + 0.5 * apart, spin - 0.5 * apart), strict=True):
+    for wheel, own, rate in zip(
+        law.wheels[0], law.wheel_records(0), (spin + 0.5 * apart, spin - 0.5 * apart), strict=True
+    ):
         radius = float(wheel.model.arrays.pose[6]) / rate
         lowest = 0.46 + 1e-3 * (12.0 if own.side < 0.0 else 1.0)  # the outer wheel on the root of its flange
         assert 0.459 < radius < lowest

@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from support.vehicles import ROOT, manchester, on_track, shipped
 
 from wrsim import Arc, SimulationError, Track, Vehicle, stationary
-from wrsim.analysis.motion.derailment import Resultant, check_upright, resultant
+from wrsim.analysis.motion.derailment import QuasiStaticForce, check_upright, resultant
 from wrsim.analysis.motion.messages import NoSteadyMotion
 from wrsim.analysis.stationary.statics import canted, static_state
 from wrsim.inputs.lookup import shipped_models
@@ -183,10 +183,10 @@ def test_what_acts_on_a_vehicle_points_to_where_its_moment_vanishes() -> None:
 
 
 def test_a_vehicle_overturns_where_what_acts_on_it_points_beside_a_rail() -> None:
-    check_upright(Resultant(0.0, -1.0, 0.74), 1.5, 0.0, manchester())
+    check_upright(QuasiStaticForce(0.0, -1.0, 0.74), 1.5, 0.0, manchester())
     for point, curvature, side in ((0.76, 0.0, "left"), (-0.76, 0.0, "right"), (-0.76, 0.01, "outer")):
         with pytest.raises(NoSteadyMotion, match=f"point 10 mm beyond the {side} rail"):
-            check_upright(Resultant(0.0, -1.0, point), 1.5, curvature, manchester())
+            check_upright(QuasiStaticForce(0.0, -1.0, point), 1.5, curvature, manchester())
 
 
 CURVE = [Arc(400.0, 300.0, cant=0.1)]
@@ -358,7 +358,7 @@ def test_a_symmetric_vehicle_in_the_mirrored_curve_has_the_mirrored_forces() -> 
     # the mirrored vehicle has its left elements on the right: exchange what differs from side to side
     a, b = np.zeros(left.size), np.zeros(left.size)
     left(0.0, q, q_t, a)
-    right.look_near(50.0)
+    right.set_search_start(50.0)
     right(0.0, mirror(q, len(left.bodies)), mirror(q_t, len(left.bodies)), b)
     assert np.abs(mirror(a, len(left.bodies))[:n] - b[:n]).max() < 1e-9 * np.abs(a).max()
 

@@ -90,8 +90,8 @@ def run(
     scenario = loaded(scenario)
     if setup is None:
         setup = build(scenario)
-        for words in (*warnings(setup), *exact_run_warning(setup)):
-            logging.getLogger(__name__).warning("%s: %s", scenario.path or scenario.title, words)
+        for warning in (*warnings(setup), *exact_run_warning(setup)):
+            logging.getLogger(__name__).warning("%s: %s", scenario.path or scenario.title, warning)
     setup = replace(setup, threads=_usual_threads(setup) if threads is None else threads)
     analysis = ANALYSES[setup.analysis]
     function = resolved(analysis.run)

@@ -69,19 +69,19 @@ def run_climb(setup: Setup[ClimbPlan], progress: Progress | None = None) -> Resu
 
     Raises InputError for a wheel without a flank and without friction, SimulationError when no point can be started.
     """
-    plan, report, found = setup.plan, Report(progress), list[Climb]()
+    plan, report, climbs = setup.plan, Report(progress), list[Climb]()
     flank, friction = flank_of(setup.wheelset.left.profile), friction_of(setup.contact)
     limit = nadal_limit(flank.angle, friction)
     try:
         for point in plan.points:
-            found.append(climb_at(setup, point, flank, friction))
-            report(len(found) / len(plan.points))
+            climbs.append(climb_at(setup, point, flank, friction))
+            report(len(climbs) / len(plan.points))
     except KeyboardInterrupt:
-        if not found:
+        if not climbs:
             raise
-    points = plan.points[: len(found)]
-    if all(np.isnan(own.way) for own in found):
-        raise SimulationError(f"no point can be started; the first: {found[0].message}")
+    points = plan.points[: len(climbs)]
+    if all(np.isnan(climb.way) for climb in climbs):
+        raise SimulationError(f"no point can be started; the first: {climbs[0].message}")
     length = flank.length(atan(friction))
     channels: dict[str, Any] = {
         "attack": [p.attack for p in points],
@@ -89,14 +89,14 @@ def run_climb(setup: Setup[ClimbPlan], progress: Progress | None = None) -> Resu
         "nadal_limit": np.full(len(points), limit),
         "flange_angle": np.full(len(points), flank.angle),
         "flange_length": np.full(len(points), length),
-        "climbed": np.array([int(own.climbed) for own in found]),
-        "climb_distance": [own.way for own in found],
+        "climbed": np.array([int(climb.climbed) for climb in climbs]),
+        "climb_distance": [climb.way for climb in climbs],
         "climb_distance_tcrp": distance_to_climb(np.array([p.attack for p in points]), flank.angle, length),
-        "climb_shift": [own.shift for own in found],
-        "climb_lift": [own.lift for own in found],
-        "pose_message": np.array([own.message for own in found]),
+        "climb_shift": [climb.shift for climb in climbs],
+        "climb_lift": [climb.lift for climb in climbs],
+        "pose_message": np.array([climb.message for climb in climbs]),
     }
-    n = len(found)
+    n = len(climbs)
     reason = f"interrupted by the user after {n} of {len(plan.points)} points" if n < len(plan.points) else ""
     return Result(assemble({"pose": [p.name for p in points]}, channels, setup.attributes(reason)))
 
@@ -158,12 +158,12 @@ def rolling_state(law: VehicleOnTrack, flank: Flank) -> tuple[Array, Array]:
     Newton's method alone may end in a balance on the flange's tip that does not last. Raises SimulationError without
     one on the flank or beside it.
     """
-    law.look_near(law.start)
-    found = crept_state(law, lower_on_rails(law, *design_state(law)), STEADY_ENOUGH)
-    law(0.0, found.q, found.q_t, np.zeros(law.size))
+    law.set_search_start(law.start)
+    creeping = crept_state(law, lower_on_rails(law, *design_state(law)), STEADY_ENOUGH)
+    law(0.0, creeping.q, creeping.q_t, np.zeros(law.size))
     if _main_contact(law) < flank.end:
         raise SimulationError("the wheel climbs already")
-    return found.q, found.q_t
+    return creeping.q, creeping.q_t
 
 
 def _main_contact(law: VehicleOnTrack) -> float:

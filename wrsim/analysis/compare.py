@@ -41,7 +41,7 @@ class Measure(NamedTuple):
 
 
 RELATIVE = Measure("relative", 100.0, "percent", "%")
-OF_LOAD = Measure("of the normal force", 100.0, "percent", "% of N")
+NORMAL_FORCE = Measure("of the normal force", 100.0, "percent", "% of N")
 PLAIN = Measure("plain", 180.0 / pi, "deg", "°")
 DIFFERENCES = {
     "N": RELATIVE,
@@ -50,9 +50,9 @@ DIFFERENCES = {
     "approach": RELATIVE,
     "contact_angle": PLAIN,
     "contact_angle_variation": PLAIN,
-    "X": OF_LOAD,
-    "Y": OF_LOAD,
-    "Q": OF_LOAD,
+    "X": NORMAL_FORCE,
+    "Y": NORMAL_FORCE,
+    "Q": NORMAL_FORCE,
     "T_gamma": RELATIVE,
 }
 """Quantities that are compared, and what their difference is divided by."""
@@ -110,7 +110,7 @@ def compare_models(
     scenarios = [with_contact_model(scenario, name) for name in names]
     setups = [build(s) for s in scenarios]
     report, models = Report(progress), []
-    for i, (name, own, setup) in enumerate(zip(names, scenarios, setups, strict=True)):
+    for i, (name, changed, setup) in enumerate(zip(names, scenarios, setups, strict=True)):
 
         def share(done: float, left: float, before: int = i) -> None:
             """Progress of all models together; the time left as if the others took as long."""
@@ -118,7 +118,7 @@ def compare_models(
 
         start = time.perf_counter()
         try:
-            result = run(own, progress=share, setup=setup)
+            result = run(changed, progress=share, setup=setup)
         except SimulationError as error:
             raise SimulationError(f'model "{name}": {error}') from None
         taken = time.perf_counter() - start
@@ -132,7 +132,7 @@ def of_wheels(dataset: xr.Dataset) -> xr.Dataset:
     Wheels are "left" and "right", or "front.outer left" where there are several wheelsets.
     """
     d, names = dataset, wheelsets(dataset)
-    found = {
+    quantities = {
         "N": d["N"].sum("patch", min_count=1),
         "p0": d["p0"].max("patch"),
         "area": d["area"].sum("patch", min_count=1),
@@ -140,11 +140,13 @@ def of_wheels(dataset: xr.Dataset) -> xr.Dataset:
         "contact_angle": d["contact_angle"].isel(patch=0),
         "contact_angle_variation": d["contact_angle_max"].max("patch") - d["contact_angle_min"].min("patch"),
     }
-    found |= {name: d[name] for name in ("X", "Y", "Q", "T_gamma")}
+    quantities |= {name: d[name] for name in ("X", "Y", "Q", "T_gamma")}
     sample = "time" if "time" in d.dims else "pose"
     sides = [str(side) for side in d["wheel"].values]
     labels = [f"{name} {side}" for name in names for side in sides] if len(names) > 1 else sides
-    arrays = {name: ((sample, "wheel"), own.values.reshape(d.sizes[sample], -1)) for name, own in found.items()}
+    arrays = {
+        name: ((sample, "wheel"), quantity.values.reshape(d.sizes[sample], -1)) for name, quantity in quantities.items()
+    }
     return xr.Dataset(arrays, {sample: d[sample].values, "wheel": labels})
 
 
@@ -173,12 +175,16 @@ def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
 def _values(models: Sequence[Compared], reference: str) -> xr.Dataset:
     """Quantities and differences of all models at the samples of the reference."""
     base = next(m for m in models if m.name == reference).result.dataset
-    own, sample = of_wheels(base), "time" if "time" in base.dims else "pose"
+    base_values, sample = of_wheels(base), "time" if "time" in base.dims else "pose"
     names = xr.Variable("model", [m.name for m in models])
-    values = xr.concat([_at_samples(m.result.dataset, own) for m in models], names, join="exact")
+    values = xr.concat([_at_samples(m.result.dataset, base_values) for m in models], names, join="exact")
     for quantity, kind in DIFFERENCES.items():
-        scale = {RELATIVE: own[quantity], OF_LOAD: own["N"], PLAIN: xr.ones_like(own[quantity])}[kind]
-        values[f"{quantity}_difference"] = (values[quantity] - own[quantity]) / scale.where(np.abs(scale) > 0.0)
+        scale = {
+            RELATIVE: base_values[quantity],
+            NORMAL_FORCE: base_values["N"],
+            PLAIN: xr.ones_like(base_values[quantity]),
+        }[kind]
+        values[f"{quantity}_difference"] = (values[quantity] - base_values[quantity]) / scale.where(np.abs(scale) > 0.0)
     if len(wheelsets(base)) == 1:
         base = of_wheelset(base)
     context = [n for n in ("distance", "lateral_shift", "yaw", "load") if n in base.variables]
@@ -198,20 +204,23 @@ def _at_samples(dataset: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
     def at_wanted(column: Array) -> Array:
         return np.where(beyond, np.nan, np.interp(wanted, times, column))
 
-    arrays = {name: (("time", "wheel"), np.apply_along_axis(at_wanted, 0, own.values)) for name, own in values.items()}
+    arrays = {
+        name: (("time", "wheel"), np.apply_along_axis(at_wanted, 0, quantity.values))
+        for name, quantity in values.items()
+    }
     return xr.Dataset(arrays, reference.coords)
 
 
-def comparison_report(found: Comparison, scenario: str) -> dict[str, Any]:
+def comparison_report(comparison: Comparison, scenario: str) -> dict[str, Any]:
     """Everything in numbers: differences in per cent or degrees, times in microseconds and seconds."""
     models = {}
-    for model in found.models:
+    for model in comparison.models:
         differences = {}
-        for quantity, own in DIFFERENCES.items():
-            off = np.abs(found.values[f"{quantity}_difference"].sel(model=model.name).values)
+        for quantity, measure in DIFFERENCES.items():
+            off = np.abs(comparison.values[f"{quantity}_difference"].sel(model=model.name).values)
             if (off := off[np.isfinite(off)]).size:
                 spread = zip(("median", "p95", "max"), np.quantile(off, (0.5, 0.95, 1.0)).tolist(), strict=True)
-                differences[f"{quantity}_{own.unit}"] = {name: own.factor * value for name, value in spread}
+                differences[f"{quantity}_{measure.unit}"] = {name: measure.factor * value for name, value in spread}
         dataset = model.result.dataset
         unsolved = int((dataset["pose_message"].values != "").sum()) if "pose_message" in dataset else 0
         models[model.name] = {
@@ -223,12 +232,12 @@ def comparison_report(found: Comparison, scenario: str) -> dict[str, Any]:
             "differences": differences,
         }
     kinds = {quantity: kind.words for quantity, kind in DIFFERENCES.items() if kind != PLAIN}
-    return {"scenario": scenario, "reference": found.reference, "relative_to": kinds, "models": models}
+    return {"scenario": scenario, "reference": comparison.reference, "relative_to": kinds, "models": models}
 
 
-def rows_of_samples(found: Comparison) -> list[list[str]]:
+def rows_of_samples(comparison: Comparison) -> list[list[str]]:
     """One row per sample, wheel and model; the first is the header. Differences in per cent or degrees."""
-    values = found.values
+    values = comparison.values
     sample = "time" if "time" in values.dims else "pose"
     i, j, m = (index.ravel() for index in np.indices([values.sizes[d] for d in (sample, "wheel", "model")]))
     context = [n for n in (sample, "distance", "lateral_shift", "yaw", "load") if n in values.coords]
@@ -241,9 +250,9 @@ def rows_of_samples(found: Comparison) -> list[list[str]]:
     return rows_of(columns)
 
 
-def comparison_tables(found: Comparison, report: dict[str, Any]) -> list[Table]:
+def comparison_tables(comparison: Comparison, report: dict[str, Any]) -> list[Table]:
     """The values when they are few, differences and times; a column for every model."""
-    values, models = found.values, report["models"]
+    values, models = comparison.values, report["models"]
     sample = "time" if "time" in values.dims else "pose"
     rows: list[list[Cell]] = []
     if values.sizes[sample] * values.sizes["wheel"] <= FEW:
@@ -259,7 +268,9 @@ def comparison_tables(found: Comparison, report: dict[str, Any]) -> list[Table]:
         spread = [
             MISSING if c is None else f"{formatted(c['median'], '.2g')} / {formatted(c['p95'], '.2g')}" for c in cells
         ]
-        marked = ["reference" if name == found.reference else own for name, own in zip(models, spread, strict=True)]
+        marked = [
+            "reference" if name == comparison.reference else cell for name, cell in zip(models, spread, strict=True)
+        ]
         rows.append([f"{q} ({DIFFERENCES[q].symbol})", *marked])
     rows += [["time"], ["one contact (µs)", *(model["evaluation_us"] for model in models.values())]]
     rows.append(["all (s)", *(model["run_s"] for model in models.values())])
@@ -267,5 +278,5 @@ def comparison_tables(found: Comparison, report: dict[str, Any]) -> list[Table]:
     for name, model in models.items():
         if model["unsolved_poses"]:
             notes.append(f"{name}: {model['unsolved_poses']} poses without a solution")
-        notes += first_lines([f"{name}: {words}" for words in model["remarks"]], "remarks")
+        notes += first_lines([f"{name}: {remark}" for remark in model["remarks"]], "remarks")
     return [Table("", (Column(), *(Column(name, "", ".5g") for name in models)), rows, tuple(notes))]

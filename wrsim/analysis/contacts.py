@@ -36,8 +36,8 @@ def contact_models(setup: Setup, wheelset: Wheelset | None = None) -> tuple[Cont
 def contact_at(setup: Setup, place: float) -> ContactSettings:
     """The set-up's contact with the friction of one place [m] of the centre line: for track that is laid elsewhere."""
     left, right = (
-        own.at(float(setup.track.rail_distance(side, place))) if isinstance(own, FrictionAlong) else own
-        for side, own in zip(SIDES, setup.contact.friction, strict=True)
+        law.at(float(setup.track.rail_distance(side, place))) if isinstance(law, FrictionAlong) else law
+        for side, law in zip(SIDES, setup.contact.friction, strict=True)
     )
     return replace(setup.contact, friction=(left, right))
 
@@ -48,13 +48,13 @@ def friction_channels(setup: Setup, distance: Array) -> dict[str, Array]:
     On the top and on the gauge corner. Empty where they are the same everywhere.
     """
     laws = setup.contact.friction
-    if not any(isinstance(own, FrictionAlong) for own in laws):
+    if not any(isinstance(friction, FrictionAlong) for friction in laws):
         return {}
-    found = np.empty((2, len(distance), 2))
-    for i, (side, own) in enumerate(zip(SIDES, laws, strict=True)):
-        law = own if isinstance(own, FrictionAlong) else FrictionAlong((0.0,), (Friction.of(own),))
-        found[:, :, i] = law.numbers(setup.track.rail_distance(side, distance))[:, :2].T
-    return {"rail_friction": found[0], "rail_friction_corner": found[1]}
+    coefficients = np.empty((2, len(distance), 2))
+    for i, (side, friction) in enumerate(zip(SIDES, laws, strict=True)):
+        law = friction if isinstance(friction, FrictionAlong) else FrictionAlong((0.0,), (Friction.of(friction),))
+        coefficients[:, :, i] = law.numbers(setup.track.rail_distance(side, distance))[:, :2].T
+    return {"rail_friction": coefficients[0], "rail_friction_corner": coefficients[1]}
 
 
 def wheels_on_rails(setup: Setup, wheelset: Wheelset | None = None) -> tuple[WheelOnRail, WheelOnRail]:

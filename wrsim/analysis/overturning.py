@@ -69,22 +69,22 @@ def run_overturning(setup: Setup[OverturningPlan], progress: Progress | None = N
     except KeyboardInterrupt:
         if not rests:
             raise
-    found = [rest for own in rests for rest in own]
-    ends = [own[-1] for own in rests if own[-1].speed < plan.highest and not own[-1].message]
+    poses = [rest for series in rests for rest in series]
+    ends = [series[-1] for series in rests if series[-1].speed < plan.highest and not series[-1].message]
     coords: dict[str, Any] = {
-        "pose": [f"{3.6 * rest.speed:.6g}kmh_{rest.wind:.6g}m_s" for rest in found],
+        "pose": [f"{3.6 * rest.speed:.6g}kmh_{rest.wind:.6g}m_s" for rest in poses],
         "wheelset": [m.name for m in setup.vehicle.wheelsets],
         "body": [body.name for body in setup.vehicle.bodies],
     }
     channels: dict[str, Any] = {
-        "pose_speed": [rest.speed for rest in found],
-        "pose_radius": np.full(len(found), plan.radius),
-        "pose_cant": np.full(len(found), plan.cant),
-        "wind_speed": [rest.wind for rest in found],
-        "pose_message": np.array([rest.message for rest in found]),
-        "overturns": np.array([int(any(rest is end for end in ends)) for rest in found]),
-        "wheel_unloading": np.array([rest.unloading for rest in found]),
-        "quasi_static_roll": np.array([rest.roll for rest in found]),
+        "pose_speed": [rest.speed for rest in poses],
+        "pose_radius": np.full(len(poses), plan.radius),
+        "pose_cant": np.full(len(poses), plan.cant),
+        "wind_speed": [rest.wind for rest in poses],
+        "pose_message": np.array([rest.message for rest in poses]),
+        "overturns": np.array([int(any(rest is end for end in ends)) for rest in poses]),
+        "wheel_unloading": np.array([rest.unloading for rest in poses]),
+        "quasi_static_roll": np.array([rest.roll for rest in poses]),
     }
     reason = f"interrupted by the user after {len(rests)} of {len(winds)} winds" if len(rests) < len(winds) else ""
     if plan.run and not outcome:
@@ -98,7 +98,7 @@ def rising_speeds(setup: Setup[OverturningPlan], wind: float) -> list[Rest]:
     level = np.zeros(len(vehicle.wheelsets))
     before = static_state(vehicle).wheel_loads
     step = (plan.highest - plan.lowest) / STEPS
-    speed, found = plan.lowest, list[Rest]()
+    speed, rests = plan.lowest, list[Rest]()
     last: SupportedVehicle | None = None
     while True:
         loaded = at_speed(setup, vehicle, speed, wind)
@@ -110,31 +110,31 @@ def rising_speeds(setup: Setup[OverturningPlan], wind: float) -> list[Rest]:
                 here.go_on_from(last)
                 state = here.rest(level)
         except SimulationError:
-            if not found:
+            if not rests:
                 why = f"with a wind of {wind:g} m/s " if wind else ""
                 raise SimulationError(f"the vehicle overturns {why}at {3.6 * speed:.4g} km/h already") from None
             step *= 0.5
             if step < plan.tolerance:
-                return [*found[:-1], _last(found)]
-            speed = found[-1].speed + step
+                return [*rests[:-1], _last(rests)]
+            speed = rests[-1].speed + step
             continue
         left_over = float((state.wheel_loads.sum(axis=0) / before.sum(axis=0)).min())
-        found.append(Rest(speed, wind, 1.0 - state.wheel_loads / before, state.moved[:, 2], left_over))
+        rests.append(Rest(speed, wind, 1.0 - state.wheel_loads / before, state.moved[:, 2], left_over))
         last = here
         if speed >= plan.highest:
-            return found
+            return rests
         speed = min(speed + step, plan.highest)
 
 
-def _last(found: Sequence[Rest]) -> Rest:
+def _last(rests: Sequence[Rest]) -> Rest:
     """The last rest; with a message where the lighter side, as it loses load with the speed, would still carry some
     beyond ``ENDED``: then the search has failed, and not the vehicle."""
-    *_, before, last = (found[0], *found)
+    *_, before, last = (rests[0], *rests)
     rate = (before.left_over - last.left_over) / max(last.speed - before.speed, 1e-9)
     if last.left_over <= ENDED * rate * last.speed:
         return last
-    words = f"no rest is found above, though the lighter side still carries {last.left_over:.2f} of its load"
-    return replace(last, message=words)
+    message = f"no rest is found above, though the lighter side still carries {last.left_over:.2f} of its load"
+    return replace(last, message=message)
 
 
 def at_speed(setup: Setup[OverturningPlan], vehicle: Vehicle, speed: float, wind: float) -> Vehicle:

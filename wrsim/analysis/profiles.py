@@ -48,20 +48,20 @@ class Partner:
 
     def values(self, profiles: Mapping[str, Profile]) -> tuple[list[tuple[float, float]], tuple[str, ...]]:
         """Equivalent conicity at 3 mm and p0 [MPa] of every profile, not-a-number where there is none; reasons."""
-        slope, own = self.pairing.slope, {self.profile.name: self.profile}
-        wheels, rails = (profiles, own) if self.profile.kind == "rail" else (own, profiles)
+        slope, partner = self.pairing.slope, {self.profile.name: self.profile}
+        wheels, rails = (profiles, partner) if self.profile.kind == "rail" else (partner, profiles)
         rails = {name: rail.inclined(slope) for name, rail in rails.items()}
-        found = conicity_map(wheels, rails, [self.gauge], self.pairing.spacing, self.radius, self.pairing.roll)
-        pressures = [self._pressure(wheels[wheel], rails[rail]) for wheel, rail in found.pairs]
-        return list(zip(found.conicity[:, 0].tolist(), pressures, strict=True)), found.reasons
+        chart = conicity_map(wheels, rails, [self.gauge], self.pairing.spacing, self.radius, self.pairing.roll)
+        pressures = [self._pressure(wheels[wheel], rails[rail]) for wheel, rail in chart.pairs]
+        return list(zip(chart.conicity[:, 0].tolist(), pressures, strict=True)), chart.reasons
 
     def _pressure(self, wheel: Profile, rail: Profile) -> float:
         placed = {"gauge": self.gauge, "profile_spacing": self.pairing.spacing(wheel, wheel), "rolling": False}
         try:
-            found = contact_map(wheel, rail, self.radius, 0.0, loads=self.load, **placed)  # type: ignore[arg-type]
+            contacts = contact_map(wheel, rail, self.radius, 0.0, loads=self.load, **placed)  # type: ignore[arg-type]
         except InputError:
             return np.nan  # as is the conicity, with the reason
-        return 1e-6 * float(found["p0"].max())
+        return 1e-6 * float(contacts["p0"].max())
 
 
 def measured_tables(
@@ -79,8 +79,8 @@ def measured_tables(
         raise InputError(f"--on: {partner.profile.name} is a {partner.profile.kind} like the profiles")
     tables = dict[Kind, Table]()
     for kind in KINDS:
-        if own := {name: reading for name, reading in readings.items() if reading.profile.kind == kind}:
-            tables[kind] = _table(kind, own, unworn, partner)
+        if group := {name: reading for name, reading in readings.items() if reading.profile.kind == kind}:
+            tables[kind] = _table(kind, group, unworn, partner)
     first = next(iter(tables))
     told = notes_of([reading.profile for reading in readings.values()])
     return tables | {first: replace(tables[first], notes=(*tables[first].notes, *told, *faults))}
@@ -97,12 +97,12 @@ def _table(kind: Kind, readings: Mapping[str, Reading], unworn: Profile | None, 
     profiles = {name: reading.profile for name, reading in readings.items()}
     for name, reading in readings.items():
         try:
-            own = _measures(reading.close, against) if names else ()
-            notes += _doubts(name, reading.close, against) + _apart(name, names, own, reading.instrument)
+            measures = _measures(reading.close, against) if names else ()
+            notes += _doubts(name, reading.close, against) + _apart(name, names, measures, reading.instrument)
         except InputError as error:
             notes.append(f"{name}: {error}")
-            own = (np.nan,) * len(names)
-        rows.append([name, *(1e3 * value for value in own)])
+            measures = (np.nan,) * len(names)
+        rows.append([name, *(1e3 * value for value in measures)])
     columns = [Column(kind, key=kind), *(Column(name, "mm", ".2f", f"{name}_mm") for name in names)]
     if partner is not None and partner.profile.kind != kind:
         values, reasons = partner.values(profiles)
@@ -113,28 +113,30 @@ def _table(kind: Kind, readings: Mapping[str, Reading], unworn: Profile | None, 
     return Table("", tuple(columns), rows, tuple(notes))
 
 
-def _apart(name: str, names: Sequence[str], own: Sequence[float], head: Mapping[str, float]) -> list[str]:
+def _apart(name: str, names: Sequence[str], measures: Sequence[float], head: Mapping[str, float]) -> list[str]:
     """A note where measures [m] differ from those in the head of the file [mm]."""
-    pairs = [(key, 1e3 * value, head[key]) for key, value in zip(names, own, strict=False) if key in head]
-    words = [
+    pairs = [(key, 1e3 * value, head[key]) for key, value in zip(names, measures, strict=False) if key in head]
+    differences = [
         f"{key} {value:.2f}, in its head {there:.2f}" for key, value, there in pairs if abs(value - there) > HEADS_APART
     ]
-    return [f"{name}: {'; '.join(words)} mm"] if words else []
+    return [f"{name}: {'; '.join(differences)} mm"] if differences else []
 
 
 def _doubts(name: str, rail: Profile, unworn: Profile | None) -> list[str]:
     """A note where a scan does not lie on the unworn rail: at its field side, or above it."""
     if unworn is None or rail.kind != "rail":
         return []
-    wear, found = head_wear(rail, unworn), []
+    wear, faults = head_wear(rail, unworn), []
     if abs(wear.field) > LAID:
         side = "inside" if wear.field > 0.0 else "outside"
-        found.append(f"its field side lies {quantity(1e3 * abs(wear.field), 'mm', '.2f')} {side} that of {unworn.name}")
+        faults.append(
+            f"its field side lies {quantity(1e3 * abs(wear.field), 'mm', '.2f')} {side} that of {unworn.name}"
+        )
     if wear.vertical < -LAID:
-        found.append(f"its top lies {quantity(-1e3 * wear.vertical, 'mm', '.2f')} above that of {unworn.name}")
+        faults.append(f"its top lies {quantity(-1e3 * wear.vertical, 'mm', '.2f')} above that of {unworn.name}")
     return (
-        [f"{name}: {' and '.join(found)}: is it of that rail? field_side, shift_mm, turn_mrad of the scan"]
-        if found
+        [f"{name}: {' and '.join(faults)}: is it of that rail? field_side, shift_mm, turn_mrad of the scan"]
+        if faults
         else []
     )
 
@@ -153,14 +155,14 @@ def wheelsets_table(profiles: Mapping[str, Profile], flange_back: float) -> Tabl
     groups = defaultdict[str, list[str]](list)
     for name in profiles:
         groups[SIDE.sub("", name).strip("_-. ") if SIDE.search(name) else name].append(name)
-    pairs = {name: own for name, own in groups.items() if len(own) == 2}
+    pairs = {name: sides for name, sides in groups.items() if len(sides) == 2}
     if not pairs and len(profiles) == 2:
         pairs = {" / ".join(profiles): list(profiles)}
     if not pairs:
         raise InputError("--flange-back-mm: needs two wheels, or names of files such as axle1_left, axle1_right")
     rows = []
-    for name, own in pairs.items():
-        faces = sum(flange_dimensions(profiles[side]).thickness for side in own)
+    for name, sides in pairs.items():
+        faces = sum(flange_dimensions(profiles[side]).thickness for side in sides)
         rows.append((name, 1e3 * flange_back, 1e3 * (flange_back + faces)))
     heads = (Column("wheelset", key="wheelset"), Column("back to back", "mm", ".2f", "flange_back_mm"))
     return Table("", (*heads, Column("active faces SR", "mm", ".2f", "SR_mm")), rows)

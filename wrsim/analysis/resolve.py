@@ -145,21 +145,21 @@ def _settle(wheel: WheelOnRail, load: float) -> tuple[list[ElementField], str]:
         else:
             model.solve()
         return [], ""
-    found: list[list[ElementField]] = [[]]
+    elements: list[list[ElementField]] = [[]]
 
     def carried(height: float) -> Carried:
         pose[2] = height
-        found[0] = element_fields(solve_into(model), len(model.arrays.patches))
+        elements[0] = element_fields(solve_into(model), len(model.arrays.patches))
         return Carried(float(model.arrays.total["Fb"]), approach_of(model.arrays.patches, model.arrays.total))
 
     if load > 0.0:
         try:
             height_for_load(carried, model, load, float(pose[2]), tolerance=TOLERANCE, farthest=DEEPEST)
         except LoadNotReached as problem:
-            return found[0], str(problem)
+            return elements[0], str(problem)
     else:
         carried(float(pose[2]))
-    return found[0], ""
+    return elements[0], ""
 
 
 NEEDED = ("wheelset_distance", "lateral_shift", "vertical_shift", "yaw", "roll", "spin_rate")
@@ -184,14 +184,14 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
     columns = {name: dataset[name].transpose("time", "wheelset", ...).values for name in NEEDED}
     time, distance, speed = (dataset[name].values for name in ("time", "distance", "speed"))
     retained = []
-    found_remarks: Counter[str] = Counter()
+    remark_counts: Counter[str] = Counter()
     for i in samples:
         for w, mounted in enumerate(setup.vehicle.wheelsets):
-            own = {name: float(values[i, w]) for name, values in columns.items()}
+            pose = {name: float(values[i, w]) for name, values in columns.items()}
             q[6 * w : 6 * w + 6], q_t[6 * w : 6 * w + 6] = state_on_track(
-                law.track.centre, own["wheelset_distance"], speed=float(speed[i]),
-                height=own["vertical_shift"] + mounted.wheelset.mean_radius, spin_rate=own["spin_rate"],
-                lateral=own["lateral_shift"], yaw=own["yaw"], roll=own["roll"],
+                law.track.centre, pose["wheelset_distance"], speed=float(speed[i]),
+                height=pose["vertical_shift"] + mounted.wheelset.mean_radius, spin_rate=pose["spin_rate"],
+                lateral=pose["lateral_shift"], yaw=pose["yaw"], roll=pose["roll"],
             )  # fmt: skip
         for w, twist in law.twists.items():
             q_t[twist] = float(dataset["spin_difference"].values[i, w])
@@ -199,23 +199,23 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
             moved = np.stack([dataset[name].values[i] for name in RAIL_CHANNELS], axis=-1)
             q[law.size - law.rails : law.size] = moved.ravel()
         try:
-            law.look_near(law.places(columns["wheelset_distance"][i : i + 1])[0])
+            law.set_search_start(law.places(columns["wheelset_distance"][i : i + 1])[0])
             law(float(time[i]), q, q_t, out)
         except SimulationError:  # a derailed wheelset may have no place on the track
             continue
         for recorder in recorders:
             recorder.store()
         for wheel in wheels:
-            found_remarks.update(filter(None, [contact_words([wheel])]))
+            remark_counts.update(filter(None, [contact_words([wheel])]))
         retained.append(i)
     if not retained:
         raise InputError("no sample of the result has a place on the track of its scenario")
-    found = stack_wheelsets([recorder.channels() for recorder in recorders])
+    snapshots = stack_wheelsets([recorder.channels() for recorder in recorders])
     coords = {"snapshot_time": time[retained], "snapshot_distance": distance[retained]}
     variables = {
         name: (CHANNELS[name].dims_in("time"), values, {"units": CHANNELS[name].unit})
-        for name, values in (found | coords).items()
+        for name, values in (snapshots | coords).items()
     }
     dims = {"snapshot", "strip", "column", "axis", "rail_point", "wheel_point"}
-    remarks = [f"{words} (at {count} of {len(retained)} places)" for words, count in found_remarks.items()]
+    remarks = [f"{remark} (at {count} of {len(retained)} places)" for remark, count in remark_counts.items()]
     return dataset.drop_dims(dims & set(dataset.dims)).assign(variables).assign_attrs(contact_remark="; ".join(remarks))

@@ -159,7 +159,7 @@ def weighted(signal: Array, rate: float, name: Name) -> Array:
 
 
 BLOCK = 5.0  # length of a block [s]
-OF_AXES: dict[str, Name] = {"x": "Wd", "y": "Wd", "z": "Wb"}
+AXIS_WEIGHTINGS: dict[str, Name] = {"x": "Wd", "y": "Wd", "z": "Wb"}
 PERCENTILE = 95.0
 
 
@@ -180,7 +180,9 @@ class Comfort:
 
 def comfort(acceleration: Array, rate: float) -> Comfort:
     """Comfort at one point; acceleration (n, 3) along x, y, z [m/s2], rate: samples a second."""
-    signals = np.column_stack([weighted(acceleration[:, i], rate, name) for i, name in enumerate(OF_AXES.values())])
+    signals = np.column_stack(
+        [weighted(acceleration[:, i], rate, name) for i, name in enumerate(AXIS_WEIGHTINGS.values())]
+    )
     length = round(BLOCK * rate)
     count = signals.shape[0] // length
     blocks = signals[: count * length].reshape(count, length, 3)
@@ -202,13 +204,13 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
     part = stretch_of(dataset, section)
     rate = sampling_rate(part["time"].values)
     acceleration = np.stack([part[f"point_a{a}"].transpose("time", "point").values for a in AXES], axis=-1)
-    found = spectrum(acceleration, rate, section.resolution_Hz)
-    bands = third_octaves(found)
+    spectra = spectrum(acceleration, rate, section.resolution_Hz)
+    bands = third_octaves(spectra)
     each = [comfort(acceleration[:, i], rate) for i in range(acceleration.shape[1])]
     dims = ("point", "axis")
     data = xr.Dataset(
         {
-            "density": (("frequency", *dims), found.density),
+            "density": (("frequency", *dims), spectra.density),
             "band_rms": (("band", *dims), bands.rms.reshape(-1, *acceleration.shape[1:])),
             "band_low": ("band", bands.low),
             "band_high": ("band", bands.high),
@@ -219,15 +221,15 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
             "N_MV": ("point", [c.mean for c in each]),
         },
         coords={
-            "frequency": found.frequency,
+            "frequency": spectra.frequency,
             "band": np.array(bands.nominal),
             "point": [str(p) for p in part["point"].values],
             "axis": list(AXES),
         },
-        attrs={"blocks": len(each[0].continuous), "weightings": " ".join(OF_AXES[a] for a in AXES)},
+        attrs={"blocks": len(each[0].continuous), "weightings": " ".join(AXIS_WEIGHTINGS[a] for a in AXES)},
     )
     times, places = part["time"].values, part["distance"].values
-    return Ride(result.title, float(places[0]), float(places[-1]), float(times[-1] - times[0]), found.segments, data)
+    return Ride(result.title, float(places[0]), float(places[-1]), float(times[-1] - times[0]), spectra.segments, data)
 
 
 def stretch_of(dataset: xr.Dataset, section: StretchTable) -> xr.Dataset:

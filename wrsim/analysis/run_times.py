@@ -21,11 +21,11 @@ def _file() -> Path | None:
 
 def _factors() -> dict[str, float]:
     """Wall time of the last run over the expected one of a common processor, by contact model; nothing unless known."""
-    found: dict[str, Any] = {}
+    factors: dict[str, Any] = {}
     with contextlib.suppress(OSError, ValueError, AttributeError):
         file = _file()
-        found = dict(json.loads(file.read_text()).items()) if file is not None else {}
-    return {name: value for name, value in found.items() if isinstance(value, float) and 1e-3 < value < 1e3}
+        factors = dict(json.loads(file.read_text()).items()) if file is not None else {}
+    return {name: value for name, value in factors.items() if isinstance(value, float) and 1e-3 < value < 1e3}
 
 
 def learn(normal: str, expected: float, wall: float) -> None:

@@ -38,7 +38,7 @@ def evaluate_spectra(
         raise InputError(f"{given}: derivative must be 0, 1 or 2, the others above 0")
     dataset = result.dataset
     fast = [str(n).removeprefix("fast_") for n in dataset.data_vars if str(n).startswith("fast_")]
-    names = [str(n) for n, own in dataset.data_vars.items() if own.dims[:1] == ("time",)]
+    names = [str(n) for n, variable in dataset.data_vars.items() if variable.dims[:1] == ("time",)]
     known = [n for n in dict.fromkeys([*fast, *names]) if CHANNELS[n].kind == "number"]
     if (name := (channels := NAMES.among(known)).understood(channel.removeprefix("fast_"))) is None:
         raise InputError(f"channel '{channel}' {channels.unknown(channel)} (of those over time)")
@@ -50,7 +50,7 @@ def evaluate_spectra(
     if not np.isfinite(signal.values).all():
         raise InputError(f"{channel} is not a number somewhere on the stretch: it has no spectrum")
     rate, dims = sampling_rate(time), signal.dims[1:]
-    found = spectrum(signal.values, rate, resolution)
+    spectra = spectrum(signal.values, rate, resolution)
     speed = (distance[-1] - distance[0]) / (time[-1] - time[0])
     length = len(time) // 4
     if speed > 0.0:
@@ -60,27 +60,27 @@ def evaluate_spectra(
     def power(frequency: Array) -> Array:
         return np.asarray((2.0 * np.pi * frequency) ** (2 * derivative)).reshape(-1, *(1,) * len(dims))
 
-    found = replace(found, density=found.density * power(found.frequency))
-    bands = third_octaves(found, found.frequency[1])
+    spectra = replace(spectra, density=spectra.density * power(spectra.frequency))
+    bands = third_octaves(spectra, spectra.frequency[1])
     unit = CHANNELS[channel].unit
     return xr.Dataset(
         {
-            "density": (("frequency", *dims), found.density),
+            "density": (("frequency", *dims), spectra.density),
             "band_rms": (("band", *dims), bands.rms.reshape(-1, *signal.shape[1:])),
             "band_low": ("band", bands.low),
             "band_high": ("band", bands.high),
-            "rms": (dims, found.rms() if derivative else signal.values.std(axis=0)),
+            "rms": (dims, spectra.rms() if derivative else signal.values.std(axis=0)),
             "spectrogram": (("place", "line", *dims), np.moveaxis(pieces, -1, 0) * power(lines)),
         },
         coords={
-            "frequency": found.frequency,
+            "frequency": spectra.frequency,
             "band": np.array(bands.nominal),
             "line": lines,
             "place": np.interp(time[0] + middles, time, distance),
             **{dim: signal[dim].values for dim in (*dims, "wheelset") if dim in signal.coords},
         },
         attrs={
-            "title": result.title, "channel": channel, "derivative": derivative, "segments": found.segments,
+            "title": result.title, "channel": channel, "derivative": derivative, "segments": spectra.segments,
             "unit": unit if derivative == 0 else f"{unit}/s" + (f"{derivative}" if derivative > 1 else ""),
             "from_m": float(distance[0]), "to_m": float(distance[-1]), "rate_Hz": rate,
         },

@@ -46,22 +46,22 @@ def run_steady(setup: Setup, progress: Progress | None = None) -> Result:
     poses, left = np.full((len(points), count, 6), np.nan), np.full(len(points), np.nan)
     messages: list[str] = []
     remarks: list[str] = []
-    known: list[Found] = []
+    known: list[CurveMotion] = []
     report = Report(progress)
     try:
         for i, point in enumerate(points):
             message = remark = ""
             try:
-                found = steady_in_curve(setup, point)
+                motion = steady_in_curve(setup, point)
             except SimulationError as error:
                 why = steady_words(NoSteadyMotion.of(error), vehicle)
                 message = f"{why} (cant deficiency {1e3 * cant_deficiency(point, base):.0f} mm)"
-                for own in raw:
-                    own.clear(i)
+                for contacts in raw:
+                    contacts.clear(i)
             else:
-                known.append(found)
-                left[i], remark = found.left, contact_words(wheels_of(found.law))
-                _store(i, found, raw, poses)
+                known.append(motion)
+                left[i], remark = motion.left, contact_words(wheels_of(motion.law))
+                _store(i, motion, raw, poses)
             messages.append(message)
             remarks.append(remark)
             report(len(messages) / len(points))
@@ -72,7 +72,9 @@ def run_steady(setup: Setup, progress: Progress | None = None) -> Result:
     if not known:
         raise SimulationError(f"none of the {n} curves has a steady motion; the first: {messages[0]}")
     _, lateral, height, yaw, roll, spin = np.moveaxis(poses[:n], 2, 0)
-    of_wheelsets = [contact_channels(own.first(n), pair) for own, pair in zip(raw, known[-1].law.wheels, strict=True)]
+    of_wheelsets = [
+        contact_channels(contacts.first(n), pair) for contacts, pair in zip(raw, known[-1].law.wheels, strict=True)
+    ]
     channels: dict[str, Any] = {
         **{f"pose_{name}": np.array([getattr(p, name) for p in points[:n]]) for name in ("speed", "radius", "cant")},
         "cant_deficiency": [cant_deficiency(p, base) for p in points[:n]],
@@ -91,20 +93,22 @@ def run_steady(setup: Setup, progress: Progress | None = None) -> Result:
     return Result(assemble(coords, channels, setup.attributes(reason)))
 
 
-def _store(i: int, found: Found, raw: list[RawContacts], poses: Array) -> None:
+def _store(i: int, motion: CurveMotion, raw: list[RawContacts], poses: Array) -> None:
     """Keep contacts and poses of all wheelsets in row i."""
-    law = found.law
+    law = motion.law
     for w, (pair, mounted) in enumerate(zip(law.wheels, law.vehicle.wheelsets, strict=True)):
         for j, wheel in enumerate(pair):
             raw[w].store(i, j, wheel.model.arrays)
-        own = slice(6 * w, 6 * w + 6)
+        coordinates = slice(6 * w, 6 * w + 6)
         poses[i, w] = np.ravel(
-            poses_on_track(law.track.centre, found.q[None, own], found.q_t[None, own], law.start + mounted.x)
+            poses_on_track(
+                law.track.centre, motion.q[None, coordinates], motion.q_t[None, coordinates], law.start + mounted.x
+            )
         )
 
 
 @dataclass(frozen=True)
-class Found:
+class CurveMotion:
     """A vehicle in steady motion in a curve: its law and its state; left: largest force left over, part of weight."""
 
     law: VehicleOnTrack
@@ -118,14 +122,14 @@ def cant_deficiency(point: SteadyPoint, base: float) -> float:
     return base * point.speed**2 / (STANDARD_GRAVITY * abs(point.radius)) - point.cant
 
 
-def steady_in_curve(setup: Setup, point: SteadyPoint) -> Found:
+def steady_in_curve(setup: Setup, point: SteadyPoint) -> CurveMotion:
     """The vehicle in steady motion in the middle of a long arc. Raises SimulationError when there is none."""
     base, curvature = setup.track.cant_base, 1.0 / point.radius
     tilt = float(np.copysign(cant_angle(point.cant, base), point.cant * curvature))
     check_upright(resultant(setup.vehicle, 0.0, curvature, tilt, point.speed), base, curvature, setup.vehicle)
     law = _law(setup, point)
     q, q_t = start_state(replace(setup, track=law.track, plan=RunPlan(law.start, law.start, point.speed)), law)
-    return Found(law, q, q_t, SteadyMotion(law).largest(q, q_t))
+    return CurveMotion(law, q, q_t, SteadyMotion(law).largest(q, q_t))
 
 
 def _law(setup: Setup, point: SteadyPoint) -> VehicleOnTrack:

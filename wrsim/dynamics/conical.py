@@ -21,9 +21,18 @@ from wrsim.jit.frames import BodyMotion, CurveNodes, Frame, point_velocity
 from wrsim.jit.linalg import Vec, add, cross, dot, from_components, mixed, shifted, sub
 from wrsim.track.path_kernel import frame_at, locate
 
-CONICAL = record("conicity half creep_x creep_y friction clearance flange support support_damping")
-"""Parameters of the law: slope of the cone, lever [m], creep coefficients [N], coefficient of friction (0: none), free
-travel [m] and stiffness [N/m] of the flanges, stiffness [N/m] and damping [N s/m] under the wheels."""
+CONICAL = record("""
+    conicity        [1]     slope of the cone
+    half            [m]     distance of the contact from the middle of the axle
+    creep_x         [N]     creep coefficient along the track
+    creep_y         [N]     creep coefficient across it
+    friction        [1]     coefficient of friction; 0: none
+    clearance       [m]     free travel of the flange
+    flange          [N/m]   stiffness of the flange
+    support         [N/m]   stiffness under the wheel
+    support_damping [N s/m] damping under the wheel
+""")
+"""Parameters of the law."""
 
 
 @kernel

@@ -11,9 +11,13 @@ The slope w_s turns the force of the rail on a wheel. The modes are records MODE
 from wrsim.jit import Array, Record, Records, kernel, record
 from wrsim.jit.curves import hermite
 
-DECK = record("start step", "first count")
-"""Beginning of the bridge and distance of the rows of its shapes along the track [m]; number of its first mode, and how
-many it has."""
+DECK = record("""
+    start [m]   beginning of the bridge
+    step  [m]   distance of the rows of its shapes along the track
+    first [int] number of its first mode
+    count [int] number of its modes
+""")
+"""A bridge."""
 
 
 @kernel
@@ -27,8 +31,10 @@ def _between(s: float, deck: Record, rows: Array) -> tuple[int, float, bool]:
 @kernel
 def _shape(k: int, i: int, x: float, step: float, rows: Array) -> tuple[float, float]:
     """Value [1] and slope [1/m] of a mode at a part x of the way from row i to the next."""
-    own = 2 * k
-    value, slope, _ = hermite(rows[i, own], rows[i + 1, own], step * rows[i, own + 1], step * rows[i + 1, own + 1], x)
+    column = 2 * k
+    value, slope, _ = hermite(
+        rows[i, column], rows[i + 1, column], step * rows[i, column + 1], step * rows[i + 1, column + 1], x
+    )
     return value, slope / step
 
 
@@ -42,11 +48,11 @@ def deck_motion(
     up, rate, lean = 0.0, 0.0, 0.0
     if on:
         for k in range(deck.count):
-            at = modes[deck.first + k].coordinate
+            coordinate = modes[deck.first + k].coordinate
             value, slope = _shape(k, i, x, deck.step, rows)
-            up += value * q[at]
-            rate += value * q_t[at]
-            lean += slope * q[at]
+            up += value * q[coordinate]
+            rate += value * q_t[coordinate]
+            lean += slope * q[coordinate]
     return up, rate + speed * lean, lean
 
 

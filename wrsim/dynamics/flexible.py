@@ -18,25 +18,45 @@ Axes of a wheelset do not spin, so its modes are bending in two planes that stan
 """
 
 from wrsim.dynamics.kinematics import SPIN
-from wrsim.dynamics.suspension import material_point, own_components
+from wrsim.dynamics.suspension import in_body_axes, material_point
 from wrsim.jit import Array, Records, inlined, kernel, record
 from wrsim.jit.frames import VECTOR, BodyMotion, accumulate, get_body, point_velocity, put_body, vec
 from wrsim.jit.linalg import ZERO, Vec, add, cross, dot, from_components, scale, shifted, sub
 
-MODE = record("stiffness damping mass rest", "coordinate body first count", turning=VECTOR)
-"""Of a mode: omega^2 [1/s2], 2 zeta omega [1/s], modal mass m [kg], force of the preload f [N]; numbers of eta [m]
-among the coordinates, of the body, of the body's first mode and of its modes; of a wheelset g [kg m]."""
+MODE = record(
+    """
+    stiffness  [1/s2] omega^2
+    damping    [1/s]  2 zeta omega
+    mass       [kg]   modal mass m
+    rest       [N]    force f of the preload
+    coordinate [int]  number of eta [m] among the coordinates
+    body       [int]  number of the body
+    first      [int]  number of the body's first mode
+    count      [int]  number of the body's modes
+    turning    [kg m] g of a wheelset
+    """,
+    turning=VECTOR,
+)
+"""A mode of an elastic body."""
 
-ATTACHMENT = record("", "body first count spins", point=VECTOR)
-"""A point of an elastic body, in its axes; number of the body, of its first mode, and how many it has; whether it is an
-axle."""
+ATTACHMENT = record(
+    """
+    body  [int] number of the body
+    first [int] number of the body's first mode
+    count [int] number of the body's modes
+    spins [int] 1: the body is an axle
+    point [m]   place in the body's axes
+    """,
+    point=VECTOR,
+)
+"""A point of an elastic body."""
 
 
 @inlined
 def _shape(shapes: Array, j: int, k: int) -> tuple[Vec, Vec]:
     """Displacement and turn of the attachment j for a unit of the mode k of its body."""
-    own = shapes[j, k]
-    return Vec(own[0], own[1], own[2]), Vec(own[3], own[4], own[5])
+    row = shapes[j, k]
+    return Vec(row[0], row[1], row[2]), Vec(row[3], row[4], row[5])
 
 
 @kernel
@@ -44,15 +64,15 @@ def attached(
     body: BodyMotion, j: int, q: Array, q_t: Array, modes: Records, attachments: Records, shapes: Array
 ) -> BodyMotion:
     """The attachment j of a body as a body of its own. shapes (attachments, modes, 6): displacement and turn."""
-    own = attachments[j]
+    attachment = attachments[j]
     moved, turned, velocity, rate = ZERO, ZERO, ZERO, ZERO
-    for k in range(own.count):
-        at = modes[own.first + k].coordinate
+    for k in range(attachment.count):
+        coordinate = modes[attachment.first + k].coordinate
         shift, turn = _shape(shapes, j, k)
-        moved, velocity = shifted(moved, q[at], shift), shifted(velocity, q_t[at], shift)
-        turned, rate = shifted(turned, q[at], turn), shifted(rate, q_t[at], turn)
+        moved, velocity = shifted(moved, q[coordinate], shift), shifted(velocity, q_t[coordinate], shift)
+        turned, rate = shifted(turned, q[coordinate], turn), shifted(rate, q_t[coordinate], turn)
     f, left, up = body.forward, body.left, body.up
-    place = add(material_point(body, own.point), from_components(moved, f, left, up))
+    place = add(material_point(body, attachment.point), from_components(moved, f, left, up))
     moving = add(point_velocity(body, place), from_components(velocity, f, left, up))
     about = from_components(turned, f, left, up)
     omega = add(body.omega, from_components(rate, f, left, up))
@@ -81,10 +101,10 @@ def push_modes(
     j: int, body: BodyMotion, force: Vec, moment: Vec, modes: Records, attachments: Records, shapes: Array, out: Array
 ) -> None:
     """Add the accelerations of the modes by a force and a moment at the attachment j of a body."""
-    own = attachments[j]
-    f, m = own_components(body, force), own_components(body, moment)
-    for k in range(own.count):
-        mode = modes[own.first + k]
+    attachment = attachments[j]
+    f, m = in_body_axes(body, force), in_body_axes(body, moment)
+    for k in range(attachment.count):
+        mode = modes[attachment.first + k]
         shift, turn = _shape(shapes, j, k)
         out[mode.coordinate] += (dot(shift, f) + dot(turn, m)) / mode.mass
 
@@ -112,29 +132,29 @@ def vibrate(
     """Write the accelerations of all modes without forces but those at rest, and the gyroscopic ones of wheelsets;
     adds their moments. gyroscopic (modes, modes of a body): G [kg m2/m2]."""
     for k in range(modes.shape[0]):
-        own = modes[k]
-        at = own.coordinate
-        out[at] = -own.stiffness * q[at] - own.damping * q_t[at] - own.rest / own.mass
-        if own.turning.x == 0.0 and own.turning.z == 0.0:
+        mode = modes[k]
+        coordinate = mode.coordinate
+        out[coordinate] = -mode.stiffness * q[coordinate] - mode.damping * q_t[coordinate] - mode.rest / mode.mass
+        if mode.turning.x == 0.0 and mode.turning.z == 0.0:
             continue
-        body, spin = get_body(bodies[own.body]), q_t[6 * own.body + SPIN]
-        g = from_components(own.turning, body.forward, body.left, body.up)
+        body, spin = get_body(bodies[mode.body]), q_t[6 * mode.body + SPIN]
+        g = from_components(mode.turning, body.forward, body.left, body.up)
         held = dot(body.left, cross(g, body.omega))
-        for j in range(own.count):
-            held += gyroscopic[k, j] * q_t[modes[own.first + j].coordinate]
-        out[at] -= spin * held / own.mass
-        accumulate(wrenches[own.body].moment, scale(-spin * q_t[at], cross(g, body.left)))
+        for j in range(mode.count):
+            held += gyroscopic[k, j] * q_t[modes[mode.first + j].coordinate]
+        out[coordinate] -= spin * held / mode.mass
+        accumulate(wrenches[mode.body].moment, scale(-spin * q_t[coordinate], cross(g, body.left)))
 
 
 @inlined
-def wheel_on_axle(own: BodyMotion, arm: float, spin: float) -> BodyMotion:
+def wheel_on_axle(seat: BodyMotion, arm: float, spin: float) -> BodyMotion:
     """The wheelset that a rigid one would have to be to move the wheel at its attachment as the elastic one does.
 
-    own: the attachment; arm: place of the wheel on the axle [m]; spin: angular velocity of the wheel about it [rad/s].
+    seat: the attachment; arm: place of the wheel on the axle [m]; spin: angular velocity of the wheel about it [rad/s].
     """
-    place = shifted(own.position, -arm, own.left)
-    velocity = point_velocity(own, place)
-    return BodyMotion(place, velocity, own.forward, own.left, own.up, shifted(own.omega, spin, own.left))
+    place = shifted(seat.position, -arm, seat.left)
+    velocity = point_velocity(seat, place)
+    return BodyMotion(place, velocity, seat.forward, seat.left, seat.up, shifted(seat.omega, spin, seat.left))
 
 
 @inlined

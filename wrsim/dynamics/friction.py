@@ -26,7 +26,7 @@ Where the bound falls below the force (the normal force falls) the force falls w
 within some SETTLING. All of these take power: force times rate of travel less the rate of k z^2/2 is nowhere negative,
 but for a little of BERG's on the way back from a return, where it yields before its force has turned.
 
-"Settled" is a slider that went straight to where it is: FRESH from the design position, where it had no force, on its
+"Relaxed" is a slider that went straight to where it is: FRESH from the design position, where it had no force, on its
 law's own line; HELD from the slip that it has, elastic up to its bound: a state within the bound stays what it is.
 """
 
@@ -69,13 +69,13 @@ def slide(element: Record, bound: float, z: Vec, v: Vec) -> tuple[Vec, Vec]:
 
 
 @kernel
-def settled(element: Record, bound: float, z: Vec) -> Vec:
-    """Pull of a settled slider after the way z from where it began [m], both vectors."""
+def relaxed_force(element: Record, bound: float, z: Vec) -> Vec:
+    """Pull of a relaxed slider after the travel z from where it began [m], both vectors."""
     k, size = element.stick, norm(z)
     if size < SMALLEST or bound <= 0.0:
         return ZERO
     part = k * size / bound
-    if element.settled == HELD:
+    if element.relaxed == HELD:
         force = min(part, 1.0)
     elif element.slider == BERG:
         force = part / (1.0 + part)
@@ -106,11 +106,11 @@ def follow_strokes(element: Record, bound: float, e: float, v: float, inner: Arr
 @kernel
 def slider_force(element: Record, bound: float, e: float, v: float, inner: Array, inner_t: Array) -> float:
     """Pull of a slider in one direction against the travel e [m] at the rate v [m/s]. Adds what friction takes to the
-    element's loss. inner, inner_t: the slider's unknowns, and where their rates go; of a settled slider the unknowns
+    element's loss. inner, inner_t: the slider's unknowns, and where their rates go; of a relaxed slider the unknowns
     where it has come to go there."""
     first = element.slip
-    if element.settled != MOVING:
-        force = settled(element, bound, Vec(e - inner[first], 0.0, 0.0)).x
+    if element.relaxed != MOVING:
+        force = relaxed_force(element, bound, Vec(e - inner[first], 0.0, 0.0)).x
         z = force / element.stick
         inner_t[first] = e - z
         if element.slider == BERG:

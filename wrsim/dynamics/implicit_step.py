@@ -24,11 +24,11 @@ from wrsim.jit.dense import copy, factorise, solve_factorised
 CONTRACTION = 0.5
 """Newton's method retains its Jacobian as long as an iteration reduces the residual below this part of it."""
 
-ORDER, FADE, HELD = 4, 0.98, 1e-4
+ORDER, FADE, REGULARISATION = 4, 0.98, 1e-4
 """Accelerations that are combined; what a step counts in the sums of squares of the next one; part of these sums with
 which the combination is held to the last one, which decides where all are alike."""
 
-NEAR, UNSEEN, FORGET = 100.0, 16, 0.9
+MAX_CHANGE, MAX_ESTIMATES, FORGET = 100.0, 16, 0.9
 """Forces are estimated, not computed, where the expected residual is within the tolerance and their change, also since
 the last step, within so many tolerances; in at most so many steps in succession. The contraction in a step counts as
 this part of it in the next."""
@@ -36,20 +36,31 @@ this part of it in the next."""
 BODY, RAILS = 6, 4
 """Coordinates of a body, and of the rails under a wheelset."""
 
-MOST_ASTRAY = 2
+MAX_FAILED = 2
 """New Jacobians in a step that predict less than half of the change, at which the method stops or fails."""
 
-STEP = record(
-    "q_of_q_tt q_t_of_q_tt tolerance loosest predicted residual moved ratio",
-    "bodies rails steps iteration estimates known unseen new astray",
-)
-"""Changes of q and q_t for a change of q_tt (s2, s); norms of forces [N]: tolerance, largest residual at which the
-method may stop, predicted change, error of the last prediction, change since the last step; largest recent error of a
-prediction over the predicted change. Bodies; coordinates of rails; steps done; iteration of this step, -1 outside of
-steps; whether forces may be estimated; whether there is a Jacobian; steps since ``ratio`` was measured; whether the
-Jacobian is of this step; how many of its predictions have failed."""
+STEP = record("""
+    q_of_q_tt          [s2]  change of q for a change of q_tt
+    q_t_of_q_tt        [s]   change of q_t for a change of q_tt
+    tolerance          [N]   norm of the residual at which the iteration has converged
+    max_residual       [N]   largest norm of the residual at which the method may stop
+    predicted          [N]   norm of the predicted change of the forces
+    residual           [N]   norm of the error of the last prediction
+    force_change       [N]   norm of the change of the forces since the last step
+    ratio              [1]   largest recent error of a prediction over the predicted change
+    bodies             [int] number of bodies
+    rails              [int] number of coordinates of rails
+    steps              [int] number of steps done
+    iteration          [int] iteration of this step, -1 outside of steps
+    estimates          [int] 1: forces may be estimated
+    known              [int] 1: there is a Jacobian
+    steps_estimated    [int] number of estimates since ``ratio`` was measured
+    new                [int] 1: the Jacobian is of this step
+    failed_predictions [int] number of predictions of new Jacobians in this step that have failed
+""")
+"""A step of generalised alpha and its iteration."""
 
-AT, FORCES, MOVED, CHANGE, AHEAD, WEIGHTS, PAST = range(7)
+COMPUTED_AT, FORCES, MOVED, CHANGE, AHEAD, WEIGHTS, PAST = range(7)
 """Rows (size,): coordinates of the last computed forces, these, the change of the coordinates since, the predicted one
 of the forces; accelerations predicted for the next step; weights of coordinates in sums; the accelerations at the ends
 of the last steps, the last one first."""
@@ -62,28 +73,28 @@ SOLVABLE, NOT_SOLVED = -1, -2
 @kernel
 def predict(step: Records, rows: Array, q: Array, q_t: Array, q_tt: Array) -> None:
     """The first guess of a step; iteration 0."""
-    own = step[0]
-    own.iteration, own.new, own.astray = 0, 0, 0
+    state = step[0]
+    state.iteration, state.new, state.failed_predictions = 0, 0, 0
     for i in range(q.size):
-        more = rows[AHEAD, i]
-        q_tt[i] += more
-        q_t[i] += own.q_t_of_q_tt * more
-        q[i] += own.q_of_q_tt * more
+        change = rows[AHEAD, i]
+        q_tt[i] += change
+        q_t[i] += state.q_t_of_q_tt * change
+        q[i] += state.q_of_q_tt * change
 
 
 @kernel
 def end_step(step: Records, rows: Array, sums: Array, fit: Array, q_tt: Array) -> None:
     """Predict the accelerations of the next step. sums (ORDER + 1, ORDER + 1): products of those of the last steps with
     each other, of all steps; fit (ORDER + 2, ORDER): scratch, the last row receives the combination."""
-    own, n, by = step[0], q_tt.size, fit[ORDER + 1]
+    state, n, combination = step[0], q_tt.size, fit[ORDER + 1]
     for k in range(ORDER, 0, -1):
         copy(n, rows[PAST + k - 1], rows[PAST + k])
     copy(n, q_tt, rows[PAST])
-    own.steps += 1
-    by[:] = 0.0
-    by[0] = 1.0
-    if own.steps > ORDER:
-        whole, of_bodies = 1e-300, BODY * own.bodies
+    state.steps += 1
+    combination[:] = 0.0
+    combination[0] = 1.0
+    if state.steps > ORDER:
+        whole, of_bodies = 1e-300, BODY * state.bodies
         for k in range(ORDER + 1):
             for m in range(ORDER + 1):
                 more = _product(rows[WEIGHTS, :of_bodies], rows[PAST + k], rows[PAST + m])
@@ -92,35 +103,35 @@ def end_step(step: Records, rows: Array, sums: Array, fit: Array, q_tt: Array) -
         for k in range(ORDER):
             for m in range(ORDER):
                 fit[k, m] = sums[k + 1, m + 1]
-            fit[k, k] += HELD * whole
-            by[k] = sums[k + 1, 0] + HELD * whole * by[k]
+            fit[k, k] += REGULARISATION * whole
+            combination[k] = sums[k + 1, 0] + REGULARISATION * whole * combination[k]
         factorise(fit, ORDER, fit[ORDER])
-        solve_factorised(fit, ORDER, fit[ORDER], by)
+        solve_factorised(fit, ORDER, fit[ORDER], combination)
     for i in range(n):
         rows[AHEAD, i] = 0.0
         for k in range(ORDER):
-            rows[AHEAD, i] += by[k] * rows[PAST + k, i]
+            rows[AHEAD, i] += combination[k] * rows[PAST + k, i]
 
 
 @kernel
 def estimate(step: Records, rows: Array, jacobian: Array, q: Array, out: Array) -> bool:
     """Fill ``out`` with the forces that the Jacobian predicts and return True, if that ends the iteration."""
-    own = step[0]
-    if own.iteration < 1 or own.known == 0:
+    state = step[0]
+    if state.iteration < 1 or state.known == 0:
         return False
     for i in range(q.size):
-        rows[MOVED, i] = q[i] - rows[AT, i]
+        rows[MOVED, i] = q[i] - rows[COMPUTED_AT, i]
     for i in range(q.size):
         rows[CHANGE, i] = _dot(jacobian[i], rows[MOVED])
-    own.predicted = sqrt(_dot(rows[CHANGE], rows[CHANGE]))
-    if own.estimates == 0:
+    state.predicted = sqrt(_dot(rows[CHANGE], rows[CHANGE]))
+    if state.estimates == 0:
         return False
-    stuck = own.astray >= MOST_ASTRAY and own.residual <= own.loosest
-    calm = max(own.predicted, own.moved if own.iteration == 1 else 0.0) <= NEAR * own.tolerance
-    close = own.ratio <= CONTRACTION and own.ratio * own.predicted <= own.tolerance
-    if not (stuck or (calm and close and own.unseen < UNSEEN)):
+    at_jump = state.failed_predictions >= MAX_FAILED and state.residual <= state.max_residual
+    calm = max(state.predicted, state.force_change if state.iteration == 1 else 0.0) <= MAX_CHANGE * state.tolerance
+    close = state.ratio <= CONTRACTION and state.ratio * state.predicted <= state.tolerance
+    if not (at_jump or (calm and close and state.steps_estimated < MAX_ESTIMATES)):
         return False
-    own.unseen += 1
+    state.steps_estimated += 1
     for i in range(q.size):
         out[i] = rows[FORCES, i] + rows[CHANGE, i]
     return True
@@ -129,37 +140,37 @@ def estimate(step: Records, rows: Array, jacobian: Array, q: Array, out: Array) 
 @kernel
 def update(step: Records, rows: Array, jacobian: Array, q: Array, forces: Array) -> int:
     """Compare computed forces with the prediction; SOLVABLE, NOT_SOLVED, or the index of a force that is not finite."""
-    own, n = step[0], q.size
+    state, n = step[0], q.size
     status = first_not_finite(forces, forces)
     if status >= 0:
         return status
-    if own.iteration >= 1 and own.known != 0:
-        own.residual = _distance(forces, rows[FORCES], rows[CHANGE])
-        if own.residual <= CONTRACTION * own.predicted:
-            _bend(own, rows, jacobian, forces)
-        ratio = own.residual / max(own.predicted, own.tolerance)  # below that contacts are not solved
-        forgotten = 0.0 if own.iteration > 1 or not isfinite(own.ratio) else FORGET * own.ratio
-        own.ratio, own.unseen = max(ratio, forgotten), 0
-        if own.new != 0 and ratio > CONTRACTION:
-            own.astray += 1
-            if own.astray > MOST_ASTRAY and own.residual > own.loosest:
+    if state.iteration >= 1 and state.known != 0:
+        state.residual = _distance(forces, rows[FORCES], rows[CHANGE])
+        if state.residual <= CONTRACTION * state.predicted:
+            _bend(state, rows, jacobian, forces)
+        ratio = state.residual / max(state.predicted, state.tolerance)  # below that contacts are not solved
+        forgotten = 0.0 if state.iteration > 1 or not isfinite(state.ratio) else FORGET * state.ratio
+        state.ratio, state.steps_estimated = max(ratio, forgotten), 0
+        if state.new != 0 and ratio > CONTRACTION:
+            state.failed_predictions += 1
+            if state.failed_predictions > MAX_FAILED and state.residual > state.max_residual:
                 status = NOT_SOLVED
-    elif own.iteration == 0:
+    elif state.iteration == 0:
         rows[CHANGE] = 0.0
-        own.moved = _distance(forces, rows[FORCES], rows[CHANGE])
+        state.force_change = _distance(forces, rows[FORCES], rows[CHANGE])
     for i in range(n):
-        rows[FORCES, i], rows[AT, i] = forces[i], q[i]
+        rows[FORCES, i], rows[COMPUTED_AT, i] = forces[i], q[i]
     return status
 
 
 @kernel
 def set_jacobian(step: Records, jacobian: Array, derivative: Array, by_q: float) -> None:
     """Take a new derivative of the forces with respect to by_q q."""
-    own = step[0]
+    state = step[0]
     for i in range(jacobian.shape[0]):
         for j in range(jacobian.shape[0]):
             jacobian[i, j] = derivative[i, j] / by_q
-    own.ratio, own.new, own.known = float("inf"), 1, 1
+    state.ratio, state.new, state.known = float("inf"), 1, 1
 
 
 @inlined
@@ -169,24 +180,24 @@ def _coordinate(body: int, rails: int, i: int) -> int:
 
 
 @kernel
-def _bend(own: Record, rows: Array, jacobian: Array, forces: Array) -> None:
+def _bend(state: Record, rows: Array, jacobian: Array, forces: Array) -> None:
     """Broyden's update of the estimating Jacobian, body by body, a wheelset with the rails under it: the one that would
     have left nothing."""
     n = forces.size
-    for b in range(own.bodies):
-        rails = n - own.rails + RAILS * b
+    for b in range(state.bodies):
+        rails = n - state.rails + RAILS * b
         count = BODY + (RAILS if rails < n else 0)
-        whole = 0.0
+        square = 0.0
         for j in range(count):
             c = _coordinate(b, rails, j)
-            whole += rows[WEIGHTS, c] * rows[MOVED, c] ** 2
-        whole = max(whole, 1e-300)
+            square += rows[WEIGHTS, c] * rows[MOVED, c] ** 2
+        square = max(square, 1e-300)
         for i in range(count):
             r = _coordinate(b, rails, i)
             missed = forces[r] - rows[FORCES, r] - rows[CHANGE, r]
             for j in range(count):
                 c = _coordinate(b, rails, j)
-                jacobian[r, c] += missed * (rows[WEIGHTS, c] * rows[MOVED, c] / whole)
+                jacobian[r, c] += missed * (rows[WEIGHTS, c] * rows[MOVED, c] / square)
 
 
 @summing

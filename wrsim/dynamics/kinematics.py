@@ -42,8 +42,15 @@ class TrackPose(NamedTuple):
     roll: float
 
 
-PLACED = record("distance lateral height yaw roll spin_rate")
-"""A pose, its distance along the track [m], the angular velocity about the axle, positive when rolling on [rad/s]."""
+PLACED = record("""
+    distance  [m]     distance along the track
+    lateral   [m]     shift to the left
+    height    [m]     height above the track
+    yaw       [rad]   angle about the vertical
+    roll      [rad]   angle about the tangent
+    spin_rate [rad/s] angular velocity about the axle, positive when rolling on
+""")
+"""A `TrackPose`, its place and its spin."""
 
 
 @kernel

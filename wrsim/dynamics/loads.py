@@ -57,9 +57,21 @@ from wrsim.jit.linalg import Vec, components, cross, dot, from_components, mixed
 from wrsim.jit.root import neighbours
 from wrsim.track.path_kernel import frame_at, locate
 
-LOAD = record("s", "body axes over start rows", at=VECTOR, force=VECTOR)
-"""Distance of the point (a guess, updated) [m]; its body; axes of the force; what its table goes over; first row and
-number of rows of its table; point in the body's axes [m]; force along its axes at the state asked for last [N]."""
+LOAD = record(
+    """
+    s     [m]   distance of the point (a guess, updated)
+    body  [int] number of the body
+    axes  [int] axes of the force: TRACK_AXES or BODY_AXES
+    over  [int] argument of the table: OVER_TIME or OVER_DISTANCE
+    start [int] first row of the table
+    rows  [int] number of rows of the table
+    point [m]   place in the body's axes
+    force [N]   force along its axes at the last evaluation
+    """,
+    point=VECTOR,
+    force=VECTOR,
+)
+"""A force at a point of a body by a table."""
 
 TRACK_AXES, BODY_AXES = range(2)
 """Axes of a load."""
@@ -67,30 +79,56 @@ TRACK_AXES, BODY_AXES = range(2)
 OVER_TIME, OVER_DISTANCE = range(2)
 """What the table of a load goes over."""
 
-CARRIED = record("mass height", "body")
-"""A carried mass [kg] and its height above the centre of its body [m]."""
+CARRIED = record("""
+    mass   [kg]  mass
+    height [m]   height above the centre of mass of its body
+    body   [int] number of the body
+""")
+"""A carried mass."""
 
-AXLE = record(
-    "radius asked moment twisting slip speed power shaft loss ratio rotor turning stiffness damping",
-    "body holder unit motor gear",
-)
-"""An axle: mean radius of its wheels [m]; at the state asked for last the moment asked of it and given [N m], half the
-difference of the moments on its wheels, left less right, slip speed and speed [m/s], the power of the moments and their
-reaction [W], the moment that comes to the wheelset, what damping of the hollow axle takes [W]. Of a geared motor: turns
-of the rotor for one of the axle, negative where it turns the other way; inertia of the rotor, and of all that turns as
-the hollow axle sees it [kg m2]; stiffness [N m/rad] and damping [N m s/rad] between hollow axle and wheelset. Its body,
-the one that takes the reaction or -1 (the case of the gear), its vehicle; the body of the motor; number of the first
-unknown of the drive, or -1 without one."""
+AXLE = record("""
+    radius    [m]         mean radius of the wheels
+    requested [N m]       moment requested at the last evaluation
+    moment    [N m]       moment given
+    twisting  [N m]       half the difference of the moments on the wheels, left less right
+    slip      [m/s]       slip speed
+    speed     [m/s]       speed of the middle
+    power     [W]         power of the moments and their reaction
+    shaft     [N m]       moment that comes to the wheelset
+    loss      [W]         power that the damping of the hollow axle takes
+    ratio     [1]         turns of a geared motor for one of the axle, negative where it turns the other way
+    rotor     [kg m2]     inertia of the rotor
+    turning   [kg m2]     inertia of all that turns as the hollow axle sees it
+    stiffness [N m/rad]   stiffness between hollow axle and wheelset
+    damping   [N m s/rad] damping between them
+    body      [int]       number of the wheelset
+    holder    [int]       body that takes the reaction (the case of the gear), or -1
+    unit      [int]       number of the vehicle
+    motor     [int]       body of the motor
+    gear      [int]       number of the first unknown of the geared motor, or -1 without one
+""")
+"""A driven or braked axle."""
 
-UNIT = record("mass inertia ahead s force", "body axles driven")
-"""A vehicle, alone or in a train: mass that its drive moves, and with the inertia of what turns over its radius
-squared; what lies between its reference body and the track frame along the track, distance of that body (a guess,
-updated); force of its drive at the state asked for last; its reference body, how many axles it has, whether it is
-driven."""
+UNIT = record("""
+    mass    [kg]  mass that the drive moves
+    inertia [kg]  that mass and the inertia of what turns over its radius squared
+    ahead   [m]   distance of the reference body behind the track frame
+    s       [m]   distance of the reference body (a guess, updated)
+    force   [N]   force of the drive at the last evaluation
+    body    [int] number of the reference body
+    axles   [int] number of axles
+    driven  [int] 1: the vehicle is driven
+""")
+"""A vehicle, alone or in a train."""
 
-EFFORT = record("side", "axle over start rows")
-"""A moment on an axle: on its left (+1), its right (-1) or both (0) of its wheels; what its table goes over; first row
-and number of rows of its table (x, moment)."""
+EFFORT = record("""
+    side  [1]   wheels that the moment acts on: +1 left, -1 right, 0 both
+    axle  [int] number of the axle
+    over  [int] argument of the table: OVER_TIME or OVER_DISTANCE
+    start [int] first row of the table (x, moment)
+    rows  [int] number of rows of the table
+""")
+"""A moment on an axle by a table."""
 
 FREE, TRAIN, WHEELS = range(3)
 """Kinds of drive."""
@@ -99,7 +137,7 @@ DRIVE_RATE = 1.0  # [1/s]
 BRAKE_FADE = 0.5  # [rad/s]
 
 
-class Asked(NamedTuple):
+class ReferenceMotion(NamedTuple):
     """Where the track frame is along the track [m], its speed [m/s] and acceleration [m/s2]."""
 
     distance: float
@@ -134,7 +172,7 @@ def add_loads(t: float, bodies: Records, loads: Records, tables: Array, centre: 
     for j in range(loads.shape[0]):
         load = loads[j]
         body = get_body(bodies[load.body])
-        point = material_point(body, vec(load.at))
+        point = material_point(body, vec(load.point))
         s, bad = locate(centre, point, load.s)
         if bad != 0:
             return bad
@@ -165,10 +203,16 @@ def add_carried(track: BodyMotion, carried: Records, gravity: float, wrenches: R
 
 @kernel
 def add_drive(
-    asked: Asked, drive: int, units: Records, bodies: Records, axles: Records, centre: CurveNodes, wrenches: Records
+    reference: ReferenceMotion,
+    drive: int,
+    units: Records,
+    bodies: Records,
+    axles: Records,
+    centre: CurveNodes,
+    wrenches: Records,
 ) -> int:
     """Add the pull that holds the speed of every vehicle, or ask its axles for it; returns the status of ``locate``.
-    asked: an ``Asked``; drive: its kind; units: records UNIT, which keep where their reference bodies are."""
+    drive: its kind; units: records UNIT, which keep where their reference bodies are."""
     for k in range(units.shape[0]):
         unit = units[k]
         body = get_body(bodies[unit.body])
@@ -179,15 +223,15 @@ def add_drive(
         pull = 0.0
         if drive != FREE and unit.driven != 0:
             track = frame_at(centre, s)
-            slower = asked.speed - dot(body.velocity, track.t)
-            pull = unit.mass * DRIVE_RATE * (DRIVE_RATE * (asked.distance + unit.ahead - s) + 2.0 * slower)
-            pull += unit.inertia * asked.acceleration
+            slower = reference.speed - dot(body.velocity, track.t)
+            pull = unit.mass * DRIVE_RATE * (DRIVE_RATE * (reference.distance + unit.ahead - s) + 2.0 * slower)
+            pull += unit.inertia * reference.acceleration
             if drive == TRAIN:
                 accumulate(wrenches[unit.body].force, scale(pull, track.t))
         unit.force = pull
     for j in range(axles.shape[0]):
         unit = units[axles[j].unit]
-        axles[j].asked = unit.force * axles[j].radius / unit.axles if drive == WHEELS else 0.0
+        axles[j].requested = unit.force * axles[j].radius / unit.axles if drive == WHEELS else 0.0
     return 0
 
 
@@ -213,21 +257,21 @@ def add_efforts(
             if twist >= 0:
                 spin += 0.5 * effort.side * q_t[twist]
             moment *= min(max(spin / BRAKE_FADE, -1.0), 1.0)
-        axle.asked += moment
+        axle.requested += moment
         axle.twisting += 0.5 * effort.side * moment
     for j in range(axles.shape[0]):
         axle = axles[j]
         body = get_body(bodies[axle.body])
         speed = dot(body.velocity, body.forward)
         axle.slip, axle.speed = axle.radius * q_t[6 * axle.body + SPIN] - speed, speed
-        axle.moment = axle.asked
+        axle.moment = axle.requested
         limit = vehicle.slip_speed + vehicle.slip_creepage * abs(speed)
         if limit > 0.0:
-            slip = axle.slip if axle.asked > 0.0 else -axle.slip
+            slip = axle.slip if axle.requested > 0.0 else -axle.slip
             axle.moment *= min(max(2.0 - 2.0 * slip / limit, 0.0), 1.0)
         axle.power, axle.shaft, axle.loss = 0.0, axle.moment, 0.0
         if axle.gear >= 0:
-            _turn_gear(axle, q_t, vehicle.settled != 0, bodies, wrenches, out)
+            _turn_gear(axle, q_t, vehicle.relaxed != 0, bodies, wrenches, out)
         elif axle.moment != 0.0:
             torque = scale(axle.moment, body.left)
             accumulate(wrenches[axle.body].moment, torque)
@@ -240,9 +284,9 @@ def add_efforts(
 
 
 @kernel
-def _turn_gear(axle: Record, q_t: Array, settled: bool, bodies: Records, wrenches: Records, out: Array) -> None:
+def _turn_gear(axle: Record, q_t: Array, relaxed: bool, bodies: Records, wrenches: Records, out: Array) -> None:
     """Add what a geared motor does to its wheelset, its own body and the case of its gear; write the rates of its
-    unknowns, twist and momentum of the hollow axle over its inertia, or where they have come to once settled."""
+    unknowns, twist and momentum of the hollow axle over its inertia, or where they have come to once relaxed."""
     twist, turning = axle.gear, axle.gear + 1
     about, case, motor = get_body(bodies[axle.body]), get_body(bodies[axle.holder]), get_body(bodies[axle.motor])
     n = axle.ratio
@@ -250,7 +294,7 @@ def _turn_gear(axle: Record, q_t: Array, settled: bool, bodies: Records, wrenche
     pitch = dot(case.left, case.omega)
     spin = q_t[6 * axle.body + SPIN] + dot(about.left, sub(about.omega, case.omega))
     rate, axle.loss = q_t[turning], 0.0
-    if settled:
+    if relaxed:
         rate = spin + sigma * pitch
         out[twist], out[turning] = axle.moment / axle.stiffness, rate
     else:

@@ -5,7 +5,7 @@ The workspace is that of ``dynamics.stepper``. A body is placed against the fram
 
 from wrsim.dynamics.kinematics import X, Y, Z, kinematics, pose_in_track
 from wrsim.dynamics.rigid_body import PITCH, pitched
-from wrsim.dynamics.stepper import OF_VEHICLE, Q_T, Q_TT, SEEN, STATE, WHEELS, Q
+from wrsim.dynamics.stepper import Q_T, Q_TT, SEEN, STATE, VEHICLE_ARRAYS, WHEELS, Q
 from wrsim.dynamics.vehicle_forces import CENTRE, FIRST_WHEEL, PART, PARTS, VEHICLE, WHOLE
 from wrsim.dynamics.wheel_forces import OFF_TRACK, wheel_total
 from wrsim.jit import Array, Ints, kernel, matrix, record, records
@@ -13,23 +13,35 @@ from wrsim.jit.frames import CurveNodes
 from wrsim.jit.linalg import Vec, dot
 from wrsim.track.path_kernel import NODE, frame_at, locate
 
-BODY_SEEN = record(
-    "distance speed lateral height yaw roll yaw_rate rotation acceleration_x acceleration_y acceleration_z"
-)
-"""Distance of the centre of mass along the centre line (a guess, updated) [m] and speed along it [m/s]; shift to the
-left and height against it [m], yaw and roll against its frame [rad]; angular velocity about the body's vertical axis,
-and about its axle or its lateral axis [rad/s]; acceleration of the centre of mass along the body's axes [m/s2]."""
+BODY_SEEN = record("""
+    distance       [m]     distance of the centre of mass along the centre line (a guess, updated)
+    speed          [m/s]   speed along the centre line
+    lateral        [m]     shift to the left of the centre line
+    height         [m]     height above it
+    yaw            [rad]   yaw against its frame
+    roll           [rad]   roll against its frame
+    yaw_rate       [rad/s] angular velocity about the body's vertical axis
+    rotation       [rad/s] angular velocity about the axle or the lateral axis
+    acceleration_x [m/s2]  acceleration of the centre of mass along the body, ...
+    acceleration_y [m/s2]  ... to its left ...
+    acceleration_z [m/s2]  ... and up
+""")
+"""Motion of a body."""
 
-WHEEL_SEEN = record("X Y Q")
-"""Forces of a wheel on its rail: forward, outward, down [N]."""
+WHEEL_SEEN = record("""
+    X [N] force of the wheel on its rail, forward
+    Y [N] outward
+    Q [N] down
+""")
+"""Forces of a wheel."""
 
 
 @kernel
 def observe(buffer: Array, index: Ints) -> int:
     """Fill the records of bodies and wheels from the state and the last contacts. Returns 0 or OFF_TRACK."""
-    own, rows = index[OF_VEHICLE:], matrix(buffer, index, STATE)
-    parts, seen = records(buffer, own, PARTS, PART), records(buffer, index, SEEN, BODY_SEEN)
-    centre = CurveNodes(records(buffer, own, CENTRE, NODE), records(buffer, own, WHOLE, VEHICLE)[0].step)
+    arrays, rows = index[VEHICLE_ARRAYS:], matrix(buffer, index, STATE)
+    parts, seen = records(buffer, arrays, PARTS, PART), records(buffer, index, SEEN, BODY_SEEN)
+    centre = CurveNodes(records(buffer, arrays, CENTRE, NODE), records(buffer, arrays, WHOLE, VEHICLE)[0].step)
     for i in range(seen.shape[0]):
         q, q_t, q_tt = rows[Q, 6 * i : 6 * i + 6], rows[Q_T, 6 * i : 6 * i + 6], rows[Q_TT, 6 * i : 6 * i + 6]
         body, row = kinematics(q, q_t), seen[i]
@@ -49,6 +61,6 @@ def observe(buffer: Array, index: Ints) -> int:
         row.acceleration_z = dot(faster, body.up)
     wheels = records(buffer, index, WHEELS, WHEEL_SEEN)
     for k in range(wheels.shape[0]):
-        total = wheel_total(buffer, own[FIRST_WHEEL:], k)
+        total = wheel_total(buffer, arrays[FIRST_WHEEL:], k)
         wheels[k].X, wheels[k].Y, wheels[k].Q = -total.Ft, -total.Fo, total.Fb
     return 0

@@ -38,11 +38,21 @@ from wrsim.track.path_kernel import frame_at, frame_rates, locate
 
 PITCH = SPIN
 
-INERTIA = record("mass xx yy zz")
-"""Mass [kg] and principal inertia [kg m2] of a body."""
+INERTIA = record("""
+    mass [kg]    mass
+    xx   [kg m2] principal inertia about the axis forward, ...
+    yy   [kg m2] ... to the left ...
+    zz   [kg m2] ... and up
+""")
+"""Mass and inertia of a body."""
 
-AXLE_BOX = record("inertia lateral", "wheelset coordinate")
-"""Inertia about the axle [kg m2], place on the axle [m]; body it sits on, number of its pitch among the coordinates."""
+AXLE_BOX = record("""
+    inertia    [kg m2] inertia about the axle
+    lateral    [m]     place on the axle
+    wheelset   [int]   number of the wheelset
+    coordinate [int]   number of the pitch among the coordinates
+""")
+"""An axle box."""
 
 
 @inlined
@@ -71,10 +81,10 @@ def kinetic_energies(q: Array, q_t: Array, inertia: Records, wheelsets: int, out
     for i in range(q.shape[0]):
         twice = 0.0
         for k in range(inertia.shape[0]):
-            own = q[i, 6 * k : 6 * k + 6]
+            coordinates = q[i, 6 * k : 6 * k + 6]
             rates = q_t[i, 6 * k : 6 * k + 6]
             about = inertia[k]
-            w = turning(own[ROLL], own[PITCH] if k >= wheelsets else 0.0, rates)
+            w = turning(coordinates[ROLL], coordinates[PITCH] if k >= wheelsets else 0.0, rates)
             twice += about.mass * (rates[X] * rates[X] + rates[Y] * rates[Y] + rates[Z] * rates[Z])
             twice += about.xx * w.x * w.x + about.yy * w.y * w.y + about.zz * w.z * w.z
         out[i] = 0.5 * twice
@@ -136,9 +146,9 @@ def rates_of(q: Array, omega: Vec, q_t: Array) -> None:
 def on_axle(box: Record, wheelset: BodyMotion, pitch: float, rate: float) -> BodyMotion:
     """The box as a body; wheelset: a body that does not spin; pitch [rad] and its rate."""
     arm = scale(box.lateral, wheelset.left)
-    at = add(wheelset.position, arm)
+    middle = add(wheelset.position, arm)
     turning = shifted(wheelset.omega, rate, wheelset.left)
-    whole = BodyMotion(at, point_velocity(wheelset, at), wheelset.forward, wheelset.left, wheelset.up, turning)
+    whole = BodyMotion(middle, point_velocity(wheelset, middle), wheelset.forward, wheelset.left, wheelset.up, turning)
     return pitched(whole, pitch)
 
 
@@ -164,18 +174,18 @@ def follow_together(
     among the bodies. reference: body whose place counts; guess [m]: where to look for it.
     q_t: (6 n,) to fill. Returns (angular velocity w [rad/s], distance [m], status of ``locate``).
     """
-    own = q[6 * reference : 6 * reference + 6]
-    s, status = locate(curve, Vec(own[X], own[Y], own[Z]), guess)
+    coordinates = q[6 * reference : 6 * reference + 6]
+    s, status = locate(curve, Vec(coordinates[X], coordinates[Y], coordinates[Z]), guess)
     track = frame_at(curve, s)
     turning, _roll = frame_rates(curve, s)
     omega = scale(speed, turning)
     for k in range(q_t.shape[0] // 6):
-        own = q[6 * k : 6 * k + 6]
+        coordinates = q[6 * k : 6 * k + 6]
         rates = q_t[6 * k : 6 * k + 6]
-        arm = sub(Vec(own[X], own[Y], own[Z]), track.origin)
+        arm = sub(Vec(coordinates[X], coordinates[Y], coordinates[Z]), track.origin)
         velocity = add(scale(speed, track.t), cross(omega, arm))
         rates[Z], rates[X], rates[Y] = velocity.z, velocity.x, velocity.y
-        rates_of(own, omega, rates)
+        rates_of(coordinates, omega, rates)
         if k < spins.shape[0]:
             rates[SPIN] += spins[k]
     return omega, s, status
@@ -187,9 +197,9 @@ def together_inertia(q: Array, q_t: Array, omega: Vec, inertia: Records, wheelse
     INERTIA; wheelsets: bodies before this number have axes that do not spin with them."""
     out[:] = 0.0
     for k in range(inertia.shape[0]):
-        own = q[6 * k : 6 * k + 6]
-        body = kinematics(own, q_t[6 * k : 6 * k + 6])
-        axes = pitched(body, own[PITCH] if k >= wheelsets else 0.0)
+        coordinates = q[6 * k : 6 * k + 6]
+        body = kinematics(coordinates, q_t[6 * k : 6 * k + 6])
+        axes = pitched(body, coordinates[PITCH] if k >= wheelsets else 0.0)
         turn = components(body.omega, axes.forward, axes.left, axes.up)
         about = inertia[k]
         momentum = from_components(

@@ -36,16 +36,38 @@ from wrsim.jit.linalg import ZERO, Vec, add, cross, norm, scale, shifted, sub
 from wrsim.jit.root import neighbours
 from wrsim.track.banded import factorise_bands, invert_band, quadratic_form, solve_bands, subtract_product
 
-TIE = record(
-    "side place speed offset push_n push_b last_n last_b guess_n guess_b rate_n rate_b nn nb bb own_nn own_nb own_bb"
-    " before_nn before_nb before_bb way bent_n bent_b across_n across_b low high led"
-)
-"""A wheel on its rail: +1 left, -1 right; distance along the centre line [m] and speed [m/s] at the end of the step;
-how far to the left of the rail's middle it pushes [m]; its force on the rail to the left and up that is foretold for
-the end of the step, and that at the last step's end [N]; displacement [m] and velocity [m/s] of the rail under it with
-that force; compliance g, and the part of it that is the element's between its nodes, here and a way behind [m/N]; the
-way of the step [m]; what that part is bent at the last step's end [m]; direction across the normal of the contact, the
-displacements along it between which this step's end lies [m], and where Newton's method was led past one of them."""
+WHEEL_ON_RAIL = record("""
+    side          [1]   +1 left, -1 right
+    place         [m]   distance along the centre line at the end of the step
+    speed         [m/s] speed along it
+    offset        [m]   place of the force to the left of the rail's middle
+    push_n        [N]   force on the rail to the left, foretold for the end of the step
+    push_b        [N]   force upward, foretold
+    last_n        [N]   force to the left at the end of the last step
+    last_b        [N]   force upward then
+    guess_n       [m]   displacement of the rail to the left with the foretold force
+    guess_b       [m]   displacement upward with it
+    rate_n        [m/s] velocity of the rail to the left with the foretold force
+    rate_b        [m/s] velocity upward with it
+    nn            [m/N] compliance g: lateral, ...
+    nb            [m/N] ... coupling ...
+    bb            [m/N] ... and vertical
+    element_nn        [m/N] part of g of the element between its nodes: lateral, ...
+    element_nb        [m/N] ... coupling ...
+    element_bb        [m/N] ... and vertical
+    before_nn     [m/N] that part a step's distance behind: lateral, ...
+    before_nb     [m/N] ... coupling ...
+    before_bb     [m/N] ... and vertical
+    step_distance [m]   distance that the wheel rolls in the step
+    bent_n        [m]   deflection of the element between its nodes at the last step's end, to the left
+    bent_b        [m]   deflection upward
+    across_n      [1]   direction across the normal of the contact, to the left
+    across_b      [1]   and up
+    lower         [m]   displacement along it, below which the end of the step does not lie
+    upper         [m]   displacement above which it does not lie
+    bracketed     [1]   bound beyond which the last iteration led: +1 upper, -1 lower, 0 none
+""")
+"""A wheel on its rail."""
 
 U, U_T, U_TT, A, P, P_T, P_A = range(7)
 """Rows of a system: displacements, velocities, accelerations and those of the method; what it predicts."""
@@ -88,14 +110,14 @@ class Loads(NamedTuple):
 
 
 class Rails(NamedTuple):
-    """Vertical and lateral systems; nodes (n,) [m]; ties of the wheels; loads at their places, and a way behind these;
-    head (2,): height of the head above the shear centre [m], torsional stiffness G J [N m2]; along (3, m): distances
-    along the left, along the right rail, along the centre line."""
+    """Vertical and lateral systems; nodes (n,) [m]; wheels: records WHEEL_ON_RAIL; loads at their places,
+    and a step's distance behind; head (2,): height of the head above the shear centre [m], torsional stiffness G J
+    [N m2]; along (3, m): distances along the left, along the right rail, along the centre line."""
 
     vertical: Pair
     lateral: Pair
     nodes: Array
-    ties: Records
+    wheels: Records
     loads: Loads
     behind: Loads
     head: Array
@@ -104,52 +126,54 @@ class Rails(NamedTuple):
 
 @kernel
 def look_ahead(time: float, buffer: Array, index: Ints, rails: Rails) -> None:
-    """Write to the ties where the wheels will be after a time [s], and where on the rail's head they push."""
-    for i in range(rails.ties.shape[0]):
-        wheel, tie, total = wheel_record(buffer, index, i), rails.ties[i], wheel_total(buffer, index, i)
+    """Write where the wheels will be after a time [s], and where on the rail's head they push."""
+    for i in range(rails.wheels.shape[0]):
+        wheel, on_rail, total = wheel_record(buffer, index, i), rails.wheels[i], wheel_total(buffer, index, i)
         pose = vector(buffer, index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS], POSE)
         s = wheel.s + time * pose[6]
-        own = rails.along[0] if tie.side > 0.0 else rails.along[1]
-        low, _high, _part = neighbours(own, s)
-        low = min(low, own.shape[0] - 2)
-        slope = (rails.along[2, low + 1] - rails.along[2, low]) / (own[low + 1] - own[low])
-        tie.place, tie.speed = rails.along[2, low] + slope * (s - own[low]), slope * pose[6]
-        tie.way = max(time * abs(tie.speed), SHORTEST)
-        if tie.speed < 0.0:
-            tie.way = -tie.way
+        distances = rails.along[0] if on_rail.side > 0.0 else rails.along[1]
+        low, _high, _part = neighbours(distances, s)
+        low = min(low, distances.shape[0] - 2)
+        slope = (rails.along[2, low + 1] - rails.along[2, low]) / (distances[low + 1] - distances[low])
+        on_rail.place, on_rail.speed = rails.along[2, low] + slope * (s - distances[low]), slope * pose[6]
+        on_rail.step_distance = max(time * abs(on_rail.speed), SHORTEST)
+        if on_rail.speed < 0.0:
+            on_rail.step_distance = -on_rail.step_distance
         if total.Fb > LEAST:
             aside = (total.Mt + pose[1] * total.Fb - pose[2] * total.Fo) / total.Fb
-            tie.offset = tie.side * min(max(aside, -WIDEST), WIDEST)
+            on_rail.offset = on_rail.side * min(max(aside, -WIDEST), WIDEST)
 
 
 @kernel
 def push_on(buffer: Array, index: Ints, rails: Rails) -> None:
-    """Write the wheels' forces on the rails at the last evaluation to the ties."""
-    for i in range(rails.ties.shape[0]):
-        total, tie = wheel_total(buffer, index, i), rails.ties[i]
-        tie.push_n, tie.push_b = -tie.side * total.Fo, -total.Fb
-        tie.last_n, tie.last_b = tie.push_n, tie.push_b
+    """Write the wheels' forces on the rails at the last evaluation to their records."""
+    for i in range(rails.wheels.shape[0]):
+        total, on_rail = wheel_total(buffer, index, i), rails.wheels[i]
+        on_rail.push_n, on_rail.push_b = -on_rail.side * total.Fo, -total.Fb
+        on_rail.last_n, on_rail.last_b = on_rail.push_n, on_rail.push_b
 
 
 @kernel
 def place(rails: Rails) -> None:
-    """Load vectors and own compliances of all wheels at their places, and a way behind these."""
-    for i in range(rails.ties.shape[0]):
-        tie = rails.ties[i]
-        tie.before_nn, tie.before_nb, tie.before_bb = _load(i, tie.place - tie.way, rails.behind, rails)
-        tie.own_nn, tie.own_nb, tie.own_bb = _load(i, tie.place, rails.loads, rails)
+    """Load vectors and compliances of the elements of all wheels at their places, and a step behind."""
+    for i in range(rails.wheels.shape[0]):
+        on_rail = rails.wheels[i]
+        on_rail.before_nn, on_rail.before_nb, on_rail.before_bb = _load(
+            i, on_rail.place - on_rail.step_distance, rails.behind, rails
+        )
+        on_rail.element_nn, on_rail.element_nb, on_rail.element_bb = _load(i, on_rail.place, rails.loads, rails)
 
 
 @kernel
-def _load(i: int, at: float, loads: Loads, rails: Rails) -> tuple[float, float, float]:
+def _load(i: int, distance: float, loads: Loads, rails: Rails) -> tuple[float, float, float]:
     """Load vectors of a wheel at a place [m]; returns the compliance of its element between the nodes [m/N]."""
-    tie, load, places = rails.ties[i], loads.numbers[i], loads.places[i]
-    low, _high, _part = neighbours(rails.nodes, at)
+    on_rail, load, places = rails.wheels[i], loads.numbers[i], loads.places[i]
+    low, _high, _part = neighbours(rails.nodes, distance)
     e = min(low, rails.nodes.shape[0] - 2)
     length = rails.nodes[e + 1] - rails.nodes[e]
-    xi = (at - rails.nodes[e]) / length
-    rail = 0 if tie.side > 0.0 else 1
-    head, twisting, offset = rails.head[0], rails.head[1], tie.offset
+    xi = (distance - rails.nodes[e]) / length
+    rail = 0 if on_rail.side > 0.0 else 1
+    head, twisting, offset = rails.head[0], rails.head[1], on_rail.offset
     v_bending, l_bending = rails.vertical.bending[rail, e], rails.lateral.bending[0, e]
     v_shear, l_shear = rails.vertical.shear[0], rails.lateral.shear[0]
     _shapes(xi, length, 12.0 * v_bending / (v_shear * length * length), load[0])
@@ -178,31 +202,31 @@ def prepare(of_mass: float, of_damping: float, of_stiffness: float, rails: Rails
 
 @kernel
 def rest(speed_too: bool, rails: Rails) -> None:
-    """Static displacements under the ties' forces, by prepared factors of the stiffness; speed_too: velocities of
+    """Static displacements under the wheels' forces, by prepared factors of the stiffness; speed_too: velocities of
     what moves along with the wheels, else none."""
     for pair in (rails.vertical, rails.lateral):
         pair.rows[:] = 0.0
-    for i in range(rails.ties.shape[0]):
-        tie = rails.ties[i]
-        _add(U, i, tie.push_n, tie.push_b, rails.loads, rails)
+    for i in range(rails.wheels.shape[0]):
+        on_rail = rails.wheels[i]
+        _add(U, i, on_rail.push_n, on_rail.push_b, rails.loads, rails)
         if speed_too:
-            rate = tie.speed / tie.way
-            _add(U_T, i, rate * tie.push_n, rate * tie.push_b, rails.loads, rails)
-            _add(U_T, i, -rate * tie.push_n, -rate * tie.push_b, rails.behind, rails)
+            rate = on_rail.speed / on_rail.step_distance
+            _add(U_T, i, rate * on_rail.push_n, rate * on_rail.push_b, rails.loads, rails)
+            _add(U_T, i, -rate * on_rail.push_n, -rate * on_rail.push_b, rails.behind, rails)
     for pair in (rails.vertical, rails.lateral):
         solve_bands(pair.factors, pair.rows[:, U])
         solve_bands(pair.factors, pair.rows[:, U_T])
-    for i in range(rails.ties.shape[0]):
-        tie = rails.ties[i]
-        tie.bent_n, tie.bent_b = _bent(tie, tie.push_n, tie.push_b)
+    for i in range(rails.wheels.shape[0]):
+        on_rail = rails.wheels[i]
+        on_rail.bent_n, on_rail.bent_b = _bent(on_rail, on_rail.push_n, on_rail.push_b)
 
 
 @kernel
 def compliances(of_inverse: float, rails: Rails) -> None:
     """Write the compliances g of all wheels: of_inverse B^T S^-1 B, and the own ones between the nodes."""
-    for i in range(rails.ties.shape[0]):
-        tie, load, places = rails.ties[i], rails.loads.numbers[i], rails.loads.places[i]
-        rail = 0 if tie.side > 0.0 else 1
+    for i in range(rails.wheels.shape[0]):
+        on_rail, load, places = rails.wheels[i], rails.loads.numbers[i], rails.loads.places[i]
+        rail = 0 if on_rail.side > 0.0 else 1
         bb = quadratic_form(rails.vertical.inverse[rail], places[0, :4], load[0, :4], load[0, :4])
         nn = nb = 0.0
         for r in range(2):
@@ -210,23 +234,23 @@ def compliances(of_inverse: float, rails: Rails) -> None:
             nn += 0.5 * quadratic_form(band, places[1], load[1], load[1])
             nb += 0.5 * quadratic_form(band, places[1], load[1], load[2])
             bb += 0.5 * quadratic_form(band, places[1], load[2], load[2])
-        tie.nn, tie.nb = of_inverse * nn + tie.own_nn, of_inverse * nb + tie.own_nb
-        tie.bb = of_inverse * bb + tie.own_bb
+        on_rail.nn, on_rail.nb = of_inverse * nn + on_rail.element_nn, of_inverse * nb + on_rail.element_nb
+        on_rail.bb = of_inverse * bb + on_rail.element_bb
 
 
 @kernel
-def begin(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -> bool:
+def begin(method: Array, motion: Array, buffer: Array, index: Ints, rails: Rails) -> bool:
     """Begin a step with prepared factors: place the wheels; what the rails do under the forces that are foretold.
 
     method (10,): step [s], alpha_m, alpha_f, beta, gamma, changes c and d of u and u_t for a change of u_tt, 1 / c and
-    d / c of the vehicle's method [1/s2, 1/s], place where the last wheel leaves the window [m]. found (3, 2 wheels):
+    d / c of the vehicle's method [1/s2, 1/s], place where the last wheel leaves the window [m]. motion (3, 2 wheels):
     receives displacements of the rails to the left and up in turn, and their velocities. Writes how the rail under a
     wheel yields to its record. Returns False, and has done nothing, where the window has to be moved.
     """
     look_ahead(method[0], buffer, index, rails)
-    last = rails.ties[0].place
-    for i in range(rails.ties.shape[0]):
-        last = min(last, rails.ties[i].place)
+    last = rails.wheels[0].place
+    for i in range(rails.wheels.shape[0]):
+        last = min(last, rails.wheels[i].place)
     if last >= method[9]:
         return False
     c, d = method[5], method[6]
@@ -234,81 +258,84 @@ def begin(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails)
     for pair in (rails.vertical, rails.lateral):
         for r in range(2):
             _predict(method, pair, r)
-    for i in range(rails.ties.shape[0]):
-        _add(U_TT, i, rails.ties[i].push_n, rails.ties[i].push_b, rails.loads, rails)
+    for i in range(rails.wheels.shape[0]):
+        _add(U_TT, i, rails.wheels[i].push_n, rails.wheels[i].push_b, rails.loads, rails)
     for pair in (rails.vertical, rails.lateral):
         solve_bands(pair.factors, pair.rows[:, U_TT])
     compliances(c, rails)
-    for i in range(rails.ties.shape[0]):
-        tie, wheel = rails.ties[i], wheel_record(buffer, index, i)
+    for i in range(rails.wheels.shape[0]):
+        on_rail, wheel = rails.wheels[i], wheel_record(buffer, index, i)
         p, a, p_t = read(P, i, rails.loads, rails), read(U_TT, i, rails.loads, rails), read(P_T, i, rails.loads, rails)
         u_n, u_b, u = p[0] + c * a[0], p[1] + c * a[1], read(U, i, rails.loads, rails)
         was_p, was_a = read(P, i, rails.behind, rails), read(U_TT, i, rails.behind, rails)
         was = read(U, i, rails.behind, rails)
         # means over the way and the step: what single places miss where the rail has kinks over sleepers
-        slope_n = 0.5 * (u_n + u[0] - was_p[0] - c * was_a[0] - was[0]) / tie.way
-        slope_b = 0.5 * (u_b + u[1] - was_p[1] - c * was_a[1] - was[1]) / tie.way
-        bent_n, bent_b = _bent(tie, tie.push_n, tie.push_b)
-        tie.guess_n, tie.guess_b = u_n + bent_n, u_b + bent_b
-        tie.rate_n = p_t[0] + d * a[0] + tie.speed * slope_n + (bent_n - tie.bent_n) / method[0]
-        tie.rate_b = p_t[1] + d * a[1] + tie.speed * slope_b + (bent_b - tie.bent_b) / method[0]
+        slope_n = 0.5 * (u_n + u[0] - was_p[0] - c * was_a[0] - was[0]) / on_rail.step_distance
+        slope_b = 0.5 * (u_b + u[1] - was_p[1] - c * was_a[1] - was[1]) / on_rail.step_distance
+        bent_n, bent_b = _bent(on_rail, on_rail.push_n, on_rail.push_b)
+        on_rail.guess_n, on_rail.guess_b = u_n + bent_n, u_b + bent_b
+        on_rail.rate_n = p_t[0] + d * a[0] + on_rail.speed * slope_n + (bent_n - on_rail.bent_n) / method[0]
+        on_rail.rate_b = p_t[1] + d * a[1] + on_rail.speed * slope_b + (bent_b - on_rail.bent_b) / method[0]
         # where a force moves along, half of what its own compliance changes is its slope
-        bent_n -= tie.before_nn * tie.push_n + tie.before_nb * tie.push_b
-        bent_b -= tie.before_nb * tie.push_n + tie.before_bb * tie.push_b
-        wheel.slope_n, wheel.slope_b = slope_n + 0.5 * bent_n / tie.way, slope_b + 0.5 * bent_b / tie.way
-        wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = tie.nn, tie.nb, tie.bb
-        wheel.rate_n, wheel.rate_b = 1.0 / tie.nn, 1.0 / tie.bb
-        wheel.held_n, wheel.held_b = 1.0 - method[7] * tie.nn, 1.0 - method[7] * tie.bb
-        wheel.free_n = wheel.held_n * tie.guess_n - tie.nn * tie.push_n - tie.nb * tie.push_b
-        wheel.free_b = wheel.held_b * tie.guess_b - tie.nb * tie.push_n - tie.bb * tie.push_b
-        found[0, 2 * i], found[0, 2 * i + 1] = tie.guess_n, tie.guess_b
-        found[1, 2 * i], found[1, 2 * i + 1] = tie.rate_n, tie.rate_b
+        bent_n -= on_rail.before_nn * on_rail.push_n + on_rail.before_nb * on_rail.push_b
+        bent_b -= on_rail.before_nb * on_rail.push_n + on_rail.before_bb * on_rail.push_b
+        wheel.slope_n, wheel.slope_b = (
+            slope_n + 0.5 * bent_n / on_rail.step_distance,
+            slope_b + 0.5 * bent_b / on_rail.step_distance,
+        )
+        wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = on_rail.nn, on_rail.nb, on_rail.bb
+        wheel.rate_n, wheel.rate_b = 1.0 / on_rail.nn, 1.0 / on_rail.bb
+        wheel.held_n, wheel.held_b = 1.0 - method[7] * on_rail.nn, 1.0 - method[7] * on_rail.bb
+        wheel.free_n = wheel.held_n * on_rail.guess_n - on_rail.nn * on_rail.push_n - on_rail.nb * on_rail.push_b
+        wheel.free_b = wheel.held_b * on_rail.guess_b - on_rail.nb * on_rail.push_n - on_rail.bb * on_rail.push_b
+        motion[0, 2 * i], motion[0, 2 * i + 1] = on_rail.guess_n, on_rail.guess_b
+        motion[1, 2 * i], motion[1, 2 * i + 1] = on_rail.rate_n, on_rail.rate_b
     return True
 
 
 @kernel
-def look_at_wheels(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -> None:
+def look_at_wheels(method: Array, motion: Array, buffer: Array, index: Ints, rails: Rails) -> None:
     """Better guesses of the end of a step, once the wheels are where they are foretold: each rail in balance with the
     force of its contact, linear in the changes since the last evaluation.
 
     Rail and wheel move by some 10 um from step to step; the force between them hangs on a small difference of both. A
     change of the gap along the normal of the contact changes the force by 3/2 of N over the approach (Hertz), one of
-    the velocity across it by creep force over creep velocity. found (3, 2 wheels): displacements, velocities,
+    the velocity across it by creep force over creep velocity. motion (3, 2 wheels): displacements, velocities,
     accelerations as of an iteration, changed.
     """
-    for i in range(rails.ties.shape[0]):
+    for i in range(rails.wheels.shape[0]):
         wheel, arrays = wheel_record(buffer, index, i), index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS]
         last, lobes = read_pose(vector(buffer, arrays, POSE)), records(buffer, arrays, LOBES, LOBE)
         normal, point, stiffness, drag = ZERO, ZERO, 0.0, 0.0
-        rails.ties[i].across_n, rails.ties[i].across_b = 1.0, 0.0
+        rails.wheels[i].across_n, rails.wheels[i].across_b = 1.0, 0.0
         for k in range(wheel_total(buffer, index, i).lobes):
             lobe = lobes[k]
-            own = 1.5 * lobe.N / lobe.approach if lobe.approach > 0.0 else 0.0
+            lobe_stiffness = 1.5 * lobe.N / lobe.approach if lobe.approach > 0.0 else 0.0
             creep = hypot(lobe.xi, lobe.eta) * abs(last.velocity.x)
-            normal = add(normal, Vec(0.0, own * lobe.no, own * lobe.nb))
-            point = shifted(point, own, Vec(lobe.x, lobe.o, lobe.b))
-            stiffness += own
+            normal = add(normal, Vec(0.0, lobe_stiffness * lobe.no, lobe_stiffness * lobe.nb))
+            point = shifted(point, lobe_stiffness, Vec(lobe.x, lobe.o, lobe.b))
+            stiffness += lobe_stiffness
             drag += hypot(lobe.Fx, lobe.Fy) / creep if creep > 0.0 else 0.0
         if stiffness > 0.0:
             along, arm = scale(1.0 / norm(normal), normal), sub(scale(1.0 / stiffness, point), last.origin)
-            pose, tie, side = pose_on_rail(buffer, index, i), rails.ties[i], wheel.side
+            pose, on_rail, side = pose_on_rail(buffer, index, i), rails.wheels[i], wheel.side
             turned = cross(cross(last.axle, sub(pose.axle, last.axle)), arm)
             moved = add(sub(pose.origin, last.origin), turned)
             faster = add(sub(pose.velocity, last.velocity), cross(sub(pose.omega, last.omega), arm))
             n, b = side * along.y, along.z
-            tie.across_n, tie.across_b = b, -n
-            gap = n * (side * moved.y - found[0, 2 * i]) + b * (moved.z - found[0, 2 * i + 1])
-            slip = b * (side * faster.y - found[1, 2 * i]) - n * (faster.z - found[1, 2 * i + 1])
-            gap *= 1.0 - 1.0 / (1.0 + stiffness * (n * n * tie.nn + 2.0 * n * b * tie.nb + b * b * tie.bb))
-            drag *= method[8] * (b * b * tie.nn - 2.0 * n * b * tie.nb + n * n * tie.bb)
+            on_rail.across_n, on_rail.across_b = b, -n
+            gap = n * (side * moved.y - motion[0, 2 * i]) + b * (moved.z - motion[0, 2 * i + 1])
+            slip = b * (side * faster.y - motion[1, 2 * i]) - n * (faster.z - motion[1, 2 * i + 1])
+            gap *= 1.0 - 1.0 / (1.0 + stiffness * (n * n * on_rail.nn + 2.0 * n * b * on_rail.nb + b * b * on_rail.bb))
+            drag *= method[8] * (b * b * on_rail.nn - 2.0 * n * b * on_rail.nb + n * n * on_rail.bb)
             slip *= (1.0 - 1.0 / (1.0 + drag)) / method[8]
-            _correct(method, found[:, 2 * i], n * gap + b * slip)
-            _correct(method, found[:, 2 * i + 1], b * gap - n * slip)
+            _correct(method, motion[:, 2 * i], n * gap + b * slip)
+            _correct(method, motion[:, 2 * i + 1], b * gap - n * slip)
 
 
 @kernel
 def hold(
-    first: bool, tolerance: float, method: Array, last: Array, unknowns: tuple[Array, Array, Array], ties: Records
+    first: bool, tolerance: float, method: Array, last: Array, unknowns: tuple[Array, Array, Array], wheels: Records
 ) -> bool:
     """Hold an iteration of Newton's method between two that led to each other; returns whether one was held.
 
@@ -323,25 +350,27 @@ def hold(
     """
     q, q_t, q_tt = unknowns
     held = False
-    for i in range(ties.shape[0]):
-        tie, n, b = ties[i], 2 * i, 2 * i + 1
+    for i in range(wheels.shape[0]):
+        on_rail, n, b = wheels[i], 2 * i, 2 * i + 1
         if first:
-            tie.low, tie.high, tie.led = -inf, inf, 0.0
-        was, at = tie.across_n * last[n] + tie.across_b * last[b], tie.across_n * q[n] + tie.across_b * q[b]
-        if abs(at - was) <= tolerance * tie.nn:
+            on_rail.lower, on_rail.upper, on_rail.bracketed = -inf, inf, 0.0
+        previous = on_rail.across_n * last[n] + on_rail.across_b * last[b]
+        current = on_rail.across_n * q[n] + on_rail.across_b * q[b]
+        if abs(current - previous) <= tolerance * on_rail.nn:
             continue
-        leads = 1.0 if at > was else -1.0
+        leads = 1.0 if current > previous else -1.0
         if leads > 0.0:
-            tie.low, tie.high = was, tie.high if tie.high > was else inf
+            on_rail.lower, on_rail.upper = previous, on_rail.upper if on_rail.upper > previous else inf
         else:
-            tie.low, tie.high = tie.low if tie.low < was else -inf, was
-        if tie.low <= at <= tie.high:
-            tie.led = 0.0
+            on_rail.lower, on_rail.upper = on_rail.lower if on_rail.lower < previous else -inf, previous
+        middle = 0.5 * (on_rail.lower + on_rail.upper)
+        if on_rail.lower <= current <= on_rail.upper:
+            on_rail.bracketed = 0.0
             continue
-        end = tie.high if leads > 0.0 else tie.low
-        more, tie.led = (end, 0.0) if tie.led == leads else (0.5 * (tie.low + tie.high), leads)
-        more -= at
-        for k, part in ((n, tie.across_n), (b, tie.across_b)):
+        end = on_rail.upper if leads > 0.0 else on_rail.lower
+        more, on_rail.bracketed = (end, 0.0) if on_rail.bracketed == leads else (middle, leads)
+        more -= current
+        for k, part in ((n, on_rail.across_n), (b, on_rail.across_b)):
             q[k] += part * more
             q_t[k] += method[8] * part * more
             q_tt[k] += method[7] * part * more
@@ -358,39 +387,45 @@ def _correct(method: Array, unknown: Array, more: float) -> None:
 
 
 @kernel
-def end(method: Array, found: Array, buffer: Array, index: Ints, rails: Rails) -> None:
-    """End a step. found (1, 2 wheels) or more: displacements of the rails under the wheels, to the left and up in turn,
-    that the vehicle's step has found. Their velocities stay those of the step: its forces belong to them."""
+def end(method: Array, motion: Array, buffer: Array, index: Ints, rails: Rails) -> None:
+    """End a step. motion (1, 2 wheels) or more: displacements of the rails under the wheels at its end, to the left and
+    up in turn. Their velocities stay those of the step: its forces belong to them."""
     c, d, later = method[5], method[6], (1.0 - method[2]) / (1.0 - method[1])
     for pair in (rails.vertical, rails.lateral):
         pair.rows[:, A] = 0.0  # for the correction
-    for i in range(rails.ties.shape[0]):
-        tie = rails.ties[i]
-        n, b = found[0, 2 * i] - tie.guess_n, found[0, 2 * i + 1] - tie.guess_b
-        whole = tie.nn * tie.bb - tie.nb * tie.nb
-        more_n, more_b = (tie.bb * n - tie.nb * b) / whole, (tie.nn * b - tie.nb * n) / whole
+    for i in range(rails.wheels.shape[0]):
+        on_rail = rails.wheels[i]
+        n, b = motion[0, 2 * i] - on_rail.guess_n, motion[0, 2 * i + 1] - on_rail.guess_b
+        whole = on_rail.nn * on_rail.bb - on_rail.nb * on_rail.nb
+        more_n, more_b = (on_rail.bb * n - on_rail.nb * b) / whole, (on_rail.nn * b - on_rail.nb * n) / whole
         _add(A, i, more_n, more_b, rails.loads, rails)
-        more_n, more_b = tie.push_n + more_n, tie.push_b + more_b
-        tie.push_n, tie.push_b = more_n + TREND * (more_n - tie.last_n), more_b + TREND * (more_b - tie.last_b)
-        tie.last_n, tie.last_b = more_n, more_b
-        tie.bent_n, tie.bent_b = _bent(tie, more_n, more_b)
+        more_n, more_b = on_rail.push_n + more_n, on_rail.push_b + more_b
+        on_rail.push_n, on_rail.push_b = (
+            more_n + TREND * (more_n - on_rail.last_n),
+            more_b + TREND * (more_b - on_rail.last_b),
+        )
+        on_rail.last_n, on_rail.last_b = more_n, more_b
+        on_rail.bent_n, on_rail.bent_b = _bent(on_rail, more_n, more_b)
         wheel = wheel_record(buffer, index, i)
         wheel.rate_n = wheel.rate_b = 0.0
     for pair in (rails.vertical, rails.lateral):
         solve_bands(pair.factors, pair.rows[:, A])
         for r in range(2):
-            own = pair.rows[r]
-            for j in range(own.shape[1]):
-                own[U_TT, j] += own[A, j]
-                own[U, j] = own[P, j] + c * own[U_TT, j]
-                own[U_T, j] = own[P_T, j] + d * own[U_TT, j]
-                own[A, j] = own[P_A, j] + later * own[U_TT, j]
+            system = pair.rows[r]
+            for j in range(system.shape[1]):
+                system[U_TT, j] += system[A, j]
+                system[U, j] = system[P, j] + c * system[U_TT, j]
+                system[U_T, j] = system[P_T, j] + d * system[U_TT, j]
+                system[A, j] = system[P_A, j] + later * system[U_TT, j]
 
 
 @inlined
-def _bent(tie: Record, push_n: float, push_b: float) -> tuple[float, float]:
+def _bent(on_rail: Record, push_n: float, push_b: float) -> tuple[float, float]:
     """How far a wheel's force bends its element between the nodes [m]."""
-    return tie.own_nn * push_n + tie.own_nb * push_b, tie.own_nb * push_n + tie.own_bb * push_b
+    return (
+        on_rail.element_nn * push_n + on_rail.element_nb * push_b,
+        on_rail.element_nb * push_n + on_rail.element_bb * push_b,
+    )
 
 
 @kernel
@@ -410,53 +445,53 @@ def _prepare(of_mass: float, of_damping: float, of_stiffness: float, pair: Pair)
 def _predict(method: Array, pair: Pair, r: int) -> None:
     """Write what the method predicts, and given forces - C p_t - K p to the row of accelerations."""
     h, am, af, beta, gamma = method[0], method[1], method[2], method[3], method[4]
-    own, drag = pair.rows[r], pair.drag[r]
-    for j in range(own.shape[1]):
-        a = (af * own[U_TT, j] - am * own[A, j]) / (1.0 - am)
-        own[P, j] = own[U, j] + h * own[U_T, j] + h * h * ((0.5 - beta) * own[A, j] + beta * a)
-        own[P_T, j] = own[U_T, j] + h * ((1.0 - gamma) * own[A, j] + gamma * a)
-        own[P_A, j] = a
-        own[U_TT, j] = pair.given[r, j] - drag[j] * own[P_T, j]
-    subtract_product(pair.damping[r], own[P_T], own[U_TT])
-    subtract_product(pair.stiffness[r], own[P], own[U_TT])
+    system, drag = pair.rows[r], pair.drag[r]
+    for j in range(system.shape[1]):
+        a = (af * system[U_TT, j] - am * system[A, j]) / (1.0 - am)
+        system[P, j] = system[U, j] + h * system[U_T, j] + h * h * ((0.5 - beta) * system[A, j] + beta * a)
+        system[P_T, j] = system[U_T, j] + h * ((1.0 - gamma) * system[A, j] + gamma * a)
+        system[P_A, j] = a
+        system[U_TT, j] = pair.given[r, j] - drag[j] * system[P_T, j]
+    subtract_product(pair.damping[r], system[P_T], system[U_TT])
+    subtract_product(pair.stiffness[r], system[P], system[U_TT])
 
 
 @kernel
 def _add(row: int, i: int, push_n: float, push_b: float, loads: Loads, rails: Rails) -> None:
     """Add a wheel's force to a row of all systems."""
-    own, places, side = loads.numbers[i], loads.places[i], rails.ties[i].side
+    vectors, places, side = loads.numbers[i], loads.places[i], rails.wheels[i].side
     vertical = rails.vertical.rows[0 if side > 0.0 else 1, row]
     for k in range(4):
-        vertical[places[0, k]] += own[0, k] * push_b
+        vertical[places[0, k]] += vectors[0, k] * push_b
     for r in range(2):
         lateral, share = rails.lateral.rows[r, row], sqrt(0.5) * (1.0 if r == 0 else side)
         for k in range(6):
-            lateral[places[1, k]] += share * (own[1, k] * push_n + own[2, k] * push_b)
+            lateral[places[1, k]] += share * (vectors[1, k] * push_n + vectors[2, k] * push_b)
 
 
 @kernel
 def read(row: int, i: int, loads: Loads, rails: Rails) -> tuple[float, float]:
     """What a row of all systems gives for a wheel where its loads are, to the left and up; without its own displacement
     between the nodes."""
-    own, places, side = loads.numbers[i], loads.places[i], rails.ties[i].side
+    vectors, places, side = loads.numbers[i], loads.places[i], rails.wheels[i].side
     vertical = rails.vertical.rows[0 if side > 0.0 else 1, row]
     n = b = 0.0
     for k in range(4):
-        b += own[0, k] * vertical[places[0, k]]
+        b += vectors[0, k] * vertical[places[0, k]]
     for r in range(2):
         lateral, share = rails.lateral.rows[r, row], sqrt(0.5) * (1.0 if r == 0 else side)
         for k in range(6):
-            n += share * own[1, k] * lateral[places[1, k]]
-            b += share * own[2, k] * lateral[places[1, k]]
+            n += share * vectors[1, k] * lateral[places[1, k]]
+            b += share * vectors[2, k] * lateral[places[1, k]]
     return n, b
 
 
 @kernel
 def _node(numbers: Ints, node: int) -> int:
     """Place of a node's first unknown; see ``wrsim.track.sleepers.Layout``."""
-    own, elements = numbers[0], numbers[1]
+    unknowns, elements = numbers[0], numbers[1]
     bay, inner = node // elements, node % elements
-    return bay * (own * elements + 1) + (1 + inner * own if inner > 0 else 0)
+    return bay * (unknowns * elements + 1) + (1 + inner * unknowns if inner > 0 else 0)
 
 
 @kernel

@@ -16,19 +16,30 @@ from wrsim.dynamics.vehicle_forces import vehicle_forces
 from wrsim.jit import Array, Ints, Records, kernel, matrix, record, records
 from wrsim.jit.dense import multiply
 
-STEP = record("h alpha_m alpha_f beta gamma q_of_q_tt q_t_of_q_tt residual most", "iterations steps")
-"""Step [s], numbers of the method, changes of q and q_t for a change of q_tt (s2, s); norm of the residual
-forces ahead of the last correction, at this step and the most so far [N]; iterations of a step; steps done."""
+STEP = record("""
+    h           [s]   step
+    alpha_m     [1]   number of the method
+    alpha_f     [1]   number of the method
+    beta        [1]   number of the method
+    gamma       [1]   number of the method
+    q_of_q_tt   [s2]  change of q for a change of q_tt
+    q_t_of_q_tt [s]   change of q_t for a change of q_tt
+    residual    [N]   norm of the residual ahead of the last correction, at this step
+    most        [N]   largest of these so far
+    iterations  [int] number of iterations of a step
+    steps       [int] number of steps done
+""")
+"""A step and its method."""
 
-Q, Q_T, Q_TT, A, LAST, FORCES, LEFT, MORE, AT = range(9)
+Q, Q_T, Q_TT, A, LAST, FORCES, RESIDUAL, CORRECTION, INVERTED_AT = range(9)
 """Rows (size,): coordinates, rates, accelerations and those of the method; accelerations a step ago; forces, residual,
 correction; the coordinates that the inverse belongs to."""
 ROWS = 9
 
-OWN, STATE, INVERSE, INERTIAS, SCRATCH, SEEN, WHEELS = range(7)
+STEP_RECORD, STATE, INVERSE, INERTIAS, SCRATCH, SEEN, WHEELS = range(7)
 """Arrays of the workspace: record STEP; rows; (size, size); records INERTIA of the bodies; (6, 6); what is read of
 bodies and wheels (``dynamics.outputs``)."""
-OF_VEHICLE = 7
+VEHICLE_ARRAYS = 7
 """The first of those of ``vehicle_forces``, behind them."""
 
 NOT_FINITE = -1
@@ -41,45 +52,49 @@ TREND = 0.5
 def advance(buffer: Array, index: Ints) -> int:
     """Take one step from the state in the rows. Returns a status: that of ``vehicle_forces`` at the last evaluation, or
     NOT_FINITE."""
-    own, rows, vehicle = records(buffer, index, OWN, STEP)[0], matrix(buffer, index, STATE), index[OF_VEHICLE:]
+    step, rows, vehicle = (
+        records(buffer, index, STEP_RECORD, STEP)[0],
+        matrix(buffer, index, STATE),
+        index[VEHICLE_ARRAYS:],
+    )
     inverse, block = matrix(buffer, index, INVERSE), matrix(buffer, index, SCRATCH)
     inertia, n = records(buffer, index, INERTIAS, INERTIA), rows.shape[1]
-    h, am, af = own.h, own.alpha_m, own.alpha_f
+    h, am, af = step.h, step.alpha_m, step.alpha_f
     a_of_q_tt = (1.0 - af) / (1.0 - am)
-    trend = TREND if own.steps > 0 else 0.0
+    trend = TREND if step.steps > 0 else 0.0
     for i in range(n):
         known, q_tt = rows[A, i], rows[Q_TT, i]
         a = (af * q_tt - am * known) / (1.0 - am)
         ahead = q_tt + trend * (q_tt - rows[LAST, i])
-        rows[Q, i] += h * rows[Q_T, i] + h * h * ((0.5 - own.beta) * known + own.beta * a) + own.q_of_q_tt * ahead
-        rows[Q_T, i] += h * ((1.0 - own.gamma) * known + own.gamma * a) + own.q_t_of_q_tt * ahead
+        rows[Q, i] += h * rows[Q_T, i] + h * h * ((0.5 - step.beta) * known + step.beta * a) + step.q_of_q_tt * ahead
+        rows[Q_T, i] += h * ((1.0 - step.gamma) * known + step.gamma * a) + step.q_t_of_q_tt * ahead
         rows[A, i] = a + a_of_q_tt * ahead
         rows[LAST, i], rows[Q_TT, i] = q_tt, ahead
-    own.steps += 1
-    time = own.steps * h
+    step.steps += 1
+    time = step.steps * h
     status = 0
-    for _ in range(own.iterations):
+    for _ in range(step.iterations):
         status = vehicle_forces(time, rows[Q], rows[Q_T], rows[FORCES], buffer, vehicle)
-        own.residual = _residual(rows, inertia, block)
-        if not isfinite(own.residual):
+        step.residual = _residual(rows, inertia, block)
+        if not isfinite(step.residual):
             return NOT_FINITE
-        _turn(rows, LEFT, inertia.shape[0], -1.0)
-        multiply(inverse, n, rows[LEFT], rows[MORE])
-        _turn(rows, MORE, inertia.shape[0], 1.0)
+        _turn(rows, RESIDUAL, inertia.shape[0], -1.0)
+        multiply(inverse, n, rows[RESIDUAL], rows[CORRECTION])
+        _turn(rows, CORRECTION, inertia.shape[0], 1.0)
         for i in range(n):
-            more = rows[MORE, i]
+            more = rows[CORRECTION, i]
             rows[Q_TT, i] -= more
-            rows[Q_T, i] -= own.q_t_of_q_tt * more
-            rows[Q, i] -= own.q_of_q_tt * more
+            rows[Q_T, i] -= step.q_t_of_q_tt * more
+            rows[Q, i] -= step.q_of_q_tt * more
             rows[A, i] -= a_of_q_tt * more
-    own.most = max(own.most, own.residual)
+    step.most = max(step.most, step.residual)
     return status
 
 
 @kernel
 def _residual(rows: Array, inertia: Records, block: Array) -> float:
-    """Write M q_tt + h - F to the row LEFT; returns its norm. block: (6, 6) scratch."""
-    q, q_t, q_tt, left = rows[Q], rows[Q_T], rows[Q_TT], rows[LEFT]
+    """Write M q_tt + h - F to the row RESIDUAL; returns its norm. block: (6, 6) scratch."""
+    q, q_t, q_tt, left = rows[Q], rows[Q_T], rows[Q_TT], rows[RESIDUAL]
     n = q.size
     for i in range(n):
         left[i] = q_tt[i]
@@ -101,7 +116,7 @@ def _residual(rows: Array, inertia: Records, block: Array) -> float:
 def _turn(rows: Array, which: int, bodies: int, way: float) -> None:
     """Turn x and y of every body in a row by what its heading has changed since the inverse was made."""
     for b in range(bodies):
-        x, y, angle = 6 * b + X, 6 * b + Y, rows[Q, 6 * b + HEADING] - rows[AT, 6 * b + HEADING]
+        x, y, angle = 6 * b + X, 6 * b + Y, rows[Q, 6 * b + HEADING] - rows[INVERTED_AT, 6 * b + HEADING]
         c, s = cos(angle), way * sin(angle)
         along, across = rows[which, x], rows[which, y]
         rows[which, x], rows[which, y] = c * along - s * across, s * along + c * across

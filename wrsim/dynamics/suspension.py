@@ -29,7 +29,7 @@ across one axis of the first body. The bound of a slider's force is constant, or
 
 from typing import Any, NamedTuple
 
-from wrsim.dynamics.friction import MOVING, NO_SLIDER, settled, slide, slider_force
+from wrsim.dynamics.friction import MOVING, NO_SLIDER, relaxed_force, slide, slider_force
 from wrsim.jit import Array, Record, Records, inlined, kernel, record
 from wrsim.jit.frames import VECTOR, BodyMotion, accumulate, get_body, point_velocity, put, vec
 from wrsim.jit.linalg import ZERO, Vec, add, components, cross, dot, from_components, mixed, norm, scale, shifted, sub
@@ -38,35 +38,64 @@ FIELD, SHEAR, AXIS, LINE, PLANE = range(5)
 """Kinds of elements."""
 
 ELEMENT = record(
-    # AXIS and LINE; what concerns sliders also PLANE
-    "k c force_0 length series stick stick_damping bound loss added",
-    "kind first second direction state spring_start spring_rows damper_start damper_rows slider slip normal settled",
-    point_1=VECTOR,
-    point_2=VECTOR,
-    # FIELD and SHEAR
-    stiffness=VECTOR,
-    damping=VECTOR,
-    preload=VECTOR,
-    turning=VECTOR,
-    turning_preload=VECTOR,
-    turning_damping=VECTOR,
-    load=VECTOR,
+    """
+    k               [N/m]       stiffness of AXIS and LINE
+    c               [N s/m]     their damping
+    force_0         [N]         their force at rest
+    length          [m]         length of a LINE at rest
+    series          [N/m]       stiffness in series with the damper
+    stick           [N/m]       stiffness of a slider (AXIS, LINE, PLANE) where it sticks
+    stick_damping   [N s/m]     damping of a slider where it sticks
+    bound           [N]         constant part of the bound of a slider's force
+    loss            [W]         power that dampers and friction take at the last evaluation
+    added           [N]         force of a control: of an AXIS on the second body along the axis, of a LINE tension
+    kind            [int]       FIELD, SHEAR, AXIS, LINE or PLANE
+    first           [int]       number of the first body
+    second          [int]       number of the second body
+    direction       [int]       axis of an AXIS, or across a PLANE
+    state           [int]       number of the damping part's unknown, or -1
+    spring_start    [int]       first row of the spring's table
+    spring_rows     [int]       number of its rows; 0: none
+    damper_start    [int]       first row of the damper's table
+    damper_rows     [int]       number of its rows; 0: none
+    slider          [int]       kind of the slider (``dynamics.friction``)
+    slip            [int]       number of the slider's first unknown
+    normal          [int]       element whose force makes the rest of the bound, or -1
+    relaxed         [int]       MOVING, or how unknowns have come to rest: then they stand where their rates go
+    point_1         [m]         point in the first body's axes
+    point_2         [m]         point in the second body's axes
+    stiffness       [N/m]       stiffness of a field (FIELD, SHEAR) along the first body's axes
+    damping         [N s/m]     its damping
+    preload         [N]         its force at rest
+    turning         [N m/rad]   its stiffness about these axes
+    turning_preload [N m]       its moment at rest
+    turning_damping [N m s/rad] its damping about them
+    load            [1]         factors of the reading of ``normal`` in the bound
+    """,
+    point_1=VECTOR, point_2=VECTOR, stiffness=VECTOR, damping=VECTOR, preload=VECTOR, turning=VECTOR,
+    turning_preload=VECTOR, turning_damping=VECTOR, load=VECTOR,
+)  # fmt: skip
+"""An element between two bodies."""
+
+WRENCH = record(
+    """
+    force  [N]   force
+    moment [N m] moment about the centre of mass
+    """,
+    force=VECTOR,
+    moment=VECTOR,
 )
-"""An element. first, second: its bodies; point_1, point_2: in their axes. In one direction: stiffness k, damping c,
-force at rest, length at rest, stiffness in series with the damper, axis, number of the damping part's unknown or -1,
-place and length of its tables. As a field: along and about the axes of the first body.
-loss: power that its dampers and its friction take at the state asked for last [W]. added: force of a control [N]: of an
-AXIS on the second body along the axis, of a LINE tension.
-Of its slider: stiffness and damping where it sticks, constant part of the bound of its force, kind, number of its first
-unknown; number of the element whose force makes the rest of the bound, or -1, and what that is multiplied with (its
-reading, component by component). settled: MOVING, or how dampers behind springs and sliders have come to rest
-(``dynamics.friction``); where their unknowns have come to is written where their rates go."""
+"""Resultant of the forces on a body, in global axes."""
 
-WRENCH = record(force=VECTOR, moment=VECTOR)
-"""Force [N] and moment [N m] at the centre of mass of a body, in global axes."""
-
-READING = record(force=VECTOR, travel=VECTOR)
-"""Force on the second body and travel in the first body's axes; of a LINE tension and extension in x."""
+READING = record(
+    """
+    force  [N] force on the second body in the first body's axes; of a LINE tension in x
+    travel [m] travel in these axes; of a LINE extension in x
+    """,
+    force=VECTOR,
+    travel=VECTOR,
+)
+"""Force and travel of an element."""
 
 
 @inlined
@@ -86,14 +115,14 @@ def material_point(body: BodyMotion, point: Any) -> Vec:
 
 
 @inlined
-def apply(wrench: Record, body: BodyMotion, at: Vec, force: Vec) -> None:
+def apply(wrench: Record, body: BodyMotion, point: Vec, force: Vec) -> None:
     """Add a force that acts on a body at a global point."""
     accumulate(wrench.force, force)
-    accumulate(wrench.moment, cross(sub(at, body.position), force))
+    accumulate(wrench.moment, cross(sub(point, body.position), force))
 
 
 @inlined
-def own_components(body: BodyMotion, a: Vec) -> Vec:
+def in_body_axes(body: BodyMotion, a: Vec) -> Vec:
     """Components of a vector in the body's axes."""
     return components(a, body.forward, body.left, body.up)
 
@@ -122,20 +151,20 @@ def _ends(on: Suspension, element: Record) -> tuple[BodyMotion, BodyMotion, Vec]
 
 
 @inlined
-def _act(on: Suspension, element: Record, first: BodyMotion, second: BodyMotion, at: Vec, along: Vec) -> None:
+def _act(on: Suspension, element: Record, first: BodyMotion, second: BodyMotion, point: Vec, along: Vec) -> None:
     """A force in the axes of the first body, at the second one's point: on the second body, and back on the first."""
     force = from_components(along, first.forward, first.left, first.up)
-    apply(on.wrenches[element.second], second, at, force)
-    apply(on.wrenches[element.first], first, at, scale(-1.0, force))
+    apply(on.wrenches[element.second], second, point, force)
+    apply(on.wrenches[element.first], first, point, scale(-1.0, force))
 
 
 @inlined
-def _seen_from(first: BodyMotion, second: BodyMotion, at: Vec, point: Any) -> tuple[Vec, Vec]:
-    """Vector from a point of the first body to the second body's point ``at``, and the velocity of the second body's
+def _seen_from(first: BodyMotion, second: BodyMotion, end: Vec, point: Any) -> tuple[Vec, Vec]:
+    """Vector from a point of the first body to the second body's point ``end``, and the velocity of the second body's
     material there against the first one's; in the first body's axes."""
-    d = sub(at, material_point(first, point))
-    u = sub(point_velocity(second, at), point_velocity(first, at))
-    return own_components(first, d), own_components(first, u)
+    d = sub(end, material_point(first, point))
+    u = sub(point_velocity(second, end), point_velocity(first, end))
+    return in_body_axes(first, d), in_body_axes(first, u)
 
 
 @kernel
@@ -149,7 +178,7 @@ def _one_direction(on: Suspension, element: Record, travel: float, rate: float) 
         damper = interpolate(on.tables, start, count, rate) if count > 0 else element.c * rate
         element.loss = damper * rate
         force += damper
-    elif element.settled != MOVING:
+    elif element.relaxed != MOVING:
         on.inner_t[element.state] = travel
     else:
         damper = element.series * (travel - on.inner[element.state])
@@ -177,8 +206,8 @@ def _field(on: Suspension, element: Record, sign: float, share: float, reading: 
     if sign < 0.0:
         a, b, point_a, point_b = b, a, point_b, point_a
     first, second = get_body(on.bodies[a]), get_body(on.bodies[b])
-    at = material_point(second, point_b)
-    d, u = _seen_from(first, second, at, point_a)
+    point = material_point(second, point_b)
+    d, u = _seen_from(first, second, point, point_a)
     f0, k, c = element.preload, element.stiffness, element.damping
     f = Vec(
         share * (sign * f0.x - k.x * d.x - c.x * u.x),
@@ -189,15 +218,15 @@ def _field(on: Suspension, element: Record, sign: float, share: float, reading: 
     accumulate(reading.force, scale(sign, f))
     accumulate(reading.travel, scale(sign * share, d))
     force = from_components(f, first.forward, first.left, first.up)
-    apply(on.wrenches[b], second, at, force)
-    apply(on.wrenches[a], first, at, scale(-1.0, force))
+    apply(on.wrenches[b], second, point, force)
+    apply(on.wrenches[a], first, point, scale(-1.0, force))
 
 
 @kernel
 def _axis(on: Suspension, element: Record, reading: Record) -> None:
     """A spring and damper along one axis of the first body."""
-    first, second, at = _ends(on, element)
-    d, u = _seen_from(first, second, at, element.point_1)
+    first, second, point = _ends(on, element)
+    d, u = _seen_from(first, second, point, element.point_1)
     ex, ey, ez = 1.0 * (element.direction == 0), 1.0 * (element.direction == 1), 1.0 * (element.direction == 2)
     along = Vec(ex, ey, ez)
     travel = dot(d, along)
@@ -207,7 +236,7 @@ def _axis(on: Suspension, element: Record, reading: Record) -> None:
         f -= slider_force(element, _bound(on, element), travel, dot(u, along), on.inner, on.inner_t)
         put(reading.force, scale(f, along))
     put(reading.travel, scale(travel, along))
-    _act(on, element, first, second, at, scale(f, along))
+    _act(on, element, first, second, point, scale(f, along))
 
 
 @kernel
@@ -233,15 +262,15 @@ def _line(on: Suspension, element: Record, reading: Record) -> None:
 @kernel
 def _plane(on: Suspension, element: Record, reading: Record) -> None:
     """A slider in the plane across one axis of the first body."""
-    first, second, at = _ends(on, element)
-    d, u = _seen_from(first, second, at, element.point_1)
+    first, second, point = _ends(on, element)
+    d, u = _seen_from(first, second, point, element.point_1)
     a = Vec(0.0, 1.0, 0.0) if element.direction == 0 else Vec(1.0, 0.0, 0.0)
     b = Vec(0.0, 1.0, 0.0) if element.direction == 2 else Vec(0.0, 0.0, 1.0)
     e, v = Vec(dot(d, a), dot(d, b), 0.0), Vec(dot(u, a), dot(u, b), 0.0)
     bound, i = _bound(on, element), element.slip
     z = sub(e, Vec(on.inner[i], on.inner[i + 1], 0.0))
-    if element.settled != MOVING:
-        pull = settled(element, bound, z)
+    if element.relaxed != MOVING:
+        pull = relaxed_force(element, bound, z)
         slip = shifted(e, -1.0 / element.stick, pull)
     else:
         pull, slip = slide(element, bound, z, v)
@@ -250,7 +279,7 @@ def _plane(on: Suspension, element: Record, reading: Record) -> None:
     f = mixed(-pull.x, a, -pull.y, b)
     put(reading.force, f)
     put(reading.travel, mixed(e.x, a, e.y, b))
-    _act(on, element, first, second, at, f)
+    _act(on, element, first, second, point, f)
 
 
 @kernel
@@ -269,7 +298,7 @@ def _turning(on: Suspension, element: Record) -> None:
     moment = shifted(moment, m0.x, cross(second.left, first.up))
     moment = shifted(moment, m0.y, cross(second.up, first.forward))
     moment = shifted(moment, m0.z, cross(second.forward, first.left))
-    rate = own_components(first, sub(second.omega, first.omega))
+    rate = in_body_axes(first, sub(second.omega, first.omega))
     damping = Vec(c.x * rate.x, c.y * rate.y, c.z * rate.z)
     element.loss += dot(damping, rate)
     moment = sub(moment, from_components(damping, first.forward, first.left, first.up))

@@ -68,24 +68,51 @@ from wrsim.track.path_kernel import NODE, frame_at, frame_rates
 ) = range(23)  # fmt: skip
 FIRST_WHEEL = 23
 
-RAIL = record("mass stiffness damping")
-"""A piece of rail under a wheel, in one direction [kg, N/m, N s/m]."""
+RAIL = record("""
+    mass      [kg]    mass
+    stiffness [N/m]   stiffness
+    damping   [N s/m] damping
+""")
+"""A piece of rail under a wheel, in one direction."""
 
 VEHICLE = record(
-    "gravity step guide_ahead slip_speed slip_creepage", "drive rails sleepers turns settled", rail_n=RAIL, rail_b=RAIL
+    """
+    gravity       [m/s2] acceleration of gravity
+    step          [m]    step of the centre line
+    guide_ahead   [m]    distance of the axle in the guide frame ahead of the bogie's centre
+    slip_speed    [m/s]  limit of the slip control, 0 without
+    slip_creepage [1]    growth of that limit with the speed, 0 without
+    drive         [int]  kind of drive
+    rails         [int]  number of the rails' first coordinate, -1 on rigid ones
+    sleepers      [int]  1: the rails lie on sleepers
+    turns         [int]  stage that evaluates all wheels
+    relaxed       [int]  1: geared motors have come to rest
+    rail_n        [-]    piece of rail under a wheel, along n
+    rail_b        [-]    piece of rail along b
+    """,
+    rail_n=RAIL,
+    rail_b=RAIL,
 )
-"""Acceleration of gravity [m/s2]; step of the centre line [m]; how far the axle in the guide frame sits ahead of the
-bogie's centre [m]; limits of the slip control, speed [m/s] and creepage, both 0 without. Kind of drive, place of the
-rails' first coordinate or -1 on rigid ones; whether they lie on sleepers; which of the stages that ask all wheels;
-whether geared motors have settled; the pieces of rail under the wheels, along n and b."""
+"""A vehicle or train on its track."""
 
-PART = record("mass twist_inertia twist_stiffness twist_damping", "wheelset twist wheels")
-"""Mass of a body [kg]; of the twist of its axle inertia [kg m2], stiffness [N m/rad] and damping [N m s/rad]; number of
-its wheelset or -1; number of the twist among the coordinates or -1; number of the left wheel's attachment on an elastic
-axle, behind which the right one follows, or -1."""
+PART = record("""
+    mass            [kg]        mass
+    twist_inertia   [kg m2]     inertia of the twist of the axle
+    twist_stiffness [N m/rad]   stiffness of the twist
+    twist_damping   [N m s/rad] damping of the twist
+    wheelset        [int]       number of the wheelset, or -1
+    twist           [int]       number of the twist among the coordinates, or -1
+    wheels          [int]       number of the left wheel's attachment on an elastic axle (the right one follows), or -1
+""")
+"""A body of the vehicle."""
 
-PIECE = record("time distance speed acceleration")
-"""Beginning of a piece [s], distance along the centre line [m] and speed [m/s] there, acceleration in it [m/s2]."""
+PIECE = record("""
+    time         [s]    beginning
+    distance     [m]    distance along the centre line there
+    speed        [m/s]  speed there
+    acceleration [m/s2] acceleration in the piece
+""")
+"""A piece of the run's motion."""
 
 FRAMES = 2  # behind the bodies: track frame, guide frame
 RAIL_COORDINATES = 4  # of a wheelset
@@ -126,8 +153,8 @@ def add_forces_on_bodies(t: float, q: Array, q_t: Array, out: Array, buffer: Arr
     shapes, behind = block(buffer, index, SHAPES), n + FRAMES + boxes.shape[0]
     deform(q, q_t, modes, attachments, shapes, bodies, behind)
     for j in range(boxes.shape[0]):
-        at, wheelset = boxes[j].coordinate, get_body(bodies[boxes[j].wheelset])
-        put_body(bodies[n + FRAMES + j], on_axle(boxes[j], wheelset, q[at], q_t[at]))
+        coordinate, wheelset = boxes[j].coordinate, get_body(bodies[boxes[j].wheelset])
+        put_body(bodies[n + FRAMES + j], on_axle(boxes[j], wheelset, q[coordinate], q_t[coordinate]))
     for i in range(n, wrenches.shape[0]):
         put(wrenches[i].force, ZERO)
         put(wrenches[i].moment, ZERO)
@@ -143,8 +170,8 @@ def add_forces_on_bodies(t: float, q: Array, q_t: Array, out: Array, buffer: Arr
     given, load_tables = records(buffer, index, LOADS, loads.LOAD), matrix(buffer, index, LOAD_TABLES)
     lost = loads.add_loads(t, bodies, given, load_tables, centre, wrenches)
     axles, units = records(buffer, index, AXLES, loads.AXLE), records(buffer, index, UNITS, loads.UNIT)
-    asked = loads.Asked(s, speed, acceleration)
-    lost |= loads.add_drive(asked, vehicle.drive, units, bodies, axles, centre, wrenches)
+    reference = loads.ReferenceMotion(s, speed, acceleration)
+    lost |= loads.add_drive(reference, vehicle.drive, units, bodies, axles, centre, wrenches)
     efforts = loads.Efforts(records(buffer, index, EFFORTS, loads.EFFORT), matrix(buffer, index, EFFORT_TABLES))
     origin = units[0].s - units[0].ahead
     loads.add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, axles, wrenches, out)
@@ -167,25 +194,25 @@ def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index:
     status."""
     vehicle = records(buffer, index, WHOLE, VEHICLE)[0]
     parts = records(buffer, index, PARTS, PART)
-    own = index[FIRST_WHEEL:]
+    wheel_arrays = index[FIRST_WHEEL:]
     modes, attachments = records(buffer, index, MODES, MODE), records(buffer, index, ATTACHMENTS, ATTACHMENT)
     shapes = block(buffer, index, SHAPES)
     decks, deck_shapes = records(buffer, index, DECKS, DECK), matrix(buffer, index, DECK_SHAPES)
-    wheels = own.shape[0] // ARRAYS
+    wheels = wheel_arrays.shape[0] // ARRAYS
     place_wheels(q, q_t, buffer, index)
-    stages.run(vehicle.turns, buffer, own)
+    stages.run(vehicle.turns, buffer, wheel_arrays)
     status = 0
     for i in range(parts.shape[0]):
         first = 2 * parts[i].wheelset
         if first < 0 or first >= wheels:
             continue
-        left, right = wheel_record(buffer, own, first), wheel_record(buffer, own, first + 1)
+        left, right = wheel_record(buffer, wheel_arrays, first), wheel_record(buffer, wheel_arrays, first + 1)
         status |= left.status | right.status
         of_body = out[6 * i : 6 * i + 6]
         if parts[i].wheels >= 0:
             body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
             for k in range(first, first + 2):
-                wheel, j = wheel_record(buffer, own, k), parts[i].wheels + k - first
+                wheel, j = wheel_record(buffer, wheel_arrays, k), parts[i].wheels + k - first
                 disc, force = get_body(wheel.body), vec(wheel.force)
                 place, moment = at_wheel(disc, wheel.side * wheel.half_spacing, force, vec(wheel.moment))
                 turn = add(moment, cross(sub(place, body.position), force))
@@ -200,12 +227,12 @@ def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index:
             apart = dot(vec(left.moment), axis_left) - dot(vec(right.moment), axis_right)
             out[parts[i].twist] += 0.5 * apart / parts[i].twist_inertia
         if decks.shape[0] > 0:
-            push_deck(left.s, -wheel_total(buffer, own, first).Fb, decks[0], deck_shapes, modes, out)
-            push_deck(right.s, -wheel_total(buffer, own, first + 1).Fb, decks[0], deck_shapes, modes, out)
+            push_deck(left.s, -wheel_total(buffer, wheel_arrays, first).Fb, decks[0], deck_shapes, modes, out)
+            push_deck(right.s, -wheel_total(buffer, wheel_arrays, first + 1).Fb, decks[0], deck_shapes, modes, out)
         if vehicle.rails >= 0:
             for k in range(first, first + 2):
-                rail, total = vehicle.rails + 2 * k, wheel_total(buffer, own, k)
-                wheel = wheel_record(buffer, own, k)
+                rail, total = vehicle.rails + 2 * k, wheel_total(buffer, wheel_arrays, k)
+                wheel = wheel_record(buffer, wheel_arrays, k)
                 push_n, push_b = -wheel.side * total.Fo, -total.Fb
                 if vehicle.sleepers != 0:
                     n = wheel.yield_nn * push_n + wheel.yield_nb * push_b + wheel.free_n
@@ -223,11 +250,11 @@ def place_wheels(q: Array, q_t: Array, buffer: Array, index: Ints) -> None:
     """Write the motion of every wheel, and of the rail under it, to its record."""
     vehicle = records(buffer, index, WHOLE, VEHICLE)[0]
     parts = records(buffer, index, PARTS, PART)
-    own = index[FIRST_WHEEL:]
+    wheel_arrays = index[FIRST_WHEEL:]
     modes, attachments = records(buffer, index, MODES, MODE), records(buffer, index, ATTACHMENTS, ATTACHMENT)
     shapes = block(buffer, index, SHAPES)
     decks, deck_shapes = records(buffer, index, DECKS, DECK), matrix(buffer, index, DECK_SHAPES)
-    wheels = own.shape[0] // ARRAYS
+    wheels = wheel_arrays.shape[0] // ARRAYS
     for i in range(parts.shape[0]):
         first = 2 * parts[i].wheelset
         if first < 0 or first >= wheels:
@@ -237,7 +264,7 @@ def place_wheels(q: Array, q_t: Array, buffer: Array, index: Ints) -> None:
         ahead = 0.5 * q_t[twist] if twist >= 0 else 0.0
         turned = 0.5 * q[twist] if twist >= 0 else 0.0
         for k in range(first, first + 2):
-            wheel = wheel_record(buffer, own, k)
+            wheel = wheel_record(buffer, wheel_arrays, k)
             if parts[i].wheels >= 0:
                 spin, j = q_t[6 * i + SPIN], parts[i].wheels + k - first
                 seat = attached(_turned(body, -spin), j, q, q_t, modes, attachments, shapes)
@@ -250,7 +277,7 @@ def place_wheels(q: Array, q_t: Array, buffer: Array, index: Ints) -> None:
                 wheel.rail_n, wheel.rail_b = q[rail], q[rail + 1]
                 wheel.rail_n_t, wheel.rail_b_t = q_t[rail], q_t[rail + 1]
             if decks.shape[0] > 0:
-                s, speed = place_on_rail(buffer, own, k), hypot(body.velocity.x, body.velocity.y)
+                s, speed = place_on_rail(buffer, wheel_arrays, k), hypot(body.velocity.x, body.velocity.y)
                 of_deck = deck_motion(s, speed, decks[0], deck_shapes, modes, q, q_t)
                 wheel.rail_b, wheel.rail_b_t, wheel.slope_b = of_deck
 
@@ -276,14 +303,14 @@ def _turned(body: BodyMotion, spin: float) -> BodyMotion:
 @kernel
 def _frames(s: float, speed: float, vehicle: Record, centre: CurveNodes) -> tuple[BodyMotion, BodyMotion]:
     """The track frame at the distance s [m] and the guide frame, as bodies; speed [m/s]."""
-    at = frame_at(centre, s)
+    frame = frame_at(centre, s)
     turning, _roll = frame_rates(centre, s)
-    velocity, omega = scale(speed, at.t), scale(speed, turning)
-    attack = -vehicle.guide_ahead * dot(turning, at.b)
-    forward = mixed(cos(attack), at.t, sin(attack), at.n)
-    left = mixed(cos(attack), at.n, -sin(attack), at.t)
-    track = BodyMotion(at.origin, velocity, at.t, at.n, at.b, omega)
-    return track, BodyMotion(at.origin, velocity, forward, left, at.b, omega)
+    velocity, omega = scale(speed, frame.t), scale(speed, turning)
+    attack = -vehicle.guide_ahead * dot(turning, frame.b)
+    forward = mixed(cos(attack), frame.t, sin(attack), frame.n)
+    left = mixed(cos(attack), frame.n, -sin(attack), frame.t)
+    track = BodyMotion(frame.origin, velocity, frame.t, frame.n, frame.b, omega)
+    return track, BodyMotion(frame.origin, velocity, forward, left, frame.b, omega)
 
 
 @kernel

@@ -11,17 +11,38 @@ from wrsim.dynamics.wheel_forces import ARRAYS, IN_CONTACT, POSE, wheel_total
 from wrsim.jit.arena import Array, Ints, Records, record, records, vector
 from wrsim.jit.compiling import kernel
 
-WATCH = record(
-    "level drop u reach face sample most most_at most_s least least_at least_s beyond force time distance "
-    "earlier last last_at last_s bend bend_force bend_at bend_s bend_step",
-    "flanged substitutes sampled steps",
-)
-"""Geometry [m]: height of the axle with the tape circle on the rail's top, how far below that a wheel has left the
-rail's head, place of the flange's lowest point along the axle and its distance from it, outward coordinate of the gauge
-face; whether there is a flange. Vertical force [N] at the last sample if there was one (``sampled``), the largest and
-the smallest since then with time [s] and distance [m]; the force that went farthest beyond both samples around it, by
-how much, when and where. Force at the last two of ``steps``; its largest second difference from step to step, with the
-force, time and distance in the middle and the step [s]. substitutes: those of the strip model so far."""
+WATCH = record("""
+    level       [m]   height of the axle with the tape circle on the rail's top
+    drop        [m]   distance below that at which a wheel has left the rail's head
+    u           [m]   place of the flange's lowest point along the axle
+    reach       [m]   distance of that point from the axle
+    face        [m]   outward coordinate of the gauge face
+    sample      [N]   vertical force at the last sample
+    most        [N]   largest force since then
+    most_at     [s]   time of that
+    most_s      [m]   distance of that
+    least       [N]   smallest force since then
+    least_at    [s]   time of that
+    least_s     [m]   distance of that
+    beyond      [N]   largest excess of a force over both samples around it
+    force       [N]   that force
+    time        [s]   time of that
+    distance    [m]   distance of that
+    earlier     [N]   force at the step before the last
+    last        [N]   force at the last step
+    last_at     [s]   time of that
+    last_s      [m]   distance of that
+    bend        [N]   largest second difference of the force from step to step
+    bend_force  [N]   force in the middle of that
+    bend_at     [s]   time of that
+    bend_s      [m]   distance of that
+    bend_step   [s]   step there
+    flanged     [int] 1: the wheel has a flange
+    substitutes [int] number of substitutes of the strip model so far
+    sampled     [int] 1: there was a sample
+    steps       [int] number of steps
+""")
+"""Geometry of a wheel, and its vertical force between samples."""
 
 PATCHES, MEMO_PLACE = Arrays._fields.index("patches"), Arrays._fields.index("memo")
 
@@ -31,45 +52,56 @@ def watch_step(t: float, distance: float, sampled: bool, watched: Records, buffe
     """After a step: take the wheels' vertical forces into the peaks between samples and the largest second difference;
     sampled: this is a sample."""
     for i in range(watched.shape[0]):
-        own, force = watched[i], wheel_total(buffer, index, i).Fb
-        bend = abs(own.earlier - 2.0 * own.last + force)
-        if own.steps >= 2 and bend > own.bend:
-            own.bend, own.bend_force, own.bend_at, own.bend_s = bend, own.last, own.last_at, own.last_s
-            own.bend_step = t - own.last_at
-        if own.steps >= 2 and own.earlier < own.last > force:
+        watch, force = watched[i], wheel_total(buffer, index, i).Fb
+        bend = abs(watch.earlier - 2.0 * watch.last + force)
+        if watch.steps >= 2 and bend > watch.bend:
+            watch.bend, watch.bend_force, watch.bend_at, watch.bend_s = bend, watch.last, watch.last_at, watch.last_s
+            watch.bend_step = t - watch.last_at
+        if watch.steps >= 2 and watch.earlier < watch.last > force:
             # the crest of the parabola through three steps: off by the fourth power of the step, not the second
-            crest = own.last + (force - own.earlier) ** 2 / (8.0 * bend)
-            if crest > own.most:
-                own.most, own.most_at, own.most_s = crest, own.last_at, own.last_s
-        own.earlier, own.last, own.last_at, own.last_s, own.steps = own.last, force, t, distance, own.steps + 1
+            crest = watch.last + (force - watch.earlier) ** 2 / (8.0 * bend)
+            if crest > watch.most:
+                watch.most, watch.most_at, watch.most_s = crest, watch.last_at, watch.last_s
+        watch.earlier, watch.last, watch.last_at, watch.last_s, watch.steps = (
+            watch.last,
+            force,
+            t,
+            distance,
+            watch.steps + 1,
+        )
         if not sampled:
-            if force > own.most:
-                own.most, own.most_at, own.most_s = force, t, distance
-            if force < own.least:
-                own.least, own.least_at, own.least_s = force, t, distance
+            if force > watch.most:
+                watch.most, watch.most_at, watch.most_s = force, t, distance
+            if force < watch.least:
+                watch.least, watch.least_at, watch.least_s = force, t, distance
             continue
-        if own.sampled != 0:
-            above, below = own.most - max(own.sample, force), min(own.sample, force) - own.least
-            if above >= below and above > own.beyond:
-                own.beyond, own.force, own.time, own.distance = above, own.most, own.most_at, own.most_s
-            elif below > above and below > own.beyond:
-                own.beyond, own.force, own.time, own.distance = below, own.least, own.least_at, own.least_s
-        own.sample, own.sampled, own.most, own.least = force, 1, -float("inf"), float("inf")
+        if watch.sampled != 0:
+            above, below = watch.most - max(watch.sample, force), min(watch.sample, force) - watch.least
+            if above >= below and above > watch.beyond:
+                watch.beyond, watch.force, watch.time, watch.distance = above, watch.most, watch.most_at, watch.most_s
+            elif below > above and below > watch.beyond:
+                watch.beyond, watch.force, watch.time, watch.distance = (
+                    below,
+                    watch.least,
+                    watch.least_at,
+                    watch.least_s,
+                )
+        watch.sample, watch.sampled, watch.most, watch.least = force, 1, -float("inf"), float("inf")
 
 
 @kernel
 def all_on_rails(watched: Records, buffer: Array, index: Ints) -> bool:
     """True if every wheel carries a force, is on its rail, and its contact has been solved without a remark."""
     for i in range(watched.shape[0]):
-        own, total = watched[i], wheel_total(buffer, index, i)
+        watch, total = watched[i], wheel_total(buffer, index, i)
         arrays = index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS]
-        if total.status != 0 or records(buffer, arrays, MEMO_PLACE, MEMO)[0].substitutes > own.substitutes:
+        if total.status != 0 or records(buffer, arrays, MEMO_PLACE, MEMO)[0].substitutes > watch.substitutes:
             return False
         patches, pressed = records(buffer, arrays, PATCHES, LOBE), False
         for j in range(total.lobes):
             pressed = pressed or patches[j].N > 0.0
         pose = vector(buffer, arrays, POSE)
-        climbed = own.flanged != 0 and pose[1] + own.u * pose[4] + own.reach * pose[5] > own.face
-        if not pressed or climbed or pose[2] - own.level < own.drop:
+        climbed = watch.flanged != 0 and pose[1] + watch.u * pose[4] + watch.reach * pose[5] > watch.face
+        if not pressed or climbed or pose[2] - watch.level < watch.drop:
             return False
     return True

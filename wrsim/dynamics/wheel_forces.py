@@ -19,20 +19,42 @@ from wrsim.jit.linalg import ZERO, Vec, add, components, cross, from_components,
 from wrsim.track.path_kernel import NODE, bends, frame_at, locate
 
 # arrays of one wheel
-OWN, RAIL, IN_CONTACT = range(3)
+WHEEL_RECORD, RAIL, IN_CONTACT = range(3)
 ARRAYS = IN_CONTACT + ARRAYS_OF_A_CONTACT
 POSE, LOBES = (Arrays._fields.index(name) for name in ("pose", "patches"))
 
 WHEEL = record(
-    "side half_spacing s step rail_n rail_b rail_n_t rail_b_t slope_n slope_b angle yield_nn yield_nb yield_bb free_n"
-    " free_b held_n held_b rate_n rate_b",
-    "status", body=BODY, force=VECTOR, moment=VECTOR,
-)  # fmt: skip
-"""+1 left, -1 right; H/2 [m]; distance along the rail (a guess, updated) and step of its path [m]; the motion of the
-piece of rail under the wheel along n and b: displacement [m], velocity [m/s], slope along the track; angle by which the
-wheel has rolled [rad]; how the rail on sleepers yields: compliances along n and b [m/N], displacements without its
-force [m]; how far its unknowns count themselves (1 at rest), and their rates [1/s2] (``dynamics.vehicle_forces``); the
-body of the wheelset. What comes out: force [N] and moment [N m] at its centre of mass, in global axes, and a status."""
+    """
+    side         [1]     +1 left, -1 right
+    half_spacing [m]     H/2
+    s            [m]     distance along the rail (a guess, updated)
+    step         [m]     step of the rail's path
+    rail_n       [m]     displacement of the rail under the wheel along n
+    rail_b       [m]     displacement along b
+    rail_n_t     [m/s]   velocity of the rail along n
+    rail_b_t     [m/s]   velocity along b
+    slope_n      [1]     slope of the displacement along n over the track
+    slope_b      [1]     slope of the displacement along b
+    angle        [rad]   angle by which the wheel has rolled
+    yield_nn     [m/N]   compliance of the rail on sleepers: along n, ...
+    yield_nb     [m/N]   ... coupling ...
+    yield_bb     [m/N]   ... and along b
+    free_n       [m]     displacement of that rail along n without the wheel's force
+    free_b       [m]     displacement along b without it
+    held_n       [1]     factor of the unknown along n itself (1 at rest, ``dynamics.vehicle_forces``)
+    held_b       [1]     factor of the unknown along b
+    rate_n       [1/s2]  rate of the unknown along n
+    rate_b       [1/s2]  rate of the unknown along b
+    status       [int]   status of the contact
+    body         [-]     body of the wheelset
+    force        [N]     force at its centre of mass, in global axes
+    moment       [N m]   moment about it
+    """,
+    body=BODY,
+    force=VECTOR,
+    moment=VECTOR,
+)
+"""A wheel, the rail under it, and what its contact does to the wheelset."""
 
 OK, OFF_TRACK = 0, 1024
 
@@ -49,8 +71,8 @@ def wheel_origin(body: BodyMotion, side: float, half_spacing: float) -> Vec:
 @inlined
 def _in_rail(a: Vec, rail: Frame, side: float) -> Vec:
     """Components of a vector in the rail's axes (t, o, b)."""
-    own = components(a, rail.t, rail.n, rail.b)
-    return Vec(own.x, side * own.y, own.z)
+    local = components(a, rail.t, rail.n, rail.b)
+    return Vec(local.x, side * local.y, local.z)
 
 
 @inlined
@@ -70,11 +92,11 @@ def pose_of(body: BodyMotion, rail: Frame, side: float, half_spacing: float) -> 
 @kernel
 def set_pose(body: BodyMotion, rail: Frame, side: float, half_spacing: float, pose: Array) -> None:
     """Write the pose and motion of one wheel to ``pose`` (POSE,), see contact.records."""
-    own = pose_of(body, rail, side, half_spacing)
-    put_at(pose, 0, own.origin)
-    put_at(pose, 3, own.axle)
-    put_at(pose, 6, own.velocity)
-    put_at(pose, 9, own.omega)
+    motion = pose_of(body, rail, side, half_spacing)
+    put_at(pose, 0, motion.origin)
+    put_at(pose, 3, motion.axle)
+    put_at(pose, 6, motion.velocity)
+    put_at(pose, 9, motion.omega)
 
 
 @kernel
@@ -90,7 +112,7 @@ def wheel_wrench(body: BodyMotion, rail: Frame, side: float, half_spacing: float
 @kernel
 def one_wheel(buffer: Array, index: Ints) -> int:
     """Force and moment of one wheel's contact, written to its record; a status. index: the part that is its own."""
-    wheel = records(buffer, index, OWN, WHEEL)[0]
+    wheel = records(buffer, index, WHEEL_RECORD, WHEEL)[0]
     rail = CurveNodes(records(buffer, index, RAIL, NODE), wheel.step)
     body = get_body(wheel.body)
     put(wheel.force, ZERO)
@@ -100,10 +122,10 @@ def one_wheel(buffer: Array, index: Ints) -> int:
         wheel.status = OFF_TRACK
         return OFF_TRACK
     wheel.s = s
-    at = frame_at(rail, s)
+    frame = frame_at(rail, s)
     arrays = index[IN_CONTACT:]
     pose = vector(buffer, arrays, POSE)
-    set_pose(body, at, wheel.side, wheel.half_spacing, pose)
+    set_pose(body, frame, wheel.side, wheel.half_spacing, pose)
     # the rail's piece has moved away by so much, and moves with the wheel along the track
     pose[1] -= wheel.side * wheel.rail_n
     pose[2] -= wheel.rail_b
@@ -111,14 +133,14 @@ def one_wheel(buffer: Array, index: Ints) -> int:
     pose[8] -= wheel.rail_b_t
     call = call_of(buffer, arrays)
     call.place, call.wheel_angle = s, wheel.angle
-    twist, to_left, up = bends(rail, s, at)
+    twist, to_left, up = bends(rail, s, frame)
     call.twist, call.bow_o, call.bow_b = wheel.side * twist, wheel.side * to_left, up
     wheel.status = stages.run(CONTACT, buffer, arrays)
     total = results(buffer, arrays)[0]
-    force, moment = wheel_wrench(body, at, wheel.side, wheel.half_spacing, total)
+    force, moment = wheel_wrench(body, frame, wheel.side, wheel.half_spacing, total)
     # a rail that is bent down ahead of the wheel or behind it turns the force about the axle: what it takes from the
     # motion along the track is the work on the moving rail
-    along = scale(-wheel.side * total.Fo * wheel.slope_n - total.Fb * wheel.slope_b, at.t)
+    along = scale(-wheel.side * total.Fo * wheel.slope_n - total.Fb * wheel.slope_b, frame.t)
     put(wheel.force, add(force, along))
     put(wheel.moment, add(moment, cross(scale(wheel.side * wheel.half_spacing, body.left), along)))
     return wheel.status
@@ -146,7 +168,7 @@ STAGES = {ONE_WHEEL: one_wheel, IN_TURN: in_turn, SIDE_BY_SIDE: in_parallel}
 @inlined
 def wheel_record(buffer: Array, index: Ints, i: int) -> Record:
     """The record WHEEL of the wheel number i; index: as in `in_turn`."""
-    return records(buffer, index[i * ARRAYS :], OWN, WHEEL)[0]
+    return records(buffer, index[i * ARRAYS :], WHEEL_RECORD, WHEEL)[0]
 
 
 @inlined
@@ -163,8 +185,8 @@ def pose_on_rail(buffer: Array, index: Ints, i: int) -> WheelPose:
     """Pose and motion of the wheel number i beside its rail, of which no displacement counts."""
     wheel = wheel_record(buffer, index, i)
     rail = CurveNodes(records(buffer, index[i * ARRAYS :], RAIL, NODE), wheel.step)
-    at = frame_at(rail, place_on_rail(buffer, index, i))
-    return pose_of(get_body(wheel.body), at, wheel.side, wheel.half_spacing)
+    frame = frame_at(rail, place_on_rail(buffer, index, i))
+    return pose_of(get_body(wheel.body), frame, wheel.side, wheel.half_spacing)
 
 
 @inlined

@@ -9,7 +9,19 @@ from wrsim.jit import Array, Record, inlined, record
 from wrsim.jit.linalg import Vec, add, cross, sub
 
 VECTOR = record("x y z")
-BODY = record(position=VECTOR, velocity=VECTOR, forward=VECTOR, left=VECTOR, up=VECTOR, omega=VECTOR)
+"""A vector in the axes and the unit of the field that holds it."""
+BODY = record(
+    """
+    position [m]     centre of mass
+    velocity [m/s]   velocity of that
+    forward  [1]     axes, unit vectors: forward, ...
+    left     [1]     ... to the left, of a wheelset along the axle, ...
+    up       [1]     ... and up
+    omega    [rad/s] angular velocity
+    """,
+    position=VECTOR, velocity=VECTOR, forward=VECTOR, left=VECTOR, up=VECTOR, omega=VECTOR,
+)  # fmt: skip
+"""A rigid body in motion, in global axes: a `BodyMotion`."""
 
 
 class Frame(NamedTuple):

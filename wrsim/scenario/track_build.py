@@ -120,7 +120,7 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
         offsets = [(0.0, 0.0)] * 2  # of the profiles' origins, from half the gauge and from the track's plane
         if section.gauge_between == "gauge points":
             offsets = [(-rail.gauge_point()[0], -rail.top[1]) for rail in rails]
-        return Track.lay(
+        return Track.from_laws(
             law,
             gauge,
             segments=row,

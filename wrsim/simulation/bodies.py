@@ -33,19 +33,19 @@ def bodies_of(vehicle: Vehicle) -> tuple[Solid, ...]:
     geared = dict.fromkeys((body.name for body in vehicle.bodies), 0.0)
     for drive in vehicle.drives:
         geared[drive.case] += drive.case_inertia
-    found = [Solid.of_wheelset(mounted) for mounted in vehicle.wheelsets]
+    bodies = [Solid.of_wheelset(mounted) for mounted in vehicle.wheelsets]
     for body in vehicle.bodies:
         x, y, z = body.inertia
-        found.append(Solid(body.mass, (x, y + geared[body.name], z)))
-    return tuple(found)
+        bodies.append(Solid(body.mass, (x, y + geared[body.name], z)))
+    return tuple(bodies)
 
 
 def mass_matrix(bodies: Sequence[Solid], q: Array) -> Array:
     """Mass matrix in the coordinates q (6 per body; one more for every damper in series with a spring, of mass 1)."""
     whole = np.eye(len(q))
     for i, body in enumerate(bodies):
-        own = slice(6 * i, 6 * i + 6)
-        kernel.mass_block(q[own], body.mass, *body.inertia, whole[own, own])
+        block = slice(6 * i, 6 * i + 6)
+        kernel.mass_block(q[block], body.mass, *body.inertia, whole[block, block])
     return whole
 
 
@@ -66,6 +66,6 @@ def velocity_forces(bodies: Sequence[Solid], q: Array, q_t: Array) -> Array:
     """Quadratic velocity forces h of M(q) q_tt + h(q, q_t) = F, as a new array of the length of q."""
     whole = np.zeros(len(q))
     for i, body in enumerate(bodies):
-        own = slice(6 * i, 6 * i + 6)
-        kernel.quadratic_forces(q[own], q_t[own], *body.inertia, whole[own])
+        block = slice(6 * i, 6 * i + 6)
+        kernel.quadratic_forces(q[block], q_t[block], *body.inertia, whole[block])
     return whole

@@ -64,18 +64,23 @@ class Attachments:
 
     def arrays(self, coordinate: int, preloads: Sequence[Preload]) -> list[NDArray[Any]]:
         """MODES, ATTACHMENTS, SHAPES and GYROSCOPIC of ``dynamics.vehicle_forces``. coordinate: of the first mode."""
-        vehicle, most = self.vehicle, max([len(own.frequencies) for own in self.modes.values()], default=1)
+        vehicle, most = self.vehicle, max([len(modes.frequencies) for modes in self.modes.values()], default=1)
         rows = [np.zeros(0, flexible.MODE)]
         points = np.zeros(len(self._points), flexible.ATTACHMENT)
         shapes, gyroscopic = np.zeros((len(points), most, 6)), np.zeros((self.count, most))
-        for i, own in self.modes.items():
-            first, n = self.first[i], len(own.frequencies)
-            gyroscopic[first : first + n, :n], turning = own.gyroscopic()
-            found = mode_records(own, coordinate + first)
-            found["rest"], found["body"], found["first"], found["count"] = self._at_rest(i, preloads), i, first, n
+        for i, modes in self.modes.items():
+            first, n = self.first[i], len(modes.frequencies)
+            gyroscopic[first : first + n, :n], turning = modes.gyroscopic()
+            records = mode_records(modes, coordinate + first)
+            records["rest"], records["body"], records["first"], records["count"] = (
+                self._at_rest(i, preloads),
+                i,
+                first,
+                n,
+            )
             for axis, component in zip("xyz", turning.T, strict=True):
-                found["turning"][axis] = component
-            rows.append(found)
+                records["turning"][axis] = component
+            rows.append(records)
         for j, (i, point) in enumerate(self._points):
             n = len(self.modes[i].frequencies)
             points[j].body, points[j].first, points[j].count, points[j].point = i, self.first[i], n, point
@@ -85,9 +90,9 @@ class Attachments:
 
     def _at_rest(self, part: int, preloads: Sequence[Preload]) -> Array:
         """What the preload does to the modes of a body (n,) [N]; an axle is straight without load."""
-        found = np.zeros(len(self.modes[part].frequencies))
+        forces = np.zeros(len(self.modes[part].frequencies))
         if part < len(self.vehicle.wheelsets):
-            return found
+            return forces
         for element, preload in zip(self.vehicle.elements, preloads, strict=True):
             force = element.directions.T @ preload.force
             arm = np.subtract(element.points[1], element.points[0])
@@ -95,5 +100,5 @@ class Attachments:
                 if self.vehicle.index(name) == part:
                     turning = preload.moment + (np.cross(arm, force) if sign < 0.0 else 0.0)
                     shape = self.modes[part].shapes(np.array([end]))[:, 0]
-                    found += sign * (shape @ np.concatenate([force, turning]))
-        return found
+                    forces += sign * (shape @ np.concatenate([force, turning]))
+        return forces

@@ -33,7 +33,7 @@ an axle [rad]; forces are linear in it or nearly so."""
 SMALL_SLIP = 1e-7
 """The same of the unknowns of sliders [m]: their forces saturate within a part of a millimetre."""
 
-OF_DIFFERENCES = 0.1
+DIFFERENCE_TOLERANCE = 0.1
 """To which part of their tolerance contacts are solved for differences."""
 
 Forces = Callable[[float, Array, Array, Array], object]
@@ -100,7 +100,7 @@ class ForceLaw:
         """The blocks whose sum the law is; empty if it is one piece."""
         return ()
 
-    def undisturbed(self) -> AbstractContextManager[None]:
+    def preserve_state(self) -> AbstractContextManager[None]:
         """Calls while this lasts do not change the state of the law, and are sharp enough for differences."""
         return nullcontext()
 
@@ -144,13 +144,13 @@ def all_on_all(size: int) -> Groups:
     return [(np.array([i]), np.arange(size)[None]) for i in range(size)]
 
 
-def groups_in_a_row(own: Sequence[NDArray[np.intp]]) -> Groups:
+def groups_in_a_row(units: Sequence[NDArray[np.intp]]) -> Groups:
     """Groups of the coordinates of things in a row, of which each acts on itself and its neighbours."""
-    longest = max(map(len, own))
-    groups: list[tuple[list[int], list[NDArray[np.intp]]]] = [([], []) for _ in range(min(3, len(own)) * longest)]
-    near = [np.concatenate(own[max(i - 1, 0) : i + 2]) for i in range(len(own))]
+    longest = max(map(len, units))
+    groups: list[tuple[list[int], list[NDArray[np.intp]]]] = [([], []) for _ in range(min(3, len(units)) * longest)]
+    near = [np.concatenate(units[max(i - 1, 0) : i + 2]) for i in range(len(units))]
     widest = max(map(len, near))
-    for i, coordinates in enumerate(own):  # a duplicate row is written twice alike
+    for i, coordinates in enumerate(units):  # a duplicate row is written twice alike
         rows = np.concatenate([near[i], np.full(widest - len(near[i]), near[i][0])])
         for j, place in enumerate(coordinates):
             columns, of_columns = groups[i % 3 * longest + j]
@@ -187,7 +187,7 @@ def force_derivative(
     matrix, work = np.zeros((n, n)), np.zeros((k.ROWS, n))
     work[[k.HERE, k.STATE]], work[[k.HERE_RATE, k.RATE]] = q, q_t
     work[k.MORE], work[k.MORE_RATE], work[k.SPAN] = by_q * step, by_q_t * step, (2.0 if central else 1.0) * step
-    with forces.undisturbed():
+    with forces.preserve_state():
         for block in forces.blocks() or (Block(forces, all_on_all(n)),):
             block.add_differences(t, central, work, matrix)
     return matrix

@@ -29,29 +29,29 @@ class HalfSpaceOnTrack(VehicleOnTrack):
 
     def _exchange_forces(self, w: int, q: Array, q_t: Array, out: Array) -> list[HalfSpaceContact]:
         """Replace the fast model's forces on one wheelset by the exact ones; returns both contacts."""
-        own = slice(6 * w, 6 * w + 6)
-        body = kinematics(q[own], q_t[own])
+        coordinates = slice(6 * w, 6 * w + 6)
+        body = kinematics(q[coordinates], q_t[coordinates])
         change = np.zeros((2, 3))  # of force and moment
-        found: list[HalfSpaceContact] = []
+        contacts: list[HalfSpaceContact] = []
         rails = self.track.left.curve, self.track.right.curve
-        for i, (wheel, rail, place) in enumerate(zip(self.wheels[w], rails, self.own(w), strict=True)):
-            total, at = wheel.model.arrays.total, frame_at(rail, place.s)
+        for i, (wheel, rail, place) in enumerate(zip(self.wheels[w], rails, self.wheel_records(w), strict=True)):
+            total, frame = wheel.model.arrays.total, frame_at(rail, place.s)
             fast = total.copy()
-            found.append(solve_into(wheel.model))
+            contacts.append(solve_into(wheel.model))
             more = total.copy()
             for name in (*FORCE, *MOMENT):
                 more[name] -= fast[name]
-            wrench = np.array(wheel_wrench(body, at, place.side, wheel.half_spacing, more))
+            wrench = np.array(wheel_wrench(body, frame, place.side, wheel.half_spacing, more))
             change += wrench
             if w in self.twists:
                 inertia = 0.25 * self.bodies[w].inertia[1]
                 out[self.twists[w]] += 0.5 * wheel.side * float(wrench[1] @ np.array(body.left)) / inertia
             if self.elastic is not None:  # the wheel's force on its piece of rail, over the rail's mass
-                own_rail = self.size - self.rails + RAIL_COORDINATES * w + 2 * i
-                out[own_rail] -= wheel.side * more.Fo / self.elastic.mass[0]
-                out[own_rail + 1] -= more.Fb / self.elastic.mass[1]
-        add_generalised_forces(body, Vec(*change[0]), Vec(*change[1]), out[own])
-        return found
+                rail_place = self.size - self.rails + RAIL_COORDINATES * w + 2 * i
+                out[rail_place] -= wheel.side * more.Fo / self.elastic.mass[0]
+                out[rail_place + 1] -= more.Fb / self.elastic.mass[1]
+        add_generalised_forces(body, Vec(*change[0]), Vec(*change[1]), out[coordinates])
+        return contacts
 
     def elements_of_contacts(self) -> list[list[list[ElementField]]]:
         return [

@@ -1,5 +1,7 @@
 """Newton's method within the implicit steps of generalised alpha: first guess, estimates, and failure."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np
@@ -12,31 +14,31 @@ SPECTRAL_RADIUS = 0.9
 """Factor by which generalised alpha damps the fastest oscillation in a step."""
 
 
-class Numbers(NamedTuple):
-    """Of generalised alpha."""
+class GeneralizedAlpha(NamedTuple):
+    """Parameters of generalised alpha."""
 
     alpha_m: float
     alpha_f: float
     beta: float
     gamma: float
 
-    def changes(self, step: float) -> tuple[float, float]:
+    @classmethod
+    def from_spectral_radius(cls, radius: float) -> GeneralizedAlpha:
+        """The method that damps the fastest oscillation by a factor in a step."""
+        alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
+        gamma = 0.5 + alpha_f - alpha_m
+        return cls(alpha_m, alpha_f, 0.25 * (gamma + 0.5) ** 2, gamma)
+
+    def increments(self, step: float) -> tuple[float, float]:
         """Changes of q and q_t for a change of q_tt in a step [s]."""
         of_acceleration = step * step * self.beta * (1.0 - self.alpha_f) / (1.0 - self.alpha_m)
         return of_acceleration, of_acceleration * self.gamma / (step * self.beta)
 
 
-def damping_by(radius: float) -> Numbers:
-    """Numbers with which the method damps the fastest oscillation by a factor in a step."""
-    alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
-    gamma = 0.5 + alpha_f - alpha_m
-    return Numbers(alpha_m, alpha_f, 0.25 * (gamma + 0.5) ** 2, gamma)
-
-
-METHOD = damping_by(SPECTRAL_RADIUS)
+METHOD = GeneralizedAlpha.from_spectral_radius(SPECTRAL_RADIUS)
 
 WEIGHTS = np.array([SMALL[name] for name in COORDINATES]) ** -2.0
-"""Of the coordinates of a body in Broyden's update, and in the sums of which accelerations are predicted."""
+"""Weights of the coordinates of a body in Broyden's update, and in the sums of which accelerations are predicted."""
 
 NOT_SOLVED = "Newton's method does not find the end of a time step"
 
@@ -51,27 +53,32 @@ class ImplicitStep:
 
     def __init__(
         self, q: Array, q_t: Array, q_tt: Array, bodies: int, rails: int, step: float, tolerance: float,
-        loosest: float | None,
+        max_residual: float | None,
     ) -> None:  # fmt: skip
-        """q, q_t, q_tt: the solver's own arrays, bodies first, rails last; tolerance, loosest: ``BodySystem.solve``."""
+        """q, q_t, q_tt: arrays of the solver, bodies first, rails last; the others: see ``BodySystem.solve``."""
         self.q, self.q_t, self.q_tt = q, q_t, q_tt
-        own = np.zeros(1, kernel.STEP)
-        own["q_of_q_tt"], own["q_t_of_q_tt"] = METHOD.changes(step)
-        own["tolerance"], own["loosest"] = tolerance, tolerance if loosest is None else loosest
-        for name in ("predicted", "residual", "moved", "ratio"):
-            own[name] = np.inf
-        own["bodies"], own["rails"], own["iteration"], own["estimates"] = bodies, rails, -1, loosest is not None
-        self.own, self._iteration, self._counted = own, own["iteration"], -1
+        record = np.zeros(1, kernel.STEP)
+        record["q_of_q_tt"], record["q_t_of_q_tt"] = METHOD.increments(step)
+        record["tolerance"], record["max_residual"] = tolerance, tolerance if max_residual is None else max_residual
+        for name in ("predicted", "residual", "force_change", "ratio"):
+            record[name] = np.inf
+        record["bodies"], record["rails"], record["iteration"], record["estimates"] = (
+            bodies,
+            rails,
+            -1,
+            max_residual is not None,
+        )
+        self.record, self._iteration, self._counted = record, record["iteration"], -1
         self.rows, self.jacobian = np.zeros((kernel.ROWS, q.size)), np.zeros((q.size, q.size))
         self._sums, self._fit = np.zeros((kernel.ORDER + 1,) * 2), np.zeros((kernel.ORDER + 2, kernel.ORDER))
-        self.at = tolerance, self.rows[kernel.AT]
+        self.computed_at = tolerance, self.rows[kernel.COMPUTED_AT]
         """Tolerance, and coordinates of the last computed forces."""
         self.rows[kernel.WEIGHTS, : 6 * bodies] = np.tile(WEIGHTS, bodies)
         self.rows[kernel.WEIGHTS, q.size - rails :] = np.tile([SMALL["y"] ** -2.0, SMALL["z"] ** -2.0], rails // 2)
 
     def end_step(self) -> None:
         """Predict the accelerations of the next step."""
-        kernel.end_step(self.own, self.rows, self._sums, self._fit, self.q_tt)
+        kernel.end_step(self.record, self.rows, self._sums, self._fit, self.q_tt)
 
     def begin_iteration(self, iteration: int) -> bool:
         """Called ahead of every residual; the first one of a step starts from the prediction. Returns whether the
@@ -79,29 +86,29 @@ class ImplicitStep:
         again = 0 < iteration == self._counted
         self._counted = iteration
         if iteration == 0 or again:
-            kernel.predict(self.own, self.rows, self.q, self.q_t, self.q_tt)
+            kernel.predict(self.record, self.rows, self.q, self.q_t, self.q_tt)
         else:
             self._iteration[0] = iteration
         return again
 
     def held(self) -> None:
         """The law has changed this iteration: it says nothing about a new Jacobian."""
-        self.own["new"] = 0
+        self.record["new"] = 0
 
     def set_jacobian(self, derivative: Array, by_q: float) -> None:
         """Take a new derivative of the forces with respect to by_q q."""
-        kernel.set_jacobian(self.own, self.jacobian, derivative, by_q)
+        kernel.set_jacobian(self.record, self.jacobian, derivative, by_q)
 
     def estimate(self, out: Array) -> bool:
         """Fill ``out`` with the predicted forces and return True, where that ends the iteration."""
-        return kernel.estimate(self.own, self.rows, self.jacobian, self.q, out)
+        return kernel.estimate(self.record, self.rows, self.jacobian, self.q, out)
 
     def update(self, forces: Array) -> int:
         """Compare computed forces with the prediction; -1, or the index of a force that is not finite.
 
         Raises NotSolved where the method does not converge.
         """
-        found = kernel.update(self.own, self.rows, self.jacobian, self.q, forces)
-        if found == kernel.NOT_SOLVED:
+        status = kernel.update(self.record, self.rows, self.jacobian, self.q, forces)
+        if status == kernel.NOT_SOLVED:
             raise NotSolved(NOT_SOLVED)
-        return found
+        return status

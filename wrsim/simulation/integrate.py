@@ -39,7 +39,7 @@ SEGMENT = 200
 TOLERANCE = 1e-4
 """Norm of the residual forces at which Newton's method ends, as a part of the weight."""
 
-OF_CONTACTS = 0.1 * TOLERANCE
+CONTACT_TOLERANCE = 0.1 * TOLERANCE
 """To which contacts solve their own equations in implicit steps, over the deepest penetration: its power 3/2 is in the
 force, so that less than a sixth of what Newton's method leaves is theirs."""
 
@@ -184,7 +184,7 @@ class Integration:
         self._monitor_every = self._every if interval is None else max(1, round(interval / step))
         weight = STANDARD_GRAVITY * sum(body.mass for body in system.bodies) if self.weight is None else self.weight
         self._tolerance = TOLERANCE * weight
-        self._of_contacts = WARM_TOLERANCE if self.integrator == "rk44" else OF_CONTACTS
+        self._of_contacts = WARM_TOLERANCE if self.integrator == "rk44" else CONTACT_TOLERANCE
         self._recorder = Recorder(system.size) if self.recorder is None else self.recorder
         self._with_state = (system.work, system.forces, self.monitor)
         self._watch = getattr(self.monitor, "step", None)
@@ -301,7 +301,7 @@ class Integration:
                 self.system.solve(
                     self._q, self._q_t, self.start, self.step / self._parts, (end - k) * self._parts, self._after_step,
                     first=k * self._parts,
-                    integrator=self.integrator, tolerance=self._tolerance, loosest=LOOSE * self._tolerance,
+                    integrator=self.integrator, tolerance=self._tolerance, max_residual=LOOSE * self._tolerance,
                 )  # fmt: skip
             except SimulationError:
                 if self.integrator == "rk44":

@@ -19,14 +19,14 @@ from wrsim.dynamics.kinematics import is_near
 from wrsim.errors import SimulationError
 from wrsim.jit.compiling import use_threads
 from wrsim.jit.stages import make_ready
-from wrsim.simulation.force_law import OF_DIFFERENCES, Array, Block, Groups, all_on_all, groups_in_a_row
+from wrsim.simulation.force_law import DIFFERENCE_TOLERANCE, Array, Block, Groups, all_on_all, groups_in_a_row
 from wrsim.simulation.rails import RailsOnSleepers
 from wrsim.simulation.vehicle_arrays import (
     RAIL_COORDINATES,
     Layout,
     arrays_of_wheels,
-    only_read,
     pieces_of_motion,
+    read_only,
     stepper_arrays,
     vehicle_arrays,
 )
@@ -101,11 +101,11 @@ class VehicleOnTrack(Layout):
         self._loads = views[vehicle_forces.LOADS]
         self.axles = views[vehicle_forces.AXLES]
         first, count = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
-        self._changing = self.workspace.stretches_but(only_read(len(views)))
+        self._changing = self.workspace.stretches_but(read_only(len(views)))
         of_wheels = [self.workspace.part(place, count) for place in range(first, len(views), count)]
-        own = [part.views[wheel_kernel.OWN] for part in of_wheels]
-        self._records_of_wheels = [records[0] for records in own]
-        self._found_at = [records["s"] for records in (self._units, self._loads, *own)]
+        records_of_wheels = [part.views[wheel_kernel.WHEEL_RECORD] for part in of_wheels]
+        self._records_of_wheels = [records[0] for records in records_of_wheels]
+        self._search_starts = [records["s"] for records in (self._units, self._loads, *records_of_wheels)]
         placed = [
             model.within(part.part(wheel_kernel.IN_CONTACT, wheel_kernel.ARRAYS_OF_A_CONTACT))
             for model, part in zip((model for pair in contacts for model in pair), of_wheels, strict=True)
@@ -124,7 +124,7 @@ class VehicleOnTrack(Layout):
                 elasticity, track, memory, self._records_of_wheels, places, vehicle.weight, self.size,
                 views[vehicle_forces.MODES][self.attachments.count :],
             )  # fmt: skip
-            self._found_at += [records[slope] for records in own for slope in ("slope_n", "slope_b")]
+            self._search_starts += [records[slope] for records in records_of_wheels for slope in ("slope_n", "slope_b")]
             elasticity = self.on_sleepers.static
             self.explicit = False
         self.elastic = elasticity
@@ -132,7 +132,7 @@ class VehicleOnTrack(Layout):
         self._state, self._evaluated = np.zeros((2, self.size)), np.nan
         """Coordinates and rates that the contacts belong to, and their time, nan where unknown."""
         self._blocks: list[Block] = []
-        self.look_near(start)
+        self.set_search_start(start)
 
     def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> None:
         """See ``ForceLaw``. Raises SimulationError off the track."""
@@ -170,14 +170,18 @@ class VehicleOnTrack(Layout):
             for w in range(len(self.wheels)):
                 rails = self.size - self.rails + RAIL_COORDINATES * w + np.arange(RAIL_COORDINATES if self.rails else 0)
                 twist = [self.twists[w]] if w in self.twists else []
-                own = np.concatenate([np.arange(6 * w, 6 * w + 6), rails, np.array(twist, int), self.modes_of(w)])
-                alike.setdefault(len(own), []).append(own)
+                coordinates = np.concatenate(
+                    [np.arange(6 * w, 6 * w + 6), rails, np.array(twist, int), self.modes_of(w)]
+                )
+                alike.setdefault(len(coordinates), []).append(coordinates)
             for length in sorted(alike, reverse=True):
                 wheelsets = np.array(alike[length])
                 groups = [(c, wheelsets) for c in wheelsets.T]
                 if self.pushed:  # every wheelset acts on them, and they on every wheelset
-                    wide = [np.append(own, self.pushed) for own in alike[length]]
-                    groups = [(own[k : k + 1], own[None]) for own in wide for k in range(length)]
+                    wide = [np.append(coordinates, self.pushed) for coordinates in alike[length]]
+                    groups = [
+                        (coordinates[k : k + 1], coordinates[None]) for coordinates in wide for k in range(length)
+                    ]
                 self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, groups))
             if self.pushed:
                 on_all = np.r_[0 : 6 * len(self.wheels), self.pushed][None]
@@ -186,12 +190,12 @@ class VehicleOnTrack(Layout):
         return self._blocks
 
     @contextmanager
-    def undisturbed(self) -> Iterator[None]:
+    def preserve_state(self) -> Iterator[None]:
         before, state, evaluated = [view.copy() for view in self._changing], self._state.copy(), self._evaluated
         contacts = [wheel.model.arrays.state for wheels in self.wheels for wheel in wheels]
         tolerances = [contact.tolerance for contact in contacts]
         for contact in contacts:
-            contact.tolerance = max(OF_DIFFERENCES * contact.tolerance, WARM_TOLERANCE)
+            contact.tolerance = max(DIFFERENCE_TOLERANCE * contact.tolerance, WARM_TOLERANCE)
         try:
             yield
         finally:
@@ -227,7 +231,7 @@ class VehicleOnTrack(Layout):
         return np.stack([forces[axis] for axis in "xyz"], axis=-1)
 
     def places(self, distances: Array) -> Array:
-        """Rows for ``look_near`` (n, wheelsets, 3): distances of the wheelsets (n, wheelsets), and along both rails."""
+        """Rows for ``set_search_start`` (n, wheelsets, 3): distances of wheelsets (n, wheelsets) and on both rails."""
         flat = np.asarray(distances, dtype=float).ravel()
         columns = [flat, self.track.rail_distance("left", flat), self.track.rail_distance("right", flat)]
         return np.stack(columns, axis=-1).reshape(*np.shape(distances), 3)
@@ -238,28 +242,28 @@ class VehicleOnTrack(Layout):
         self.workspace.views[vehicle_forces.MOTION][:] = pieces_of_motion(self.profile, self.start)
         self._evaluated = np.nan
 
-    def own(self, wheelset: int) -> list[Any]:
+    def wheel_records(self, wheelset: int) -> list[Any]:
         """The records WHEEL of both wheels of a wheelset (``dynamics.wheel_forces``)."""
         return self._records_of_wheels[2 * wheelset : 2 * wheelset + 2]
 
-    def look_near(self, origin: float | Array) -> None:
+    def set_search_start(self, origin: float | Array) -> None:
         """Start the searches on the track near a place: distance of the vehicle's origin [m], or a row of ``places``.
 
         Needed ahead of a state far from the last one.
         """
         self._evaluated = np.nan
         vehicle, rows = self.vehicle, self._near(origin)
-        at = float(rows[0, 0]) - vehicle.wheelsets[0].x
+        distance = float(rows[0, 0]) - vehicle.wheelsets[0].x
         if self._records_of_wheels:
             for wheel, s in zip(self._records_of_wheels, rows[:, 1:].ravel(), strict=True):
                 wheel.s = s
         for row, unit in zip(self._units, vehicle.units, strict=True):
-            row.s = at + vehicle.parts[unit.reference].centre[0]
+            row.s = distance + vehicle.parts[unit.reference].centre[0]
         for load in self._loads:
-            load.s = at + vehicle.parts[load.body].centre[0] + load.at.x
+            load.s = distance + vehicle.parts[load.body].centre[0] + load.point.x
 
     def _near(self, origin: float | Array) -> Array:
-        """The row of ``places`` for a place as ``look_near`` takes it."""
+        """The row of ``places`` for a place as ``set_search_start`` takes it."""
         if np.ndim(origin) == 0:
             return self.places(float(origin) + np.array([m.x for m in self.vehicle.wheelsets]))  # type: ignore[arg-type]
         return np.asarray(origin)
@@ -272,8 +276,8 @@ class VehicleOnTrack(Layout):
 
     def memory(self) -> list[NDArray[Any]]:
         """See ``ForceLaw``: places on the track, and contacts."""
-        found = self._found_at + [view for wheels in self.wheels for w in wheels for view in w.model.arrays.kept()]
-        return found if self.on_sleepers is None else found + self.on_sleepers.memory()
+        views = self._search_starts + [view for wheels in self.wheels for w in wheels for view in w.model.arrays.kept()]
+        return views if self.on_sleepers is None else views + self.on_sleepers.memory()
 
     def set_state(self, state: Array) -> None:
         """See ``ForceLaw``. Inverses of the contacts are dropped, for they are no part of the state."""
@@ -310,25 +314,25 @@ class VehicleOnTrack(Layout):
             self.on_sleepers.strike(q)
 
     @contextmanager
-    def settled(self, slips: Array | None = None) -> Iterator[None]:
+    def relaxed_dampers(self, slips: Array | None = None) -> Iterator[None]:
         """While this lasts, the inner unknowns have their static values: dampers in series with springs carry nothing,
         sliders the force after a straight way from the design position, or from their slips where these are not 0;
         hollow axles of geared motors turn with their wheelsets and carry the moments of the motors."""
         how = friction.FRESH if slips is None or not np.any(slips) else friction.HELD
         whole = self.workspace.views[vehicle_forces.WHOLE][0]
-        before, whole["settled"] = int(whole["settled"]), 1
+        before, whole["relaxed"] = int(whole["relaxed"]), 1
         try:
             elements = self.elements.copy()
-            elements["settled"] = how
+            elements["relaxed"] = how
             with self._elements_as(elements):
                 yield
         finally:
-            whole["settled"] = before
+            whole["relaxed"] = before
 
-    def settled_rates(self, q: Array, q_t: Array) -> Array:
+    def relaxed_rates(self, q: Array, q_t: Array) -> Array:
         """The rates q_t with the static values of the unknowns of dampers in series with springs and of sliders."""
         q_t, out = np.array(q_t, dtype=float), np.zeros(self.size)
-        with self.settled(q_t[self.sliders]):
+        with self.relaxed_dampers(q_t[self.sliders]):
             self(0.0, q, q_t, out)
         inner = slice(6 * len(self.bodies), self.size - self.positions)
         q_t[inner] = out[inner]
@@ -395,7 +399,7 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
     ) -> None:
         """As ``VehicleOnTrack``; speed [m/s] must not be 0: creepages are velocities over the speed."""
         self.radii = np.array([mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
-        self.own_places = np.zeros(len(self.radii))
+        self.distances = np.zeros(len(self.radii))
         self.law = np.zeros(1, conical.CONICAL)
         law = self.law[0]
         law.conicity, law.half = cones.conicity, cones.half_spacing
@@ -408,7 +412,7 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
 
     def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
         super().forces(t, q, q_t, out)
-        if self._add_conical(q, q_t, self.own_places, out):
+        if self._add_conical(q, q_t, self.distances, out):
             raise SimulationError(OFF_TRACK.format(t))
 
     def _add_conical(self, q: Array, q_t: Array, places: Array, out: Array) -> int:
@@ -417,14 +421,14 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
     def blocks(self) -> list[Block]:
         def on_cones(t: float, q: Array, q_t: Array, out: Array) -> None:
             out[:] = 0.0
-            self._add_conical(q, q_t, self.own_places.copy(), out)
+            self._add_conical(q, q_t, self.distances.copy(), out)
 
-        own = np.arange(6 * len(self.radii)).reshape(-1, 6)
-        return [*super().blocks(), Block(on_cones, [(column, own) for column in own.T])]
+        coordinates = np.arange(6 * len(self.radii)).reshape(-1, 6)
+        return [*super().blocks(), Block(on_cones, [(column, coordinates) for column in coordinates.T])]
 
-    def look_near(self, origin: float | Array) -> None:
-        super().look_near(origin)
-        self.own_places[:] = self._near(origin)[:, 0]
+    def set_search_start(self, origin: float | Array) -> None:
+        super().set_search_start(origin)
+        self.distances[:] = self._near(origin)[:, 0]
 
     def memory(self) -> list[NDArray[Any]]:
-        return [self.own_places, *super().memory()]
+        return [self.distances, *super().memory()]

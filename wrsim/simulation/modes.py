@@ -96,14 +96,16 @@ def natural_modes(vehicle: Vehicle, stroke: Stroke = SMALL_STROKE) -> tuple[Mode
         return ()
     law = VehicleOnTrack(vehicle, Track.build([Straight(200.0)], 1.5), (), speed=0.0, start=100.0, drive="free")
     q, q_t = design_state(law)
-    linear = linearise(law, law.bodies, q, law.settled_rates(q, q_t), stroke)
+    linear = linearise(law, law.bodies, q, law.relaxed_rates(q, q_t), stroke)
     n, w = 6 * len(law.bodies), 6 * len(vehicle.wheelsets)
     matrix = linear.state_matrix
     rates = n + law.positions
     retained = np.r_[w:rates, rates + w : len(matrix)]
     values, vectors = np.linalg.eig(matrix[np.ix_(retained, retained)])
     free = n - w
-    turning = [rates + at + 1 - int(np.sum(law.sliders <= at)) for at in law.gears.values()]  # rates of hollow axles
+    turning = [
+        rates + gear + 1 - int(np.sum(law.sliders <= gear)) for gear in law.gears.values()
+    ]  # rates of hollow axles
     geared = np.searchsorted(retained, turning)
     of_boxes = np.array([box.inertia[1] for _, box in vehicle.boxes.values()])
     of_gears = np.array([drive.inertia for drive in vehicle.drives])
@@ -120,9 +122,9 @@ def natural_modes(vehicle: Vehicle, stroke: Stroke = SMALL_STROKE) -> tuple[Mode
             "axles twist": sum(twisting),
             "hollow axles twist": float(of_gears @ np.abs(vector[geared]) ** 2) / abs(value) ** 2,
         }
-        for part, own in law.attachments.modes.items():
-            own_part = elastic[law.modes_of(part) - law.modes.start]
-            energies[f"{vehicle.names[part]} bends"] = float(own.masses @ np.abs(own_part) ** 2)
+        for part, shapes in law.attachments.modes.items():
+            amplitudes = elastic[law.modes_of(part) - law.modes.start]
+            energies[f"{vehicle.names[part]} bends"] = float(shapes.masses @ np.abs(amplitudes) ** 2)
         name = max(energies, key=lambda word: energies[word])
         if energies[name] <= _energy(vehicle, shape).sum():
             name = mode_name(vehicle, shape)

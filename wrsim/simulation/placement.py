@@ -87,7 +87,7 @@ def design_state(law: VehicleOnTrack, *, lateral: float | Array = 0.0) -> tuple[
     lower = np.mean([mounted.height - mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
     beneath = wheelsets_beneath(vehicle)
     for i, part in enumerate(vehicle.parts):
-        own = slice(6 * i, 6 * i + 6)
+        coordinates = slice(6 * i, 6 * i + 6)
         place = law.start + part.centre[0]
         height, across = part.centre[2] - float(lower), part.centre[1]
         if i < wheelsets:
@@ -97,7 +97,7 @@ def design_state(law: VehicleOnTrack, *, lateral: float | Array = 0.0) -> tuple[
             ahead, inside, yaw = _on_chord(law, part.centre[0], beneath[part.name])
             place, across = place + ahead, across + inside + 0.5 * float(np.mean(aside))
             spin = 0.0
-        q[own], q_t[own] = state_on_track(
+        q[coordinates], q_t[coordinates] = state_on_track(
             track.centre, place, speed=law.speed, height=height, spin_rate=spin, lateral=across, yaw=yaw
         )
         if i >= wheelsets:  # on a grade it lies along the track
@@ -119,11 +119,11 @@ def _on_chord(law: VehicleOnTrack, x: float, wheelsets: tuple[int, ...]) -> tupl
         return 0.0, 0.0, 0.0
     curve = law.track.centre.curve
     here = path_kernels.frame_at(curve, law.start + x)
-    own = np.array([law.vehicle.wheelsets[i].x for i in wheelsets])
-    frames = [path_kernels.frame_at(curve, law.start + place).origin for place in own]
+    places = np.array([law.vehicle.wheelsets[i].x for i in wheelsets])
+    frames = [path_kernels.frame_at(curve, law.start + place).origin for place in places]
     ways = [(f.x - here.origin.x, f.y - here.origin.y) for f in frames]
     there = np.array([complex(dx * here.t.x + dy * here.t.y, dx * here.n.x + dy * here.n.y) for dx, dy in ways])
-    middle = own.mean()
-    angle = phase(np.sum((own - middle) * there)) if len(own) > 1 else 0.0
-    at = complex(there.mean() + (x - middle) * exp(1j * angle))
-    return at.real, at.imag, angle
+    middle = places.mean()
+    angle = phase(np.sum((places - middle) * there)) if len(places) > 1 else 0.0
+    position = complex(there.mean() + (x - middle) * exp(1j * angle))
+    return position.real, position.imag, angle

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wrsim.dynamics import sleepers as kernel
 from wrsim.errors import InputError
 from wrsim.jit import Array, Ints
-from wrsim.simulation.implicit_step import METHOD, damping_by
+from wrsim.simulation.implicit_step import METHOD, GeneralizedAlpha
 from wrsim.track.sleepers import SleeperTrack
 from wrsim.track.track import RailElasticity, Track
 
@@ -37,51 +37,55 @@ class RailsOnSleepers:
     """
 
     def __init__(
-        self, own: SleeperTrack, track: Track, workspace: tuple[Array, Ints], wheels: Sequence[np.record],
+        self, sleepers: SleeperTrack, track: Track, workspace: tuple[Array, Ints], wheels: Sequence[np.record],
         places: Array, weight: float, size: int, deck: NDArray[Any],
     ) -> None:  # fmt: skip
-        """own: what the rails of the track lie on; workspace: buffer and index of the wheels
+        """sleepers: what the rails of the track lie on; workspace: buffer and index of the wheels
         (``dynamics.wheel_forces``); wheels: their records WHEEL; places (wheels,) along the centre line [m]; weight
         [N] and size of the state of the vehicle; deck: records MODE of the bridge below. Raises InputError for wheels
         on it."""
-        self.sleepers, self._wheels, self._records = own, workspace, wheels
-        self._moves = 1 if own.uniform else MOVE
+        self.sleepers, self._wheels, self._records = sleepers, workspace, wheels
+        self._moves = 1 if sleepers.uniform else MOVE
         # what is beside the window does not act on the deck: a bridge comes in and leaves as a whole
-        self._margin = own.margin + (own.bridge.length if own.bridge else 0.0)
-        self.count = int(np.ceil((float(np.ptp(places)) + 2.0 * self._margin) / own.spacing)) + self._moves + 2
+        self._margin = sleepers.margin + (sleepers.bridge.length if sleepers.bridge else 0.0)
+        self.count = int(np.ceil((float(np.ptp(places)) + 2.0 * self._margin) / sleepers.spacing)) + self._moves + 2
         self._state = np.zeros(2)
         """Number of the window's first sleeper; whether steps have been taken."""
         self._filled: float = np.nan
         self._prepared: tuple[float, float] = (np.nan, np.nan)
         """First sleeper (of those that differ) and step that the factors belong to; step 0: statics."""
-        ties = np.zeros(len(places), kernel.TIE)
-        ties["side"] = [wheel.side for wheel in wheels]
-        ties["place"], ties["push_b"], ties["way"] = places, -weight / len(places), kernel.SHORTEST
+        on_rails = np.zeros(len(places), kernel.WHEEL_ON_RAIL)
+        on_rails["side"] = [wheel.side for wheel in wheels]
+        on_rails["place"], on_rails["push_b"], on_rails["step_distance"] = (
+            places,
+            -weight / len(places),
+            kernel.SHORTEST,
+        )
         lines = np.append(np.arange(-BEFORE, track.length + BEYOND, APART), track.length + BEYOND)
         along = np.array([track.rail_distance("left", lines), track.rail_distance("right", lines), lines])
-        beam, n = own.rail, len(places)
+        beam, n = sleepers.rail, len(places)
         head = np.array([beam.height - beam.shear_centre, beam.shear_modulus * beam.torsion])
         here, behind = (kernel.Loads(np.zeros((n, 3, 6)), np.zeros((n, 2, 6), dtype=np.intp)) for _ in range(2))
-        nodes = np.zeros(self.count * own.elements + 1)
-        self.rails = kernel.Rails(self._pair(0), self._pair(2), nodes, ties, here, behind, head, along)
+        nodes = np.zeros(self.count * sleepers.elements + 1)
+        self.rails = kernel.Rails(self._pair(0), self._pair(2), nodes, on_rails, here, behind, head, along)
         self.method = np.zeros(10)
         self.guess = np.zeros((3, 2 * n))
         """Displacements, velocities and accelerations of the rails under the wheels from which a step starts."""
         self.deck = np.zeros((2, len(deck)))
         """Where the bridge's modes are foretold for the end of the step, and their rates."""
         self._pressed = deck["rest"]
-        if own.bridge is not None and own.bridge.at(places)[0].any():
+        if sleepers.bridge is not None and sleepers.bridge.at(places)[0].any():
             raise InputError("a run on sleepers begins with no wheel on the bridge: change run.start_distance_m")
-        self._deflections = own.layout(self.count, 0).nodes[:, 0]
+        self._deflections = sleepers.layout(self.count, 0).nodes[:, 0]
         self.peak = np.zeros(3 + size + 3 * len(self.rails.nodes))
         """The largest force of a wheel on its rail so far [N], its number and place [m]; the state of the vehicle then;
         places of the rails' nodes, and how far the left and the right rail are up there [m]."""
         self.static = self._rest_at_start()
 
     @property
-    def ties(self) -> NDArray[np.record]:
-        """Records TIE of the wheels."""
-        return self.rails.ties  # type: ignore[return-value]
+    def wheels(self) -> NDArray[np.record]:
+        """records WHEEL_ON_RAIL of the wheels."""
+        return self.rails.wheels  # type: ignore[return-value]
 
     @property
     def first(self) -> int:
@@ -91,15 +95,15 @@ class RailsOnSleepers:
     def strike(self, q: Array) -> None:
         """After a step, with the state of the vehicle at its end: note it in ``peak`` where a wheel presses on its rail
         with the largest force so far."""
-        i = int(np.argmin(self.ties["last_b"]))
-        if -self.ties["last_b"][i] > self.peak[0]:
-            hardest, rows = self.ties[i], self.rails.vertical.rows[:, kernel.U, self._deflections]
+        i = int(np.argmin(self.wheels["last_b"]))
+        if -self.wheels["last_b"][i] > self.peak[0]:
+            hardest, rows = self.wheels[i], self.rails.vertical.rows[:, kernel.U, self._deflections]
             self.peak[:] = np.concatenate([[-hardest.last_b, i, hardest.place], q, self.rails.nodes, *rows])
 
     def memory(self) -> list[Array]:
         """Views of all that lasts from step to step."""
         rows = self.rails.vertical.rows, self.rails.lateral.rows
-        return [self._state, self.ties.view(np.float64), *rows, self.peak, self._pressed]
+        return [self._state, self.wheels.view(np.float64), *rows, self.peak, self._pressed]
 
     def resume(self) -> None:
         """After the memory has been restored: between two steps the rails under the wheels stay where they are."""
@@ -136,8 +140,8 @@ class RailsOnSleepers:
         c, d = self.method[5:7]
         self._pressed[:] = 0.0
         for r in range(2 if len(self._pressed) else 0):
-            own, given = self.rails.vertical.rows[r], self.rails.vertical.given[r]
-            u, u_t = own[kernel.P] + c * own[kernel.U_TT], own[kernel.P_T] + d * own[kernel.U_TT]
+            system, given = self.rails.vertical.rows[r], self.rails.vertical.given[r]
+            u, u_t = system[kernel.P] + c * system[kernel.U_TT], system[kernel.P_T] + d * system[kernel.U_TT]
             self._pressed[:] += self._follow.T @ given - self._held[r].T @ u - self._dragged[r].T @ u_t
 
     def look_at_wheels(self, q: Array, q_t: Array, q_tt: Array) -> None:
@@ -147,7 +151,7 @@ class RailsOnSleepers:
 
     def hold(self, first: bool, tolerance: float, last: Array, q: Array, q_t: Array, q_tt: Array) -> bool:
         """Hold an iteration between two that led to each other; returns whether one was held."""
-        return bool(kernel.hold(first, tolerance, self.method, last, (q, q_t, q_tt), self.ties))
+        return bool(kernel.hold(first, tolerance, self.method, last, (q, q_t, q_tt), self.wheels))
 
     def end(self, q: Array) -> None:
         """End the step with the displacements q that it has found."""
@@ -157,13 +161,13 @@ class RailsOnSleepers:
     def _prepare(self, step: float) -> None:
         """Factors for a step [s]."""
         if self._prepared != (self._matrices, step):
-            own, (c, d) = damping_by(RADIUS), METHOD.changes(step)
-            self.method[:9] = step, *own, *own.changes(step), 1.0 / c, d / c
+            method, (c, d) = GeneralizedAlpha.from_spectral_radius(RADIUS), METHOD.increments(step)
+            self.method[:9] = step, *method, *method.increments(step), 1.0 / c, d / c
             kernel.prepare(1.0, self.method[6], self.method[5], self.rails)
             self._prepared = self._matrices, step
 
     def _lie(self, rolling: bool) -> None:
-        """Lay the rails, at rest or as wheels that roll along keep them deflected, under the forces of the ties."""
+        """Lay the rails, at rest or as wheels that roll along keep them deflected, under the wheels' forces."""
         self._move(True)
         kernel.place(self.rails)
         kernel.prepare(0.0, 0.0, 1.0, self.rails)
@@ -174,39 +178,39 @@ class RailsOnSleepers:
         """Place the wheels at rest; how a rail yields to its own wheel there."""
         self._lie(False)
         kernel.compliances(1.0, self.rails)
-        ties = self.ties
-        stiffness = float(1.0 / ties["nn"].mean()), float(1.0 / ties["bb"].mean())
-        for i, (tie, wheel) in enumerate(zip(ties, self._records, strict=True)):
+        on_rails = self.wheels
+        stiffness = float(1.0 / on_rails["nn"].mean()), float(1.0 / on_rails["bb"].mean())
+        for i, (on_rail, wheel) in enumerate(zip(on_rails, self._records, strict=True)):
             n, b = kernel.read(kernel.U, i, self.rails.loads, self.rails)
-            wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = tie.nn, tie.nb, tie.bb
+            wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = on_rail.nn, on_rail.nb, on_rail.bb
             # the other wheels with their mean forces
-            wheel.free_n = n - (tie.nb - tie.own_nb) * tie.push_b
-            wheel.free_b = b - (tie.bb - tie.own_bb) * tie.push_b
+            wheel.free_n = n - (on_rail.nb - on_rail.element_nb) * on_rail.push_b
+            wheel.free_b = b - (on_rail.bb - on_rail.element_bb) * on_rail.push_b
             wheel.held_n = wheel.held_b = 1.0
             wheel.rate_n = wheel.rate_b = stiffness[1] / STARTING_MASS
         mass = STARTING_MASS * stiffness[0] / stiffness[1]
         return RailElasticity(stiffness, (0.0, 0.0), (mass, STARTING_MASS))
 
     def _pair(self, system: int) -> kernel.Pair:
-        own = self.sleepers
-        layout = own.layout(self.count, system)
+        sleepers = self.sleepers
+        layout = sleepers.layout(self.count, system)
         band, n = (2, layout.size, layout.width + 1), layout.size
         mass, damping, stiffness, factors, inverse = np.zeros((5, *band))
-        rows, bending = np.zeros((2, kernel.ROWS, n)), np.zeros((2, self.count * own.elements))
-        shear = np.array([own.rail.shear("vertical" if system < 2 else "lateral")])
+        rows, bending = np.zeros((2, kernel.ROWS, n)), np.zeros((2, self.count * sleepers.elements))
+        shear = np.array([sleepers.rail.shear("vertical" if system < 2 else "lateral")])
         return kernel.Pair(
-            np.array([layout.own, own.elements]), mass, damping, stiffness, factors, inverse, np.zeros((2, n)),
-            np.zeros((2, n)), rows, bending, shear,
+            np.array([layout.per_node, sleepers.elements]), mass, damping, stiffness, factors, inverse,
+            np.zeros((2, n)), np.zeros((2, n)), rows, bending, shear,
         )  # fmt: skip
 
     def _move(self, fresh: bool = False) -> None:
         """Move the window to where the wheels are; fresh: lay it anew, at rest."""
-        own = self.sleepers
-        first = own.number_at(float(self.ties["place"].min()) - self._margin)
+        sleepers = self.sleepers
+        first = sleepers.number_at(float(self.wheels["place"].min()) - self._margin)
         gone = first - self.first
         self._state[0] = first
         for pair in (self.rails.vertical, self.rails.lateral):
-            shift, rows = gone * (pair.numbers[0] * own.elements + 1), pair.rows
+            shift, rows = gone * (pair.numbers[0] * sleepers.elements + 1), pair.rows
             if fresh or not 0 <= shift < rows.shape[2]:
                 rows[:] = 0.0
                 continue
@@ -216,25 +220,30 @@ class RailsOnSleepers:
 
     def _fill(self) -> None:
         """Matrices of the window, and its nodes."""
-        own, rails, nodes = self.sleepers, self.rails, self.rails.nodes
-        self._matrices = 0 if own.uniform else self.first  # what tells them from those of another place
-        if not own.uniform or np.isnan(self._filled):
+        sleepers, rails, nodes = self.sleepers, self.rails, self.rails.nodes
+        self._matrices = 0 if sleepers.uniform else self.first  # what tells them from those of another place
+        if not sleepers.uniform or np.isnan(self._filled):
             for pair, system in ((rails.vertical, 0), (rails.lateral, 2)):
                 for r in range(2):
-                    bays = own.bays(self._matrices, self.count, system + r)
-                    bands = own.bands(self._matrices, self.count, system + r)
+                    bays = sleepers.bays(self._matrices, self.count, system + r)
+                    bands = sleepers.bands(self._matrices, self.count, system + r)
                     pair.mass[r], pair.damping[r], pair.stiffness[r] = bands.mass, bands.damping, sum(bands.stiffness)
-                    pair.drag[r], pair.bending[r] = own.end_zones(bays, bands.mass, system + r), bays.bending
+                    pair.drag[r], pair.bending[r] = sleepers.end_zones(bays, bands.mass, system + r), bays.bending
             self._along = bays.along
             self._prepared = np.nan, np.nan
-        nodes[:] = own.places(self.first, 1)[0] + self._along
+        nodes[:] = sleepers.places(self.first, 1)[0] + self._along
         self._filled = self.first
-        if own.bridge is not None:
-            layout = own.layout(self.count, 0)
-            self._follow, held = own.following(self.first, self.count, own.bridge), np.zeros((2, 2, layout.size))
+        if sleepers.bridge is not None:
+            layout = sleepers.layout(self.count, 0)
+            self._follow, held = (
+                sleepers.following(self.first, self.count, sleepers.bridge),
+                np.zeros((2, 2, layout.size)),
+            )
             held[1] = rails.vertical.drag
             for r in range(2):
-                part = own.bays(self._matrices, self.count, r).ballast
-                held[:, r, layout.sleepers] += np.outer((own.ballast.stiffness[1], own.ballast.damping[1]), part)
+                part = sleepers.bays(self._matrices, self.count, r).ballast
+                held[:, r, layout.sleepers] += np.outer(
+                    (sleepers.ballast.stiffness[1], sleepers.ballast.damping[1]), part
+                )
             self._held, self._dragged = held[..., None] * self._follow
-        self.method[9] = own.offset + own.spacing * (self.first + self._moves) + self._margin
+        self.method[9] = sleepers.offset + sleepers.spacing * (self.first + self._moves) + self._margin

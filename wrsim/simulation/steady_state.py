@@ -126,11 +126,11 @@ class SteadyMotion:
         self.difference = np.full(self.small.size, DIFFERENCE)
         for coupling in vehicle.couplings:
             for name in (coupling.ahead, coupling.behind):
-                own = 6 * vehicle.index(name)
-                self.difference[own : own + 6] = COUPLED
+                part = 6 * vehicle.index(name)
+                self.difference[part : part + 6] = COUPLED
         rails = () if law.elastic is None else np.tile(law.elastic.mass, law.rails // 2)
         twisting = (0.25 * law.bodies[i].inertia[1] for i in law.twists)
-        modal = np.concatenate([np.zeros(0), *(own.masses for own in law.attachments.modes.values())])
+        modal = np.concatenate([np.zeros(0), *(part.masses for part in law.attachments.modes.values())])
         if law.deck is not None:
             modal = np.append(modal, law.deck.masses)
         self.masses = np.array([*(box.inertia[1] for _, box in vehicle.boxes.values()), *twisting, *modal, *rails])
@@ -157,8 +157,8 @@ class SteadyMotion:
         first = self.positions.start
         of_units = law.coordinates_of_units(alone=True)
         of_units[0] = np.append(of_units[0], np.array(law.of_deck, dtype=np.intp))
-        places = (np.append(own[own < n], own[own >= first] - first + n) for own in of_units)
-        units = [own[(own >= begin) & (own < end)] - begin for own in places]
+        places = (np.append(unit[unit < n], unit[unit >= first] - first + n) for unit in of_units)
+        units = [unit[(unit >= begin) & (unit < end)] - begin for unit in places]
         return groups_in_a_row(units) if all(map(len, units)) else all_on_all(end - begin)
 
     @property
@@ -190,27 +190,27 @@ class SteadyMotion:
 
         ``forward``: the direction of the arc at the bodies (n,), in the complex plane of x and y.
         """
-        c, own = self.curvature, coordinates.reshape(-1, 6)
+        c, rows = self.curvature, coordinates.reshape(-1, 6)
         if c == 0.0 and self.tangent == 1.0:
             return
-        angle = c * own[:, X]
+        angle = c * rows[:, X]
         turned = np.exp(1j * angle)
-        gone = -1j / c * np.expm1(1j * angle) if c else own[:, X]
-        place = self.place + self.tangent * (gone + 1j * own[:, Y] * turned)
-        own[:, X], own[:, Y] = place.real, place.imag
-        own[:, HEADING] += phase(self.tangent) + angle
+        gone = -1j / c * np.expm1(1j * angle) if c else rows[:, X]
+        place = self.place + self.tangent * (gone + 1j * rows[:, Y] * turned)
+        rows[:, X], rows[:, Y] = place.real, place.imag
+        rows[:, HEADING] += phase(self.tangent) + angle
         self.forward = self.tangent * turned
 
     def _to_track(self, coordinates: Array) -> None:
         """The reverse."""
-        c, own = self.curvature, coordinates.reshape(-1, 6)
+        c, rows = self.curvature, coordinates.reshape(-1, 6)
         if c == 0.0 and self.tangent == 1.0:
             return
-        place = (own[:, X] + 1j * own[:, Y] - self.place) / self.tangent
+        place = (rows[:, X] + 1j * rows[:, Y] - self.place) / self.tangent
         angle = np.angle(1.0 + 1j * c * place)
-        own[:, Y] = (place * np.exp(-1j * angle) - (1j / c * np.expm1(-1j * angle) if c else 0.0)).imag
-        own[:, X] = angle / c if c else place.real
-        own[:, HEADING] -= phase(self.tangent) + angle
+        rows[:, Y] = (place * np.exp(-1j * angle) - (1j / c * np.expm1(-1j * angle) if c else 0.0)).imag
+        rows[:, X] = angle / c if c else place.real
+        rows[:, HEADING] -= phase(self.tangent) + angle
 
     def _state(self, x: Array) -> tuple[Array, Array, Vec]:
         law, n = self.law, len(self.inertia)
@@ -266,7 +266,7 @@ class SteadyMotion:
     def largest(self, q: Array, q_t: Array) -> float:
         """Largest residual at the steady state near (q, q_t), over the weight."""
         self.slips = q_t[self.law.sliders]
-        with self.law.settled(self.slips):
+        with self.law.relaxed_dampers(self.slips):
             return float(np.max(np.abs(self.residual(self.unknowns(q, q_t)))))
 
 
@@ -285,14 +285,14 @@ def steady_state(
     nearly the same forces, for the derivatives. The law's drive, or springs to a frame, must hold the speed. Raises
     Unbalanced when there is no such motion near the guess, NotCarried when the rails are not there.
     """
-    law.look_near(law.start)
+    law.set_search_start(law.start)
     steady = SteadyMotion(law)
     q, q_t = lower_on_rails(law, *design_state(law)) if guess is None else guess
     nearly = steady if near is None else SteadyMotion(near)
     steady.slips = nearly.slips = q_t[law.sliders]
     x = steady.unknowns(q, q_t)
     goal = GOAL if near is None else tolerance
-    with law.settled(steady.slips), nearly.law.settled(steady.slips):
+    with law.relaxed_dampers(steady.slips), nearly.law.relaxed_dampers(steady.slips):
         if not np.all(np.isfinite(steady.residual(x))):
             raise SimulationError("steady motion: the forces at its start are not finite")
         _place_bodies(steady, x, max_iterations)
@@ -317,18 +317,18 @@ def steady_state(
     if not largest <= tolerance:
         raise Unbalanced(_largest(law, left))
     q, q_t = steady.state(x)
-    return Equilibrium(q, law.settled_rates(q, q_t), largest)
+    return Equilibrium(q, law.relaxed_rates(q, q_t), largest)
 
 
 def crept_state(law: VehicleOnTrack, guess: tuple[Array, Array], tolerance: float = TOLERANCE) -> Equilibrium:
     """The steady motion near where a vehicle creeps to from a guess: where flanges guide its axles, Newton's method
     often does not converge from between them. tolerance and errors: as of `steady_state`."""
-    law.look_near(law.start)
+    law.set_search_start(law.start)
     steady = SteadyMotion(law)
     q, q_t = guess
     steady.slips = q_t[law.sliders]
     x = steady.unknowns(q, q_t)
-    with law.settled(steady.slips):
+    with law.relaxed_dampers(steady.slips):
         _place_bodies(steady, x, MOST_STEPS)
         with law.following():
             x, _ = relax(steady.residual, x, steady.small, steady.terms(), RELAXED, MOST_STEPS, steady.rolled)
@@ -386,9 +386,9 @@ def lower_on_rails(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Ar
     def carried(angles: Array) -> Array:
         """Residual moments at these rolls, with the heights found."""
         x[roll] = angles
-        x[z], found = roots(lift, x[z], SMALL_WHEELSET["z"], 0.1 * share, SEARCH_HEIGHT)
-        if not found.all():
-            raise NotCarried(law.vehicle.wheelsets[int(np.argmin(found))].name)
+        x[z], heights = roots(lift, x[z], SMALL_WHEELSET["z"], 0.1 * share, SEARCH_HEIGHT)
+        if not heights.all():
+            raise NotCarried(law.vehicle.wheelsets[int(np.argmin(heights))].name)
         return steady.residual(x)[roll]
 
     with law.following():

@@ -14,7 +14,7 @@ from wrsim.simulation import law as laws
 from wrsim.simulation.bodies import accelerations, mass_matrix
 from wrsim.simulation.force_law import force_derivative
 from wrsim.simulation.implicit_step import METHOD
-from wrsim.simulation.integrate import OF_CONTACTS
+from wrsim.simulation.integrate import CONTACT_TOLERANCE
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import Array
 from wrsim.vehicle.elements import Strut
@@ -25,7 +25,7 @@ UNITS = {
     "distance": "m", "speed": "m_s", "lateral": "m", "height": "m", "yaw": "rad", "roll": "rad", "yaw_rate": "rad_s",
     "rotation": "rad_s", "acceleration_x": "m_s2", "acceleration_y": "m_s2", "acceleration_z": "m_s2",
 }  # fmt: skip
-"""Of what is read of a body, as names of outputs end."""
+"""Units of what is read of a body, as names of outputs end."""
 
 
 class Stepper:
@@ -54,14 +54,14 @@ class Stepper:
         """From the state (q, q_t) at the time 0, which the Jacobian belongs to; step [s]."""
         self.law, self.memory = law, law.whole
         views = law.whole.views
-        self._own, rows = views[kernel.OWN][0], views[kernel.STATE]
-        own = self._own
-        own.h, own.iterations = step, iterations
-        own.alpha_m, own.alpha_f, own.beta, own.gamma = METHOD
-        own.q_of_q_tt, own.q_t_of_q_tt = by = METHOD.changes(step)
+        self._record, rows = views[kernel.STEP_RECORD][0], views[kernel.STATE]
+        record = self._record
+        record.h, record.iterations = step, iterations
+        record.alpha_m, record.alpha_f, record.beta, record.gamma = METHOD
+        record.q_of_q_tt, record.q_t_of_q_tt = by = METHOD.increments(step)
         self.q, self.q_t = rows[kernel.Q], rows[kernel.Q_T]
-        self.q[:], self.q_t[:], rows[kernel.AT] = q, q_t, q
-        law.follow(True, OF_CONTACTS)
+        self.q[:], self.q_t[:], rows[kernel.INVERTED_AT] = q, q_t, q
+        law.follow(True, CONTACT_TOLERANCE)
         law(0.0, q, q_t, rows[kernel.FORCES])
         count = len(law.bodies)
         q_tt = rows[kernel.FORCES].copy()
@@ -89,21 +89,20 @@ class Stepper:
 
     def __repr__(self) -> str:
         named = f"{len(self.inputs)} inputs, {len(self.outputs)} outputs"
-        return (
-            f"Stepper({self.law.vehicle.name!r}, t = {self.time:.6g} s, step {1e3 * float(self._own.h):g} ms, {named})"
-        )
+        step = f"step {1e3 * float(self._record.h):g} ms"
+        return f"Stepper({self.law.vehicle.name!r}, t = {self.time:.6g} s, {step}, {named})"
 
     @property
     def time(self) -> float:
         """Time since the start [s]."""
-        return float(self._own.h * self._own.steps)
+        return float(self._record.h * self._record.steps)
 
     @property
     def residual(self) -> tuple[float, float]:
         """Norm of the forces without balance ahead of the last correction over the weight, in the last step and the
         most of all steps."""
         weight = self.law.vehicle.weight
-        return float(self._own.residual) / weight, float(self._own.most) / weight
+        return float(self._record.residual) / weight, float(self._record.most) / weight
 
 
 def with_torques(vehicle: Vehicle) -> Vehicle:
@@ -128,10 +127,10 @@ class Named(dict[str, Array]):
         raise InputError(f"{name!r:.60}: is no input or output of that name{suggest(str(name), list(self))}")
 
 
-def _named(found: Iterable[tuple[str, Array]]) -> Named:
+def _named(views: Iterable[tuple[str, Array]]) -> Named:
     """By name. Raises InputError for two of one name."""
     named = Named()
-    for name, view in found:
+    for name, view in views:
         if (word := name.replace(" ", "_")) in named:
             raise InputError(
                 f"two parts, elements, loads or efforts of the vehicle are called {word.rpartition('.')[0]}"
@@ -144,7 +143,7 @@ def _inputs(law: VehicleOnTrack) -> dict[str, Array]:
     """Views of loads and efforts of one row each, and of the forces of controls."""
     views, vehicle = law.workspace.views, law.vehicle
 
-    def found() -> Iterator[tuple[str, Array]]:
+    def views_by_name() -> Iterator[tuple[str, Array]]:
         for row, effort in zip(views[vehicle_forces.EFFORTS], vehicle.efforts, strict=True):
             if row["rows"] == 1:
                 side = "" if effort.wheel == "both" else f"_{effort.wheel}"
@@ -157,14 +156,14 @@ def _inputs(law: VehicleOnTrack) -> dict[str, Array]:
                 force = views[vehicle_forces.LOAD_TABLES][row["start"], axis : axis + 1]
                 yield f"{load.name}.force_{'_xyz'[axis]}_N", force
 
-    return _named(found())
+    return _named(views_by_name())
 
 
 def _outputs(law: VehicleOnTrack) -> dict[str, Array]:
     """Views of what is read of bodies, wheels and struts."""
     views, vehicle = law.whole.views, law.vehicle
 
-    def found() -> Iterator[tuple[str, Array]]:
+    def views_by_name() -> Iterator[tuple[str, Array]]:
         for i, part in enumerate(vehicle.parts):
             for name in outputs.BODY_SEEN.names:
                 yield f"{part.name}.{name}_{UNITS[name]}", views[kernel.SEEN][name][i : i + 1]
@@ -179,4 +178,4 @@ def _outputs(law: VehicleOnTrack) -> dict[str, Array]:
                 yield f"{element.name}.force_N", law.records[i, axis : axis + 1]
                 yield f"{element.name}.travel_m", law.records[i, 3 + axis : 4 + axis]
 
-    return _named(found())
+    return _named(views_by_name())

@@ -179,16 +179,16 @@ class BodySystem:
     def _jacobian(self, t: float, item: int, q: object, q_t: object, by_q: float, by_q_t: float) -> Any:
         self.work.jacobians += 1
         bodies = len(self.bodies)
-        found = force_derivative(self.forces, self.q, self.q_t, bodies, self._time(t), by_q, by_q_t, central=False)
-        cast(ImplicitStep, self._newton).set_jacobian(found, by_q)
-        return self._matrix(-found)
+        derivative = force_derivative(self.forces, self.q, self.q_t, bodies, self._time(t), by_q, by_q_t, central=False)
+        cast(ImplicitStep, self._newton).set_jacobian(derivative, by_q)
+        return self._matrix(-derivative)
 
     def _pre_newton(self, t: float, iteration: int, repetition: int) -> None:
         if (newton := self._newton) is not None:
             again = newton.begin_iteration(iteration)
             if iteration == 0 or again:
                 self.forces.begin_step(self._clock[1], self.q, self.q_t, self.q_tt, again)
-            elif iteration > 1 and self.forces.hold(iteration == 2, *newton.at, self.q, self.q_t, self.q_tt):
+            elif iteration > 1 and self.forces.hold(iteration == 2, *newton.computed_at, self.q, self.q_t, self.q_tt):
                 newton.held()
 
     def _post_step(self, t: float) -> bool:
@@ -212,7 +212,7 @@ class BodySystem:
         first: int = 0,
         integrator: Integrator = "rk44",
         tolerance: float = 1e-3,
-        loosest: float | None = None,
+        max_residual: float | None = None,
     ) -> None:
         """Integrate ``steps`` steps from the state (q, q_t), which is that after ``first`` steps.
 
@@ -227,7 +227,7 @@ class BodySystem:
         costs four evaluations of the force law.
 
         tolerance: norm of the residual forces [N] at which Newton's method ends; it raises ``NotSolved`` when it
-        does not converge. loosest: where it does not converge further; with it forces may be estimated
+        does not converge. max_residual: where it does not converge further; with it forces may be estimated
         (``ImplicitStep``), by default all of them are computed.
         """
         data, initial = self._mbs.systemData, exudyn.ConfigurationType.Initial
@@ -238,7 +238,7 @@ class BodySystem:
             kind = exudyn.DynamicSolverType.GeneralizedAlpha
             bodies = len(self.bodies)
             self._newton = ImplicitStep(
-                self.q, self.q_t, self.q_tt, bodies, self.forces.rails, step, tolerance, loosest
+                self.q, self.q_t, self.q_tt, bodies, self.forces.rails, step, tolerance, max_residual
             )
         with _silence():
             try:

@@ -191,10 +191,19 @@ def _modes(layout: Layout) -> list[Any]:
     deck = layout.deck
     if deck is None:
         return [rows, points, shapes, gyroscopic, np.zeros(0, deck_kernel.DECK), np.zeros((0, 2))]
-    own = mode_records(deck, layout.of_deck.start)
-    at = np.array([(deck.start, deck.step, len(rows), len(own))], deck_kernel.DECK)[: layout.beneath is None]
-    gyroscopic = np.pad(gyroscopic, ((0, len(own)), (0, 0)))
-    return [np.concatenate([rows, own]), points, shapes, gyroscopic, at, deck.shapes.reshape(len(deck.shapes), -1)]
+    deck_modes = mode_records(deck, layout.of_deck.start)
+    deck_record = np.array([(deck.start, deck.step, len(rows), len(deck_modes))], deck_kernel.DECK)[
+        : layout.beneath is None
+    ]
+    gyroscopic = np.pad(gyroscopic, ((0, len(deck_modes)), (0, 0)))
+    return [
+        np.concatenate([rows, deck_modes]),
+        points,
+        shapes,
+        gyroscopic,
+        deck_record,
+        deck.shapes.reshape(len(deck.shapes), -1),
+    ]
 
 
 def stepper_arrays(layout: Layout, wheelsets: int) -> list[Any]:
@@ -213,15 +222,15 @@ def stepper_arrays(layout: Layout, wheelsets: int) -> list[Any]:
 
 def arrays_of_wheels(wheelset: Wheelset, track: Track, contacts: tuple[ContactModel, ContactModel]) -> list[Any]:
     """The arrays of both wheels of a wheelset in the order of ``dynamics.wheel_forces``."""
-    found: list[Any] = []
+    arrays: list[Any] = []
     for rail, model, side in zip((track.left, track.right), contacts, (1.0, -1.0), strict=True):
         wheel = np.zeros(1, wheel_kernel.WHEEL)
         wheel["side"], wheel["half_spacing"], wheel["step"] = side, 0.5 * wheelset.profile_spacing, rail.step
-        found += [wheel, rail.curve.nodes, *model.inputs]
-    return found
+        arrays += [wheel, rail.curve.nodes, *model.inputs]
+    return arrays
 
 
-def only_read(count: int) -> set[int]:
+def read_only(count: int) -> set[int]:
     """Numbers of the ``count`` arrays that no call changes: tables, which may be large."""
     of_a_wheel = {wheel_kernel.IN_CONTACT + k for k in TABLES_OF_A_WHEEL} | {wheel_kernel.RAIL}
     first, each = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
@@ -235,34 +244,34 @@ def pieces_of_motion(profile: SpeedProfile, start: float) -> NDArray[np.record]:
 
 
 def _whole(layout: Layout, drive: Drive, gravity: float, turns: int) -> NDArray[np.record]:
-    found = np.zeros(1, vehicle_forces.VEHICLE)
-    own, vehicle, track = found[0], layout.vehicle, layout.track
-    own.gravity, own.drive = gravity, DRIVES.index(drive)
-    own.step = track.centre.step
-    own.guide_ahead = vehicle.guide_ahead
-    own.rails, own.turns = -1, turns
+    records = np.zeros(1, vehicle_forces.VEHICLE)
+    record, vehicle, track = records[0], layout.vehicle, layout.track
+    record.gravity, record.drive = gravity, DRIVES.index(drive)
+    record.step = track.centre.step
+    record.guide_ahead = vehicle.guide_ahead
+    record.rails, record.turns = -1, turns
     e = layout.beneath
     if layout.rails:
-        own.rails = layout.size - layout.rails
-        own.sleepers = isinstance(e, SleeperTrack)
+        record.rails = layout.size - layout.rails
+        record.sleepers = isinstance(e, SleeperTrack)
     if isinstance(e, RailElasticity):
-        own.rail_n, own.rail_b = zip(e.mass, e.stiffness, e.damping, strict=True)
+        record.rail_n, record.rail_b = zip(e.mass, e.stiffness, e.damping, strict=True)
     if vehicle.slip_control is not None:
-        own.slip_speed, own.slip_creepage = vehicle.slip_control.speed, vehicle.slip_control.creepage
-    return found
+        record.slip_speed, record.slip_creepage = vehicle.slip_control.speed, vehicle.slip_control.creepage
+    return records
 
 
 def _parts(layout: Layout) -> NDArray[np.record]:
-    found = np.zeros(len(layout.bodies), vehicle_forces.PART)
+    records = np.zeros(len(layout.bodies), vehicle_forces.PART)
     wheelsets = layout.vehicle.wheelsets
-    for i, (row, body) in enumerate(zip(found, layout.bodies, strict=True)):
+    for i, (row, body) in enumerate(zip(records, layout.bodies, strict=True)):
         row.mass, row.wheelset, row.twist = body.mass, i if i < len(wheelsets) else -1, layout.twists.get(i, -1)
         row.wheels = layout.attachments.wheels.get(i, -1)
         if i < len(wheelsets) and (torsion := wheelsets[i].wheelset.torsion) is not None:
             row.twist_inertia, row.twist_stiffness, row.twist_damping = (
                 0.25 * body.inertia[1], torsion.stiffness, torsion.damping,
             )  # fmt: skip
-    return found
+    return records
 
 
 def _axles_and_units(layout: Layout) -> tuple[NDArray[np.record], NDArray[np.record]]:
@@ -292,19 +301,19 @@ def _axles_and_units(layout: Layout) -> tuple[NDArray[np.record], NDArray[np.rec
 def _loads(vehicle: Vehicle) -> tuple[NDArray[np.record], Array]:
     """Records of the loads and of the forces of the payloads, behind them, and their tables."""
     acting = (*vehicle.loads, *(payload.as_load() for payload in vehicle.payloads))
-    found = np.zeros(len(acting), load_kernel.LOAD)
-    for row, load in zip(found, acting, strict=True):
+    records = np.zeros(len(acting), load_kernel.LOAD)
+    for row, load in zip(records, acting, strict=True):
         row.body, row.axes, row.over = vehicle.index(load.body), LOAD_AXES.index(load.axes), OVER.index(load.over)
-        row.at = tuple(np.array(load.at) - np.array(vehicle.parts[row.body].centre))
-    return found, _stacked(found, [load.table for load in acting], 4)
+        row.point = tuple(np.array(load.at) - np.array(vehicle.parts[row.body].centre))
+    return records, _stacked(records, [load.table for load in acting], 4)
 
 
 def _efforts(vehicle: Vehicle) -> tuple[NDArray[np.record], Array]:
-    found = np.zeros(len(vehicle.efforts), load_kernel.EFFORT)
-    for row, effort in zip(found, vehicle.efforts, strict=True):
+    records = np.zeros(len(vehicle.efforts), load_kernel.EFFORT)
+    for row, effort in zip(records, vehicle.efforts, strict=True):
         row.axle, row.over = vehicle.index(effort.wheelset), OVER.index(effort.over)
         row.side = {"left": 1.0, "right": -1.0, "both": 0.0}[effort.wheel]
-    return found, _stacked(found, [effort.table for effort in vehicle.efforts], 2)
+    return records, _stacked(records, [effort.table for effort in vehicle.efforts], 2)
 
 
 def _stacked(records: NDArray[np.record], tables: Sequence[Sequence[tuple[float, ...]]], width: int) -> Array:

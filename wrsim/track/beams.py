@@ -66,12 +66,12 @@ def bending_matrices(
     length: Array, bending: Array, shear: Array | float, mass: Array | float, rotary: Array | float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Stiffness and mass (2 n + 2, 2 n + 2) of these elements in a row, free at both ends; unknowns node by node."""
-    own = 2 * np.arange(len(length))[:, None] + np.arange(4)
-    found = np.zeros((2, 2 * len(length) + 2, 2 * len(length) + 2))
+    unknowns = 2 * np.arange(len(length))[:, None] + np.arange(4)
+    matrices = np.zeros((2, 2 * len(length) + 2, 2 * len(length) + 2))
     of_elements = bending_stiffness(length, bending, shear), bending_mass(length, bending, shear, mass, rotary)
-    for whole, each in zip(found, of_elements, strict=True):
-        np.add.at(whole, (own[:, :, None], own[:, None]), each)
-    return found[0], found[1]
+    for whole, each in zip(matrices, of_elements, strict=True):
+        np.add.at(whole, (unknowns[:, :, None], unknowns[:, None]), each)
+    return matrices[0], matrices[1]
 
 
 def torsion_stiffness(length: Array, torsion: float) -> NDArray[np.float64]:

@@ -94,7 +94,7 @@ class Bridge:
         curvature = 0.5 * (np.pad(left, ((0, 0), (0, 1)), "edge") + np.pad(right, ((0, 0), (1, 0)), "edge"))
         along = np.linspace(0.0, ends[-1], len(nodes))
         sampled = [
-            scipy.interpolate.CubicSpline(nodes, own / largest[:, None], axis=1)(along) for own in (values, slopes)
+            scipy.interpolate.CubicSpline(nodes, rows / largest[:, None], axis=1)(along) for rows in (values, slopes)
         ]
         middle = ROWS // 2 + ROWS * np.arange(len(spans))
         return cls(
@@ -104,7 +104,7 @@ class Bridge:
         )  # fmt: skip
 
 
-OF_MODES = of_modes(1000.0, 1e9)
+MODE_COLUMNS = of_modes(1000.0, 1e9)
 PLACES = {"at_m": Annotated[float, number(0, 1e5, "m from the beginning of the bridge")]}
 SHAPES = {"uz": Annotated[float, number(-1e6, 1e6, "upward per unit of the mode")]}
 """Columns of a file of a bridge's modes."""
@@ -112,19 +112,19 @@ SHAPES = {"uz": Annotated[float, number(-1e6, 1e6, "upward per unit of the mode"
 
 def read_bridge(path: Path, start: float) -> Bridge:
     """Modes of a deck in a CSV file (``wrsim.inputs.mode_tables``). Raises InputError."""
-    found = read_mode_table(path, OF_MODES, PLACES, SHAPES, list(SHAPES))
-    at, uz = found.places[:, 0], found.shapes[:, :, 0]
-    if len(at) < 4:
-        raise InputError(f"{path}:{found.lines[0]}: every mode needs the same places, at least four of them")
-    if np.any(np.diff(at) <= 0.0) or at[0] != 0.0:
+    table = read_mode_table(path, MODE_COLUMNS, PLACES, SHAPES, list(SHAPES))
+    places, uz = table.places[:, 0], table.shapes[:, :, 0]
+    if len(places) < 4:
+        raise InputError(f"{path}:{table.lines[0]}: every mode needs the same places, at least four of them")
+    if np.any(np.diff(places) <= 0.0) or places[0] != 0.0:
         raise InputError(f"{path}: column at_m: every mode needs the same places, rising from 0")
-    along = np.linspace(0.0, at[-1], ROWS + 1)
-    spline = scipy.interpolate.CubicSpline(at, uz, axis=1)
+    along = np.linspace(0.0, places[-1], ROWS + 1)
+    spline = scipy.interpolate.CubicSpline(places, uz, axis=1)
     values, slopes = spline(along), spline(along, 1)
     largest = np.abs(values).max(axis=1)
     if not largest.all():
         raise InputError(f"{path}: column uz: mode {int(np.argmin(largest)) + 1} does not move")
     shapes = np.stack([values.T, slopes.T], axis=-1) / largest[:, None]
     middle = values[:, ROWS // 2 : ROWS // 2 + 1].T / largest
-    masses = found.masses / largest**2
-    return Bridge(start, float(along[1]), found.frequencies, found.damping, masses, shapes, middle, None)
+    masses = table.masses / largest**2
+    return Bridge(start, float(along[1]), table.frequencies, table.damping, masses, shapes, middle, None)

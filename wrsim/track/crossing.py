@@ -159,10 +159,10 @@ def read_crossing(path: Path, inclination: float = 0.0, trailing: bool = False) 
         head = Head.of(rail)
     except InputError as error:
         raise InputError(f'{path}: rail = "{file.rail}": {error}') from None
-    found = [_section(file, head, s, inclination) for s in _places(file, head)]
+    sections = [_section(file, head, s, inclination) for s in _places(file, head)]
     if not trailing:
-        return found
-    return [RailSection(-own.distance, own.profile, own.features) for own in reversed(found)]
+        return sections
+    return [RailSection(-section.distance, section.profile, section.features) for section in reversed(sections)]
 
 
 def _places(file: CrossingFile, head: Head) -> Array:
@@ -202,8 +202,8 @@ def _section(file: CrossingFile, head: Head, s: float, inclination: float) -> Ra
     if nose:
         out = Chain(edge - slope * under, -head.depth)
         top = -MM * file.nose_lowered_mm * _ramp(narrow)
-        *at, radii, angles = head.nose(width, top, MM * file.crown_radius_mm, corner)
-        out.line(*at)
+        *corners, radii, angles = head.nose(width, top, MM * file.crown_radius_mm, corner)
+        out.line(*corners)
         on_nose = _add_head(out, radii, angles)
     else:
         out = Chain(away + edge - slope * under, level - head.depth)

@@ -24,8 +24,19 @@ from wrsim.jit import Array, inlined, kernel, record
 from wrsim.jit.frames import VECTOR, CurveNodes, Frame, put_at
 from wrsim.jit.linalg import Vec, add, cross, dot, mixed, norm, scale, shifted, sub
 
-NODE = record(position=VECTOR, tangent=VECTOR, roll="f8", roll_slope="f8", curvature=VECTOR)
-"""A node of a curve, see above [m, 1, rad, rad/m, 1/m]."""
+NODE = record(
+    """
+    position   [m]     position
+    tangent    [1]     unit tangent
+    roll       [rad]   angle of the cross-section about the tangent, positive: left side up
+    roll_slope [rad/m] change of the roll along the curve
+    curvature  [1/m]   curvature vector
+    """,
+    position=VECTOR,
+    tangent=VECTOR,
+    curvature=VECTOR,
+)
+"""A node of a curve."""
 
 LOCATE_OK = 0
 LOCATE_NOT_CONVERGED = 1  # no convergence within MAX_ITERATIONS
@@ -190,19 +201,19 @@ def frame_rates(curve: CurveNodes, s: float) -> tuple[Vec, float]:
 
 
 @kernel
-def bends(curve: CurveNodes, s: float, own: Frame) -> tuple[float, float, float]:
+def bends(curve: CurveNodes, s: float, frame: Frame) -> tuple[float, float, float]:
     """How the curve turns about itself at s, positive where its left side rises [rad/m], and how it bends to the left
-    and up [1/m], all zero outside; own: its frame there."""
+    and up [1/m], all zero outside; frame: that there."""
     turning, _roll = frame_rates(curve, s)
-    return dot(turning, own.t), dot(turning, own.b), -dot(turning, own.n)
+    return dot(turning, frame.t), dot(turning, frame.b), -dot(turning, frame.n)
 
 
 @kernel
 def frame_many(curve: CurveNodes, s: Array, out: Array) -> None:
     """`frame_at` for an array s of shape (m,); origin, t, n, b go to ``out`` of shape (m, 12)."""
     for j in range(s.shape[0]):
-        own = frame_at(curve, s[j])
-        put_at(out[j], 0, own.origin)
-        put_at(out[j], 3, own.t)
-        put_at(out[j], 6, own.n)
-        put_at(out[j], 9, own.b)
+        frame = frame_at(curve, s[j])
+        put_at(out[j], 0, frame.origin)
+        put_at(out[j], 3, frame.t)
+        put_at(out[j], 6, frame.n)
+        put_at(out[j], 9, frame.b)

@@ -119,11 +119,11 @@ class Piecewise:
         halves = np.array([[-1.0, -1.0], [4.0, 0.0], [0.0, 6.0], [0.0, -8.0], [0.0, 3.0]])
         first, last = (np.searchsorted(parts[:-1], joint + sign * width) for sign in (-1.0, 1.0))
         which = np.repeat(np.arange(joint.size), last - first)  # joint whose bump goes over the part ``at``
-        at = np.arange(which.size) + np.repeat(last - np.cumsum(last - first), last - first)
-        s, w, half = joint[which], width[which], (parts[at] >= joint[which]).astype(int)
-        powers = np.cumprod([np.ones(at.size), *[parts[at] - np.where(half, s, s - w)] * 4], axis=0)
+        neighbours = np.arange(which.size) + np.repeat(last - np.cumsum(last - first), last - first)
+        s, w, half = joint[which], width[which], (parts[neighbours] >= joint[which]).astype(int)
+        powers = np.cumprod([np.ones(neighbours.size), *[parts[neighbours] - np.where(half, s, s - w)] * 4], axis=0)
         bump = (jump * width / 16.0)[which] * halves[:, half] / w ** np.array(orders)[:, None]
         for row, n in zip(c, orders, strict=True):
             slopes = sum(bump[4 - k] * powers[k - n] * perm(k, n) for k in range(n, 5))
-            np.add.at(row, at, slopes / factorial(n))
+            np.add.at(row, neighbours, slopes / factorial(n))
         return Piecewise(Polynomials(c, parts)) if real.any() else self

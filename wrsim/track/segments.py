@@ -102,8 +102,8 @@ def check_segments(segments: Sequence[Segment], gauge: float) -> None:
                 hint = suggest(str(segment.form), FORMS)
                 raise InputError(f"{where}: form = {segment.form!r}; allowed: {', '.join(map(repr, FORMS))}{hint}")
             if number > 1 and isinstance(segments[number - 2], Transition):
-                words = "follows another transition, so the curvature between them is open; allowed: one transition"
-                raise InputError(f"{where} {words} between two arcs or straights (put an arc or a straight between)")
+                message = "follows another transition, so the curvature between them is open; allowed: one transition"
+                raise InputError(f"{where} {message} between two arcs or straights (put an arc or a straight between)")
         if isinstance(segment, Arc) and abs(segment.radius) <= gauge:
             hint = (
                 "positive to the left; the inner rail of a tighter curve does not exist, straight track is a straight"
@@ -128,7 +128,7 @@ def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
     rise, none = end - start, np.zeros(start.shape)
     linear = np.stack((start, rise, none, none), axis=-1)
     rows = np.where(bloss[:, None], np.stack((start, none, 3.0 * rise, -2.0 * rise), axis=-1), linear)
-    curvature, cant, widening = (Piecewise.of_rows(edges, own) for own in rows)
+    curvature, cant, widening = (Piecewise.of_rows(edges, values) for values in rows)
     for law, key in ((cant, "cant"), (widening, "gauge_widening")):
         before, behind = law.joints()
         for i in np.flatnonzero(np.abs(behind - before) > 1e-9)[:1]:
@@ -168,7 +168,7 @@ def _hands(segments: Sequence[Segment]) -> list[tuple[float, float]]:
 
     def passed(row: Iterable[Segment]) -> list[float]:
         arcs = (math.copysign(1.0, segment.radius) if isinstance(segment, Arc) else 0.0 for segment in row)
-        return list(accumulate(arcs, lambda last, own: own or last, initial=0.0))
+        return list(accumulate(arcs, lambda last, arc: arc or last, initial=0.0))
 
     before, behind = passed(segments), passed(reversed(segments))[-2::-1]
     return [(b or f or 1.0, f or b or 1.0) for b, f in zip(before, behind, strict=False)]

@@ -139,48 +139,48 @@ class Bands(NamedTuple):
 
 
 class BayLayout(NamedTuple):
-    """Places of the unknowns of a system: ``own`` a node (2 or 3), ``elements`` a bay, ``bays`` in a row."""
+    """Places of the unknowns of a system: ``per_node`` of them (2 or 3), ``elements`` a bay, ``bays`` in a row."""
 
-    own: int
+    per_node: int
     elements: int
     bays: int
 
     @property
     def bay(self) -> int:
         """Unknowns from one sleeper to the next."""
-        return self.own * self.elements + 1
+        return self.per_node * self.elements + 1
 
     @property
     def size(self) -> int:
-        return self.bays * self.bay + self.own
+        return self.bays * self.bay + self.per_node
 
     @property
     def width(self) -> int:
         """Diagonals beside the main one."""
-        return 2 * self.own
+        return 2 * self.per_node
 
     @property
     def nodes(self) -> NDArray[np.intp]:
-        """Places of the unknowns of every node (bays elements + 1, own)."""
+        """Places of the unknowns of every node (bays elements + 1, per_node)."""
         bay, node = np.divmod(np.arange(self.bays * self.elements + 1), self.elements)
-        first = bay * self.bay + np.where(node == 0, 0, 1 + node * self.own)
-        return first[:, None] + np.arange(self.own)
+        first = bay * self.bay + np.where(node == 0, 0, 1 + node * self.per_node)
+        return first[:, None] + np.arange(self.per_node)
 
     @property
     def sleepers(self) -> NDArray[np.intp]:
         """Places of the sleepers (bays,)."""
-        return np.arange(self.bays) * self.bay + self.own
+        return np.arange(self.bays) * self.bay + self.per_node
 
     def band(self, *terms: tuple[NDArray[np.intp], Array]) -> Array:
         """Sum of small symmetric matrices (m, i, i) that stand at places (m, i) as a lower band."""
         k = self.width
-        found = np.zeros(self.size * (k + 1))
+        diagonals = np.zeros(self.size * (k + 1))
         for places, matrices in terms:
             row, column = np.broadcast_arrays(places[:, :, None], places[:, None, :])
             low = row >= column
-            at = (row * (k + 1) + k - row + column)[low]
-            found += np.bincount(at, matrices[low], len(found))
-        return found.reshape(self.size, k + 1)
+            positions = (row * (k + 1) + k - row + column)[low]
+            diagonals += np.bincount(positions, matrices[low], len(diagonals))
+        return diagonals.reshape(self.size, k + 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,8 +259,8 @@ class SleeperTrack:
         sides = [SIDES[system]] if system < 2 else list(SIDES)
         pad = np.mean([self._factor(places[:-1], side, "pad") for side in sides], axis=0)
         ballast = np.mean([self._factor(places[:-1], side, "ballast") for side in sides], axis=0)
-        for at, which in self.unsupported:
-            hanging = round((at - self.offset) / self.spacing) - first
+        for sleeper, which in self.unsupported:
+            hanging = round((sleeper - self.offset) / self.spacing) - first
             if 0 <= hanging < count:
                 ballast[hanging] *= 1.0 - np.mean([which in (side, "both") for side in sides])
         begin = (places[:-1, None] + length * np.arange(self.elements)).ravel()
@@ -285,7 +285,7 @@ class SleeperTrack:
         direction: Direction = "vertical" if system < 2 else "lateral"
         way = 1 if system < 2 else 0
         ahead = np.hstack([layout.nodes[:-1], layout.nodes[1:]])
-        bending = ahead[:, [0, 1, layout.own, layout.own + 1]]
+        bending = ahead[:, [0, 1, layout.per_node, layout.per_node + 1]]
         shear = rail.shear(direction)
         mass = [(bending, bending_mass(bays.length, bays.bending, shear, rail.mass, rail.rotary(direction)))]
         elastic = [(bending, bending_stiffness(bays.length, bays.bending, shear))]
@@ -302,11 +302,11 @@ class SleeperTrack:
             spring = np.array([[1.0, 0.0, -1.0]] if system < 2 else [[1.0, 0.0, rail.shear_centre, -1.0]])
             if not moves:
                 spring[0, -1] = 0.0
-            own = stiffness[way] * spring.T @ spring
+            pad = stiffness[way] * spring.T @ spring
             if system >= 2:
-                own[2, 2] += stiffness[1] * self.pad_width**2 / 12.0
+                pad[2, 2] += stiffness[1] * self.pad_width**2 / 12.0
             places = np.hstack([layout.nodes[: -1 : self.elements], sleeper])
-            return places, bays.pad[:, None, None] * own
+            return places, bays.pad[:, None, None] * pad
 
         def grounds(stiffness: float) -> tuple[NDArray[np.intp], Array]:
             return sleeper, (stiffness * bays.ballast if moves else np.ones(count))[:, None, None]
@@ -331,18 +331,18 @@ class SleeperTrack:
         rate = 3.0 * np.log(1.0 / ENDS) * speed / self.end
         nodes = bays.places[0] + bays.along
         deep = np.maximum(nodes[0] + self.end - nodes, nodes - nodes[-1] + self.end) / self.end
-        found = np.zeros(layout.size)
-        found[layout.nodes] = rate * np.maximum(deep, 0.0)[:, None] ** 2 * mass[:, -1][layout.nodes]
-        return found
+        damping = np.zeros(layout.size)
+        damping[layout.nodes] = rate * np.maximum(deep, 0.0)[:, None] ** 2 * mass[:, -1][layout.nodes]
+        return damping
 
     def following(self, first: int, count: int, bridge: Bridge) -> Array:
         """How the unknowns of a vertical system follow a unit of each mode of the bridge (n, modes)."""
         layout, along = self.layout(count, 0), self.bays(first, count, 0).along
         values, slopes = bridge.at(self.places(first, 1)[0] + along)
-        found = np.zeros((layout.size, values.shape[1]))
-        found[layout.nodes[:, 0]], found[layout.nodes[:, 1]] = values, slopes
-        found[layout.sleepers] = values[: -1 : self.elements]
-        return found
+        motions = np.zeros((layout.size, values.shape[1]))
+        motions[layout.nodes[:, 0]], motions[layout.nodes[:, 1]] = values, slopes
+        motions[layout.sleepers] = values[: -1 : self.elements]
+        return motions
 
     def receptance(
         self,
@@ -373,16 +373,16 @@ class SleeperTrack:
         ndarray
             Complex; velocity per force is 2 pi i f times it.
         """
-        track, found = replace(self, elements=elements), np.zeros(np.shape(frequencies), dtype=complex)
+        track, values = replace(self, elements=elements), np.zeros(np.shape(frequencies), dtype=complex)
         first = self.number_at(place) - bays // 2
         factors = 1.0 + 1j * np.array([self.rail.loss_factor, self.pad.loss_factor, self.ballast.loss_factor])
         for system, share in ((0, 1.0),) if direction == "vertical" else ((2, 0.5), (3, 0.5)):
             layout, bands = track.layout(bays, system), track.bands(first, bays, system)
-            own, load = track.bays(first, bays, system), np.zeros(layout.size)
-            at = layout.nodes[np.argmin(np.abs(own.places[0] + own.along - place))]
-            load[at[0]] = 1.0
+            window, load = track.bays(first, bays, system), np.zeros(layout.size)
+            unknowns = layout.nodes[np.argmin(np.abs(window.places[0] + window.along - place))]
+            load[unknowns[0]] = 1.0
             if system >= 2:
-                load[at[2]] = self.rail.shear_centre - self.rail.height
+                load[unknowns[2]] = self.rail.shear_centre - self.rail.height
             elastic = sum(f * part for f, part in zip(factors, bands.stiffness, strict=True))
             k, n = layout.width, layout.size
             whole = np.zeros((2 * k + 1, n), dtype=complex)
@@ -390,8 +390,8 @@ class SleeperTrack:
                 lower = elastic + 1j * w * bands.damping - w**2 * bands.mass
                 for j in range(k + 1):  # diagonal number j below the main one
                     whole[k + j, : n - j] = whole[k - j, j:] = lower[j:, k - j]
-                found[i] += share * load @ scipy.linalg.solve_banded((k, k), whole, load)
-        return np.asarray(found)
+                values[i] += share * load @ scipy.linalg.solve_banded((k, k), whole, load)
+        return np.asarray(values)
 
 
 def _uniform(numbers: NDArray[np.int_], seed: int) -> Array:

@@ -91,7 +91,7 @@ class Realisation:
         period = scipy.fft.next_fast_len(max(count, int(np.ceil(LINES * self.longest / step))), real=True)
         distance = np.linspace(self.start, self.end, count)
         step = (self.end - self.start) / (count - 1)
-        found = []
+        disturbances = []
         for channel in CHANNELS:
             phases = generator.random(period // 2 + 1)  # drawn for every channel, so that none depends on the others
             density = SPECTRA[self.name].get(channel)
@@ -100,8 +100,8 @@ class Realisation:
             amplitudes = self.scale * self._amplitudes(density, period, step)
             values = scipy.fft.irfft(0.5 * period * amplitudes * np.exp(2j * np.pi * phases), period)[:count]
             shape = Sampled.through(distance, values, min(self.fade, 0.5 * (self.end - self.start)), self.shortest)
-            found.append(Disturbance.of(shape, channel))
-        return tuple(found)
+            disturbances.append(Disturbance.of(shape, channel))
+        return tuple(disturbances)
 
     def _amplitudes(self, density: Density, period: int, step: float) -> Array:
         """Amplitudes [m] of the lines 0 .. period/2 of a wave of ``period`` samples with the density's variance.

@@ -108,14 +108,14 @@ class TrackTable:
         if band is not None and band[0] < ROWS_A_WAVE * widest:
             rows = f"its rows are up to {widest:g} m apart and resolve no waves shorter than {ROWS_A_WAVE * widest:g} m"
             raise InputError(f"{self.path}: {rows}; wavelength_m begins at {band[0]:g}")
-        found = []
+        disturbances = []
         for name in names:
             distance, values = self.distance, scale * self.columns[name] / 1e3
             if band is not None:
                 distance, values = _filtered(distance, values, band)
             shape = Sampled.through(start + distance, values, min(fade, 0.5 * self.length), shortest)
-            found.append(Disturbance(shape, IRREGULARITIES[name]))
-        return tuple(found)
+            disturbances.append(Disturbance(shape, IRREGULARITIES[name]))
+        return tuple(disturbances)
 
 
 def _filtered(distance: Array, values: Array, band: tuple[float, float]) -> tuple[Array, Array]:

@@ -100,7 +100,7 @@ class Track:
         rounding : float
             Half length over which the kinks of cant and gauge at joints are rounded [m].
         **options
-            Of `lay`: grades, irregularities, cant_base, ...
+            As `from_laws` takes them: grades, irregularities, cant_base, ...
 
         Returns
         -------
@@ -120,16 +120,16 @@ class Track:
         check_range("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
         check_range("track", "rounding_m", rounding, 1e-3, 20.0)
         segments = tuple(segments)
-        return cls.lay(laws(segments, gauge, rounding), gauge, segments=segments, **options)
+        return cls.from_laws(laws(segments, gauge, rounding), gauge, segments=segments, **options)
 
     @property
     def bridge(self) -> Bridge | None:
         """The bridge below stiff rails or below the ballast."""
-        found = self.structure.bridge if isinstance(self.structure, SleeperTrack) else self.structure
-        return found if isinstance(found, Bridge) else None
+        bridge = self.structure.bridge if isinstance(self.structure, SleeperTrack) else self.structure
+        return bridge if isinstance(bridge, Bridge) else None
 
     @classmethod
-    def lay(
+    def from_laws(
         cls,
         law: Laws,
         gauge: float = STANDARD_GAUGE,

@@ -30,7 +30,7 @@ MOST = 1000
 
 @dataclass(frozen=True)
 class Place:
-    """Of a part: its name (with a dot behind, empty for a vehicle on its own), its axes, its depth."""
+    """A part: its name (with a dot behind, empty for a vehicle on its own), its axes, its depth."""
 
     prefix: str = ""
     axes: Axes = VEHICLE_AXES
@@ -132,13 +132,13 @@ class Assembly:
         for i, payload in enumerate(tables.payloads):
             key = (*path, "payloads", i, "on")
             body = self._body(payload.on, key, place)
-            found = payload.payload(place.prefix + payload.name, body, place.axes)
-            if isinstance(found, Payload):
-                self.payloads.append(found)
+            mass = payload.payload(place.prefix + payload.name, body, place.axes)
+            if isinstance(mass, Payload):
+                self.payloads.append(mass)
             elif body in self.wheelsets:
                 raise self._fault(key, sections.NO_BALLAST, payload.on)
             else:
-                self.ballast.append(found)
+                self.ballast.append(mass)
 
     def _modes(self, body: sections.BodyTable, centre: Triple, path: KeyPath, place: Place) -> Modes:
         table = given(body.flexible)
@@ -171,10 +171,10 @@ class Assembly:
             raise self._fault((*path, "on"), "is driven by another one of [[drives]] already", table.on)
 
         def body(key: str, name: str) -> str:
-            found = self._body(name, (*path, key), place)
-            if found not in self.bodies:
+            carrier = self._body(name, (*path, key), place)
+            if carrier not in self.bodies:
                 raise self._fault((*path, key), "is a wheelset: a motor and its gear are part of other bodies", name)
-            return found
+            return carrier
 
         return table.to_si(
             GearedMotor,
@@ -252,18 +252,18 @@ class Assembly:
             return element
         names, path, spring = self.pressed[element.name]
         known = {other.name: other for other in self.elements}
-        found = next((name for name in names if name in known), None)
-        if found is None:
+        full_name = next((name for name in names if name in known), None)
+        if full_name is None:
             prefix, _ = self.written[element.name]
-            own = list(dict.fromkeys(name for at, name in self.written.values() if at == prefix))
-            raise self._unknown(path, "is no element", spring, own)
-        other = known[found].slider
+            siblings = list(dict.fromkeys(name for place, name in self.written.values() if place == prefix))
+            raise self._unknown(path, "is no element", spring, siblings)
+        other = known[full_name].slider
         if other is not None and other.normal is not None and other.normal.of:
             raise self._fault(path, "depends on the load of a spring itself: must be that spring", spring)
         slider = element.slider
         if slider is None or slider.normal is None:
             return element
-        return replace(element, slider=replace(slider, normal=replace(slider.normal, of=found)))
+        return replace(element, slider=replace(slider, normal=replace(slider.normal, of=full_name)))
 
     def _fits(self, element: Element, path: KeyPath) -> None:
         """Springs join wheelsets on their axles, as the second body."""

@@ -66,8 +66,8 @@ class Axle:
         """Diameters of the elements between nodes [m]."""
         ends = 0.5 * self.length - np.cumsum([length for length, _ in self.sections])
         middles = 0.5 * (nodes[1:] + nodes[:-1])
-        found = np.array([diameter for _, diameter in self.sections])
-        return np.asarray(found[np.minimum(np.searchsorted(-ends, -middles), len(found) - 1)])
+        diameters = np.array([diameter for _, diameter in self.sections])
+        return np.asarray(diameters[np.minimum(np.searchsorted(-ends, -middles), len(diameters) - 1)])
 
     def inertia(self) -> tuple[float, float, float]:
         """Mass, moments of inertia about the axle and across it of shaft and discs."""
@@ -97,15 +97,15 @@ class Axle:
     def wheels(self, mass: float, spin: float, across: float, half: float) -> tuple[Disc, Disc]:
         """The wheels at +-half [m] that make up a wheelset of this mass [kg] and inertia [kg m2] with shaft and discs.
         Raises InputError where nothing is left for them."""
-        own = self.inertia()
-        left = [0.5 * (a - b) for a, b in zip((mass, spin, across), own, strict=True)]
+        shaft = self.inertia()
+        left = [0.5 * (a - b) for a, b in zip((mass, spin, across), shaft, strict=True)]
         left[2] -= left[0] * half**2
         if min(left) <= 0.0:
             word = ("mass", "moment of inertia about the axle", "moment of inertia across the axle")
             i = next(i for i, value in enumerate(left) if value <= 0.0)
             raise InputError(
                 f"shaft and discs leave a wheel the {word[i]} {left[i]:.4g} {'kg' if i == 0 else 'kg m2'}: of the "
-                f"wheelset's {(mass, spin, across)[i]:.4g} they have {own[i]:.4g}; it must be above 0 for each wheel"
+                f"wheelset's {(mass, spin, across)[i]:.4g} they have {shaft[i]:.4g}; it must be above 0 for each wheel"
             )
         return Disc(half, *left), Disc(-half, *left)
 
@@ -146,20 +146,20 @@ class AxleModes(Modes):
 
     def shapes(self, points: Array) -> Array:
         count = len(self.deflections)
-        found = np.zeros((2 * count, len(points), 6))
+        values = np.zeros((2 * count, len(points), 6))
         for k, (moved, turn) in enumerate(np.moveaxis(self.deflections, -1, 1)):
             w, slope = np.interp(points[:, 1], self.nodes, moved), np.interp(points[:, 1], self.nodes, turn)
-            found[k, :, 2], found[k, :, 3] = w, slope
-            found[count + k, :, 0], found[count + k, :, 5] = w, -slope
-        return found
+            values[k, :, 2], values[k, :, 3] = w, slope
+            values[count + k, :, 0], values[count + k, :, 5] = w, -slope
+        return values
 
     def gyroscopic(self) -> tuple[Array, Array]:
         slopes = self.deflections[..., 1]
-        own, g = slopes * self.polar @ slopes.T, slopes @ self.polar
-        zero = np.zeros_like(own)
+        matrix, g = slopes * self.polar @ slopes.T, slopes @ self.polar
+        zero = np.zeros_like(matrix)
         turning = np.zeros((2 * len(g), 3))
         turning[: len(g), 0], turning[len(g) :, 2] = g, -g
-        return np.block([[zero, own], [-own, zero]]), turning
+        return np.block([[zero, matrix], [-matrix, zero]]), turning
 
 
 def whirl(modes: Modes, spin: float) -> tuple[Array, NDArray[np.bool_]]:

@@ -47,36 +47,36 @@ def bogies_of(vehicle: Vehicle) -> tuple[Bogie, ...]:
         if frame is None or frame == reference:
             return ()
         groups.setdefault(frame, []).append(i)
-    found = []
+    bogies = []
     for frame, numbers in groups.items():
         x = [vehicle.wheelsets[i].x for i in numbers]
-        found.append(Bogie(frame, tuple(numbers), 0.5 * (max(x) + min(x)), float(np.ptp(x))))
-    return tuple(sorted(found, key=lambda bogie: -bogie.centre))
+        bogies.append(Bogie(frame, tuple(numbers), 0.5 * (max(x) + min(x)), float(np.ptp(x))))
+    return tuple(sorted(bogies, key=lambda bogie: -bogie.centre))
 
 
 def wheelsets_beneath(vehicle: Vehicle) -> dict[str, tuple[int, ...]]:
     """Numbers of the wheelsets that carry each body: those that it holds, or those of the bodies that elements join it
     to; empty where it hangs on no body that wheelsets carry."""
-    found: dict[str, set[int]] = {}
+    beneath: dict[str, set[int]] = {}
     for i, holder in enumerate(holders_of(vehicle)):
         if holder is not None:
-            found.setdefault(holder, set()).add(i)
+            beneath.setdefault(holder, set()).add(i)
     numbers = {mounted.name: i for i, mounted in enumerate(vehicle.wheelsets)}
-    own = {i: held for held in found.values() for i in held}
+    of_holder = {i: held for held in beneath.values() for i in held}
     joined: dict[str, set[str]] = {body.name: set() for body in vehicle.bodies}
     for one, other in _joints(vehicle):
         if one in joined:
             joined[one].add(other)
     while True:
         further = {}
-        for body in joined.keys() - found.keys():
-            carried = [found[other] for other in joined[body] if other in found]
-            carried += [own[numbers[other]] for other in joined[body] if numbers.get(other) in own]
+        for body in joined.keys() - beneath.keys():
+            carried = [beneath[other] for other in joined[body] if other in beneath]
+            carried += [of_holder[numbers[other]] for other in joined[body] if numbers.get(other) in of_holder]
             if carried:
                 further[body] = set().union(*carried)
         if not further:
-            return {body: tuple(sorted(found.get(body, ()))) for body in joined}
-        found |= further
+            return {body: tuple(sorted(beneath.get(body, ()))) for body in joined}
+        beneath |= further
 
 
 Level = Literal["wheelset", "bogie frame", "car body"]

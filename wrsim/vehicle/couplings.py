@@ -140,8 +140,8 @@ class BuffersTable(GearTable, header="[couplings.buffers]"):
                 slider = Slider(
                     "coulomb", 1e3 * self.plate_stick_stiffness_kN_per_m, friction=self.plate_friction, normal=normal
                 )
-                at = (gap.x, y, z)
-                yield PlaneFriction(f"{gap.name} plates {side}", PLATES, gap.ahead, gap.behind, at, 0, slider=slider)
+                point = (gap.x, y, z)
+                yield PlaneFriction(f"{gap.name} plates {side}", PLATES, gap.ahead, gap.behind, point, 0, slider=slider)
 
 
 class CouplingTable(Choice, header="[[couplings]]"):

@@ -144,9 +144,9 @@ class AxialTable(ElementTable):
     law: ClassVar[type[Strut]] = Strut
 
     def element(self, joint: Joint, axes: Axes) -> Strut:
-        at = axes.point(self.at_mm)
+        point = axes.point(self.at_mm)
         more = self.more(axes.signs[AXIS[self.direction]])
-        return self.to_si(self.law, **joint._asdict(), ends=(at, at), axis=AXIS[self.direction], **more)
+        return self.to_si(self.law, **joint._asdict(), ends=(point, point), axis=AXIS[self.direction], **more)
 
     def more(self, sign: float) -> dict[str, Any]:
         """What its law has besides the keys of its own names; sign: of its direction in the vehicle's axes."""
@@ -351,7 +351,7 @@ class FrictionTable(ElementTable, kind="friction", glyph=Glyph("D", "#CC79A7", h
     """Damping where it sticks."""
 
     def element(self, joint: Joint, axes: Axes) -> Element:
-        at = axes.point(self.at_mm)
+        point = axes.point(self.at_mm)
         normal = None
         if self.normal_spring is not None:
             normal = Normal(self.normal_spring, self.normal_factor, AXIS[self.normal_spring_axis])
@@ -360,8 +360,8 @@ class FrictionTable(ElementTable, kind="friction", glyph=Glyph("D", "#CC79A7", h
             1e3 * self.stick_damping_kNs_per_m, self.friction, normal,
         )  # fmt: skip
         if self.plane is not None:
-            return PlaneFriction(*joint, at, ACROSS[self.plane], slider=slider)
-        return Strut(*joint, (at, at), AXIS[self.direction or "x"], slider=slider)
+            return PlaneFriction(*joint, point, ACROSS[self.plane], slider=slider)
+        return Strut(*joint, (point, point), AXIS[self.direction or "x"], slider=slider)
 
 
 class LeafSpringTable(AxialTable, kind="leaf-spring", glyph=Glyph("v", BLUE, hollow=True)):

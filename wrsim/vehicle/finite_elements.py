@@ -141,9 +141,9 @@ def _carried(places: Array, moved: Array, point: Array, radius: float) -> Array:
     near = np.flatnonzero(np.linalg.norm(places - point, axis=1) <= radius)
     if len(near) < 3:
         x, y, z = point
-        words = f"{len(near)} nodes within radius = {radius:g} m; allowed: at least 3, not on a line"
-        raise InputError(f"point ({x:g}, {y:g}, {z:g}) m: has {words}")
-    found = np.linalg.lstsq(
+        message = f"{len(near)} nodes within radius = {radius:g} m; allowed: at least 3, not on a line"
+        raise InputError(f"point ({x:g}, {y:g}, {z:g}) m: has {message}")
+    motion = np.linalg.lstsq(
         _rigid(places[near] - point).reshape(-1, RIGID), moved[:, near].reshape(len(moved), -1).T, rcond=1e-9
     )[0]
-    return np.asarray(found.T)
+    return np.asarray(motion.T)

@@ -31,7 +31,7 @@ _Damping = Annotated[float, number(0, 1, "of critical")]
 _Place = Annotated[float, number(-1e5, 1e5, "mm in the axes of the vehicle or part")]
 _Shift = Annotated[float, number(-1e6, 1e6, "per unit of the mode")]
 _Turn = Annotated[float, number(-1e6, 1e6, "rad per m of the mode")]
-OF_MODES = of_modes(1500.0, 1e6)
+MODE_COLUMNS = of_modes(1500.0, 1e6)
 PLACES = dict.fromkeys(("x_mm", "y_mm", "z_mm"), _Place)
 SHIFTS, TURNS = dict.fromkeys(("ux", "uy", "uz"), _Shift), dict.fromkeys(("rx", "ry", "rz"), _Turn)
 """Columns of a file of modes; those of turns may be left out."""
@@ -58,9 +58,9 @@ class Modes(ABC):
 
 def carried(arms: Array, shapes: Array) -> Array:
     """Displacement and turn (n, p, 6) of points that stiff arms (p, 3) carry from points with these (n, p, 6)."""
-    found = shapes.copy()
-    found[..., :3] += np.cross(shapes[..., 3:], arms)
-    return found
+    motion = shapes.copy()
+    motion[..., :3] += np.cross(shapes[..., 3:], arms)
+    return motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,18 +92,18 @@ class PointModes(Modes):
 
     def shapes(self, points: Array) -> Array:
         signs = np.array(self.signs)
-        own = (points - np.array(self.origin)) * signs
-        far = np.linalg.norm(own[:, None] - self.points, axis=-1)
+        arms = (points - np.array(self.origin)) * signs
+        far = np.linalg.norm(arms[:, None] - self.points, axis=-1)
         nearest = np.argmin(far, axis=1)
-        worst = int(np.argmax(far[np.arange(len(own)), nearest], axis=0)) if len(own) else 0
-        if len(own) and (away := far[worst, nearest[worst]]) > self.reach:
-            x, y, z = 1e3 * own[worst]
+        worst = int(np.argmax(far[np.arange(len(arms)), nearest], axis=0)) if len(arms) else 0
+        if len(arms) and (away := far[worst, nearest[worst]]) > self.reach:
+            x, y, z = 1e3 * arms[worst]
             raise InputError(
                 f"{self.source}: no point of the modes lies near the attachment at x = {x:.5g}, y = {y:.5g}, "
                 f"z = {z:.5g} mm: the nearest is {1e3 * away:.4g} mm away; allowed: reach_mm = {1e3 * self.reach:g}"
             )
-        found = carried(own - self.points[nearest], self.values[:, nearest])
-        return np.asarray(found * np.append(signs, np.prod(signs) * signs))
+        motion = carried(arms - self.points[nearest], self.values[:, nearest])
+        return np.asarray(motion * np.append(signs, np.prod(signs) * signs))
 
 
 def read_modes(path: Path, reach: float) -> PointModes:
@@ -121,12 +121,12 @@ Given = tuple[Array, Array, Array, Array, Array]
 
 
 def _from_csv(path: Path) -> Given:
-    found = read_mode_table(path, OF_MODES, PLACES, SHIFTS | TURNS, list(SHIFTS))
-    return found.frequencies, found.damping, found.masses, found.places / 1e3, found.shapes
+    table = read_mode_table(path, MODE_COLUMNS, PLACES, SHIFTS | TURNS, list(SHIFTS))
+    return table.frequencies, table.damping, table.masses, table.places / 1e3, table.shapes
 
 
 def _from_npz(path: Path) -> Given:
-    kinds = {name: OF_MODES[name] for name in ("frequency_Hz", "damping", "modal_mass_kg")}
+    kinds = {name: MODE_COLUMNS[name] for name in ("frequency_Hz", "damping", "modal_mass_kg")}
     kinds |= {"points_mm": _Place, "shapes": _Shift}
     try:
         with zipfile.ZipFile(io.BytesIO(read_bytes(path, "file of modes"))) as archive:
@@ -179,22 +179,28 @@ class BeamModes(Modes):
         """
         roots = free_roots(count)
         planes = np.array([i for i, first in enumerate(frequencies) if first is not None])
-        found = np.concatenate([(roots / roots[0]) ** 2 * f for f in frequencies if f is not None])
-        even, repeated = np.ones(len(found)), np.tile(roots, len(planes))
+        each_frequency = np.concatenate([(roots / roots[0]) ** 2 * f for f in frequencies if f is not None])
+        even, repeated = np.ones(len(each_frequency)), np.tile(roots, len(planes))
         return cls(
-            found, damping * even, 0.25 * mass * even, repeated, np.repeat(planes, count), np.array(middle), length
+            each_frequency,
+            damping * even,
+            0.25 * mass * even,
+            repeated,
+            np.repeat(planes, count),
+            np.array(middle),
+            length,
         )
 
     def shapes(self, points: Array) -> Array:
         arms = points - self.middle
         along = np.clip(arms[:, 0] / self.length + 0.5, 0.0, 1.0)
-        found = np.zeros((len(self.roots), len(points), 6))
-        for own, k, plane in zip(found, self.roots, self.planes, strict=True):
+        values = np.zeros((len(self.roots), len(points), 6))
+        for shape, k, plane in zip(values, self.roots, self.planes, strict=True):
             moved, slope = _free_shape(k, along)
-            own[:, 2 - plane] = moved
-            own[:, 4 + plane] = (slope if plane else -slope) / self.length
+            shape[:, 2 - plane] = moved
+            shape[:, 4 + plane] = (slope if plane else -slope) / self.length
         arms[:, 0] = 0.0
-        return carried(arms, found)
+        return carried(arms, values)
 
 
 def _free_shape(k: float, x: Array) -> tuple[Array, Array]:

@@ -115,7 +115,7 @@ class GearedMotor:
 
     @property
     def inertia(self) -> float:
-        """Of all that turns, as the hollow axle sees it [kg m2]."""
+        """Inertia of all that turns, as the hollow axle sees it [kg m2]."""
         return self.hollow_inertia + self.ratio**2 * self.rotor_inertia
 
     @property

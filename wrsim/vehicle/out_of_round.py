@@ -152,13 +152,13 @@ def read_radii(path: Path, shortest: float = 0.0) -> RadiusTable:
     across_mm: of every angle the same places in rising order. Raises InputError with line, column and value."""
     table, lines = read_columns(path, COLUMNS, (), "angles")
     ways = ("angle_deg theta_rad", "deviation_mm deviation_um depth_mm", "across_mm y_mm")
-    found = []
+    columns = []
     for way in ways:
         given = [name for name in way.split() if name in table]
         if len(given) > 1 or (not given and way != ways[2]):
             raise InputError(f"{path}: one of the columns {way.replace(' ', ', ')} is needed, not {len(given)}")
-        found.append((given[0], table[given[0]] * SI[given[0]]) if given else ("", np.zeros(lines.size)))
-    (name, angle), (_, deviation), (place, across) = found
+        columns.append((given[0], table[given[0]] * SI[given[0]]) if given else ("", np.zeros(lines.size)))
+    (name, angle), (_, deviation), (place, across) = columns
     if not place:
         check_rising(path, name, table[name], lines)
         return _checked(path, angle, np.zeros(0), deviation[:, None], shortest)
@@ -167,8 +167,8 @@ def read_radii(path: Path, shortest: float = 0.0) -> RadiusTable:
     check_rising(path, name, table[name][begins], lines[begins])
     for i, n in zip(begins, counts, strict=True):
         if n != count or np.abs(across[i : i + n] - across[:n]).max() > 1e-9:
-            words = f"{name} = {table[name][i]:g}: {place}: a surface has the same places at every angle"
-            raise InputError(f"{path}:{lines[i]}: {words}")
+            message = f"{name} = {table[name][i]:g}: {place}: a surface has the same places at every angle"
+            raise InputError(f"{path}:{lines[i]}: {message}")
     check_rising(path, place, table[place][:count], lines)
     return _checked(path, angles, across[:count], deviation.reshape(-1, count), shortest)
 
@@ -193,9 +193,9 @@ def read_wheel_sections(path: Path, profile: Profile, shortest: float = 0.0) -> 
     curves = [_heights(section) for section in (profile, *sections)]
     low, high = max(curve[0][0] for curve in curves), min(curve[0][-1] for curve in curves)
     across = np.linspace(low, high, max(int((high - low) / SECTION_DISTANCE), 4) + 1)
-    own, *others = (np.interp(across, *curve) for curve in curves)
+    reference, *others = (np.interp(across, *curve) for curve in curves)
     angle = degrees * SI["angle_deg"]
-    return _checked(path, angle, across, own - np.array(others), shortest)
+    return _checked(path, angle, across, reference - np.array(others), shortest)
 
 
 def _heights(profile: Profile) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

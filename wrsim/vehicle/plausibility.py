@@ -96,17 +96,17 @@ def doubts(vehicle: Vehicle, known: Collection[str] = ()) -> list[str]:
     Of a train, vehicle by vehicle; of several alike the first one. known: parts of which something is known to be
     wrong; what follows from that has no sentence of its own.
     """
-    found, seen = [], set()
-    for own in [vehicle.alone(k) for k in range(len(vehicle.members))] or [vehicle]:
-        moved = motions(own)
-        springs = _Springs.build(own, moved)
+    sentences, seen = [], set()
+    for member in [vehicle.alone(k) for k in range(len(vehicle.members))] or [vehicle]:
+        moved = motions(member)
+        springs = _Springs.build(member, moved)
         kind = tuple(
             (np.round(each / np.max(each, initial=1.0), 9) + 0.0).tobytes() for each in (springs.whole, springs.inertia)
         )
         if kind not in seen:
             seen.add(kind)
-            found += _of_vehicle(springs, moved, known)
-    return found
+            sentences += _of_vehicle(springs, moved, known)
+    return sentences
 
 
 def _of_vehicle(springs: _Springs, moved: list[tuple[Array, Array]], known: Collection[str]) -> list[str]:
@@ -124,9 +124,9 @@ def _of_vehicle(springs: _Springs, moved: list[tuple[Array, Array]], known: Coll
     loads = preloads(vehicle)
     uneven = [] if free or apart else [*_wheel_loads(vehicle, moved, loads)]
     one_a_part = (*radii.values(), *heights.values(), *dense.values())
-    found = [*one_a_part, *apart, *light, *free, *fast, *_compression(vehicle, loads), *uneven]
+    sentences = [*one_a_part, *apart, *light, *free, *fast, *_compression(vehicle, loads), *uneven]
     # masses and springs that are wrong make wrong damping ratios
-    return found if found or known else [*overdamped(vehicle, moved, springs.whole, springs.inertia)]
+    return sentences if sentences or known else [*overdamped(vehicle, moved, springs.whole, springs.inertia)]
 
 
 def _heights(vehicle: Vehicle, known: Collection[str]) -> Iterator[tuple[str, str]]:
@@ -136,9 +136,9 @@ def _heights(vehicle: Vehicle, known: Collection[str]) -> Iterator[tuple[str, st
         roll, pitch, yaw = body.inertia
         least = 0.0 if body.name in known else max(0.5 * (roll + pitch - yaw) / body.mass / ROOF, 0.0)
         if not least <= body.centre[2] <= HIGHEST:
-            words = f"centre of mass of body '{body.name}' is at a height of {body.centre[2]:.4g} m above the rails"
-            words += f"; plausible is {least:.3g} to {HIGHEST:g} m, or it reaches below the rails"
-            yield body.name, f"{words} or above the loading gauge"
+            message = f"centre of mass of body '{body.name}' is at a height of {body.centre[2]:.4g} m above the rails"
+            message += f"; plausible is {least:.3g} to {HIGHEST:g} m, or it reaches below the rails"
+            yield body.name, f"{message} or above the loading gauge"
 
 
 def _distances(vehicle: Vehicle) -> Iterator[str]:
@@ -153,8 +153,8 @@ def _distances(vehicle: Vehicle) -> Iterator[str]:
             )
         if apart > LONGEST_SPAN:
             far.append(f"{pair}; plausible is up to {LONGEST_SPAN:g} m, or the vehicle leaves the gauge in curves")
-    for words in (close, far):
-        yield from (words[0].format(_more(words, "pair")) for _ in words[:1])
+    for messages in (close, far):
+        yield from (messages[0].format(_more(messages, "pair")) for _ in messages[:1])
     if close:
         return
     spans = dict[str, tuple[float, float]]()
@@ -163,29 +163,29 @@ def _distances(vehicle: Vehicle) -> Iterator[str]:
             m.x for m in vehicle.wheelsets if any({name, m.name} == {*_carriers(vehicle, e)} for e in vehicle.elements)
         ]
         spans |= {name: (min(held), max(held))} if len(held) > 1 else {}
-    for (first, own), (second, other) in pairwise(sorted(spans.items(), key=lambda item: -sum(item[1]))):
-        if other[1] > own[0]:
+    for (first, span), (second, other) in pairwise(sorted(spans.items(), key=lambda item: -sum(item[1]))):
+        if other[1] > span[0]:
             mixed = (
-                f"wheelsets of '{first}' and '{second}' are among each other: {own[1] - own[0]:.4g} m is a wheelbase"
+                f"wheelsets of '{first}' and '{second}' are among each other: {span[1] - span[0]:.4g} m is a wheelbase"
             )
-            yield f"{mixed} too long for their distance of {0.5 * (sum(own) - sum(other)):.4g} m"
+            yield f"{mixed} too long for their distance of {0.5 * (sum(span) - sum(other)):.4g} m"
 
 
 def _carriers(vehicle: Vehicle, element: Element) -> tuple[str, str]:
     return vehicle.carrier(element.first), vehicle.carrier(element.second)
 
 
-def _more(words: Sequence[object], what: str) -> str:
+def _more(items: Sequence[object], what: str) -> str:
     """How many more there are than the first."""
-    more = len(words) - 1
+    more = len(items) - 1
     return f" (and {more} more {what}{'s' * (more != 1)})" if more > 0 else ""
 
 
 def _masses(vehicle: Vehicle) -> Iterator[str]:
     share = sum(mounted.mass for mounted in vehicle.wheelsets) / vehicle.mass
     if vehicle.bodies and not vehicle.runs_with_frame and share > MOST_UNSPRUNG:
-        words = f"the wheelsets are {share:.0%} of the mass of '{vehicle.name}', {vehicle.mass:.4g} kg"
-        yield f"{words}; plausible is 10 to 30 %: its bodies are too light"
+        message = f"the wheelsets are {share:.0%} of the mass of '{vehicle.name}', {vehicle.mass:.4g} kg"
+        yield f"{message}; plausible is 10 to 30 %: its bodies are too light"
 
 
 def _gyration(vehicle: Vehicle, known: Collection[str], misplaced: bool) -> Iterator[tuple[str, str]]:
@@ -198,17 +198,17 @@ def _gyration(vehicle: Vehicle, known: Collection[str], misplaced: bool) -> Iter
             most = (most[0], inf, inf) if misplaced else most
             what, mass, inertia = f"body '{part.name}'", part.mass, part.inertia
         else:
-            own = part.wheelset
-            across = hypot(0.5 * own.profile_spacing + 0.5, own.mean_radius)
+            wheelset = part.wheelset
+            across = hypot(0.5 * wheelset.profile_spacing + 0.5, wheelset.mean_radius)
             most = (across, inf, across)  # inertia of gears and motors is often counted about the axle
-            what, mass, inertia = f"wheelset '{part.name}'", own.mass, own.inertia
+            what, mass, inertia = f"wheelset '{part.name}'", wheelset.mass, wheelset.inertia
         radii = [(value / mass) ** 0.5 for value in inertia]
         wrong = [k for k in range(3) if radii[k] > most[k]]
         if wrong and part.name not in known:
             each = _joined([f"{radii[k]:.4g} m {WORDS[3 + k]} ({inertia[k]:.4g} kg m2)" for k in wrong])
             limits = _joined([f"{most[k]:.3g}" for k in wrong])
-            words = f"radius of gyration of {what} of {mass:.4g} kg is {each}"
-            yield part.name, f"{words}; plausible is up to {limits} m, as far as any mass"
+            message = f"radius of gyration of {what} of {mass:.4g} kg is {each}"
+            yield part.name, f"{message}; plausible is up to {limits} m, as far as any mass"
 
 
 def _held(vehicle: Vehicle, part: str) -> list[float]:
@@ -222,19 +222,19 @@ def _density(vehicle: Vehicle, known: Collection[str]) -> Iterator[tuple[str, st
         mass = part.mass if isinstance(part, Body) else part.wheelset.mass
         inertia = part.inertia if isinstance(part, Body) else part.wheelset.inertia
         sphere = 0.6 * (0.75 * mass / pi / DENSEST) ** (2 / 3)
-        if (found := 0.5 * sum(inertia) / mass) < sphere and part.name not in known:
+        if (gyration := 0.5 * sum(inertia) / mass) < sphere and part.name not in known:
             what = f"{'body' if isinstance(part, Body) else 'wheelset'} '{part.name}'"
-            words = f"moments of inertia of {what} are those of a sphere of {(found / 0.6) ** 0.5:.3g} m of radius"
-            yield part.name, f"{words}; {mass:.4g} kg of the densest metal have {(sphere / 0.6) ** 0.5:.3g} m"
+            message = f"moments of inertia of {what} are those of a sphere of {(gyration / 0.6) ** 0.5:.3g} m of radius"
+            yield part.name, f"{message}; {mass:.4g} kg of the densest metal have {(sphere / 0.6) ** 0.5:.3g} m"
 
 
 def _alike(vehicle: Vehicle) -> Iterator[Body | MountedWheelset]:
     """All parts, but of those with the same mass and inertia the first only."""
     seen = set()
     for part in vehicle.parts:
-        own = part.mass, part.inertia
-        if own not in seen:
-            seen.add(own)
+        inertia = part.mass, part.inertia
+        if inertia not in seen:
+            seen.add(inertia)
             yield part
 
 
@@ -243,8 +243,8 @@ def _what(vehicle: Vehicle, i: int) -> str:
     return f"{'wheelset' if i < len(vehicle.wheelsets) else 'body'} '{name}'"
 
 
-def _joined(words: list[str]) -> str:
-    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
+def _joined(items: list[str]) -> str:
+    return " and ".join(filter(None, (", ".join(items[:-1]), items[-1])))
 
 
 def _free_directions(springs: _Springs) -> Iterator[str]:
@@ -256,9 +256,9 @@ def _free_directions(springs: _Springs) -> Iterator[str]:
     vehicle, base = springs.vehicle, len(springs.vehicle.wheelsets)
     if len(vehicle.parts) == 1:
         return
-    own = [[0, 1, 5] if i < base else [0, 1, 2, 3, 4, 5] for i in range(len(vehicle.parts))]
+    directions_of = [[0, 1, 5] if i < base else [0, 1, 2, 3, 4, 5] for i in range(len(vehicle.parts))]
     alike: dict[str, list[str]] = {}
-    for i, directions in enumerate(own):
+    for i, directions in enumerate(directions_of):
         loose = springs.loose(6 * i + np.array(directions))
         if loose.size:
             free = [WORDS[directions[k]] for k, row in enumerate(loose) if row @ row > 0.5]
@@ -266,16 +266,16 @@ def _free_directions(springs: _Springs) -> Iterator[str]:
     for along, parts in alike.items():
         what = parts[0] + _more(parts, "part")
         yield f"nothing holds {what} {along}: no spring of it works in that direction"
-    own[vehicle.reference] = [k for k in own[vehicle.reference] if k not in (0, 1, 5)]
-    places = np.array([6 * i + k for i, directions in enumerate(own) for k in directions])
+    directions_of[vehicle.reference] = [k for k in directions_of[vehicle.reference] if k not in (0, 1, 5)]
+    places = np.array([6 * i + k for i, directions in enumerate(directions_of) for k in directions])
     together = springs.loose(places)
     if together.size and not alike:
         moves = np.zeros((len(vehicle.parts), 6))
         moves[places // 6, places % 6] = np.linalg.norm(together, axis=1)
         parts = [name for name, row in zip(vehicle.names, moves, strict=True) if max(row) > 0.1 * moves.max()]
         ways = [word for word, column in zip(WORDS, moves.T, strict=True) if max(column) > 0.1 * moves.max()]
-        words = f"{', '.join(parts)} move together {_joined(ways)}"
-        yield f"{words}, and nothing holds them against {_what(vehicle, vehicle.reference)}"
+        message = f"{', '.join(parts)} move together {_joined(ways)}"
+        yield f"{message}, and nothing holds them against {_what(vehicle, vehicle.reference)}"
 
 
 def _frequencies(springs: _Springs, known: Collection[str]) -> Iterator[str]:
@@ -296,23 +296,27 @@ def _frequencies(springs: _Springs, known: Collection[str]) -> Iterator[str]:
         frequency, shape = max(values[-1], 0.0) ** 0.5 / (2.0 * pi), scale * vectors[:, -1]
         limit = LONG_UP_TO if np.ptp(_held(vehicle, part.name) or [0.0]) > LONG else RIGID_UP_TO
         if frequency > limit and part.name not in on_axle and part.mass not in wrong:
-            element = vehicle.elements[int(np.argmax([shape @ own[places, places] @ shape for own in springs.of]))]
+            element = vehicle.elements[
+                int(np.argmax([shape @ matrix[places, places] @ shape for matrix in springs.of]))
+            ]
             along = WORDS[int(np.argmax(np.abs(vectors[:, -1])))]
-            words = f"{_what(vehicle, i)} oscillates {along} at {frequency:.4g} Hz on '{element.name}'"
-            words += f"; plausible is up to {limit:g} Hz, above which it bends: stiffness or mass is wrong"
+            message = f"{_what(vehicle, i)} oscillates {along} at {frequency:.4g} Hz on '{element.name}'"
+            message += f"; plausible is up to {limit:g} Hz, above which it bends: stiffness or mass is wrong"
             alike = element.stiffness_at_rest.tobytes()
-            fastest[alike] = max(fastest.get(alike, (0.0, "")), (frequency, words))
-    for at, name in enumerate(vehicle.boxes, 6 * len(vehicle.parts)):
-        k = int(np.argmax([own[at, at] for own in springs.of]))
+            fastest[alike] = max(fastest.get(alike, (0.0, "")), (frequency, message))
+    for place, name in enumerate(vehicle.boxes, 6 * len(vehicle.parts)):
+        k = int(np.argmax([matrix[place, place] for matrix in springs.of]))
         element = vehicle.elements[k]
-        squared_arm = springs.of[k][at, at] / max(element.stiffness_at_rest.max(), 1.0)
-        frequency = (max(whole[at, at], 0.0) / max(inertia[at], LIGHT_ARM * squared_arm / 3.0)) ** 0.5 / (2.0 * pi)
+        squared_arm = springs.of[k][place, place] / max(element.stiffness_at_rest.max(), 1.0)
+        frequency = (max(whole[place, place], 0.0) / max(inertia[place], LIGHT_ARM * squared_arm / 3.0)) ** 0.5 / (
+            2.0 * pi
+        )
         if frequency > ARMS_UP_TO:
-            words = f"axle box '{name}' oscillates in pitch at {frequency:.4g} Hz on '{element.name}'"
-            words += f"; plausible is up to {ARMS_UP_TO:g} Hz: stiffness, mass or inertia is wrong"
+            message = f"axle box '{name}' oscillates in pitch at {frequency:.4g} Hz on '{element.name}'"
+            message += f"; plausible is up to {ARMS_UP_TO:g} Hz: stiffness, mass or inertia is wrong"
             alike = element.stiffness_at_rest.tobytes()
-            fastest[alike] = max(fastest.get(alike, (0.0, "")), (frequency, words))
-    yield from (words for _, words in fastest.values())
+            fastest[alike] = max(fastest.get(alike, (0.0, "")), (frequency, message))
+    yield from (message for _, message in fastest.values())
 
 
 def _compression(vehicle: Vehicle, loads: list[Preload]) -> Iterator[str]:
@@ -322,10 +326,10 @@ def _compression(vehicle: Vehicle, loads: list[Preload]) -> Iterator[str]:
         stiffness = element.stiffness_at_rest
         by = np.divide(np.abs(preload.force), stiffness, out=np.zeros(len(stiffness)), where=stiffness > 0.0)
         if (k := int(np.argmax(by))) >= 0 and by[k] > HIGHEST:
-            words = f"'{element.name}' carries {abs(preload.force[k]) / 1e3:.4g} kN, deflects by {by[k]:.4g} m with"
-            words += f" {stiffness[k] / 1e3:.4g} kN/m; plausible is up to {HIGHEST:g} m, a vehicle's height"
-            softest[stiffness.tobytes()] = max(softest.get(stiffness.tobytes(), (0.0, "")), (float(by[k]), words))
-    yield from (words for _, words in softest.values())
+            message = f"'{element.name}' carries {abs(preload.force[k]) / 1e3:.4g} kN, deflects by {by[k]:.4g} m with"
+            message += f" {stiffness[k] / 1e3:.4g} kN/m; plausible is up to {HIGHEST:g} m, a vehicle's height"
+            softest[stiffness.tobytes()] = max(softest.get(stiffness.tobytes(), (0.0, "")), (float(by[k]), message))
+    yield from (message for _, message in softest.values())
 
 
 def _wheel_loads(vehicle: Vehicle, moved: list[tuple[Array, Array]], loads: list[Preload]) -> Iterator[str]:
@@ -334,24 +338,24 @@ def _wheel_loads(vehicle: Vehicle, moved: list[tuple[Array, Array]], loads: list
     forces = np.zeros(6 * len(vehicle.parts) + len(vehicle.boxes))
     for (travel, turning), preload in zip(moved, loads, strict=True):
         forces += travel.T @ preload.force + turning.T @ preload.moment
-    own = forces[: 6 * base].reshape(-1, 6)
-    own[:, 2] -= [mounted.mass * vehicle.gravity for mounted in vehicle.wheelsets]
+    on_wheelsets = forces[: 6 * base].reshape(-1, 6)
+    on_wheelsets[:, 2] -= [mounted.mass * vehicle.gravity for mounted in vehicle.wheelsets]
     for carried in vehicle.carried:
         if (i := vehicle.index(carried.body)) < base:
-            own[i, 2] -= carried.mass * vehicle.gravity
+            on_wheelsets[i, 2] -= carried.mass * vehicle.gravity
     for payload in vehicle.payloads:
         if (i := vehicle.index(payload.body)) < base:
-            own[i, :3] += payload.force
-            own[i, 3:] += np.cross(np.array(payload.at) - vehicle.place(payload.body), payload.force)
+            on_wheelsets[i, :3] += payload.force
+            on_wheelsets[i, 3:] += np.cross(np.array(payload.at) - vehicle.place(payload.body), payload.force)
     spacing = np.array([mounted.wheelset.profile_spacing for mounted in vehicle.wheelsets])
-    wheels = -0.5 * own[:, 2:3] + np.outer(own[:, 3] / spacing, (-1.0, 1.0))
+    wheels = -0.5 * on_wheelsets[:, 2:3] + np.outer(on_wheelsets[:, 3] / spacing, (-1.0, 1.0))
     mean = float(np.mean(wheels))
     off = np.max(np.abs(wheels - mean), axis=1)
     if (worst := int(np.argmax(off))) >= 0 and off[worst] > UNEVEN * abs(mean):
         left, right = (1e-3 * wheels[worst]).tolist()
         name = vehicle.wheelsets[worst].name
-        words = f"static wheel loads of '{name}' are {left:.4g} kN left and {right:.4g} kN right"
+        message = f"static wheel loads of '{name}' are {left:.4g} kN left and {right:.4g} kN right"
         more = int(np.sum(off > UNEVEN * abs(mean))) - 1
-        words += f" (and of {more} more wheelsets as far off)" if more else ""
-        words += f"; plausible is within {UNEVEN:.0%} of the vehicle's mean, {1e-3 * mean:.4g} kN"
-        yield f"{words}: check centres of mass, pivots and springs"
+        message += f" (and of {more} more wheelsets as far off)" if more else ""
+        message += f"; plausible is within {UNEVEN:.0%} of the vehicle's mean, {1e-3 * mean:.4g} kN"
+        yield f"{message}: check centres of mass, pivots and springs"

@@ -26,16 +26,16 @@ def value_doubts(vehicle: Vehicle) -> Iterator[str]:
     unlike = [m for m in vehicle.wheelsets if abs(m.wheelset.left.radius - m.wheelset.right.radius) > UNLIKE_RADII]
     for mounted in unlike[:1]:
         left, right = (1e3 * wheel.radius for wheel in (mounted.wheelset.left, mounted.wheelset.right))
-        words = f"radii of wheelset '{mounted.name}' are {left:.6g} mm left and {right:.6g} mm right"
+        message = f"radii of wheelset '{mounted.name}' are {left:.6g} mm left and {right:.6g} mm right"
         more = f" (and of {len(unlike) - 1} more)" * (len(unlike) > 1)
-        yield f"{words}{more}; plausible is a difference of up to {1e3 * UNLIKE_RADII:g} mm"
+        yield f"{message}{more}; plausible is a difference of up to {1e3 * UNLIKE_RADII:g} mm"
     adapts = any(isinstance(e, BilinearSpring) or (e.slider and e.slider.normal) for e in vehicle.elements)
     for body in vehicle.bodies:
         if body.payload > (empty := body.mass - body.payload) and not adapts:
-            words = (
+            message = (
                 f"body '{body.name}' of {empty:.4g} kg carries a payload of {body.payload:.4g} kg, more than its mass"
             )
-            yield f"{words}; plausible is that of springs or friction that follow the load, of freight wagons"
+            yield f"{message}; plausible is that of springs or friction that follow the load, of freight wagons"
     yield from _one_sided_stops(vehicle)
 
 
@@ -65,16 +65,16 @@ def overdamped(vehicle: Vehicle, moved: list[tuple[Array, Array]], stiffness: Ar
         scale = inertia[places] ** -0.5
         values, vectors = np.linalg.eigh(scale[:, None] * stiffness[places, places] * scale)
         for rate, vector in zip(np.sqrt(np.maximum(values, 0.0)), vectors.T, strict=True):
-            each = [float(scale * vector @ own[places, places] @ (scale * vector)) for own in damping]
+            each = [float(scale * vector @ matrix[places, places] @ (scale * vector)) for matrix in damping]
             if rate > 2.0 * pi * SLOWEST and (ratio := sum(each) / (2.0 * rate)) > MOST_DAMPED:
                 k = int(np.argmax(each))
-                words = f"'{name}' has {WORDS[int(np.argmax(np.abs(vector)))]} a damping ratio of {ratio:.3g} on"
-                words += (
+                message = f"'{name}' has {WORDS[int(np.argmax(np.abs(vector)))]} a damping ratio of {ratio:.3g} on"
+                message += (
                     f" '{vehicle.elements[k].name}'; plausible is up to {MOST_DAMPED:g}: is it N s/m given as kN s/m?"
                 )
                 kind = np.round(np.linalg.eigvalsh(damping[k])[-1], 6).tobytes()
-                worst[kind] = max(worst.get(kind, (0.0, "")), (ratio, words))
-    yield from (words for _, words in worst.values())
+                worst[kind] = max(worst.get(kind, (0.0, "")), (ratio, message))
+    yield from (message for _, message in worst.values())
 
 
 def _damping(element: Element, travel: Array, turning: Array) -> Array:

@@ -71,15 +71,15 @@ def preloads(vehicle: Vehicle) -> list[Preload]:
         what = what if worst < 6 * n else f"axle box '{boxes[worst - 6 * n]}'"
         rest = f"{left[worst]:.4g} {'N' if direction < 3 else 'N m'} residual"
         given = [f"; preload_kN of '{e.name}' is given" for e in vehicle.elements if e.preload is not None][:1]
-        words = f"the preload cannot be found: nothing holds {what} {WORDS[direction]} ({rest})"
-        raise InputError(words + "".join(given))
-    found = []
+        message = f"the preload cannot be found: nothing holds {what} {WORDS[direction]} ({rest})"
+        raise InputError(message + "".join(given))
+    loads = []
     for element, (travel, turning) in zip(vehicle.elements, of_bodies, strict=True):
         force = -element.stiffness_at_rest * (travel @ u) if element.preload is None else np.array(element.preload)
         moment = -np.array(element.turning_stiffness) * (turning @ u)
         least = ROUND_OFF * vehicle.mass * vehicle.gravity
-        found.append(Preload(*(np.where(np.abs(a) > least, a, 0.0) for a in (force, moment))))
-    return found
+        loads.append(Preload(*(np.where(np.abs(a) > least, a, 0.0) for a in (force, moment))))
+    return loads
 
 
 def motions(vehicle: Vehicle) -> list[tuple[Array, Array]]:
@@ -99,9 +99,13 @@ def motions(vehicle: Vehicle) -> list[tuple[Array, Array]]:
             part = vehicle.carrier(name)
             i = vehicle.index(part)
             if i < len(vehicle.parts):
-                own = [k for k in range(6) if name not in boxes or k != PITCH]
-                rows[:, [6 * i + k for k in own]] += (sign * _at(np.array(end) - vehicle.place(part)))[:, own]
-                turns[:, [6 * i + k for k in own if k > 2]] += sign * np.eye(3)[:, [k - 3 for k in own if k > 2]]
+                directions = [k for k in range(6) if name not in boxes or k != PITCH]
+                rows[:, [6 * i + k for k in directions]] += (sign * _at(np.array(end) - vehicle.place(part)))[
+                    :, directions
+                ]
+                turns[:, [6 * i + k for k in directions if k > 2]] += (
+                    sign * np.eye(3)[:, [k - 3 for k in directions if k > 2]]
+                )
         return element.directions @ rows, turns
 
     return [motion(element) for element in vehicle.elements]
@@ -121,7 +125,7 @@ LEAST = 1e-6
 
 
 def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[int, Triple] | None]:
-    """Of every element whose friction depends on a normal force: the number of the element that gives it, and factors
+    """For every element whose friction depends on a normal force: the number of the element that gives it, and factors
     of its reading, component by component. Positive is the force at rest, or the sense of the slider.
 
     Raises InputError for an element that does not exist, whose own friction depends on another, or that carries nothing
@@ -131,11 +135,11 @@ def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[in
         if isinstance(element, BilinearSpring) and abs(preload.force[0]) < LEAST * vehicle.mass * vehicle.gravity:
             raise InputError(f"bilinear spring '{element.name}' carries nothing at rest: it must be under load there")
     numbers = {element.name: i for i, element in enumerate(vehicle.elements)}
-    found: list[tuple[int, Triple] | None] = []
+    normals: list[tuple[int, Triple] | None] = []
     for element in vehicle.elements:
         normal = None if element.slider is None else element.slider.normal
         if element.slider is None or normal is None:
-            found.append(None)
+            normals.append(None)
             continue
         name = normal.of or element.name
         if name not in numbers:
@@ -151,11 +155,11 @@ def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[in
             sense = float(np.sign(at_rest[axis]))
             if abs(at_rest[axis]) < LEAST * vehicle.mass * vehicle.gravity:
                 along = "xyz"[axis] if len(other.directions) > 1 else "its direction"
-                words = f"'{name}' carries nothing along {along} at rest"
-                raise InputError(f"friction '{element.name}' has no normal force: {words}")
+                message = f"'{name}' carries nothing along {along} at rest"
+                raise InputError(f"friction '{element.name}' has no normal force: {message}")
         x, y, z = element.slider.friction * normal.factor * sense * np.eye(3)[axis]
-        found.append((i, (float(x), float(y), float(z))))
-    return found
+        normals.append((i, (float(x), float(y), float(z))))
+    return normals
 
 
 # --- masses that are carried ----------------------------------------------------------------------------------------
@@ -177,8 +181,8 @@ class Ballast:
 
 def with_ballast(vehicle: Vehicle, masses: Sequence[Ballast]) -> Vehicle:
     """The vehicle with these masses as parts of its bodies. Raises InputError where the principal axes turn too far."""
-    own = ([mass for mass in masses if mass.body == body.name] for body in vehicle.bodies)
-    bodies = (_together(body, held) if held else body for body, held in zip(vehicle.bodies, own, strict=True))
+    masses_of = ([mass for mass in masses if mass.body == body.name] for body in vehicle.bodies)
+    bodies = (_together(body, held) if held else body for body, held in zip(vehicle.bodies, masses_of, strict=True))
     return replace(vehicle, bodies=tuple(bodies))
 
 
@@ -201,5 +205,5 @@ def _together(body: Body, masses: Sequence[Ballast]) -> Body:
             "of its own on stiff springs"
         )
     x, y, z = (float(c) for c in centre)
-    a, b, c = (float(own) for own in about)
+    a, b, c = (float(value) for value in about)
     return replace(body, mass=float(sum(weights)), inertia=(a, b, c), centre=(x, y, z), payload=float(sum(weights[1:])))

@@ -110,5 +110,5 @@ class SpeedProfile:
     def _at(self, time: float | Array) -> tuple[Array, Array, Array, Array]:
         """Time since the beginning of the piece, and the piece's other numbers."""
         begin, way, speed, acceleration = np.transpose(self.pieces)
-        at = np.maximum(np.searchsorted(begin, time, side="right") - 1, 0)
-        return np.asarray(time - begin[at]), way[at], speed[at], acceleration[at]
+        piece = np.maximum(np.searchsorted(begin, time, side="right") - 1, 0)
+        return np.asarray(time - begin[piece]), way[piece], speed[piece], acceleration[piece]

@@ -125,11 +125,11 @@ class MountedWheelset:
     @cached_property
     def modes(self) -> AxleModes | None:
         """Bending modes of its elastic axle with its axle boxes; None: rigid."""
-        own, axle, half = self.wheelset, self.wheelset.axle, 0.5 * self.wheelset.profile_spacing
+        wheelset, axle, half = self.wheelset, self.wheelset.axle, 0.5 * self.wheelset.profile_spacing
         if axle is None:
             return None
         boxes = [Disc(box.y, box.mass, 0.0, 0.5 * (box.inertia[0] + box.inertia[2])) for box in self.boxes]
-        wheels = axle.wheels(own.mass, own.inertia[1], own.inertia[0], half)
+        wheels = axle.wheels(wheelset.mass, wheelset.inertia[1], wheelset.inertia[0], half)
         return axle.modes((*wheels, *boxes))
 
 
@@ -243,22 +243,22 @@ class Vehicle:
         """The vehicles of a train, from front to rear, else this one; driven ones share the masses of the others."""
         masses, turning = [part.mass for part in self.parts], self._turning
         first, body = 0, len(turning)
-        found: list[Unit] = []
+        units: list[Unit] = []
         for member in self.members or (Member(self.name, len(self.wheelsets), len(self.bodies)),):
             wheelsets, bodies = range(first, first + member.wheelsets), range(body, body + member.bodies)
             reference = max(bodies, key=masses.__getitem__, default=first)
             mass = sum(masses[i] for i in (*wheelsets, *bodies))
             moved = mass + sum(turning[i] for i in wheelsets)
-            found.append(Unit(wheelsets, bodies, reference, member.driven, mass, moved))
+            units.append(Unit(wheelsets, bodies, reference, member.driven, mass, moved))
             first, body = wheelsets.stop, bodies.stop
-        driven = [unit for unit in found if unit.driven]
-        if len(driven) == len(found) or not driven:
-            return tuple(found)
-        share = sum(unit.pulled_mass for unit in found) / sum(unit.pulled_mass for unit in driven)
-        inertia = sum(unit.pulled_inertia for unit in found) / sum(unit.pulled_inertia for unit in driven)
+        driven = [unit for unit in units if unit.driven]
+        if len(driven) == len(units) or not driven:
+            return tuple(units)
+        share = sum(unit.pulled_mass for unit in units) / sum(unit.pulled_mass for unit in driven)
+        inertia = sum(unit.pulled_inertia for unit in units) / sum(unit.pulled_inertia for unit in driven)
         return tuple(
             replace(unit, pulled_mass=share * unit.pulled_mass, pulled_inertia=inertia * unit.pulled_inertia)
-            for unit in found
+            for unit in units
         )
 
     @property
@@ -305,18 +305,18 @@ class Vehicle:
     def alone(self, k: int) -> Vehicle:
         """The k-th vehicle of a train without its couplings, in its place in the train; without efforts."""
         unit = self.units[k]
-        own = {self.names[i] for i in unit.parts}
+        names = {self.names[i] for i in unit.parts}
         on_bodies = ("loads", "payloads", "points")
-        on_own: dict[str, Any] = {key: tuple(p for p in getattr(self, key) if p.body in own) for key in on_bodies}
-        of_unit = [e for e in self.elements if {self.carrier(e.first), self.carrier(e.second)} <= own]
+        attached: dict[str, Any] = {key: tuple(p for p in getattr(self, key) if p.body in names) for key in on_bodies}
+        of_unit = [e for e in self.elements if {self.carrier(e.first), self.carrier(e.second)} <= names]
         return replace(
             self,
             name=self.members[k].name,
             wheelsets=tuple(self.wheelsets[i] for i in unit.wheelsets),
-            bodies=tuple(body for body in self.bodies if body.name in own),
+            bodies=tuple(body for body in self.bodies if body.name in names),
             elements=tuple(of_unit),
-            **on_own,
-            drives=tuple(drive for drive in self.drives if drive.wheelset in own),
+            **attached,
+            drives=tuple(drive for drive in self.drives if drive.wheelset in names),
             efforts=(),
             slip_control=None,
             members=(),

@@ -27,7 +27,7 @@ from wrsim.vehicle.vehicle import Coupling, Member, Vehicle, single_wheelset
 from wrsim.vehicle.vehicle_sections import MemberTable, TrainFile, VehicleFile, WheelsetFile, WheelsetTable
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 
-OF_PARTS = ("bodies", "wheelsets", "elements", "drives", "parts", "places", "wheelset_types")
+PART_TABLES = ("bodies", "wheelsets", "elements", "drives", "parts", "places", "wheelset_types")
 """Tables of a file that assembles a vehicle from parts."""
 
 
@@ -67,7 +67,7 @@ def load_vehicle(path: str | Path, find: Finder | None = None, changes: Sequence
     finder = (find or usual_finder()).beside(path)
     if "vehicles" in data:
         return _checked(_train(check_section(TrainFile, data, locate), finder, locate, inner), path)
-    if any(key in data for key in OF_PARTS):
+    if any(key in data for key in PART_TABLES):
         return _of_parts(check_section(VehicleFile, data, locate), path, finder, locate, Place())
     if "wheelset" not in data:
         refuse_other_kind(VehicleFile, data, locate)
@@ -100,9 +100,13 @@ def _changed_file(path: Path, changes: Sequence[Change]) -> tuple[dict[str, Any]
         owners[full] = change.owner
 
     def locate(key: KeyPath) -> str:
-        for own, owner in owners.items():
-            table = own[:-1] if own[-1] == "kind" else own  # which has other keys then
-            if key and (key == own[: len(key)] or table == key[: len(table)]) and len(key) >= len(own) - 1:
+        for changed_key, owner in owners.items():
+            table = changed_key[:-1] if changed_key[-1] == "kind" else changed_key  # which has other keys then
+            if (
+                key
+                and (key == changed_key[: len(key)] or table == key[: len(table)])
+                and len(key) >= len(changed_key) - 1
+            ):
                 return owner
         return written(key)
 
@@ -203,16 +207,16 @@ def _train(file: TrainFile, finder: Finder, locate: Locate, changes: Mapping[str
     named = [(i, table, name) for i, table in enumerate(file.vehicles) for name in table.names]
     for k, (i, _, name) in enumerate(named):
         if "." in name or name in (TRACK, GUIDE):
-            words = f"'{name}' cannot be the name of a vehicle: a point precedes the names of its bodies"
-            raise fault(("vehicles", i, "name"), words)
+            reason = f"'{name}' cannot be the name of a vehicle: a point precedes the names of its bodies"
+            raise fault(("vehicles", i, "name"), reason)
         if name in [other for _, _, other in named[:k]]:
             raise fault(("vehicles", i, "name"), f"'{name}' is the name of another vehicle; names need be different")
     gaps = len(named) - 1
     if gaps < 1:
         raise fault(("vehicles",), "is one vehicle: a train has at least two (or count = 2)")
     if len(file.couplings) not in (1, gaps):
-        words = f"there are {len(file.couplings)} for {gaps} gaps between vehicles: give one for all, or one for each"
-        raise fault(("couplings",), words)
+        reason = f"there are {len(file.couplings)} for {gaps} gaps between vehicles: give one for all, or one for each"
+        raise fault(("couplings",), reason)
     tables = file.couplings if len(file.couplings) == gaps else file.couplings * gaps
     vehicles: list[Vehicle] = []
     couplings: list[Coupling] = []
@@ -235,8 +239,8 @@ def _train(file: TrainFile, finder: Finder, locate: Locate, changes: Mapping[str
             coupling = tables[k - 1]
             gap = Gap(f"{ahead[0]}-{name}", ahead[1], behind[1], 0.5 * (rear + front))
             new = tuple(coupling.elements(gap))
-            at = (gap.x, 0.0, coupling.height_mm / 1e3)
-            couplings.append(Coupling(gap.name, gap.ahead, gap.behind, at, tuple(element.name for element in new)))
+            point = (gap.x, 0.0, coupling.height_mm / 1e3)
+            couplings.append(Coupling(gap.name, gap.ahead, gap.behind, point, tuple(element.name for element in new)))
             between += new
         rear, ahead = front - 2.0 * half, behind
     lists = ("wheelsets", "bodies", "elements", "loads", "payloads", "points", "drives")
@@ -253,7 +257,7 @@ def _train(file: TrainFile, finder: Finder, locate: Locate, changes: Mapping[str
 
 def _member(path: Path, find: Finder, place: Place, changes: Sequence[Change]) -> Vehicle:
     data, locate, _ = _changed_file(path, changes)
-    if not any(key in data for key in OF_PARTS):
+    if not any(key in data for key in PART_TABLES):
         raise InputError(f"{path}: is no vehicle of parts; a train takes vehicles with bodies")
     return _of_parts(check_section(VehicleFile, data, locate), path, find.beside(path), locate, place)
 
@@ -263,8 +267,8 @@ def _member_fault(
 ) -> tuple[str, str] | None:
     """Key and message where a vehicle does not fit into its train, between its ends [m]."""
     if vehicle.gravity != gravity:
-        words = f"has a gravity of {vehicle.gravity:g} m/s2 in its file, the first vehicle has {gravity:g}"
-        return "model", words
+        reason = f"has a gravity of {vehicle.gravity:g} m/s2 in its file, the first vehicle has {gravity:g}"
+        return "model", reason
     framed = [e.name for e in vehicle.elements if {e.first, e.second} & {TRACK, GUIDE}]
     if framed:
         return "model", f"has elements to the frame of the track ('{framed[0]}'), which a train has not"
@@ -276,6 +280,6 @@ def _member_fault(
     if not bodies:
         return "model", "has no body that couplings can hold on to"
     if table.body is not None and table.body not in bodies:
-        words = f"is no body of that vehicle; there is {', '.join(bodies)}{suggest(table.body, bodies)}"
-        return "body", words
+        reason = f"is no body of that vehicle; there is {', '.join(bodies)}{suggest(table.body, bodies)}"
+        return "body", reason
     return None

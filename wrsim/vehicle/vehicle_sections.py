@@ -299,10 +299,10 @@ class PayloadTable(Section, header="[[payloads]]"):
 
     def payload(self, name: str, body: str, axes: Axes) -> Payload | Ballast:
         """The payload in SI units, of this name on this body; axes: of the part that it belongs to."""
-        at = axes.point(self.at_mm)
+        point = axes.point(self.at_mm)
         if self.mass_kg is None:
-            return Payload(name, body, axes.vector(self.force_kN or ZERO), at)
-        return Ballast(body, self.mass_kg, at, self.inertia_kg_m2 or ZERO)
+            return Payload(name, body, axes.vector(self.force_kN or ZERO), point)
+        return Ballast(body, self.mass_kg, point, self.inertia_kg_m2 or ZERO)
 
 
 class PointTable(Section, header="[[points]]"):

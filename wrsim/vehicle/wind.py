@@ -49,19 +49,19 @@ class Air:
             side = push * self.coefficient * np.sin(yaw)
             return side, np.zeros_like(side), self.height * side
         angles, *coefficients = np.transpose(self.table)
-        side, lift, roll = (push * np.interp(yaw, angles, own) for own in coefficients)
+        side, lift, roll = (push * np.interp(yaw, angles, coefficient) for coefficient in coefficients)
         return side, lift, self.length * roll
 
     def along_track(
         self, vehicle: Vehicle, largest: float, begins: float, peak: float, gusty: bool, running: float, **across: float
     ) -> Vehicle:
         """The vehicle, or each of a train, in a wind along its way (`felt`); across: as `loads` takes it."""
-        found = list(vehicle.loads)
+        loads = list(vehicle.loads)
         for unit in vehicle.units:
             centres = [vehicle.parts[i].centre[0] for i in (*unit.wheelsets, *unit.bodies)]
             way = felt(largest, begins, peak, max(centres) - min(centres), gusty)
-            found += self.loads(vehicle, *way, running, on=unit.reference, **across)
-        return replace(vehicle, loads=tuple(found))
+            loads += self.loads(vehicle, *way, running, on=unit.reference, **across)
+        return replace(vehicle, loads=tuple(loads))
 
     def loads(
         self, vehicle: Vehicle, places: ArrayLike, wind: ArrayLike, running: float, left: float = 1.0,
@@ -79,14 +79,14 @@ class Air:
         whose = f"{body.name}: " if vehicle.members else ""
         across, up = left * (side * cos(tilt) + lift * sin(tilt)), lift * cos(tilt) - side * sin(tilt)
         couple, none = -0.5 / ARM * left * (roll - height * side), np.zeros_like(side)
-        found = [("wind", 0.0, height, across, up)]
+        pushes = [("wind", 0.0, height, across, up)]
         if self.table:
-            found += [("wind, left", ARM, 0.0, none, couple), ("wind, right", -ARM, 0.0, none, -couple)]
+            pushes += [("wind, left", ARM, 0.0, none, couple), ("wind, right", -ARM, 0.0, none, -couple)]
         rows = np.atleast_1d(places)
-        tables = [tuple(map(tuple, np.column_stack([rows, none, y, z]).tolist())) for *_, y, z in found]
+        tables = [tuple(map(tuple, np.column_stack([rows, none, y, z]).tolist())) for *_, y, z in pushes]
         return tuple(
             Load(whose + name, body.name, (body.centre[0], y, z), table, "distance")
-            for (name, y, z, *_), table in zip(found, tables, strict=True)
+            for (name, y, z, *_), table in zip(pushes, tables, strict=True)
         )
 
 

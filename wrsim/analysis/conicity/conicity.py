@@ -64,8 +64,8 @@ def wheelset_conicity(
     profiles, radii = (left.profile, right.profile), (left.radius, right.radius)
     contact = rigid_contact(profiles, radii, rails, wheelset.profile_spacing, gauge, shift, plan.roll != "none")
     place, difference = _counted(contact, plan.roll)
-    found = equivalent_conicity(place, difference, wheelset.mean_radius, plan.amplitudes)
-    if not np.isfinite(found.equilibrium):
+    equivalent = equivalent_conicity(place, difference, wheelset.mean_radius, plan.amplitudes)
+    if not np.isfinite(equivalent.equilibrium):
         raise InputError(
             f"{title}: the rolling radius difference does not rise through zero within {1e3 * reach:g} mm of the "
             "centre: the wheelset has no place to swing about"
@@ -81,8 +81,8 @@ def wheelset_conicity(
         "u_wheel": contact.u_wheel[part, :, None],
         "u_rail": contact.u_rail[part, :, None],
         "y_contact": contact.lateral[part, :, None],
-        "equivalent_conicity": found.conicity,
-        "conicity_wavelength": found.wavelength,
+        "equivalent_conicity": equivalent.conicity,
+        "conicity_wavelength": equivalent.wavelength,
     }
     attributes: dict[str, str | float | int] = {
         "title": title,
@@ -94,12 +94,12 @@ def wheelset_conicity(
         "profile_spacing_m": wheelset.profile_spacing,
         "radius_left_m": radii[0],
         "radius_right_m": radii[1],
-        "equilibrium_shift_m": found.equilibrium,
+        "equilibrium_shift_m": equivalent.equilibrium,
         "flange_from_rad": plan.flange_from,
         "curve_radii_m": " ".join(f"{radius:.15g}" for radius in plan.curves),
     }
     names = [f"y={1e3 * y + 0.0:+.3f}mm" for y in place[part]]
-    return Result(assemble({"pose": names, "amplitude": found.amplitude}, channels, attributes))
+    return Result(assemble({"pose": names, "amplitude": equivalent.amplitude}, channels, attributes))
 
 
 def _counted(contact: RigidContact, roll: str) -> tuple[Array, Array]:
@@ -142,7 +142,7 @@ def equivalent_conicity(
     amplitude = np.atleast_1d(np.asarray(amplitude, dtype=float))
     nothing = np.full(amplitude.shape, np.nan)
     known = np.ma.flatnotmasked_contiguous(np.ma.masked_invalid(radius_difference))
-    part = max(known, key=lambda own: own.stop - own.start, default=slice(0, 0))
+    part = max(known, key=lambda interval: interval.stop - interval.start, default=slice(0, 0))
     y, rate = shift[part], radius_difference[part] / (CONTACT_DISTANCE * mean_radius)
     if y.size < 3:
         return EquivalentConicity(amplitude, nothing, nothing, np.nan)
@@ -158,7 +158,7 @@ def equivalent_conicity(
 
 
 def _wavelength(potential: PPoly, bottom: float, amplitude: float) -> float:
-    """Of the swing of this amplitude about the bottom of the potential P; not-a-number when there is none."""
+    """Wavelength of the swing of this amplitude about the bottom of the potential P; not-a-number without one."""
     low = max(bottom - 2.0 * amplitude, float(potential.x[0]))
     high = min(bottom, float(potential.x[-1]) - 2.0 * amplitude)
 

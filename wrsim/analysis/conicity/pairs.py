@@ -81,9 +81,9 @@ class Pairing:
         on = " on ".join(" / ".join(dict.fromkeys((p.name, q.name))) for p, q in (profiles, (left, right)))
         amplitudes = tuple(a / 1e3 for a in AMPLITUDES)
         plan = ConicityPlan(amplitudes, self.roll, tuple(curves), radians(flange_from_deg))
-        found = wheelset_conicity(wheelset, (left, right), gauge, plan, on + self.inclined)
-        found.dataset.attrs |= noted([*profiles, left, right])
-        return found
+        result = wheelset_conicity(wheelset, (left, right), gauge, plan, on + self.inclined)
+        result.dataset.attrs |= noted([*profiles, left, right])
+        return result
 
     def map(self, wheel: str, rail: str, gauges_mm: tuple[float, float, float], radius: float) -> ConicityMap:
         """A map of profiles or folders of them over gauges (first, last, step) [mm]; radius at the tape circle [m]."""
@@ -92,10 +92,10 @@ class Pairing:
             wheels, worse = gathered((wheel,), "wheel", self.models)
         notes = notes_of([*wheels.values(), *rails.values()])
         rails, gauges = {n: p.inclined(self.slope) for n, p in rails.items()}, [g / 1e3 for g in _gauges(*gauges_mm)]
-        found = conicity_map(
+        chart = conicity_map(
             wheels, rails, gauges, self.spacing, radius, self.roll, f"{wheel} on {rail}{self.inclined}"
         )
-        return replace(found, reasons=(*worse, *bad, *found.reasons), notes=notes)
+        return replace(chart, reasons=(*worse, *bad, *chart.reasons), notes=notes)
 
     def _profile(self, name: str, kind: Kind) -> Profile:
         return load_profile(model_file(name, self.models), kind)
@@ -107,8 +107,8 @@ def _gauges(low: float, high: float, step: float) -> list[float]:
         check_value(Gauge, gauge, "--gauges-mm")
     count = (high - low) / step if step > 0.0 and high >= low else -1.0
     if not 0.0 <= count <= MOST_GAUGES:
-        words = f"must be FROM, a TO not below it, and a STEP above 0 that makes at most {MOST_GAUGES} of them"
-        raise InputError(f"--gauges-mm {low:g} {high:g} {step:g}: {words}")
+        allowed = f"must be FROM, a TO not below it, and a STEP above 0 that makes at most {MOST_GAUGES} of them"
+        raise InputError(f"--gauges-mm {low:g} {high:g} {step:g}: {allowed}")
     return [low + i * step for i in range(int(count + 1e-9) + 1)]
 
 
@@ -133,11 +133,13 @@ def conicity_map(
         for j, gauge in enumerate(gauges):
             pair = f"{wheel} on {rail}, gauge {1e3 * gauge:.6g} mm"
             try:
-                found = conicity_summary(wheelset_conicity(wheelset, (rails[rail],) * 2, gauge, plan, pair).wheelset())
+                summary = conicity_summary(
+                    wheelset_conicity(wheelset, (rails[rail],) * 2, gauge, plan, pair).wheelset()
+                )
             except InputError as error:
                 text = str(error)
                 reasons[text if text.startswith(pair) else f"{pair}: {text}"] = None
                 continue
             # None becomes not-a-number
-            values[:, i, j] = np.array([found["equivalent_conicity"]["3_mm"], found["nonlinearity_per_mm"]], float)
+            values[:, i, j] = np.array([summary["equivalent_conicity"]["3_mm"], summary["nonlinearity_per_mm"]], float)
     return ConicityMap(pairs, tuple(gauges), values[0], values[1], tuple(reasons), title)

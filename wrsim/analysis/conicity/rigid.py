@@ -86,12 +86,12 @@ class _Side:
     def closest(self, shift: Array, roll: Array) -> tuple[Array, Array, NDArray[np.intp]]:
         """Smallest gap (n,), its rate with the outward roll, and the wheel's node next to it."""
         o, gap = self.gap(shift, roll)
-        before, at, after = gap[:, :-2], gap[:, 1:-1], gap[:, 2:]
+        before, middle, after = gap[:, :-2], gap[:, 1:-1], gap[:, 2:]
         with np.errstate(invalid="ignore"):
-            bend = 8.0 * (before - 2.0 * at + after)
-            low = (at <= before) & (at <= after)
+            bend = 8.0 * (before - 2.0 * middle + after)
+            low = (middle <= before) & (middle <= after)
             dip = np.divide((after - before) ** 2, bend, out=np.zeros_like(bend), where=low & (bend > 0.0))
-            lowest = np.where(low, at - dip, np.inf)
+            lowest = np.where(low, middle - dip, np.inf)
         node = np.argmin(np.where(np.isnan(lowest), np.inf, lowest), axis=1) + 1
         row, c, s = np.arange(shift.size), np.cos(roll), np.sin(roll)
         best, out, up = lowest[row, node - 1], self.out[node], self.up[node]
@@ -164,8 +164,8 @@ def rigid_contact(
         arc, o, gap, angle = side.touch(sign * shift, sign * roll, node)
         u, w = side.wheel.at(np.clip(arc, 0.0, side.wheel.length))
         lost = off | (o <= side.rail.x[0] + 1e-6) | (o >= side.rail.x[-1] - 1e-6)
-        found = (u, o - side.origin, sign * o, side.radius - w, angle, -gap)
-        columns.append(tuple(np.where(lost, np.nan, a) for a in found))
+        quantities = (u, o - side.origin, sign * o, side.radius - w, angle, -gap)
+        columns.append(tuple(np.where(lost, np.nan, a) for a in quantities))
     u_wheel, u_rail, lateral, radius, angle, lift = (np.column_stack(pair) for pair in zip(*columns, strict=True))
     roll = np.where(np.isnan(lift).any(axis=1), np.nan, roll)
     return RigidContact(

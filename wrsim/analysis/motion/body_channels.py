@@ -29,30 +29,30 @@ def body_channels(law: VehicleOnTrack, q: Array, q_t: Array, near: Array) -> dic
     vehicle = law.vehicle
     first, n = len(vehicle.wheelsets), len(q)
     names = ("body_lateral", "body_vertical", "body_yaw", "body_pitch", "body_roll")
-    found = {name: np.zeros((n, len(vehicle.bodies))) for name in names}
+    channels = {name: np.zeros((n, len(vehicle.bodies))) for name in names}
     path = law.track.centre
     for b, body in enumerate(vehicle.bodies):
-        own = slice(6 * (first + b), 6 * (first + b) + 6)
-        poses = poses_on_track(path, q[:, own], q_t[:, own], near[b])
+        coordinates = slice(6 * (first + b), 6 * (first + b) + 6)
+        poses = poses_on_track(path, q[:, coordinates], q_t[:, coordinates], near[b])
         near[b] = poses.distance[-1]
-        found["body_lateral"][:, b] = poses.lateral - body.centre[1]
-        found["body_vertical"][:, b] = poses.height - body.centre[2]
-        found["body_yaw"][:, b] = poses.yaw
-        found["body_roll"][:, b] = poses.roll
+        channels["body_lateral"][:, b] = poses.lateral - body.centre[1]
+        channels["body_vertical"][:, b] = poses.height - body.centre[2]
+        channels["body_yaw"][:, b] = poses.yaw
+        channels["body_roll"][:, b] = poses.roll
         for i in range(n):
-            forward = pitched(kinematics(q[i, own], q_t[i, own]), q[i, own][5]).forward
+            forward = pitched(kinematics(q[i, coordinates], q_t[i, coordinates]), q[i, coordinates][5]).forward
             up = path_kernels.frame_at(path.curve, poses.distance[i]).b
-            found["body_pitch"][i, b] = -np.arcsin(np.clip(np.dot(forward, up), -1.0, 1.0))
-    return found
+            channels["body_pitch"][i, b] = -np.arcsin(np.clip(np.dot(forward, up), -1.0, 1.0))
+    return channels
 
 
 def wheel_seats(vehicle: Vehicle) -> list[MeasuringPoint]:
     """Where the wheels sit on their axles, left and right of each in turn."""
-    found = []
+    seats = []
     for mounted in vehicle.wheelsets:
         (x, y, z), half = mounted.centre, 0.5 * mounted.wheelset.profile_spacing
-        found += [MeasuringPoint("", mounted.name, (x, y + side * half, z)) for side in (1.0, -1.0)]
-    return found
+        seats += [MeasuringPoint("", mounted.name, (x, y + side * half, z)) for side in (1.0, -1.0)]
+    return seats
 
 
 def point_accelerations(
@@ -65,24 +65,24 @@ def point_accelerations(
     """
     vehicle = law.vehicle
     names, parts, q_tt = vehicle.names, vehicle.parts, accelerations(law.bodies, q, q_t, forces).ravel()
-    found, moving = np.zeros((len(points), 3)), dict[int, tuple[Array, Array, Array]]()
+    values, moving = np.zeros((len(points), 3)), dict[int, tuple[Array, Array, Array]]()
     for j, point in enumerate(points):
         i = names.index(point.body)
         arm = np.array(point.at) - np.array(parts[i].centre)
         if i not in moving:
-            at, rates, changes = (state[6 * i : 6 * i + 6].copy() for state in (q, q_t, q_tt))
+            coordinates, rates, changes = (state[6 * i : 6 * i + 6].copy() for state in (q, q_t, q_tt))
             if i < len(vehicle.wheelsets):  # an axle box does not spin
-                at[5] = rates[5] = changes[5] = 0.0
-            state = pitched(kinematics(at, rates), at[5])
+                coordinates[5] = rates[5] = changes[5] = 0.0
+            state = pitched(kinematics(coordinates, rates), coordinates[5])
             axes = np.array([state.forward, state.left, state.up])
             acceleration = axes @ (np.array([changes[1], changes[2], changes[0] + vehicle.gravity]))
-            moving[i] = acceleration, axes @ state.omega, _angular_acceleration(at, rates, changes)
+            moving[i] = acceleration, axes @ state.omega, _angular_acceleration(coordinates, rates, changes)
         acceleration, omega, alpha = moving[i]
-        found[j] = acceleration + _cross(alpha, arm) + _cross(omega, _cross(omega, arm))
-        if len(own := law.modes_of(i)):
-            found[j] += forces[own] @ law.attachments.modes[i].shapes(np.array([point.at]))[:, 0, :3]
-        found[j, 2] -= vehicle.gravity
-    return found
+        values[j] = acceleration + _cross(alpha, arm) + _cross(omega, _cross(omega, arm))
+        if len(modes := law.modes_of(i)):
+            values[j] += forces[modes] @ law.attachments.modes[i].shapes(np.array([point.at]))[:, 0, :3]
+        values[j, 2] -= vehicle.gravity
+    return values
 
 
 def _cross(a: Array, b: Array) -> Array:
@@ -105,12 +105,12 @@ def _angular_acceleration(q: Array, q_t: Array, q_tt: Array) -> Array:
 def twist_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]:
     """How fast the wheels of every axle turn against each other, and the twist of axles that have a stiffness
     (samples, wheelsets); nothing where they are rigid."""
-    found = np.zeros((2, len(q), len(law.vehicle.wheelsets)))
-    for i, at in law.twists.items():
+    twists = np.zeros((2, len(q), len(law.vehicle.wheelsets)))
+    for i, coordinate in law.twists.items():
         torsion = law.vehicle.wheelsets[i].wheelset.torsion
-        found[0, :, i] = q_t[:, at]
-        found[1, :, i] = 0.0 if torsion is None or torsion.independent else q[:, at]
-    return {"spin_difference": found[0], "axle_twist": found[1]}
+        twists[0, :, i] = q_t[:, coordinate]
+        twists[1, :, i] = 0.0 if torsion is None or torsion.independent else q[:, coordinate]
+    return {"spin_difference": twists[0], "axle_twist": twists[1]}
 
 
 def deck_channels(law: VehicleOnTrack, q: Array, accelerations: Array) -> dict[str, Array]:
@@ -120,10 +120,10 @@ def deck_channels(law: VehicleOnTrack, q: Array, accelerations: Array) -> dict[s
     if deck is None:
         return {}
     eta = q[:, law.of_deck]
-    found = {"deck_deflection": -eta @ deck.values.T, "deck_acceleration": accelerations @ deck.values.T}
+    channels = {"deck_deflection": -eta @ deck.values.T, "deck_acceleration": accelerations @ deck.values.T}
     if deck.moments is not None:
-        found["deck_moment"] = eta @ deck.moments.T
-    return found
+        channels["deck_moment"] = eta @ deck.moments.T
+    return channels
 
 
 AXLE_POINTS = 41  # at which the shape of an axle is given
@@ -135,33 +135,36 @@ def bent_channels(
     """The shapes of rails on sleepers or of a bridge and of elastic axles at the instant of the largest vertical force
     of a wheel, of all steps on sleepers, else of the samples with these channels; and that wheel and its place as
     attributes. Nothing where nothing bends."""
-    vehicle, own, deck = law.vehicle, law.on_sleepers, law.deck
-    found: dict[str, Any] = {}
+    vehicle, rails, deck = law.vehicle, law.on_sleepers, law.deck
+    deflections: dict[str, Any] = {}
     axles = {i: modes for i, modes in law.attachments.modes.items() if isinstance(modes, AxleModes)}
-    if not (own or deck or axles):
+    if not (rails or deck or axles):
         return {}, {}
-    if own is not None and own.peak[0] > 0.0:
-        (_, number, place), q = own.peak[:3], own.peak[3 : 3 + law.size]
-        nodes, left, right = own.peak[3 + law.size :].reshape(3, -1)
-        found |= {"bent_place": nodes, "bent_rail": np.stack([left, right], axis=1)}
+    if rails is not None and rails.peak[0] > 0.0:
+        (_, number, place), q = rails.peak[:3], rails.peak[3 : 3 + law.size]
+        nodes, left, right = rails.peak[3 + law.size :].reshape(3, -1)
+        deflections |= {"bent_place": nodes, "bent_rail": np.stack([left, right], axis=1)}
     else:
         forces = np.asarray(channels["Q"])
         sample, number = divmod(int(np.argmax(forces)), forces[0].size)
         place, q = np.asarray(channels["wheelset_distance"])[sample, number // 2], motion.q[sample]
-    if deck is not None and own is None:
+    if deck is not None and rails is None:
         down = deck.shapes[..., 0] @ q[law.of_deck]
-        found |= {"bent_place": deck.start + deck.step * np.arange(len(down)), "bent_rail": np.stack([down, down], 1)}
+        deflections |= {
+            "bent_place": deck.start + deck.step * np.arange(len(down)),
+            "bent_rail": np.stack([down, down], 1),
+        }
     bent = np.full((3, len(vehicle.wheelsets), AXLE_POINTS), np.nan)
     for i, modes in axles.items():
         y = np.linspace(modes.nodes[0], modes.nodes[-1], AXLE_POINTS)
         moved = np.tensordot(q[law.modes_of(i)], modes.shapes(np.stack([0.0 * y, y, 0.0 * y], axis=1)), 1)
         bent[:, i] = y, moved[:, 0], moved[:, 2]
     if axles:
-        found |= dict(zip(("bent_axle_y", "bent_axle_x", "bent_axle_z"), bent, strict=True))
-    if not found:  # of rails whose run was cut off nothing is known
+        deflections |= dict(zip(("bent_axle_y", "bent_axle_x", "bent_axle_z"), bent, strict=True))
+    if not deflections:  # of rails whose run was cut off nothing is known
         return {}, {}
     wheelset, side = divmod(int(number), 2)
-    return found, {"bent_by": f"{vehicle.wheelsets[wheelset].name} {SIDES[side]}", "bent_at_m": float(place)}
+    return deflections, {"bent_by": f"{vehicle.wheelsets[wheelset].name} {SIDES[side]}", "bent_at_m": float(place)}
 
 
 def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[str, Array]:
@@ -175,7 +178,7 @@ def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[st
     if not any(e.first in (TRACK, GUIDE) and e.second in wheelsets for e in vehicle.elements):
         return {}
     attack = -vehicle.guide_ahead * law.track.curvature(law.start + law.profile.way(times))
-    found = np.zeros((3, len(times), len(vehicle.wheelsets)))
+    forces = np.zeros((3, len(times), len(vehicle.wheelsets)))
     for record, element in zip(np.moveaxis(records, 1, 0), vehicle.elements, strict=True):
         if element.first not in (TRACK, GUIDE) or element.second not in wheelsets:
             continue
@@ -186,8 +189,8 @@ def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[st
         if element.first == GUIDE:
             c, s = np.cos(attack), np.sin(attack)
             fx, fy = c * fx - s * fy, s * fx + c * fy
-        found[:, :, w] += fx, fy, moment
-    return dict(zip(("guide_force_x", "guide_force_y", "guide_moment"), found, strict=True))
+        forces[:, :, w] += fx, fy, moment
+    return dict(zip(("guide_force_x", "guide_force_y", "guide_moment"), forces, strict=True))
 
 
 def track_channels(track: Track, distance: Array) -> dict[str, Array]:
@@ -226,8 +229,8 @@ def energy_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Arra
         kinetic += 0.5 * drive.inertia * q_t[:, place + 1] ** 2
     for wheelset, twist in law.twists.items():
         kinetic += 0.125 * law.bodies[wheelset].inertia[1] * q_t[:, twist] ** 2
-    for part, own in law.attachments.modes.items():
-        kinetic += 0.5 * q_t[:, law.modes_of(part)] ** 2 @ own.masses
+    for part, modes in law.attachments.modes.items():
+        kinetic += 0.5 * q_t[:, law.modes_of(part)] ** 2 @ modes.masses
     return {"kinetic_energy": kinetic, "potential_energy": vehicle.gravity * q[:, Z:n:6] @ mass}
 
 
@@ -260,7 +263,7 @@ def coupling_channels(law: VehicleOnTrack, q: Array, records: Array) -> dict[str
     """
     vehicle = law.vehicle
     names = ("force", "fy_ahead", "fy_behind", "fz", "extension", "offset", "yaw")
-    found = {f"coupling_{name}": np.zeros((len(q), len(vehicle.couplings))) for name in names}
+    channels = {f"coupling_{name}": np.zeros((len(q), len(vehicle.couplings))) for name in names}
     numbers = {element.name: i for i, element in enumerate(vehicle.elements)}
     for c, coupling in enumerate(vehicle.couplings):
         ahead, behind = _Moved(law, q, coupling.ahead), _Moved(law, q, coupling.behind)
@@ -281,8 +284,8 @@ def coupling_channels(law: VehicleOnTrack, q: Array, records: Array) -> dict[str
             _along(force, up), _along(apart, forward), _along(apart, left), np.arcsin(_along(turned, up)),
         )  # fmt: skip
         for name, value in zip(names, values, strict=True):
-            found[f"coupling_{name}"][:, c] = value
-    return found
+            channels[f"coupling_{name}"][:, c] = value
+    return channels
 
 
 class _Moved:
@@ -290,15 +293,15 @@ class _Moved:
 
     def __init__(self, law: VehicleOnTrack, q: Array, name: str) -> None:
         i = law.vehicle.index(name)
-        own = q[:, 6 * i : 6 * i + 6]
-        bodies = [pitched(kinematics(at, np.zeros(6)), at[5]) for at in own]
+        coordinates = q[:, 6 * i : 6 * i + 6]
+        bodies = [pitched(kinematics(row, np.zeros(6)), row[5]) for row in coordinates]
         self.centre = np.array(law.vehicle.parts[i].centre)
         self.position = np.array([body.position for body in bodies])
         self.axes = np.array([(body.forward, body.left, body.up) for body in bodies])
 
-    def point(self, at: tuple[float, float, float]) -> Array:
+    def point(self, place: tuple[float, float, float]) -> Array:
         """Where a point of the design position has moved to, (samples, 3)."""
-        return np.asarray(self.position + np.einsum("k,nkj->nj", np.array(at) - self.centre, self.axes))
+        return np.asarray(self.position + np.einsum("k,nkj->nj", np.array(place) - self.centre, self.axes))
 
 
 def _along(vectors: Array, direction: Array) -> Array:

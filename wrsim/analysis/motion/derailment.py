@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.motion.messages import Lost, NoSteadyMotion, wheel_words
+from wrsim.analysis.motion.messages import Derailment, NoSteadyMotion, wheel_words
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.records import STATUS_TOO_DEEP
@@ -34,26 +34,26 @@ DROP = 15e-3  # depth of the tape circle below the top of its rail at which a wh
 class WatchedWheel:
     """One wheel of a vehicle on its rail, looked at in the pose that its model computed last. words: which wheel."""
 
-    def __init__(self, wheelset: str, wheel: WheelOnRail, words: str) -> None:
-        self.wheelset, self.side, self.model, self.words = wheelset, wheel.name, wheel.model, words
+    def __init__(self, wheelset: str, wheel: WheelOnRail, label: str) -> None:
+        self.wheelset, self.side, self.model, self.label = wheelset, wheel.name, wheel.model, label
         self.tip = flange_tip(wheel.model.wheel)
         self.face = gauge_face(wheel.model.rail)
         self.level = self.model.radius + self.model.rail.top[1]  # height of the axle on the rail's highest point
         rows = wheel.model.arrays.rows
         self._lobes, self._closest, self._N = rows.total["lobes"], rows.total["closest"], rows.patches["N"]
 
-    def off_the_rail(self) -> Lost | None:
+    def off_the_rail(self) -> Derailment | None:
         """How the wheel has left its rail, if it has."""
         pose = self.model.arrays.pose
         height = pose.item(2) - self.level
         if height < -DROP:
             where = "beside its rail" if self.model.rolled is None else "into a gap of its rail, or beside it"
-            return Lost("derailed", f"{self.words} has dropped {where}")
+            return Derailment("derailed", f"{self.label} has dropped {where}")
         if self.tip is not None:
             u, w = self.tip  # on the wheel profile; its outward coordinate in the rail's axes:
             if pose.item(1) + u * pose.item(4) + (self.model.radius - w) * pose.item(5) > self.face:
                 lifted = f"(lifted by {1e3 * height:.0f} mm)"
-                return Lost("derailed", f"the flange of {self.words} has climbed over its rail {lifted}")
+                return Derailment("derailed", f"the flange of {self.label} has climbed over its rail {lifted}")
         return None
 
     @property
@@ -100,24 +100,24 @@ def wheels_of(law: VehicleOnTrack) -> list[WatchedWheel]:
 
 def watched(wheels: Sequence[WatchedWheel]) -> NDArray[np.void]:
     """Records WATCH of wheels (``dynamics.watch``), with their geometry."""
-    found = np.zeros(len(wheels), WATCH)
-    for row, wheel in zip(found, wheels, strict=True):
+    records = np.zeros(len(wheels), WATCH)
+    for row, wheel in zip(records, wheels, strict=True):
         row.level, row.drop, row.face, row.substitutes = wheel.level, -DROP, wheel.face, wheel.model.arrays.substitutes
         row.flanged = wheel.tip is not None
         if wheel.tip is not None:
             row.u, row.reach = wheel.tip[0], wheel.model.radius - wheel.tip[1]
-    found["most"], found["least"] = -np.inf, np.inf
-    return found
+    records["most"], records["least"] = -np.inf, np.inf
+    return records
 
 
-def overlap(wheels: Sequence[WatchedWheel]) -> Lost:
+def overlap(wheels: Sequence[WatchedWheel]) -> Derailment:
     """The wheel that is deepest in its rail."""
-    own = max(wheels, key=lambda wheel: wheel.depth)
-    depth = f"{1e3 * own.depth:.2g} mm (more than {1e3 * DEEPEST:g} mm)"
-    return Lost("overlap", f"{own.words} and its rail overlap by {depth}")
+    deepest = max(wheels, key=lambda wheel: wheel.depth)
+    depth = f"{1e3 * deepest.depth:.2g} mm (more than {1e3 * DEEPEST:g} mm)"
+    return Derailment("overlap", f"{deepest.label} and its rail overlap by {depth}")
 
 
-def derailed(law: VehicleOnTrack) -> Lost | None:
+def derailed(law: VehicleOnTrack) -> Derailment | None:
     """A wheel in its rail, off it, or without load, at the state of the last evaluation of the law."""
     wheels = wheels_of(law)
     if any(wheel.status & STATUS_TOO_DEEP for wheel in wheels):
@@ -127,7 +127,7 @@ def derailed(law: VehicleOnTrack) -> Lost | None:
         if off is not None:
             return off
         if not wheel.in_contact:
-            return Lost("derailed", f"{wheel.words} has no contact with its rail")
+            return Derailment("derailed", f"{wheel.label} has no contact with its rail")
     return None
 
 
@@ -135,7 +135,7 @@ def contact_words(wheels: Sequence[WatchedWheel], statuses: Sequence[int] | None
     """Messages of the contacts of wheels, of their last state unless statuses are given; empty when all is well."""
     statuses = [wheel.status for wheel in wheels] if statuses is None else statuses
     pairs = zip(wheels, map(status_words, statuses), strict=True)
-    return "; ".join(f"{wheel.words}: {words}" for wheel, words in pairs if words)
+    return "; ".join(f"{wheel.label}: {message}" for wheel, message in pairs if message)
 
 
 def flange_tip(wheel: Profile) -> tuple[float, float] | None:
@@ -157,9 +157,9 @@ def gauge_face(rail: Profile) -> float:
 
 
 @dataclass(frozen=True)
-class Resultant:
-    """Of all that acts on a vehicle as one rigid body: force to the left and up [N], in the axes of the track; where it
-    meets the plane of the rails to the left of the middle [m]; infinite where it points away from the rails.
+class QuasiStaticForce:
+    """Resultant on a vehicle as one rigid body: force to the left and up [N], in the axes of the track; where it meets
+    the plane of the rails to the left of the middle [m]; infinite where it points away from the rails.
     """
 
     left: float
@@ -167,8 +167,8 @@ class Resultant:
     point: float
 
 
-def resultant(vehicle: Vehicle, distance: float, curvature: float, tilt: float, speed: float) -> Resultant:
-    """Of weight, centrifugal force, payloads, and the loads of time 0 with the vehicle's origin at a distance [m].
+def resultant(vehicle: Vehicle, distance: float, curvature: float, tilt: float, speed: float) -> QuasiStaticForce:
+    """Resultant of weight, centrifugal force, payloads, and loads of time 0 with the vehicle's origin at a place [m].
 
     curvature [1/m] and tilt of the track by its cant [rad], both positive to the left; speed [m/s].
     """
@@ -183,28 +183,28 @@ def resultant(vehicle: Vehicle, distance: float, curvature: float, tilt: float, 
         _, fy, fz = load.largest
         _, y, z = load.at
         left, up, tipping = left + fy, up + fz, tipping + z * fy - y * fz
-    return Resultant(left, up, tipping / -up if up < 0.0 else float(np.copysign(np.inf, tipping)))
+    return QuasiStaticForce(left, up, tipping / -up if up < 0.0 else float(np.copysign(np.inf, tipping)))
 
 
-def pushed(setup: Setup[RunPlan], speed: float) -> Resultant:
+def resultant_at_start(setup: Setup[RunPlan], speed: float) -> QuasiStaticForce:
     """The same on the track where the run starts. Raises NoSteadyMotion when it would overturn the vehicle."""
     track, start = setup.track, setup.plan.start
     curvature = float(track.curvature(start))
     tilt = float(cant_angle(track.cant(start), track.cant_base))
-    found = resultant(setup.vehicle, start, curvature, tilt, speed)
-    check_upright(found, track.cant_base, curvature, setup.vehicle)
-    return found
+    force = resultant(setup.vehicle, start, curvature, tilt, speed)
+    check_upright(force, track.cant_base, curvature, setup.vehicle)
+    return force
 
 
-def check_upright(found: Resultant, base: float, curvature: float, vehicle: Vehicle) -> None:
+def check_upright(force: QuasiStaticForce, base: float, curvature: float, vehicle: Vehicle) -> None:
     """Raise NoSteadyMotion when it points beside the rails. base: distance between them [m]."""
-    beyond = abs(found.point) - 0.5 * base
+    beyond = abs(force.point) - 0.5 * base
     if beyond <= 0.0:
         return
-    side = "left" if found.point > 0.0 else "right"
+    side = "left" if force.point > 0.0 else "right"
     if curvature != 0.0:
-        side = "inner" if found.point * curvature > 0.0 else "outer"
+        side = "inner" if force.point * curvature > 0.0 else "outer"
     what = "weight, centrifugal force and loads" if vehicle.loads else "weight and centrifugal force"
     far = f"{1e3 * beyond:.0f} mm" if np.isfinite(beyond) else "far"
-    words = f"the vehicle would overturn: its {what} together point {far} beyond the {side} rail"
-    raise NoSteadyMotion(Lost("overturned", words))
+    message = f"the vehicle would overturn: its {what} together point {far} beyond the {side} rail"
+    raise NoSteadyMotion(Derailment("overturned", message))

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from wrsim.analysis.contacts import force_law, held_by
-from wrsim.analysis.motion.derailment import pushed
+from wrsim.analysis.motion.derailment import resultant_at_start
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of
@@ -38,17 +38,17 @@ def run_equilibrium(setup: Setup[RunPlan], progress: Progress | None = None) -> 
     near = replace(setup, contact=setup.contact.fast())
     try:
         if near.contact == setup.contact:
-            found = at_rest(setup, law)
+            equilibrium = at_rest(setup, law)
         else:
             fast = force_law(near, drive=held_by(setup))
             first = at_rest(near, fast)
-            found = steady_state(law, (first.q, first.q_t), tolerance=EXACT, near=fast)
+            equilibrium = steady_state(law, (first.q, first.q_t), tolerance=EXACT, near=fast)
     except NoSteadyMotion as problem:
         raise SimulationError(steady_words(problem, setup.vehicle)) from None
     Report(progress)(1.0)
-    rest = Motion(np.zeros(1), found.q[None], found.q_t[None], 0.0, "completed")
+    rest = Motion(np.zeros(1), equilibrium.q[None], equilibrium.q_t[None], 0.0, "completed")
     monitor = Monitor(law, 1.0)
-    outcome = monitor.look(0.0, found.q, found.q_t)
+    outcome = monitor.look(0.0, equilibrium.q, equilibrium.q_t)
     if outcome is not None:
         raise SimulationError(steady_words(NoSteadyMotion(outcome), setup.vehicle))
     return result_of(setup, law, rest, monitor.events())
@@ -62,8 +62,8 @@ def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     """
     if not law.vehicle.bodies and len(law.vehicle.wheelsets) == 1:
         return _wheelset_at_rest(setup, law)
-    pushed(setup, 0.0)
-    law.look_near(law.start)
+    resultant_at_start(setup, 0.0)
+    law.set_search_start(law.start)
     q, q_t = design_state(law)
     for i in range(len(law.vehicle.wheelsets)):
         with suppress(SimulationError):  # of a vehicle it may be held where it is not by itself
@@ -82,13 +82,13 @@ def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack, tolerance: flo
     problems = []
     for shift in _shifts(setup):
         try:
-            law.look_near(law.start)
+            law.set_search_start(law.start)
             start = lower_on_rails(law, *design_state(law, lateral=shift))
             return on_the_rails(law, steady_state(law, start, tolerance=tolerance))
         except SimulationError as problem:
             problems.append(problem)
     try:
-        law.look_near(law.start)
+        law.set_search_start(law.start)
         return on_the_rails(law, crept_state(law, lower_on_rails(law, *design_state(law)), tolerance))
     except SimulationError:
         raise NoSteadyMotion.of(problems[0]) from None
@@ -98,7 +98,7 @@ def _shifts(setup: Setup[RunPlan]) -> list[float]:
     """Lateral shifts of the wheelset from which a search begins [m]: from the middle to where it is pushed, without a
     push to either side, and towards its smaller wheel, if it has one."""
     widening = float(setup.track.gauge(setup.plan.start)) - setup.track.nominal_gauge
-    push, wheelset = pushed(setup, 0.0).left, setup.vehicle.wheelsets[0].wheelset
+    push, wheelset = resultant_at_start(setup, 0.0).left, setup.vehicle.wheelsets[0].wheelset
     sides = [np.sign(push)] if push != 0.0 else [1.0, -1.0]
     ways = [*sides, np.sign(wheelset.right.radius - wheelset.left.radius)]
     steps = np.arange(SHIFT, PLAY + 0.5 * max(widening, 0.0), SHIFT)

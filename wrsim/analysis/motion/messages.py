@@ -15,13 +15,12 @@ from wrsim.vehicle.vehicle import Vehicle
 
 
 @dataclass(frozen=True)
-class Lost:
+class Derailment:
     """What ends a run or a search: a wheel off its rail; the same out of an oscillation that is not resolved; a wheel
-    so deep in its rail that no contact law covers it, a lost solution; a vehicle that overturns. words: which and how.
-    """
+    so deep in its rail that no contact law covers it, a lost solution; a vehicle that overturns."""
 
     kind: Literal["derailed", "unresolved", "overlap", "overturned"]
-    words: str
+    message: str
 
 
 EventKind = Literal["lift", "stop", "contact", "steps", "between", "strike", "spins", "slides", "loose", "swings"]
@@ -59,7 +58,7 @@ class Event:
 class NoSteadyMotion(SimulationError):
     """No steady motion was found; ``reason``: what became of the search."""
 
-    def __init__(self, reason: Lost | SimulationError) -> None:
+    def __init__(self, reason: Derailment | SimulationError) -> None:
         super().__init__(str(reason))
         self.reason = reason
 
@@ -69,13 +68,13 @@ class NoSteadyMotion(SimulationError):
         return fault if isinstance(fault, cls) else cls(fault)
 
 
-def stop_words(outcome: Lost, time: float, distance: float) -> str:
+def stop_words(outcome: Derailment, time: float, distance: float) -> str:
     """Why a run has to stop, when [s] and where [m]."""
-    reason = f"derailed: {outcome.words}"
+    reason = f"derailed: {outcome.message}"
     if outcome.kind == "overlap":
-        reason = f"the contact solution is lost: {outcome.words}; a shorter step may help"
+        reason = f"the contact solution is lost: {outcome.message}; a shorter step may help"
     if outcome.kind == "unresolved":
-        reason = f"no verdict: {outcome.words}"
+        reason = f"no verdict: {outcome.message}"
     return f"{reason}, at t = {time:.4g} s, {distance:.2f} m along the track"
 
 
@@ -105,12 +104,12 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
         )
     if event.kind == "swings":
         grows, cycle = event.swing
-        at = f"at {cycle:.0f} Hz (it grows at {grows:.0f} Hz)" if cycle else f"at {grows:.0f} Hz"
+        frequencies = f"at {cycle:.0f} Hz (it grows at {grows:.0f} Hz)" if cycle else f"at {grows:.0f} Hz"
         which = f"wheelset {event.part}" if len(vehicle.wheelsets) > 1 else "the wheelset"
         return (
-            f"{which} excites itself on its contacts {at}: Y and Q from there on are those of this oscillation, in "
-            f'steps of {1e3 * event.step:.2g} ms; damped rails, [track.structure] kind = "moving mass", or a larger '
-            "contact.damping_s_per_m end it"
+            f"{which} excites itself on its contacts {frequencies}: Y and Q from there on are those of this "
+            f'oscillation, in steps of {1e3 * event.step:.2g} ms; damped rails, [track.structure] kind = "moving mass",'
+            " or a larger contact.damping_s_per_m end it"
         )
     if event.kind == "stop" and any(event.part in coupling.elements for coupling in vehicle.couplings):
         return f"the stroke of {event.part} is used up {lasted}"
@@ -132,12 +131,12 @@ def end_words(name: str, side: str, place: float) -> str:
 def steady_words(problem: NoSteadyMotion, vehicle: Vehicle) -> str:
     """Why there is no steady motion."""
     reason = problem.reason
-    if not isinstance(reason, Lost):
+    if not isinstance(reason, Derailment):
         steady = isinstance(reason, Unbalanced)
         return f"no steady motion found; {reason}{_unequal(vehicle)}" if steady else str(reason)
     if reason.kind == "derailed":
-        return f"the steady motion found is a derailed one: {reason.words}{_unequal(vehicle)}"
-    return f"the state found is no contact: {reason.words}" if reason.kind == "overlap" else reason.words
+        return f"the steady motion found is a derailed one: {reason.message}{_unequal(vehicle)}"
+    return f"the state found is no contact: {reason.message}" if reason.kind == "overlap" else reason.message
 
 
 def start_words(problem: NoSteadyMotion, setup: Setup[RunPlan]) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.analysis.motion.derailment import WatchedWheel, overlap, watched, wheels_of
-from wrsim.analysis.motion.messages import Event, EventKind, Lost, end_words, stop_words
+from wrsim.analysis.motion.messages import Derailment, Event, EventKind, end_words, stop_words
 from wrsim.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
 from wrsim.contact.status import bits_of
 from wrsim.dynamics import watch as kernel
@@ -59,10 +59,19 @@ PAUSE = 0.5
 """Least time between two looks for motions that grow [s]; what grows by less than e until the next one is left to it.
 They are looked for where a vertical force bends by more than ``MISSED`` from look to look: calm wheels cost nothing."""
 
-GROWTH = record("longest looked bend finds frequency wheel force passed cycles cycling")
-"""Longest step that resolves what grows, time of the last look for it [s], second difference of force there [N]; how
-often something grew, its frequency [Hz] and wheel; of this wheel: vertical force at the last step [N], time of its last
-upward passage of the mean load [s]; cycles from one passage to the next, and their time in all [s]."""
+GROWTH = record("""
+    longest   [s]  longest step that resolves the growing oscillation
+    looked    [s]  time of the last look for it
+    bend      [N]  second difference of the force there
+    finds     [1]  number of looks at which something grew
+    frequency [Hz] frequency of what grows
+    wheel     [1]  number of its wheel
+    force     [N]  vertical force of that wheel at the last step
+    passed    [s]  time of its last upward passage of the mean load
+    cycles    [1]  number of cycles from one passage to the next
+    cycling   [s]  duration of these in all
+""")
+"""A growing oscillation of a wheel."""
 
 STRIKE = np.pi / 12.0
 """Error of a peak of force over its second difference from step to step. A trapezoidal rule such as generalised alpha
@@ -128,11 +137,11 @@ class Monitor:
         outcome = self.look(t, q, q_t)
         return None if outcome is None else stop_words(outcome, t, self.law.distance)
 
-    def look(self, t: float, q: Array, q_t: Array) -> Lost | None:
+    def look(self, t: float, q: Array, q_t: Array) -> Derailment | None:
         """What ends the run, if anything; notes what else there is."""
         self.law.at(t, q, q_t, WITHIN)
         distance = self.law.distance
-        ending: Lost | None = None
+        ending: Derailment | None = None
         off = self.last_contact[:, 0] < self.last[0]
         if kernel.all_on_rails(self.watched, *self._wheels):
             self.last_contact[:] = t, distance
@@ -154,9 +163,9 @@ class Monitor:
             if np.dot(row.load.tolist(), self.law.records[row.normal, :3]) <= 0.0:
                 self._note(LOOSE, i, t, distance)
         for i, axle in enumerate(self.law.axles if self.law.driven else ()):
-            less = axle.asked != 0.0 and axle.moment / axle.asked < GIVEN
-            if less or (axle.asked != 0.0 and abs(axle.slip) > SLIP * abs(axle.speed)):
-                self._note(SPINS if axle.asked > 0.0 else SLIDES, i, t, distance)
+            less = axle.requested != 0.0 and axle.moment / axle.requested < GIVEN
+            if less or (axle.requested != 0.0 and abs(axle.slip) > SLIP * abs(axle.speed)):
+                self._note(SPINS if axle.requested > 0.0 else SLIDES, i, t, distance)
         if self.work.cut_steps > self.cut_steps:
             self._note(STEPS, 0, t, distance)
             self._warn_of_cuts(t, distance)
@@ -186,25 +195,25 @@ class Monitor:
         growth.finds, growth.frequency = growth.finds + 1.0, modes[0].imag / (2.0 * np.pi)
         growth.longest = min(growth.longest, 2.0 * np.pi / (STEPS_OF_A_PERIOD * modes.imag.max()))
 
-    def _resolved(self, ending: Lost, distance: float) -> Lost:
+    def _resolved(self, ending: Derailment, distance: float) -> Derailment:
         """A derailment; no verdict where the steps do not resolve the blows of wheels ahead of it."""
         worst = self.watched[int(np.argmax(self.watched["bend"]))]
         if STRIKE * worst.bend <= self.mean_load or distance - worst.bend_s > LIFT_DISTANCE:
             return ending
         blow = f"blows of wheels (Q {1e-3 * worst.bend_force:.4g} kN) that the time step does not resolve"
-        return Lost("unresolved", f"{ending.words}, after {blow}")
+        return Derailment("unresolved", f"{ending.message}, after {blow}")
 
-    def _look_at_wheels(self, t: float, distance: float) -> Lost | None:
+    def _look_at_wheels(self, t: float, distance: float) -> Derailment | None:
         """What ends the run at a wheel; notes lifted wheels and the remarks of contacts."""
-        ending: Lost | None = None
+        ending: Derailment | None = None
         too_deep = 0
-        for i, (wheel, own) in enumerate(zip(self.wheels, self.watched, strict=True)):
+        for i, (wheel, watch) in enumerate(zip(self.wheels, self.watched, strict=True)):
             ending = ending or self._look_at(i, wheel, t, distance)
             status, substitutes = wheel.status, wheel.model.arrays.substitutes
             too_deep |= status & STATUS_TOO_DEEP
             flags = status & ~STATUS_TOO_DEEP
-            if substitutes > own.substitutes:  # also between two looks
-                own.substitutes = substitutes
+            if substitutes > watch.substitutes:  # also between two looks
+                watch.substitutes = substitutes
                 flags |= STATUS_NOT_CONVERGED
             for bit in bits_of(flags):
                 self._note(bit, i, t, distance, wheel.nearest_end() if bit == STATUS_PROFILE_END else -1)
@@ -222,14 +231,14 @@ class Monitor:
                 since[0], since[1], SLOWEST,
             )  # fmt: skip
 
-    def _look_at(self, i: int, wheel: WatchedWheel, t: float, distance: float) -> Lost | None:
+    def _look_at(self, i: int, wheel: WatchedWheel, t: float, distance: float) -> Derailment | None:
         """How the vehicle has derailed at a wheel, if it has. Notes a lifted wheel."""
         off = wheel.off_the_rail()
         if off is not None:
             kind, which, end_of_profile = self.notes[:, :3].T
             at_end = self.notes[(kind == STATUS_PROFILE_END) & (which == i) & (end_of_profile >= 0)]
             if at_end.size and distance - at_end[-1, 6] <= LIFT_DISTANCE and (end := _end(wheel, at_end[-1, 2])):
-                return replace(off, words=f"{off.words}; its contact has passed {end_words(*end)}")
+                return replace(off, message=f"{off.message}; its contact has passed {end_words(*end)}")
             return off
         since = self.last_contact[i]
         if wheel.in_contact or np.isnan(since[0]):
@@ -238,7 +247,7 @@ class Monitor:
         self._note(LIFT, i, t, distance)
         way = distance - since[1]
         if way >= LIFT_DISTANCE and t - since[0] >= LIFT_TIME:
-            return Lost("derailed", f"{wheel.words} has had no contact with its rail for {way:.2f} m")
+            return Derailment("derailed", f"{wheel.label} has had no contact with its rail for {way:.2f} m")
         return None
 
     def _note(self, kind: float, which: int, t: float, distance: float, end: int = -1) -> None:
@@ -256,7 +265,7 @@ class Monitor:
 
     def events(self) -> list[Event]:
         """Everything noted, in the order of its begin."""
-        found = []
+        events = []
         for kind, which, at_end, t, distance, last_t, last_distance, *off in self.notes.tolist():
             name, part, side = KINDS.get(kind, "contact"), "", ""
             if kind in (SPINS, SLIDES):
@@ -271,47 +280,47 @@ class Monitor:
                 part, side = self.wheels[int(which)].wheelset, self.wheels[int(which)].side
             bit = int(kind) if name == "contact" else 0
             end = _end(self.wheels[int(which)], at_end) if bit == STATUS_PROFILE_END else None
-            found.append(Event(name, part, (t, distance), (last_t, last_distance), side, bit, profile=end))
+            events.append(Event(name, part, (t, distance), (last_t, last_distance), side, bit, profile=end))
             if bit == STATUS_NOT_CONVERGED:
-                own = self.watched[int(which)]
-                found[-1] = replace(found[-1], unsolved=(int(own.substitutes), int(own.steps)))
+                watch = self.watched[int(which)]
+                events[-1] = replace(events[-1], unsolved=(int(watch.substitutes), int(watch.steps)))
             if kind == LIFT:
-                found[-1] = replace(found[-1], lasted=(off[1], off[0]))
+                events[-1] = replace(events[-1], lasted=(off[1], off[0]))
             if kind == SWINGS:
                 growth = self._growth
                 cycle = float(growth.cycles / growth.cycling) if growth.cycles >= CYCLES else 0.0
                 swing = float(growth.frequency), cycle
-                found[-1] = replace(found[-1], step=self.longest_step, swing=swing)
+                events[-1] = replace(events[-1], step=self.longest_step, swing=swing)
         mean_load = self.mean_load
         if self.wheels and self._growth.finds < 2.0:
             worst = int(np.argmax(self.watched["beyond"]))
-            wheel, own = self.wheels[worst], self.watched[worst]
-            if own.beyond > MISSED * mean_load:
-                at, missed = (float(own.time), float(own.distance)), (float(own.force), float(own.beyond))
-                found.append(Event("between", wheel.wheelset, at, at, wheel.side, 0, missed))
+            wheel, watch = self.wheels[worst], self.watched[worst]
+            if watch.beyond > MISSED * mean_load:
+                place, missed = (float(watch.time), float(watch.distance)), (float(watch.force), float(watch.beyond))
+                events.append(Event("between", wheel.wheelset, place, place, wheel.side, 0, missed))
             worst = int(np.argmax(self.watched["bend"]))
-            wheel, own = self.wheels[worst], self.watched[worst]
-            error = float(STRIKE * own.bend)
+            wheel, watch = self.wheels[worst], self.watched[worst]
+            error = float(STRIKE * watch.bend)
             if error > MISSED * mean_load:
-                enough = float(own.bend_step) * (MISSED * mean_load / error) ** 0.5
-                at, missed = (float(own.bend_at), float(own.bend_s)), (float(own.bend_force), error)
+                enough = float(watch.bend_step) * (MISSED * mean_load / error) ** 0.5
+                place, missed = (float(watch.bend_at), float(watch.bend_s)), (float(watch.bend_force), error)
                 enough = next((finer for finer in FINER_STEPS if finer <= enough), FINER_STEPS[-1])
-                found.append(Event("strike", wheel.wheelset, at, at, wheel.side, 0, missed, enough))
-        return sorted(found, key=lambda event: (event.start, event.part, event.side))
+                events.append(Event("strike", wheel.wheelset, place, place, wheel.side, 0, missed, enough))
+        return sorted(events, key=lambda event: (event.start, event.part, event.side))
 
     @property
     def statuses(self) -> NDArray[np.int_]:
         """Messages of the contact of every wheel since the beginning, as one status each."""
-        found = np.zeros(len(self.wheels), dtype=int)
+        statuses = np.zeros(len(self.wheels), dtype=int)
         for kind, which in self.notes[self.notes[:, 0] > LIFT, :2].astype(int):
-            found[which] |= kind
-        return found
+            statuses[which] |= kind
+        return statuses
 
     def get_state(self) -> Array:
         """See ``simulation.recorder.HasState``."""
-        own = self.watched.view(float), self.last_contact.ravel(), self.looked.ravel(), self.last
+        arrays = self.watched.view(float), self.last_contact.ravel(), self.looked.ravel(), self.last
         growth = self.growing.view(float)
-        return np.concatenate([[self.cut_steps], *own, growth, self.notes.ravel()])
+        return np.concatenate([[self.cut_steps], *arrays, growth, self.notes.ravel()])
 
     def set_state(self, memory: Array) -> None:
         """Put back what ``get_state`` gave."""

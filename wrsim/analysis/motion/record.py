@@ -103,7 +103,7 @@ def recorded_setup(path: Path) -> Setup:
 
 
 def _digests(setup: Setup) -> dict[str, Any]:
-    """Of every file that the scenario names, of all numbers of the set-up, of the code."""
+    """Hash of every file that the scenario names, of all numbers of the set-up, of the code."""
     files = {str(f): hashlib.sha256(setup.kept.contents[f]).hexdigest()[:16] for f in setup.files}
     return {"files": files, "numbers": numbers_digest(setup), "code": code_digest()}
 

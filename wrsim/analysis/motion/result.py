@@ -69,7 +69,7 @@ def result_of(
     strips = [StripRecorder(pair) for pair in law.wheels]
     out = np.zeros(law.size)
     for sample in snapshots:
-        law.look_near(places[sample])
+        law.set_search_start(places[sample])
         law(motion.times[sample], motion.q[sample], motion.q_t[sample], out)
         for recorder, elements in zip(strips, law.elements_of_contacts(), strict=True):
             recorder.store(elements)
@@ -93,7 +93,7 @@ def result_of(
         channels |= _channels(setup, law, fast, of_wheelsets, along, folder, None, channels)
     if law.deck is not None:
         coords["span"] = [f"span {k + 1}" for k in range(len(law.deck.values))]
-    coords |= {dimension: [each.name for each in own] for dimension, own in named.items() if own}
+    coords |= {dimension: [each.name for each in members] for dimension, members in named.items() if members}
     if losses is not None:
         channels |= losses.channels()
         coords |= {"wear_law": losses.settings.laws, "wear_zone": ZONES}
@@ -140,20 +140,20 @@ def _channels(
     n, stored = len(motion.times), Channels(len(motion.times), folder)
     bodies = np.array([law.start + part.centre[0] for part in law.vehicle.bodies])
     seats = states.wheel_seats(law.vehicle) if "axle_box_acceleration" in fast else []
-    own = law.vehicle.points if not fast or any(name.startswith("point_") for name in fast) else ()
+    points = law.vehicle.points if not fast or any(name.startswith("point_") for name in fast) else ()
     law.follow(True)
     for begin in range(0, n, BLOCK):
         block = slice(begin, min(begin + BLOCK, n))
-        found: dict[str, Any] = with_derived(
-            _block(setup, law, motion, poses, places, bodies, block, losses, own, seats)
+        channels: dict[str, Any] = with_derived(
+            _block(setup, law, motion, poses, places, bodies, block, losses, points, seats)
         )
         if sampled is not None:
             first = -begin % every
             for name in sampled.keys() & fast:
-                same, j = found[name][first::every], (begin + first) // every
+                same, j = channels[name][first::every], (begin + first) // every
                 same[:] = sampled[name][j : j + len(same)]
-            found = {f"fast_{name}": found[name] for name in fast}
-        stored.put(block, {name: typed(name, values) for name, values in found.items()})
+            channels = {f"fast_{name}": channels[name] for name in fast}
+        stored.put(block, {name: typed(name, values) for name, values in channels.items()})
     law.follow(False)
     return dict(stored.filled())
 
@@ -179,7 +179,7 @@ def _block(
     axles, deck = np.zeros((5, n, count)), np.zeros((n, len(law.of_deck)))
     powers = np.zeros((3, n))
     for i in range(n):
-        law.look_near(places[block][i])
+        law.set_search_start(places[block][i])
         law(times[i], q[i], q_t[i], out)
         for w, pair in enumerate(law.wheels):
             for j, wheel in enumerate(pair):
@@ -201,7 +201,7 @@ def _block(
     of_wheelsets = []
     for w, (mounted, whole, r, pair) in enumerate(zip(vehicle.wheelsets, poses, raw, law.wheels, strict=True)):
         p = TrackPoses(*(values[block] for values in whole))
-        own = {
+        channels = {
             "wheelset_distance": p.distance,
             **states.track_channels(track, p.distance),
             **friction_channels(setup, p.distance),
@@ -214,35 +214,35 @@ def _block(
             **contact_channels(r, pair, track.widening(p.distance), uneven(track, p.distance) + moved[:, w]),
         }
         if losses is not None:
-            own |= fatigue_channels(own, patch_wear_numbers(r), losses.settings.shear_yield)
-        of_wheelsets.append(own)
-    found = stack_wheelsets(of_wheelsets)
-    found |= {"distance": reference, "drive_force": drive, **states.guide_channels(law, times, records)}
+            channels |= fatigue_channels(channels, patch_wear_numbers(r), losses.settings.shear_yield)
+        of_wheelsets.append(channels)
+    stacked = stack_wheelsets(of_wheelsets)
+    stacked |= {"distance": reference, "drive_force": drive, **states.guide_channels(law, times, records)}
     if law.on_sleepers is not None and len(motion.times) > 1:  # its forces on a bridge are those of a step
         deck = np.gradient(motion.q_t[:, law.of_deck], motion.times, axis=0)[block]
-    found |= states.deck_channels(law, q, deck)
+    stacked |= states.deck_channels(law, q, deck)
     if law.twists:
-        found |= states.twist_channels(law, q, q_t)
+        stacked |= states.twist_channels(law, q, q_t)
     if law.driven:
         moment, power, slip, speed, shaft = axles
-        found |= {"drive_moment": moment, "drive_power": power, "axle_creepage": -slip / speed}
+        stacked |= {"drive_moment": moment, "drive_power": power, "axle_creepage": -slip / speed}
         if law.gears:
-            found["shaft_moment"] = shaft
+            stacked["shaft_moment"] = shaft
     if vehicle.bodies:
-        found |= states.body_channels(law, q, q_t, bodies) | states.energy_channels(law, q, q_t)
-        found |= dict(zip(("creep_power", "damper_power", "pull_power"), powers, strict=True))
+        stacked |= states.body_channels(law, q, q_t, bodies) | states.energy_channels(law, q, q_t)
+        stacked |= dict(zip(("creep_power", "damper_power", "pull_power"), powers, strict=True))
     if seats:
-        found["axle_box_acceleration"] = accelerations[:, len(own_points) :, 2].reshape(n, count, 2)
+        stacked["axle_box_acceleration"] = accelerations[:, len(own_points) :, 2].reshape(n, count, 2)
     if own_points:
-        found |= {f"point_a{axis}": accelerations[:, : len(own_points), k] for k, axis in enumerate("xyz")}
+        stacked |= {f"point_a{axis}": accelerations[:, : len(own_points), k] for k, axis in enumerate("xyz")}
     if vehicle.elements:
-        found |= {f"suspension_f{axis}": records[:, :, k] for k, axis in enumerate("xyz")}
-        found |= {f"suspension_d{axis}": records[:, :, 3 + k] for k, axis in enumerate("xyz")}
+        stacked |= {f"suspension_f{axis}": records[:, :, k] for k, axis in enumerate("xyz")}
+        stacked |= {f"suspension_d{axis}": records[:, :, 3 + k] for k, axis in enumerate("xyz")}
     if vehicle.couplings:
-        found |= states.coupling_channels(law, q, records)
+        stacked |= states.coupling_channels(law, q, records)
     if vehicle.loads:
-        found |= {f"external_f{axis}": external[:, :, k] for k, axis in enumerate("xyz")}
-    return found
+        stacked |= {f"external_f{axis}": external[:, :, k] for k, axis in enumerate("xyz")}
+    return stacked
 
 
 def _attributes(setup: Setup[RunPlan], motion: Motion, distance: Array) -> dict[str, str | float | int]:
@@ -262,14 +262,16 @@ def _placed(motion: Motion, law: VehicleOnTrack) -> tuple[Motion, list[TrackPose
     """The motion as far as all its samples have a place on the track, and the poses of every wheelset."""
     poses = []
     for w, mounted in enumerate(law.vehicle.wheelsets):
-        own = slice(6 * w, 6 * w + 6)
-        poses.append(poses_as_far(law.track.centre, motion.q[:, own], motion.q_t[:, own], law.start + mounted.x))
+        coordinates = slice(6 * w, 6 * w + 6)
+        poses.append(
+            poses_as_far(law.track.centre, motion.q[:, coordinates], motion.q_t[:, coordinates], law.start + mounted.x)
+        )
     n, out = min(len(p.distance) for p in poses), np.zeros(law.size)
     while True:
         if n == 0 or (n < len(motion.times) and motion.status == "completed"):
             raise SimulationError(f"sample {n} has no place on the track")
         try:
-            law.look_near(law.places(np.array([[p.distance[n - 1] for p in poses]]))[0])
+            law.set_search_start(law.places(np.array([[p.distance[n - 1] for p in poses]]))[0])
             law(motion.times[n - 1], motion.q[n - 1], motion.q_t[n - 1], out)
         except SimulationError:
             if motion.status == "completed" or n == 1:
@@ -306,11 +308,11 @@ def choose_snapshots(setup: Setup[RunPlan], distance: Array, quotient: Array, st
 
 def stack_wheelsets(each: list[dict[str, Array]]) -> dict[str, Array]:
     """Channels of all wheelsets in one, the wheelsets behind the first dimension."""
-    found: dict[str, Array] = {}
+    stacked: dict[str, Array] = {}
     for name in each[0]:
-        arrays = [own[name] for own in each]
+        arrays = [channels[name] for channels in each]
         if name.startswith(("strip_", "element_")):  # not-a-number behind the shorter ones
             shape = np.max([a.shape for a in arrays], axis=0)
             arrays = [np.pad(a, [(0, n) for n in shape - a.shape], constant_values=np.nan) for a in arrays]
-        found[name] = np.stack(arrays, axis=1)
-    return found
+        stacked[name] = np.stack(arrays, axis=1)
+    return stacked

@@ -194,10 +194,10 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
     rails = setup.track.structure
     spacing = rails.spacing if isinstance(rails, SleeperTrack) else None
     step = steps.implicit_step(fastest, plan.recorded_interval, spacing, vibrates=len(law.modes) > 0)
-    places = [[own.distance for own in surface.sections] for surface in setup.surfaces if surface is not None]
+    places = [[item.distance for item in surface.sections] for surface in setup.surfaces if surface is not None]
     # sections that follow each other closely show how fast the rail changes
     ways = [gap / STEPS_OF_A_SECTION for row in places for gap in np.diff(row).tolist()]
-    wheels = [wheel for own in setup.vehicle.wheelsets for wheel in (own.wheelset.left, own.wheelset.right)]
+    wheels = [wheel for item in setup.vehicle.wheelsets for wheel in (item.wheelset.left, item.wheelset.right)]
     flats = [part for wheel in wheels for part in wheel.out_of_round if isinstance(part, Flat)]
     if flats:
         fastest_mode = float(np.abs(steps.eigenvalues(law, law.bodies, q, q_t).imag).max())

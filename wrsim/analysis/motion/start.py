@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from wrsim.analysis.contacts import force_law, held_by
-from wrsim.analysis.motion.derailment import derailed, pushed
+from wrsim.analysis.motion.derailment import derailed, resultant_at_start
 from wrsim.analysis.motion.messages import NoSteadyMotion
 from wrsim.errors import SimulationError
 from wrsim.scenario.build import Setup
@@ -47,21 +47,23 @@ def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
     near = replace(setup, contact=setup.contact.fast())
     fast = force_law(near, law.speed, held_by(setup))
     try:
-        found = _found(near, fast)
+        equilibrium = _steady_start(near, fast)
         if near.contact != setup.contact:
             held = force_law(setup, law.speed, held_by(setup))
             with suppress(SimulationError):  # the fast model's state is near enough to start from
-                found = steady.steady_state(held, (found.q, found.q_t), tolerance=EXACT, max_iterations=8, near=fast)
+                equilibrium = steady.steady_state(
+                    held, (equilibrium.q, equilibrium.q_t), tolerance=EXACT, max_iterations=8, near=fast
+                )
     except SimulationError as fault:
         raise NoSteadyMotion.of(fault) from None
     finally:
         LOGGER.info("")
-    law.look_near(law.start)
-    return found.q, found.q_t
+    law.set_search_start(law.start)
+    return equilibrium.q, equilibrium.q_t
 
 
-def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibrium:
-    pushed(setup, setup.plan.speed)  # not overturned
+def _steady_start(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibrium:
+    resultant_at_start(setup, setup.plan.speed)  # not overturned
     straight = straight_before(setup)
     if straight is not None:
         with suppress(SimulationError):
@@ -75,9 +77,9 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> steady.Equilibrium:
         alone = replace(setup, vehicle=setup.vehicle.alone(k))
         LOGGER.info("steady motion at the start: %s", alone.vehicle.name)
         of_one = force_law(alone, law.speed, held_by(alone))
-        own = steady_alone(of_one, STEADY_ENOUGH / len(alone.vehicle.wheelsets))
+        equilibrium = steady_alone(of_one, STEADY_ENOUGH / len(alone.vehicle.wheelsets))
         known = np.setdiff1d(np.arange(of_one.size), of_one.of_deck)  # of a bridge each knows its own part alone
-        q[places], q_t[places] = own.q[known], own.q_t[known]
+        q[places], q_t[places] = equilibrium.q[known], equilibrium.q_t[known]
     q_t[law.sliders] = 0.0  # friction goes on from the design position, as it did in each vehicle
     return on_the_rails(law, steady.steady_state(law, (q, q_t), tolerance=enough))
 
@@ -86,7 +88,7 @@ def steady_alone(law: VehicleOnTrack, tolerance: float = steady.TOLERANCE) -> st
     """The steady motion of one vehicle: on straight track Newton's method finds it from the design position; in curves,
     and where it does not, from where the vehicle creeps to. A wheelset that hunts creeps nowhere: then it is the design
     position again. Raises SimulationError beyond a tolerance of the weight."""
-    law.look_near(law.start)
+    law.set_search_start(law.start)
     guess = steady.lower_on_rails(law, *design_state(law))
     if law.track.curvature(law.start) == 0.0:
         with suppress(SimulationError):
@@ -115,13 +117,13 @@ def _come_along(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float) -> 
     return steady.Equilibrium(q, q_t, steady.SteadyMotion(law).largest(q, q_t))
 
 
-def on_the_rails(law: VehicleOnTrack, found: steady.Equilibrium) -> steady.Equilibrium:
+def on_the_rails(law: VehicleOnTrack, equilibrium: steady.Equilibrium) -> steady.Equilibrium:
     """The state itself. Raises NoSteadyMotion when a wheel has left its rail."""
-    law(0.0, found.q, found.q_t, np.zeros(law.size))
+    law(0.0, equilibrium.q, equilibrium.q_t, np.zeros(law.size))
     off = derailed(law)
     if off is not None:
         raise NoSteadyMotion(off)
-    return found
+    return equilibrium
 
 
 def straight_before(setup: Setup[RunPlan]) -> float | None:

@@ -106,9 +106,9 @@ def _header(bench: Stepper, token: str, variables: Mapping[str, np.ndarray]) -> 
     buffer = bench.memory.buffer
     begin = buffer.ctypes.data
     places = [0, *((view.ctypes.data - begin) // buffer.itemsize for view in variables.values())]
-    done = bench.memory.views[kernel.OWN]["steps"]
+    done = bench.memory.views[kernel.STEP_RECORD]["steps"]
     numbers = {
-        "STEP": repr(float(bench.memory.views[kernel.OWN]["h"][0])), "ROWS": len(bench.memory.index),
+        "STEP": repr(float(bench.memory.views[kernel.STEP_RECORD]["h"][0])), "ROWS": len(bench.memory.index),
         "DOUBLES": buffer.size, "VARIABLES": len(places), "INPUTS": len(bench.inputs),
         "STEPS_DONE": (done.ctypes.data - begin) // buffer.itemsize, "NOT_FINITE": kernel.NOT_FINITE,
         "OFF_TRACK": wheel_forces.OFF_TRACK, "ADVANCE": "wrsim_advance", "OBSERVE": "wrsim_observe",
@@ -121,7 +121,7 @@ def _header(bench: Stepper, token: str, variables: Mapping[str, np.ndarray]) -> 
 
 def _description(bench: Stepper, title: str, identifier: str, token: str, duration: float) -> bytes:
     """modelDescription.xml."""
-    step = float(bench.memory.views[kernel.OWN]["h"][0])
+    step = float(bench.memory.views[kernel.STEP_RECORD]["h"][0])
     root = xml.Element(
         "fmiModelDescription", fmiVersion="3.0", modelName=title, instantiationToken=token,
         description="A railway vehicle on its track; units are SI", generationTool=f"wrsim {wrsim.__version__}",

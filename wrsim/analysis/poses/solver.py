@@ -128,8 +128,8 @@ class PoseSolver:
             roll = pose.roll if len(self.wheels) == 1 else self._balanced_roll(pose)
             height = self._height(pose, roll)
         except LoadNotReached as problem:
-            words = f"{problem} (lateral shift {1e3 * pose.lateral:g} mm, {pose.load:g} N)"
-            return Solved(float("nan"), float("nan"), words, unsolved=isinstance(problem, Unsolved))
+            message = f"{problem} (lateral shift {1e3 * pose.lateral:g} mm, {pose.load:g} N)"
+            return Solved(float("nan"), float("nan"), message, unsolved=isinstance(problem, Unsolved))
         missed = abs(self.force[2] / pose.load - 1.0) > self.load_tolerance
         return Solved(height, roll, self._problem(pose.load), status_words(self._status() & REMARKS), missed)
 
@@ -147,12 +147,12 @@ class PoseSolver:
 
     def _problem(self, load: float) -> str:
         """Why the state that was found is no solution; nothing when it is one."""
-        status, words = self._status() & ~REMARKS, []
+        status, messages = self._status() & ~REMARKS, []
         if abs(self.force[2] / load - 1.0) > self.load_tolerance:
-            words.append(f"{self.missed}: {self.force[2]:.6g} N instead of {load:.6g} N")
+            messages.append(f"{self.missed}: {self.force[2]:.6g} N instead of {load:.6g} N")
             status &= ~STATUS_IN_A_JUMP
-        words.append(status_words(status))
-        return "; ".join(filter(None, words))
+        messages.append(status_words(status))
+        return "; ".join(filter(None, messages))
 
     def _height(self, pose: Pose, roll: float) -> float:
         """Height at which the vertical force is the load. The models then hold the contact there."""
@@ -162,12 +162,12 @@ class PoseSolver:
         self.place(pose.lateral, start, pose.yaw, roll)
         model = self.wheels[0].model
         shift = start - float(model.arrays.pose[2])
-        words = lower(model, pose.load)
+        message = lower(model, pose.load)
         height = float(model.arrays.pose[2]) + shift
         if model.arrays.status & (UNSOLVED & ~STATUS_IN_A_JUMP):
             raise Unsolved(status_words(model.arrays.status & UNSOLVED), height)
-        if words and not model.arrays.status & STATUS_IN_A_JUMP:
-            raise LoadNotReached(words)
+        if message and not model.arrays.status & STATUS_IN_A_JUMP:
+            raise LoadNotReached(message)
         self._sum_up()
         return height
 
@@ -256,12 +256,12 @@ class HalfSpacePoseSolver(PoseSolver):
             nonlocal too_deep
             if too_deep == PATIENCE:
                 raise LoadNotReached(status_words(STATUS_TOO_DEEP))
-            found = self._carried(pose, roll, z)
+            force = self._carried(pose, roll, z)
             status = self._status()
             if status & TOO_MANY:
                 raise LoadNotReached(status_words(TOO_MANY))
             too_deep += bool(status & STATUS_TOO_DEEP)
-            return found
+            return force
 
         return height_for_load(carried, self.wheels[0].model, pose.load, start, tolerance=EXACT_TOLERANCE)
 

@@ -138,7 +138,7 @@ def _solved(
     n = len(poses)
     raw = RawContacts.empty(n, len(wheels), settings.patch_count)
     strips = StripRecorder(wheels)
-    found: list[Solved] = []
+    solutions: list[Solved] = []
     report = Report(progress, REPORT_INTERVAL)
     try:
         for i, pose in enumerate(poses):
@@ -149,33 +149,35 @@ def _solved(
             if not np.isfinite(solved.height):
                 raw.clear(i)
                 strips.clear_last()
-            found.append(solved)
-            report(len(found) / n)
+            solutions.append(solved)
+            report(len(solutions) / n)
     except KeyboardInterrupt:
-        if not found:
+        if not solutions:
             raise
-    if all(np.isnan(solved.height) for solved in found):
-        raise SimulationError(f"none of the {len(found)} poses has a solution; the first: {found[0].message}")
-    poses = poses[: len(found)]
-    of_wheels = contact_channels(raw.first(len(found)), wheels)
+    if all(np.isnan(solved.height) for solved in solutions):
+        raise SimulationError(f"none of the {len(solutions)} poses has a solution; the first: {solutions[0].message}")
+    poses = poses[: len(solutions)]
+    of_wheels = contact_channels(raw.first(len(solutions)), wheels)
     names = [w.name for w in wheels]
     remarks = []
-    for i, solved in enumerate(found):
-        words = [_flank_words(name, {n: v[i, j] for n, v in of_wheels.items()}) for j, name in enumerate(names)]
-        remarks.append("; ".join(filter(None, [solved.remark, *words])))
+    for i, solved in enumerate(solutions):
+        remarks_of_wheels = [
+            _flank_words(name, {n: v[i, j] for n, v in of_wheels.items()}) for j, name in enumerate(names)
+        ]
+        remarks.append("; ".join(filter(None, [solved.remark, *remarks_of_wheels])))
     channels: dict[str, ArrayLike] = {
         "load": [p.load for p in poses],
-        "pose_message": [solved.message for solved in found],
+        "pose_message": [solved.message for solved in solutions],
         **remarks_channel(remarks),
         "lateral_shift": [p.lateral for p in poses],
-        "vertical_shift": [solved.height - radius for solved in found],
+        "vertical_shift": [solved.height - radius for solved in solutions],
         "yaw": [p.yaw for p in poses],
-        "roll": [solved.roll for solved in found],
+        "roll": [solved.roll for solved in solutions],
         **of_wheels,
         **strips.channels(),
     }
-    if len(found) < n:
-        reason = f"interrupted by the user after {len(found)} of {n} poses"
+    if len(solutions) < n:
+        reason = f"interrupted by the user after {len(solutions)} of {n} poses"
         attributes = attributes | {"status": "stopped", "stop_reason": reason}
     return Result(assemble({"pose": [p.name for p in poses], "wheel": names}, channels, attributes))
 

@@ -63,10 +63,10 @@ class CycleSearch:
     """Holds speeds and looks what the vehicle comes to."""
 
     def __init__(
-        self, rolling: RollingVehicle, plan: CyclePlan, found: list[Cycle], report: Callable[[float], None]
+        self, rolling: RollingVehicle, plan: CyclePlan, cycles: list[Cycle], report: Callable[[float], None]
     ) -> None:
-        """found: gains every cycle, in the order of the search; report: called after each with the part done."""
-        self.rolling, self.plan, self.found, self.report = rolling, plan, found, report
+        """cycles: gains every cycle, in the order of the search; report: called after each with the part done."""
+        self.rolling, self.plan, self.cycles, self.report = rolling, plan, cycles, report
         law = rolling.law
         self.system = BodySystem(law.bodies, law)
         self.wheelsets = len(law.vehicle.wheelsets)
@@ -84,9 +84,9 @@ class CycleSearch:
         self.expected = 2.0 * (start - plan.lowest) / plan.step
         lowest = self.from_above(start)
         outcome: dict[str, Any] = {"cycle_start_m_s": start, "nonlinear_critical_speed_m_s": lowest}
-        if not self.found[0].moves:
-            words = self.found[0].message or "the vehicle comes to rest"
-            outcome["nonlinear_note"] = f"no limit cycle at {3.6 * start:.4g} km/h, where the search begins: {words}"
+        if not self.cycles[0].moves:
+            reason = self.cycles[0].message or "the vehicle comes to rest"
+            outcome["nonlinear_note"] = f"no limit cycle at {3.6 * start:.4g} km/h, where the search begins: {reason}"
             return outcome
         steps = np.arange(start, max(lowest, plan.lowest) - plan.step, -plan.step)
         for speed in sorted(float(v) for v in steps if v >= plan.lowest):
@@ -141,7 +141,7 @@ class CycleSearch:
             reference, q = law.vehicle.reference, q.copy()
             ahead = law.vehicle.parts[reference].centre[0]
             q[6 * np.arange(len(self.system.bodies)) + 1] -= q[6 * reference + 1] - PLACE - ahead
-            law.look_near(PLACE)
+            law.set_search_start(PLACE)
             monitor = Monitor(law, speed, self.system.work)
             motion = Integration(
                 self.system, duration=plan.window, step=implicit_step(speed, SAMPLES), sample_interval=SAMPLES,
@@ -176,8 +176,8 @@ class CycleSearch:
         frequency = _frequency(motion.times, lateral[:, most]) if ending in ("cycle", "not converged") else float("nan")
         remark = contact_words(monitor.wheels, statuses.tolist())
         cycle = Cycle(speed, branch, amplitudes, frequency, held, ending, message, remark)
-        self.found.append(cycle)
-        self.report(min(len(self.found) / self.expected, 0.99))
+        self.cycles.append(cycle)
+        self.report(min(len(self.cycles) / self.expected, 0.99))
         return cycle, (q, q_t)
 
 
@@ -188,11 +188,11 @@ def nonlinear_outcome(lowest: float, linear: float, end: float) -> dict[str, Any
     critical speed straight running is unstable anyway: a cycle found only there is no critical speed of its own.
     """
     outcome: dict[str, Any] = {"nonlinear_critical_speed_m_s": np.nan if lowest > linear else lowest}
-    at = f"at {3.6 * lowest:.4g} km/h"
+    where = f"at {3.6 * lowest:.4g} km/h"
     if lowest > linear:
-        outcome["nonlinear_note"] = f"no limit cycle below the linear critical speed; the lowest one found is {at}"
+        outcome["nonlinear_note"] = f"no limit cycle below the linear critical speed; the lowest one found is {where}"
     elif lowest <= end:
-        outcome["nonlinear_note"] = f"the limit cycle is still there {at}, where the search ends"
+        outcome["nonlinear_note"] = f"the limit cycle is still there {where}, where the search ends"
     return outcome
 
 
@@ -202,5 +202,5 @@ def _frequency(times: Array, values: Array) -> float:
     up = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
     if up.size < 2:
         return float("nan")
-    at = times[up] - values[up] * (times[up + 1] - times[up]) / (values[up + 1] - values[up])
-    return float((at.size - 1) / (at[-1] - at[0]))
+    passages = times[up] - values[up] * (times[up + 1] - times[up]) / (values[up + 1] - values[up])
+    return float((passages.size - 1) / (passages[-1] - passages[0]))

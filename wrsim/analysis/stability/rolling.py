@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from wrsim.analysis.contacts import force_law
-from wrsim.analysis.motion.derailment import contact_words, overlap, pushed, wheels_of
+from wrsim.analysis.motion.derailment import contact_words, overlap, resultant_at_start, wheels_of
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.start import steady_alone
 from wrsim.contact.records import STATUS_TOO_DEEP
@@ -47,23 +47,23 @@ class RollingModes:
     largest: float
 
 
-def follow(found: Sequence[RollingModes]) -> list[NDArray[np.intp]]:
+def follow(series: Sequence[RollingModes]) -> list[NDArray[np.intp]]:
     """For every speed the number of the branch that each mode belongs to; branches go on from speed to speed.
 
     A mode goes on as the one that is nearest in eigenvalue and shape; what has no such mode begins a branch.
     """
-    branches = [np.arange(len(found[0].values))]
+    branches = [np.arange(len(series[0].values))]
     next_branch = len(branches[0])
-    for before, after in pairwise(found):
-        own = np.full(len(after.values), -1)
+    for before, after in pairwise(series):
+        numbers = np.full(len(after.values), -1)
         costs = _costs(before, after)
         for i, j in zip(*linear_sum_assignment(costs), strict=True):
             if costs[i, j] < FAR:
-                own[j] = branches[-1][i]
-        for j in np.flatnonzero(own < 0):
-            own[j] = next_branch
+                numbers[j] = branches[-1][i]
+        for j in np.flatnonzero(numbers < 0):
+            numbers[j] = next_branch
             next_branch += 1
-        branches.append(own)
+        branches.append(numbers)
     return branches
 
 
@@ -80,19 +80,19 @@ def _costs(before: RollingModes, after: RollingModes) -> Array:
     return np.asarray(apart / scale + 0.5 * (1.0 - likeness))
 
 
-def critical(at: Callable[[float], RollingModes], found: Sequence[RollingModes]) -> RollingModes | None:
+def critical(modes_at: Callable[[float], RollingModes], series: Sequence[RollingModes]) -> RollingModes | None:
     """Modes at the lowest speed at which the largest real part passes zero upwards; None where it does not.
 
-    at: modes at any speed; found: at rising speeds. Bisection between the two that embrace the passage. Already
-    unstable at the first speed: its modes are the answer.
+    modes_at: those at any speed; series: those at rising speeds. Bisection between the two that embrace the passage.
+    Already unstable at the first speed: its modes are the answer.
     """
-    if found[0].largest > 0.0:
-        return found[0]
-    for low, high in pairwise(found):
+    if series[0].largest > 0.0:
+        return series[0]
+    for low, high in pairwise(series):
         if high.largest > 0.0:
             below, above, last = low.speed, high.speed, high
             while above - below > SPEED_TOLERANCE * above:
-                middle = at(0.5 * (below + above))
+                middle = modes_at(0.5 * (below + above))
                 if middle.largest > 0.0:
                     above, last = middle.speed, middle
                 else:
@@ -122,21 +122,21 @@ class RollingVehicle:
         """The steady state (q, q_t) at a speed [m/s]. Raises SimulationError when there is none."""
         law = self.law
         law.set_speed(speed)
-        pushed(self.setup, speed)  # not overturned
-        law.look_near(PLACE)
+        resultant_at_start(self.setup, speed)  # not overturned
+        law.set_search_start(PLACE)
         try:
-            found = steady_alone(law) if self._last is None else steady_state(law, self._last)
+            equilibrium = steady_alone(law) if self._last is None else steady_state(law, self._last)
         except SimulationError:
             if self._last is None:
                 raise
-            found = steady_alone(law)
-        self._last = found.q, found.q_t
-        law.at(0.0, found.q, found.q_t)
+            equilibrium = steady_alone(law)
+        self._last = equilibrium.q, equilibrium.q_t
+        law.at(0.0, equilibrium.q, equilibrium.q_t)
         wheels = wheels_of(law)
         if any(wheel.status & STATUS_TOO_DEEP for wheel in wheels):
             raise SimulationError(steady_words(NoSteadyMotion(overlap(wheels)), law.vehicle))
         self.remark = contact_words(wheels)
-        return found.q.copy(), found.q_t.copy()
+        return equilibrium.q.copy(), equilibrium.q_t.copy()
 
     def modes(self, speed: float, plan: StabilityPlan) -> RollingModes:
         """Modes of the small motions about the steady state at a speed [m/s], up to the highest frequency."""
@@ -146,8 +146,8 @@ class RollingVehicle:
         retained = np.setdiff1d(np.arange(linear.state_matrix.shape[0]), spins)
         values, vectors = np.linalg.eig(linear.state_matrix[np.ix_(retained, retained)])
         whole = np.zeros((m, len(values)), dtype=complex)
-        own = retained < m
-        whole[retained[own]] = vectors[own]
+        of_bodies = retained < m
+        whole[retained[of_bodies]] = vectors[of_bodies]
         oscillating = (values.imag > 2.0 * np.pi * SLOWEST) & (np.abs(values.imag) <= 2.0 * np.pi * plan.highest)
         order = np.argsort(values[oscillating].imag)
         shapes = whole[:, oscillating].T[order].reshape(-1, linear.bodies, 6)
@@ -158,5 +158,5 @@ def mode_shapes(setup: Setup[StabilityPlan], speeds: Sequence[float]) -> Iterato
     """Modes of the set-up's vehicle at speeds [m/s], each with the names of its modes."""
     rolling = RollingVehicle(setup, speeds[0])
     for speed in speeds:
-        found = rolling.modes(speed, setup.plan)
-        yield found, [mode_name(setup.vehicle, shape) for shape in found.shapes]
+        modes = rolling.modes(speed, setup.plan)
+        yield modes, [mode_name(setup.vehicle, shape) for shape in modes.shapes]

@@ -24,7 +24,7 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
     """
     plan, vehicle = setup.plan, setup.vehicle
     report = Report(progress)
-    found: list[RollingModes] = []
+    series: list[RollingModes] = []
     remarks: list[str] = []
     cycles: list[Cycle] = []
     nonlinear = any(e.is_linearised for e in vehicle.elements)
@@ -34,62 +34,62 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
         rolling = RollingVehicle(setup, plan.speeds[0])
         share = SHARE_OF_MODES if plan.cycles else 1.0
         for i, speed in enumerate(plan.speeds):
-            found.append(rolling.modes(speed, plan))
+            series.append(rolling.modes(speed, plan))
             remarks.append(rolling.remark)
             report(share * 0.8 * (i + 1) / len(plan.speeds))
-        worst = critical(lambda speed: rolling.modes(speed, plan), found)
-        outcome |= _critical_words(worst, found, vehicle)
+        worst = critical(lambda speed: rolling.modes(speed, plan), series)
+        outcome |= _critical_words(worst, series, vehicle)
         report(share)
         if plan.cycles is not None:
             linear = np.inf if worst is None else worst.speed
             search = CycleSearch(rolling, plan.cycles, cycles, lambda part: report(share + (1.0 - share) * part))
             outcome |= search.run(linear, plan.speeds[-1])
     except KeyboardInterrupt:
-        if not found:
+        if not series:
             raise
-        reason = f"interrupted by the user after modes at {len(found)} speeds and {len(cycles)} held speeds"
+        reason = f"interrupted by the user after modes at {len(series)} speeds and {len(cycles)} held speeds"
     else:
         report(1.0)
-    return _result(setup, found, remarks, cycles, outcome, reason)
+    return _result(setup, series, remarks, cycles, outcome, reason)
 
 
-def _critical_words(worst: RollingModes | None, found: list[RollingModes], vehicle: Vehicle) -> dict[str, Any]:
+def _critical_words(worst: RollingModes | None, series: list[RollingModes], vehicle: Vehicle) -> dict[str, Any]:
     """The linear critical speed, its frequency and its mode, as attributes."""
     if worst is None:
-        top = 3.6 * found[-1].speed
+        top = 3.6 * series[-1].speed
         return {"critical_speed_m_s": np.nan, "critical_note": f"stable at all speeds up to {top:.4g} km/h"}
     mode = int(np.argmax(worst.values.real))  # the least damped one
-    words: dict[str, Any] = {
+    attributes: dict[str, Any] = {
         "critical_speed_m_s": worst.speed,
         "critical_frequency_Hz": float(worst.values[mode].imag / (2.0 * np.pi)),
         "critical_mode": mode_name(vehicle, worst.shapes[mode]),
     }
     if worst.values[mode].real < 0.5 * worst.largest:
-        words |= {"critical_frequency_Hz": 0.0, "critical_mode": "monotonic, without oscillation"}
-    if worst is found[0]:
-        words["critical_note"] = f"unstable already at the lowest speed, {3.6 * worst.speed:.4g} km/h"
-    return words
+        attributes |= {"critical_frequency_Hz": 0.0, "critical_mode": "monotonic, without oscillation"}
+    if worst is series[0]:
+        attributes["critical_note"] = f"unstable already at the lowest speed, {3.6 * worst.speed:.4g} km/h"
+    return attributes
 
 
 def _result(
-    setup: Setup[StabilityPlan], found: list[RollingModes], remarks: list[str], cycles: list[Cycle],
+    setup: Setup[StabilityPlan], series: list[RollingModes], remarks: list[str], cycles: list[Cycle],
     outcome: dict[str, Any], reason: str,
 ) -> Result:  # fmt: skip
-    most = max(len(m.values) for m in found)
-    growth, frequency, damping = (np.full((len(found), most), np.nan) for _ in range(3))
-    branch = np.zeros((len(found), most))
-    names = np.full((len(found), most), "", dtype=object)
-    for i, (modes, own) in enumerate(zip(found, follow(found), strict=True)):
+    most = max(len(m.values) for m in series)
+    growth, frequency, damping = (np.full((len(series), most), np.nan) for _ in range(3))
+    branch = np.zeros((len(series), most))
+    names = np.full((len(series), most), "", dtype=object)
+    for i, (modes, branches) in enumerate(zip(series, follow(series), strict=True)):
         n = len(modes.values)
         growth[i, :n] = modes.values.real
         frequency[i, :n] = modes.values.imag / (2.0 * np.pi)
         damping[i, :n] = -modes.values.real / np.abs(modes.values)
-        branch[i, :n] = own + 1
+        branch[i, :n] = branches + 1
         names[i, :n] = [mode_name(setup.vehicle, shape) for shape in modes.shapes]
     channels: dict[str, Any] = {
-        "pose_speed": [m.speed for m in found],
+        "pose_speed": [m.speed for m in series],
         **remarks_channel(remarks),
-        "growth_max": [m.largest for m in found],
+        "growth_max": [m.largest for m in series],
         "mode_growth": growth,
         "mode_frequency": frequency,
         "mode_damping": damping,
@@ -108,7 +108,7 @@ def _result(
             "cycle_amplitude": np.array([c.amplitudes for c in cycles]),
         }
     coords: dict[str, Any] = {
-        "pose": [f"{3.6 * m.speed:.10g}kmh" for m in found],
+        "pose": [f"{3.6 * m.speed:.10g}kmh" for m in series],
         "wheelset": [m.name for m in setup.vehicle.wheelsets],
     }
     return Result(assemble(coords, channels, setup.attributes(reason) | outcome))

@@ -42,7 +42,7 @@ def numbers_at_rest(
     its modes."""
     trimmed = replace(vehicle, loads=())
     level = static_state(trimmed)
-    found = {
+    numbers = {
         "name": vehicle.name,
         "source": vehicle.source,
         "mass_kg": vehicle.mass,
@@ -68,21 +68,21 @@ def numbers_at_rest(
         tests["twisted"] = {"twist_permille": twist}, lambda: _unloading(trimmed, level, static_state(trimmed, turned))
     for name, (known, test) in tests.items():
         try:
-            found[name] = known | test()
+            numbers[name] = known | test()
         except SimulationError as error:  # it does not come to rest
-            found[name] = known | {"problem": str(error)}
-    return found
+            numbers[name] = known | {"problem": str(error)}
+    return numbers
 
 
 def judged(
-    rules: str, quantity: str, value: float, about: About | None = None, own: Limit | None = None
+    rules: str, quantity: str, value: float, about: About | None = None, limit_instead: Limit | None = None
 ) -> dict[str, Any]:
     """A value [SI units] of a vehicle at rest beside its limit in a rule set, both in the unit for readers.
 
-    about: what the limit depends on, where it is no constant; own: a limit in its place.
+    about: what the limit depends on, where it is no constant; limit_instead: a limit in its place.
     """
     clause = given(rule_set(rules).about(quantity))
-    limit, shown = own or given(clause.limit_at(about or About())), clause.judged.shown
+    limit, shown = limit_instead or given(clause.limit_at(about or About())), clause.judged.shown
     return {
         "clause": clause.id,
         "symbol": clause.judged.symbol,
@@ -118,8 +118,8 @@ def conicity(vehicle: Vehicle, rails: tuple[Profile, Profile], gauge: float, spe
     """
     plan = ConicityPlan((CONICITY_AMPLITUDE,))
     kinds = dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets)
-    found = [wheelset_conicity(own, rails, gauge, plan, vehicle.name).dataset for own in kinds]
-    largest = max(float(own["equivalent_conicity"].max()) for own in found)
+    datasets = [wheelset_conicity(item, rails, gauge, plan, vehicle.name).dataset for item in kinds]
+    largest = max(float(item["equivalent_conicity"].max()) for item in datasets)
     return judged(LOOPS, "conicity", largest, About(speed=speed))
 
 
@@ -154,7 +154,7 @@ def leaning(vehicle: Vehicle, level: StaticState, cant_deficiency: float, most: 
     floor = angle + rolls[body]  # against the horizontal
     share = float((rest.wheel_loads / level.wheel_loads).min())
     verdicts = [judged(CANTED, "lean_Q_share", share), judged(CANTED, "lean_roll", abs(floor))]
-    verdicts.append(judged(LOOPS, "flexibility", rolls[body] / angle, own=most))
+    verdicts.append(judged(LOOPS, "flexibility", rolls[body] / angle, limit_instead=most))
     return _unloading(vehicle, level, rest) | sway | {"verdicts": verdicts}
 
 
@@ -176,7 +176,7 @@ CAMPBELL = tuple(range(0, 401, 25))
 def campbell(vehicle: Vehicle) -> list[dict[str, Any]]:
     """Natural frequencies of the free elastic axles over the speed, of every kind of axle once; of none where all are
     rigid. ``backward_Hz`` and ``forward_Hz`` (speeds, modes) are those that whirl against the rolling and with it."""
-    found: list[dict[str, Any]] = []
+    axles: list[dict[str, Any]] = []
     kinds: list[tuple[Any, ...]] = []
     for mounted in vehicle.wheelsets:
         kind = (mounted.wheelset.axle, mounted.mass, mounted.inertia)
@@ -189,8 +189,8 @@ def campbell(vehicle: Vehicle) -> list[dict[str, Any]]:
             frequencies, forward = whirl(mounted.modes, max(speed, 1e-3) / 3.6 / mounted.wheelset.mean_radius)
             for way, of_way in zip(ways, (~forward, forward), strict=True):
                 way.append(frequencies[of_way].tolist())
-        found.append({"wheelset": mounted.name, "speed_kmh": CAMPBELL, "backward_Hz": ways[0], "forward_Hz": ways[1]})
-    return found
+        axles.append({"wheelset": mounted.name, "speed_kmh": CAMPBELL, "backward_Hz": ways[0], "forward_Hz": ways[1]})
+    return axles
 
 
 def _by_wheel(vehicle: Vehicle, values: NDArray[np.float64]) -> dict[str, dict[str, float]]:
@@ -209,12 +209,12 @@ def stationary_tests(
     for value in twists or ():
         if not 0.0 <= value <= 20.0:
             raise InputError(f"--twists {value:g}: must be from 0 to 20 per mille")
-    found: dict[str, Any] = {}
+    numbers: dict[str, Any] = {}
     twisted = loops.twist_test(vehicle, *(1e-3 * t for t in twists or ())) if twist else None
     pairs = [(bogie, rate) for bogie in loops.turning_bogies(vehicle) for rate in loops.RATES] if rotation else []
     turned = tuple(loops.rotation_test(vehicle, bogie, rate, radius) for bogie, rate in pairs)
     if twisted is not None:
-        found["twist_test"] = {
+        numbers["twist_test"] = {
             "body_twist_permille": 1e3 * twisted.body,
             "bogie_twist_permille": 1e3 * twisted.bogie,
             "static_kN": _by_wheel(vehicle, twisted.static / 1e3),
@@ -224,7 +224,7 @@ def stationary_tests(
             **judged(LOOPS, "twist_unloading", float(twisted.unloading.max())),
         }
     if turned:
-        found["rotation_test"] = [
+        numbers["rotation_test"] = [
             {
                 "bogie": test.bogie.frame,
                 "rate_deg_per_s": degrees(test.rate),
@@ -237,117 +237,119 @@ def stationary_tests(
             }
             for test in turned
         ]
-    return found, twisted, turned
+    return numbers, twisted, turned
 
 
-def tables_at_rest(found: Numbers) -> list[Table]:
+def tables_at_rest(numbers: Numbers) -> list[Table]:
     """What people read of a vehicle at rest, of all that was computed."""
     centre = ", ".join(
-        f"{axis} {formatted(round(c, 3) + 0.0, 'g')}" for axis, c in zip("xyz", found["centre_mm"], strict=True)
+        f"{axis} {formatted(round(c, 3) + 0.0, 'g')}" for axis, c in zip("xyz", numbers["centre_mm"], strict=True)
     )
-    mass = f"mass {quantity(found['mass_kg'], 'kg', '.6g')}, centre at {centre} mm"
-    loads = replace(_loads_table(found, "static wheel loads"), notes=(_verdict(found["weighing"]),))
-    tables = [Table(found["name"], notes=(found["source"], mass)), loads]
-    if "under_loads" in found:
-        tables += _under_loads_tables(found["under_loads"])
-    if "leaning" in found:
-        tables += _leaning_tables(found["leaning"])
-    if "twisted" in found:
-        twist = formatted(found["twisted"]["twist_permille"], "g")
-        tables.append(_unloading_table(found["twisted"], f"on a twist of {twist} per mille"))
-    if "twist_test" in found:
-        tables.append(_twist_table(found["twist_test"]))
-    if "rotation_test" in found:
-        tables.append(_rotation_table(found["rotation_test"]))
-    for axle in found["axles"]:
+    mass = f"mass {quantity(numbers['mass_kg'], 'kg', '.6g')}, centre at {centre} mm"
+    loads = replace(_loads_table(numbers, "static wheel loads"), notes=(_verdict(numbers["weighing"]),))
+    tables = [Table(numbers["name"], notes=(numbers["source"], mass)), loads]
+    if "under_loads" in numbers:
+        tables += _under_loads_tables(numbers["under_loads"])
+    if "leaning" in numbers:
+        tables += _leaning_tables(numbers["leaning"])
+    if "twisted" in numbers:
+        twist = formatted(numbers["twisted"]["twist_permille"], "g")
+        tables.append(_unloading_table(numbers["twisted"], f"on a twist of {twist} per mille"))
+    if "twist_test" in numbers:
+        tables.append(_twist_table(numbers["twist_test"]))
+    if "rotation_test" in numbers:
+        tables.append(_rotation_table(numbers["rotation_test"]))
+    for axle in numbers["axles"]:
         columns = (Column("speed", "km/h", "g"), *(Column(word, "Hz", ".2f") for word in ("backward", "forward") * 2))
         pairs = zip(axle["speed_kmh"], axle["backward_Hz"], axle["forward_Hz"], strict=True)
         cells = [(v, b[0], f[0], b[1], f[1]) for v, b, f in pairs if v % 100 == 0 and len(b) > 1]
         tables.append(Table(f"bending of the free elastic axle '{axle['wheelset']}'", columns, cells))
     heads = (Column("frequency", "Hz", ".3f"), Column("damping", "", ".3f"), Column("motion"))
-    notes = (found["linearised"],) if "linearised" in found else ()
-    rows = [(m["frequency_Hz"], m["damping"], m["motion"]) for m in found["modes"]]
+    notes = (numbers["linearised"],) if "linearised" in numbers else ()
+    rows = [(m["frequency_Hz"], m["damping"], m["motion"]) for m in numbers["modes"]]
     return [*tables, *([Table("modes on its springs, wheelsets held", heads, rows, notes)] if rows else [])]
 
 
 def _wheels_table(
-    found: Numbers, title: str, columns: Mapping[str, tuple[str, str, str]], notes: tuple[str, ...] = ()
+    numbers: Numbers, title: str, columns: Mapping[str, tuple[str, str, str]], notes: tuple[str, ...] = ()
 ) -> Table:
     """Numbers of wheels, a row a wheelset; columns: by key, words of the left and the right wheel, unit."""
-    rows = [(name, *(v for key in columns for v in found[key][name].values())) for name in found[next(iter(columns))]]
+    rows = [
+        (name, *(v for key in columns for v in numbers[key][name].values())) for name in numbers[next(iter(columns))]
+    ]
     heads = (Column(word, unit, ".3f") for left, right, unit in columns.values() for word in (left, right))
     return Table(title, (Column("wheelset"), *heads), rows, notes)
 
 
-def _loads_table(found: Numbers, title: str) -> Table:
-    table = _wheels_table(found, title, {"wheel_loads_kN": ("left", "right", "kN")})
-    return replace(table, rows=[*table.rows, ("together", found["weight_kN"], "")])
+def _loads_table(numbers: Numbers, title: str) -> Table:
+    table = _wheels_table(numbers, title, {"wheel_loads_kN": ("left", "right", "kN")})
+    return replace(table, rows=[*table.rows, ("together", numbers["weight_kN"], "")])
 
 
-def _under_loads_tables(found: Numbers) -> list[Table]:
-    if "problem" in found:
-        return [Table("", notes=(found["problem"],))]
+def _under_loads_tables(numbers: Numbers) -> list[Table]:
+    if "problem" in numbers:
+        return [Table("", notes=(numbers["problem"],))]
     heads = (Column("load"), *(Column(axis, "kN", ".3f") for axis in "xyz"))
-    loads = Table("loads, at their largest", heads, [(name, *force) for name, force in found["loads_kN"].items()])
-    tables = [loads, _loads_table(found, "under the loads")]
-    if found["bodies"]:
+    loads = Table("loads, at their largest", heads, [(name, *force) for name, force in numbers["loads_kN"].items()])
+    tables = [loads, _loads_table(numbers, "under the loads")]
+    if numbers["bodies"]:
         heads = (Column("body"), Column("lateral", "mm", ".2f"), Column("vertical", "mm", ".2f"))
-        rows = [(name, *moved.values()) for name, moved in found["bodies"].items()]
+        rows = [(name, *moved.values()) for name, moved in numbers["bodies"].items()]
         tables.append(Table("bodies under the loads", (*heads, Column("roll", "mrad", ".2f")), rows))
-    if found["bump_stops"]:
+    if numbers["bump_stops"]:
         heads = (Column("bump stop"), Column("travel", "mm", ".2f"), Column("force", "kN", ".3f"))
-        tables.append(Table("bump stops in contact", heads, [tuple(stop.values()) for stop in found["bump_stops"]]))
+        tables.append(Table("bump stops in contact", heads, [tuple(stop.values()) for stop in numbers["bump_stops"]]))
     return tables
 
 
-def _unloading_table(found: Numbers, title: str) -> Table:
-    if "problem" in found:
-        return Table("", notes=(f"{title}: {found['problem']}",))
-    title = f"{title}: unloading up to {formatted(found['largest_unloading'], '.3f')}"
+def _unloading_table(numbers: Numbers, title: str) -> Table:
+    if "problem" in numbers:
+        return Table("", notes=(f"{title}: {numbers['problem']}",))
+    title = f"{title}: unloading up to {formatted(numbers['largest_unloading'], '.3f')}"
     columns = {"wheel_loads_kN": ("left", "right", "kN"), "unloading": ("left ΔQ/Q₀", "right ΔQ/Q₀", "")}
-    return _wheels_table(found, title, columns)
+    return _wheels_table(numbers, title, columns)
 
 
-def _leaning_tables(found: Numbers) -> list[Table]:
-    title = f"at {quantity(found['cant_deficiency_mm'], 'mm', 'g')} of cant deficiency"
-    if "problem" in found:
-        return [_unloading_table(found, title)]
-    rows = [(name, s, found["roll_deg"][name]) for name, s in found["flexibility_coefficient"].items()]
+def _leaning_tables(numbers: Numbers) -> list[Table]:
+    title = f"at {quantity(numbers['cant_deficiency_mm'], 'mm', 'g')} of cant deficiency"
+    if "problem" in numbers:
+        return [_unloading_table(numbers, title)]
+    rows = [(name, s, numbers["roll_deg"][name]) for name, s in numbers["flexibility_coefficient"].items()]
     heads = (Column("body"), Column("flexibility coefficient", "", ".3f"), Column("roll", "°", ".2f"))
     return [
-        _unloading_table(found, title),
+        _unloading_table(numbers, title),
         Table(
-            "bodies against the track, outward", heads if rows else (), rows, tuple(map(_verdict, found["verdicts"]))
+            "bodies against the track, outward", heads if rows else (), rows, tuple(map(_verdict, numbers["verdicts"]))
         ),
     ]
 
 
-def _twist_table(found: Numbers) -> Table:
-    twists = f"{formatted(found['body_twist_permille'], '.3g')} per mille under the body"
-    if found["bogie_twist_permille"]:
-        twists += f" and {formatted(found['bogie_twist_permille'], '.3g')} under every bogie"
-    most = found["largest_unloading"]
+def _twist_table(numbers: Numbers) -> Table:
+    twists = f"{formatted(numbers['body_twist_permille'], '.3g')} per mille under the body"
+    if numbers["bogie_twist_permille"]:
+        twists += f" and {formatted(numbers['bogie_twist_permille'], '.3g')} under every bogie"
+    most = numbers["largest_unloading"]
     title = f"twist test, {twists}, there and back: unloading up to {formatted(most, '.3f')}"
     columns = {
         "static_kN": ("Q₀ left", "right", "kN"),
         "unloading": ("ΔQ/Q₀ left", "right", ""),
         "of_friction": ("of friction left", "right", ""),
     }
-    return _wheels_table(found, title, columns, (_verdict(found),))
+    return _wheels_table(numbers, title, columns, (_verdict(numbers),))
 
 
-def _rotation_table(found: Sequence[Numbers]) -> Table:
+def _rotation_table(tests: Sequence[Numbers]) -> Table:
     heads = {
         "bogie": Column("bogie"), "rate_deg_per_s": Column("rate", "°/s"), "angle_deg": Column("angle", "°"),
         "moment_kNm": Column("moment", "kN m"), "axle_load_kN": Column("axle load", "kN"), "X": Column("X"),
     }  # fmt: skip
-    largest = max(test["X"] for test in found)
-    rows = [tuple(test[key] for key in heads) for test in found]
+    largest = max(test["X"] for test in tests)
+    rows = [tuple(test[key] for key in heads) for test in tests]
     title = f"rotation test: X factor up to {formatted(largest, '.3f')}"
-    return Table(title, tuple(heads.values()), rows, (_verdict(max(found, key=lambda test: test["X"])),))
+    return Table(title, tuple(heads.values()), rows, (_verdict(max(tests, key=lambda test: test["X"])),))
 
 
-def _verdict(found: Numbers) -> str:
-    words = "within the limit:" if found["passed"] else "BEYOND THE LIMIT:"
-    value, limit = (quantity(found[key], found["unit"], ".3g") for key in ("value", "limit"))
-    return f"{words} {found['symbol']} = {value}, limit {limit} ({found['limit_source']})"
+def _verdict(numbers: Numbers) -> str:
+    outcome = "within the limit:" if numbers["passed"] else "BEYOND THE LIMIT:"
+    value, limit = (quantity(numbers[key], numbers["unit"], ".3g") for key in ("value", "limit"))
+    return f"{outcome} {numbers['symbol']} = {value}, limit {limit} ({numbers['limit_source']})"

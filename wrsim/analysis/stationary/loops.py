@@ -50,7 +50,7 @@ def bogie_twist(length: float) -> float:
 class TwistTest:
     """body, bogie: twists in parts of one; part (n,): of both, there and back; wheel_loads (n, wheelsets, 2) [N].
 
-    Of the loop from the full twist to the opposite one and back, for every wheel (wheelsets, 2): static: Q0, mean of
+    The loop from the full twist to the opposite one and back, for every wheel (wheelsets, 2): static: Q0, mean of
     both ways through level rails [N]; unloading: largest Delta Q / Q0; friction: half its height there over Q0.
     """
 
@@ -85,8 +85,8 @@ def twist_test(vehicle: Vehicle, body: float | None = None, bogie: float | None 
         bogie = 0.0
     tilt = body * (ahead - middle)
     for b in bogies if len(bogies) > 1 else ():
-        own = list(b.wheelsets)
-        tilt[own] = body * (b.centre - middle) + bogie * (ahead[own] - b.centre)
+        numbers = list(b.wheelsets)
+        tilt[numbers] = body * (b.centre - middle) + bogie * (ahead[numbers] - b.centre)
     part = there_and_back(TWIST_STEPS)
     loads = np.array([supported.rest(tilt * p / CANT_BASE).wheel_loads for p in part])
     level = loads[[2 * TWIST_STEPS, 4 * TWIST_STEPS]]

@@ -30,7 +30,7 @@ from wrsim.vehicle.vehicle import Vehicle
 
 SUPPORT = 1e10  # stiffness of a support [N/m]
 PARTS = 0.25, 0.5, 0.75, 1.0
-"""Of the loads, one after the other, where the rest under all of them is not found at once."""
+"""Parts of the loads, one after the other, where the rest under all of them is not found at once."""
 LENGTH, PLACE = 200.0, 100.0  # level track, and where on it the vehicle is [m]
 
 X, Y, Z, HEADING, ROLL, SPIN = (COORDINATES.index(name) for name in ("x", "y", "z", "heading", "roll", "spin"))
@@ -64,8 +64,8 @@ def accelerated(vehicle: Vehicle, left: float, down: float) -> Vehicle:
         x, y, z = vehicle.place(c.body)
         masses.append((c.body, c.mass, (x, y, z + c.height)))
     forces = (
-        Load.constant(f"inertia {i}", body, (0.0, mass * left, -mass * down), at)
-        for i, (body, mass, at) in enumerate(masses)
+        Load.constant(f"inertia {i}", body, (0.0, mass * left, -mass * down), point)
+        for i, (body, mass, point) in enumerate(masses)
     )
     return replace(vehicle, loads=(*vehicle.loads, *forces))
 
@@ -96,8 +96,8 @@ def rest_from_design(vehicle: Vehicle, tilt: Array) -> tuple[StaticState, Suppor
         supported = SupportedVehicle(vehicle.loaded_as(partial(_part_of, part)))
         if before is not None:
             supported.go_on_from(before)
-        found, before = supported.rest(tilt), supported
-    return found, supported
+        state, before = supported.rest(tilt), supported
+    return state, supported
 
 
 def _part_of(part: float, load: Load) -> Triple:
@@ -126,16 +126,16 @@ class SupportedVehicle(SteadyMotion):
         self._radius = np.array([mounted.wheelset.mean_radius for mounted in wheelsets])
         self._before: tuple[Array, float] | None = None
         self._x = self.unknowns(*design_state(self.law))
-        own = self._own
-        self._design = own[w:, [Y, Z, ROLL]].copy()
-        own[:w, Z] = self._radius - 0.5 * vehicle.weight / w / SUPPORT
+        supports = self._supported
+        self._design = supports[w:, [Y, Z, ROLL]].copy()
+        supports[:w, Z] = self._radius - 0.5 * vehicle.weight / w / SUPPORT
 
     def go_on_from(self, other: SupportedVehicle) -> None:
         """Look for the next rest from that of the same vehicle under other loads."""
         self._x[:], self.slips = other._x, other.slips.copy()
 
     @property
-    def _own(self) -> Array:
+    def _supported(self) -> Array:
         """Coordinates of the bodies (bodies, 6), wheelsets first; a view."""
         n = len(self.law.bodies)
         return self._x[: 6 * n].reshape(n, 6)
@@ -159,17 +159,17 @@ class SupportedVehicle(SteadyMotion):
         dampers do nothing. Raises SimulationError when the vehicle finds no rest: it overturns.
         """
         x, w = self._x, len(self._vehicle.wheelsets)
-        own, held = self._own, [Y, SPIN]
+        supported, held = self._supported, [Y, SPIN]
         self._before = None if interval is None else (self.state(x)[0], interval)
-        own[:w, ROLL] = tilt
+        supported[:w, ROLL] = tilt
         if turned is not None:
             held += [X, HEADING]
             bogie, angle = turned
             numbers = list(bogie.wheelsets)
             arm = self.ahead[numbers] - bogie.centre
-            own[numbers, HEADING] = angle
-            own[numbers, X] = PLACE + bogie.centre + arm * cos(angle)
-            own[numbers, Y] = arm * sin(angle)
+            supported[numbers, HEADING] = angle
+            supported[numbers, X] = PLACE + bogie.centre + arm * cos(angle)
+            supported[numbers, Y] = arm * sin(angle)
         free = np.delete(np.arange(x.size), [6 * i + k for i in range(w) for k in held])
         supports = np.zeros((w, 2))
         pushed = np.zeros((w, 6))
@@ -180,16 +180,16 @@ class SupportedVehicle(SteadyMotion):
             axles = left[: 6 * w].reshape(w, 6)
             pushed[:] = axles
             for side, sign in enumerate((1.0, -1.0)):
-                sunk = self._radius - own[:w, Z] + sign * self._half * (tilt - own[:w, ROLL])
+                sunk = self._radius - supported[:w, Z] + sign * self._half * (tilt - supported[:w, ROLL])
                 supports[:, side] = SUPPORT * np.maximum(sunk, 0.0)
             up, about = supports.sum(axis=1), self._half * (supports[:, 0] - supports[:, 1])
             axles[:, Z] += up / self._vehicle.weight
-            across = axles[:, Y] * np.cos(own[:w, HEADING]) - axles[:, X] * np.sin(own[:w, HEADING])
+            across = axles[:, Y] * np.cos(supported[:w, HEADING]) - axles[:, X] * np.sin(supported[:w, HEADING])
             # the rails push back at their height
             axles[:, ROLL] += about / self._vehicle.weight - self._radius * across
             return left[free]
 
-        with self.law.settled(self.slips):
+        with self.law.relaxed_dampers(self.slips):
             x[free], left, _ = damped_newton(residual, x[free].copy(), self.small[free], TOLERANCE, 100)
         largest = float(np.max(np.abs(left)))
         if not largest <= TOLERANCE:
@@ -199,10 +199,10 @@ class SupportedVehicle(SteadyMotion):
             )
         readings = self.law.records.copy()
         self._before = None
-        self.slips = self.law.settled_rates(*self.state(x))[self.law.sliders]
+        self.slips = self.law.relaxed_rates(*self.state(x))[self.law.sliders]
         moment = 0.0
         if turned is not None:
             force = -self._vehicle.weight * pushed[numbers]
-            levers = own[numbers][:, [X, Y]] - (PLACE + bogie.centre, 0.0)
+            levers = supported[numbers][:, [X, Y]] - (PLACE + bogie.centre, 0.0)
             moment = float(np.sum(force[:, HEADING] + levers[:, 0] * force[:, Y] - levers[:, 1] * force[:, X]))
-        return StaticState(supports.copy(), own[w:, [Y, Z, ROLL]] - self._design, readings, moment)
+        return StaticState(supports.copy(), supported[w:, [Y, Z, ROLL]] - self._design, readings, moment)
