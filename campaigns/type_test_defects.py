@@ -131,7 +131,7 @@ def main() -> None:
         for seed, changes in ((1, states), (11, {ELSEWHERE: AS_DRAWN})):
             file = folder / f"defects_{seed}.toml"
             file.write_text(programme(changes, seed))
-            found += run_type_test(file, folder / file.stem, workers=given.workers, notify=print).found
+            found += run_type_test(file, folder / file.stem, workers=given.workers, notify=print).value
     red: dict[str, list[str]] = {}
     for v in found:
         red.setdefault(v.state, [])

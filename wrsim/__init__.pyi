@@ -4,12 +4,9 @@ from wrsim.analysis.poses.static import contact_map as contact_map
 from wrsim.analysis.poses.static import solve_poses as solve_poses
 from wrsim.analysis.warming import warm as warm
 from wrsim.api.analyses import assess as assess
-from wrsim.api.analyses import conicity as conicity
 from wrsim.api.analyses import diff as diff
-from wrsim.api.analyses import profiles as profiles
 from wrsim.api.analyses import ride as ride
 from wrsim.api.analyses import spectra as spectra
-from wrsim.api.analyses import stationary as stationary
 from wrsim.api.data import export as export
 from wrsim.api.data import keys as keys
 from wrsim.api.data import new_file as new_file
@@ -21,6 +18,8 @@ from wrsim.api.pages import look as look
 from wrsim.api.pages import write_pictures as write_pictures
 from wrsim.api.pages import write_report as write_report
 from wrsim.api.pages import write_view as write_view
+from wrsim.api.profiles import conicity as conicity
+from wrsim.api.profiles import profiles as profiles
 from wrsim.api.runs import check as check
 from wrsim.api.runs import compare as compare
 from wrsim.api.runs import resolve as resolve
@@ -29,6 +28,7 @@ from wrsim.api.runs import show as show
 from wrsim.api.studies import run_study as run_study
 from wrsim.api.studies import run_type_test as run_type_test
 from wrsim.api.studies import run_wear as run_wear
+from wrsim.api.vehicles import stationary as stationary
 from wrsim.contact.model import ContactModel as ContactModel
 from wrsim.contact.models import contact_model as contact_model
 from wrsim.contact.pose import Pose as Pose

@@ -33,7 +33,7 @@ def spectra_on_sleepers() -> Figure:
     keys = {"run.distance_m": 14.0, "run.step_us": 100, "run.output_interval_ms": 5.0}
     fast = {"run.fast_channels": ["axle_box_acceleration"]}
     result = run(load(HERE.parents[1] / "scenarios/flat_on_sleepers.toml").with_values(keys | fast))
-    return spectra_figure(spectra(result, "axle_box_acceleration").found)
+    return spectra_figure(spectra(result, "axle_box_acceleration").value)
 
 
 def main() -> None:

@@ -34,18 +34,18 @@ def synthetic():
 def test_derivatives_of_a_sine_have_powers_of_its_angular_frequency(order):
     outcome = spectra(synthetic(), "lateral_shift", derivative=order)
     expected = (2.0 * pi * FREQUENCY) ** order * 1e-3 / sqrt(2.0)
-    assert float(outcome.found["rms"].item()) == pytest.approx(expected, rel=0.01)
-    assert outcome.found.attrs["unit"] == ("m/s", "m/s2")[order - 1]
+    assert float(outcome.value["rms"].item()) == pytest.approx(expected, rel=0.01)
+    assert outcome.value.attrs["unit"] == ("m/s", "m/s2")[order - 1]
 
 
 def test_the_spectrogram_has_each_frequency_where_it_is():
-    right = spectra(synthetic(), "Q", piece_m=4.0).found["spectrogram"].isel(wheelset=0).sel(wheel="right")
+    right = spectra(synthetic(), "Q", piece_m=4.0).value["spectrogram"].isel(wheelset=0).sel(wheel="right")
     strongest = right.idxmax("line")
     first, second = right["place"] < 0.5 * LENGTH - 4.0, right["place"] > 0.5 * LENGTH + 4.0
     # a piece lasts 0.2 s: lines every 5 Hz
     assert np.abs(strongest[first] - 60.0).max() <= 5.0 and np.abs(strongest[second] - 240.0).max() <= 5.0
     assert float(np.diff(right["place"]).mean()) == pytest.approx(2.0)
-    only = spectra(synthetic(), "Q", from_m=0.6 * LENGTH).found
+    only = spectra(synthetic(), "Q", from_m=0.6 * LENGTH).value
     assert only.attrs["from_m"] == pytest.approx(0.6 * LENGTH)
     assert float(only["density"].isel(wheelset=0).sel(wheel="right").idxmax()) == pytest.approx(240.0, abs=2.0)
 
@@ -59,7 +59,7 @@ def test_a_polygon_on_sleepers_is_a_line_in_the_force_and_at_the_axle_box():
     result = wrsim.run(load(SCENARIOS / "flat_on_sleepers.toml").with_values(keys))
     expected = order * speed / 3.6 / (2.0 * pi * radius)
     for channel in ("Q", "axle_box_acceleration"):
-        found = spectra(result, channel).found.sel(wheelset="wheelset", wheel="left")
+        found = spectra(result, channel).value.sel(wheelset="wheelset", wheel="left")
         assert found.attrs["rate_Hz"] == pytest.approx(2000.0)
         assert float(found["density"].idxmax()) == pytest.approx(expected, abs=float(found["frequency"][1]))
         line = float(found["band"][int(found["band_rms"].argmax("band"))])

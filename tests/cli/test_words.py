@@ -76,7 +76,7 @@ def test_the_time_that_a_run_took_is_told_beside_the_time_on_the_track(run, tmp_
     lasted = float(np.ptp(run.dataset["time"].values))
     told = call(*command).stdout
     assert f"{lasted:.4g} s on the track in " in told
-    assert told.splitlines()[-1] == f"a page about it for the browser: wrsim report {tmp_path / 'out'}"
+    assert told.splitlines()[-1] == f"HTML report: wrsim report {tmp_path / 'out'}"
     summary = json.loads(call(*command, "--json").stdout)["summary"]
     assert summary["times_real_time"] == pytest.approx(summary["wall_time_s"] / lasted, abs=1e-3)
     assert summary["compiling_s"] == 0.0 and "compiling" not in told

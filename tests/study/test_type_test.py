@@ -80,7 +80,7 @@ def filled(folder: Path, statuses=(COMPLETED,) * 6, file: Path | None = None, **
 
 def verdicts(found) -> dict[tuple[str, str], list[bool | None]]:
     rows: dict[tuple[str, str], list[bool | None]] = {}
-    for own in found.found:
+    for own in found.value:
         rows.setdefault((own.state, own.clause), []).append(own.ok)
     return rows
 
@@ -133,7 +133,7 @@ def test_a_run_takes_waves_besides_the_spectrum_and_the_vehicle_rests_on_its_can
     kinds = [[own.kind for own in scenario.spec.track.irregularities] for scenario in scenarios[:3]]
     assert kinds == [["spectrum"], ["spectrum", "mcat"], ["spectrum", "mcat"]]
     found = run_type_test(filled(tmp_path, file=file), tmp_path / "out")
-    at_rest = {v.clause: v for v in found.found if v.zone == "at rest" and v.state == "new"}
+    at_rest = {v.clause: v for v in found.value if v.zone == "at rest" and v.state == "new"}
     assert verdicts(found)["wet", "cant"] == [False]  # it overturns
     assert set(at_rest) == {"213.57(d)(1)(i)", "213.57(d)(1)(ii)", "sway"}
     lean = numbers_at_rest(vehicle_of(scenarios[0]), 80.0)["leaning"]
@@ -153,7 +153,7 @@ def test_a_load_aside_springs_too_soft_and_worn_wheels_are_red_at_rest_as_by_han
         text = text.replace(f"{friction} }}", f"{friction}, {own} }}")
     file.write_text(text)
     found = run_type_test(filled(tmp_path, file=file), tmp_path / "out")
-    rest = {(v.state, v.clause): v for v in found.found if v.zone == "at rest"}
+    rest = {(v.state, v.clause): v for v in found.value if v.zone == "at rest"}
     sound, faulty = ({clause: v for (state, clause), v in rest.items() if state == name} for name in ("new", "wet"))
     assert all(v.ok for v in sound.values()) and not any(v.ok for v in faulty.values())
     plan = read_programme(file, tmp_path / "out").plan

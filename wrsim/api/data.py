@@ -1,29 +1,32 @@
-"""Data from and for other programs, and files to start from."""
+"""Data from and for other programs, and templates."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
-from wrsim.api.outcome import Given, Outcome, Values, as_result, as_scenario, folder_beside
+from wrsim.api import options
+from wrsim.api.options import AnyPath, Argument, Option, documented, into
+from wrsim.api.outcome import Outcome, as_result, as_scenario, folder_beside, folder_or_none
 from wrsim.errors import InputError
+from wrsim.inputs.file_kinds import FILES, OTHER_NAMES
+from wrsim.register import ANALYSES
 
-if TYPE_CHECKING:
-    from wrsim.scenario.loading import Scenario
+Kind = Annotated[
+    str, Argument(f"{', '.join(ANALYSES)} (scenarios), vehicle, train, track, profile, study, wear.", "KIND")
+]
+TEMPLATES = (
+    "vehicle: coach, metro, freight, tram, locomotive, wheelset; track: curve, line; profile: wheel, rail, worn-wheel."
+)
 
 
-def export(result: Given, to: str, output: str | Path | None = None) -> Outcome:
-    """Write a result for other programs.
-
-    Parameters
-    ----------
-    result : Result, str or Path
-        Any result.
-    to : str
-        ``"mat"``, ``"csv"``, ``"parquet"``, ``"mdf"``, ``"tables"``, or several with commas between.
-    output : str or Path, optional
-        Folder; beside the result unless given.
+@documented
+def export(
+    result: options.ResultFile,
+    to: Annotated[str, Option("mat, csv, parquet, mdf, tables; one or more with commas.", "FORMAT,...")],
+    output: options.BesideResult = None,
+) -> Outcome:
+    """Write a result for other programs: MATLAB, CSV, Parquet, MDF (result.mat, .csv, .parquet, .mf4), all tables.
 
     Returns
     -------
@@ -42,26 +45,40 @@ def export(result: Given, to: str, output: str | Path | None = None) -> Outcome:
     return Outcome([], {}, [file for name in names for file in export_result(loaded, name, folder)])
 
 
+@documented
 def read_recording(
-    file: str | Path, output: str | Path | None = None, *, columns: str | Path | None = None,
-    chord_m: tuple[float, float] | None = None, band: str | None = None,
-    wavelength_m: tuple[float, float] = (3.0, 70.0), amplification: float = 8.0, transitions: str = "either",
-    from_m: float | None = None, to_m: float | None = None, vehicle: str = "vehicles/manchester_1.toml",
-    speed_kmh: float | None = None, models: Sequence[str | Path] = (), pictures: bool = True,
-) -> Outcome:  # fmt: skip
-    """Make a track, its irregularities and a scenario of a track recording car's table.
-
-    Parameters
-    ----------
-    file : str or Path
-        Table of the recording (CSV).
-    output : str or Path, optional
-        Folder for the files; without it nothing is written. All others as of ``wrsim recording``.
+    file: Annotated[str | Path, Argument("Table of a recording (CSV).", "FILE")],
+    output: Annotated[AnyPath, into("Folder for the files.", "DIR", default="<name of FILE> here")] = None,
+    *,
+    columns: Annotated[
+        AnyPath, Option("Column map; default: the TOML of FILE's name beside it, or columns' names.", "TOML")
+    ] = None,
+    chord_m: Annotated[
+        tuple[float, float] | None, Option("Chord of alignment and level, where no map gives it.", "BEHIND AHEAD")
+    ] = None,
+    band: Annotated[str | None, Option("Inertial band of alignment and level, if no map gives it.", "D1|D2|D3")] = None,
+    wavelength_m: Annotated[
+        tuple[float, float], Option("Wavelengths of alignment and level that are restored.", "SHORT LONG")
+    ] = (3.0, 70.0),
+    amplification: Annotated[float, Option("Maximum gain of the inverse filter.")] = 8.0,
+    transitions: Annotated[
+        str, Option("Form of transitions; either: the one with the smaller residual.", "clothoid|bloss|either")
+    ] = "either",
+    from_m: Annotated[float | None, Option("Start of the distance that is used.", "M")] = None,
+    to_m: Annotated[float | None, Option("End of the distance that is used.", "M")] = None,
+    vehicle: Annotated[str, Option("Vehicle of the scenario.", "MODEL")] = "vehicles/manchester_1.toml",
+    speed_kmh: Annotated[
+        float | None, Option("Speed of the scenario; default: 100 mm of cant deficiency, 160 at most.")
+    ] = None,
+    models: options.Models = (),
+    pictures: options.Pictures = True,
+) -> Outcome:
+    """Make a track, its irregularities and a scenario of a track recording car's table (docs/user/recording.md).
 
     Returns
     -------
     Outcome
-        ``found`` is the restored track.
+        ``value`` is the restored track.
 
     Raises
     ------
@@ -75,34 +92,36 @@ def read_recording(
     from wrsim.report.outputs import write_recording
 
     check_value(Annotated[float, number(1, 500, "km/h")] | None, speed_kmh, "--speed-kmh")
-    path, beside = Path(file), Path(file).with_suffix(".toml")
+    path, folder = Path(file), folder_or_none(output)
     if path.suffix.lower() != ".csv" and (kind := kind_of(path)):
         raise InputError(f"{path}: is {kind}; the table of a recording is needed here")
-    chosen = Path(columns) if columns is not None else beside if beside.is_file() else None
-    found = restored_track(path, chosen, chord_m, band, (from_m, to_m), wavelength_m, amplification, transitions)
-    files = []
-    if output is not None:
-        files = write_recording(found, Path(output), vehicle, speed_kmh, list(map(Path, models)), pictures)
-    folder = None if output is None else Path(output)
-    return Outcome(recording_tables(found), recording_numbers(found), files, found, folder=folder)
+    chosen = columns_of(path, columns)
+    track = restored_track(path, chosen, chord_m, band, (from_m, to_m), wavelength_m, amplification, transitions)
+    if folder is None:
+        return Outcome(recording_tables(track), recording_numbers(track), value=track)
+    files = write_recording(track, folder, vehicle, speed_kmh, list(map(Path, models)), pictures)
+    lines = [f"run it with: wrsim run {folder / 'scenario.toml'}"]
+    return Outcome(recording_tables(track), recording_numbers(track), files, track, folder=folder, lines=lines)
 
 
+def columns_of(file: Path, columns: str | Path | None) -> Path | None:
+    """The column map of a recording: the one that is named, else the TOML file beside it."""
+    beside = file.with_suffix(".toml")
+    return Path(columns) if columns is not None else beside if beside.is_file() else None
+
+
+@documented
 def write_unit(
-    scenario: Scenario | str | Path, output: str | Path | None = None, values: Values = (), *,
-    step: float = 1e-3, models: Sequence[str | Path] = (),
-) -> Outcome:  # fmt: skip
-    """Write the vehicle of a run as a co-simulation unit of FMI 3.0, for Linux; it needs no Python when it runs.
+    scenario: options.ScenarioFile,
+    output: Annotated[AnyPath, into("The unit; <name of FILE>.fmu here unless given.", "FMU")] = None,
+    values: options.Values = (),
+    *,
+    step: Annotated[float, "Step of the integration [s]."] = 1e-3,
+    models: options.Models = (),
+) -> Outcome:
+    """Write the vehicle of a run as a co-simulation unit (FMI 3.0, Linux, a C compiler is needed).
 
-    Parameters
-    ----------
-    scenario : Scenario, str or Path
-        Of a run along the track, from whose start the unit starts.
-    output : str or Path, optional
-        The file; <name of the scenario's file>.fmu here unless given.
-    values : sequence of str, or mapping
-        Keys to be changed, ``"vehicle.drive=free"``.
-    step : float
-        Of the integration [s]. models: as of `check`.
+    The unit starts from the start of the run; it needs no Python when it runs.
 
     Returns
     -------
@@ -126,15 +145,13 @@ def write_unit(
     return Outcome([], {"inputs": inputs}, [write_atomically(path, content)])
 
 
-def new_file(kind: str = "curving", template: str | None = None, output: str | Path | None = None) -> Outcome:
-    """Write a file to start from, which can be used as it is: a scenario that names all keys, or another kind.
-
-    Parameters
-    ----------
-    kind, template : str
-        As of ``wrsim new``.
-    output : str or Path, optional
-        The file; <template or kind>.toml here unless given.
+@documented
+def new_file(
+    kind: Kind = "curving",
+    template: Annotated[str | None, Argument(TEMPLATES, "[TEMPLATE]")] = None,
+    output: Annotated[AnyPath, into("The file; <TEMPLATE or KIND>.toml here unless given.", "FILE")] = None,
+) -> Outcome:
+    """Write a template: a scenario that names all keys, or another kind of file.
 
     Returns
     -------
@@ -146,8 +163,6 @@ def new_file(kind: str = "curving", template: str | None = None, output: str | P
     InputError
         For a kind or a template that there is not.
     """
-    from wrsim.inputs.file_kinds import OTHER_NAMES
-    from wrsim.register import ANALYSES
     from wrsim.results import write_atomically
     from wrsim.scenario.templates import template_files
 
@@ -159,22 +174,21 @@ def new_file(kind: str = "curving", template: str | None = None, output: str | P
     return Outcome([], {}, files, lines=use)
 
 
-def keys(section: str | None = None, file: str = "scenario", schema: bool = False) -> Outcome:
-    """The keys of a table: unit, what is allowed, default, other names, an example.
-
-    Parameters
-    ----------
-    section : str, optional
-        A table such as ``"contact"``; all tables unless given.
-    file : str
-        Kind of file, as of ``wrsim keys``.
-    schema : bool
-        Whether ``lines`` are the JSON schema of that kind of file.
+@documented
+def keys(
+    section: Annotated[
+        str | None,
+        Argument("A table or a key, such as track.segments or contact.normal; default: all.", "SECTION"),
+    ] = None,
+    file: Annotated[str, Option(f"{', '.join(FILES)}.", "KIND")] = "scenario",
+    schema: Annotated[bool, Option("Print the JSON schema of that kind of file, for editors.")] = False,
+) -> Outcome:
+    """List the keys of a table: unit, what is allowed, default, other names, an example.
 
     Returns
     -------
     Outcome
-        ``lines``, and the same as ``numbers``.
+        ``lines``, and the same as ``numbers``; of a schema ``lines`` alone.
 
     Raises
     ------

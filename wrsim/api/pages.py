@@ -5,36 +5,40 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from wrsim.api.outcome import Given, Outcome, as_list, as_result, folder_beside, paths_among
+from wrsim.api import options
+from wrsim.api.options import AnyPath, Argument, Option, ResultLike, documented, into
+from wrsim.api.outcome import Outcome, as_list, as_result, folder_beside, name_of, paths_in
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
     from wrsim.report.document import Cover
 
 
+@documented
 def write_report(
-    results: Given | Sequence[Given], file: str | Path | None = None, *, title: str = "", author: str = "",
-    company: str = "", logo: str | Path | None = None, date: str = "", with_view: bool = False,
-    models: Sequence[str | Path] = (),
-) -> Outcome:  # fmt: skip
-    """Write a page about a result, several results beside each other, a study, or a profile evolution.
+    results: Annotated[
+        options.ResultsLike,
+        Argument("Results: files, folders, cut-off runs; one study or evolution.", "RESULT...", kind=list[Path]),
+    ],
+    file: Annotated[
+        AnyPath,
+        into("The page; report.html beside the first result unless given.", "HTML"),
+    ] = None,
+    *,
+    title: Annotated[str, Option("Default: the titles of the results.", "TEXT")] = "",
+    author: Annotated[str, Option("Named beneath the title.", "TEXT")] = "",
+    company: Annotated[str, Option("Named beneath the title and on every page.", "TEXT")] = "",
+    logo: Annotated[AnyPath, Option("A picture beside the title.", "PNG|SVG|JPG")] = None,
+    date: Annotated[str, Option("Default: today.", "TEXT")] = "",
+    with_view: Annotated[bool, Option("With the viewer of each result inside.", flags="--view")] = False,
+    models: options.Models = (),
+) -> Outcome:
+    """Write a report about a result, several results beside each other, a study, or a profile evolution.
 
-    Parameters
-    ----------
-    results : Result, path, or a sequence of these
-        Results of runs; or the folder of a study or a profile evolution.
-    file : str or Path, optional
-        The page; report.html beside the first result unless given.
-    title, author, company, date : str
-        On its head; the titles of the results and today's date unless given.
-    logo : str or Path, optional
-        A picture, .png, .svg or .jpg.
-    with_view : bool
-        Whether the viewer of each result is inside.
-    models : sequence of str or Path
-        Folders with model files of your own, for the viewer.
+    It holds a summary, verdict, assessment, histories, contacts and wear; of a study outputs, pictures and cases.
+    Versions and digests are in its appendix.
 
     Returns
     -------
@@ -51,20 +55,20 @@ def write_report(
 
     several, picture = as_list(results), logo_address(Path(logo)) if logo else ""
     page = _page_of(several, with_view, list(map(Path, models)), Cover(title, author, company, date, picture))
-    target = Path(file) if file is not None else folder_beside(several[0], None) / "report.html"
+    target = Path(file) if file is not None else folder_beside(several[0]) / "report.html"
     return Outcome([], {}, [write_atomically(target, page.encode())])
 
 
-def _page_of(given: Sequence[Given], with_view: bool, models: Sequence[Path], cover: Cover) -> str:
+def _page_of(results: Sequence[ResultLike], with_view: bool, models: Sequence[Path], cover: Cover) -> str:
     """The page about results of runs, a study or a profile evolution; with_view: with viewers of the results inside."""
     from wrsim.results.files import EVOLUTION, STUDY, holds
     from wrsim.results.units import in_page
 
-    for path in paths_among(*given):
+    for path in paths_in(*results):
         kind = "study" if holds(path, STUDY) else "profile evolution" if holds(path, EVOLUTION) else ""
         if not kind:
             continue
-        if len(given) > 1:
+        if len(results) > 1:
             raise InputError(f"{path}: is a {kind}: a report takes one {kind}, or results of runs")
         if with_view:
             raise InputError(f"--view: {path} is a {kind}; it is for results of runs, as each case of a {kind} is")
@@ -79,24 +83,19 @@ def _page_of(given: Sequence[Given], with_view: bool, models: Sequence[Path], co
     from wrsim.report.page import report_page
     from wrsim.report.view_data import view_page
 
-    results = [as_result(each) for each in given]
-    names = [str(each) if isinstance(each, str | Path) else each.title for each in given]
-    pairs = zip(results, given, strict=True)
-    viewers = [view_page(r, folder_beside(each, None), models) for r, each in pairs] if with_view else []
-    return in_page(report_page(results, names, viewers=viewers, cover=cover))
+    loaded = [as_result(each) for each in results]
+    pairs = zip(loaded, results, strict=True)
+    viewers = [view_page(result, folder_beside(each), models) for result, each in pairs] if with_view else []
+    return in_page(report_page(loaded, [name_of(each) for each in results], viewers=viewers, cover=cover))
 
 
-def write_view(result: Given, file: str | Path | None = None, models: Sequence[str | Path] = ()) -> Outcome:
-    """Write a page to look at a run: wheels on their rails, the vehicle on its track, modes.
-
-    Parameters
-    ----------
-    result : Result, str or Path
-        A result of a run or of a stability analysis.
-    file : str or Path, optional
-        The page; view.html beside the result unless given.
-    models : sequence of str or Path
-        Folders with model files of your own.
+@documented
+def write_view(
+    result: options.ResultFile,
+    file: Annotated[AnyPath, into("The page; view.html beside the result unless given.", "HTML")] = None,
+    models: options.Models = (),
+) -> Outcome:
+    """Write an interactive viewer: wheels on their rails, the vehicle on its track, modes of a stability analysis.
 
     Returns
     -------
@@ -112,29 +111,24 @@ def write_view(result: Given, file: str | Path | None = None, models: Sequence[s
     from wrsim.results import write_atomically
 
     folder = folder_beside(result, None if file is None else Path(file).parent)
-    beside = folder_beside(result, None) if paths_among(result) else folder
+    beside = folder_beside(result) if paths_in(result) else folder
     page = view_page(as_result(result), beside, list(map(Path, models)))
     return Outcome([], {}, [write_atomically(folder / "view.html" if file is None else Path(file), page.encode())])
 
 
+@documented
 def write_pictures(
-    result: Given, output: str | Path | None = None, at: Sequence[str] = (), wheelset: str | None = None
+    result: options.ResultFile,
+    output: options.BesideResult = None,
+    at: options.Places = (),
+    wheelset: options.OneWheelset = None,
 ) -> Outcome:
-    """Draw the pictures of a result, or the contact patches at chosen places only.
-
-    Parameters
-    ----------
-    result : Result, str or Path
-        Any result.
-    output : str or Path, optional
-        Folder; beside the result unless given.
-    at, wheelset
-        Distances [m] or poses, and one of several wheelsets. `wrsim.look` chooses kinds of files, width and style.
+    """Plot a result; --at: contact patches at given positions.
 
     Returns
     -------
     Outcome
-        ``files``.
+        ``files``. `wrsim.look` chooses their kinds, width and style.
 
     Raises
     ------
@@ -153,28 +147,24 @@ def write_pictures(
     return Outcome([], {}, draw_pictures(dataset, at, directory))
 
 
+@documented
 @contextmanager
 def look(
-    formats: str = "png", width_mm: float | None = None, font: str = "", style: str = "", units: str | None = None
+    formats: Annotated[str, Option("Kinds of pictures; default: png.", "png,svg,pdf", flags="--format")] = "png",
+    width_mm: Annotated[float | None, Option("Width of pictures, 60 to 500; default: 170.", "MM")] = None,
+    font: Annotated[str, Option("Family of the letters, such as 'DejaVu Serif'.", "NAME")] = "",
+    style: Annotated[str, Option("Style file, or a style of matplotlib.", "FILE")] = "",
+    units: Annotated[
+        str | None,
+        Option("Units of tables, pictures, reports; default: of the scenario, or metric.", "metric|us"),
+    ] = None,
 ) -> Iterator[None]:
     """How all pictures that are drawn in the block look, and the units of tables, pictures and pages in it.
-
-    Parameters
-    ----------
-    formats : str
-        Kinds of files, ``"png"``, ``"svg"``, ``"pdf"``, with commas between; pictures whose file is named by its whole
-        name are of the kind of its ending.
-    width_mm : float, optional
-        Width [mm] from 60 to 500; 170 unless given.
-    font, style : str
-        A family of letters; a style file of matplotlib, or one of its styles.
-    units : str, optional
-        ``"metric"`` or ``"us"`` (ft, in, mph, kip, degrees of curve).
 
     Returns
     -------
     AbstractContextManager
-        Pictures outside of its block look as before.
+        Pictures outside of its block look as before; those that are named as a whole are of the kind of its ending.
 
     Raises
     ------
@@ -194,20 +184,18 @@ def look(
         LOOK.reset(token)
 
 
-def draw_track(file: str | Path, picture: str | Path, models: Sequence[str | Path] = ()) -> Outcome:
+@documented
+def draw_track(
+    file: Annotated[str | Path, Argument("Scenario or track file (TOML).", "FILE")],
+    picture: Annotated[str | Path, into("The picture.", "PNG|SVG|PDF", default="<FILE>_track.png here")],
+    models: options.Models = (),
+) -> Outcome:
     """Draw the track of a scenario or of a track file: plan, curvature, cant, gauge, height, irregularities.
-
-    Parameters
-    ----------
-    file, picture : str or Path
-        The scenario or track file; where it is drawn, .png, .svg or .pdf.
-    models : sequence of str or Path
-        Folders with model files of your own.
 
     Returns
     -------
     Outcome
-        ``found`` is the Track.
+        ``value`` is the Track.
 
     Raises
     ------
@@ -217,5 +205,5 @@ def draw_track(file: str | Path, picture: str | Path, models: Sequence[str | Pat
     from wrsim.report.outputs import draw_model
     from wrsim.scenario.track_build import track_model
 
-    found = track_model(Path(file), models)
-    return Outcome([], {}, [draw_model("track", Path(picture), found)], found)
+    track = track_model(Path(file), models)
+    return Outcome([], {}, [draw_model("track", Path(picture), track)], track)

@@ -3,42 +3,30 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Annotated
 
+from wrsim.api import options
+from wrsim.api.options import AnyPath, Option, documented, into
 from wrsim.api.outcome import (
-    Bar,
-    Given,
     Outcome,
-    Values,
     as_result,
     as_scenario,
     exit_code,
     folder_beside,
+    folder_or_none,
     no_bar,
-    paths_among,
+    paths_in,
     results_folder,
 )
 from wrsim.timing import timed
 
-if TYPE_CHECKING:
-    from wrsim.scenario.loading import Scenario
-
 log = logging.getLogger("wrsim.api")
 
 
-def check(scenario: Scenario | str | Path, values: Values = (), models: Sequence[str | Path] = ()) -> Outcome:
+@documented
+def check(scenario: options.ScenarioFile, values: options.Values = (), models: options.Models = ()) -> Outcome:
     """Check a scenario and all the files it names, without running it.
-
-    Parameters
-    ----------
-    scenario : Scenario, str or Path
-        A scenario or its file.
-    values : sequence of str, or mapping
-        Keys to be changed, ``"vehicle.speed_kmh=60"`` or ``{"vehicle.speed_kmh": 60}``.
-    models : sequence of str or Path
-        Folders with model files of your own.
 
     Returns
     -------
@@ -58,32 +46,37 @@ def check(scenario: Scenario | str | Path, values: Values = (), models: Sequence
     setup = build(changed)
     if getattr(setup.plan, "limited", False):
         check_step(changed, setup)
-    found = facts(setup) | cost_of(setup)
+    numbers = facts(setup) | cost_of(setup)
     name = str(changed.path or changed.title)
-    numbers = {"status": "valid", "scenario": name, "warnings": warnings(setup), **found}
-    return Outcome([facts_table(f"{name}: valid", found)], numbers, found=setup)
+    tables = [facts_table(f"{name}: valid", numbers)]
+    return Outcome(tables, {"status": "valid", "scenario": name, "warnings": warnings(setup), **numbers}, value=setup)
 
 
+@documented
 def run_scenario(
-    file: Scenario | str | Path, output: str | Path | None = None, values: Values = (), *,
-    models: Sequence[str | Path] = (), resume: bool = False, threads: int | None = None, pictures: bool = True,
-    force: bool = False, bar: Bar = no_bar, warn: Callable[[str], None] = log.warning,
-) -> Outcome:  # fmt: skip
-    """Run a scenario into a folder: dataset, tables, summary and pictures.
+    file: options.ScenarioFile,
+    output: options.Output = None,
+    values: options.Values = (),
+    *,
+    resume: Annotated[bool, Option("Go on with the run in DIR that was cut off or interrupted.")] = False,
+    threads: Annotated[
+        int | None,
+        Option("Cores that compute contacts; default: 1, all for trains of three vehicles and more.", least=1),
+    ] = None,
+    models: options.Models = (),
+    pictures: options.Pictures = True,
+    force: options.Force = False,
+    bar: options.ShowsProgress = no_bar,
+    warn: options.Warn = log.warning,
+) -> Outcome:
+    """Run a scenario; writes dataset, tables, summary and pictures to a folder.
 
-    Parameters
-    ----------
-    file : Scenario, str or Path
-        A scenario or its file.
-    output : str or Path, optional
-        Folder; results/<name of the file> unless given.
-    values : sequence of str, or mapping
-        As of `check`. All others as of ``wrsim run``; bar, warn as of `run_study`.
+    While it lasts, a run is stored in result.nc.part there, so that one that was cut off can be resumed.
 
     Returns
     -------
     Outcome
-        ``found`` is a `wrsim.report.output_folder.Written`, with the Result.
+        ``value`` is a `wrsim.report.output_folder.Written`, with the Result.
 
     Raises
     ------
@@ -101,8 +94,8 @@ def run_scenario(
     directory = results_folder(path, output)
     with timed("vehicle, track and profiles built"):
         setup = build(scenario)  # what cannot run leaves nothing behind
-    for words in (*(f"{path}: warning: {w}" for w in warnings(setup)), *exact_run_warning(setup)):
-        warn(words)
+    for message in (*(f"{path}: warning: {text}" for text in warnings(setup)), *exact_run_warning(setup)):
+        warn(message)
     written = run_into(
         directory, scenario, setup, path, resume=resume, threads=threads, pictures=pictures, force=force, progress=bar()
     )
@@ -119,18 +112,14 @@ def run_scenario(
     return Outcome(result.numbers(), numbers, written.files, written, code, directory, lines)
 
 
-def show(result: Given) -> Outcome:
-    """The summary of a result, or of what there is of a run.
-
-    Parameters
-    ----------
-    result : Result, str or Path
-        Any result.
+@documented
+def show(result: options.ResultFile) -> Outcome:
+    """Print the summary of a result, or of what there is of a run.
 
     Returns
     -------
     Outcome
-        ``found`` is the Result.
+        ``value`` is the Result.
 
     Raises
     ------
@@ -139,29 +128,33 @@ def show(result: Given) -> Outcome:
     """
     loaded = as_result(result)
     lines = [f"stopped: {loaded.stop_reason}"] if loaded.stop_reason else []
-    return Outcome(loaded.numbers(), loaded.summary(), found=loaded, lines=lines)
+    return Outcome(loaded.numbers(), loaded.summary(), value=loaded, lines=lines)
 
 
+@documented
 def compare(
-    scenario: Scenario | str | Path, contact: str, reference: str | None = None, output: str | Path | None = None, *,
-    models: Sequence[str | Path] = (), pictures: bool = True, bar: Bar = no_bar,
-    warn: Callable[[str], None] = log.warning,
-) -> Outcome:  # fmt: skip
-    """Compare contact models on the poses or the run of a scenario.
-
-    Parameters
-    ----------
-    scenario : Scenario, str or Path
-        A scenario or its file.
-    contact : str
-        Names of models with commas between; reference: whom the others are measured against, the first unless given.
-    output : str or Path, optional
-        Folder; without it nothing is written. All others as of ``wrsim compare``; bar, warn as of `run_study`.
+    scenario: options.ScenarioFile,
+    contact: Annotated[
+        str,
+        Option("half-space, kik-piotrowski+polach, kik-piotrowski+strips=80; file: as in FILE.", "A,B,..."),
+    ],
+    reference: Annotated[str | None, Option("Reference model; default: the first.", "A")] = None,
+    output: Annotated[
+        AnyPath,
+        into("Folder for tables and pictures.", "DIR", default="results/<name of FILE>_compared"),
+    ] = None,
+    *,
+    models: options.Models = (),
+    pictures: options.Pictures = True,
+    bar: options.ShowsProgress = no_bar,
+    warn: options.Warn = log.warning,
+) -> Outcome:
+    """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation.
 
     Returns
     -------
     Outcome
-        ``found`` has the result of every model, differences and times.
+        ``value`` has the result of every model, differences and times.
 
     Raises
     ------
@@ -175,39 +168,37 @@ def compare(
     from wrsim.scenario.contact_choice import split_names, with_contact_model
 
     loaded, names = as_scenario(scenario, models), split_names(contact)
-    for words in [w for name in names for w in exact_run_warning(build(with_contact_model(loaded, name)))]:
-        warn(words)
+    for message in [text for name in names for text in exact_run_warning(build(with_contact_model(loaded, name)))]:
+        warn(message)
     with bar() as progress:
-        found = compare_models(loaded, names, reference, progress)
-    report = comparison_report(found, str(loaded.path or loaded.title))
-    folder = None if output is None else Path(output)
-    files = [] if folder is None else write_comparison(found, report, folder, pictures, loaded.title)
-    code = max(exit_code(model.result) for model in found.models)
-    return Outcome(comparison_tables(found, report), report, files, found, code, folder)
+        comparison = compare_models(loaded, names, reference, progress)
+    report = comparison_report(comparison, str(loaded.path or loaded.title))
+    folder = folder_or_none(output)
+    files = [] if folder is None else write_comparison(comparison, report, folder, pictures, loaded.title)
+    code = max(exit_code(model.result) for model in comparison.models)
+    return Outcome(comparison_tables(comparison, report), report, files, comparison, code, folder)
 
 
+@documented
 def resolve(
-    result: Given, contact: str = "half-space", output: str | Path | None = None, *, at: Sequence[str] = (),
-    wheelset: str | None = None, same: str = "load", models: Sequence[str | Path] = (), pictures: bool = True,
-    force: bool = False, bar: Bar = no_bar,
-) -> Outcome:  # fmt: skip
+    result: options.ResultFile,
+    contact: Annotated[str, Option("Contact model, such as half-space+fastsim.", "NAME")] = "half-space",
+    output: Annotated[AnyPath, into("Folder; <folder of RESULT>/<NAME> unless given.", "DIR")] = None,
+    *,
+    at: options.Places = (),
+    wheelset: options.OneWheelset = None,
+    same: Annotated[str, Option("What every wheel keeps: its vertical force or its height.", "load|pose")] = "load",
+    models: options.Models = (),
+    pictures: options.Pictures = True,
+    force: options.Force = False,
+    bar: options.ShowsProgress = no_bar,
+) -> Outcome:
     """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model.
-
-    Parameters
-    ----------
-    result : Result, str or Path
-        A run or poses.
-    contact : str
-        Contact model.
-    output : str or Path, optional
-        Folder; one of the model's name beside the result unless given.
-    at, wheelset, same
-        Snapshots and wheelset; ``"load"`` or ``"pose"`` of the wheels stays. All others as of ``wrsim resolve``.
 
     Returns
     -------
     Outcome
-        ``found`` is the new Result.
+        ``value`` is the new Result.
 
     Raises
     ------
@@ -222,11 +213,11 @@ def resolve(
     from wrsim.results.summary_tables import first_lines, remarks
     from wrsim.scenario.kept import scenario_of
 
-    before, paths = as_result(result), paths_among(result)
-    directory = Path(output) if output else folder_beside(result, None) / file_name(contact)
+    before, paths = as_result(result), paths_in(result)
+    directory = Path(output) if output else folder_beside(result) / file_name(contact)
     with naming(*paths), bar() as progress:
         moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
-        beside = folder_beside(result, None) if paths else Path()
+        beside = folder_beside(result) if paths else Path()
         scenario = scenario_of(before.dataset.attrs, beside, models)
         after = resolve_contacts(
             before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress

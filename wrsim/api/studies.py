@@ -1,15 +1,17 @@
-"""Studies and profile evolution: many runs, which go on where they were."""
+"""Studies, type tests and profile evolution: many runs, which go on where they were."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Unpack
 
-from wrsim.api.outcome import Bar, Outcome, no_bar, results_folder
+from wrsim.api import options
+from wrsim.api.options import Argument, Computing, Option, documented
+from wrsim.api.outcome import Outcome, no_bar, results_folder
 from wrsim.errors import STOPPED
 from wrsim.timing import timed
 
@@ -17,98 +19,124 @@ if TYPE_CHECKING:
     from wrsim.study.plan import Plan
 
 log = logging.getLogger("wrsim.api")
+DryRun = Annotated[bool, Option("List the cases and the time they will take; run nothing.")]
+Retry = Annotated[bool, Option("Run again what failed, stopped or ran out of time.")]
 
 
+class _Computation:
+    """The folder of a study, a type test or a profile evolution, and the workers of its cases."""
+
+    def __init__(
+        self, file: str | Path, output: str | Path | None, *, models: Sequence[str | Path] | None = None,
+        workers: int | None = None, scheduler: str | None = None, slurm: bool = False, tls: Path | None = None,
+        force: bool = False, bar: options.Bar = no_bar, notify: Callable[[str], None] = lambda line: None,
+        warn: Callable[[str], None] = log.warning,
+    ) -> None:  # fmt: skip
+        from wrsim.study.engine import check_workers, worker_pool
+
+        self.directory, self.models = results_folder(file, output), list(models or ())
+        self.workers, self.force, self.notify = workers, force, notify
+        for message in check_workers(workers, scheduler, slurm, tls):
+            warn(message)
+        self.pool: Callable[..., AbstractContextManager[Any]] = partial(
+            worker_pool, workers, scheduler, slurm, tls, progress=bar
+        )
+
+    @contextmanager
+    def locked(self, reads: Sequence[Path], outputs: Sequence[str]) -> Iterator[None]:
+        """The folder for this process alone; where it is interrupted, the message names the folder."""
+        from wrsim.study.engine import kept_folder
+
+        with kept_folder(self.directory, reads, self.force, outputs):
+            try:
+                yield
+            except KeyboardInterrupt:
+                resumed = "start the same command again to go on"
+                message = f"interrupted; what is done is safe in {self.directory}: {resumed}"
+                raise KeyboardInterrupt(message) from None
+
+    def estimate(self, plan: Plan) -> Outcome:
+        """The time that the cases of a plan will take."""
+        from wrsim.study.estimate import estimated_cost
+
+        numbers, table = estimated_cost(plan, self.workers)
+        return Outcome([table], numbers, value=plan)
+
+    def run_missing(self, plan: Plan, retry: bool, noun: str) -> int:
+        """Run the cases of a plan that have not come to an end; gives their number."""
+        from wrsim.study.engine import missing
+
+        todo = missing(plan, retry)
+        known = len(plan.cases) - len(todo)
+        self.notify(f"{len(plan.cases)} {noun}" + (f", {known} of them known already" if known else ""))
+        if todo:
+            with timed(f"{len(todo)} {noun}"), self.pool(most=len(todo)) as work:
+                work(plan, todo)
+        return len(todo)
+
+
+@documented
 def run_study(
-    file: str | Path, output: str | Path | None = None, *, workers: int | None = None, scheduler: str | None = None,
-    slurm: bool = False, tls: Path | None = None, retry: bool = False, dry_run: bool = False,
-    models: Sequence[str | Path] = (), pictures: bool = True, force: bool = False, bar: Bar = no_bar,
-    notify: Callable[[str], None] = lambda line: None, warn: Callable[[str], None] = log.warning,
-) -> Outcome:  # fmt: skip
-    """Run a scenario many times with some keys varied; started again, only what is missing runs.
-
-    Parameters
-    ----------
-    file : str or Path
-        Study file.
-    output : str or Path, optional
-        Folder; results/<name of the file> unless given. All others as of ``wrsim study``; notify: takes lines on its
-        progress, warn: a warning, bar: gives a context with the callback of a progress bar.
+    file: Annotated[str | Path, Argument("Study file (TOML).", "FILE")],
+    output: options.Output = None,
+    *,
+    dry_run: DryRun = False,
+    retry: Retry = False,
+    pictures: options.Pictures = True,
+    **computing: Unpack[Computing],
+) -> Outcome:
+    """Parameter study; resumes where it stopped.
 
     Returns
     -------
     Outcome
-        ``found`` is the plan; ``["faults"]`` lists cases without a result.
+        ``value`` is the plan in a dry run, else a function that gives faults; ``code`` 3 where a case has no result.
 
     Raises
     ------
     InputError
         With all faults of the file and of its cases.
     """
-    from wrsim.study.engine import check_workers, kept_folder, worker_pool
-
-    directory = results_folder(file, output)
-    for words in check_workers(workers, scheduler, slurm, tls):
-        warn(words)
     from wrsim.study.collect import OUTPUTS, faults_of, markers_of, study_tables, write_study
-    from wrsim.study.estimate import estimated_cost
     from wrsim.study.plan import planned
 
+    computation = _Computation(file, output, **computing)
     with timed("plan of the cases"):
-        plan, reads = planned(Path(file), directory, list(models))
+        plan, reads = planned(Path(file), computation.directory, computation.models)
     if dry_run:
-        numbers, table = estimated_cost(plan, workers)
-        return Outcome([table], numbers, found=plan)
-    pool = partial(worker_pool, workers, scheduler, slurm, tls, progress=bar)
-    with kept_folder(directory, reads, force, OUTPUTS):
+        return computation.estimate(plan)
+    with computation.locked(reads, OUTPUTS):
         try:
-            ran = _run_missing(plan, retry, "cases", pool, notify)
+            ran = computation.run_missing(plan, retry, "cases")
         except KeyboardInterrupt:
             write_study(plan, markers_of(plan), pictures=False)
-            raise _interrupted(directory) from None
+            raise
         markers = markers_of(plan)
         with timed("tables and pictures of the study"):
             report, files = write_study(plan, markers, pictures)
     code = STOPPED if report["unfinished"] else 0
-    faults = partial(faults_of, report, markers)
     numbers = report | {"exit_code": code, "ran": ran}
-    return Outcome(study_tables(report), numbers, files, faults, code, directory)
+    faults = partial(faults_of, report, markers)
+    return Outcome(study_tables(report), numbers, files, faults, code, computation.directory)
 
 
-def _run_missing(
-    plan: Plan, retry: bool, what: str, pool: Callable[..., AbstractContextManager[Any]], notify: Callable[[str], None]
-) -> int:
-    """Run the cases of a plan that have not come to an end; gives their number. what: their word; pool: of workers."""
-    from wrsim.study.engine import missing
-
-    todo = missing(plan, retry)
-    known = len(plan.cases) - len(todo)
-    notify(f"{len(plan.cases)} {what}" + (f", {known} of them known already" if known else ""))
-    if todo:
-        with timed(f"{len(todo)} {what}"), pool(most=len(todo)) as work:
-            work(plan, todo)
-    return len(todo)
-
-
+@documented
 def run_type_test(
-    file: str | Path, output: str | Path | None = None, *, workers: int | None = None, scheduler: str | None = None,
-    slurm: bool = False, tls: Path | None = None, retry: bool = False, dry_run: bool = False,
-    models: Sequence[str | Path] = (), force: bool = False, bar: Bar = no_bar,
-    notify: Callable[[str], None] = lambda line: None, warn: Callable[[str], None] = log.warning,
-) -> Outcome:  # fmt: skip
-    """A vehicle in several states through all runs and stationary tests of a programme, judged clause by clause.
+    file: Annotated[str | Path, Argument("File of a type test (TOML).", "FILE")],
+    output: options.Output = None,
+    *,
+    dry_run: DryRun = False,
+    retry: Retry = False,
+    **computing: Unpack[Computing],
+) -> Outcome:
+    """Type test: states of a vehicle through runs and stationary tests, judged clause by clause.
 
-    Parameters
-    ----------
-    file : str or Path
-        File of a type test.
-    output : str or Path, optional
-        Folder; results/<name of the file> unless given. All others as of `run_study`.
+    It resumes where it stopped. The exit code is 4 where a limit is exceeded.
 
     Returns
     -------
     Outcome
-        ``["passed"]``; ``found`` lists the verdicts; ``code`` 3 where a run is missing, 4 where a limit is exceeded.
+        ``["passed"]``; ``value`` lists the verdicts; ``code`` 3 where a run is missing, 4 where a limit is exceeded.
 
     Raises
     ------
@@ -118,94 +146,66 @@ def run_type_test(
     from wrsim.report.study import type_test_page
     from wrsim.study import type_test as tests
     from wrsim.study.collect import markers_of
-    from wrsim.study.engine import check_workers, kept_folder, worker_pool
-    from wrsim.study.estimate import estimated_cost
     from wrsim.study.programme import read_programme
     from wrsim.study.task import COMPLETED, DERAILED
 
-    directory = results_folder(file, output)
-    for words in check_workers(workers, scheduler, slurm, tls):
-        warn(words)
+    computation = _Computation(file, output, **computing)
     with timed("plan of the runs"):
-        programme = read_programme(Path(file), directory, list(models))
+        programme = read_programme(Path(file), computation.directory, computation.models)
     plan = programme.plan
     if dry_run:
-        numbers, table = estimated_cost(plan, workers)
-        return Outcome([table], numbers, found=plan)
-    pool = partial(worker_pool, workers, scheduler, slurm, tls, progress=bar)
-    with kept_folder(directory, programme.reads, force, tests.OUTPUTS):
-        try:
-            ran = _run_missing(plan, retry, "runs", pool, notify)
-        except KeyboardInterrupt:
-            raise _interrupted(directory) from None
+        return computation.estimate(plan)
+    with computation.locked(programme.reads, tests.OUTPUTS):
+        ran = computation.run_missing(plan, retry, "runs")
         markers = markers_of(plan)
         with timed("verdicts"):
-            found, notes = tests.verdicts(programme, markers)
-            numbers, words = tests.verdict_numbers(plan.title, found, notes), tests.verdict_words(found)
-            states = {state.name: [v for v in found if v.state == state.name] for state in programme.spec.states}
-            pages = {name: tests.state_table(own) for name, own in states.items()}
+            verdicts, notes = tests.verdicts(programme, markers)
+            numbers, sentence = tests.verdict_numbers(plan.title, verdicts, notes), tests.verdict_words(verdicts)
+            names = [state.name for state in programme.spec.states]
+            pages = {name: tests.state_table([v for v in verdicts if v.state == name]) for name in names}
             texts = {"Programme": plan.source, "Base scenario": plan.text}
-            page = type_test_page(
-                plan.title, tests.summary_words(programme), pages, notes, words, numbers["passed"], texts
-            )
-            files = tests.write_verdicts(directory, numbers, tests.whole_table(plan.title, found), page)
-            tables = tests.worst_tables(plan.title, found, notes)
+            summary = tests.summary_words(programme)
+            page = type_test_page(plan.title, summary, pages, notes, sentence, numbers["passed"], texts)
+            table = tests.whole_table(plan.title, verdicts)
+            files = tests.write_verdicts(computation.directory, numbers, table, page)
     code = 0 if numbers["passed"] else 4
     if any(m.status not in (COMPLETED, DERAILED) for m in markers):
         code = STOPPED
-    return Outcome(tables, numbers | {"exit_code": code, "ran": ran}, files, found, code, directory)
+    tables = tests.worst_tables(plan.title, verdicts, notes)
+    return Outcome(tables, numbers | {"exit_code": code, "ran": ran}, files, verdicts, code, computation.directory)
 
 
+@documented
 def run_wear(
-    file: str | Path, output: str | Path | None = None, *, workers: int | None = None, scheduler: str | None = None,
-    slurm: bool = False, tls: Path | None = None, models: Sequence[str | Path] = (), pictures: bool = True,
-    force: bool = False, bar: Bar = no_bar, notify: Callable[[str], None] = lambda line: None,
-    warn: Callable[[str], None] = log.warning,
-) -> Outcome:  # fmt: skip
-    """Profile evolution: cases by their shares, a worn profile, again; started again, it goes on.
-
-    Parameters
-    ----------
-    file : str or Path
-        File of a profile evolution.
-    output : str or Path, optional
-        Folder; results/<name of the file> unless given. All others as of `run_study`.
+    file: Annotated[str | Path, Argument("File of a profile evolution (TOML).", "FILE")],
+    output: options.Output = None,
+    *,
+    pictures: options.Pictures = True,
+    **computing: Unpack[Computing],
+) -> Outcome:
+    """Profile evolution: cases by their shares, a worn profile, again; resumes where it stopped.
 
     Returns
     -------
     Outcome
-        ``found`` is the dataset over the mileage.
+        ``value`` is the dataset over the mileage.
 
     Raises
     ------
     InputError
         With all faults of the file and of its cases.
     """
-    from wrsim.study.engine import check_workers, kept_folder, worker_pool
     from wrsim.study.evolution.history import OUTPUTS, evolution_report, mileage_table, write_history
     from wrsim.study.evolution.reading import read_evolution
     from wrsim.study.evolution.steps import Step, wear_steps
 
-    directory = results_folder(file, output)
-    for words in check_workers(workers, scheduler, slurm, tls):
-        warn(words)
-    evolution, reads = read_evolution(Path(file), list(models))
+    computation = _Computation(file, output, **computing)
+    evolution, reads = read_evolution(Path(file), computation.models)
     steps: list[Step] = []
-    with (
-        kept_folder(directory, reads, force, OUTPUTS),
-        worker_pool(workers, scheduler, slurm, tls, len(evolution.shares), bar) as work,
-    ):
-        try:
-            for step in wear_steps(evolution, directory, work):
-                steps.append(step)
-                notify(step.words(evolution.mileage))
-        except KeyboardInterrupt:
-            raise _interrupted(directory) from None
-        dataset, files = write_history(evolution, steps, directory, pictures)
-    numbers = evolution_report(dataset) | {"directory": str(directory)}
-    return Outcome([mileage_table(dataset)], numbers, files, dataset, folder=directory)
-
-
-def _interrupted(directory: Path) -> KeyboardInterrupt:
-    """With where the finished part is."""
-    return KeyboardInterrupt(f"interrupted; what is done is safe in {directory}: start the same command again to go on")
+    with computation.locked(reads, OUTPUTS), computation.pool(most=len(evolution.shares)) as work:
+        for step in wear_steps(evolution, computation.directory, work):
+            steps.append(step)
+            computation.notify(step.words(evolution.mileage))
+        dataset, files = write_history(evolution, steps, computation.directory, pictures)
+    numbers = evolution_report(dataset) | {"directory": str(computation.directory)}
+    return Outcome([mileage_table(dataset)], numbers, files, dataset, folder=computation.directory)

@@ -6,7 +6,7 @@ import json
 import logging
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from math import inf
@@ -37,12 +37,21 @@ def print_numbers(as_json: bool, numbers: dict[str, Any], tables: Iterable[Table
     on_terminal(tables)
 
 
-def print_outcome(as_json: bool, found: Outcome) -> None:
-    """Numbers with the names of files as JSON; or tables, the files (how many in a folder, or each) and lines."""
-    print_numbers(as_json, found.numbers | {"files": [str(f) for f in found.files]}, found.tables)
+def print_outcome(outcome: Outcome, given: Mapping[str, Any]) -> None:
+    """Numbers with the names of files as JSON; or tables, the files (how many in a folder, or each) and lines.
+
+    given: options of the command; without --force it writes no files.
+    """
+    as_json, numbers = given["as_json"], outcome.numbers
+    if given.get("quiet") and not as_json:
+        return
+    if "force" in given:
+        numbers = numbers | {"files": [str(f) for f in outcome.files]}
+    print_numbers(as_json, numbers, outcome.tables)
     if not as_json:
-        files = map(str, found.files) if found.folder is None else [f"{len(found.files)} files in {found.folder}"]
-        print_lines(*files, *found.shown_lines)
+        one_folder = [f"{len(outcome.files)} files in {outcome.folder}"]
+        files = map(str, outcome.files) if outcome.folder is None else one_folder
+        print_lines(*files, *outcome.shown_lines)
 
 
 def print_json(content: dict[str, Any]) -> None:
@@ -60,7 +69,7 @@ def print_files(count: int, directory: Path | None, removed: int = 0) -> None:
     print_lines(f"{count} files in {directory}")
     if removed:
         print_lines(f"{removed} files of the earlier result are removed from there")
-    print_lines(f"a page about it for the browser: wrsim report {quote(str(directory))}")
+    print_lines(f"HTML report: wrsim report {quote(str(directory))}")
 
 
 def print_lines(*lines: str) -> None:
@@ -68,7 +77,7 @@ def print_lines(*lines: str) -> None:
         print(plain(line))
 
 
-def silent(words: str) -> None:
+def silent(message: str) -> None:
     """In place of what prints."""
 
 
@@ -84,11 +93,11 @@ class _StatusLine(logging.Handler):
     bar: Callable[[str], None] | None = None
 
     def emit(self, record: logging.LogRecord) -> None:
-        words = record.getMessage()
+        message = record.getMessage()
         if _StatusLine.bar is not None:
-            _StatusLine.bar(words or "running")
+            _StatusLine.bar(message or "running")
         elif sys.stderr.isatty():
-            sys.stderr.write(f"\r{words}\x1b[K")
+            sys.stderr.write(f"\r{message}\x1b[K")
             sys.stderr.flush()
 
 
@@ -152,7 +161,7 @@ def _bar() -> Iterator[tuple[Callable[[str], None], Progress]]:
         def advance(fraction: float, seconds_left: float) -> None:
             bar.update(task, completed=fraction, left=seconds_left, told=time.monotonic())
 
-        yield lambda words: bar.update(task, description=words, refresh=True), advance
+        yield lambda text: bar.update(task, description=text, refresh=True), advance
 
 
 @contextmanager
@@ -160,10 +169,10 @@ def _lines() -> Iterator[tuple[Callable[[str], None], Progress]]:
     """The same in lines, one every ``LINES_APART``, the last one again where nothing new is told for so long."""
     last, latest, left, told, done = time.monotonic(), "running", inf, time.monotonic(), Event()
 
-    def show(words: str, seconds_left: float = inf) -> None:
+    def show(text: str, seconds_left: float = inf) -> None:
         nonlocal last, latest, left, told
-        if words:
-            latest, left, told = words, seconds_left, time.monotonic()
+        if text:
+            latest, left, told = text, seconds_left, time.monotonic()
         if time.monotonic() - last >= LINES_APART:
             print_error(f"{latest}, {time_left(left, time.monotonic() - told)}".removesuffix(", "))
             last = time.monotonic()

@@ -1,212 +1,149 @@
-"""Options and arguments that several commands take."""
+"""Commands from functions of the API: parameters become arguments and options, docstrings become help."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from functools import partial, wraps
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_args
+from types import NoneType
+from typing import Annotated, Any, get_args, get_origin
 
 import typer
 
 import wrsim
+from wrsim.api.options import PARAMETERS, Argument, Force, Option
 from wrsim.api.outcome import Outcome, in_units
+from wrsim.api.pages import look
 from wrsim.cli.console import print_error, print_outcome, progress_of, show_times, silent
 from wrsim.cli.errors import reporting_errors, writing_files
 from wrsim.errors import InputError
 
-T = TypeVar("T")
-Models = Annotated[
-    list[Path] | None,
-    typer.Option("--models", metavar="DIR", help="Folder with model files of your own; may be given again."),
-]
-Json = Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")]
-Set = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        "-s",
-        metavar="KEY=VALUE",
-        help="Change a key: vehicle.speed_kmh=60, vehicle.bogie.primary.stiffness_kN_per_m.2=1500.",
-    ),
-]
-Force = Annotated[
-    bool, typer.Option("--force", help="Write also over files that wrsim did not write, or that were changed since.")
-]
-Pictures = Annotated[bool, typer.Option(help="Draw the pictures.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no table.")]
-Verbose = Annotated[
-    bool, typer.Option("--verbose", "-v", callback=show_times, help="Print each part of the work with its time.")
-]
-Workers = Annotated[
-    int | None,
-    typer.Option(
-        "--workers", "-w", metavar="N", min=1, help="Worker processes here, or jobs of SLURM; default: one a processor."
-    ),
-]
-Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this dask scheduler.")]
-Tls = Annotated[
-    Path | None,
-    typer.Option(
-        "--tls", metavar="DIR", help="Certificates for --scheduler or --slurm: a folder with ca.pem, cert.pem, key.pem."
-    ),
-]
-DryRun = Annotated[bool, typer.Option("--dry-run", help="List the cases and the time they will take; run nothing.")]
-Retry = Annotated[bool, typer.Option("--retry", help="Run again what failed, stopped or ran out of time.")]
-Slurm = Annotated[bool, typer.Option("--slurm", help="Run the workers as SLURM jobs (extra wrsim\\[cluster]).")]
-SectionsOf = Annotated[
-    Path | None, typer.Option("--scenario", metavar="FILE", help="Take the settings from this scenario instead.")
-]
-ScenarioFile = Annotated[Path, typer.Argument(metavar="FILE", help="Scenario file (TOML).")]
-ResultFile = Annotated[
-    Path,
-    typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off (.part)."),
-]
-Gauge = Annotated[float, typer.Option(min=400.0, max=2000.0, help="14 mm below the rail tops.")]
-Inclination = Annotated[str, typer.Option(help='Of the rails: 1:40, 1:20 ... or "none".')]
-Radius = Annotated[float, typer.Option(min=100.0, max=1500.0, help="Of both wheels at the tape circle.")]
-At = Annotated[
-    list[str] | None,
-    typer.Option("--at", metavar="PLACE", help="Contacts at this distance of the vehicle, in m, or of this pose only."),
-]
-OneWheelset = Annotated[
-    str | None, typer.Option("--wheelset", metavar="NAME", help="This wheelset, or that number, alone.")
-]
-into = partial(typer.Option, "--output", "-o")
-"""Where to write."""
-Output = Annotated[Path | None, into(metavar="DIR", help="Default: results/<name of FILE>.")]
-BesideResult = Annotated[Path | None, into(metavar="DIR", help="Default: beside the result.")]
-
-
-PICTURES = (".png", ".svg", ".pdf")
-"""Endings of the names of pictures."""
-
-
-Formats = Annotated[
-    str | None, typer.Option("--format", metavar="png,svg,pdf", help="Kinds of pictures, one or more; default png.")
-]
-LOOK = {
-    "width_mm": Annotated[
-        float | None, typer.Option("--width-mm", metavar="MM", help="Width of pictures, 60 to 500; default 170.")
-    ],
-    "font": Annotated[str | None, typer.Option(metavar="NAME", help="Family of the letters, such as 'DejaVu Serif'.")],
-    "style": Annotated[str | None, typer.Option(metavar="FILE", help="Style file, or a style of matplotlib.")],
+Given = dict[str, Any]
+QUIET = "No progress bar, no table."
+ADDED = {
+    "force": Force,
+    "as_json": Annotated[bool, Option("Write one JSON object to stdout and nothing else.", flags="--json")],
+    "quiet": Annotated[bool, Option(QUIET, flags="--quiet -q")],
+    "verbose": Annotated[bool, Option("Print each part of the work with its time.", flags="--verbose -v")],
 }
-"""How pictures look."""
+"""Options that the functions do not have."""
+LOOK = {parameter.name: parameter.replace(default=None) for parameter in PARAMETERS[look]}
+"""Options of the pictures that a command draws, and of units."""
+LAST = ("models", "pictures", "workers", "scheduler", "slurm", "tls", *ADDED, *LOOK)
+"""Options that follow those of the function alone, in this order."""
+ENDINGS = {"PNG|SVG|PDF": (".png", ".svg", ".pdf"), "HTML": (".html",), "FMU": (".fmu",)}
+"""Endings of the names of files to be written, by the word for the value of the option."""
 
 
-Units = Annotated[
-    str | None,
-    typer.Option(
-        "--units", metavar="metric|us", help="Of tables, pictures, reports; default: those of the scenario, or metric."
-    ),
-]
+def command(
+    api: Callable[..., Outcome],
+    complete: Callable[[Given], Given] = lambda given: {},
+    show: Callable[[Outcome, Given], None] = print_outcome,
+    *,
+    draws: Sequence[str] = (),
+    adds: Sequence[str] = ("force", "as_json", "units"),
+    of: str = "",
+    reads: str = "",
+    replaced: Sequence[inspect.Parameter] = (),
+) -> Callable[..., None]:
+    """The command of a function of the API: it prints what the function gives and ends with its exit code.
 
-
-def drawing(command: Callable[..., None], kinds: bool = True) -> Callable[..., None]:
-    """The command with the options of the pictures that it draws; kinds: also that of their kinds, unless a picture is
-    named as a whole, with its ending."""
-    added: dict[str, Any] = ({"formats": Formats} if kinds else {}) | LOOK
-    chooses = "units" not in inspect.signature(command).parameters  # else the command does, which is itself decorated
-
-    def looked(**given: Any) -> None:
-        chosen = {name: value for name in added if (value := given.pop(name)) is not None}
-        with reporting_errors(given["as_json"]), ExitStack() as stack:
-            if chooses:
-                stack.enter_context(in_units(given.pop("units")))
-            if chosen:
-                stack.enter_context(wrsim.look(**chosen))
-            command(**given)
-
-    return _with_options(looked, command, added | {"units": Units})
-
-
-drawing_to = partial(drawing, kinds=False)
-
-
-READING = {
-    "unit": Annotated[str | None, typer.Option(metavar="mm|m|cm|in|thou", help="Of files of points.")],
-    "heights": Annotated[str | None, typer.Option(metavar="up|down", help="Which way heights of points grow.")],
-    "field_side": Annotated[
-        str | None,
-        typer.Option(metavar="positive|negative", help="Sign of the field side, points of rails."),
-    ],
-    "origin": Annotated[
-        str | None, typer.Option(metavar="'tape circle'|'flange back'", help="Where x is zero in points of wheels.")
-    ],
-    "back_to_tape_circle_mm": Annotated[
-        float | None, typer.Option(min=20.0, max=120.0, help="From the flange back; default: of the file, or 70.")
-    ],
-    "measured": Annotated[
-        bool | None,
-        typer.Option("--measured/--exact", help="Smooth points, or interpolate; default: by file."),
-    ],
-}
-"""How files of points are read; what a profile file says itself wins."""
-
-
-def reading_profiles(command: Callable[..., Outcome]) -> Callable[..., Outcome]:
-    """The command with options for the files of points that it reads, which it takes by name."""
-    return _with_options(lambda **given: command(**given), command, READING)
-
-
-WORKERS = {"workers": Workers, "scheduler": Scheduler, "slurm": Slurm, "tls": Tls}
-"""Where cases run."""
-
-
-def writing(
-    of: str = "", reads: str = "", takes: str = "", workers: bool = False
-) -> Callable[[Callable[..., Outcome]], Callable[..., None]]:
-    """A command that writes files, from the function that gives what it found: with the options ``--force`` and
-    ``--json``. It prints what was found and ends with its exit code.
-
-    of, reads: parameters with the result that it reports on and with files that it reads; of several results the first
-    one counts. takes: what the function takes by name of "force", "bar", "notify" and "warn", where it takes long: with
-    ``--quiet`` and ``--verbose``. workers: whether it also takes where its cases run.
+    complete: values that the command takes where none are given; draws: options of `wrsim.look`; adds: options that the
+    function does not have; of, reads: parameters with the result that it reports on, of several the first one, and
+    with files that it reads; replaced: parameters in place of the function's.
     """
-    added = (WORKERS if workers else {}) | {"force": Force, "as_json": Json}
-    added |= ({"quiet": Quiet, "verbose": Verbose} if takes else {}) | {"units": Units}
+    parameters = {each.name: each for each in PARAMETERS[api]}
+    long = [] if "bar" not in parameters else ["quiet", "verbose"]
+    taken = [each for each in parameters.values() if isinstance(get_args(each.annotation)[1], Option)]
+    taken += [_switch(name) for name in (*adds, *long) if name not in parameters and name in ADDED]
+    taken += [*replaced, *(LOOK[name] for name in LOOK if name in draws or name in adds)]
+    names = {_name(each): each.name for each in taken}
 
-    def decorated(function: Callable[..., Outcome]) -> Callable[..., None]:
-        def command(
-            force: bool, as_json: bool, units: str | None, quiet: bool = False, verbose: bool = False, **given: Any
-        ) -> None:
-            result, *others = _paths(given.get(of)) or [None]
-            read = [path for name in reads.split() for path in _paths(given[name])]
-            own = {"force": force, "warn": silent if quiet and not workers else print_error}
-            own |= progress_of(quiet or as_json)
-            with writing_files(as_json, force, *others, *read, of=result), in_units(units):
-                found = function(**given, **{name: own[name] for name in takes.split()})
-                for words in [] if as_json else found.numbers.get("warnings", ()):
-                    print_error(f"{given['file']}: warning: {words}")
-                if as_json or not quiet:
-                    print_outcome(as_json, found)
-                if found.code:
-                    raise typer.Exit(found.code)
+    def run(**options: Any) -> None:
+        given: Given = {names[name]: value for name, value in options.items() if value is not None}
+        as_json, quiet = given.get("as_json", False), given.get("quiet", False)
+        with ExitStack() as stack:
+            stack.enter_context(reporting_errors(as_json))
+            stack.enter_context(in_units(given.get("units")))
+            if looks := {name: given[name] for name in draws if name in given}:
+                stack.enter_context(wrsim.look(**looks))
+            for each in taken:
+                _check_ending(each, given)
+            given |= complete(given)
+            if "force" in given:
+                results = _paths(given.get(of))
+                read = [path for name in reads.split() for path in _paths(given.get(name))]
+                result = results[0] if results else None
+                stack.enter_context(writing_files(as_json, given["force"], *results[1:], *read, of=result))
+            muted = silent if quiet and "workers" not in parameters else print_error
+            prints = {"warn": muted, **progress_of(quiet or as_json)}
+            outcome = api(**{name: value for name, value in (prints | given).items() if name in parameters})
+            for message in [] if as_json else outcome.numbers.get("warnings", ()):
+                print_error(f"{given[next(iter(parameters))]}: warning: {message}")
+            show(outcome, given)
+            if outcome.code:
+                raise typer.Exit(outcome.code)
 
-        return _with_options(command, function, added)
+    run.__doc__ = (api.__doc__ or "").partition("\n\nParameters\n")[0]
+    signature = [_typed(each) for each in sorted(taken, key=_rank)]
+    run.__signature__ = inspect.Signature(signature)  # type: ignore[attr-defined]
+    run.__annotations__ = {each.name: each.annotation for each in signature}
+    return run
 
-    return decorated
+
+def _switch(name: str) -> inspect.Parameter:
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=ADDED[name])
 
 
-def _paths(given: Any) -> list[Any]:
+def _name(parameter: inspect.Parameter) -> str:
+    """The name of a parameter in the command: where to write is always output."""
+    return "output" if "-o" in get_args(parameter.annotation)[1].flags.split() else parameter.name
+
+
+def _rank(parameter: inspect.Parameter) -> tuple[bool, bool, int]:
+    """Arguments, the place to write to, options in the order of the function, options of many commands."""
+    is_option = not isinstance(get_args(parameter.annotation)[1], Argument)
+    last = LAST.index(parameter.name) if parameter.name in LAST else -1
+    return is_option, is_option and _name(parameter) != "output", last
+
+
+def _typed(parameter: inspect.Parameter) -> inspect.Parameter:
+    """A parameter of the command with what typer makes an option or an argument of."""
+    kind, option = get_args(parameter.annotation)
+    default = None if parameter.default == () else parameter.default
+    text = option.help + (f" Default: {option.default}." if option.default else "")
+    told: dict[str, Any] = {"help": text.replace("[", "\\["), "metavar": option.metavar}
+    told |= {"min": option.least, "max": option.most}
+    if isinstance(option, Argument):
+        info = typer.Argument(**told)
+    else:
+        dashed = "--" + parameter.name.lower().replace("_", "-")
+        flags = option.flags.split() or [f"{dashed}/--no-{dashed[2:]}" if default is True else dashed]
+        info = typer.Option(*flags, callback=show_times if parameter.name == "verbose" else None, **told)
+    if default is inspect.Parameter.empty and option.default:
+        default = None
+    kind = option.kind or _read(kind)
+    kind = kind if default is not None or NoneType in get_args(kind) else kind | None
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    return inspect.Parameter(_name(parameter), keyword, default=default, annotation=Annotated[kind, info])
+
+
+def _read(kind: Any) -> Any:
+    """The type that the command line reads for one of the API: paths and lists."""
+    if get_origin(kind) is Sequence:
+        return list[_read(get_args(kind)[0])]  # type: ignore[misc]
+    if Path in get_args(kind):
+        return Path | None if NoneType in get_args(kind) else Path
+    return kind
+
+
+def _paths(given: Any) -> list[Path]:
     return [] if given is None else list(map(Path, given)) if isinstance(given, list) else [Path(given)]
 
 
-def _with_options(wrapper: Callable[..., T], function: Callable[..., Any], added: dict[str, Any]) -> Callable[..., T]:
-    """The wrapper as a command with the parameters of a function and further options, which are off or not given."""
-    signature = inspect.signature(function, eval_str=True)
-    here = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY)
-    own = [here(name, annotation=of, default=False if get_args(of)[0] is bool else None) for name, of in added.items()]
-    given = [each for name, each in signature.parameters.items() if name not in added]
-    given = [each for each in given if each.kind is not inspect.Parameter.VAR_KEYWORD]
-    command = wraps(function)(wrapper)
-    command.__signature__ = signature.replace(parameters=[*given, *own])  # type: ignore[attr-defined]
-    command.__annotations__ = function.__annotations__ | added
-    return command
-
-
-def check_ending(option: str, path: Path | None, *endings: str) -> None:
+def _check_ending(parameter: inspect.Parameter, given: Given) -> None:
     """Raises InputError for a file to be written whose name does not end as it must."""
-    if path is not None and path.suffix.lower() not in endings:
-        raise InputError(f"{option} {path}: must end in {' or '.join(endings)}")
+    option = get_args(parameter.annotation)[1]
+    endings, path = ENDINGS.get(option.metavar or ""), given.get(parameter.name)
+    if endings and path is not None and path.suffix.lower() not in endings:
+        flag = "-o" if _name(parameter) == "output" else f"--{parameter.name}"
+        raise InputError(f"{flag} {path}: must end in {' or '.join(endings)}")

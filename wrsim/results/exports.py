@@ -31,14 +31,14 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     ``strips.csv`` (of the snapshots); poses the last two, where a wheel without contact keeps a row. Each of several
     wheelsets has a folder, such as ``wheelset_1``; bodies, points and suspension elements are in ``vehicle.csv``. The
     dataset goes first, so that a full disk costs the tables before the numbers. Tables of more than ``LARGEST`` bytes
-    are left out, which is logged. Raises ``WrsimError``.
+    are not written, which is logged. Raises ``WrsimError``.
     """
     directory = Path(directory)
     written = [result.save(directory / "result.nc")]
     written.append(write_atomically(directory / "summary.json", as_json(result.summary())))
     if result.dataset.nbytes > LARGEST:
         size = f"{1e-6 * result.dataset.nbytes:.0f} MB"
-        LOGGER.warning("tables of some %s are left out; they come with: wrsim export %s --to tables", size, written[0])
+        LOGGER.warning("CSV tables (%s) not written; to write them: wrsim export %s --to tables", size, written[0])
         return written
     return written + _tables(result, directory)
 
