@@ -24,7 +24,7 @@ def assess(
     rules: Annotated[
         AnyPath,
         Option(
-            "Rule set: en14363, uic518, 49cfr213, 49cfr238 or a TOML file.", "NAME|FILE", kind=str, default="en14363"
+            "Rule set: en14363, uic518, 49cfr213, 49cfr238, a file; default: of the settings.", "NAME|FILE", kind=str
         ),
     ] = None,
 ) -> Outcome:

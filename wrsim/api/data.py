@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -28,11 +29,6 @@ def export(
 ) -> Outcome:
     """Write a result for other programs: MATLAB, CSV, Parquet, MDF (result.mat, .csv, .parquet, .mf4), all tables.
 
-    Returns
-    -------
-    Outcome
-        ``files``.
-
     Raises
     ------
     InputError
@@ -48,21 +44,19 @@ def export(
 @documented
 def read_recording(
     file: Annotated[str | Path, Argument("Table of a recording (CSV).", "FILE")],
-    output: Annotated[AnyPath, into("Folder for the files.", "DIR", default="<name of FILE> here")] = None,
+    output: Annotated[AnyPath, into("Folder for the files.", "DIR", default="<FILE>")] = None,
     *,
     columns: Annotated[
         AnyPath, Option("Column map; default: the TOML of FILE's name beside it, or columns' names.", "TOML")
     ] = None,
     chord_m: Annotated[
-        tuple[float, float] | None, Option("Chord of alignment and level, where no map gives it.", "BEHIND AHEAD")
+        tuple[float, float] | None, Option("Chord of alignment and level, if no map gives it.", "BEHIND AHEAD")
     ] = None,
-    band: Annotated[str | None, Option("Inertial band of alignment and level, if no map gives it.", "D1|D2|D3")] = None,
-    wavelength_m: Annotated[
-        tuple[float, float], Option("Wavelengths of alignment and level that are restored.", "SHORT LONG")
-    ] = (3.0, 70.0),
+    band: Annotated[str | None, Option("Inertial band, if no map gives it.", "D1|D2|D3")] = None,
+    wavelength_m: Annotated[tuple[float, float], Option("Wavelengths that are restored.", "SHORT LONG")] = (3.0, 70.0),
     amplification: Annotated[float, Option("Maximum gain of the inverse filter.")] = 8.0,
     transitions: Annotated[
-        str, Option("Form of transitions; either: the one with the smaller residual.", "clothoid|bloss|either")
+        str, Option("Form of transitions; either: the better fit.", "clothoid|bloss|either")
     ] = "either",
     from_m: Annotated[float | None, Option("Start of the distance that is used.", "M")] = None,
     to_m: Annotated[float | None, Option("End of the distance that is used.", "M")] = None,
@@ -177,8 +171,7 @@ def new_file(
 @documented
 def keys(
     section: Annotated[
-        str | None,
-        Argument("A table or a key, such as track.segments or contact.normal; default: all.", "SECTION"),
+        str | None, Argument("A table or a key, such as track.segments or contact.normal; default: all.", "SECTION")
     ] = None,
     file: Annotated[str, Option(f"{', '.join(FILES)}.", "KIND")] = "scenario",
     schema: Annotated[bool, Option("Print the JSON schema of that kind of file, for editors.")] = False,
@@ -188,7 +181,7 @@ def keys(
     Returns
     -------
     Outcome
-        ``lines``, and the same as ``numbers``; of a schema ``lines`` alone.
+        ``lines``, and the same as ``numbers``.
 
     Raises
     ------
@@ -198,4 +191,7 @@ def keys(
     from wrsim.scenario.reference import keys_numbers, keys_text, kind_of_file, schema_text
 
     kind = kind_of_file(file)
-    return Outcome([], keys_numbers(kind, section), lines=[schema_text(kind) if schema else keys_text(kind, section)])
+    if schema:
+        text = schema_text(kind)
+        return Outcome([], json.loads(text), lines=[text])
+    return Outcome([], keys_numbers(kind, section), lines=[keys_text(kind, section)])

@@ -43,13 +43,14 @@ class Option:
     kind: Any = None
     """Type that the command reads, unless that of the parameter."""
     default: str = ""
-    """What the command takes unless it is given, where the function takes nothing."""
+    """Place that the command takes unless it is given, where the function takes none; <FILE>: name of the argument."""
 
 
 class Argument(Option):
     """A parameter of a function and the argument of the command that gives it."""
 
 
+BESIDE = "beside the result"
 into = partial(Option, flags="--output -o")
 """Where to write."""
 
@@ -75,9 +76,7 @@ Models: TypeAlias = Annotated[
 ]
 Output: TypeAlias = Annotated[AnyPath, into("Folder; results/<name of FILE> unless given.", "DIR")]
 BesideResult: TypeAlias = Annotated[AnyPath, into("Folder; beside the result unless given.", "DIR")]
-TablesBeside: TypeAlias = Annotated[
-    AnyPath, into("Folder for tables and pictures.", "DIR", default="beside the result")
-]
+TablesBeside: TypeAlias = Annotated[AnyPath, into("Folder for tables and pictures.", "DIR", default=BESIDE)]
 SectionsOf: TypeAlias = Annotated[
     "Scenario | str | Path | None", Option("Take the settings from this scenario instead.", "FILE", kind=Path | None)
 ]
@@ -86,7 +85,7 @@ Force: TypeAlias = Annotated[
     bool, Option("Write also over files that wrsim did not write, or that were changed since.")
 ]
 Places: TypeAlias = Annotated[
-    Sequence[str], Option("Contacts at this distance of the vehicle, in m, or of this pose only.", "PLACE")
+    Sequence[str], Option("Contacts at this distance of the vehicle, in m, or of this pose.", "PLACE")
 ]
 OneWheelset: TypeAlias = Annotated[str | None, Option("This wheelset, or that number, alone.", "NAME")]
 ShowsProgress: TypeAlias = Annotated[Bar, "Gives a context with the callback of a progress bar."]
@@ -101,7 +100,7 @@ class Reading(TypedDict, total=False):
     field_side: Annotated[str | None, Option("Sign of the field side in points of rails.", "positive|negative")]
     origin: Annotated[str | None, Option("Where x is zero in points of wheels.", "'tape circle'|'flange back'")]
     back_to_tape_circle_mm: Annotated[
-        float | None, Option("Flange back to tape circle; default: of the file, or 70.", least=20.0, most=120.0)
+        float | None, Option("From the flange back; default: of the file, or 70.", least=20.0, most=120.0)
     ]
     measured: Annotated[
         bool | None, Option("Smooth points, or interpolate; default: by file.", flags="--measured/--exact")
@@ -113,14 +112,12 @@ class Computing(TypedDict, total=False):
 
     models: Models
     workers: Annotated[
-        int | None,
-        Option("Worker processes, or jobs of SLURM; default: one a processor.", "N", 1, flags="--workers -w"),
+        int | None, Option("Worker processes or SLURM jobs; default: one a processor.", "N", 1, flags="--workers -w")
     ]
     scheduler: Annotated[str | None, Option("Use the workers of this dask scheduler.", "ADDRESS")]
     slurm: Annotated[bool, Option("Run the workers as SLURM jobs (extra wrsim[cluster]).")]
     tls: Annotated[
-        Path | None,
-        Option("Certificates for --scheduler or --slurm: a folder with ca.pem, cert.pem, key.pem.", "DIR"),
+        Path | None, Option("Certificates for --scheduler or --slurm: a folder with ca.pem, cert.pem, key.pem.", "DIR")
     ]
     force: Force
     bar: ShowsProgress
@@ -132,12 +129,21 @@ PARAMETERS: dict[Callable[..., Any], list[inspect.Parameter]] = {}
 """Parameters of documented functions; their annotations carry what they are."""
 
 
+FILES = "Returns\n-------\nOutcome\n    ``files``.\n\n"
+
+
 def documented(function: F) -> F:
-    """The function with its parameters in its docstring and, by their types alone, in its signature."""
+    """The function with its parameters in its docstring and, by their types alone, in its signature.
+
+    A docstring that does not tell what it returns is that of a function that writes files.
+    """
     parameters = PARAMETERS[function] = list(_parameters(function))
     described = "\n".join(map(_described, parameters))
-    head, _, tail = inspect.cleandoc(function.__doc__ or "").partition("\n\nReturns\n")
-    function.__doc__ = f"{head}\n\nParameters\n----------\n{described}\n\nReturns\n{tail}"
+    text = inspect.cleandoc(function.__doc__ or "")
+    head, section, tail = text.partition("Returns\n" if "\nReturns\n" in text else "Raises\n")
+    function.__doc__ = (
+        f"{head}Parameters\n----------\n{described}\n\n{FILES if section[:2] == 'Ra' else ''}{section}{tail}"
+    )
     shown = [each.replace(annotation=_type_text(each)) for each in parameters]
     returned = inspect.signature(function).return_annotation
     function.__signature__ = inspect.Signature(shown, return_annotation=returned)  # type: ignore[attr-defined]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -56,9 +56,8 @@ class Outcome:
         return self.numbers[key]
 
 
-def in_units(system: str | None) -> AbstractContextManager[None]:
-    """A block whose tables, pictures and pages have units; see `wrsim.results.units.shown_in`."""
-    return shown_in(system)
+in_units = shown_in
+"""A block whose tables, pictures and pages have units."""
 
 
 def as_result(result: ResultLike) -> Result:

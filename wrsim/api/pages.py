@@ -22,10 +22,7 @@ def write_report(
         options.ResultsLike,
         Argument("Results: files, folders, cut-off runs; one study or evolution.", "RESULT...", kind=list[Path]),
     ],
-    file: Annotated[
-        AnyPath,
-        into("The page; report.html beside the first result unless given.", "HTML"),
-    ] = None,
+    file: Annotated[AnyPath, into("The page; report.html beside the first result unless given.", "HTML")] = None,
     *,
     title: Annotated[str, Option("Default: the titles of the results.", "TEXT")] = "",
     author: Annotated[str, Option("Named beneath the title.", "TEXT")] = "",
@@ -39,11 +36,6 @@ def write_report(
 
     It holds a summary, verdict, assessment, histories, contacts and wear; of a study outputs, pictures and cases.
     Versions and digests are in its appendix.
-
-    Returns
-    -------
-    Outcome
-        ``files``.
 
     Raises
     ------
@@ -96,11 +88,6 @@ def write_view(
     models: options.Models = (),
 ) -> Outcome:
     """Write an interactive viewer: wheels on their rails, the vehicle on its track, modes of a stability analysis.
-
-    Returns
-    -------
-    Outcome
-        ``files``.
 
     Raises
     ------
@@ -155,8 +142,7 @@ def look(
     font: Annotated[str, Option("Family of the letters, such as 'DejaVu Serif'.", "NAME")] = "",
     style: Annotated[str, Option("Style file, or a style of matplotlib.", "FILE")] = "",
     units: Annotated[
-        str | None,
-        Option("Units of tables, pictures, reports; default: of the scenario, or metric.", "metric|us"),
+        str | None, Option("Units of tables, pictures, reports; default: of the scenario, or metric.", "metric|us")
     ] = None,
 ) -> Iterator[None]:
     """How all pictures that are drawn in the block look, and the units of tables, pictures and pages in it.
@@ -187,7 +173,7 @@ def look(
 @documented
 def draw_track(
     file: Annotated[str | Path, Argument("Scenario or track file (TOML).", "FILE")],
-    picture: Annotated[str | Path, into("The picture.", "PNG|SVG|PDF", default="<FILE>_track.png here")],
+    picture: Annotated[str | Path, into("The picture.", "PNG|SVG|PDF", default="<FILE>_track.png")],
     models: options.Models = (),
 ) -> Outcome:
     """Draw the track of a scenario or of a track file: plan, curvature, cant, gauge, height, irregularities.

@@ -17,7 +17,9 @@ def conicity(
     wheel: Annotated[str, Argument("Wheel profile, such as wheels/S1002.toml, or a folder of them.", "WHEEL")],
     rail: Annotated[str, Argument("Rail profile, such as rails/60E1.toml, or a folder of them.", "RAIL")],
     *,
-    cutoff: Annotated[float | None, Option("Cut-off of smoothed points; default: 5.", "MM", 0.01, 100.0)] = None,
+    cutoff: Annotated[
+        float | None, Option("Cut-off wavelength of measured points; default: 5.", "MM", 0.01, 100.0)
+    ] = None,
     gauge_mm: Annotated[float, Option("Gauge, 14 mm below the rail tops.", least=400.0, most=2000.0)] = 1435.0,
     gauges_mm: Annotated[
         tuple[float, float, float] | None, Option("Map over the gauge instead.", "FROM TO STEP")
@@ -53,7 +55,7 @@ def conicity(
     from wrsim.results.conicity import conicity_numbers
     from wrsim.results.table import as_records
 
-    pairing = Pairing(flange_back_mm / 1e3, inclination, roll, list(map(Path, models)), dict(cutoff=cutoff, **reading))
+    pairing = Pairing(flange_back_mm / 1e3, inclination, roll, models, dict(cutoff=cutoff, **reading))
     if gauges_mm is not None or Path(wheel).is_dir() or Path(rail).is_dir():
         if diameters_mm or wheel_right or rail_right or curve_m:
             refused = "--diameters-mm, -right and --curve-m"
@@ -61,9 +63,8 @@ def conicity(
         over = pairing.map(wheel, rail, gauges_mm or (gauge_mm, gauge_mm, 1.0), radius_mm / 1e3)
         numbers = {"title": over.title, "map": as_records(over.table()), "gaps": list(over.reasons)}
         numbers |= {"profiles": list(over.notes)} if over.notes else {}
-        return Outcome(
-            [over.table()], numbers, write_conicity_map(over, Path(output), pictures) if output else [], over
-        )
+        files = write_conicity_map(over, Path(output), pictures) if output else []
+        return Outcome([over.table()], numbers, files, over)
     left, right = diameters_mm or (2.0 * radius_mm, 2.0 * radius_mm)
     wheels, rails, diameters = (wheel, wheel_right or wheel), (rail, rail_right or rail), (left / 1e3, right / 1e3)
     result = pairing.conicity(wheels, rails, gauge_mm / 1e3, diameters, curve_m, flange_from_deg)
@@ -79,18 +80,12 @@ def profiles(
         Argument("Profiles, TOML or points, such as wheels/S1002.toml; folders of them.", "FILE...", kind=list[str]),
     ],
     output: Annotated[
-        AnyPath,
-        Option(
-            "Picture; of several profiles with a table (CSV) beside it.",
-            "PNG|SVG|PDF",
-            flags="--output -o",
-            default="<FILE>.png here",
-        ),
+        AnyPath, into("Picture; of several profiles with a table (CSV) beside it.", "PNG|SVG|PDF", default="<FILE>.png")
     ] = None,
     *,
     kind: Annotated[str | None, Option("For files of two columns only.", "wheel|rail")] = None,
     cutoff: Annotated[
-        Sequence[float], Option("Smooth measured points, halving waves of this length; up to four to compare.", "MM")
+        Sequence[float], Option("Cut-off wavelength of measured points; up to four to compare.", "MM")
     ] = (),
     reference: Annotated[str | None, Option("Unworn profile for the head wear of rails: W1, W2, W3.", "FILE")] = None,
     align: Annotated[str | None, Option("Unworn profile to align scans to, by parts that do not wear.", "FILE")] = None,
@@ -135,7 +130,7 @@ def profiles(
     unworn, other, onto = (
         None if name is None else load_profile(model_file(name, models)) for name in (reference, on, align)
     )
-    pairing = Pairing((flange_back_mm or 1360.0) / 1e3, inclination or "1:40", "none", list(map(Path, models)), reading)
+    pairing = Pairing((flange_back_mm or 1360.0) / 1e3, inclination or "1:40", "none", models, reading)
     gauge, radius, load = (gauge_mm or 1435.0) / 1e3, (radius_mm or 460.0) / 1e3, 1e3 * (load_kN or 60.0)
     partner = None if other is None else Partner(other, pairing, gauge, radius, load)
     alone = len(names) == 1 and not Path(names[0]).is_dir()

@@ -135,13 +135,11 @@ def show(result: options.ResultFile) -> Outcome:
 def compare(
     scenario: options.ScenarioFile,
     contact: Annotated[
-        str,
-        Option("half-space, kik-piotrowski+polach, kik-piotrowski+strips=80; file: as in FILE.", "A,B,..."),
+        str, Option("half-space, kik-piotrowski+polach, kik-piotrowski+strips=80; file: as in FILE.", "A,B,...")
     ],
     reference: Annotated[str | None, Option("Reference model; default: the first.", "A")] = None,
     output: Annotated[
-        AnyPath,
-        into("Folder for tables and pictures.", "DIR", default="results/<name of FILE>_compared"),
+        AnyPath, into("Folder for tables and pictures.", "DIR", default="results/<FILE>_compared")
     ] = None,
     *,
     models: options.Models = (),
@@ -187,7 +185,7 @@ def resolve(
     *,
     at: options.Places = (),
     wheelset: options.OneWheelset = None,
-    same: Annotated[str, Option("What every wheel keeps: its vertical force or its height.", "load|pose")] = "load",
+    same: Annotated[str, Option("What every wheel keeps: its load or its height.", "load|pose")] = "load",
     models: options.Models = (),
     pictures: options.Pictures = True,
     force: options.Force = False,

@@ -19,25 +19,22 @@ def stationary(
     vehicle: Annotated[options.VehicleLike, Argument("Vehicle, such as vehicles/manchester_1.toml.", "FILE", kind=str)],
     *,
     cant_deficiency: Annotated[
-        float | None, Option("Static roll and unloading at this cant deficiency.", "MM", 1.0, 400.0)
+        float | None, Option("Roll and unloading at this cant deficiency.", "MM", 1.0, 400.0)
     ] = None,
     twist: Annotated[float | None, Option("Wheel loads on track of this twist.", "PERMILLE", 0.01, 20.0)] = None,
     twist_test: Annotated[bool, Option("Wheel unloading on twisted track, there and back (EN 14363).")] = False,
     twists: Annotated[
-        tuple[float, float] | None,
-        Option("Twists of that test in per mille; default: those of the standard.", "BODY BOGIE"),
+        tuple[float, float] | None, Option("Twists of that test in per mille; default: of the standard.", "BODY BOGIE")
     ] = None,
     rotation_test: Annotated[bool, Option("Rotation resistance of its bogies: X factor (EN 14363).")] = False,
     rotation_radius_m: Annotated[float, Option("Radius of the curve of that test.", "M", 10.0, 10_000.0)] = 150.0,
     amplitude_mm: Annotated[
-        float, Option("Travel at which dampers and friction are linearised for modes.", least=1e-3, most=1000.0)
+        float, Option("Travel at which dampers and friction are linearised.", least=1e-3, most=1000.0)
     ] = 1.0,
     frequency_Hz: Annotated[float, Option("Frequency of that travel.", least=0.01, most=1000.0)] = 1.0,
     picture: Annotated[Path | None, into("Draw it there, from three sides.", "PNG|SVG|PDF")] = None,
     loops: Annotated[Path | None, Option("Draw the loops of these two tests there.", "PNG|SVG|PDF")] = None,
-    campbell: Annotated[
-        Path | None, Option("Draw the frequencies of its elastic axles over the speed there.", "PNG|SVG|PDF")
-    ] = None,
+    campbell: Annotated[Path | None, Option("Draw the frequencies of its elastic axles there.", "PNG|SVG|PDF")] = None,
     models: options.Models = (),
 ) -> Outcome:
     """Mass, centre, static wheel loads, natural modes and stationary tests of a vehicle; draws it.
@@ -74,13 +71,15 @@ def stationary(
     numbers |= tested
     if campbell is not None and not numbers["axles"]:
         raise InputError("--campbell draws elastic axles: this vehicle has none; [wheelset.axle] gives them")
+    drawn: dict[str, Path] = {}
     if picture is not None or loops is not None or campbell is not None:
         from wrsim.report.outputs import draw_loops, draw_model
 
-        numbers |= {"picture": str(draw_model("vehicle", picture, loaded))} if picture else {}
-        numbers |= {"loops": str(draw_loops(loaded, twisted, turned, loops))} if loops else {}
-        numbers |= (
-            {"campbell": str(draw_model("campbell", campbell, loaded.name, numbers["axles"]))} if campbell else {}
-        )
-    files = [Path(numbers[key]) for key in ("picture", "loops", "campbell") if key in numbers]
-    return Outcome(at_rest.tables_at_rest(numbers), numbers, files, (twisted, turned))
+        if picture is not None:
+            drawn["picture"] = draw_model("vehicle", picture, loaded)
+        if loops is not None:
+            drawn["loops"] = draw_loops(loaded, twisted, turned, loops)
+        if campbell is not None:
+            drawn["campbell"] = draw_model("campbell", campbell, loaded.name, numbers["axles"])
+    numbers |= {name: str(path) for name, path in drawn.items()}
+    return Outcome(at_rest.tables_at_rest(numbers), numbers, list(drawn.values()), (twisted, turned))

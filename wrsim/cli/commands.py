@@ -7,7 +7,6 @@ import gc
 import inspect
 import logging
 import sys
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -15,7 +14,7 @@ import typer
 import wrsim
 from wrsim.api import analyses, data, pages, profiles, runs, studies, vehicles
 from wrsim.api.options import Option
-from wrsim.api.outcome import Outcome, folder_beside
+from wrsim.api.outcome import Outcome
 from wrsim.cli import console
 from wrsim.cli.errors import INTERRUPTED, any_output, reporting_errors, usage_as_json
 from wrsim.cli.options import QUIET, Given, command
@@ -32,29 +31,18 @@ STEP_MS = inspect.Parameter(
 )
 
 
-def _beside(given: Given) -> Given:
-    """Tables and pictures of a result go beside it."""
-    results = given.get("results", [given.get("result")])
-    if len(results) > 1 and "output" not in given:
+def _one_folder(given: Given) -> Given:
+    if len(given["results"]) > 1 and "output" not in given:
         raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
-    return {"output": folder_beside(results[0], given.get("output"))}
+    return {}
 
 
-def _profiles_output(given: Given) -> Given:
-    return {"output": given.get("output") or Path(Path(given["files"][0]).resolve().stem + ".png")}
+def _columns(given: Given) -> Given:
+    return {"columns": data.columns_of(given["file"], given.get("columns"))}
 
 
-def _track_picture(given: Given) -> Given:
-    return {"picture": given.get("picture") or Path(f"{given['file'].stem}_track.png")}
-
-
-def _recording_files(given: Given) -> Given:
-    columns = data.columns_of(given["file"], given.get("columns"))
-    return {"output": given.get("output") or Path(given["file"].stem), "columns": columns}
-
-
-def _compared_output(given: Given) -> Given:
-    return {"output": given.get("output") or Path("results") / f"{given['scenario'].stem}_compared"}
+def _step(given: Given) -> Given:
+    return {"step": 1e-3 * given["step_ms"]}
 
 
 def _mute_log(given: Given) -> Given:
@@ -63,49 +51,41 @@ def _mute_log(given: Given) -> Given:
     return {}
 
 
-def _show_run(outcome: Outcome, given: Given) -> None:
-    """Tables, where the files are, why a run stopped and how it goes on."""
-    quiet = given["quiet"]
-    if given["as_json"]:
-        console.print_json(outcome.numbers)
-        return
-    if not outcome.files:
-        console.print_error(*outcome.lines)
-        return
-    if not quiet:
+def _show_folder(outcome: Outcome, given: Given, removed: int = 0) -> None:
+    """Tables, and where the files are."""
+    if not given["quiet"]:
         console.print_numbers(False, {}, outcome.tables)
         console.print_lines(*outcome.shown_lines)
-        console.print_files(len(outcome.files), outcome.folder, len(outcome["removed"]))
-    if outcome.code:
-        console.print_error(f"{given['file']}: stopped: {outcome.value.result.stop_reason}")
-    if outcome.code and not quiet:
-        folder = outcome.folder
-        console.print_error(f"what was computed is in {folder}; draw it with: wrsim plot {folder}")
-        if outcome.value.can_go_on:
-            console.print_error("go on with the same command and --resume")
+        console.print_files(len(outcome.files), outcome.folder, removed)
+
+
+def _show_run(outcome: Outcome, given: Given) -> None:
+    """The result, why a run stopped and how it goes on."""
+    folder = outcome.folder
+    if given["as_json"]:
+        console.print_json(outcome.numbers)
+    elif not outcome.files:
+        console.print_error(*outcome.lines)
+    else:
+        _show_folder(outcome, given, len(outcome["removed"]))
+        if outcome.code:
+            console.print_error(f"{given['file']}: stopped: {outcome.value.result.stop_reason}")
+        if outcome.code and not given["quiet"]:
+            console.print_error(f"what was computed is in {folder}; draw it with: wrsim plot {folder}")
+            if outcome.value.can_go_on:
+                console.print_error("go on with the same command and --resume")
 
 
 def _show_study(outcome: Outcome, given: Given) -> None:
-    """Cases and their time, or the outputs, where the files are, and what went wrong."""
-    as_json, quiet, planned = given["as_json"], given["quiet"], given["dry_run"]
-    if as_json:
-        console.print_json(outcome.numbers | ({} if planned else {"files": [str(f) for f in outcome.files]}))
-        return
-    if planned or not quiet:
-        console.print_numbers(False, {}, outcome.tables)
-    if planned:
-        return
-    if not quiet:
-        console.print_files(len(outcome.files), outcome.folder)
-    for message in outcome.value(quiet):
-        console.print_error(message)
-
-
-def _show_keys(outcome: Outcome, given: Given) -> None:
-    if given["as_json"] and not given["schema"]:
-        console.print_json(outcome.numbers)
+    """The cases of a dry run with their time; or the outputs, and what went wrong."""
+    if given["dry_run"]:
+        console.print_numbers(given["as_json"], outcome.numbers, outcome.tables)
+    elif given["as_json"]:
+        console.print_json(outcome.numbers | {"files": [str(f) for f in outcome.files]})
     else:
-        console.print_lines(*outcome.lines)
+        _show_folder(outcome, given)
+        for message in outcome.value(given["quiet"]):
+            console.print_error(message)
 
 
 def warm(quiet: Annotated[bool, typer.Option("--quiet", "-q", help=QUIET)] = False) -> None:
@@ -120,7 +100,7 @@ PANELS: dict[str, dict[str, Any]] = {
     "Start": {
         "new": command(data.new_file),
         "check": command(runs.check, adds=("as_json",)),
-        "keys": command(data.keys, show=_show_keys, adds=("as_json",)),
+        "keys": command(data.keys, adds=("as_json",)),
         "warm": warm,
     },
     "Run": {
@@ -128,7 +108,7 @@ PANELS: dict[str, dict[str, Any]] = {
         "study": command(studies.run_study, show=_show_study, draws=DRAWS),
         "type-test": command(studies.run_type_test),
         "wear": command(studies.run_wear, draws=DRAWS),
-        "compare": command(runs.compare, _compared_output, draws=DRAWS, reads="scenario"),
+        "compare": command(runs.compare, draws=DRAWS, reads="scenario"),
         "resolve": command(runs.resolve, draws=DRAWS),
     },
     "Inspect": {
@@ -139,20 +119,18 @@ PANELS: dict[str, dict[str, Any]] = {
         "diff": command(analyses.diff, draws=DRAWS, reads="first second"),
     },
     "Assess": {
-        "assess": command(analyses.assess, _beside, draws=DRAWS, of="results"),
-        "ride": command(analyses.ride, _beside, draws=DRAWS, of="result"),
-        "spectra": command(analyses.spectra, _beside, draws=DRAWS, of="result"),
+        "assess": command(analyses.assess, _one_folder, draws=DRAWS, of="results"),
+        "ride": command(analyses.ride, draws=DRAWS, of="result"),
+        "spectra": command(analyses.spectra, draws=DRAWS, of="result"),
         "conicity": command(profiles.conicity, draws=DRAWS),
         "vehicle": command(vehicles.stationary, draws=DRAWS_ONE),
     },
     "Data": {
-        "profile": command(profiles.profiles, _profiles_output, draws=DRAWS_ONE, reads="files"),
-        "track": command(pages.draw_track, _track_picture, draws=DRAWS_ONE, reads="file"),
-        "recording": command(data.read_recording, _recording_files, draws=DRAWS, reads="file columns"),
+        "profile": command(profiles.profiles, draws=DRAWS_ONE, reads="files"),
+        "track": command(pages.draw_track, draws=DRAWS_ONE, reads="file"),
+        "recording": command(data.read_recording, _columns, draws=DRAWS, reads="file columns"),
         "export": command(data.export, of="result"),
-        "fmu": command(
-            data.write_unit, lambda given: {"step": 1e-3 * given["step_ms"]}, reads="scenario", replaced=[STEP_MS]
-        ),
+        "fmu": command(data.write_unit, _step, reads="scenario", further=[STEP_MS]),
     },
 }
 """Commands by their names, in the panels of the help."""

@@ -3,6 +3,7 @@
 import inspect
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from os.path import abspath
 from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, get_args, get_origin
@@ -10,8 +11,8 @@ from typing import Annotated, Any, get_args, get_origin
 import typer
 
 import wrsim
-from wrsim.api.options import PARAMETERS, Argument, Force, Option
-from wrsim.api.outcome import Outcome, in_units
+from wrsim.api.options import BESIDE, PARAMETERS, Argument, Force, Option
+from wrsim.api.outcome import Outcome, folder_beside, in_units
 from wrsim.api.pages import look
 from wrsim.cli.console import print_error, print_outcome, progress_of, show_times, silent
 from wrsim.cli.errors import reporting_errors, writing_files
@@ -19,11 +20,15 @@ from wrsim.errors import InputError
 
 Given = dict[str, Any]
 QUIET = "No progress bar, no table."
-ADDED = {
+SWITCHES = {
     "force": Force,
     "as_json": Annotated[bool, Option("Write one JSON object to stdout and nothing else.", flags="--json")],
     "quiet": Annotated[bool, Option(QUIET, flags="--quiet -q")],
     "verbose": Annotated[bool, Option("Print each part of the work with its time.", flags="--verbose -v")],
+}
+ADDED = {
+    name: inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=annotation)
+    for name, annotation in SWITCHES.items()
 }
 """Options that the functions do not have."""
 LOOK = {parameter.name: parameter.replace(default=None) for parameter in PARAMETERS[look]}
@@ -43,19 +48,20 @@ def command(
     adds: Sequence[str] = ("force", "as_json", "units"),
     of: str = "",
     reads: str = "",
-    replaced: Sequence[inspect.Parameter] = (),
+    further: Sequence[inspect.Parameter] = (),
 ) -> Callable[..., None]:
     """The command of a function of the API: it prints what the function gives and ends with its exit code.
 
-    complete: values that the command takes where none are given; draws: options of `wrsim.look`; adds: options that the
-    function does not have; of, reads: parameters with the result that it reports on, of several the first one, and
-    with files that it reads; replaced: parameters in place of the function's.
+    complete: gives further values, or refuses those that are given; draws: options of `wrsim.look`; adds, further:
+    options that the function does not have; of, reads: parameters with the result that it reports on, of several the
+    first one, and with files that it reads.
     """
     parameters = {each.name: each for each in PARAMETERS[api]}
+    first = next(iter(parameters))
     long = [] if "bar" not in parameters else ["quiet", "verbose"]
     taken = [each for each in parameters.values() if isinstance(get_args(each.annotation)[1], Option)]
-    taken += [_switch(name) for name in (*adds, *long) if name not in parameters and name in ADDED]
-    taken += [*replaced, *(LOOK[name] for name in LOOK if name in draws or name in adds)]
+    taken += [ADDED[name] for name in (*adds, *long) if name not in parameters and name in ADDED]
+    taken += [*further, *(LOOK[name] for name in LOOK if name in draws or name in adds)]
     names = {_name(each): each.name for each in taken}
 
     def run(**options: Any) -> None:
@@ -66,9 +72,9 @@ def command(
             stack.enter_context(in_units(given.get("units")))
             if looks := {name: given[name] for name in draws if name in given}:
                 stack.enter_context(wrsim.look(**looks))
-            for each in taken:
-                _check_ending(each, given)
             given |= complete(given)
+            for each in taken:
+                _place(each, given, given.get(first))
             if "force" in given:
                 results = _paths(given.get(of))
                 read = [path for name in reads.split() for path in _paths(given.get(name))]
@@ -78,7 +84,7 @@ def command(
             prints = {"warn": muted, **progress_of(quiet or as_json)}
             outcome = api(**{name: value for name, value in (prints | given).items() if name in parameters})
             for message in [] if as_json else outcome.numbers.get("warnings", ()):
-                print_error(f"{given[next(iter(parameters))]}: warning: {message}")
+                print_error(f"{given[first]}: warning: {message}")
             show(outcome, given)
             if outcome.code:
                 raise typer.Exit(outcome.code)
@@ -88,10 +94,6 @@ def command(
     run.__signature__ = inspect.Signature(signature)  # type: ignore[attr-defined]
     run.__annotations__ = {each.name: each.annotation for each in signature}
     return run
-
-
-def _switch(name: str) -> inspect.Parameter:
-    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=ADDED[name])
 
 
 def _name(parameter: inspect.Parameter) -> str:
@@ -140,9 +142,14 @@ def _paths(given: Any) -> list[Path]:
     return [] if given is None else list(map(Path, given)) if isinstance(given, list) else [Path(given)]
 
 
-def _check_ending(parameter: inspect.Parameter, given: Given) -> None:
-    """Raises InputError for a file to be written whose name does not end as it must."""
+def _place(parameter: inspect.Parameter, given: Given, first: Any) -> None:
+    """Where to write, of the name of the first argument unless it is given. Raises InputError for a wrong ending."""
     option = get_args(parameter.annotation)[1]
+    if option.default and parameter.name not in given:
+        beside = _paths(first)[0]
+        stem = Path(abspath(beside)).stem
+        is_beside = option.default == BESIDE
+        given[parameter.name] = folder_beside(beside) if is_beside else Path(option.default.replace("<FILE>", stem))
     endings, path = ENDINGS.get(option.metavar or ""), given.get(parameter.name)
     if endings and path is not None and path.suffix.lower() not in endings:
         flag = "-o" if _name(parameter) == "output" else f"--{parameter.name}"
