@@ -1,11 +1,12 @@
 """What commands say: peaks with their signs, medians, times, help that is whole, one meaning of every option."""
 
+import inspect
 import json
 import re
 import time
 from itertools import combinations, product
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -18,7 +19,9 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 import wrsim.analysis
+from wrsim.api.options import PARAMETERS, Option
 from wrsim.cli import app
+from wrsim.cli.commands import PANELS
 from wrsim.jit.compiling import Kernel
 from wrsim.plots.moments import moment_title
 from wrsim.results import Result
@@ -29,6 +32,12 @@ table = rows_of(__file__)
 
 runner = CliRunner()
 COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
+FUNCTIONS = {
+    "new": "new_file", "run": "run_scenario", "study": "run_study", "type-test": "run_type_test", "wear": "run_wear",
+    "plot": "write_pictures", "report": "write_report", "view": "write_view", "vehicle": "stationary",
+    "profile": "profiles", "track": "draw_track", "recording": "read_recording", "fmu": "write_unit",
+}  # fmt: skip
+"""Functions of commands that have another name."""
 
 
 @pytest.fixture(scope="module")
@@ -100,6 +109,23 @@ def test_help_loses_no_word() -> None:
         told = " ".join(runner.invoke(app, [name, "-h"], env={"COLUMNS": "400", "NO_COLOR": "1"}).stdout.split())
         for words in re.findall(r"\S*\[[^\]]+\]", " ".join(filter(None, texts)).replace("\\[", "[")):
             assert words in told, (name, words)
+
+
+def test_a_parameter_is_described_alike_in_help_and_docstring() -> None:
+    for panel in PANELS.values():
+        for name in panel.keys() - {"warm"}:
+            function = next(f for f in PARAMETERS if f.__name__ == FUNCTIONS.get(name, name))
+            text = " ".join(inspect.cleandoc(function.__doc__ or "").split())
+            assert " ".join(COMMANDS[name].help.split()) in text, name
+            helps = {p.name: p.help.replace("\\[", "[") for p in COMMANDS[name].params}
+            for parameter in PARAMETERS[function]:
+                option = get_args(parameter.annotation)[1]
+                described = option.help if isinstance(option, Option) else option
+                assert f"{parameter.name} : " in text and described in text, (name, parameter.name)
+                assert not isinstance(option, Option) or any(described in each for each in helps.values()), (
+                    name,
+                    option,
+                )
 
 
 def test_one_option_means_one_thing_in_all_commands() -> None:

@@ -151,11 +151,6 @@ def new_file(
     -------
     Outcome
         ``files``, those that the first one names included.
-
-    Raises
-    ------
-    InputError
-        For a kind or a template that there is not.
     """
     from wrsim.results import write_atomically
     from wrsim.scenario.templates import template_files
@@ -182,11 +177,6 @@ def keys(
     -------
     Outcome
         ``lines``, and the same as ``numbers``.
-
-    Raises
-    ------
-    InputError
-        For a kind of file or a table that there is not.
     """
     from wrsim.scenario.reference import keys_numbers, keys_text, kind_of_file, schema_text
 

@@ -129,21 +129,20 @@ PARAMETERS: dict[Callable[..., Any], list[inspect.Parameter]] = {}
 """Parameters of documented functions; their annotations carry what they are."""
 
 
-FILES = "Returns\n-------\nOutcome\n    ``files``.\n\n"
+USUAL = {
+    "Returns": "Returns\n-------\nOutcome\n    ``files``.",
+    "Raises": "Raises\n------\nInputError\n    For what cannot be used; the message names what is allowed.",
+}
+"""Sections of docstrings that do not have them."""
 
 
 def documented(function: F) -> F:
-    """The function with its parameters in its docstring and, by their types alone, in its signature.
-
-    A docstring that does not tell what it returns is that of a function that writes files.
-    """
+    """The function with its parameters in its docstring and, by their types alone, in its signature."""
     parameters = PARAMETERS[function] = list(_parameters(function))
-    described = "\n".join(map(_described, parameters))
-    text = inspect.cleandoc(function.__doc__ or "")
-    head, section, tail = text.partition("Returns\n" if "\nReturns\n" in text else "Raises\n")
-    function.__doc__ = (
-        f"{head}Parameters\n----------\n{described}\n\n{FILES if section[:2] == 'Ra' else ''}{section}{tail}"
-    )
+    head, *sections = re.split(r"\n\n(?=Returns\n|Raises\n)", inspect.cleandoc(function.__doc__ or ""))
+    told = USUAL | {section.partition("\n")[0]: section for section in sections}
+    described = "\n".join(("Parameters\n----------", *map(_described, parameters)))
+    function.__doc__ = "\n\n".join((head, described, told["Returns"], told["Raises"]))
     shown = [each.replace(annotation=_type_text(each)) for each in parameters]
     returned = inspect.signature(function).return_annotation
     function.__signature__ = inspect.Signature(shown, return_annotation=returned)  # type: ignore[attr-defined]

@@ -87,13 +87,7 @@ def write_view(
     file: Annotated[AnyPath, into("The page; view.html beside the result unless given.", "HTML")] = None,
     models: options.Models = (),
 ) -> Outcome:
-    """Write an interactive viewer: wheels on their rails, the vehicle on its track, modes of a stability analysis.
-
-    Raises
-    ------
-    InputError
-        For a result that has nothing to look at.
-    """
+    """Write an interactive viewer: wheels on their rails, the vehicle on its track, modes of a stability analysis."""
     from wrsim.report.view_data import view_page
     from wrsim.results import write_atomically
 
@@ -116,11 +110,6 @@ def write_pictures(
     -------
     Outcome
         ``files``. `wrsim.look` chooses their kinds, width and style.
-
-    Raises
-    ------
-    InputError
-        For places and wheelsets that there are not.
     """
     from wrsim.report.outputs import draw_pictures
     from wrsim.results.wheelsets import wheelset_folder, wheelsets, worst_wheelset
@@ -151,11 +140,6 @@ def look(
     -------
     AbstractContextManager
         Pictures outside of its block look as before; those that are named as a whole are of the kind of its ending.
-
-    Raises
-    ------
-    InputError
-        For what there is not.
     """
     from wrsim.plots.theme import LOOK, NARROW, WIDE, look_of
     from wrsim.results.units import shown_in
@@ -182,11 +166,6 @@ def draw_track(
     -------
     Outcome
         ``value`` is the Track.
-
-    Raises
-    ------
-    InputError
-        For a file that is neither.
     """
     from wrsim.report.outputs import draw_model
     from wrsim.scenario.track_build import track_model

@@ -44,11 +44,6 @@ def conicity(
     -------
     Outcome
         ``value`` is a Result, or a map over profiles and gauges.
-
-    Raises
-    ------
-    InputError
-        For profiles that cannot be used, and for options that do not go together.
     """
     from wrsim.analysis.conicity.pairs import Pairing
     from wrsim.report.outputs import write_conicity, write_conicity_map
@@ -108,11 +103,6 @@ def profiles(
     -------
     Outcome
         ``value`` holds the profiles by their names.
-
-    Raises
-    ------
-    InputError
-        For profiles that cannot be used, and for options that do not go together.
     """
     from wrsim.analysis.conicity.pairs import Pairing
     from wrsim.analysis.profiles import Partner, measured_tables, wheelsets_table

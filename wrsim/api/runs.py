@@ -120,11 +120,6 @@ def show(result: options.ResultFile) -> Outcome:
     -------
     Outcome
         ``value`` is the Result.
-
-    Raises
-    ------
-    InputError
-        For a file that is no result.
     """
     loaded = as_result(result)
     lines = [f"stopped: {loaded.stop_reason}"] if loaded.stop_reason else []
