@@ -27,7 +27,7 @@ from wrsim.contact.settings import USUAL, ContactSettings, HalfSpaceSettings, Ma
 from wrsim.contact.status import SUBSTITUTED
 from wrsim.contact.strips.derivatives import jacobian
 from wrsim.contact.strips.equations import block_of, residuals
-from wrsim.contact.strips.influence import find_terms, pressed_at
+from wrsim.contact.strips.influence import displacement_at, find_terms
 from wrsim.contact.strips.records import EDGES, VECTORS, V
 from wrsim.contact.surfaces.out_of_round import RadiusTable
 from wrsim.contact.tables import combined_modulus, influence_table
@@ -60,7 +60,7 @@ def test_primitive_of_the_influence_of_a_strip(xi, t):
                  0.5 * np.pi, points=[nearest], epsabs=1e-13, epsrel=1e-12, limit=400)[0]  # fmt: skip
     vectors = np.zeros((VECTORS, 1))
     vectors[[V.FROM, V.TO, V.INVERSE, V.PUSH, V.MIDDLE, V.NB], 0] = 0.0, t, 1.0, 1.0, 0.0, 1.0
-    found = pressed_at(influence_table(), vectors, 0, 1, 0.0, 0.0, xi, 3, 0.0, 1.0, False)
+    found = displacement_at(influence_table(), vectors, 0, 1, 0.0, 0.0, xi, 3, 0.0, 1.0, False)
     assert found.fore == pytest.approx(exact, rel=2e-5)
     assert found.aft == pytest.approx(found.fore, rel=1e-12)
 
@@ -74,7 +74,7 @@ def test_terms_of_the_derivatives_are_those_of_the_displacement(xi, t):
     find_terms(influence_table(), vectors, 0, 1, 0.0, xi, False, *terms)
     u, u_xi, turn, start, end = terms[:, 0]
     step = 1e-5
-    beside = pressed_at(influence_table(), vectors.copy(), 0, 1, 0.0, xi, step, 3, 0.0, 1.0, False)
+    beside = displacement_at(influence_table(), vectors.copy(), 0, 1, 0.0, xi, step, 3, 0.0, 1.0, False)
     assert u == pytest.approx(beside.middle, rel=1e-12)
     assert u_xi == pytest.approx((beside.fore - beside.aft) / (2.0 * step), rel=1e-4, abs=1e-6)
     assert (start, end) == pytest.approx((potential(xi, 0.3 * t), potential(xi, 1.2 * t)), rel=1e-4)
@@ -88,7 +88,7 @@ def test_the_row_of_the_middle_is_that_of_the_table(t):
     found, terms = [], []
     for aligned in (True, False):
         own = vectors.copy()
-        found.append(pressed_at(influence_table(), own, 0, 1, 0.0, 0.0, 0.5, 2, 0.0, 1.0, aligned)[:2])
+        found.append(displacement_at(influence_table(), own, 0, 1, 0.0, 0.0, 0.5, 2, 0.0, 1.0, aligned)[:2])
         find_terms(influence_table(), own, 0, 1, 0.0, 0.0, aligned, *own[V.TERMS : V.TERMS + 5])
         terms.append(own[V.TERMS : V.TERMS + 5, 0])
     assert found[0] == pytest.approx(found[1], rel=1e-12)
@@ -104,7 +104,7 @@ def test_newton_s_matrix_is_the_derivative_of_the_residuals(pair, lateral, yaw):
     f, x = system.vectors[V.F], system.vectors[V.X]
     residuals(system, n)
     jacobian(system, n)
-    solved = system.vectors[V.SOLVED, : system.memo[0].unknowns].astype(int)
+    solved = system.vectors[V.UNKNOWN_INDEX, : system.memo[0].unknowns].astype(int)
     matrix, found = system.matrix[: solved.size, : solved.size].copy(), np.zeros((solved.size,) * 2)
     for column, unknown in zip(found.T, solved, strict=True):
         at, step = x[unknown], 1e-5 * x[unknown] if unknown < 2 * n else 1e-8  # a^2 and factors; edges and middles [m]

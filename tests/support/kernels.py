@@ -31,10 +31,10 @@ from wrsim.contact.channels import WheelOnRail, wheel_outline
 from wrsim.contact.profiles.sections import circle
 from wrsim.contact.search.locus import locus_point
 from wrsim.contact.settings import ConicalWheels, FrictionAlong, HalfSpaceSettings, Material
-from wrsim.contact.strips.changes import leave
+from wrsim.contact.strips.changes import deactivate_grid
 from wrsim.contact.strips.derivatives import jacobian
 from wrsim.contact.strips.equations import residuals
-from wrsim.contact.strips.records import OF_A_STRIP, V
+from wrsim.contact.strips.records import UNKNOWNS_PER_STRIP, V
 from wrsim.contact.surfaces.rail import unfold
 from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface
 from wrsim.contact.wheel_rail import STAGES, bodies, compile_stages
@@ -65,8 +65,9 @@ CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 SOURCES = {str(path) for path in sources()}
 FULL_ALONE = {
-    "_add_to_middles", "_alone", "_closing", "_couple", "_find_stairs", "_grid_enters", "_largest_closing",
-    "_one_by_one", "_rise", "_switch", "four_touch", "leave", "make_room", "move_edges", "set_middles", "weight_of",
+    "_activate_grid", "_add_to_middles", "_couple", "_largest_overlap", "_overlap", "_set_active_set", "_shallower",
+    "_smooth_step", "_solve_alone", "_solve_one_by_one", "_stair_variance", "deactivate_grid", "four_in_contact",
+    "move_edges", "set_middles", "weight_of",
 }  # fmt: skip
 """What the strip model does where Newton's method fails, where grids come and go, and in runs: slow uncompiled."""
 
@@ -185,8 +186,8 @@ def branches_that_cross(count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
 def _leaving(model: ContactModel) -> list[float]:
     """A grid of the strip model leaves the contact, in the state of its last call."""
     system, n = strip_system(model)
-    leave(system, n, 0)
-    return list(system.vectors[V.X, : OF_A_STRIP * n])
+    deactivate_grid(system, n, 0)
+    return list(system.vectors[V.X, : UNKNOWNS_PER_STRIP * n])
 
 
 def twistable(wheelset: Wheelset) -> Wheelset:

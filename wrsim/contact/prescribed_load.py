@@ -203,7 +203,7 @@ def meet_load(buffer: Array, index: Ints, s: Record) -> int:
     begin_search(s)
     if records(buffer, own, _MODEL, MODEL)[0].normal == FREE_STRIPS:
         if start == COLD_START:
-            memo.known = 0
+            memo.grids_before = 0
         state.start = FROM_LAST
         outcome = _search(buffer, own, s, max(WARM, s.tolerance))
         if outcome == REACHED:

@@ -43,7 +43,8 @@ from wrsim.contact.resultants import add_lobe
 from wrsim.contact.search.lobes import couple, room_beside, select_deepest
 from wrsim.contact.search.locus import locus_point, placed
 from wrsim.contact.search.points import NEAR, find_contacts
-from wrsim.contact.strips.model import press_strips
+from wrsim.contact.strips.model import solve_pressure
+from wrsim.contact.strips.records import System
 from wrsim.contact.surfaces.profile_table import profile_point
 from wrsim.contact.surfaces.rail import along, rail_and_envelope, share_at
 from wrsim.contact.surfaces.wheel_shape import contact_length, find_branches
@@ -147,11 +148,11 @@ def wheel_rail(buffer: Array, index: Ints) -> int:
         status |= _start_lobe(wheel, rail, a.found[i], lobes[i])
     _group(a.found, model.eps, lobes, count)
     a.total[0].lobes = count
-    a.memo[0].turn = 0
+    a.memo[0].traction_pass = 0
     pressed = stages.run(model.normal, buffer, index)
     for turn in range(TURNS if model.curved and model.tangential != NO_CREEP_FORCES else 0):
         stages.run(CREEP_FORCES, buffer, index)
-        a.memo[0].turn = turn + 1
+        a.memo[0].traction_pass = turn + 1
         pressed = stages.run(model.normal, buffer, index)
     status |= pressed
     _sum_up(a, pose, buffer, index)
@@ -269,7 +270,8 @@ def free_strips(buffer: Array, index: Ints) -> int:
     """Strips and pressures by the strip model; by Kik and Piotrowski's where that has no solution."""
     a = arrays(buffer, index)
     wheel, rail, pose = bodies(a)
-    status = press_strips(a, wheel, rail, pose, a.total[0].lobes)
+    system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
+    status = solve_pressure(system, a.model[0], a.state[0], pose, a.found, a.patches, a.strips, a.total[0].lobes)
     if status & STATUS_NOT_CONVERGED:
         status |= _press_by_overlap(a)
     return status

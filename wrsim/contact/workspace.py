@@ -134,7 +134,7 @@ class KernelArrays:
         is the same to this tolerance."""
         self.state.start = k.FROM_LAST if on else k.COLD_START
         self.state.tolerance = tolerance
-        self.rows.memo["known"] = 0
+        self.rows.memo["grids_before"] = 0
 
     def kept(self) -> tuple[NDArray[Any], ...]:
         """Views on what one call leaves for the next: the last contact, if the model follows it. Who puts them back
@@ -144,7 +144,7 @@ class KernelArrays:
         grids, places = self.rows.grids, self.rows.places
         memo = self.rows.memo
         return (
-            memo["known"], memo["substitutes"], self.rows.vectors[V.X],
-            *(grids[name] for name in ("on", "start_held", "end_held")),
+            memo["grids_before"], memo["substitutes"], self.rows.vectors[V.X],
+            *(grids[name] for name in ("active", "start_held", "end_held")),
             *(places[name] for name in ("lo", "hi", "s")),
         )  # fmt: skip

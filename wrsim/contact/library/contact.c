@@ -226,7 +226,7 @@ int wrsim_contact_follow(wrsim_contact *contact, int on)
 {
     if (!contact) return WRSIM_ARGUMENT;
     ((struct state *)array(contact, ARRAY_STATE))->start = on ? FROM_LAST : COLD_START;
-    ((struct memo *)array(contact, ARRAY_MEMO))->known = 0;
+    ((struct memo *)array(contact, ARRAY_MEMO))->grids_before = 0;
     return 0;
 }
 

@@ -2,14 +2,7 @@
 
 Rows stand at equal steps of the rail's arclength, each with the point of the wheel's outline opposite it, so that the
 penetration d(s) belongs to the pose alone, wherever it is counted from. Strips lie between the edges of the contact,
-denser where d bends more (Hertz: equally) and where the locus runs along the rail: as equal pieces of the integral of
-
-    density = (|d''| + |x'| sqrt(1 + x'^2) / R_x)^(2/3), a mean over neighbouring rows, + FLOOR times its mean.
-
-Strips are constants in place of p(s): the square of their error is least where they stand as |p'|^(2/3) (de Boor, Good
-Approximation by Splines with Variable Knots, 1973). Across the rail p' goes with d'', as in plane contact. Where the
-locus leans by x' a contact is a band along it: across the band the curvature is (1 + x'^2) / R_x, the half width that
-of the strip over sqrt(1 + x'^2), so p' along the rail goes with sqrt(1 + x'^2) / R_x, and across it with x' times that.
+as densely as (strip-density) has it.
 """
 
 from math import sqrt
@@ -18,39 +11,38 @@ from typing import NamedTuple
 import numpy as np
 
 from wrsim.contact.overlap_patch import bisector
+from wrsim.contact.records import PlacedWheel, Rail
 from wrsim.contact.search.locus import locus_point
 from wrsim.contact.strips.records import ROWS
 from wrsim.contact.surfaces.profile_table import length
 from wrsim.contact.surfaces.rail import along, parting, rail_and_envelope, rail_length, tilted
-from wrsim.jit.compiling import inlined, kernel
+from wrsim.jit import Record, Records, inlined, kernel
+from wrsim.jit.linalg import Vec
 from wrsim.jit.root import Bracket, crossing, narrowed
 
-FLOOR = 0.3  # share of even density
-NEAR = 0.01  # of the rows' distance: how far ahead a point may be for the shift along the rail to be read there
-LEAST_FACING = 2.5e-3  # square of the sine between axle and normal, held above
+MIN_DENSITY = 0.3  # share of even density
+MAX_AHEAD = 0.01  # of the rows' distance: how far ahead a point may be for the shift along the rail to be read there
+MIN_SINE_SQUARED = 2.5e-3  # square of the sine between axle and normal, held above
 
 
 class Opposite(NamedTuple):
-    """A pair of opposite points: penetration along the mean normal, and how it changes along the rail (the tangents
-    lean by the same angle to both sides of the mean one); middle (x, o, b) and normal (no, nb); the wheel's shrink;
-    radius with which both part along t; how far the wheel's point was ahead of the rail's [m]; slope of the rail along
-    the track."""
+    """A pair of opposite points of wheel and rail."""
 
-    d: float
-    d_s: float
-    x: float
-    o: float
-    b: float
-    no: float
-    nb: float
-    shrink: float
-    r_t: float
-    ahead: float
-    slope: float
+    d: float  # penetration along the mean normal [m]
+    d_s: float  # its slope over s: the tangents lean by the same angle to both sides of the mean one
+    x: float  # middle of the pair along the rail [m]
+    o: float  # outward [m]
+    b: float  # upward [m]
+    no: float  # normal, outward
+    nb: float  # upward
+    shrink: float  # arclength of the wheel's profile over that of its outline
+    r_t: float  # radius with which both part along the rail [m]
+    ahead: float  # distance of the wheel's point ahead of the rail's [m]
+    slope: float  # of the rail along the track
 
 
 @inlined
-def opposite(wheel, rail, arc_wheel, arc_rail):
+def opposite(wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float) -> Opposite:
     """The pair at these arclengths; what the wheel's point is ahead along the mean tangent is taken back along its own
     tangent."""
     w = locus_point(wheel, arc_wheel)
@@ -61,16 +53,31 @@ def opposite(wheel, rail, arc_wheel, arc_rail):
     wb = w.b - ahead * w.no
     d = -((wo - r.u) * no + (wb - r.w) * nb)
     d_s = 2.0 * (r.tu * no + r.tw * nb)
-    at = along(rail, envelope, r, w.x, w.to_axle)
-    tilt = tilted(at)
+    frame = along(rail, envelope, r, w.x, w.to_axle)
+    tilt = tilted(frame)
     return Opposite(
-        d * tilt, d_s * tilt, w.x + at.ahead, 0.5 * (wo + r.u), 0.5 * (wb + r.w) + at.drop, no, nb, w.shrink,
-        parting(w.r_t, at), ahead, at.slope,
+        d * tilt, d_s * tilt, w.x + frame.ahead, 0.5 * (wo + r.u), 0.5 * (wb + r.w) + frame.drop, no, nb, w.shrink,
+        parting(w.r_t, frame), ahead, frame.slope,
     )  # fmt: skip
 
 
+@inlined
+def _opposite_near(wheel: PlacedWheel, rail: Rail, arc: float, s: float, spacing: float) -> tuple[Opposite, float]:
+    """The pair at s of a wheel's point near ``arc``, and how far before that it lies: where profiles bend sharply the
+    locus may run along the rail ten times as fast as across, and the pair is computed once more."""
+    pair = opposite(wheel, rail, arc, s)
+    before = pair.ahead * pair.shrink
+    if abs(before) > MAX_AHEAD * spacing:
+        pair = opposite(wheel, rail, arc - before, s)
+        before += pair.ahead * pair.shrink
+    return pair, before
+
+
 @kernel
-def find_end(wheel, rail, arc_wheel, arc_rail, depth, first, direction, limit):
+def find_end(
+    wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float, depth: float, first: float, direction: float,
+    limit: float,
+) -> tuple[float, int]:  # fmt: skip
     """Arclength on the rail where the overlap ends, walking from a main point of this depth.
 
     first: first step [m]; direction: +1.0 or -1.0; limit: largest distance. Returns (distance, status): status 0, or 1
@@ -83,18 +90,18 @@ def find_end(wheel, rail, arc_wheel, arc_rail, depth, first, direction, limit):
     while True:
         outer = min(inner + step, limit)
         arc = inner_arc + direction * (outer - inner) * (1.5 * shrink - 0.5 * last)
-        at = opposite(wheel, rail, arc, arc_rail + direction * outer)
-        if at.d <= 0.0:
+        pair = opposite(wheel, rail, arc, arc_rail + direction * outer)
+        if pair.d <= 0.0:
             break
         if outer >= limit:
             return limit, 0
         on_rail = arc_rail + direction * outer
         if arc <= 0.0 or arc >= wheel_end or on_rail <= 0.0 or on_rail >= rail_end:
             return outer, 1
-        inner, inner_d = outer, at.d
-        inner_arc = arc - at.ahead * at.shrink
-        last, shrink = shrink, at.shrink
-    bracket = Bracket(inner, inner_d, outer, at.d, 0)
+        inner, inner_d = outer, pair.d
+        inner_arc = arc - pair.ahead * pair.shrink
+        last, shrink = shrink, pair.shrink
+    bracket = Bracket(inner, inner_d, outer, pair.d, 0)
     s = outer
     for _ in range(60):
         s = crossing(bracket)
@@ -107,59 +114,54 @@ def find_end(wheel, rail, arc_wheel, arc_rail, depth, first, direction, limit):
 
 
 class Walk(NamedTuple):
-    """Where a walk along the rows has come to: arclengths on wheel and rail; the wheel's shrink there and a row before;
-    how fast the pair has drifted apart on the way."""
+    """Where a walk along the rows has come to."""
 
-    arc: float
-    s: float
-    shrink: float
-    last: float
-    drift: float
+    arc: float  # on the wheel [m]
+    s: float  # on the rail [m]
+    shrink: float  # the wheel's there, see `Opposite`
+    last: float  # and a row before
+    drift: float  # of the pair apart, on the wheel per arclength on the rail
 
 
 @kernel
-def lay_rows(wheel, rail, grid, rows):
+def sample_rows(wheel: PlacedWheel, rail: Rail, grid: Record, rows: Records) -> None:
     """Rows of a grid from ``least`` to ``most``, away from its pair of opposite points."""
-    arc_wheel, arc_rail = grid.arc, grid.place
+    arc_wheel, arc_rail = grid.arc_wheel, grid.arc_rail
     h = (grid.most - grid.least) / (ROWS - 1)
     grid.spacing = h
     grid.deepest = 1e-12
     right = min(max(int((arc_rail - grid.least) / h), 0), ROWS - 1)
     left = right - 1
-    at = opposite(wheel, rail, arc_wheel, arc_rail)
-    up = down = Walk(arc_wheel - at.ahead * at.shrink, arc_rail, at.shrink, at.shrink, 0.0)
+    pair = opposite(wheel, rail, arc_wheel, arc_rail)
+    up = down = Walk(arc_wheel - pair.ahead * pair.shrink, arc_rail, pair.shrink, pair.shrink, 0.0)
     # to both sides at a time: a processor does one while it waits for the other
     while left >= 0 or right < ROWS:
         if right < ROWS:
-            up = _lay_row(wheel, rail, up, grid, rows[right], grid.least + right * h)
+            up = _sample_row(wheel, rail, up, grid, rows[right], grid.least + right * h)
             right += 1
         if left >= 0:
-            down = _lay_row(wheel, rail, down, grid, rows[left], grid.least + left * h)
+            down = _sample_row(wheel, rail, down, grid, rows[left], grid.least + left * h)
             left -= 1
 
 
 @inlined
-def _lay_row(wheel, rail, walk, grid, row, s):
+def _sample_row(wheel: PlacedWheel, rail: Rail, walk: Walk, grid: Record, row: Record, s: float) -> Walk:
     """Write the row at s, the next one of a walk; returns where that has come to."""
     # how far the pair drifts apart in a step is predicted from the last one
     arc = walk.arc + (s - walk.s) * (1.5 * walk.shrink - 0.5 * walk.last - walk.drift)
-    at = opposite(wheel, rail, arc, s)
-    taken = at.ahead * at.shrink
-    if abs(taken) > NEAR * grid.spacing:
-        # where profiles bend sharply: the locus may run along the rail ten times as fast as across
-        at = opposite(wheel, rail, arc - taken, s)
-        taken += at.ahead * at.shrink
+    pair, before = _opposite_near(wheel, rail, arc, s, grid.spacing)
     # a first row may stand beside the pair that the walk begins at
-    drift = walk.drift + taken / (s - walk.s) if abs(s - walk.s) > 0.3 * grid.spacing else walk.drift
-    row.s, row.arc, row.d, row.x, row.o, row.b = s, arc - taken, at.d, at.x, at.o, at.b
-    row.no, row.nb, row.r_t, row.slope = at.no, at.nb, at.r_t, at.slope
-    grid.deepest = max(grid.deepest, at.d)
-    return Walk(arc - taken, s, at.shrink, walk.shrink, drift)
+    drift = walk.drift + before / (s - walk.s) if abs(s - walk.s) > 0.3 * grid.spacing else walk.drift
+    row.s, row.arc_wheel, row.d, row.x, row.o, row.b = s, arc - before, pair.d, pair.x, pair.o, pair.b
+    row.no, row.nb, row.r_t, row.slope = pair.no, pair.nb, pair.r_t, pair.slope
+    grid.deepest = max(grid.deepest, pair.d)
+    return Walk(arc - before, s, pair.shrink, walk.shrink, drift)
 
 
 @kernel
-def grade_rows(grid, rows, axle):
-    """Density of the strips and its integral; curvatures along the rail as a strip feels them. axle: (t, o, b).
+def grade_rows(grid: Record, rows: Records, axle: Vec) -> None:
+    """Density of the strips (strip-density) and its integral; curvatures along the rail as a strip feels them. axle:
+    (t, o, b).
 
     Along a strip of a wheel whose axle points by e_t along the rail the profile coordinate changes by x times the skew
     e_t / sin(angle), with the angle between normal and axle: a curvature that jumps across the profile is felt as a
@@ -176,7 +178,7 @@ def grade_rows(grid, rows, axle):
         bow += abs(run) * sqrt(h * h + run * run) / rows[c].r_t
         rows[r].xi = np.cbrt((unit * bow) ** 2)
         total += rows[r].xi
-    floor = FLOOR * total / ROWS
+    floor = MIN_DENSITY * total / ROWS
     for r in range(ROWS):
         row = rows[r]
         near = 0.0
@@ -184,18 +186,18 @@ def grade_rows(grid, rows, axle):
             near += rows[min(max(r + q, 0), ROWS - 1)].xi
         row.density = near / 3.0 + floor
         lean = row.no * axle.y + row.nb * axle.z
-        reach = skew * skew * 2.0 * row.r_t * max(row.d, 0.0) / max(1.0 - lean * lean, LEAST_FACING)
+        reach = skew * skew * 2.0 * row.r_t * max(row.d, 0.0) / max(1.0 - lean * lean, MIN_SINE_SQUARED)
         if reach <= 1.0:
-            row.bend = 1.0 / row.r_t
+            row.curvature = 1.0 / row.r_t
             continue
         reach = sqrt(reach)
-        bend = weights = 0.0
+        curvature = weights = 0.0
         for q in range(max(int(r - reach), 0), min(int(r + reach) + 2, ROWS)):
             weight = 1.0 - abs(q - r) / reach
             if weight > 0.0:
-                bend += weight / rows[q].r_t
+                curvature += weight / rows[q].r_t
                 weights += weight
-        row.bend = bend / weights
+        row.curvature = curvature / weights
     total = 0.0
     for r in range(ROWS):
         if r > 0:
@@ -204,17 +206,23 @@ def grade_rows(grid, rows, axle):
 
 
 @inlined
-def _integral(grid, rows, s):
-    """Integral of the density up to s, and the density there."""
+def row_below(grid: Record, s: float) -> tuple[int, float]:
+    """Number of the row below s, and the distance from it in rows."""
     x = (s - grid.least) / grid.spacing
     r = min(max(int(x), 0), ROWS - 2)
-    x -= r
+    return r, x - r
+
+
+@inlined
+def _integral(grid: Record, rows: Records, s: float) -> tuple[float, float]:
+    """Integral of the density up to s, and the density there."""
+    r, x = row_below(grid, s)
     rise = rows[r + 1].density - rows[r].density
     return rows[r].xi + grid.spacing * x * (rows[r].density + 0.5 * x * rise), rows[r].density + x * rise
 
 
 @inlined
-def _cubic(a, b, c, d, t, h):
+def _cubic(a: float, b: float, c: float, d: float, t: float, h: float) -> tuple[float, float]:
     """A number at t, 0 to 1, from the second of four rows to the third, and its slope along the rail: a cubic whose
     slopes at rows are those over the rows beside them, so that Newton's method meets no corner."""
     rise = 0.5 * (c - a)
@@ -224,13 +232,13 @@ def _cubic(a, b, c, d, t, h):
 
 
 @kernel
-def place_strips(wheel, rail, grid, rows, places):
-    """Lay the strips of a grid between its edges and find the geometry there. places: its own."""
+def place_grid_strips(wheel: PlacedWheel, rail: Rail, grid: Record, rows: Records, places: Records) -> None:
+    """Lay the strips of one grid, ``places``, between its edges and find the geometry there."""
     n = places.size
     h = grid.spacing
     first, density_start = _integral(grid, rows, grid.start)
     end, density_end = _integral(grid, rows, grid.end)
-    r = min(max(int((grid.start - grid.least) / h), 0), ROWS - 2)
+    r, _x = row_below(grid, grid.start)
     lo, lo_start, lo_end = grid.start, 1.0, 0.0
     for j in range(n):
         place = places[j]
@@ -252,30 +260,10 @@ def place_strips(wheel, rail, grid, rows, places):
         c = min(max(int(x), 1), ROWS - 3)
         t = x - c
         # profiles bend sharply within a row's distance: what lies between rows is computed, not read
-        arc = rows[c].arc + t * (rows[c + 1].arc - rows[c].arc)
-        at = opposite(wheel, rail, arc, s)
-        taken = at.ahead * at.shrink
-        if abs(taken) > NEAR * h:
-            at = opposite(wheel, rail, arc - taken, s)
-        place.d, place.d_s, place.no, place.nb = at.d, at.d_s, at.no, at.nb
-        place.bend, place.bend_s = _cubic(rows[c - 1].bend, rows[c].bend, rows[c + 1].bend, rows[c + 2].bend, t, h)
+        arc = rows[c].arc_wheel + t * (rows[c + 1].arc_wheel - rows[c].arc_wheel)
+        pair, _before = _opposite_near(wheel, rail, arc, s, h)
+        place.d, place.d_s, place.no, place.nb = pair.d, pair.d_s, pair.no, pair.nb
+        place.curvature, place.curvature_s = _cubic(
+            rows[c - 1].curvature, rows[c].curvature, rows[c + 1].curvature, rows[c + 2].curvature, t, h
+        )
         place.x, place.x_s = _cubic(rows[c - 1].x, rows[c].x, rows[c + 1].x, rows[c + 2].x, t, h)
-
-
-@inlined
-def next_corner(rows, p, end, step):
-    """The corner behind row p of the concave hull of the penetration, on the way to row ``end``, and how much the hull
-    rises from row to row up to there. step: +1 or -1."""
-    q, steep = p + step, rows[p + step].d - rows[p].d
-    for r in range(p + 2 * step, end + step, step):
-        slope = (rows[r].d - rows[p].d) / abs(r - p)
-        if slope >= steep:
-            q, steep = r, slope
-    return q, steep
-
-
-@kernel
-def make_room(grids, k, end):
-    """Bounds of the grids from k to before ``end`` move on by one; those of k stand twice then."""
-    for later in range(end, k, -1):
-        grids[later].least, grids[later].most = grids[later - 1].least, grids[later - 1].most

@@ -1,32 +1,24 @@
 """What strips of pressure do to the surface, from one function of two arguments.
 
-A semi-ellipse of pressure p = Q sqrt(a^2 - x^2) on a line across s = 0 presses a half-space down by Q/(pi E*) times
-
-    f(a, x, s) = int_-a..a sqrt((a^2 - z^2)/((x - z)^2 + s^2)) dz.
-
-f is of degree one in its arguments, so that a strip from s = lo to s = hi presses down by Q a^2/(pi E*) times a
-difference of two values of
-
-    PHI(xi, t) = int_0..t f(1, xi, z) dz,    xi = x/a,    t = s/a,
-
-however wide it is, near or far. PHI/t is a cubic spline at equal steps of the octaves of t and of y + sqrt(y^2 + 1),
-y = SHARP (xi^2 - 1), which is fine beside the end of the line, xi = 1, where f bends within t.
-`wrsim.contact.tables` makes its coefficients; the last row has those of the spline at xi = 0.
+A strip presses the surface down by differences of PHI (strip-phi), however wide it is, near or far. PHI/t is a cubic
+spline at equal steps of the octaves of t and of y + sqrt(y^2 + 1), y = SHARP (xi^2 - 1), which is fine beside the end
+of the line, xi = 1, where (strip-line) bends within t. `wrsim.contact.tables` makes its coefficients; the last row has
+those of the spline at xi = 0.
 """
 
 from math import sqrt
 from typing import NamedTuple
 
 from wrsim.contact.strips.records import V
+from wrsim.jit import Array, filling, inlined, kernel
 from wrsim.jit.arena import bits_of, number_of
-from wrsim.jit.compiling import filling, inlined, kernel
 from wrsim.jit.spline import difference, difference_in_row, with_slope_in_row, with_slopes
 
 LOWEST, HIGHEST, STEPS = -12, 12, 6
 """Octaves of t in the table, and steps in each; below the first t counts as its start."""
 INNER, OUTER, STEPS_BESIDE = -8, 24, 8
-"""Of the other axis: octaves of xi = 0 and of its end, and steps in each."""
-SHARP = 0.5 * (2.0**-INNER - 2.0**INNER)  # how fine it is at xi = 1
+"""Octaves of xi = 0 and of the end of its axis, and steps in each."""
+SHARP = 0.5 * (2.0**-INNER - 2.0**INNER)  # fineness of that axis at xi = 1
 _MOST_T = (HIGHEST - LOWEST) * STEPS - 1e-6
 _MOST_XI = (OUTER - INNER) * STEPS_BESIDE - 1e-6
 _LEAST_T = 2.0**LOWEST
@@ -36,7 +28,7 @@ RISE = 942.0 / 651.0, -472.0 / 651.0, 272.0 / 651.0, -112.0 / 651.0, 21.0 / 651.
 
 
 @inlined
-def octave(x):
+def octave(x: float) -> float:
     """The logarithm of x > 0 to base 2, to 0.0005: exact at powers of two, between them the quintic of the mantissa
     that leaves no step in the first four derivatives."""
     bits = bits_of(x)
@@ -45,7 +37,7 @@ def octave(x):
 
 
 @inlined
-def _octave_rate(x):
+def _octave_rate(x: float) -> float:
     """Derivative of the octave by the natural logarithm of x."""
     z = number_of((bits_of(x) & _MANTISSA) | _ONE) - 1.0
     slope = RISE[0] + z * (2.0 * RISE[1] + z * (3.0 * RISE[2] + z * (4.0 * RISE[3] + z * 5.0 * RISE[4])))
@@ -53,37 +45,37 @@ def _octave_rate(x):
 
 
 @inlined
-def _place_across(t):
-    """Steps up to t."""
+def _coordinate_t(t: float) -> float:
+    """Steps of the table up to t."""
     return min((octave(max(abs(t), _LEAST_T)) - LOWEST) * STEPS, _MOST_T)
 
 
 @inlined
-def _place_beside(xi):
-    """Steps up to xi."""
+def _coordinate_xi(xi: float) -> float:
+    """Steps of the table up to xi."""
     y = SHARP * (xi * xi - 1.0)
     return min(max((octave(y + sqrt(y * y + 1.0)) - INNER) * STEPS_BESIDE, 0.0), _MOST_XI)
 
 
 @filling
-def _find_ends(vectors, first, last, s, low, high):
-    """Places on the table's axis across, (>= last,): of both ends of strips, seen from s."""
+def _find_ends(vectors: Array, first: int, last: int, s: float, low: Array, high: Array) -> None:
+    """Coordinates t of both ends of strips, (>= last,), seen from s."""
     for j in range(first, last):
         inverse = vectors[V.INVERSE, j]
-        low[j] = _place_across((vectors[V.FROM, j] - s) * inverse)
-        high[j] = _place_across((vectors[V.TO, j] - s) * inverse)
+        low[j] = _coordinate_t((vectors[V.FROM, j] - s) * inverse)
+        high[j] = _coordinate_t((vectors[V.TO, j] - s) * inverse)
 
 
 @filling
-def _find_point(vectors, first, last, x, beside):
-    """Places on the other axis, (>= last,): of the point x, seen from the middles of strips."""
+def _find_middles(vectors: Array, first: int, last: int, x: float, beside: Array) -> None:
+    """Coordinates xi of the point x, (>= last,), seen from the middles of strips."""
     for j in range(first, last):
-        beside[j] = _place_beside((x - vectors[V.MIDDLE, j]) * vectors[V.INVERSE, j])
+        beside[j] = _coordinate_xi((x - vectors[V.MIDDLE, j]) * vectors[V.INVERSE, j])
 
 
 @filling
-def _find_rates(vectors, first, last, s, low, high):
-    """Slopes of the places of both ends over the logarithm of t, (>= last,)."""
+def _find_rates(vectors: Array, first: int, last: int, s: float, low: Array, high: Array) -> None:
+    """Slopes of the coordinates of both ends over the logarithm of t, (>= last,)."""
     for j in range(first, last):
         inverse = vectors[V.INVERSE, j]
         low[j] = STEPS * _octave_rate(max(abs((vectors[V.FROM, j] - s) * inverse), _LEAST_T))
@@ -91,8 +83,8 @@ def _find_rates(vectors, first, last, s, low, high):
 
 
 @filling
-def _scale_by_rate(vectors, first, last, x, p):
-    """Multiply by the slope of the place on the other axis over xi, (>= last,)."""
+def _scale_by_rate(vectors: Array, first: int, last: int, x: float, p: Array) -> None:
+    """Multiply by the slope of the coordinate over xi, (>= last,)."""
     for j in range(first, last):
         xi = (x - vectors[V.MIDDLE, j]) * vectors[V.INVERSE, j]
         y = SHARP * (xi * xi - 1.0)
@@ -101,12 +93,8 @@ def _scale_by_rate(vectors, first, last, x, p):
 
 
 @inlined
-def facing(vectors, j, no, nb, s):
-    """How much of what strip j does to its own normal direction is felt along another normal (no, nb), at s.
-
-    The influence is that of the half-space tangent at the strip, turned by the angle from the normal there to that of
-    strip j: its cosine, and for the lateral creep forces its sine (contact.half_space.influence, "angle-corrected").
-    """
+def turned_influence(vectors: Array, j: int, no: float, nb: float, s: float) -> float:
+    """Share of what strip j does along its normal that is felt along another normal (no, nb), at s (strip-turned)."""
     level = vectors[V.NO, j] * no + vectors[V.NB, j] * nb
     if vectors[V.SIDE, j] == 0.0:
         return level
@@ -118,7 +106,7 @@ def facing(vectors, j, no, nb, s):
 
 
 class Displacements(NamedTuple):
-    """At a point and beside it along the rail, times pi E*."""
+    """Displacements (strip-sum) at a point and beside it along the rail, times pi E* or not."""
 
     middle: float
     fore: float
@@ -126,29 +114,32 @@ class Displacements(NamedTuple):
 
 
 @kernel
-def pressed_at(table, vectors, first, last, s, x, r, points, no, nb, aligned):
-    """Displacements under strips that follow each other at (x, s), x + r and x - r, or the first ``points`` of these;
-    no, nb: the normal there; aligned: x is the middle of all strips.
+def displacement_at(
+    table: Array, vectors: Array, first: int, last: int, s: float, x: float, r: float, points: int, no: float,
+    nb: float, aligned: bool,
+) -> Displacements:  # fmt: skip
+    """Displacements, times pi E*, under strips that follow each other at (x, s), x + r and x - r, or the first
+    ``points`` of these; no, nb: the normal there; aligned: x is the middle of all strips.
 
-    The places in the table are found for several strips at a time.
+    The coordinates in the table are computed for several strips at a time.
     """
     low, high, beside, before, behind = (
         vectors[V.TERMS], vectors[V.TERMS + 1], vectors[V.TERMS + 2], vectors[V.TERMS + 3], vectors[V.TERMS + 4],
     )  # fmt: skip
     _find_ends(vectors, first, last, s, low, high)
     if not aligned:
-        _find_point(vectors, first, last, x, beside)
+        _find_middles(vectors, first, last, x, beside)
     if points > 1:
-        _find_point(vectors, first, last, x + r, before)
+        _find_middles(vectors, first, last, x + r, before)
     if points > 2:
-        _find_point(vectors, first, last, x - r, behind)
+        _find_middles(vectors, first, last, x - r, behind)
     in_middle = table[table.shape[0] - 1]
     middle = fore = aft = 0.0
     for j in range(first, last):
         push = vectors[V.PUSH, j] * vectors[V.INVERSE, j]
         if push == 0.0:
             continue
-        push *= facing(vectors, j, no, nb, s)
+        push *= turned_influence(vectors, j, no, nb, s)
         lo, hi = (vectors[V.FROM, j] - s) * push, (vectors[V.TO, j] - s) * push
         if aligned:
             middle += difference_in_row(in_middle, lo, low[j], hi, high[j])
@@ -162,16 +153,19 @@ def pressed_at(table, vectors, first, last, s, x, r, points, no, nb, aligned):
 
 
 @kernel
-def find_terms(table, vectors, first, last, s, x, aligned, p, p_xi, turn, f0, f1):
+def find_terms(
+    table: Array, vectors: Array, first: int, last: int, s: float, x: float, aligned: bool, p: Array, p_xi: Array,
+    lever: Array, f0: Array, f1: Array,
+) -> None:  # fmt: skip
     """What the derivatives of the displacement at (x, s) by strips that follow each other are made of, each (>= last,).
 
-    Differences of PHI, and of its slope by xi; of t f; f(1, xi, t) at both ends. aligned: as in ``pressed_at``.
+    Differences of PHI, and of its slope by xi; of t f; f(1, xi, t) at both ends. aligned: as in ``displacement_at``.
     """
     in_middle = table[table.shape[0] - 1]
     _find_ends(vectors, first, last, s, f0, f1)
-    _find_rates(vectors, first, last, s, turn, p_xi)
+    _find_rates(vectors, first, last, s, lever, p_xi)
     if not aligned:
-        _find_point(vectors, first, last, x, p)
+        _find_middles(vectors, first, last, x, p)
     for j in range(first, last):
         inverse = vectors[V.INVERSE, j]
         lo, hi = (vectors[V.FROM, j] - s) * inverse, (vectors[V.TO, j] - s) * inverse
@@ -182,10 +176,10 @@ def find_terms(table, vectors, first, last, s, x, aligned, p, p_xi, turn, f0, f1
         else:
             low, low_xi, low_t = with_slopes(table, p[j], f0[j])
             high, high_xi, high_t = with_slopes(table, p[j], f1[j])
-        f0[j] = low + turn[j] * low_t
+        f0[j] = low + lever[j] * low_t
         f1[j] = high + p_xi[j] * high_t
         p[j] = hi * high - lo * low
         p_xi[j] = hi * high_xi - lo * low_xi
-        turn[j] = hi * f1[j] - lo * f0[j]
+        lever[j] = hi * f1[j] - lo * f0[j]
     if not aligned:
         _scale_by_rate(vectors, first, last, x, p_xi)

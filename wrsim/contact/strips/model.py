@@ -1,84 +1,74 @@
 """Normal pressure on strips that follow the bodies at three points each (docs/theory/strip_model.md).
 
-Every strip carries a semi-ellipse p = Q sqrt(a^2 - x^2), as in Kik-Piotrowski, but with an amplitude Q, a half length a
-and a middle along the rail of its own. With f(a, x, s) of `contact.strips.influence` the displacement is
+Every strip carries a semi-ellipse (strip-pressure), as in Kik-Piotrowski, but with an amplitude, a half length and a
+middle along the rail of its own. The displacement (strip-sum) meets the gap of the undeformed bodies at three points of
+each strip in contact (strip-points), where the derivatives of the complementary energy vanish; middles of a grid lie on
+a line over the contact locus (strip-means), and its edges follow from (strip-edges). Strips that would have to pull
+carry nothing. s is the rail's arclength, and the distance of two strips is counted along it.
 
-    u = 1/(pi E*) sum_i Q_i int_i f ds,
-
-and in each strip in contact it is the gap of the undeformed bodies at three points, d the penetration on the contact
-locus, x counted from there, R_x the wheel's radius along the rail:
-
-    u = d - x^2/(2 R_x)    in the middle and sqrt(3)/2 a to both sides of it.
-
-There the derivatives of the complementary energy by Q, a and the middle vanish, its integrals by the rule of Gauss and
-Chebyshev with three points. In each grid of strips the middles lie on a line over the locus, so they have means of the
-third condition. A semi-ellipsoid over an ellipse meets the conditions everywhere with Q = k E*/(2 R_x), so
-Hertz's solution is exact up to the width of the strips; nothing is fitted. At either edge the ratio of p^2 of the outer
-strips is Hertz's. Strips that would have to pull carry nothing. s is the rail's arclength, and the distance of two
-strips is counted along it.
-
-Lobes that are nearly one share a grid of strips, a lobe with a shoulder may have two (`ground`). After the solution
-grids are cut at the saddles, so every lobe has its strips and nothing that is reported jumps where grids merge.
+Lobes that are nearly one share a grid of strips, a lobe with a shoulder may have two (`grid_layout`). After the
+solution grids are cut at the saddles, so every lobe has its strips and no result jumps where grids merge.
 """
 
 from math import pi, sqrt
 
-from wrsim.contact.records import COLD_START, STATUS_NOT_CONVERGED
+from wrsim.contact.records import COLD_START, STATUS_NOT_CONVERGED, PlacedWheel, Rail, WheelPose
 from wrsim.contact.resultants import set_creepages, set_pressures
-from wrsim.contact.strips.equations import block_of
-from wrsim.contact.strips.grid import opposite
-from wrsim.contact.strips.ground import set_grids
-from wrsim.contact.strips.records import OF_A_STRIP, ROWS, System, V
+from wrsim.contact.strips.equations import edges_of
+from wrsim.contact.strips.grid import opposite, row_below
+from wrsim.contact.strips.grid_layout import set_grids
+from wrsim.contact.strips.records import System, V
 from wrsim.contact.strips.solution import solve
-from wrsim.jit.compiling import kernel
+from wrsim.jit import Record, Records, kernel
 
-OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the same grid
+SAME_GRID = 0.5  # of the last contact within a grid's new bounds that makes it the same grid
 
 
 @kernel
-def press_strips(a, wheel, rail, pose, count):
-    """Pressures of all lobes, with damping; a: Arrays of contact.arrays. Returns a status: STATUS_NOT_CONVERGED
-    and no strips where there is no solution."""
-    model, state, lobes = a.model[0], a.state[0], a.patches
-    n = model.strips
-    system = System(wheel, rail, a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
-    memo = a.memo[0]
-    if state.start == COLD_START and memo.turn == 0:
-        memo.known = 0
+def solve_pressure(
+    system: System, model: Record, state: Record, pose: WheelPose, contacts: Records, lobes: Records,
+    strips: Records, count: int,
+) -> int:  # fmt: skip
+    """Pressures of all lobes, with damping. Returns a status: STATUS_NOT_CONVERGED and no strips where there is no
+    solution."""
+    memo, n = system.memo[0], model.strips
+    if state.start == COLD_START and memo.traction_pass == 0:
+        memo.grids_before = 0
     for i in range(count):
-        _set_main_point(wheel, rail, lobes[i])
+        _set_main_point(system.wheel, system.rail, lobes[i])
     memo.modulus = model.E
     memo.together, memo.apart = model.together, model.apart
     memo.stiffness = pi * model.E
     memo.curved = model.curved
-    _set_sides(system, n, model.E / model.G - 1.0, a.strips)
-    status = set_grids(system, a.found, wheel, rail, pose, count)
-    known = memo.known > 0 and _same_grids(system, n, memo.known)
+    _set_lateral_forces(system, n, model.E / model.G - 1.0, strips)
+    status = set_grids(system, contacts, pose, count)
+    known = memo.grids_before > 0 and _same_grids(system, n)
     memo.strips = solve(system, n, known, state.tolerance)
-    memo.known = memo.grids if memo.strips == n else 0
+    memo.grids_before = memo.grids if memo.strips == n else 0
     for i in range(count):
         lobes[i].n_strips = 0
     if memo.strips == 0:
         memo.substitutes += 1
         return status | STATUS_NOT_CONVERGED
     for g in range(memo.grids):
-        _hand_out(system, memo.strips, g, a.found, lobes, a.strips)
+        _assign_to_lobes(system, memo.strips, g, contacts, lobes, strips)
     for i in range(count):
-        _report(model, pose, lobes[i], a.strips[i])
+        _set_results(model, pose, lobes[i], strips[i])
     return status
 
 
 @kernel
-def _set_sides(system, n, transverse, strips):
-    """How the lateral creep forces of strips press on others whose normals are turned: none before they are known.
+def _set_lateral_forces(system: System, n: int, transverse: float, strips: Records) -> None:
+    """Lateral creep forces of strips over their normal forces, by which they press on others whose normals are turned
+    (strip-turned): none before they are known.
 
     n: strips of the grids of the last call; transverse: nu/(1 - nu).
     """
     memo, vectors = system.memo[0], system.vectors
     vectors[V.SIDE : V.LIFT + 1] = 0.0
-    if memo.turn == 0:
+    if memo.traction_pass == 0:
         return
-    for i in range(memo.known * n):
+    for i in range(memo.grids_before * n):
         place = system.places[i]
         if place.y > 0.0:
             strip = strips[place.lobe, place.row]
@@ -87,26 +77,25 @@ def _set_sides(system, n, transverse, strips):
 
 
 @kernel
-def _set_main_point(wheel, rail, lobe):
+def _set_main_point(wheel: PlacedWheel, rail: Rail, lobe: Record) -> None:
     """Place of a lobe's main point, and the half length of the overlap there."""
-    at = opposite(wheel, rail, lobe.arc_wheel, lobe.arc_rail)
-    lobe.x, lobe.o, lobe.b = at.x, at.o, at.b
-    lobe.half_length = sqrt(2.0 * max(at.d, 0.0) * at.r_t)
+    pair = opposite(wheel, rail, lobe.arc_wheel, lobe.arc_rail)
+    lobe.x, lobe.o, lobe.b = pair.x, pair.o, pair.b
+    lobe.half_length = sqrt(2.0 * max(pair.d, 0.0) * pair.r_t)
 
 
 @kernel
-def _same_grids(system, n, before):
+def _same_grids(system: System, n: int) -> bool:
     """Whether the unknowns of the last call suit the grids as they are; edges are brought within the bounds."""
     memo, x = system.memo[0], system.vectors[V.X]
-    if before != memo.grids:
+    if memo.grids_before != memo.grids:
         return False
-    for g in range(before):
-        grid = system.grids[g]
-        if not grid.on:
+    for g in range(memo.grids):
+        grid, e = system.grids[g], edges_of(n, g)
+        if not grid.active:
             continue
-        e = g * block_of(n) + OF_A_STRIP * n
         common = min(x[e + 1], grid.most) - max(x[e], grid.least)
-        if common < OVERLAP * (x[e + 1] - x[e]):
+        if common < SAME_GRID * (x[e + 1] - x[e]):
             return False
         if grid.start_held or x[e] < grid.least:
             x[e] = grid.least
@@ -120,15 +109,15 @@ def _same_grids(system, n, before):
 
 
 @kernel
-def _hand_out(system, n, g, found, lobes, strips):
-    """The strips of a grid in contact to its lobes, cut at the saddles between them."""
+def _assign_to_lobes(system: System, n: int, g: int, contacts: Records, lobes: Records, strips: Records) -> None:
+    """Assign the strips of a grid in contact to its lobes, cut at the saddles between them."""
     grid, rows = system.grids[g], system.rows[g]
-    if not grid.on:
+    if not grid.active:
         return
     for i in range(grid.first, grid.last + 1):
         lobe = lobes[i]
-        least = found[i - 1].saddle_arc if i > grid.first else grid.least
-        most = found[i].saddle_arc if i < grid.last else grid.most
+        least = contacts[i - 1].saddle_arc if i > grid.first else grid.least
+        most = contacts[i].saddle_arc if i < grid.last else grid.most
         for j in range(n):
             place = system.places[g * n + j]
             lo, hi = max(place.lo, least), min(place.hi, most)
@@ -138,34 +127,32 @@ def _hand_out(system, n, g, found, lobes, strips):
             strip = strips[i, lobe.n_strips]
             lobe.n_strips += 1
             s = 0.5 * (lo + hi)
-            z = (s - grid.least) / grid.spacing
-            r = min(max(int(z), 0), ROWS - 2)
-            z -= r
-            one, other = rows[r], rows[r + 1]
+            r, z = row_below(grid, s)
+            below, above = rows[r], rows[r + 1]
             strip.s = s - lobe.arc_rail
             strip.ds = hi - lo
             strip.a = sqrt(place.y)
             strip.p = place.q
-            strip.x = one.x + z * (other.x - one.x) + place.off
-            strip.o = one.o + z * (other.o - one.o)
-            strip.b = one.b + z * (other.b - one.b)
-            no = one.no + z * (other.no - one.no)
-            nb = one.nb + z * (other.nb - one.nb)
+            strip.x = below.x + z * (above.x - below.x) + place.off
+            strip.o = below.o + z * (above.o - below.o)
+            strip.b = below.b + z * (above.b - below.b)
+            no = below.no + z * (above.no - below.no)
+            nb = below.nb + z * (above.nb - below.nb)
             inverse = 1.0 / sqrt(no * no + nb * nb)
             strip.no, strip.nb = no * inverse, nb * inverse
-            strip.slope = one.slope + z * (other.slope - one.slope)
-            strip.r_t = 1.0 / place.bend
-            strip.penetration = one.d + z * (other.d - one.d)
+            strip.slope = below.slope + z * (above.slope - below.slope)
+            strip.r_t = 1.0 / place.curvature
+            strip.penetration = below.d + z * (above.d - below.d)
 
 
 @kernel
-def _report(model, pose, lobe, strips):
+def _set_results(model: Record, pose: WheelPose, lobe: Record, strips: Records) -> None:
     """Damping, forces of the strips, and what a lobe reports. The strips' p comes as amplitude and goes as pressure."""
     n = lobe.n_strips
     set_creepages(pose, model.least_speed, lobe, strips, n)
     factor = max(1.0 + model.damping * lobe.closing, 0.0)
     largest, lobe.N, lobe.area, longest = set_pressures(strips, n, factor)
-    lobe.p0 = _peak(strips, n, largest)
+    lobe.p0 = _peak_pressure(strips, n, largest)
     lobe.start = strips[0].s - 0.5 * strips[0].ds if n > 0 else 0.0
     lobe.end = strips[n - 1].s + 0.5 * strips[n - 1].ds if n > 0 else 0.0
     lobe.width = lobe.end - lobe.start
@@ -174,14 +161,9 @@ def _report(model, pose, lobe, strips):
 
 
 @kernel
-def _peak(strips, n, largest):
-    """Peak of the pressure: p^2 over s is a parabola where the contact is Hertz's, through the largest strip and those
-    beside it; at an end that strip's own, ``largest``.
-
-    A strip of width h spreads its pressure evenly. In its middle, a wave cos(w s) of pressure thus presses the surface
-    down by sin(w h/2)/(w h/2) of what it would, and the strips' pressures are 1 + (w h)^2/24 times the true ones to
-    third order: the bend of p over h^2/24, at a peak half the bend of p^2, comes off.
-    """
+def _peak_pressure(strips: Records, n: int, largest: float) -> float:
+    """Peak of the pressure (strip-peak), from the largest strip and those beside it; at an end the pressure of that
+    strip, ``largest``."""
     i = 0
     for j in range(1, n):
         if strips[j].p > strips[i].p:

@@ -1,71 +1,151 @@
 """The data of the strip model: records that its kernels write in place.
 
-A grid is what one system of strips lies over: a lobe, part of one, or lobes that are nearly one. Places of a grid
-follow each other, grid after grid; s is the rail's arclength throughout.
+A grid is what one system of strips lies over: a lobe, part of one, or lobes that are nearly one. Strips follow each
+other in one array, grid after grid; s is the rail's arclength throughout.
 """
 
-from collections import namedtuple
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from wrsim.jit.arena import record
+from wrsim.contact.records import PlacedWheel, Rail
+from wrsim.jit import Array, Records, record
 
-OF_A_STRIP = 2  # unknowns: squares of half lengths, factors
+UNKNOWNS_PER_STRIP = 2  # squares of half lengths, factors
 EDGES = 2  # unknowns of a grid behind those of its strips
-MIDDLES = 2  # unknowns of a grid behind its edges: a line over the locus that has the middles of its strips
+MIDDLES = 2  # unknowns of a grid behind its edges: the line of (strip-middles)
 ROWS = 48  # of the table of the geometry of a grid
 
-ROW = record("s arc d x o b no nb r_t slope bend density xi closing")
-"""A row of the table of a grid's geometry: place s, arclength opposite on the wheel, penetration d, shift x, centre
-(o, b), normal (no, nb), radius along the rail, slope of the rail, mean of the radius' inverse over what a strip runs
-over, density of strips and its integral; closing of the gap, penetration less displacement."""
+ROW = record("""
+    s          [m]    arclength on the rail
+    arc_wheel  [m]    arclength of the point of the wheel opposite
+    d          [m]    penetration
+    x          [m]    shift of the contact locus along the rail
+    o          [m]    middle between both points, outward
+    b          [m]    middle between both points, upward
+    no         [1]    outward component of the normal from rail to wheel
+    nb         [1]    upward component
+    r_t        [m]    radius along the rail of both bodies
+    slope      [1]    slope of the rail along the track
+    curvature  [1/m]  mean of 1/r_t over what a strip runs over
+    density    [1]    density of strips (strip-density)
+    xi         [m]    integral of the density up to the row
+    overlap    [m]    penetration less displacement
+""")
+"""A row of the table of a grid's geometry."""
 
-PLACE = record(
-    "lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x x_s no nb y q k off z gap bow turn"
-    # for the derivatives
-    " root half lean mid_start mid_end",
-    "lobe row",
-)
-"""A strip: from lo to hi, middle s; slopes of lo and hi over both edges; penetration d and its slope; 1/R_x and its
-slope; shift x of the locus and its slope; normal; a^2 (0 out of contact), amplitude, factor k, how far its middle lies
-off the locus, its number from -1 to 1; residuals of its three conditions, over the deepest penetration:
-u - d in its middle, how much more that is at its outer points, and the difference of both. a; amplitude over k; slope
-of the logarithm of 1/R_x; slopes of s over both edges.
-Lobe and strip of it that it was handed out to."""
+PLACE = record("""
+    lo              [m]     end of the strip at its lower s
+    hi              [m]     other end
+    s               [m]     middle
+    lo_start        [1]     slope of lo over the start edge of the grid
+    lo_end          [1]     slope of lo over its end edge
+    hi_start        [1]     slope of hi over the start edge
+    hi_end          [1]     slope of hi over the end edge
+    d               [m]     penetration
+    d_s             [1]     its slope over s
+    curvature       [1/m]   1/R_x
+    curvature_s     [1/m2]  its slope over s
+    x               [m]     shift of the contact locus along the rail
+    x_s             [1]     its slope over s
+    no              [1]     outward component of the normal from rail to wheel
+    nb              [1]     upward component
+    y               [m2]    square of the half length; 0 out of contact
+    q               [Pa/m]  amplitude of the pressure
+    k               [1]     factor of the amplitude
+    off             [m]     distance of the strip's middle from the locus
+    z               [1]     number of the strip in its grid, from -1 to 1
+    gap             [1]     (strip-points) in the middle: u - d over the deepest penetration
+    bow             [1]     (strip-points): by how much that is more than at the outer points
+    tilt            [1]     (strip-points): difference of the outer points
+    a               [m]     half length
+    q_k             [Pa/m]  derivative of q by k
+    log_slope       [1/m]   slope of the logarithm of the curvature over s
+    s_start         [1]     slope of s over the start edge
+    s_end           [1]     slope of s over the end edge
+    lobe            [int]   lobe that the strip is reported in
+    row             [int]   strip of that lobe
+""")
+"""A strip of a grid."""
 
-GRID = record(
-    "start end least most deepest spacing x reach stairs weight arc place chain",
-    "on start_held end_held first last entries",
-)
-"""A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length of the
-overlap where it is deepest; how firmly a^2 is held on a parabola; sum of the weights of strips in the conditions of
-their middles; arclengths on wheel and rail of a pair of opposite points; how far what reaches it reaches the next one.
-Whether it is in contact, whether its edges are held at their bounds, its first and last lobe; how often it has come
-into contact in a solution."""
+GRID = record("""
+    start           [m]    edge of the contact at lower s
+    end             [m]    other edge
+    least           [m]    bound of the start: the grid's first row
+    most            [m]    bound of the end: its last row
+    deepest         [m]    largest penetration
+    spacing         [m]    distance of rows
+    x               [m]    shift of the locus where the overlap is deepest
+    half_length     [m]    half length of the overlap there
+    stair_variance  [1]    variance of steps between strips (strip-stairs)
+    weight          [N/m]  sum of the weights in (strip-means)
+    arc_wheel       [m]    arclength on the wheel of a pair of opposite points
+    arc_rail        [m]    arclength on the rail of that pair
+    coupling        [1]    share of what reaches this grid that reaches the next one too
+    active          [int]  whether it is in contact
+    start_held      [int]  whether the start is held at its bound
+    end_held        [int]  whether the end is held at its bound
+    first           [int]  first lobe over it
+    last            [int]  last lobe over it
+    entries         [int]  times that it has come into contact in a solution
+""")
+"""A grid."""
 
-MEMO = record(
-    "rate stiffness modulus deepest together apart",
-    "known grids alone shifted curved turn inverted unknowns iterations factorisations strips substitutes",
-)
-"""Of the whole system: about the worst of what the last steps left of the residual, pi E*, E*, deepest penetration,
-distances of grids up to which they press each other down fully and from which on not at all [m].
-Number of grids in the last call (0: nothing is known), grids now; whether they are solved for one by
-one; whether shifts along x count, and the angles between strips; how often creep forces were found in this call;
-whether ``matrix`` is an inverse of use, and of how many unknowns; residuals taken and Jacobians made in this call, and
-with how many strips of a grid it was solved (0: not); calls so far without a whole solution."""
+MEMO = record("""
+    rate            [1]    share of the residual that one of the worst of the last steps left
+    stiffness       [Pa]   pi E*
+    modulus         [Pa]   E*
+    deepest         [m]    deepest penetration of all grids
+    together        [m]    distance of grids up to which they press each other down fully
+    apart           [m]    distance from which on they do not
+    grids_before    [int]  grids of the last call; 0: there is no solution to start from
+    grids           [int]  grids of this call
+    uncoupled       [int]  whether grids are solved for one by one
+    has_shifts      [int]  whether shifts along the rail count
+    curved          [int]  whether angles between strips count
+    traction_pass   [int]  times that creep forces have been computed in this call
+    inverted        [int]  whether ``matrix`` is an inverse of use
+    unknowns        [int]  unknowns that are solved for
+    iterations      [int]  residuals taken in this call
+    factorisations  [int]  Jacobians made in this call
+    strips          [int]  strips of a grid that it was solved with; 0: it was not
+    substitutes     [int]  calls so far that have no solution
+""")
+"""State of the whole system, from call to call."""
 
-V = namedtuple(
-    "V",
-    "X F STEP SAVED NEXT LAST WISH PIVOT SCALE SOLVED FADING FROM TO INVERSE PUSH MIDDLE NO NB SIDE LIFT SOUND TERMS",
-)(*range(22))
-"""Rows of ``vectors``: unknowns, residuals, step, unknowns before a step; of the unknowns that are solved for the next
-step, the last one and the residuals; rows exchanged in the factors; weights of the unknowns; numbers of those that are
-solved for; how much of the influence of a grid reaches another one, row after row; of all strips both ends, 1/a,
-amplitude times a^2 (0 out of contact), middle along x, normal (0, 1 where angles do not count), lateral
-over normal force, and that times nu/(1 - nu); in ``jacobian`` WISH has the derivatives of a strip's third condition;
-unknowns of the last solution while grids come to press each other down; from TERMS on what all strips do to the
-derivatives at three points (`influence.find_terms`)."""
-POINTS, OF_A_POINT = 3, 5
-VECTORS = V.TERMS + POINTS * OF_A_POINT
+
+class VectorRows(NamedTuple):
+    """Rows of ``vectors``, each as long as all unknowns; from FROM to LIFT as all strips."""
+
+    X: int  # unknowns
+    F: int  # residuals
+    STEP: int  # step of all unknowns
+    SAVED: int  # unknowns before a step
+    NEXT: int  # step of the unknowns that are solved for
+    LAST_STEP: int  # step before that
+    RHS: int  # negative residuals of the unknowns that are solved for
+    PIVOT: int  # rows exchanged in the factors
+    SCALE: int  # weights of the unknowns in products of steps
+    UNKNOWN_INDEX: int  # numbers of the unknowns that are solved for
+    FADING: int  # share of the influence of each grid that reaches each other one, (grids, grids)
+    FROM: int  # ends of strips at lower s [m]
+    TO: int  # other ends [m]
+    INVERSE: int  # 1/a [1/m]; 1.0 out of contact
+    PUSH: int  # amplitudes times a^2 [Pa m]; 0 out of contact
+    MIDDLE: int  # middles along the rail [m]
+    NO: int  # outward components of normals; 0 where angles do not count
+    NB: int  # upward components; 1 where angles do not count
+    SIDE: int  # lateral over normal force
+    LIFT: int  # SIDE times nu/(1 - nu)
+    LAST_SOLUTION: int  # unknowns of the last solution of a continuation
+    TILT: int  # derivatives of a strip's ``tilt``
+    BEFORE: int  # two numbers of each strip from before its grid is laid anew
+    WEIGHTED: int  # last step times the weights of its unknowns
+    PRODUCT: int  # WEIGHTED times the inverse
+    TERMS: int  # of `influence`: of all strips what a displacement or its derivatives are made of; last row
+
+
+V = VectorRows(*range(len(VectorRows._fields)))
+POINTS, TERMS_PER_POINT = 3, 5
+VECTORS = V.TERMS + POINTS * TERMS_PER_POINT
 
 
 class System(NamedTuple):
@@ -76,12 +156,12 @@ class System(NamedTuple):
     or their inverse; memo: (1,) MEMO.
     """
 
-    wheel: Any
-    rail: Any
-    table: Any
-    rows: Any
-    places: Any
-    grids: Any
-    vectors: Any
-    matrix: Any
-    memo: Any
+    wheel: PlacedWheel
+    rail: Rail
+    table: Array
+    rows: Records
+    places: Records
+    grids: Records
+    vectors: Array
+    matrix: Array
+    memo: Records
