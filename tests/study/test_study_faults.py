@@ -115,7 +115,7 @@ def test_a_window_beyond_the_end_of_a_case_is_told_and_a_derailed_case_stays_der
     assert end > 80.0 > 60.0 > 0.0
     short = whole.isel(time=whole["distance"].values < 50.0)
     for marker, dataset in zip(markers, (short, derailed.isel(time=derailed["distance"].values < 50.0)), strict=False):
-        marker.take(Result(dataset), plan)
+        marker.record_result(Result(dataset), plan)
     assert case_outputs(Result(whole), OutputsSection(channels=window), None).absent == []
     missing = 'outputs.channels: channel = "Q", from_m = 60, to_m = 80: the case has no value there, it lasts from'
     assert [m.status for m in markers[:2]] == [COMPLETED, DERAILED]
@@ -123,7 +123,7 @@ def test_a_window_beyond_the_end_of_a_case_is_told_and_a_derailed_case_stays_der
     rows = rows_of_cases(plan, markers)
     assert [row[3] for row in rows[1:3]] == [COMPLETED, DERAILED] and missing in rows[2][4]
     for marker in markers[2:]:
-        marker.take(Result(whole), plan)
+        marker.record_result(Result(whole), plan)
     markers[5].status, markers[5].numbers = DERAILED, {"Q_max_kN": 1e6}
     dataset = collected(plan, markers)
     report = study_report(plan, markers, dataset)

@@ -40,7 +40,7 @@ def leaves(tree: Any, key: str = "", *, lists: bool = True) -> Iterator[tuple[st
 
 
 def changed(data: Any, path: KeyPath, value: Any) -> Any:
-    """A copy of a tree of tables with the value at a path from `found` replaced; missing tables are made."""
+    """A copy of a tree of tables with the value at a path from `full_path` replaced; missing tables are made."""
     if not path:
         return value
     first, rest = path[0], path[1:]
@@ -50,7 +50,7 @@ def changed(data: Any, path: KeyPath, value: Any) -> Any:
     return {**others, first: changed(data.get(first, {} if rest else None), rest, value)}
 
 
-def found(data: dict[str, Any], path: KeyPath, *, by_name: bool) -> KeyPath:
+def full_path(data: dict[str, Any], path: KeyPath, *, by_name: bool) -> KeyPath:
     """The full path of a key: entries of lists by their numbers or names.
 
     by_name: tables may be named by their own names alone, and have to exist; else a missing one is a new one. Raises
@@ -92,22 +92,22 @@ def _entry(data: list[Any], part: str | int, done: KeyPath) -> int:
         raise InputError(f"{dotted((*done, part))}: {dotted(done)} has no one entry '{part}'; {of}")
     if int(part) >= len(data):
         several = f"there are {len(data)}, [0] to [{len(data) - 1}]"
-        words = ("it is empty", "there is [0]", several)[min(len(data), 2)]
-        raise InputError(f"{dotted((*done, part))}: there is no such entry; {words}")
+        there = ("it is empty", "there is [0]", several)[min(len(data), 2)]
+        raise InputError(f"{dotted((*done, part))}: there is no such entry; {there}")
     return int(part)
 
 
 def _named(tree: dict[str, Any], name: str, done: KeyPath, rest: KeyPath) -> KeyPath:
     """The way from a table to the one table of a name that lies in it, however deep; rest: of the key, behind it."""
     known = list(_tables(tree, ()))
-    ways = [way for own, way in known if own == name]
+    ways = [way for table_name, way in known if table_name == name]
     if ways and all(way[: len(ways[0])] == ways[0] for way in ways):
         return ways[0]  # the others lie in it
     inside = f" in {dotted(done)}" if done else ""
     if ways:
         full = " and ".join(dotted((*done, *way)) for way in ways)
         raise InputError(f"there are {len(ways)} of the name '{name}'{inside}: {full}; write more of it")
-    names = list(dict.fromkeys(own for own, _ in known))
+    names = list(dict.fromkeys(table_name for table_name, _ in known))
     listed = shortened(", ".join(names or tree), 300)
     near, known_words = suggest(name, [*names, *tree]), f"there is {listed or 'no table'}"
     whole = f"; a new table is given as a whole, such as {dotted((*done, name))}={{{dotted(rest)} = ...}}"
@@ -115,10 +115,10 @@ def _named(tree: dict[str, Any], name: str, done: KeyPath, rest: KeyPath) -> Key
     raise InputError(f"there is no '{name}'{inside}{near}; {known_words}{whole if done and not near else ''}")
 
 
-def _tables(tree: dict[str, Any], at: KeyPath) -> Iterator[tuple[str, KeyPath]]:
+def _tables(tree: dict[str, Any], path: KeyPath) -> Iterator[tuple[str, KeyPath]]:
     """Names of all tables in a tree, each with the way to it."""
     for key, value in tree.items():
-        here = (*at, key)
+        here = (*path, key)
         if isinstance(value, dict):
             yield key, here
             yield from _tables(value, here)

@@ -45,12 +45,12 @@ def check_section(section: type[S], data: dict[str, Any], locate: Locate) -> S:
 def refuse_other_kind(kind: Any, data: dict[str, Any], locate: Locate) -> None:
     """Raise InputError where a file is of another kind than it should be: most keys at its top are those of one, or all
     are, and those that are not of its own kind are no misspelt ones."""
-    own, name, other = _known(kind, data), *_likeliest(data)
-    strange = data.keys() - own
+    known, name, other = _known(kind, data), *_likeliest(data)
+    strange = data.keys() - known
     meant = [key for each in _classes(kind) for key in each.model_fields]
     wholly = len(other) == len(data) and strange and not any(nearest(key, meant) for key in strange)
-    wanted = [own.words for own in FILES.values() if {*_classes(kind)} <= {*_classes(resolved(own.place))}]
-    if wanted and (wholly or (2 * len(own) <= len(data) and len(other) > len(own) + 1)):
+    wanted = [file.words for file in FILES.values() if {*_classes(kind)} <= {*_classes(resolved(file.place))}]
+    if wanted and (wholly or (2 * len(known) <= len(data) and len(other) > len(known) + 1)):
         raise InputError(f"{locate(())}: is {FILES[name].described}; {wanted[0]} is needed here")
 
 
@@ -65,8 +65,8 @@ def kind_of(path: Path) -> str:
 
 def _likeliest(data: dict[str, Any]) -> tuple[str, set[str]]:
     """The kind of file that knows most of the keys at the top of one, and these."""
-    found = {name: _known(resolved(own.place), data) for name, own in FILES.items() if own.command}
-    return max(found.items(), key=lambda own: len(own[1]))
+    known = {name: _known(resolved(file.place), data) for name, file in FILES.items() if file.command}
+    return max(known.items(), key=lambda pair: len(pair[1]))
 
 
 def _known(kind: Any, data: dict[str, Any]) -> set[str]:

@@ -124,8 +124,8 @@ def _row_by_row(path: Path, rows: list[Row], header: list[str], columns: Mapping
             if value is None or (columns[name] is not str and not are_allowed(columns[name], np.array(value))):
                 comma = "," in cell and _number(cell.replace(",", ".")) is not None
                 hint = f"; decimals need a point: {cell.replace(',', '.')}" if comma else ""
-                found = shown_value(cell) if value is None else cell
-                faults.append(f"{path}:{number}: {name} = {found}: must be {words(columns[name])}{hint}")
+                shown = shown_value(cell) if value is None else cell
+                faults.append(f"{path}:{number}: {name} = {shown}: must be {words(columns[name])}{hint}")
             column.append(value)
     _refuse(path, faults)
     return list(table)

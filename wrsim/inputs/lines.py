@@ -38,13 +38,13 @@ def line_of(lines: dict[KeyPath, int], path: KeyPath) -> int | None:
 
 
 def _scan(text: str) -> dict[KeyPath, int]:
-    found: dict[KeyPath, int] = {}
+    numbers: dict[KeyPath, int] = {}
     entries: dict[KeyPath, int] = {}  # number of entries so far of every array of tables
     table: KeyPath = ()
-    at, row = 0, 1
-    while at < len(text):
-        end = text.find("\n", at) + 1 or len(text)
-        line = text[at:end].strip()
+    start, row = 0, 1
+    while start < len(text):
+        end = text.find("\n", start) + 1 or len(text)
+        line = text[start:end].strip()
         if _HEADER.match(line):
             keys, is_array = _keys_of(line)
             table = ()
@@ -52,28 +52,28 @@ def _scan(text: str) -> dict[KeyPath, int]:
                 table += (key,)
                 if is_array and position == len(keys) - 1:
                     entries[table] = entries.get(table, 0) + 1
-                    found.setdefault(table, row)
+                    numbers.setdefault(table, row)
                 if table in entries:
                     table += (entries[table] - 1,)
-            found.setdefault(table, row)
+            numbers.setdefault(table, row)
         elif line and not line.startswith("#"):
-            match = _KEY.match(text, at, end)
+            match = _KEY.match(text, start, end)
             if match is None:
                 raise ValueError("not a key")
             path = table
             for key in _keys_of(match[0] + "0")[0]:
                 path += (key,)
-                found.setdefault(path, row)
+                numbers.setdefault(path, row)
             end = _end_of_value(text, match.end())
-        row += text.count("\n", at, end)
-        at = end
-    return found
+        row += text.count("\n", start, end)
+        start = end
+    return numbers
 
 
-def _end_of_value(text: str, at: int) -> int:
+def _end_of_value(text: str, start: int) -> int:
     """Where the line ends on which a value ends that begins at a place of a valid text."""
     depth = 0
-    for token in _TOKEN.finditer(text, at):
+    for token in _TOKEN.finditer(text, start):
         depth += (token[0] in "[{") - (token[0] in "]}")
         if token[0] == "\n" and depth == 0:
             return token.end()

@@ -58,20 +58,20 @@ def read_mode_table(
 
     def columns(names: Sequence[str]) -> Array:
         """(modes, places, names)."""
-        found = [table.get(name, np.zeros(len(lines)))[order] for name in names]
-        return np.stack(found, axis=-1).reshape(len(modes), int(count[0]), len(names))
+        selected = [table.get(name, np.zeros(len(lines)))[order] for name in names]
+        return np.stack(selected, axis=-1).reshape(len(modes), int(count[0]), len(names))
 
-    if uneven.size or np.any((at := columns(list(places))) != at[0]):
+    if uneven.size or np.any((points := columns(list(places))) != points[0]):
         line = lines[first[uneven[0]]] if uneven.size else lines[0]
         raise InputError(f"{path}:{line}: every mode needs the same points in the same order")
     numbers = columns(list(once))
-    for name, own in zip(once, np.moveaxis(numbers, -1, 0), strict=True):
-        several = np.any(own != own[:, :1], axis=1)
+    for name, values in zip(once, np.moveaxis(numbers, -1, 0), strict=True):
+        several = np.any(values != values[:, :1], axis=1)
         if several.any():
             mode = int(modes[np.argmax(several)])
             raise InputError(f"{path}: column {name}: mode {mode} has several values; must be the same in all its rows")
     _, frequencies, damping, masses = numbers[:, 0].T
-    return ModeTable(frequencies, damping, masses, at[0], columns(list(shapes)), lines[first])
+    return ModeTable(frequencies, damping, masses, points[0], columns(list(shapes)), lines[first])
 
 
 def check_number(path: Path, modes: int) -> None:

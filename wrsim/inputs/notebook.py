@@ -11,6 +11,6 @@ def card(title: str, rows: Iterable[tuple[str, object]], more: str = "") -> str:
     return f"<div><strong>{escape(title)}</strong><table>{cells}</table>{more}</div>"
 
 
-def folded(words: str, text: str) -> str:
+def folded(label: str, text: str) -> str:
     """HTML of a text that is shown on a click on the words."""
-    return f"<details><summary>{escape(words)}</summary><pre>{escape(text)}</pre></details>"
+    return f"<details><summary>{escape(label)}</summary><pre>{escape(text)}</pre></details>"

@@ -33,25 +33,25 @@ from wrsim.inputs.values import (
 @cache
 def meanings(section: type[Section]) -> dict[str, str]:
     """A sentence for every key of a table: the text beneath its field, or the first paragraph on the inner table."""
-    found = {}
+    texts = {}
     for key, annotation in fields(section).items():
         kind = unpacked(annotation).base
         if isinstance(kind, type) and issubclass(kind, Section):
-            found[key] = purpose(kind)[0].strip()
+            texts[key] = purpose(kind)[0].strip()
     for kind in reversed(section.__mro__):
         if issubclass(kind, Section) and kind is not Section:
-            found |= _beneath_fields(kind)
-    return {key: found[key] for key in section.model_fields if key in found}
+            texts |= _beneath_fields(kind)
+    return {key: texts[key] for key in section.model_fields if key in texts}
 
 
 def _beneath_fields(kind: type[Section]) -> dict[str, str]:
     """Texts beneath the fields of a class itself; none for a class without source."""
-    found = {}
+    texts = {}
     for field, beneath in pairwise(_classes(kind.__module__).get(kind.__name__, ())):
         match field, beneath:
             case ast.AnnAssign(target=ast.Name(id=key)), ast.Expr(value=ast.Constant(value=str(text))):
-                found[key] = " ".join(text.split())
-    return found
+                texts[key] = " ".join(text.split())
+    return texts
 
 
 @cache
@@ -87,7 +87,7 @@ class Entry:
 
 def entries(section: type[Section]) -> list[Entry]:
     """All keys of one table."""
-    found = []
+    keys = []
     for key, annotation in fields(section).items():
         if key not in section.model_fields:
             continue  # constants of the class
@@ -100,10 +100,10 @@ def entries(section: type[Section]) -> list[Entry]:
         if example and default in ("needed", "none", "") and accepts(annotation, given):
             example = shown_value(given)
         unit, meaning = UNITS.get(unit_of(key), ""), meanings(section).get(key, "")
-        found.append(
+        keys.append(
             Entry(section.header, key, meaning, unit, words(annotation), default, aliases, example, _us(section, key))
         )
-    return found
+    return keys
 
 
 def _us(section: type[Section], key: str) -> tuple[str, ...]:
@@ -217,8 +217,8 @@ def json_schema(file: Any, title: str) -> dict[str, Any]:
     definitions = schema.pop("$defs", {})
     classes = {kind.__name__: kind for kind in tables_in(file)}
     schema = _cleaned(schema, classes.get(getattr(file, "__name__", "")))
-    own = {name: _cleaned(value, classes.get(name)) for name, value in sorted(definitions.items())}
-    return {"$schema": SCHEMA, **schema, "title": title, "definitions": own}
+    tables = {name: _cleaned(value, classes.get(name)) for name, value in sorted(definitions.items())}
+    return {"$schema": SCHEMA, **schema, "title": title, "definitions": tables}
 
 
 def _cleaned(schema: dict[str, Any], section: type[Section] | None) -> dict[str, Any]:
@@ -226,9 +226,9 @@ def _cleaned(schema: dict[str, Any], section: type[Section] | None) -> dict[str,
     schema = {k: v for k, v in schema.items() if k != "title"}
     if section is not None:
         schema["description"] = "\n\n".join(line.strip() for line in purpose(section))
-        for key, own in schema.get("properties", {}).items():
+        for key, property_schema in schema.get("properties", {}).items():
             annotation = fields(section)[key]
-            cleaned = _value_schema(own, annotation)
+            cleaned = _value_schema(property_schema, annotation)
             meaning = meanings(section).get(key, "")
             is_table = bool(table_header(annotation))
             cleaned["description"] = meaning if is_table else f"{meaning} Must be {words(annotation)}.".strip()
@@ -244,25 +244,25 @@ def _cleaned(schema: dict[str, Any], section: type[Section] | None) -> dict[str,
     return _without_titles(schema)
 
 
-def _value_schema(own: dict[str, Any], annotation: Any) -> dict[str, Any]:
+def _value_schema(schema: dict[str, Any], annotation: Any) -> dict[str, Any]:
     """The schema of one value, without null, titles and pydantic's words."""
-    own = {k: v for k, v in own.items() if k not in ("title", "description")}
-    default = {"default": own.pop("default")} if own.get("default") is not None else {}
-    own.pop("default", None)
-    if "anyOf" in own:
-        retained = [part for part in own.pop("anyOf") if part.get("type") != "null"]
-        own = retained[0] | own if len(retained) == 1 else {"anyOf": retained, **own}
+    schema = {k: v for k, v in schema.items() if k not in ("title", "description")}
+    default = {"default": schema.pop("default")} if schema.get("default") is not None else {}
+    schema.pop("default", None)
+    if "anyOf" in schema:
+        retained = [part for part in schema.pop("anyOf") if part.get("type") != "null"]
+        schema = retained[0] | schema if len(retained) == 1 else {"anyOf": retained, **schema}
     base, limits, description, _ = unpacked(annotation)
     others: list[dict[str, Any]] = []
-    if own.get("type") == "array":
-        if own.get("items") and ("list of such" in description or "or a list" in description):  # one alone will do
-            others.append(own["items"])
+    if schema.get("type") == "array":
+        if schema.get("items") and ("list of such" in description or "or a list" in description):  # one alone will do
+            others.append(schema["items"])
         if "from = " in description:
             span = {"type": "object", "properties": {k: {"type": "number"} for k in RANGE}, "required": list(RANGE)}
             others.append(span | {"additionalProperties": False})
     elif base is float and not limits and _QUOTED.search(description):  # words in place of numbers
         others.append({"type": "string"})
-    return ({"anyOf": [own, *others]} if others else own) | default
+    return ({"anyOf": [schema, *others]} if others else schema) | default
 
 
 def _without_titles(tree: Any) -> Any:

@@ -135,8 +135,8 @@ class Section(BaseModel):
 
     def of_side(self, key: str, side: str) -> tuple[str, Any]:
         """The key of one side and its value or, where that is not given, those of both sides; see both_or_sides."""
-        own = side_key(key, side)
-        return (key, getattr(self, key)) if getattr(self, own) is None else (own, getattr(self, own))
+        sided = side_key(key, side)
+        return (key, getattr(self, key)) if getattr(self, sided) is None else (sided, getattr(self, sided))
 
     def to_si(self, target: Callable[..., T], /, **others: Any) -> T:
         """What a dataclass or a function makes of values in SI units: its parameters have the names of keys without
@@ -165,10 +165,10 @@ class Section(BaseModel):
         try:
             section = handler(data)
         except ValidationError as error:
-            found = error.errors(include_url=False)
-            inside = {e["loc"][0] for e in found if len(e["loc"]) > 1}
+            errors = error.errors(include_url=False)
+            inside = {e["loc"][0] for e in errors if len(e["loc"]) > 1}
             known = {f["loc"] for f in faults}
-            for e in found:
+            for e in errors:
                 key = str(e["loc"][0])
                 if key not in data or key in guessed:
                     continue  # named above
@@ -361,10 +361,10 @@ def _choice_of_table(base: Any, error: Any, place: KeyPath, header: str) -> Init
     allowed = tuple(tag for member in get_args(base) for tag in get_args(unpacked(fields(member)[by]).base))
     if by not in entry:
         return _detail(ABSENT, f"must be {choice(allowed)}", (*place, by), entry)
-    words = choice(allowed, entry[by])
-    if "did you mean" not in words:
-        words += _kind_meant(base, by, entry[by])
-    return _detail(FAULT, f"must be {words}", (*place, by), entry[by])
+    message = choice(allowed, entry[by])
+    if "did you mean" not in message:
+        message += _kind_meant(base, by, entry[by])
+    return _detail(FAULT, f"must be {message}", (*place, by), entry[by])
 
 
 def _kind_meant(base: Any, by: str, value: Any) -> str:

@@ -28,17 +28,17 @@ class Names:
 
     def understood(self, word: str) -> str | None:
         """The name that a word means: itself, or the only one of its rank that has this term."""
-        own = normalised(word)
-        means = [name for name in self.terms if own in map(normalised, (name, *self.terms[name]))]
+        wanted = normalised(word)
+        means = [name for name in self.terms if wanted in map(normalised, (name, *self.terms[name]))]
         best = [name for name in means if self.rank(name) == min(map(self.rank, means))]
         return word if word in self.terms else best[0] if len(best) == 1 else None
 
     def unknown(self, word: str) -> str:
         """What follows a word that means none of these names: the nearest ones."""
-        own = normalised(word)
+        wanted = normalised(word)
 
         def likeness(name: str) -> float:
-            return max(SequenceMatcher(None, own, normalised(term)).ratio() for term in (name, *self.terms[name]))
+            return max(SequenceMatcher(None, wanted, normalised(term)).ratio() for term in (name, *self.terms[name]))
 
         near = [f'"{name}"' for name in sorted(self.terms, key=likeness, reverse=True)[:MOST_NEAR]]
         return f"is none of {len(self.terms)} names; the nearest are {', '.join(near) or 'none'}"

@@ -92,9 +92,9 @@ def _content(path: Path, what: str) -> bytes:
         inside = _listing(sorted(p.name for p in path.glob("*.toml")))
         raise InputError(f"{path}: is a directory, a {what} is needed{inside}")
     with open(open_plain(path, what), "rb") as stream:
-        found = os.fstat(stream.fileno())
-        content = b"" if found.st_size > LARGEST else stream.read(LARGEST + 1)
-    if (size := max(found.st_size, len(content))) > LARGEST:
+        status = os.fstat(stream.fileno())
+        content = b"" if status.st_size > LARGEST else stream.read(LARGEST + 1)
+    if (size := max(status.st_size, len(content))) > LARGEST:
         raise InputError(f"{path}: has {size / 1e6:.1f} MB; a {what} of at most {LARGEST / 1e6:.0f} MB is read")
     return content
 
@@ -171,10 +171,10 @@ def noting_reads() -> Iterator[dict[Path, bytes]]:
 def parse_value(text: str) -> Any:
     """The value of a key as written in TOML; a text that is no value, such as a bare word, is taken as text."""
     try:
-        found = tomllib.loads(f"value = {text}")
+        table = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         return text
-    return found["value"] if len(found) == 1 else text  # more keys: a line break in the text
+    return table["value"] if len(table) == 1 else text  # more keys: a line break in the text
 
 
 def parse_toml(text: str, name: str) -> dict[str, Any]:

@@ -44,7 +44,7 @@ def metric(key: str) -> Metric | None:
 
 def metric_key(key: str) -> str:
     """The metric key of one in US units; other keys as they are."""
-    return found.key if (found := metric(key)) else key
+    return ours.key if (ours := metric(key)) else key
 
 
 def us_keys(key: str) -> tuple[str, ...]:

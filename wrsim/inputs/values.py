@@ -186,7 +186,7 @@ def choice(allowed: tuple[Any, ...], value: Any = None) -> str:
 
 def meant(word: str, allowed: Sequence[str]) -> str:
     """What comes nearest to a word of other programs, or the word that is like it, to end a sentence; or nothing."""
-    if here := [f'"{own}"' for own in ELSEWHERE.get(word.lower().replace("_", "-"), ()) if own in allowed]:
+    if here := [f'"{name}"' for name in ELSEWHERE.get(word.lower().replace("_", "-"), ()) if name in allowed]:
         return f"; did you mean {one_of(here)}?"
     near = nearest(word, allowed)
     return f'; did you mean "{near}"?' if near else ""

@@ -69,14 +69,14 @@ def fit_design(
     )
     every = max(1, round(NODE / step))
     nodes, rows = distance[::every], records[:, ::every] / noise[:, None]
-    found = _plateaus(distance, records, noise, [(nodes[i], nodes[j]) for i, j in _pieces(nodes, rows)])
-    if len(found) < 2:
-        return (replace(found[0], start=0.0, end=float(distance[-1])),)
+    plateaus = _plateaus(distance, records, noise, [(nodes[i], nodes[j]) for i, j in _pieces(nodes, rows)])
+    if len(plateaus) < 2:
+        return (replace(plateaus[0], start=0.0, end=float(distance[-1])),)
     fine = max(1, round(1.0 / step))
     thin = distance[::fine], records[:, ::fine]
     for _ in range(2):
-        found = _refined(found, *thin, noise, forms)
-    return tuple(found)
+        plateaus = _refined(plateaus, *thin, noise, forms)
+    return tuple(plateaus)
 
 
 def noise_of(record: Array, lag: int, least: float) -> float:
@@ -93,7 +93,7 @@ def _pieces(nodes: Array, rows: Array) -> list[tuple[int, int]]:
     most = max(3, round(LONGEST_PIECE / (nodes[1] - nodes[0]))) if n > 1 else 1
     sums = [np.concatenate(([0.0], np.cumsum(v))) for v in (np.ones(n), x, x * x)]
     centred = rows - rows.mean(axis=1)[:, None]
-    own = [[np.concatenate(([0.0], np.cumsum(v))) for v in (r, r * x, r * r)] for r in centred]
+    moments = [[np.concatenate(([0.0], np.cumsum(v))) for v in (r, r * x, r * r)] for r in centred]
     best, before = np.full(n + 1, np.inf), np.zeros(n + 1, dtype=int)
     best[0] = 0.0
     for j in range(1, n + 1):
@@ -101,24 +101,24 @@ def _pieces(nodes: Array, rows: Array) -> list[tuple[int, int]]:
         count, sx, sxx = (s[j] - s[i] for s in sums)
         spread = np.maximum(sxx - sx * sx / count, 1e-12)
         cost = np.zeros(i.size)
-        for a, ax, aa in own:
+        for a, ax, aa in moments:
             sy, sxy, syy = a[j] - a[i], ax[j] - ax[i], aa[j] - aa[i]
             cross = sxy - sx * sy / count
             cost += np.maximum(syy - sy * sy / count - np.where(count > 1, cross * cross / spread, 0.0), 0.0)
         total = best[i] + cost + PRICE
         least = int(np.argmin(total))
         best[j], before[j] = total[least], i[least]
-    found, j = [], n
+    pieces, j = [], n
     while j > 0:
-        found.append((int(before[j]), j - 1))
+        pieces.append((int(before[j]), j - 1))
         j = int(before[j])
-    return found[::-1]
+    return pieces[::-1]
 
 
 def _plateaus(distance: Array, records: Array, noise: Array, pieces: list[tuple[float, float]]) -> list[Plateau]:
     """The level ones of the pieces; equal neighbours are one."""
     enough = np.maximum(5.0 * noise, (LEAST_CURVATURE, LEAST_CANT))
-    found: list[Plateau] = []
+    plateaus: list[Plateau] = []
     hand = 0.0
     for start, end in pieces:
         inside = (distance >= start) & (distance <= end)
@@ -128,46 +128,46 @@ def _plateaus(distance: Array, records: Array, noise: Array, pieces: list[tuple[
         if abs(change) > enough[0]:
             # two ramps that turn round without an arc between them meet in one of no length
             if hand * change < 0.0:
-                at = int(np.argmin(np.abs(distance - start)))
-                found.append(Plateau(start, start, *records[:, at].tolist()))
+                nearest = int(np.argmin(np.abs(distance - start)))
+                plateaus.append(Plateau(start, start, *records[:, nearest].tolist()))
             hand = change
             continue
         hand = 0.0
         level = np.median(rows, axis=1)
         now = Plateau(start, end, *level.tolist())
-        if found and np.all(np.abs(level - (found[-1].curvature, found[-1].cant)) < enough):
-            last = found[-1]
+        if plateaus and np.all(np.abs(level - (plateaus[-1].curvature, plateaus[-1].cant)) < enough):
+            last = plateaus[-1]
             share = (last.end - last.start) / max(end - last.start - (start - last.end), 1e-9)
             mixed = share * np.array((last.curvature, last.cant)) + (1.0 - share) * level
-            found[-1] = Plateau(last.start, end, *mixed.tolist())
-        elif found and abs(level[0] - found[-1].curvature) < enough[0]:
-            found[-1] = replace(found[-1], end=end)  # cant alone changes: no transition of the line
+            plateaus[-1] = Plateau(last.start, end, *mixed.tolist())
+        elif plateaus and abs(level[0] - plateaus[-1].curvature) < enough[0]:
+            plateaus[-1] = replace(plateaus[-1], end=end)  # cant alone changes: no transition of the line
         else:
-            found.append(now)
+            plateaus.append(now)
     whole = float(distance[-1])
-    if not found or found[0].start > 2.0 * NODE:
-        found.insert(0, Plateau(0.0, 0.0, *records[:, 0].tolist()))
-    if found[-1].end < whole - 2.0 * NODE:
-        found.append(Plateau(whole, whole, *records[:, -1].tolist()))
-    return [replace(p, curvature=0.0, cant=0.0) if p.is_straight else p for p in found]
+    if not plateaus or plateaus[0].start > 2.0 * NODE:
+        plateaus.insert(0, Plateau(0.0, 0.0, *records[:, 0].tolist()))
+    if plateaus[-1].end < whole - 2.0 * NODE:
+        plateaus.append(Plateau(whole, whole, *records[:, -1].tolist()))
+    return [replace(p, curvature=0.0, cant=0.0) if p.is_straight else p for p in plateaus]
 
 
 def _refined(
-    found: list[Plateau], distance: Array, records: Array, noise: Array, forms: Sequence[Form]
+    plateaus: list[Plateau], distance: Array, records: Array, noise: Array, forms: Sequence[Form]
 ) -> list[Plateau]:
     """The same with the ends of transitions and the values beside them fitted by least squares."""
     windows = [
         (max(0.5 * (p.start + p.end), p.end - REACH), min(0.5 * (q.start + q.end), q.start + REACH))
-        for p, q in pairwise(found)
+        for p, q in pairwise(plateaus)
     ]
     fits = [
         [_transition(p, q, distance, records, noise, window, form) for form in forms]
-        for (p, q), window in zip(pairwise(found), windows, strict=True)
+        for (p, q), window in zip(pairwise(plateaus), windows, strict=True)
     ]
-    likeliest = _likeliest(np.array([[fit.off for fit in own] for own in fits]))
-    chosen = [own[i] for own, i in zip(fits, likeliest, strict=True)]
+    likeliest = _likeliest(np.array([[fit.off for fit in row] for row in fits]))
+    chosen = [row[i] for row, i in zip(fits, likeliest, strict=True)]
     edges = [0.0]
-    levels: list[list[tuple[Array, float]]] = [[] for _ in found]
+    levels: list[list[tuple[Array, float]]] = [[] for _ in plateaus]
     for i, (fit, (low, high)) in enumerate(zip(chosen, windows, strict=True)):
         begin = min(max(fit.begin, edges[-1] + SHORTEST), distance[-1] - 2.0 * SHORTEST)
         end = min(max(begin + fit.length, begin + SHORTEST), distance[-1] - SHORTEST)
@@ -177,9 +177,9 @@ def _refined(
     edges.append(float(distance[-1]))
     taken: list[Form] = ["clothoid", *(fit.form for fit in chosen)]
     done = []
-    for p, start, end, own, form in zip(found, edges[::2], edges[1::2], levels, taken, strict=True):
-        weight = np.array([max(w, 1.0) for _, w in own])
-        curvature, cant = (weight @ np.array([v for v, _ in own])) / weight.sum()
+    for p, start, end, row, form in zip(plateaus, edges[::2], edges[1::2], levels, taken, strict=True):
+        weight = np.array([max(w, 1.0) for _, w in row])
+        curvature, cant = (weight @ np.array([v for v, _ in row])) / weight.sum()
         level = (0.0, 0.0) if p.is_straight else (float(curvature), float(cant))
         done.append(Plateau(start, end, *level, form))
     return done
@@ -190,14 +190,14 @@ def _likeliest(off: Array) -> list[int]:
     count = off.shape[1]
     change = CHANGE * (1.0 - np.eye(count))
     total, before = off[0], []
-    for own in off[1:]:
+    for costs in off[1:]:
         paths = total + change
         before.append(paths.argmin(axis=1))
-        total = own + paths.min(axis=1)
-    found = [int(total.argmin())]
+        total = costs + paths.min(axis=1)
+    chosen = [int(total.argmin())]
     for step in reversed(before):
-        found.append(int(step[found[-1]]))
-    return found[::-1]
+        chosen.append(int(step[chosen[-1]]))
+    return chosen[::-1]
 
 
 class _Fit(NamedTuple):
@@ -218,10 +218,10 @@ def _transition(
     inside = (distance >= window[0]) & (distance <= window[1])
     s, rows = distance[inside], records[:, inside] / noise[:, None]
     held = np.array([0.0 if plateau.is_straight else 1.0 for plateau in (p, q)])
-    own = np.array([(t.curvature, t.cant) for t in (p, q)])
+    ends = np.array([(t.curvature, t.cant) for t in (p, q)])
     length = max(q.start - p.end, SHORTEST)
     if s.size < 8:
-        return _Fit(form, p.end, length, own[0], own[1], np.inf)
+        return _Fit(form, p.end, length, ends[0], ends[1], np.inf)
 
     def fitted(x: Array) -> tuple[Array, Array]:
         """For a start and a length: the values (2, 2) before and behind that come nearest, and what they leave over."""

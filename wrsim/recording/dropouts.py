@@ -40,7 +40,7 @@ def spikes(record: Array, step: float, kind: str) -> Mask:
     """Where a record [SI] of a kind, with rows every step [m], has values that no rail can follow."""
     good = np.isfinite(record)
     filled = np.interp(np.arange(record.size), np.flatnonzero(good), record[good]) if good.any() else record
-    found = np.zeros(record.size, dtype=bool)
+    mask = np.zeros(record.size, dtype=bool)
     narrower = filled
     many = np.sqrt(2.0 * np.log(max(record.size, 2)))
     for rows in range(1, WIDEST + 1):
@@ -52,9 +52,9 @@ def spikes(record: Array, step: float, kind: str) -> Mask:
             limit = rails * 0.5 * (YIELDING * length + JOINT) * length
         limit = max(limit, many * noise_of(filled, rows, 0.0))
         smooth = median_filter(filled, 2 * rows + 1, mode="nearest")
-        found |= np.abs(narrower - smooth) > limit  # of just so many rows
+        mask |= np.abs(narrower - smooth) > limit  # of just so many rows
         narrower = smooth
-    return found & good
+    return mask & good
 
 
 def runs(mask: Mask) -> NDArray[np.intp]:

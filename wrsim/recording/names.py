@@ -101,11 +101,11 @@ def _quantity(plain: str) -> str | None:
 
 def _side(plain: str) -> str:
     """``_left`` or ``_right``, or nothing where the name has none or both."""
-    words = {*re.split(r"[^a-z0-9]+", plain)}
+    tokens = {*re.split(r"[^a-z0-9]+", plain)}
     sides = [
         side
         for side, names in _TABLES["sides"].items()
-        if words & {*names["letters"]} or _pattern([*names["patterns"], JOINED.format(side[0])]).search(plain)
+        if tokens & {*names["letters"]} or _pattern([*names["patterns"], JOINED.format(side[0])]).search(plain)
     ]
     return f"_{sides[0]}" if len(sides) == 1 else ""
 

@@ -84,7 +84,7 @@ def recording_from(
     order = np.arange(distance.size)
     if falls := distance.size > 1 and bool(np.nanmedian(np.diff(distance)) < 0.0):
         order = order[::-1]
-    low, high = (end if own is None else own for own, end in zip(part, (-np.inf, np.inf), strict=True))
+    low, high = (end if limit is None else limit for limit, end in zip(part, (-np.inf, np.inf), strict=True))
     inside = np.flatnonzero((distance[order] >= low) & (distance[order] <= high))
     if inside.size < FEWEST:
         within = "" if part == (None, None) else f" from {low:g} to {high:g} m"
@@ -222,14 +222,14 @@ def _check_distance(path: Path, name: str, distance: Array, lines: Array) -> Non
     if missing.size:
         raise InputError(f"{path}:{lines[int(missing[0])]}: column '{name}': is empty; every row needs its distance")
     steps = np.diff(distance)
-    for bad, words in (
+    for bad, fault in (
         (steps == 0.0, "repeats: every row needs a distance of its own"),
         (steps < 0.0, "runs backward: distances must rise or fall all along"),
     ):
         if bad.any():
             i = int(np.argmax(bad))
             where = f"{path}:{lines[i + 1]}: column '{name}' = {distance[i + 1]:.10g} m after {distance[i]:.10g} m"
-            raise InputError(f"{where} {words}")
+            raise InputError(f"{where} {fault}")
 
 
 def _check_values(path: Path, where: str, chosen: ColumnsFile, channel: ChannelSection, values: Array) -> None:

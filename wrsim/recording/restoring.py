@@ -79,8 +79,8 @@ def restore(
     plateaus = fit_design(s, curvature, np.zeros(s.size) if cant is None else cant, spread, forms)
     segments = _segments(plateaus, s, off_gauge)
     if (longest := max(segment.length for segment in segments)) > LONGEST:
-        words = f"a segment of {longest / 1e3:.4g} km follows from these rows; must be at most {LONGEST / 1e3:g} km"
-        raise InputError(f"{recording.path}: {words}: check the unit of the distance, or cut it (--from-m, --to-m)")
+        message = f"a segment of {longest / 1e3:.4g} km follows from these rows; must be at most {LONGEST / 1e3:g} km"
+        raise InputError(f"{recording.path}: {message}: check the unit of the distance, or cut it (--from-m, --to-m)")
     try:
         law = laws(segments, gauge, ROUNDING)
     except InputError as error:
@@ -129,14 +129,14 @@ class _Work:
 
     def first(self, quantity: str) -> Array | None:
         """The record of a quantity that is measured as it is."""
-        found = self.recording.of(quantity)
-        return found[0][1] if found else None
+        records = self.recording.of(quantity)
+        return records[0][1] if records else None
 
     def curvature(self) -> tuple[Array, float]:
         """The recorded curvature, or that of the alignment's versines, and the deviation over which it was measured."""
-        own = self.recording.of("curvature")
-        if own:
-            return own[0][1], own[0][0].base / np.sqrt(24.0)
+        records = self.recording.of("curvature")
+        if records:
+            return records[0][1], records[0][0].base / np.sqrt(24.0)
         s = self.recording.distance
         for side in ("", "_left", "_right"):
             for channel, record in self.recording.of(f"alignment{side}"):
@@ -204,7 +204,7 @@ def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights
     """Left and right rail (2, n) from records of alignment or level; apart: gauge or cross-level, with its weights on
     the left and the right rail."""
     size = work.recording.distance.size
-    found: dict[str, Array] = {}
+    shapes: dict[str, Array] = {}
     for side in ("", "_left", "_right"):
         parts = [
             work.undone(c, r, _left_by_design(work, c, system, r, design))
@@ -212,16 +212,16 @@ def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights
             if (system := c.shape_system) is not None
         ]
         if parts:
-            found[side] = np.sum(parts, axis=0)
-    if not found:
+            shapes[side] = np.sum(parts, axis=0)
+    if not shapes:
         work.notes.append(f"no {kind} was recorded: the rails' mean is taken as even")
-    left, right = found.get("_left"), found.get("_right")
+    left, right = shapes.get("_left"), shapes.get("_right")
     if left is not None and right is not None:
-        mean, own = 0.5 * (left + right), (left - right) / (weights[0] - weights[1])
+        mean, difference = 0.5 * (left + right), (left - right) / (weights[0] - weights[1])
         if apart is None:
-            apart = own
+            apart = difference
         else:
-            rms = f"{1e3 * _rms(work.inner(own - _in_band(work, kind, apart))):.3g} mm (rms)"
+            rms = f"{1e3 * _rms(work.inner(difference - _in_band(work, kind, apart))):.3g} mm (rms)"
             taken = "gauge" if kind == "alignment" else "cant"
             differ = f"{kind} left less right and the {taken} differ by {rms} in their common band"
             work.notes.append(f"{differ}; the {taken} is taken")
@@ -233,7 +233,7 @@ def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights
         else:
             mean = mean - weight * _in_band(work, kind, apart)
     else:
-        mean = found.get("", np.zeros(size))
+        mean = shapes.get("", np.zeros(size))
     apart = np.zeros(size) if apart is None else apart
     return np.stack([mean + weight * apart for weight in weights])
 
@@ -280,24 +280,24 @@ def _holds_curve(work: _Work, channel: ChannelSection, record: Array, curve: Arr
         key = "the sign of alignment, or that of curvature, is opposite (positive = ... in a column map)"
     if share < -UNDECIDED[0] or UNDECIDED[0] < share < UNDECIDED[1]:
         raise InputError(f"{work.recording.path}: {name} holds {share:.2f} of the versine of its curves: {key}")
-    words = "holds the curves" if share > UNDECIDED[1] else "is freed of the curves"
-    work.notes.append(f"{name} {words} ({share:.3g} of their versine)")
+    verdict = "holds the curves" if share > UNDECIDED[1] else "is freed of the curves"
+    work.notes.append(f"{name} {verdict} ({share:.3g} of their versine)")
     return share > UNDECIDED[1]
 
 
 def _segments(plateaus: tuple[Plateau, ...], s: Array, off_gauge: Array | None) -> tuple[Segment, ...]:
-    found: list[Segment] = []
+    segments: list[Segment] = []
     for i, p in enumerate(plateaus):
         if i:
-            found.append(Transition(p.start - plateaus[i - 1].end, p.form))
+            segments.append(Transition(p.start - plateaus[i - 1].end, p.form))
         if p.is_straight:
-            found.append(Straight(p.end - p.start))
+            segments.append(Straight(p.end - p.start))
             continue
         inside = (s >= p.start) & (s <= p.end)
         widening = 0.0 if off_gauge is None or not inside.any() else float(np.median(off_gauge[inside]))
         widening = widening if widening > LEAST_WIDENING else 0.0
-        found.append(Arc(p.end - p.start, 1.0 / p.curvature, float(p.cant * np.sign(p.curvature)), widening))
-    return tuple(found)
+        segments.append(Arc(p.end - p.start, 1.0 / p.curvature, float(p.cant * np.sign(p.curvature)), widening))
+    return tuple(segments)
 
 
 def _rms(values: Array) -> float:

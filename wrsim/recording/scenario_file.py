@@ -85,11 +85,11 @@ def _segments(restored: Restored) -> Iterator[dict[str, Any]]:
     for segment in restored.segments:
         length = {"length_m": round(float(segment.length), 3)}
         if isinstance(segment, Arc):
-            own: dict[str, Any] = {"kind": "arc", "radius_m": float(f"{segment.radius:.7g}"), **length}
-            own["cant_mm"] = round(1e3 * segment.cant, 3)
+            arc: dict[str, Any] = {"kind": "arc", "radius_m": float(f"{segment.radius:.7g}"), **length}
+            arc["cant_mm"] = round(1e3 * segment.cant, 3)
             if segment.gauge_widening:
-                own["gauge_widening_mm"] = round(1e3 * segment.gauge_widening, 3)
-            yield own
+                arc["gauge_widening_mm"] = round(1e3 * segment.gauge_widening, 3)
+            yield arc
         elif isinstance(segment, Transition):
             yield {"kind": "transition", **length, "form": segment.form}
         else:

@@ -44,25 +44,25 @@ def recording_tables(restored: Restored) -> list[Table]:
     by_column = {c.column: i for c, i in restored.inverses}
     rows: list[list[Cell]] = []
     for c in read.columns.channels:
-        own: list[Cell] = ["", "", ""]
+        undone: list[Cell] = ["", "", ""]
         if (inverse := by_column.get(c.column)) is not None:
             ends = [[formatted(end, ".3g") for end in band if end <= LONGEST_BAND] for band in inverse.kept().tolist()]
             bands = [" to ".join(band) if len(band) > 1 else f"from {band[0]}" for band in ends]
-            own = [", ".join(bands) or "none", inverse.largest(), inverse.noise(read.step)]
-        rows.append([c.column, c.words(), *own])
+            undone = [", ".join(bands) or "none", inverse.largest(), inverse.noise(read.step)]
+        rows.append([c.column, c.words(), *undone])
     heads = (Column("column"), Column("is"), Column("waves that come back", "m"), Column("largest factor", "", ".2g"))
     title = "columns, recognised by their names" if read.guessed else "columns"
     unused = (f"not used: {', '.join(read.unused)}",) if read.unused and not read.guessed else ()
     columns = Table(title, (*heads, Column("of noise", "", ".2g")), rows, unused)
-    at, design = 0.0, []
+    start, design = 0.0, []
     for s in restored.segments:
         cells: list[Cell] = ["", "", ""]
         if isinstance(s, Transition):
             cells[0] = s.form
         elif isinstance(s, Arc):
             cells = [f"R {formatted(s.radius, '.1f')}", 1e3 * s.cant, 1e3 * s.gauge_widening or ""]
-        design.append([read.start + at, type(s).__name__.lower(), s.length, *cells])
-        at += s.length
+        design.append([read.start + start, type(s).__name__.lower(), s.length, *cells])
+        start += s.length
     heads = (Column("from", "m", ".1f"), Column("design"), Column("length", "m", ".1f"), Column())
     more = (Column("cant", "mm", ".1f"), Column("wider", "mm", ".1f"))
     return [columns, Table("", (*heads, *more), design, tuple(f"note: {note}" for note in restored.notes))]

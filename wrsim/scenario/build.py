@@ -85,7 +85,7 @@ class Setup(Generic[P]):
 
     def attributes(self, stop_reason: str = "") -> dict[str, str | float | int]:
         """Attributes of a result; stop_reason: why the analysis did not reach its end, if so."""
-        own: dict[str, str | float | int] = {
+        attributes: dict[str, str | float | int] = {
             "title": self.title,
             "analysis": self.analysis,
             "status": "stopped" if stop_reason else "completed",
@@ -95,9 +95,9 @@ class Setup(Generic[P]):
             ATTRIBUTE: self.kept.packed(),
             **noted(self.profiles),
         }
-        own |= {"structure": self.support} if self.support else {}
-        own |= {"irregularities": self.begun} if self.begun else {}
-        return own | ({"stop_reason": stop_reason} if stop_reason else {})
+        attributes |= {"structure": self.support} if self.support else {}
+        attributes |= {"irregularities": self.begun} if self.begun else {}
+        return attributes | ({"stop_reason": stop_reason} if stop_reason else {})
 
 
 def build(scenario: Scenario) -> Setup[Any]:
@@ -133,11 +133,11 @@ def _build(scenario: Scenario) -> Setup[Any]:
     if any(surfaces) and not analysis.moves:
         message = f'are for runs: analysis = "{spec.analysis}" knows one profile of each rail'
         raise scenario.fault(("track", "rail_sections"), message)
-    own = scenario.table(resolved(next(iter(analysis.tables.values()))))
+    table = scenario.table(resolved(next(iter(analysis.tables.values()))))
     drive = spec.vehicle.drive or vehicle.drive
     speed = spec.vehicle.speed_kmh
     given = Given(analysis, vehicle, track, drive, speed, scenario.table, scenario.find, scenario.fault)
-    plan = own.plan(given)
+    plan = table.plan(given)
     if any(surfaces) and getattr(plan, "wear", None) is not None:
         message = "knows rails of one profile only, not [[track.rail_sections]]"
         raise scenario.fault(("wear", "laws"), message)
@@ -185,8 +185,10 @@ def _unfit(scenario: Scenario, analysis: Analysis, vehicle: Vehicle) -> Iterator
         yield ("contact", "normal"), f"is for poses, rest and runs: {kind} needs the contacts a thousand times"
     varying = [load.name for load in vehicle.loads if load.varies]
     if analysis.own_track and varying:
-        own: list[KeyPath] = [("vehicle", "loads", i) for i, v in enumerate(spec.vehicle.loads) if v.name == varying[0]]
-        yield (*own, model)[0], f"{kind} looks for motion that lasts: load '{varying[0]}' must be constant"
+        keys: list[KeyPath] = [
+            ("vehicle", "loads", i) for i, v in enumerate(spec.vehicle.loads) if v.name == varying[0]
+        ]
+        yield (*keys, model)[0], f"{kind} looks for motion that lasts: load '{varying[0]}' must be constant"
 
 
 def name_among_models(scenario: Scenario, file: Path) -> str:
@@ -214,26 +216,28 @@ def contact_of(scenario: Scenario, track: Track) -> ContactSettings:
     both = law_of(section.of_side("friction", "left")[1]), law_of(section.of_side("friction", "right")[1])
     if section.friction_table is not None:
         table = partial(_of_table, before=both)
-        found = scenario.read(("contact", "friction_table"), section.friction_table, table)
+        frictions = scenario.read(("contact", "friction_table"), section.friction_table, table)
     elif section.friction_sections:
-        found = _of_sections(scenario, both)
+        frictions = _of_sections(scenario, both)
     else:
         return settings
     if not ANALYSES[scenario.analysis].moves:
-        at = section.friction_at_m
-        return replace(settings, friction=(found[0].at(at), found[1].at(at)))
+        place = section.friction_at_m
+        return replace(settings, friction=(frictions[0].at(place), frictions[1].at(place)))
     for i, each in enumerate(section.friction_sections):
         if each.from_m > track.length:
             message = f"must be on the track, which is {track.length:.6g} m long"
             raise scenario.fault(("contact", "friction_sections", i, "from_m"), message)
     curves = track.left_curve, track.right_curve
-    along = (tuple(curve.arclength(own.places).tolist()) for own, curve in zip(found, curves, strict=True))
-    left, right = (replace(own, places=places) for own, places in zip(found, along, strict=True))
+    along = (
+        tuple(curve.arclength(friction.places).tolist()) for friction, curve in zip(frictions, curves, strict=True)
+    )
+    left, right = (replace(friction, places=places) for friction, places in zip(frictions, along, strict=True))
     return replace(settings, friction=(left, right))
 
 
 def _of_sections(scenario: Scenario, before: tuple[Friction, Friction]) -> list[FrictionAlong]:
-    found = []
+    frictions = []
     for side, law in zip(SIDES, before, strict=True):
         places, laws = [0.0], [law]
         for _, each in on_side(scenario.spec.contact.friction_sections, side):
@@ -242,8 +246,8 @@ def _of_sections(scenario: Scenario, before: tuple[Friction, Friction]) -> list[
                 laws.append(laws[-1])
             places.append(places[-1] + each.transition_m)
             laws.append(law_of(each.friction))
-        found.append(FrictionAlong(tuple(places), tuple(laws)))
-    return found
+        frictions.append(FrictionAlong(tuple(places), tuple(laws)))
+    return frictions
 
 
 def _of_table(path: Path, before: tuple[Friction, Friction]) -> list[FrictionAlong]:
@@ -251,12 +255,12 @@ def _of_table(path: Path, before: tuple[Friction, Friction]) -> list[FrictionAlo
     columns, lines = read_columns(path, COLUMNS, ("at_m", "left", "right"))
     places = columns["at_m"]
     check_rising(path, "at_m", places, lines)
-    found = []
+    frictions = []
     for side, law in zip(SIDES, before, strict=True):
         corner = columns.get(f"{side}_gauge_corner")
         laws = [
             replace(law, static=float(mu), gauge_corner=law.gauge_corner if corner is None else float(corner[i]))
             for i, mu in enumerate(columns[side])
         ]
-        found.append(FrictionAlong(tuple(places.tolist()), tuple(laws)))
-    return found
+        frictions.append(FrictionAlong(tuple(places.tolist()), tuple(laws)))
+    return frictions

@@ -30,13 +30,13 @@ def with_contact_model(scenario: Scenario, name: str) -> Scenario:
 
 def split_names(names: str) -> list[str]:
     """Names out of a list with commas. Raises InputError for an empty or a duplicate one."""
-    found = [name.strip() for name in names.split(",")]
-    for name in found:
+    models = [name.strip() for name in names.split(",")]
+    for name in models:
         if not name:
             raise InputError(f'--contact {names}: has an empty name; write for example "kik-piotrowski,half-space"')
-        if found.count(name) > 1:
+        if models.count(name) > 1:
             raise InputError(f'--contact {names}: duplicate "{name}"')
-    return found
+    return models
 
 
 def _values(scenario: Scenario, name: str) -> dict[str, Any]:
@@ -53,12 +53,12 @@ def _values(scenario: Scenario, name: str) -> dict[str, Any]:
             chosen["contact.tangential"] = part
         else:
             raise InputError(_unknown(name, part, chosen))
-    own = scenario.spec.contact
-    normal = chosen.get("contact.normal", own.normal)
-    if "contact.tangential" not in chosen and "contact.normal" in chosen and own.tangential != "none":
+    section = scenario.spec.contact
+    normal = chosen.get("contact.normal", section.normal)
+    if "contact.tangential" not in chosen and "contact.normal" in chosen and section.tangential != "none":
         if normal == "half-space":
             chosen["contact.tangential"] = "half-space"
-        elif own.tangential == "half-space" and normal in USUAL:
+        elif section.tangential == "half-space" and normal in USUAL:
             chosen["contact.tangential"] = USUAL[normal].tangential
     return chosen
 

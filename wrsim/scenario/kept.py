@@ -43,8 +43,8 @@ class KeptFiles:
             inside = [folder for folder in prefixes if path.is_relative_to(folder)]
             named = {f"{prefixes[folder]}/{path.relative_to(folder).as_posix()}": path for folder in inside}
             names |= named or {str(path): path}
-        own = [prefixes[folder] for folder in user_folders()]
-        return cls(dict(contents), [prefixes[folder] for folder in folders], own, names)
+        users = [prefixes[folder] for folder in user_folders()]
+        return cls(dict(contents), [prefixes[folder] for folder in folders], users, names)
 
     def packed(self) -> str:
         """All of it as a text of letters."""
@@ -77,8 +77,8 @@ def scenario_of(attributes: Mapping[str, Any], folder: str | Path, models: Seque
     try:
         content = zlib.decompressobj().decompress(base64.b64decode(str(attributes[ATTRIBUTE])), 2 * LARGEST)
         stored = json.loads(content)
-        folders, own = (tuple(map(folder_of, stored[key])) for key in ("folders", "user_folders"))
+        folders, users = (tuple(map(folder_of, stored[key])) for key in ("folders", "user_folders"))
         contents = {str(path(name)): stored["contents"][i].encode("latin-1") for name, i in stored["names"].items()}
     except (ValueError, zlib.error, LookupError, TypeError, AttributeError, RecursionError):
         raise InputError(f"its {ATTRIBUTE} are damaged; run the scenario again") from None
-    return replace(scenario, finder=replace(scenario.finder, folders=folders, kept=Kept(contents, own)))
+    return replace(scenario, finder=replace(scenario.finder, folders=folders, kept=Kept(contents, users)))

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from wrsim.errors import InputError
-from wrsim.inputs.changes import changed, found, key_path
+from wrsim.inputs.changes import changed, full_path, key_path
 from wrsim.inputs.checking import check_section, dotted, fault_line, refuse_other_kind
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, as_path
@@ -71,8 +71,8 @@ class Scenario:
     def table(self, kind: type[S]) -> S:
         """The table of this class. Raises InputError where the file has none."""
         for name in type(self.spec).model_fields:
-            if isinstance(found := getattr(self.spec, name), kind):
-                return found
+            if isinstance(table := getattr(self.spec, name), kind):
+                return table
         raise InputError(f"{self.path or 'scenario'}: has no table {kind.header}")
 
     def locate(self, path: KeyPath) -> str:
@@ -169,7 +169,7 @@ class Scenario:
         data, owners = self.merged.data, dict(self.merged.owners)
         for key, value in values.items():
             try:
-                path = found(data, _own_path(key), by_name=False)
+                path = full_path(data, _own_path(key), by_name=False)
                 new = next((end for end in range(1, len(path)) if not holds_key(data, path[:end])), len(path))
                 data = changed(data, path, _plain(key, value))
             except InputError as error:
@@ -273,8 +273,8 @@ def _scenario(
 def _checked(merged: Merged, path: Path | None, finder: Finder) -> Scenario:
     count = len(merged.files)
     if count > 1:  # keys of its base hide what the file itself is
-        own = {key: value for key, value in merged.data.items() if merged.owners.get((key,)) == str(merged.files[0])}
-        refuse_other_kind(ScenarioFile, own, lambda _: str(merged.files[0]))
+        top = {key: value for key, value in merged.data.items() if merged.owners.get((key,)) == str(merged.files[0])}
+        refuse_other_kind(ScenarioFile, top, lambda _: str(merged.files[0]))
     with finder.guard():
         merged = with_track_file(merged, finder)
     if len(merged.files) > count:  # what a track file names may lie beside it

@@ -95,7 +95,7 @@ def read_merged(path: Path, children: tuple[Path, ...] = ()) -> Merged:
 
 def laid_over(below: Merged, top: Merged) -> Merged:
     """Two trees of tables, ``top`` over ``below``, with the owner of every key; the files of ``top`` come first."""
-    replaced = {own for own in top.owners if not isinstance(value_at(top.data, own), dict)}
+    replaced = {path for path in top.owners if not isinstance(value_at(top.data, path), dict)}
     owners = {p: o for p, o in below.owners.items() if not any(p[:end] in replaced for end in range(1, len(p)))}
     data = overlay(below.data, top.data)
     files = (*top.files, *below.files)
@@ -111,8 +111,8 @@ def _owned(data: Any, name: str) -> dict[KeyPath, str]:
         if isinstance(tree, list):
             tree = dict(enumerate(tree)) if any(isinstance(entry, dict) for entry in tree) else {}
         below = [((*path, key), value) for key, value in tree.items()]
-        owners.update((own, name) for own, _ in below)
-        trees += [(own, value) for own, value in below if isinstance(value, dict | list)]
+        owners.update((inner, name) for inner, _ in below)
+        trees += [(inner, value) for inner, value in below if isinstance(value, dict | list)]
     return owners
 
 
@@ -179,12 +179,12 @@ def with_track_file(merged: Merged, finder: Finder) -> Merged:
         raise InputError(fault_line(key, "a track file cannot name another one", below.locate, inner[FILE]))
     order = [str(file) for file in merged.files]
 
-    def layer(own: str) -> int:
-        owner = merged.owners.get(("track", own))
+    def layer(entry: str) -> int:
+        owner = merged.owners.get(("track", entry))
         return order.index(owner) if owner in order else -1
 
-    gone = OF_ONE_LINE if any(own in inner for own in LAYING) else ()
-    inherited = {own for own in track if layer(own) > layer(FILE)}
+    gone = OF_ONE_LINE if any(entry in inner for entry in LAYING) else ()
+    inherited = {entry for entry in track if layer(entry) > layer(FILE)}
     bottom = replace(_with_keys(merged, inherited - {*gone}), files=())
     middle = _with_keys(replace(below, data={"track": inner}), {*inner})
     return laid_over(laid_over(bottom, middle), _with_keys(merged, {*track} - inherited - {FILE}))

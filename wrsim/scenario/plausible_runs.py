@@ -34,8 +34,8 @@ def run_doubts(setup: Setup) -> Iterator[str]:
         yield f"contact.friction = {largest:g}: plausible is up to {MOST_FRICTION:g}; dry steel on steel has 0.5 to 0.7"
     step = getattr(setup.plan, "step", None)
     if step is not None and step < SHORTEST_STEP * (1.0 - 1e-9):
-        words = f"run.step_us = {1e6 * step:g}: plausible is {1e6 * SHORTEST_STEP:g} and more"
-        yield f"{words}; without it a good one is chosen"
+        message = f"run.step_us = {1e6 * step:g}: plausible is {1e6 * SHORTEST_STEP:g} and more"
+        yield f"{message}; without it a good one is chosen"
     for name in dict.fromkeys(rail.name for rail in setup.rails if _peaks(rail)):
         yield f"profile '{name}' of a rail is shaped like a wheel: the scan of another body?"
 

@@ -29,9 +29,9 @@ def keys_text(file: str, section: str | None) -> str:
     if section is None:
         return "\n".join(f"{kind.header}: {', '.join(e.key for e in entries(kind))}" for kind in tables_of_file(file))
     parts = []
-    for kind, own in _chosen(section, tables_of_file(file)).items():
-        meant = purpose(kind) if len(own) == len(entries(kind)) else []
-        parts += [heading(kind).strip("`"), *(_indented(line, 2) for line in meant), "", *map(_entry_text, own), ""]
+    for kind, chosen in _chosen(section, tables_of_file(file)).items():
+        meant = purpose(kind) if len(chosen) == len(entries(kind)) else []
+        parts += [heading(kind).strip("`"), *(_indented(line, 2) for line in meant), "", *map(_entry_text, chosen), ""]
     return "\n".join(parts)
 
 
@@ -39,20 +39,20 @@ def keys_numbers(file: str, section: str | None) -> dict[str, Any]:
     """The same as plain records by the headers of tables."""
     tables = tables_of_file(file)
     chosen = {kind: entries(kind) for kind in tables} if section is None else _chosen(section, tables)
-    return {kind.header: [vars(entry) for entry in own] for kind, own in chosen.items()}
+    return {kind.header: [vars(entry) for entry in rows] for kind, rows in chosen.items()}
 
 
 def _chosen(section: str, tables: list[type[Section]]) -> dict[type[Section], list[Entry]]:
     """The tables of a name with their keys; of the name of a key, ``contact.friction``, that key. Raises InputError."""
     table, _, key = section.strip("[] ").rpartition(".")
     if not any({key, section} & {*_names(kind)} for kind in tables):
-        own = {
+        candidates = {
             k: [e for e in entries(k) if key in (e.key, *e.aliases, *e.us)] for k in tables if table in ("", *_names(k))
         }
-        if found := {kind: those for kind, those in own.items() if those}:
-            return found
-        if table and own:
-            known = [e.key for kind in own for e in entries(kind)]
+        if matching := {kind: those for kind, those in candidates.items() if those}:
+            return matching
+        if table and candidates:
+            known = [e.key for kind in candidates for e in entries(kind)]
             raise InputError(f"{table} has no key '{key}'{suggest(key, known)}; there is {', '.join(known)}")
     return {kind: entries(kind) for kind in chosen_tables(section, tables)}
 
@@ -82,11 +82,11 @@ def tables_of_file(file: str) -> list[type[Section]]:
 def chosen_tables(section: str, tables: list[type[Section]]) -> list[type[Section]]:
     """The tables of a name. Raises InputError."""
     wanted = section.strip("[] ")
-    found = [kind for kind in tables if {wanted, wanted.rpartition(".")[2]} & set(_names(kind))]
-    if not found:
+    matching = [kind for kind in tables if {wanted, wanted.rpartition(".")[2]} & set(_names(kind))]
+    if not matching:
         names = list(dict.fromkeys(name for kind in tables for name in _names(kind)))
         raise InputError(f"no table is called '{section}'{suggest(wanted, names)}; there is {', '.join(names)}")
-    return found
+    return matching
 
 
 def _names(kind: type[Section]) -> list[str]:
@@ -104,8 +104,8 @@ def schema_text(file: str) -> str:
         start = "Scenario file to start from; keys of this file override it."
         schema["properties"] = {BASE: {"type": "string", "description": start}} | schema["properties"]
         schema |= {"if": {"not": {"required": [BASE]}}, "then": {"required": schema.pop("required")}}
-        for own in schema["properties"].values():
-            schema["definitions"].get(own.get("$ref", "").rpartition("/")[2], {}).pop("required", None)
+        for entry in schema["properties"].values():
+            schema["definitions"].get(entry.get("$ref", "").rpartition("/")[2], {}).pop("required", None)
     if file == "track":  # the table [track] is that of a scenario
         whole = json_schema(resolved(FILES["scenario"].place), "")
         schema["properties"]["track"] = {"$ref": "#/definitions/TrackSection"}

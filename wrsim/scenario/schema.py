@@ -42,10 +42,10 @@ class ScenarioSpec(Section, header="a scenario"):
 
     @classmethod
     def raw_faults(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        own = raw.get("analysis")
-        analysis = ANALYSES.get(own) if isinstance(own, str) else None
-        found = (raw.get(key) for key in ("vehicle", "track", "contact"))
-        vehicle, track, contact = (table if isinstance(table, dict) else {} for table in found)
+        name = raw.get("analysis")
+        analysis = ANALYSES.get(name) if isinstance(name, str) else None
+        tables = (raw.get(key) for key in ("vehicle", "track", "contact"))
+        vehicle, track, contact = (table if isinstance(table, dict) else {} for table in tables)
         if track.get("gauge_between") == "origins" and not (analysis and analysis.origins):
             yield Fault(("track", "gauge_between"), f'may be "origins" with {_where("origins")} only')
         if "conical" in contact and not (analysis and analysis.conical):
@@ -55,7 +55,7 @@ class ScenarioSpec(Section, header="a scenario"):
         structure = track.get("structure")
         kind = structure.get("kind") if isinstance(structure, dict) else None
         if kind == "sleepers":
-            yield from _of_sleepers(own, raw, contact)
+            yield from _of_sleepers(name, raw, contact)
         if kind == "bridge" and contact.get("normal") == "half-space":
             yield Fault(("contact", "normal"), 'cannot be "half-space" on a bridge: the fast models only')
         if analysis is not None:

@@ -30,14 +30,14 @@ def template_files(kind: str, name: str | None, path: Path) -> dict[Path, str]:
         raise InputError(f"{kind}: must be {', '.join(kinds)}{suggest(kind, kinds)}")
     names = list(TEMPLATES.get(kind, {}))
     if name is not None and name not in names:
-        words = f"must be {', '.join(names)}{suggest(name, names)}" if names else "there is one kind of such a scenario"
-        raise InputError(f"{kind} {name}: {words}")
+        hint = f"must be {', '.join(names)}{suggest(name, names)}" if names else "there is one kind of such a scenario"
+        raise InputError(f"{kind} {name}: {hint}")
     if kind in ANALYSES:
         return {path: scenario_template(kind)}
     texts = {path: _shipped(TEMPLATES[kind][name or names[0]])}
-    for own, source in _TABLES["beside"].get(kind, {}).items():
-        beside = path.with_name(f"{path.stem}_{own}")
-        texts[path] = texts[path].replace(f'"{own}"', f'"{beside.name}"')
+    for file, source in _TABLES["beside"].get(kind, {}).items():
+        beside = path.with_name(f"{path.stem}_{file}")
+        texts[path] = texts[path].replace(f'"{file}"', f'"{beside.name}"')
         texts[beside] = scenario_template(source) if source in ANALYSES else _shipped(f"templates/{source}")
     return texts
 
@@ -58,10 +58,10 @@ def scenario_template(analysis: str) -> str:
         f'title = "My {analysis} scenario"',
         f'analysis = "{analysis}"',
     ]
-    own = ANALYSES[analysis]
+    kind = ANALYSES[analysis]
     for name, annotation in fields(ScenarioFile).items():
         table = unpacked(annotation).base
-        if isinstance(table, type) and issubclass(table, Section) and name not in own.unused:
+        if isinstance(table, type) and issubclass(table, Section) and name not in kind.unused:
             lines += ["", f"[{name}]", *_keys_of(table, start.get(name, {}), name)]
     return "\n".join(lines) + "\n"
 
@@ -90,7 +90,7 @@ def _keys_of(table: type[Section], given: dict[str, Any], name: str) -> list[str
 def _lines(start: str, entry: Entry) -> list[str]:
     """A key with what it is behind it, on further lines where there is no room; what may be chosen goes along."""
     meaning = entry.meaning.rstrip(".")
-    words = f"{meaning}: {entry.allowed}" if entry.allowed.startswith('"') else meaning
-    first, *more = wrap(words, LINE - COLUMN - 2)
+    sentence = f"{meaning}: {entry.allowed}" if entry.allowed.startswith('"') else meaning
+    first, *more = wrap(sentence, LINE - COLUMN - 2)
     lines = [f"{start:<{COLUMN}}# {first}"] if len(start) < COLUMN else [start, f"{'#':<{COLUMN}}# {first}"]
     return lines + [f"{'#':<{COLUMN}}# {line}" for line in more]

@@ -67,7 +67,7 @@ def _laid(rail: Profile, inclination: float, gauge_depth: float, check_rail: Che
 
 def rails_of(scenario: Scenario) -> tuple[Profile, Profile]:
     section = scenario.spec.track
-    found = []
+    rails = []
     for side in SIDES:
         key, name = section.of_side("rail", side)
         profile = scenario.read(("track", key), name, partial(load_profile, kind="rail"))
@@ -84,8 +84,8 @@ def rails_of(scenario: Scenario) -> tuple[Profile, Profile]:
                 place = f"{far:.4g} m from the origin of {scenario.find(('track', key), name)}"
                 message = f"its gauge point or its top lies {place}; at most {MAX_OFFSET:g} m"
                 raise scenario.fault(("track", key), message)
-        found.append(rail)
-    return found[0], found[1]
+        rails.append(rail)
+    return rails[0], rails[1]
 
 
 def track_of(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
@@ -141,12 +141,12 @@ def track_of_run(track: Track, vehicle: Vehicle, plan: RunPlan) -> tuple[Track, 
     front, back = max(part.centre[0] for part in vehicle.parts), min(part.centre[0] for part in vehicle.parts)
     track = replace(track, reach=plan.end + front + BEYOND)
     unevens = [curve.irregularity for curve in (track.left_curve, track.right_curve)]
-    slopes = [np.abs(jet[1]).max() for own in unevens for jet in (own.lateral(places), own.vertical(places))]
+    slopes = [np.abs(jet[1]).max() for uneven in unevens for jet in (uneven.lateral(places), uneven.vertical(places))]
     if plan.end <= plan.start or max(slopes) == 0.0:
         return track, ""
     length = max(TABLE_FADE, front - back)
-    words = f"fade in over {length:g} m from {places.max():.6g} m on: the run starts within them, from steady motion"
-    return track.faded(float(places.max()), length), words
+    message = f"fade in over {length:g} m from {places.max():.6g} m on: the run starts within them, from steady motion"
+    return track.faded(float(places.max()), length), message
 
 
 def support_words(track: Track, default: bool) -> str:
@@ -154,10 +154,10 @@ def support_words(track: Track, default: bool) -> str:
     if not isinstance(track.structure, RailElasticity):
         beam, on_bridge = isinstance(track.structure, SleeperTrack), track.bridge is not None
         return ("beams on sleepers" if beam else "rigid") + (" on a bridge" if on_bridge else "")
-    own = track.structure
+    support = track.structure
     mass, stiffness, damping = (
         "/".join(plain_number(factor * value) for value in values)
-        for factor, values in ((1.0, own.mass), (1e-6, own.stiffness), (1e-3, own.damping))
+        for factor, values in ((1.0, support.mass), (1e-6, support.stiffness), (1e-3, support.damping))
     )
     figures = f"moving mass of {mass} kg on {stiffness} MN/m and {damping} kN s/m (lateral/vertical) under each wheel"
     of_default = f' (default, {MovingMassStructure.source}); kind = "rigid" for rigid rails'
@@ -166,10 +166,10 @@ def support_words(track: Track, default: bool) -> str:
 
 def surfaces_of(scenario: Scenario, track: Track) -> tuple[RailSurface | None, RailSurface | None]:
     """Rails that change along the track; distances of their sections are along the rail itself."""
-    found: list[RailSurface | None] = []
+    surfaces: list[RailSurface | None] = []
     read = [_rail_sections(scenario, i) for i in range(len(scenario.spec.track.rail_sections))]
     for side, curve in zip(SIDES, (track.left_curve, track.right_curve), strict=True):
-        own = []
+        sections = []
         for i, each in on_side(scenario.spec.track.rail_sections, side):
             for one in read[i]:
                 place = each.at_m + one.distance
@@ -179,10 +179,10 @@ def surfaces_of(scenario: Scenario, track: Track) -> tuple[RailSurface | None, R
                     )
                     message = f"{which}must be on the track, which is {track.length:g} m long"
                     raise scenario.fault(("track", "rail_sections", i, "at_m"), message)
-                own.append(replace(one, distance=float(curve.arclength(place))))
+                sections.append(replace(one, distance=float(curve.arclength(place))))
         with scenario.faults_at(("track", "rail_sections")):
-            found.append(RailSurface(f"{side} rail", tuple(own)) if own else None)
-    return found[0], found[1]
+            surfaces.append(RailSurface(f"{side} rail", tuple(sections)) if sections else None)
+    return surfaces[0], surfaces[1]
 
 
 def _rail_sections(scenario: Scenario, i: int) -> list[RailSection]:
@@ -196,16 +196,16 @@ def _rail_sections(scenario: Scenario, i: int) -> list[RailSection]:
         if entry.crossing is not None:
             return read_crossing(file, spec.inclination, bool(entry.trailing))
         if entry.table is not None:
-            found = read_sections(file, bool(entry.measured))
+            sections = read_sections(file, bool(entry.measured))
         else:
-            found = [RailSection(0.0, load_profile(file, "rail"), features)]
-        laid = [_laid(one.profile, spec.inclination, spec.gauge_depth_mm / 1e3, entry.check_rail) for one in found]
+            sections = [RailSection(0.0, load_profile(file, "rail"), features)]
+        laid = [_laid(one.profile, spec.inclination, spec.gauge_depth_mm / 1e3, entry.check_rail) for one in sections]
         if entry.check_rail is not None:
             return [RailSection(0.0, rail, (floor_of(rail), rail.head)) for rail in laid]
-        return [replace(one, profile=rail) for one, rail in zip(found, laid, strict=True)]
+        return [replace(one, profile=rail) for one, rail in zip(sections, laid, strict=True)]
 
-    found = scenario.read(key, getattr(entry, kind), read)
-    return [replace(one, profile=one.profile.shifted(*shift)) for one in found]
+    sections = scenario.read(key, getattr(entry, kind), read)
+    return [replace(one, profile=one.profile.shifted(*shift)) for one in sections]
 
 
 def check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], track: Track) -> None:
@@ -240,7 +240,7 @@ def check_flange_backs(
     """Refuse a wheel whose profile ends where the back of its flange may touch a guard face."""
     for side, wheel, rail, surface in zip(SIDES, (wheelset.left, wheelset.right), rails, surfaces, strict=True):
         half = 0.5 * (scenario.spec.track.gauge_mm / 1e3 - wheelset.profile_spacing) - rail.gauge_point()[0]
-        for each in [rail] if surface is None else [rail, *(own.profile for own in surface.sections)]:
+        for each in [rail] if surface is None else [rail, *(section.profile for section in surface.sections)]:
             if fault := ends_before_its_back(wheel.profile, each, half):
                 key, name = scenario.spec.vehicle.of_side("wheel", side)
                 remedy = "record the wheel to its back, or let an arc lead there: flange_back_mm = 70 in a profile file"

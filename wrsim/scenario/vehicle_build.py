@@ -56,14 +56,14 @@ def vehicle_of(scenario: Scenario) -> Vehicle:
 
 def _in_wind(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
     """The vehicle with the loads of the wind along the track of its run."""
-    own, speed = scenario.spec.vehicle.wind, scenario.spec.vehicle.speed_kmh
-    if own is None:
+    wind, speed = scenario.spec.vehicle.wind, scenario.spec.vehicle.speed_kmh
+    if wind is None:
         return vehicle
     if not vehicle.bodies or not isinstance(speed, float):
-        words = "needs a vehicle with bodies and one speed_kmh, from which the angle of the air follows"
-        raise scenario.fault(("vehicle", "wind"), words)
-    way, left = (own.speed_m_s, own.begins_m, own.peak_m, own.gust is not None), 1.0 if own.towards == "left" else -1.0
-    return own.air().along_track(vehicle, *way, speed / 3.6, left=left)
+        message = "needs a vehicle with bodies and one speed_kmh, from which the angle of the air follows"
+        raise scenario.fault(("vehicle", "wind"), message)
+    places, left = (wind.begins_m, wind.peak_m), 1.0 if wind.towards == "left" else -1.0
+    return wind.air().along_track(vehicle, wind.speed_m_s, *places, wind.gust is not None, speed / 3.6, left=left)
 
 
 def _out_of_round(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
@@ -80,11 +80,11 @@ def _out_of_round(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
 
     wheelsets = []
     for mounted in vehicle.wheelsets:
-        own = [(i, table) for i, table in enumerate(tables) if not table.on or mounted.name in table.on]
+        matching = [(i, table) for i, table in enumerate(tables) if not table.on or mounted.name in table.on]
         wheelset = mounted.wheelset
         for side in SIDES:
             wheel = getattr(wheelset, side)
-            parts = parts_of(own, side, wheel, scenario.finder.find, fault)
+            parts = parts_of(matching, side, wheel, scenario.finder.find, fault)
             wheelset = replace(wheelset, **{side: replace(wheel, out_of_round=parts)})
         wheelsets.append(replace(mounted, wheelset=wheelset))
     return replace(vehicle, wheelsets=tuple(wheelsets))
@@ -103,8 +103,8 @@ def _with_efforts(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
         for name in table.on or names:
             _check_wheelset(scenario, ("vehicle", "efforts", i, "on"), name, names)
             if table.wheel != "both" and vehicle.wheelsets[names.index(name)].wheelset.torsion is None:
-                words = f"is for wheels that turn on their own; those of '{name}' sit on a rigid axle"
-                raise scenario.fault(("vehicle", "efforts", i, "wheel"), words)
+                reason = f"is for wheels that turn on their own; those of '{name}' sit on a rigid axle"
+                raise scenario.fault(("vehicle", "efforts", i, "wheel"), reason)
             efforts.append(table.effort(name))
     control = section.slip_control
     if control is not None and any(effort.wheel != "both" for effort in efforts):

@@ -99,11 +99,11 @@ def _rows(path: Path, name: str) -> AxisPoints:
         where = f"{path}:{number}"
         if len(row) != len(header):
             raise InputError(f"{where}: has {len(row)} cells; must have {len(header)} like the header")
-        own = dict(zip(header, row, strict=True))
-        if empty := [key for key in header if not own[key]]:
+        cells = dict(zip(header, row, strict=True))
+        if empty := [key for key in header if not cells[key]]:
             raise InputError(f"{where}: {empty[0]}: the cell is empty; must be a value for that key")
-        if ID in own and labels.setdefault(own[ID], number) != number:
-            raise InputError(f"{where}: id = {own[ID]}: is the name of another row")
-        values.append(tuple(parse_value(own[key]) for key in keys))
+        if ID in cells and labels.setdefault(cells[ID], number) != number:
+            raise InputError(f"{where}: id = {cells[ID]}: is the name of another row")
+        values.append(tuple(parse_value(cells[key]) for key in keys))
     places = tuple(f"{path}:{number}" for number, _ in rows)
     return AxisPoints(name, tuple((key,) for key in keys), tuple(values), places, tuple(labels), listed=True)

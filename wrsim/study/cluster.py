@@ -112,9 +112,9 @@ def local_workers(count: int) -> Iterator[Client]:
     """
     security = Security.temporary()
     here: dict[str, Any] = {"host": LOOPBACK, "protocol": "tls://", "security": security, "dashboard": False}
-    own = {"worker_class": QuietWorker, "nthreads": 1, "memory_limit": MEMORY_LIMIT // count}
-    own |= {"env": ONE_THREAD | QUIET, "silence_logs": logging.CRITICAL}
-    worker = {"cls": Nanny, "options": here | own}
+    options = {"worker_class": QuietWorker, "nthreads": 1, "memory_limit": MEMORY_LIMIT // count}
+    options |= {"env": ONE_THREAD | QUIET, "silence_logs": logging.CRITICAL}
+    worker = {"cls": Nanny, "options": here | options}
     with _settings(), _without_script(), ExitStack() as stack:
         with _deaf_to_ctrl_c():
             cluster = stack.enter_context(
@@ -161,8 +161,8 @@ def workers_at(address: str, certificates: Path | None) -> Iterator[Client]:
             asyncio.run(_greeted(address, security))
             client = Client(address, timeout=WAIT, set_as_default=False, security=security)
         except (OSError, RuntimeError, TimeoutError, ValueError, MemoryError) as error:
-            words = "what answers is no scheduler" if isinstance(error, MemoryError) else str(error)
-            why = words.split("\n")[0] or type(error).__name__
+            answer = "what answers is no scheduler" if isinstance(error, MemoryError) else str(error)
+            why = answer.split("\n")[0] or type(error).__name__
             raise InputError(
                 f"--scheduler {address}: no dask scheduler answers there ({why}); must be an address such as "
                 "tls://10.0.0.1:8786, as 'dask scheduler' prints it"

@@ -55,15 +55,15 @@ def collected(plan: Plan, markers: Sequence[Marker]) -> xr.Dataset:
     variables: dict[str, Any] = {}
     for name, unit in units.items():
         array = np.array([m.numbers.get(name) for m in markers], dtype=float).reshape(plan.shape)  # None: not-a-number
-        own = f"output_{name}" if name in (*dims, "status", "message", "name") else name
-        variables[own] = (dims, array, {"units": unit or "1"})
+        variable = f"output_{name}" if name in (*dims, "status", "message", "name") else name
+        variables[variable] = (dims, array, {"units": unit or "1"})
     texts = {
         "status": [m.status for m in markers],
         "message": [m.message for m in markers],
         "name": [case.name for case in plan.cases],
     }
-    for name, words in texts.items():
-        variables[name] = (dims, np.array(words, dtype=object).reshape(plan.shape))
+    for name, column in texts.items():
+        variables[name] = (dims, np.array(column, dtype=object).reshape(plan.shape))
     coords: dict[str, Any] = {}
     for axis in plan.axes:
         coords |= _coordinates(axis)
@@ -76,11 +76,11 @@ def _coordinates(axis: AxisPoints) -> dict[str, Any]:
     """The labels of an axis, and of rows and samples the values of their keys."""
     if not axis.listed:
         return {axis.name: (axis.name, _labels([row[0] for row in axis.values]), {"key": ", ".join(axis.keys[0])})}
-    found: dict[str, Any] = {axis.name: (axis.name, np.array(axis.labels or range(len(axis.values))), {})}
+    coordinates: dict[str, Any] = {axis.name: (axis.name, np.array(axis.labels or range(len(axis.values))), {})}
     for column, keys, values in zip(axis.columns, axis.keys, zip(*axis.values, strict=True), strict=True):
         name = column.replace(" ", "_")  # as coordinates of netCDF are called
-        found[name] = (axis.name, _labels(values), {"key": ", ".join(keys)})
-    return found
+        coordinates[name] = (axis.name, _labels(values), {"key": ", ".join(keys)})
+    return coordinates
 
 
 def _labels(values: Sequence[Any]) -> NDArray[Any]:
@@ -164,11 +164,11 @@ def _faults(dataset: xr.Dataset) -> Iterator[str]:
     for axis, size in dataset.sizes.items():
         if not size or axis not in cases or axis not in dataset.coords:
             yield f"its axis {axis!s:.40} has no cases or no labels"
-    for name, own in dataset.variables.items():
-        dims = own.dims[:1] if name in dataset.coords else cases
-        kind: Kind = "number" if own.dtype.kind == "f" else "count" if own.dtype.kind in "iu" else "text"
+    for name, variable in dataset.variables.items():
+        dims = variable.dims[:1] if name in dataset.coords else cases
+        kind: Kind = "number" if variable.dtype.kind == "f" else "count" if variable.dtype.kind in "iu" else "text"
         yield from faults_of_variable(dataset, str(name), dims, kind)
-        if not isinstance(own.attrs.get("key", ""), str):
+        if not isinstance(variable.attrs.get("key", ""), str):
             yield f"its {name!s:.40} has a key that is no text"
 
 
@@ -199,25 +199,26 @@ def study_tables(report: dict[str, Any]) -> list[Table]:
     """How the cases ended, and the range of every output."""
     counts = ", ".join(f"{count} {status}" for status, count in report["status"].items())
     rows = [
-        (with_unit(name, own["unit"]), own["min"], own["median"], own["max"]) for name, own in report["outputs"].items()
+        (with_unit(name, numbers["unit"]), numbers["min"], numbers["median"], numbers["max"])
+        for name, numbers in report["outputs"].items()
     ]
-    heads = (Column("output"), *(Column(words, "", ".5g") for words in ("smallest", "median", "largest")))
+    heads = (Column("output"), *(Column(heading, "", ".5g") for heading in ("smallest", "median", "largest")))
     open_cases = tuple(f"{e['label']}: {e['status']}: {e['message']}" for e in report["unfinished"][:MOST_LISTED])
-    found = [Table(report["title"], notes=(counts,))]
+    tables = [Table(report["title"], notes=(counts,))]
     if rows or open_cases:
-        found.append(Table("", heads if rows else (), rows, open_cases))
-    return [*found, *sensitivity_tables(report.get("sensitivity", {}))]
+        tables.append(Table("", heads if rows else (), rows, open_cases))
+    return [*tables, *sensitivity_tables(report.get("sensitivity", {}))]
 
 
 def faults_of(report: dict[str, Any], markers: Sequence[Marker], briefly: bool) -> list[str]:
     """What went wrong: outputs that are lacking, cases without a result; results of other code unless briefly."""
     others = sum(m.code not in ("", code_digest()) for m in markers)
-    lacking = [words for m in markers if (words := m.faults + m.absent)]
-    found = []
+    lacking = [lacks for m in markers if (lacks := m.faults + m.absent)]
+    faults = []
     if others and not briefly:
-        found.append(f"{others} cases were computed by other code of wrsim; delete their folders to run them again")
+        faults.append(f"{others} cases were computed by other code of wrsim; delete their folders to run them again")
     if lacking:
-        found.append(f"{len(lacking)} cases lack outputs, listed in study.csv: {lacking[0][0]}")
+        faults.append(f"{len(lacking)} cases lack outputs, listed in study.csv: {lacking[0][0]}")
     if failed := len(report["unfinished"]):
-        found.append(f"{failed} of {len(markers)} cases have no result; --retry runs them again")
-    return found
+        faults.append(f"{failed} of {len(markers)} cases have no result; --retry runs them again")
+    return faults

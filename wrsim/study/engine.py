@@ -31,23 +31,23 @@ def missing(plan: Plan, retry: bool = False) -> list[int]:
 
     retry: also those that failed, stopped or ran out of time; their markers are taken away.
     """
-    found: dict[str, int] = {}
+    todo: dict[str, int] = {}
     for i, case in enumerate(plan.cases):
-        if case.name in found:
+        if case.name in todo:
             continue
         marker = task.read_marker(plan.folder_of(case))
         if marker is not None and retry and marker.status not in (task.COMPLETED, task.DERAILED):
             (plan.folder_of(case) / task.MARKER).unlink()
             marker = None
-        if marker is None or not marker.has_come_to(plan) or marker.outputs != plan.outputs_digest:
-            found[case.name] = i
-    return list(found.values())
+        if marker is None or not marker.is_done(plan) or marker.outputs != plan.outputs_digest:
+            todo[case.name] = i
+    return list(todo.values())
 
 
 def kinds(plan: Plan, cases: Sequence[int]) -> list[int]:
     """One case of each set of kernels: analysis, contact models and integrator decide which are needed."""
     base = plan.base()
-    found: dict[str, int] = {}
+    chosen: dict[str, int] = {}
     seen: set[str] = set()
     for i in cases:
         texts = str(sorted((k, v) for k, v in plan.cases[i].values.items() if isinstance(v, str | dict | list)))
@@ -55,10 +55,10 @@ def kinds(plan: Plan, cases: Sequence[int]) -> list[int]:
             continue
         seen.add(texts)
         tables = plan.scenario(plan.cases[i], base).merged.data
-        own = {"analysis": tables["analysis"], "contact": tables.get("contact"), "run": tables.get("run", {})}
-        words = str([(name, sorted(texts_in(part))) for name, part in own.items()])
-        found.setdefault(words, i)
-    return list(found.values())
+        parts = {"analysis": tables["analysis"], "contact": tables.get("contact"), "run": tables.get("run", {})}
+        signature = str([(name, sorted(texts_in(part))) for name, part in parts.items()])
+        chosen.setdefault(signature, i)
+    return list(chosen.values())
 
 
 def warm_remotely(client: Client, plan: Plan, digest: str, cases: Sequence[int]) -> None:
@@ -129,9 +129,9 @@ def _handed_out(client: Client, plan: Plan, cases: Sequence[int], expected: int)
         index = running.pop(future.key)
         error = future.exception() if future.status == "error" else None
         if error is not None and not isinstance(error, KilledWorker):
-            words = f"{'' if isinstance(error, WrsimError) else f'{type(error).__name__}: '}{error}"
+            reason = f"{'' if isinstance(error, WrsimError) else f'{type(error).__name__}: '}{error}"
             kept = "cases that are done are kept: start the same command again to go on"
-            raise WrsimError(f"case {plan.cases[index].label}: {words}; {kept}")
+            raise WrsimError(f"case {plan.cases[index].label}: {reason}; {kept}")
         future.release()
         for following in islice(waiting, max(room(), 0)):
             done.add(submitted(following))
@@ -196,13 +196,13 @@ def worker_pool(
                 task.compile_for(plan.scenario(plan.cases[i]))
             return stack.enter_context(cluster.local_workers(min(expected, most)))
         if scheduler is not None:
-            found = stack.enter_context(cluster.workers_at(address_of(scheduler), tls))
+            pool = stack.enter_context(cluster.workers_at(address_of(scheduler), tls))
         else:
-            found = stack.enter_context(cluster.slurm_workers(expected, tls, Path(plan.folder)))
+            pool = stack.enter_context(cluster.slurm_workers(expected, tls, Path(plan.folder)))
             LOGGER.warning("waiting for the first job of SLURM")
-        found.wait_for_workers(1)
-        warm_remotely(found, plan, digest_of(plan.dumped()), first)
-        return found
+        pool.wait_for_workers(1)
+        warm_remotely(pool, plan, digest_of(plan.dumped()), first)
+        return pool
 
     def work(plan: Plan, todo: Sequence[int]) -> None:
         nonlocal client

@@ -16,7 +16,7 @@ from wrsim.study.cluster import processors
 from wrsim.study.collect import MOST_LISTED, markers_of
 from wrsim.study.engine import kinds, missing
 from wrsim.study.plan import Plan
-from wrsim.study.task import COMPLETED, Enough, Marker, compile_for
+from wrsim.study.task import COMPLETED, StopCase, Marker, compile_for
 
 PROBES = 3
 """Cases that are tried, spread over the study."""
@@ -51,11 +51,11 @@ def time_of(scenario: Scenario) -> float:
     def progress(fraction: float, seconds_left: float) -> None:
         seen.append((fraction, time.perf_counter()))
         if seen[-1][1] - seen[0][1] > PROBE:
-            raise Enough(fraction)
+            raise StopCase(fraction)
 
     try:
         run(scenario, progress, setup=build(scenario), threads=1)
-    except Enough:
+    except StopCase:
         (first, start), (last, now) = seen[0], seen[-1]
         return now - begin + (1.0 - last) * (now - start) / max(last - first, 1e-9)
     except WrsimError:

@@ -40,7 +40,7 @@ class Outputs:
     faults: list[str] = field(default_factory=list)
     absent: list[str] = field(default_factory=list)
 
-    def take(self, name: str, value: Any, unit: str) -> None:
+    def add(self, name: str, value: Any, unit: str) -> None:
         """Note one number; None is not-a-number."""
         self.numbers[name] = float("nan") if value is None else float(value)
         self.units[name] = "" if unit == "1" else unit
@@ -59,7 +59,7 @@ def known_names(wanted: OutputsSection, analysis: str) -> tuple[str, ...]:
 
 def case_outputs(result: Result, wanted: OutputsSection, hook: Path | None) -> Outputs:
     """The outputs of one result. hook: the file of the hook, if there is one."""
-    found = Outputs()
+    outputs = Outputs()
     channels = wanted.channels
     if wanted == OutputsSection():
         analysis = ANALYSES[result.analysis]
@@ -68,39 +68,39 @@ def case_outputs(result: Result, wanted: OutputsSection, hook: Path | None) -> O
         else:
             for name, value in result.summary().items():
                 if isinstance(value, int | float) and not isinstance(value, bool):
-                    found.take(name, value, _unit_in(name))
+                    outputs.add(name, value, _unit_in(name))
     for one in channels:
-        _take_channel(found, result, one)
+        _add_channel(outputs, result, one)
     if wanted.summary:
         summary = result.summary()
         for place in wanted.summary:
-            _take_place(found, summary, place)
+            _add_place(outputs, summary, place)
     if wanted.assessment:
-        _take_assessment(found, result, wanted.assessment)
+        _add_assessment(outputs, result, wanted.assessment)
     if wanted.hook is not None and hook is not None:
-        _take_hook(found, result, hook, wanted.hook.rpartition(":")[2])
-    return found
+        _add_hook(outputs, result, hook, wanted.hook.rpartition(":")[2])
+    return outputs
 
 
-def _take_channel(found: Outputs, result: Result, one: ChannelOutput) -> None:
+def _add_channel(outputs: Outputs, result: Result, one: ChannelOutput) -> None:
     channel = CHANNELS[one.channel]
     what = f'outputs.channels: channel = "{one.channel}"'
-    found.take(one.column, None, channel.shown.symbol)
+    outputs.add(one.column, None, channel.shown.symbol)
     if one.channel not in result.dataset:
         present = [name for name in CHANNELS if name in result.dataset]
-        found.faults.append(f"{what}: this analysis has no such channel; it has {', '.join(present)}")
+        outputs.faults.append(f"{what}: this analysis has no such channel; it has {', '.join(present)}")
         return
     data = result.dataset[one.channel]
     for dim, label in one.chosen().items():
         names = [str(name) for name in result.dataset[dim].values]
         if label not in names:
             hint = suggest(label, names)
-            found.faults.append(f'{what}: {dim} = "{label}": there is {", ".join(names)}{hint}')
+            outputs.faults.append(f'{what}: {dim} = "{label}": there is {", ".join(names)}{hint}')
             return
         data = data.sel({dim: label})
     if one.from_m is not None or one.to_m is not None:
         if data.dims[0] != "time":
-            found.faults.append(f"{what}: from_m and to_m are for channels over time")
+            outputs.faults.append(f"{what}: from_m and to_m are for channels over time")
             return
         place = result.dataset["distance"].values
         low = -np.inf if one.from_m is None else one.from_m
@@ -109,11 +109,11 @@ def _take_channel(found: Outputs, result: Result, one: ChannelOutput) -> None:
         if not inside.size:
             window = ", ".join(f"{word}_m = {end:g}" for word, end in (("from", low), ("to", high)) if np.isfinite(end))
             ends = " to ".join(formatted(float(x), ".1f") for x in place[[0, -1]])
-            found.absent.append(f"{what}, {window}: the case has no value there, it lasts from {ends} m")
+            outputs.absent.append(f"{what}, {window}: the case has no value there, it lasts from {ends} m")
             return
         data = data.isel(time=inside)
     value = reduced(np.atleast_1d(data.values.astype(float)), one.reduce, one.percentile)
-    found.take(one.column, value * channel.shown.factor, channel.shown.symbol)
+    outputs.add(one.column, value * channel.shown.factor, channel.shown.symbol)
 
 
 def reduced(values: NDArray[np.float64], how: str, percentile: float | None = None) -> float:
@@ -129,22 +129,22 @@ def reduced(values: NDArray[np.float64], how: str, percentile: float | None = No
     return min(each) if how == "min" else max(each, key=abs if how == "peak" else None)
 
 
-def _take_place(found: Outputs, summary: Mapping[str, Any], place: str) -> None:
+def _add_place(outputs: Outputs, summary: Mapping[str, Any], place: str) -> None:
     """A number of the summary by its dotted place; a peak counts as its value. Keys may hold dots themselves."""
     name = _name_of_place(place)
-    found.take(name, None, _unit_in(place))
+    outputs.add(name, None, _unit_in(place))
     value, rest = _walk(summary, place)
     if isinstance(value, dict) and "value" in value and not rest:
         value = value["value"]
     if rest:
         keys = list(value) if isinstance(value, dict) else []
         there = f"there is {', '.join(map(str, keys))}{suggest(rest.split('.')[0], keys)}" if keys else "nothing below"
-        found.faults.append(f'outputs.summary: "{place}": "{rest}" is not in the summary; {there}')
+        outputs.faults.append(f'outputs.summary: "{place}": "{rest}" is not in the summary; {there}')
     elif isinstance(value, dict | list | str):
         more = f"; below it: {', '.join(map(str, value))}" if isinstance(value, dict) else ""
-        found.faults.append(f'outputs.summary: "{place}" is no number{more}')
+        outputs.faults.append(f'outputs.summary: "{place}" is no number{more}')
     else:
-        found.take(name, value, _unit_in(place))
+        outputs.add(name, value, _unit_in(place))
 
 
 def _name_of_place(place: str) -> str:
@@ -180,34 +180,34 @@ def _margin_name(key: str) -> str:
     return f"assessment_{key}_margin"
 
 
-def _take_assessment(found: Outputs, result: Result, wanted: tuple[str, ...]) -> None:
+def _add_assessment(outputs: Outputs, result: Result, wanted: tuple[str, ...]) -> None:
     """The worst value of every quantity over all sections, and the least margin to its limit where it has one."""
     from wrsim.assessment.assess import assess_runs
 
     columns = {key: _assessment_name(key) for key in wanted}
     for key, column in columns.items():
-        found.take(column, None, QUANTITIES[key].shown.symbol)
+        outputs.add(column, None, QUANTITIES[key].shown.symbol)
     try:
         assessment = assess_runs(result)
     except InputError as error:
-        found.faults.append(f"outputs.assessment: {error}")
+        outputs.faults.append(f"outputs.assessment: {error}")
         return
     for key, column in columns.items():
         values = assessment.of(key)
         if assessment.rules.about(key) is None:
             known = ", ".join(clause.quantity for clause in assessment.rules.clauses)
-            found.faults.append(f'outputs.assessment: "{key}": {assessment.rules.title} has {known}')
+            outputs.faults.append(f'outputs.assessment: "{key}": {assessment.rules.title} has {known}')
         if not values:
             continue  # the notes of the assessment have the reason: too short a track, no vehicle
         shown = QUANTITIES[key].shown
         worst = min if QUANTITIES[key].lowest else max
-        found.take(column, worst(v.value for v in values) * shown.factor, shown.symbol)
+        outputs.add(column, worst(v.value for v in values) * shown.factor, shown.symbol)
         margins = [v.margin for v in values if v.margin is not None]
         if margins:
-            found.take(_margin_name(key), min(margins), "1")
+            outputs.add(_margin_name(key), min(margins), "1")
 
 
-def _take_hook(found: Outputs, result: Result, file: Path, function: str) -> None:
+def _add_hook(outputs: Outputs, result: Result, file: Path, function: str) -> None:
     """What the user's function makes of the result. Whatever it raises becomes a fault with its message."""
     try:
         answer = hook_function(file, function)(result)
@@ -218,11 +218,11 @@ def _take_hook(found: Outputs, result: Result, file: Path, function: str) -> Non
                 raise TypeError(f"returned the name {name!r:.40}, must be of letters, digits and _")
             if isinstance(value, bool | str) or not np.isscalar(value):
                 raise TypeError(f"returned {name} = {value!r:.40}, must be a number")
-            found.take(name, value, _unit_in(name))
+            outputs.add(name, value, _unit_in(name))
     except InputError as error:
-        found.faults.append(str(error))
+        outputs.faults.append(str(error))
     except BaseException as error:  # SystemExit too; Ctrl-C does not come to the thread in which a worker runs a case
-        found.faults.append(f"outputs.hook: {file}: {function}: {type(error).__name__}: {error}")
+        outputs.faults.append(f"outputs.hook: {file}: {function}: {type(error).__name__}: {error}")
 
 
 def hook_function(file: Path, function: str) -> Callable[[Result], Any]:

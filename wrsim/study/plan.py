@@ -165,34 +165,34 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
     Raises InputError with all faults, one line each.
     """
     with noting_reads() as seen:
-        own = StudyInput(file, "study file", StudyFile, models)
-        spec: StudyFile = own.spec
-        axes = tuple(axis_points(axis, own.finder, own.locate(("vary", i))) for i, axis in enumerate(spec.vary))
+        study = StudyInput(file, "study file", StudyFile, models)
+        spec: StudyFile = study.spec
+        axes = tuple(axis_points(axis, study.finder, study.locate(("vary", i))) for i, axis in enumerate(spec.vary))
         if spec.sensitivity is not None:
-            with own.naming("sensitivity"):
-                axes = (axis_of(spec.sensitivity, own.locate(("sensitivity",))),)
+            with study.naming("sensitivity"):
+                axes = (axis_of(spec.sensitivity, study.locate(("sensitivity",))),)
         owners: dict[str, str] = {}
-        for axis, key in ((own, key) for own in axes for group in own.keys for key in group):
+        for axis, key in ((each, key) for each in axes for group in each.keys for key in group):
             if key in owners:
                 raise InputError(f"{axis.places[0]}: {key}: is varied by axis '{owners[key]}' already")
             owners[key] = axis.name
         count = prod(len(axis.values) for axis in axes)
         if count > MOST_CASES:
-            with own.naming("vary"):
+            with study.naming("vary"):
                 raise InputError(f"describes {count} cases; must be at most {MOST_CASES}")
         hook = ""
         if spec.outputs.hook is not None:
             name, _, function = spec.outputs.hook.rpartition(":")
-            with own.naming("outputs", "hook", value=spec.outputs.hook):
-                hook = str(own.finder.find(name).resolve())
+            with study.naming("outputs", "hook", value=spec.outputs.hook):
+                hook = str(study.finder.find(name).resolve())
                 check_hook(Path(hook), function)
-        names = known_names(spec.outputs, own.base.analysis)
+        names = known_names(spec.outputs, study.base.analysis)
         for name in spec.sensitivity.outputs if spec.sensitivity is not None and names else ():
             if name not in names:
-                with own.naming("sensitivity", "outputs", value=name):
+                with study.naming("sensitivity", "outputs", value=name):
                     raise InputError(f"is no output{suggest(name, names)}; there are {', '.join(names)}")
-        plan = replace(own.plan(folder, axes, spec.outputs, spec.cases, hook), sensitivity=spec.sensitivity)
-    plan, models_read = with_cases(plan, own.base)
+        plan = replace(study.plan(folder, axes, spec.outputs, spec.cases, hook), sensitivity=spec.sensitivity)
+    plan, models_read = with_cases(plan, study.base)
     return plan, tuple(dict.fromkeys((*seen, *models_read)))
 
 
@@ -223,10 +223,10 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
                     setup = build(scenario)
                 vehicle, named = vehicle or setup.vehicle.name, setup.files
                 groups[group] = len(files)
-                own = {path: seen[path] for path in named}
-                digests = {path: hashlib.sha256(content).hexdigest() for path, content in sorted(own.items())}
+                contents = {path: seen[path] for path in named}
+                digests = {path: hashlib.sha256(content).hexdigest() for path, content in sorted(contents.items())}
                 files.append({str(path.resolve()): digest for path, digest in digests.items()})
-                read += own
+                read += contents
         except InputError as error:
             told = error.unknown or str(error)  # an unknown key once, whatever its values
             if told not in known:
@@ -244,16 +244,16 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
 
 def _label(axes: Sequence[AxisPoints], place: tuple[int, ...]) -> str:
     """The values of a case in words."""
-    words = []
+    parts = []
     for axis, i in zip(axes, place, strict=True):
         if axis.labels:
-            words.append(f"{axis.name} {axis.labels[i]}")
+            parts.append(f"{axis.name} {axis.labels[i]}")
         elif axis.listed and len(axis.columns) > 3:
-            words.append(f"{axis.name} {i}")
+            parts.append(f"{axis.name} {i}")
         else:
             pairs = zip(axis.columns, axis.values[i], strict=True)
-            words += [f"{short_name(column)} {in_words(value)}" for column, value in pairs]
-    return ", ".join(words)
+            parts += [f"{short_name(column)} {in_words(value)}" for column, value in pairs]
+    return ", ".join(parts)
 
 
 def in_words(value: Any) -> str:
@@ -265,8 +265,8 @@ def in_words(value: Any) -> str:
 
 def _name(tables: dict[str, Any], files: dict[str, str]) -> str:
     """The name of a case: twenty hexadecimal digits."""
-    own = {key: value for key, value in tables.items() if key != "title"}
-    text = json.dumps(own, sort_keys=True, default=str, ensure_ascii=False)
+    untitled = {key: value for key, value in tables.items() if key != "title"}
+    text = json.dumps(untitled, sort_keys=True, default=str, ensure_ascii=False)
     digest = hashlib.sha256(text.encode())
     for content in sorted(files.values()):
         digest.update(content.encode())

@@ -180,26 +180,29 @@ class Programme:
 def read_programme(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> Programme:
     """The type test of a file, every case checked. Raises InputError with all faults, one line each."""
     with noting_reads() as seen:
-        own = StudyInput(file, "type test", ProgrammeFile, models)
-        spec: ProgrammeFile = own.spec
-        with own.naming("rules", value=spec.rules):
-            rules = rule_set(spec.rules if not spec.rules.endswith(".toml") else own.finder.find(spec.rules))
+        test = StudyInput(file, "type test", ProgrammeFile, models)
+        spec: ProgrammeFile = test.spec
+        with test.naming("rules", value=spec.rules):
+            rules = rule_set(spec.rules if not spec.rules.endswith(".toml") else test.finder.find(spec.rules))
             if rules.history is None:
                 raise InputError(f"{rules.title}: has no clause about runs")
-        if own.base.analysis != "curving":
-            raise InputError(fault_line(("base",), 'must be a scenario of analysis = "curving"', own.locate, spec.base))
+        if test.base.analysis != "curving":
+            raise InputError(
+                fault_line(("base",), 'must be a scenario of analysis = "curving"', test.locate, spec.base)
+            )
         keys = tuple(spec.states[0].set)
         states = AxisPoints(
             STATE, tuple((key,) for key in keys), tuple(tuple(s.set[key] for key in keys) for s in spec.states),
-            tuple(own.locate(("states", i)) for i in range(len(spec.states))), tuple(s.name for s in spec.states), True,
+            tuple(test.locate(("states", i)) for i in range(len(spec.states))), tuple(s.name for s in spec.states),
+            listed=True,
         )  # fmt: skip
-        runs = _runs(spec, rules, own)
-        plan = own.plan(folder, (states, runs), OutputsSection(), spec.cases)
-    plan, read = with_cases(plan, own.base)
+        runs = _runs(spec, rules, test)
+        plan = test.plan(folder, (states, runs), OutputsSection(), spec.cases)
+    plan, read = with_cases(plan, test.base)
     return Programme(spec, plan, rules, tuple(dict.fromkeys((*seen, *read))), runs.labels)
 
 
-def _runs(spec: ProgrammeFile, rules: RulesFile, own: StudyInput) -> AxisPoints:
+def _runs(spec: ProgrammeFile, rules: RulesFile, test: StudyInput) -> AxisPoints:
     """Every run, to either hand, with its speed, track and irregularities."""
     values: list[tuple[Any, ...]] = []
     places: list[str] = []
@@ -217,7 +220,7 @@ def _runs(spec: ProgrammeFile, rules: RulesFile, own: StudyInput) -> AxisPoints:
                 ]
             uneven += [table.model_dump(exclude_unset=True) for table in each.irregularities]
             values.append((3.6 * each.speed, each.track(-1.0 if hand == "right" else 1.0, rules), uneven))
-            places.append(own.locate(("runs", i)))
+            places.append(test.locate(("runs", i)))
             labels.append(f"{each.name} {hand}".strip() if both else each.name)
     keys = (("vehicle.speed_kmh",), ("track.segments",), ("track.irregularities",))
     return AxisPoints(RUN, keys, tuple(values), tuple(places), tuple(labels), listed=True)

@@ -78,23 +78,23 @@ def sensitivity(spec: SensitivitySection, name: str, values: Array) -> Sensitivi
         return Sensitivity(name, note=why)
     rows = design(spec)
     if spec.method == "regression":
-        found, explained = _regression(rows[good], values[good])
+        coefficients, explained = _regression(rows[good], values[good])
         return Sensitivity(
-            name, {"coefficient": found}, f"a linear fit explains {100.0 * explained:.0f} % of the variance"
+            name, {"coefficient": coefficients}, f"a linear fit explains {100.0 * explained:.0f} % of the variance"
         )
     if spec.method == "morris":
         _, analyse = _morris()
         effects = analyse(_problem(d), rows, values, conf_level=CONFIDENCE, num_levels=LEVELS, seed=spec.seed)
         mean, half, sigma = (np.asarray(effects[key], dtype=float) for key in ("mu_star", "mu_star_conf", "sigma"))
         empty = np.full(d, np.nan)
-        own = {"mu_star": [mean, mean - half, mean + half], "sigma": [sigma, empty, empty]}
-        return Sensitivity(name, {kind: np.stack(each, axis=1) for kind, each in own.items()})
+        columns = {"mu_star": [mean, mean - half, mean + half], "sigma": [sigma, empty, empty]}
+        return Sensitivity(name, {kind: np.stack(each, axis=1) for kind, each in columns.items()})
     f_a, f_b, *f_ab = values.reshape(d + 2, 1, n)
     parts = {"f_A": f_a, "f_B": f_b, "f_AB": np.stack(f_ab)}
 
     def indices(rows: NDArray[np.int64]) -> Array:
-        own = scipy.stats.sobol_indices(func={part: each[..., rows] for part, each in parts.items()}, n=n)
-        return np.stack([np.ravel(own.first_order), np.ravel(own.total_order)])
+        result = scipy.stats.sobol_indices(func={part: each[..., rows] for part, each in parts.items()}, n=n)
+        return np.stack([np.ravel(result.first_order), np.ravel(result.total_order)])
 
     generator, ends = np.random.default_rng(spec.seed), 50.0 * (1.0 + CONFIDENCE * np.array([-1.0, 1.0]))
     drawn = [indices(generator.integers(n, size=n)) for _ in range(RESAMPLES)]
@@ -129,17 +129,21 @@ def _morris() -> tuple[Any, Any]:
 
 def sensitivities(spec: SensitivitySection, outputs: Mapping[str, Array]) -> dict[str, Any]:
     """Of the outputs that are asked for, all unless some are: as `wrsim.results.sensitivity` has them."""
-    found = [
+    results = [
         sensitivity(spec, name, outputs[name])
         if name in outputs
         else Sensitivity(name, note=f"is no output{suggest(name, list(outputs))}; there are {', '.join(outputs)}")
         for name in spec.outputs or outputs
     ]
     rows = [
-        {"output": own.output, "key": one.key[0], "index": kind}
+        {"output": result.output, "key": one.key[0], "index": kind}
         | dict(zip(("value", "low", "high"), map(finite, numbers), strict=True))
-        for own in found
-        for kind, each in own.indices.items()
+        for result in results
+        for kind, each in result.indices.items()
         for one, numbers in zip(spec.over, each.tolist(), strict=True)
     ]
-    return {"method": spec.method, "indices": rows, "notes": {own.output: own.note for own in found if own.note}}
+    return {
+        "method": spec.method,
+        "indices": rows,
+        "notes": {result.output: result.note for result in results if result.note},
+    }

@@ -238,8 +238,8 @@ class ChannelOutput(Section, header="[[outputs.channels]]"):
         if self.name is not None:
             return self.name
         how = f"p{self.percentile:g}" if self.percentile is not None else self.reduce
-        words = (self.channel, *self.chosen().values(), how, channel.shown.suffix)
-        return "_".join(word.replace(" ", "_").replace(".", "_") for word in words if word)
+        parts = (self.channel, *self.chosen().values(), how, channel.shown.suffix)
+        return "_".join(word.replace(" ", "_").replace(".", "_") for word in parts if word)
 
 
 HOOK = 'a file and a function in it, such as "outputs.py:numbers", in quotes'

@@ -35,15 +35,15 @@ from wrsim.study.plan import Case, Plan, changed_file, plan_in
 
 MARKER, RESULT, PART, RECORD, HUNG = "case.json", "result.nc", "result.nc.part", "scenario.toml", "hung.txt"
 
-COMPLETED, DERAILED, STOPPED, LATE, FAILED = "completed", "derailed", "stopped", "out of time", "failed"
-STATUSES = (COMPLETED, DERAILED, STOPPED, LATE, FAILED)
+COMPLETED, DERAILED, STOPPED, TIMED_OUT, FAILED = "completed", "derailed", "stopped", "out of time", "failed"
+STATUSES = (COMPLETED, DERAILED, STOPPED, TIMED_OUT, FAILED)
 """What became of a case. Derailed or overturned: a result; stopped: the integration could not go on."""
 
 GRACE = 5.0
 """Time beyond its limit after which a case that does not answer loses its process [s]; and a tenth of the limit."""
 
 
-class Enough(Exception):
+class StopCase(Exception):
     """Ends a run that has used up its time, or gone far enough; its argument: how much of it is done."""
 
 
@@ -77,24 +77,24 @@ class Marker:
     wrsim_version: str = __version__
     code: str = ""
 
-    def has_come_to(self, plan: Plan) -> bool:
+    def is_done(self, plan: Plan) -> bool:
         """True if nothing is left to run; a larger limit gives a case that ran out of time another chance."""
-        return self.status != LATE or self.time_limit >= plan.time_limit
+        return self.status != TIMED_OUT or self.time_limit >= plan.time_limit
 
-    def take(self, result: Result, plan: Plan) -> None:
+    def record_result(self, result: Result, plan: Plan) -> None:
         """Note how a run ended and its outputs, numbers as JSON knows them; the message: what could not be found.
 
         Derailing and overturning are results; all else that ends a run early has stopped it.
         """
-        found = case_outputs(result, plan.outputs, Path(plan.hook) if plan.hook else None)
+        outputs = case_outputs(result, plan.outputs, Path(plan.hook) if plan.hook else None)
         self.status = COMPLETED
         if result.status != "completed":
             unknown = result.stop_reason.startswith(("no verdict", "the contact solution"))
             derailed = result.dataset.attrs.get("stop_cause") == "monitor" and not unknown
             self.status = DERAILED if derailed else STOPPED
-        self.numbers = {name: value if abs(value) < float("inf") else None for name, value in found.numbers.items()}
-        self.units, self.faults, self.absent = found.units, found.faults, found.absent
-        self.message = "; ".join(filter(None, (result.stop_reason, *found.faults, *found.absent)))
+        self.numbers = {name: value if abs(value) < float("inf") else None for name, value in outputs.numbers.items()}
+        self.units, self.faults, self.absent = outputs.units, outputs.faults, outputs.absent
+        self.message = "; ".join(filter(None, (result.stop_reason, *outputs.faults, *outputs.absent)))
 
 
 _MARKER = TypeAdapter(Marker)
@@ -127,7 +127,7 @@ def run_case(study: str, digest: str, index: int) -> str:
         marker = read_marker(folder)
         if _has_hung(plan, case, folder):
             pass
-        elif marker is None or not marker.has_come_to(plan):
+        elif marker is None or not marker.is_done(plan):
             _attempt(plan, case, folder)
         elif marker.outputs != plan.outputs_digest:
             _reduce_again(plan, case, folder, marker)
@@ -164,7 +164,7 @@ def _has_hung(plan: Plan, case: Case, folder: Path) -> bool:
     if not hung.exists() or hung.stat().st_size == 0:
         return False
     marker = _marker(plan, case)
-    marker.status = LATE
+    marker.status = TIMED_OUT
     marker.message = f"did not answer after {plan.time_limit:g} s; its process was ended, last_{HUNG} shows where"
     os.replace(hung, folder / f"last_{HUNG}")
     write_marker(folder, marker)
@@ -178,8 +178,8 @@ def _attempt(plan: Plan, case: Case, folder: Path) -> None:
         begin = time.perf_counter()
         try:
             _simulate(plan, case, folder, marker)
-        except Enough as late:
-            marker.status = LATE
+        except StopCase as late:
+            marker.status = TIMED_OUT
             marker.message = (
                 f"not done after {plan.time_limit:g} s, at {100.0 * late.args[0]:.0f} %; with a larger "
                 "[cases] time_limit_s it goes on from there"
@@ -194,7 +194,7 @@ def _attempt(plan: Plan, case: Case, folder: Path) -> None:
             marker.message = f"internal error: {type(error).__name__}: {error}"
         marker.wall_time, marker.ended = time.perf_counter() - begin, time.time()
         write_marker(folder, marker)
-    if marker.status != LATE:
+    if marker.status != TIMED_OUT:
         (folder / PART).unlink(missing_ok=True)
 
 
@@ -228,7 +228,7 @@ def _simulate(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
     if plan.keep == "results":
         result.save(folder / RESULT)
         write_atomically(folder / "summary.json", as_json(result.summary()))
-    marker.take(result, plan)
+    marker.record_result(result, plan)
 
 
 def _run(scenario: Scenario, part: Path, limit: float, marker: Marker) -> Result:
@@ -237,7 +237,7 @@ def _run(scenario: Scenario, part: Path, limit: float, marker: Marker) -> Result
 
     def progress(fraction: float, seconds_left: float) -> None:
         if time.monotonic() > until:
-            raise Enough(fraction)
+            raise StopCase(fraction)
 
     setup = build(scenario)
     if ANALYSES[scenario.analysis].moves and part.exists():
@@ -253,9 +253,9 @@ def _reduce_again(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
     """Outputs of a changed section: from the stored result, else from a new run."""
     if (folder / RESULT).exists():
         with _watched(folder, plan):
-            marker.take(Result.load(folder / RESULT), plan)
+            marker.record_result(Result.load(folder / RESULT), plan)
         marker.outputs = plan.outputs_digest
-    elif marker.status in (LATE, FAILED):
+    elif marker.status in (TIMED_OUT, FAILED):
         marker.outputs = plan.outputs_digest
     else:
         _attempt(plan, case, folder)
@@ -276,14 +276,14 @@ def compile_for(scenario: Scenario) -> None:
     """Compile what a scenario needs, by a short run; what fails in it fails again where it is reported."""
 
     def progress(fraction: float, seconds_left: float) -> None:
-        raise Enough(fraction)
+        raise StopCase(fraction)
 
-    with suppress(Enough, WrsimError):
+    with suppress(StopCase, WrsimError):
         if not ANALYSES[scenario.analysis].moves:
             run(scenario, progress, setup=build(scenario), threads=1)
             return
-        own = {key: value for key, value in scenario.merged.data.get("run", {}).items() if key != "distance_m"}
-        short = scenario.with_values({"run": own | {"time_s": SHORT}, "output.patches_at_m": []})
+        section = {key: value for key, value in scenario.merged.data.get("run", {}).items() if key != "distance_m"}
+        short = scenario.with_values({"run": section | {"time_s": SHORT}, "output.patches_at_m": []})
         run(short, setup=build(short), threads=1)
 
 

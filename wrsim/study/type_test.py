@@ -70,7 +70,7 @@ HEADS = (
 
 def verdicts(programme: Programme, markers: Sequence[Marker]) -> tuple[list[Verdict], list[str]]:
     """The verdict of every clause in every state, and remarks. Raises InputError for runs that cannot be assessed."""
-    found: list[Verdict] = []
+    clauses: list[Verdict] = []
     notes: list[str] = []
     plan = programme.plan
     for i, state in enumerate(programme.spec.states):
@@ -82,12 +82,12 @@ def verdicts(programme: Programme, markers: Sequence[Marker]) -> tuple[list[Verd
         lost = [f"{state.name}, {name}: {m.message or m.status}" for name, _, m in runs if m.status != COMPLETED]
         notes += lost
         stopped = sum(m.status not in (COMPLETED, MISSING) for _, _, m in runs)
-        found.append(
+        clauses.append(
             Verdict(state.name, "every run comes to its end", "runs", "", "", f"{len(runs) - stopped} of {len(runs)}",
                     "", "", str(len(runs)), "", "", lost[0] if lost else "", not stopped, -1.0 if stopped else 1.0)
         )  # fmt: skip
         if programme.spec.stationary:
-            found += _at_rest(programme, state.name, runs[0][1])
+            clauses += _at_rest(programme, state.name, runs[0][1])
         whole = {name: Result.load(plan.folder_of(case) / RESULT) for name, case, m in runs if m.status == COMPLETED}
         if not whole:
             continue
@@ -95,18 +95,18 @@ def verdicts(programme: Programme, markers: Sequence[Marker]) -> tuple[list[Verd
             judged = assess_runs([*whole.values()], None, [*whole], programme.rules)
         except InputError as error:
             raise InputError(f"state {state.name}: {error}") from None
-        found += [_of_zone(state.name, judged, zone, limit) for zone in judged.zones if (limit := zone.worst.limit)]
-        notes += [f"{state.name}: {words}" for words in judged.notes]
-    return found, list(dict.fromkeys(notes))
+        clauses += [_of_zone(state.name, judged, zone, limit) for zone in judged.zones if (limit := zone.worst.limit)]
+        notes += [f"{state.name}: {note}" for note in judged.notes]
+    return clauses, list(dict.fromkeys(notes))
 
 
 def _of_zone(state: str, judged: Assessment, zone: ZoneValue, limit: Limit) -> Verdict:
-    own, cells = zone.worst.quantity, zone.cells()
-    clause = judged.rules.about(own.key)
+    measured, cells = zone.worst.quantity, zone.cells()
+    clause = judged.rules.about(measured.key)
     needed = judged.rules.needed.get(zone.worst.section.zone)
     sections = f"{zone.counted}" + (f" of {needed}" if needed else "")
     return Verdict(
-        state, own.key if clause is None else clause.id, own.symbol, converted(own.shown).unit,
+        state, measured.key if clause is None else clause.id, measured.symbol, converted(measured.shown).unit,
         f"{zone.worst.section.zone} ({sections})", cells["worst"], interval(zone), cells["estimate"], cells["limit"],
         cells["margin"], limit.source + limit.star, cells["worst in"], bool(zone.passed), zone.margin or 0.0,
     )  # fmt: skip
@@ -133,12 +133,12 @@ def _at_rest(programme: Programme, state: str, case: Case) -> list[Verdict]:
         stored = asked | {"found": _tests_at_rest(programme, case)}
         write_atomically(file, as_json(stored))
     return [
-        Verdict(state, own["clause"], own["symbol"], own["unit"], "at rest", formatted(own["value"]), "", "",
-                "at least " * own["lowest"] + formatted(own["limit"]), quantity(100.0 * own["margin"], "%", ".0f"),
-                own["limit_source"], where, own["passed"], own["margin"])
-        if "value" in own
-        else Verdict(state, own["clause"], "", "", "at rest", "no rest", "", "", "", "", "", where, False, -1.0)
-        for own, where in stored["found"]
+        Verdict(state, test["clause"], test["symbol"], test["unit"], "at rest", formatted(test["value"]), "", "",
+                "at least " * test["lowest"] + formatted(test["limit"]), quantity(100.0 * test["margin"], "%", ".0f"),
+                test["limit_source"], where, test["passed"], test["margin"])
+        if "value" in test
+        else Verdict(state, test["clause"], "", "", "at rest", "no rest", "", "", "", "", "", where, False, -1.0)
+        for test, where in stored["found"]
     ]  # fmt: skip
 
 
@@ -146,13 +146,13 @@ def _tests_at_rest(programme: Programme, case: Case) -> list[tuple[dict[str, Any
     """The worst of each stationary test that is wanted, and what it is of; where the vehicle finds no rest, why."""
     setup = build(programme.plan.scenario(case))
     held = replace(setup, vehicle=replace(setup.vehicle, loads=()))
-    found: list[tuple[dict[str, Any], str]] = []
+    outcomes: list[tuple[dict[str, Any], str]] = []
     for test in programme.spec.stationary:
         try:
-            found += _test_at_rest(test, held, programme.spec)
+            outcomes += _test_at_rest(test, held, programme.spec)
         except (SimulationError, InputError) as error:
-            found.append(({"clause": test}, str(error)))
-    return found
+            outcomes.append(({"clause": test}, str(error)))
+    return outcomes
 
 
 def _test_at_rest(test: str, setup: Setup[Any], spec: ProgrammeFile) -> list[tuple[dict[str, Any], str]]:
@@ -162,7 +162,8 @@ def _test_at_rest(test: str, setup: Setup[Any], spec: ProgrammeFile) -> list[tup
     if test == "cant":
         place = f"on {quantity(spec.deficiency, 'mm', '.0f')} of cant"
         most = None if (s := spec.flexibility_coefficient) is None else Limit(s, "design of the vehicle", "file")
-        return [(own, place) for own in leaning(vehicle, static_state(vehicle), spec.deficiency, most)["verdicts"]]
+        verdicts = leaning(vehicle, static_state(vehicle), spec.deficiency, most)["verdicts"]
+        return [(verdict, place) for verdict in verdicts]
     if test == "weighing":
         return [(weighing(static_state(vehicle)), "on level track")]
     if test == "settling":
@@ -174,45 +175,45 @@ def _test_at_rest(test: str, setup: Setup[Any], spec: ProgrammeFile) -> list[tup
     if test == "twist":
         return [(numbers["twist_test"], "twist test")]
     turned = numbers.get("rotation_test", [])
-    worst = max(turned, key=lambda own: float(own["value"]), default=None)
+    worst = max(turned, key=lambda outcome: float(outcome["value"]), default=None)
     return [(worst, f"bogie {worst['bogie']}, {formatted(worst['rate_deg_per_s'], 'g')} °/s")] if worst else []
 
 
-def whole_table(title: str, found: Sequence[Verdict]) -> Table:
+def whole_table(title: str, clauses: Sequence[Verdict]) -> Table:
     """Every clause with a limit, in every class of track."""
     rows: list[list[Cell]] = [
         [v.state, v.clause, v.symbol, v.unit, v.zone, v.worst, v.interval, v.estimate, v.limit, v.margin, v.word,
          v.source, v.where]
-        for v in found
+        for v in clauses
     ]  # fmt: skip
-    star = (TO_CONFIRM,) if any(v.source.endswith("*") for v in found) else ()
-    words = "sections: those of the test, of those that the rules ask for; mean: over the sections"
-    return Table(title, tuple(map(Column, HEADS)), rows, (words, *star))
+    star = (TO_CONFIRM,) if any(v.source.endswith("*") for v in clauses) else ()
+    note = "sections: those of the test, of those that the rules ask for; mean: over the sections"
+    return Table(title, tuple(map(Column, HEADS)), rows, (note, *star))
 
 
-def state_table(found: Sequence[Verdict]) -> Table:
+def state_table(clauses: Sequence[Verdict]) -> Table:
     """The same of one state for a page: every clause is named once."""
-    whole, last = whole_table("", found), ""
+    whole, last = whole_table("", clauses), ""
     rows: list[list[Cell]] = []
-    for v, row in zip(found, whole.rows, strict=True):
+    for v, row in zip(clauses, whole.rows, strict=True):
         head: list[Cell] = ["", "", ""] if v.clause == last else [v.clause, v.symbol, v.unit]
         rows.append([*head, *row[4:]])
         last = v.clause
     return Table("", whole.columns[1:], rows, whole.notes)
 
 
-def worst_tables(title: str, found: Sequence[Verdict], notes: Sequence[str]) -> list[Table]:
+def worst_tables(title: str, clauses: Sequence[Verdict], notes: Sequence[str]) -> list[Table]:
     """For the terminal: of every clause and state the class of track with the least margin; the verdict."""
     least: dict[tuple[str, str], Verdict] = {}
-    for v in found:
+    for v in clauses:
         key = v.state, v.clause
         if key not in least or v.share < least[key].share:
             least[key] = v
     rows = [(v.state, v.clause, v.unit, v.zone, v.worst, v.estimate, v.limit, v.margin, v.word) for v in least.values()]
-    words = ("state", "clause", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "verdict")
+    heads = ("state", "clause", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "verdict")
     return [
-        Table(title, tuple(map(Column, words)), rows),
-        Table("", notes=(*(f"note: {note}" for note in notes), verdict_words(found))),
+        Table(title, tuple(map(Column, heads)), rows),
+        Table("", notes=(*(f"note: {note}" for note in notes), verdict_words(clauses))),
     ]
 
 
@@ -225,21 +226,21 @@ def summary_words(programme: Programme) -> str:
     return f"Vehicle {vehicle}; states: {states}. Runs on {uneven}: {runs}.{rest} Rules: {programme.rules.title}."
 
 
-def verdict_words(found: Sequence[Verdict]) -> str:
+def verdict_words(clauses: Sequence[Verdict]) -> str:
     """The verdict in one sentence."""
-    red = [v for v in found if not v.ok]
+    red = [v for v in clauses if not v.ok]
     if not red:
-        return f"{len(found)} values, each within its limit"
+        return f"{len(clauses)} values, each within its limit"
     names = list(dict.fromkeys(f"{v.clause} ({v.state})" for v in red))
-    return f"LIMITS EXCEEDED: {len(red)} of {len(found)} values: {'; '.join(names)}"
+    return f"LIMITS EXCEEDED: {len(red)} of {len(clauses)} values: {'; '.join(names)}"
 
 
-def verdict_numbers(title: str, found: Sequence[Verdict], notes: Sequence[str]) -> dict[str, Any]:
+def verdict_numbers(title: str, clauses: Sequence[Verdict], notes: Sequence[str]) -> dict[str, Any]:
     """Content of ``type_test.json``."""
     return {
         "title": title,
-        "passed": all(v.ok for v in found),
-        "verdicts": [vars(v) for v in found],
+        "passed": all(v.ok for v in clauses),
+        "verdicts": [vars(v) for v in clauses],
         "notes": list(notes),
     }
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from wrsim.contact.profiles.models import load_profile
 from wrsim.errors import InputError, suggest
-from wrsim.inputs.changes import changed, found, key_path
+from wrsim.inputs.changes import changed, full_path, key_path
 from wrsim.inputs.checking import Locate, check_section, fault_line, opened, refuse_other_kind
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, model_file, usual_finder
@@ -93,7 +93,7 @@ def _changed_file(path: Path, changes: Sequence[Change]) -> tuple[dict[str, Any]
             if keys[0] in members and len(keys) > 2:
                 inner.setdefault(str(keys[0]), []).append(change._replace(key=change.key.partition(".")[2]))
                 continue
-            full = found(data, keys, by_name=True)
+            full = full_path(data, keys, by_name=True)
             data = changed(data, full, change.value)
         except InputError as error:
             raise InputError(f"{change.owner}: {error}") from None

@@ -56,9 +56,9 @@ class ClimbSection(PlanTable, header="[climb]"):
             raise given.fault(("vehicle", "loads"), "are for other analyses: [climb] gives the forces on the wheelset")
         if given.vehicle.wheelsets[0].wheelset.torsion is not None:
             raise given.fault(("vehicle", "model"), 'has wheels that turn against each other; analysis = "climb" not')
-        found: dict[str, ClimbPoint] = {}
+        points: dict[str, ClimbPoint] = {}
         for attack, quotient in product(self.angle_of_attack_mrad, self.Y_over_Q):
             name = f"{attack:.10g}mrad_{quotient:.10g}"
-            found[name] = ClimbPoint(name, attack / 1e3, quotient)
+            points[name] = ClimbPoint(name, attack / 1e3, quotient)
         speed = given.one_speed or USUAL_SPEED / 3.6
-        return ClimbPlan(tuple(found.values()), speed, self.longest_m)
+        return ClimbPlan(tuple(points.values()), speed, self.longest_m)

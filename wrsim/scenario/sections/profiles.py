@@ -31,8 +31,8 @@ class PointsSection(Section, header="[profiles.wheel] or [profiles.rail]"):
     def options(self) -> dict[str, object]:
         """Options of `read_points`."""
         lengths = {"cutoff": self.cutoff_mm, "back": self.back_to_tape_circle_mm}
-        words = {key: getattr(self, key) for key in ("unit", "heights", "field_side", "origin", "measured")}
-        return words | {key: None if mm is None else 1e-3 * mm for key, mm in lengths.items()}
+        choices = {key: getattr(self, key) for key in ("unit", "heights", "field_side", "origin", "measured")}
+        return choices | {key: None if mm is None else 1e-3 * mm for key, mm in lengths.items()}
 
 
 class ProfilesSection(Section, header="[profiles]"):

@@ -110,13 +110,13 @@ def named(poses: Sequence[Pose]) -> tuple[Pose, ...]:
             raise InputError(f"pose '{name}': there are two of this name")
         seen[name] = 1
 
-    def free_name(own: dict[str, float]) -> str:
-        parts = (f"{own[k]:.10g}kN" if k == "load" else f"{k}{own[k] + 0.0:+.10g}" for k in varied)
+    def free_name(numbers: dict[str, float]) -> str:
+        parts = (f"{numbers[k]:.10g}kN" if k == "load" else f"{k}{numbers[k] + 0.0:+.10g}" for k in varied)
         name = "_".join(parts)
         seen[name] = seen.get(name, 0) + 1
         return name if seen[name] == 1 else f"{name}_{seen[name]}"
 
-    return tuple(p if p.name else replace(p, name=free_name(own)) for p, own in zip(poses, values, strict=True))
+    return tuple(p if p.name else replace(p, name=free_name(numbers)) for p, numbers in zip(poses, values, strict=True))
 
 
 def read_cases(path: Path, with_roll: bool = True) -> tuple[Pose, ...]:

@@ -53,9 +53,9 @@ class SteadySection(PlanTable, header="[steady]"):
 
     @classmethod
     def beside(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        own, vehicle = raw.get("steady"), raw.get("vehicle")
-        given = cls.keys_meant(own) | VehicleSection.keys_meant(vehicle)
-        if isinstance(own, dict) and "speed_kmh" not in given:
+        steady, vehicle = raw.get("steady"), raw.get("vehicle")
+        given = cls.keys_meant(steady) | VehicleSection.keys_meant(vehicle)
+        if isinstance(steady, dict) and "speed_kmh" not in given:
             yield Fault(("steady", "speed_kmh"), f"must be {words(Series[Speed])}", missing=True)
 
     def consistency(self) -> Iterator[Fault]:
@@ -79,8 +79,8 @@ class SteadySection(PlanTable, header="[steady]"):
             rows = list(zip(*(axis * longest if len(axis) == 1 else axis for axis in axes), strict=True))
         else:
             rows = list(product(*axes))
-        found: dict[str, SteadyPoint] = {}
+        points: dict[str, SteadyPoint] = {}
         for radius, cant, v in rows:
             name = f"R{radius:.10g}m_cant{cant:.10g}mm_{v:.10g}kmh"
-            found[name] = SteadyPoint(name, radius, cant / 1e3, v / 3.6)
-        return SteadyPlan(tuple(found.values()))
+            points[name] = SteadyPoint(name, radius, cant / 1e3, v / 3.6)
+        return SteadyPlan(tuple(points.values()))

@@ -243,10 +243,10 @@ class TrackSection(Section, header="[track]"):
             allowed = f"{plain_number(self.gauge_mm)} to {plain_number(self.gauge_mm + 500.0)}"
             yield Fault("cant_base_mm", f"must be from the gauge to 500 mm more ({allowed})")
         for side in SIDES:
-            own = on_side(self.rail_sections, side)
-            if len(own) == 1 and own[0][1].rail is not None:
-                yield Fault(("rail_sections", own[0][0]), "is the only one of its rail; at least 2 are needed")
-            for (_, before), (i, section) in pairwise(own):
+            sections = on_side(self.rail_sections, side)
+            if len(sections) == 1 and sections[0][1].rail is not None:
+                yield Fault(("rail_sections", sections[0][0]), "is the only one of its rail; at least 2 are needed")
+            for (_, before), (i, section) in pairwise(sections):
                 if section.at_m <= before.at_m:
                     message = f"must be more than {plain_number(before.at_m)}, where its rail has the section before"
                     yield Fault(("rail_sections", i, "at_m"), message)

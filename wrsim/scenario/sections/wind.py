@@ -39,7 +39,7 @@ class AirSection(Section, header="wind"):
 
     def air(self) -> Air:
         """In SI units."""
-        table = tuple((radians(yaw), *own) for yaw, *own in self.yaw_deg_side_lift_roll or ())
+        table = tuple((radians(yaw), *coefficients) for yaw, *coefficients in self.yaw_deg_side_lift_roll or ())
         lengths: Any = self.height_m or 0.0, self.coefficient, self.density_kg_m3, table, self.reference_length_m or 0.0
         return Air(self.side_area_m2, *lengths)
 

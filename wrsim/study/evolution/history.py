@@ -61,18 +61,18 @@ def wear_history(evolution: Evolution, steps: Sequence[Step]) -> xr.Dataset:
     unworn = np.stack(evolution.unworn.at(middles))
     normal = np.stack(evolution.unworn.normal(middles))
     rows, depths = [], []
-    for mileage, areas, own in points:
+    for mileage, areas, following in points:
         table = evolution.table(areas)
         depth = np.zeros(middles.size) if table is None else table.at(middles - origin)[0]
         depths.append(depth)
-        rows.append(_numbers(evolution, evolution.profile(areas), mileage, depth, unworn[0], own))
+        rows.append(_numbers(evolution, evolution.profile(areas), mileage, depth, unworn[0], following))
     places = np.stack([unworn[:, None, :] - normal[:, None, :] * np.stack(depths)])[0]
     variables: dict[str, Any] = {
-        name: ("point", np.array([row[i] for row in rows]), {"units": unit, "long_name": words})
-        for i, (name, (_, _, unit, words)) in enumerate(COLUMNS.items())
+        name: ("point", np.array([row[i] for row in rows]), {"units": unit, "long_name": meaning})
+        for i, (name, (_, _, unit, meaning)) in enumerate(COLUMNS.items())
     }
-    for (name, (dims, words)), values in zip(PROFILES.items(), (*places, np.stack(depths), unworn[0]), strict=True):
-        variables[name] = (dims, values, {"units": "m", "long_name": words})
+    for (name, (dims, meaning)), values in zip(PROFILES.items(), (*places, np.stack(depths), unworn[0]), strict=True):
+        variables[name] = (dims, values, {"units": "m", "long_name": meaning})
     attributes = {
         "format": FORMAT, "title": evolution.given.title, "law": evolution.spec.law, "wheel": evolution.unworn.name,
         "evolution_text": evolution.given.text, "cases_text": evolution.cases_text,
@@ -88,13 +88,13 @@ def _numbers(
 ) -> tuple[float, ...]:
     """The values of COLUMNS; step: the one that begins there."""
     nothing = float("nan")
-    at = int(np.argmax(depth))
+    place = int(np.argmax(depth))
     try:
         flange = flange_dimensions(profile, 1e-3 * evolution.spec.flange_back_mm)
         sizes = flange.thickness, flange.height, flange.steepness
     except InputError:  # a cone has none
         sizes = nothing, nothing, nothing
-    deepest = float(depth[at]), float(u[at]) if depth[at] > 0.0 else nothing
+    deepest = float(depth[place]), float(u[place]) if depth[place] > 0.0 else nothing
     lost = (nothing, nothing) if step is None else (step.tread, step.flange)
     return (mileage, *sizes, _conicity(evolution, profile), *deepest, *lost)
 
@@ -102,14 +102,14 @@ def _numbers(
 def _conicity(evolution: Evolution, profile: Profile) -> float:
     """Equivalent conicity of the wheelset on the rails of the base scenario; not-a-number where it does not swing."""
     setup = evolution.setup
-    own = setup.wheelset
-    wheelset = replace(own, left=replace(own.left, profile=profile), right=replace(own.right, profile=profile))
+    new = setup.wheelset
+    wheelset = replace(new, left=replace(new.left, profile=profile), right=replace(new.right, profile=profile))
     plan = ConicityPlan(amplitudes=(1e-3 * evolution.spec.conicity_amplitude_mm,))
     try:
-        found = wheelset_conicity(wheelset, setup.rails, setup.track.nominal_gauge, plan, evolution.given.title)
+        result = wheelset_conicity(wheelset, setup.rails, setup.track.nominal_gauge, plan, evolution.given.title)
     except InputError:
         return float("nan")
-    return float(found.dataset["equivalent_conicity"].values.ravel()[0])
+    return float(result.dataset["equivalent_conicity"].values.ravel()[0])
 
 
 def write_history(
@@ -153,8 +153,8 @@ def mileage_table(dataset: xr.Dataset) -> Table:
     """Numbers against the mileage, in units for readers."""
     columns = []
     for column, _, _, _ in COLUMNS.values():
-        words, _, unit = column.replace("depth_u", "at u").partition("_")
-        columns.append(Column(words, unit.replace("_per_", "/"), ".5g", column))
+        heading, _, unit = column.replace("depth_u", "at u").partition("_")
+        columns.append(Column(heading, unit.replace("_per_", "/"), ".5g", column))
     rows = [
         [factor * float(dataset[name].values[i]) for name, (_, factor, _, _) in COLUMNS.items()]
         for i in range(dataset.sizes["point"])

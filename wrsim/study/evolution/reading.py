@@ -88,8 +88,8 @@ def read_evolution(file: Path, models: Sequence[str | Path] = ()) -> tuple[Evolu
         table = given.found("cases", spec.cases)
         axis = CsvAxis(kind="csv", file=str(table.resolve()))
         points, shares = _weighted(axis_points(axis, given.finder, given.locate(("cases",))))
-        own = {"wear.laws": [spec.law], "vehicle.wheel": str(wheel)}
-        base = base.with_values(own, given.locate(("base",)))
+        changes = {"wear.laws": [spec.law], "vehicle.wheel": str(wheel)}
+        base = base.with_values(changes, given.locate(("base",)))
         setup = build(base)
     digest = hashlib.sha256(repr((spec, STAGES, base.text, sorted(setup.inputs.items()))).encode())
     for path, content in sorted((str(path), content) for path, content in seen.items()):
@@ -121,25 +121,25 @@ def _weighted(points: AxisPoints) -> tuple[AxisPoints, tuple[float, ...]]:
     columns = list(points.columns)
     if SHARE not in columns:
         file = points.places[0].rpartition(":")[0]
-        own = ", ".join(str(name) for name in columns)
+        names = ", ".join(str(name) for name in columns)
         raise InputError(
             f'{file}: share is missing: needs a column "{SHARE}", the share of each case in the mileage; '
-            f"its columns are {own}"
+            f"its columns are {names}"
         )
-    at = columns.index(SHARE)
+    position = columns.index(SHARE)
     shares = []
     for place, row in zip(points.places, points.values, strict=True):
-        share = row[at]
+        share = row[position]
         if isinstance(share, bool) or not isinstance(share, int | float) or not 0.0 < share <= 1.0:
             raise InputError(f"{place}: {SHARE} = {share}: must be a number above 0, up to 1")
         shares.append(float(share))
     if abs(sum(shares) - 1.0) > WHOLE:
         raise InputError(f"{points.places[-1]}: {SHARE}: all of them add up to {sum(shares):.6g}; must be 1")
-    keys = tuple(key for i, key in enumerate(points.keys) if i != at)
+    keys = tuple(key for i, key in enumerate(points.keys) if i != position)
     if not keys:
         raise InputError(f"{points.places[0]}: no column varies a key; must be dotted keys such as vehicle.speed_kmh")
     for name in ("vehicle.wheel", "wear.laws"):
         if any(name in group for group in keys):
             raise InputError(f"{points.places[0]}: column {name}: the steps of wear set it; take it away")
-    values = tuple(tuple(v for i, v in enumerate(row) if i != at) for row in points.values)
+    values = tuple(tuple(v for i, v in enumerate(row) if i != position) for row in points.values)
     return replace(points, keys=keys, values=values), tuple(shares)

@@ -26,7 +26,7 @@ def tableau() -> tuple[Array, Array]:
     s = STAGES
     w0 = 1.0 + DAMPING / s**2
     bases = [Chebyshev.basis(j) for j in range(s + 1)]
-    T, T1, T2 = (np.array([own.deriv(m)(w0) if m else own(w0) for own in bases]) for m in range(3))
+    T, T1, T2 = (np.array([basis.deriv(m)(w0) if m else basis(w0) for basis in bases]) for m in range(3))
     w1 = T1[s] / T2[s]
     b = np.zeros(s + 1)
     b[2:] = T2[2:] / T1[2:] ** 2

@@ -160,9 +160,9 @@ def _computed(evolution: Evolution, folder: Path, number: int, start: float, are
 def _weighed(looks: Sequence[_Wear], weights: Array) -> _Wear:
     """The sum of some looks at the wear, each with its weight; those without a weight have not been taken yet."""
     pairs = list(zip(weights.tolist(), looks, strict=False))
-    areas = np.sum([weight * own.areas for weight, own in pairs], axis=0)
+    areas = np.sum([weight * look.areas for weight, look in pairs], axis=0)
     return _Wear(
-        areas, sum(weight * own.tread for weight, own in pairs), sum(weight * own.flange for weight, own in pairs)
+        areas, sum(weight * look.tread for weight, look in pairs), sum(weight * look.flange for weight, look in pairs)
     )
 
 
@@ -215,8 +215,8 @@ def _lost(evolution: Evolution, plan: Plan) -> tuple[Array, float, float]:
         folder = plan.folder_of(case)
         marker = read_marker(folder)
         if marker is None or marker.status != COMPLETED:
-            words = "no result" if marker is None else f"{marker.status}: {marker.message}"
-            faults.append(f"{plan.folder}: case {case.label}: {words}")
+            reason = "no result" if marker is None else f"{marker.status}: {marker.message}"
+            faults.append(f"{plan.folder}: case {case.label}: {reason}")
             continue
         dataset = Result.load(folder / RESULT).dataset.sel(wear_law=evolution.spec.law)
         depth = dataset["wear_wheel_depth"].values.reshape(-1, dataset.sizes["wheel_place"]).mean(axis=0)
