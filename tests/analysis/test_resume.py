@@ -303,4 +303,4 @@ def test_other_code_does_not_go_on_but_can_be_shown(whole, tmp_path, monkeypatch
 def test_a_static_analysis_has_nothing_to_resume(tmp_path):
     (tmp_path / "result.nc.part").write_bytes(b"")
     refused = refusal("run", SCENARIOS / "static_s1002.toml", "-o", tmp_path, "--resume")
-    assert "nothing is stored of it to resume" in refused
+    assert "cannot be resumed" in refused

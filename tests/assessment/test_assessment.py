@@ -14,7 +14,7 @@ from wrsim import InputError, Result
 from wrsim.analysis.ride import ride_section_of
 from wrsim.assessment.assess import assess_runs
 from wrsim.assessment.estimates import regression
-from wrsim.assessment.limits import About
+from wrsim.assessment.limits import LimitContext
 from wrsim.assessment.nadal import Climbing, longest_stretch, nadal_limit
 from wrsim.assessment.outcome import Assessment, assessment_json
 from wrsim.assessment.rules import rule_set
@@ -361,7 +361,7 @@ def test_a_constructed_derailment_exceeds_every_limit_that_it_should():
 
 
 def limit_of(quantity: str, **about) -> float | None:
-    found = EN.about(quantity).limit_at(About(**about))
+    found = EN.about(quantity).limit_at(LimitContext(**about))
     return found and found.value
 
 

@@ -11,7 +11,7 @@ from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 
 from wrsim import InputError, Result, load_text
 from wrsim.assessment.assess import assess_runs
-from wrsim.assessment.limits import QUANTITIES, About
+from wrsim.assessment.limits import QUANTITIES, LimitContext
 from wrsim.assessment.nadal import distance_to_climb
 from wrsim.assessment.outcome import Assessment
 from wrsim.assessment.rules import FOLDER, NAMES, rule_set
@@ -85,7 +85,9 @@ def test_limits_of_the_track_safety_standards_are_those_of_the_law():
     (limit,) = {v.limit.value for v in assessed("en14363", run(300.0)).of("Y_over_Q_nadal")}
     assert limit == pytest.approx((slope - 0.3) / (1.0 + 0.3 * slope))
     clause = rule_set("49cfr213").about("sum_Y_share")
-    assert clause.limit_at(About(axle_load=200e3)).value * 200e3 == pytest.approx(0.4 * 200e3 + 5e3 * 4.44822, rel=1e-4)
+    assert clause.limit_at(LimitContext(axle_load=200e3)).value * 200e3 == pytest.approx(
+        0.4 * 200e3 + 5e3 * 4.44822, rel=1e-4
+    )
 
 
 def frames(amplitude: float, seconds: float, step: float) -> Result:

@@ -409,7 +409,9 @@ def test_files_start_from_each_other_so_often_and_no_further(tmp_path):
     for i in range(1, MOST_BASES + 2):
         (tmp_path / f"{i}.toml").write_text(f'base = "{i - 1}.toml"\n')
     assert len(load(tmp_path / f"{MOST_BASES}.toml").merged.files) == MOST_BASES + 1
-    with pytest.raises(InputError, match=r'1\.toml:1: base = "0\.toml": is one file too many: at most 20 scenarios'):
+    with pytest.raises(
+        InputError, match=r'1\.toml:1: base = "0\.toml": follows 20 others: a scenario has no more than 20 base files'
+    ):
         load(tmp_path / f"{MOST_BASES + 1}.toml")
     for i in range(500):
         base = "S1002.toml" if i == 0 else f"{i - 1}.toml"

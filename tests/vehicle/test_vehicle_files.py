@@ -119,7 +119,7 @@ WIND = {"name": "wind", "on": "carbody", "at_mm": [0, 0, 2200], "axes": "track",
 
 
 @pytest.mark.parametrize(("scenario", "values", "words"), [
-    ("static_s1002", {"vehicle.loads": [WIND]}, "vehicle.loads: has no place in analysis = .static.: remove it"),
+    ("static_s1002", {"vehicle.loads": [WIND]}, "loads: cannot be combined with analysis = .static.: remove it"),
     ("steady_manchester", {"vehicle.loads": [{k: v for k,
      v in WIND.items() if k != "force_kN"} | {"time_s_force_kN": [[0, 0, 0, 0], [1, 0, 1, 0]]}]},
      "vehicle.loads[0]: analysis = .steady. looks for motion that lasts: load 'wind' must be constant"),

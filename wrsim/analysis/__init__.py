@@ -97,7 +97,7 @@ def run(
     function = resolved(analysis.run)
     if not analysis.moves:
         if resume:
-            raise scenario.fault(("analysis",), "nothing is stored of it to resume; run it without --resume")
+            raise scenario.fault(("analysis",), "cannot be resumed; run it without --resume")
         with timed(f"analysis {analysis.name}"):
             return function(setup, progress)  # type: ignore[no-any-return]
     run_record = None if record is None else RunRecord.of(scenario, setup, Path(record), resume)

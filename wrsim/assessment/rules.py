@@ -17,11 +17,11 @@ from wrsim.assessment.limits import (
     INFORMATION,
     QUANTITIES,
     QUANTITY_NAMES,
-    About,
     AnyLimit,
     Constant,
     Force,
     Limit,
+    LimitContext,
     Quantity,
     Radius,
 )
@@ -108,7 +108,7 @@ class ClauseSection(Section, header="[[clauses]]"):
             key, law = ("unit", "") if isinstance(self.limit, Constant) else ("law", f', this law "{units[0]}"')
             yield Fault(("limit", key), f'quantity "{self.quantity}" has the unit "{unit}"{law}')
 
-    def limit_at(self, about: About) -> Limit | None:
+    def limit_at(self, about: LimitContext) -> Limit | None:
         """The limit there; None where there is none."""
         if self.limit is None or (self.classes and about.zone not in self.classes):
             return None

@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.assessment.hunting import Hunting
-from wrsim.assessment.limits import About, Limit
+from wrsim.assessment.limits import Limit, LimitContext
 from wrsim.assessment.nadal import Climbing, longest_stretch
 from wrsim.assessment.outcome import Array, AssessedSection, Value
 from wrsim.assessment.rules import ClauseSection, RulesFile
@@ -29,9 +29,9 @@ FULL_CURVES = ("Y_qst", "Y_qst_reduced", "Q_qst", "B_qst")
 """What the outer wheel bears."""
 
 
-def about(section: AssessedSection, settings: AssessmentSettings, axle_load: float = 0.0) -> About:
+def about(section: AssessedSection, settings: AssessmentSettings, axle_load: float = 0.0) -> LimitContext:
     """What limits in a section depend on; axle_load [N]."""
-    return About(settings.kind, axle_load, section.zone, abs(section.radius), section.speed)
+    return LimitContext(settings.kind, axle_load, section.zone, abs(section.radius), section.speed)
 
 
 class Forces:
@@ -229,7 +229,7 @@ def quasi_static(
     clauses = [clause for key in FULL_CURVES if (clause := rules.about(key)) is not None]
     less = rules.about("Y_qst_reduced")
     for zone, radius in radii.items():
-        here = About(zone=zone, radius=radius)
+        here = LimitContext(zone=zone, radius=radius)
         own = [
             (axle, section, inside, 1 if section.radius > 0.0 else 0)
             for axle, sections in runs

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wrsim.assessment.limits import About
+from wrsim.assessment.limits import LimitContext
 from wrsim.assessment.rules import rule_set
 from wrsim.inputs.section import given
 from wrsim.plots import marks, theme
@@ -89,7 +89,7 @@ def _derailment_limit(axes: Axes, dataset: xr.Dataset, largest: float) -> None:
     curvature = dataset["curvature"].values if "curvature" in dataset else np.zeros(x.shape)
     clause = given(rule_set().about("Y_over_Q"))
     rule = given(clause.limit)
-    most = given(clause.limit_at(About())).value
+    most = given(clause.limit_at(LimitContext())).value
     limit = np.where(np.abs(curvature) * (rule.from_radius_m or 0.0) <= 1.0 + 1e-6, most, np.nan)
     if not np.isfinite(limit).any():
         return

@@ -71,7 +71,7 @@ class ChannelSection(Section, header="[[channels]]"):
             yield Fault("unit", f"is none of {self.quantity}: must be {', '.join(self.units)}")
         if self.positive is not None and self.positive not in signs:
             allowed = " or ".join(f'"{s}"' for s in signs)
-            yield Fault("positive", f"must be {allowed}" if signs else f"has no place: {self.quantity} has one sign")
+            yield Fault("positive", f"must be {allowed}" if signs else f"cannot be given: {self.quantity} has one sign")
         given = [key for key in ("chord_m", "band", "band_m") if getattr(self, key) is not None]
         if kind not in ("alignment", "level"):
             for key in given:

@@ -131,7 +131,7 @@ def restored_track(
     """The track of a recording, from the options of ``wrsim recording`` [m].
 
     columns: column map; chord, band: how alignment and level were measured without a map; part: from and to;
-    wavelengths: those wanted; amplification: largest factor with which a wave is undone; transitions: "clothoid",
+    wavelengths: those wanted; amplification: maximum gain of the inverse filter; transitions: "clothoid",
     "bloss", "either". Raises InputError.
     """
     check_value(Literal["D1", "D2", "D3"] | None, band, "--band")

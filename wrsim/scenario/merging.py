@@ -83,7 +83,7 @@ def read_merged(path: Path, children: tuple[Path, ...] = ()) -> Merged:
     if os.path.realpath(below_path) in map(os.path.realpath, family):
         raise fault(f"scenarios start from each other: {' -> '.join(map(str, (*family, below_path)))}")
     if len(family) > MOST_BASES:
-        raise fault(f"is one file too many: at most {MOST_BASES} scenarios may follow each other by base")
+        raise fault(f"follows {MOST_BASES} others: a scenario has no more than {MOST_BASES} base files")
     try:
         below = read_merged(below_path, family)
     except InputError as error:

@@ -16,7 +16,7 @@ from wrsim.scenario.sections.track import TrackSection
 from wrsim.scenario.sections.vehicle import VehicleSection
 
 OWN_TRACK = ("segments", "table", "grades", "irregularities")
-"""Keys of [track] that have no place where an analysis lays its own."""
+"""Keys of [track] that an analysis which lays its own track does not take."""
 
 
 class ScenarioSpec(Section, header="a scenario"):
@@ -51,7 +51,7 @@ class ScenarioSpec(Section, header="a scenario"):
         if "conical" in contact and not (analysis and analysis.conical):
             yield Fault(("contact", "conical"), f"is for {_where('conical')} only")
         if "conical" in contact and "structure" in track:
-            yield Fault(("track", "structure"), "has no place beside [contact.conical], whose rails are rigid")
+            yield Fault(("track", "structure"), "cannot be combined with [contact.conical], whose rails are rigid")
         structure = track.get("structure")
         kind = structure.get("kind") if isinstance(structure, dict) else None
         if kind == "sleepers":
@@ -112,7 +112,7 @@ def _of_vehicle_and_track(
     for table, key, why in unused:
         if value := (vehicle if table == "vehicle" else track).get(key):
             emptied = f" (or {key} = [])" if isinstance(value, list) else ""
-            yield Fault((table, key), f"has no place in {kind}{why}: remove it{emptied}")
+            yield Fault((table, key), f"cannot be combined with {kind}{why}: remove it{emptied}")
 
 
 def _is_needed(table: type[Section]) -> bool:

@@ -108,7 +108,7 @@ def _with_efforts(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
             efforts.append(table.effort(name))
     control = section.slip_control
     if control is not None and any(effort.wheel != "both" for effort in efforts):
-        message = "looks at axles: it has no place beside efforts on single wheels"
+        message = "looks at axles: it cannot be combined with efforts on single wheels"
         raise scenario.fault(("vehicle", "slip_control"), message)
     limit = None if control is None else SlipControl(control.slip_kmh / 3.6, control.creepage)
     return replace(vehicle, efforts=tuple(efforts), slip_control=limit)

@@ -16,7 +16,7 @@ from wrsim.study.cluster import processors
 from wrsim.study.collect import MOST_LISTED, markers_of
 from wrsim.study.engine import kinds, missing
 from wrsim.study.plan import Plan
-from wrsim.study.task import COMPLETED, StopCase, Marker, compile_for
+from wrsim.study.task import COMPLETED, Marker, StopCase, compile_for
 
 PROBES = 3
 """Cases that are tried, spread over the study."""

@@ -12,7 +12,7 @@ from wrsim.analysis.conicity.conicity import wheelset_conicity
 from wrsim.analysis.stationary import loops
 from wrsim.analysis.stationary.loops import RotationTest, TwistTest
 from wrsim.analysis.stationary.statics import StaticState, canted, static_state
-from wrsim.assessment.limits import About, Limit
+from wrsim.assessment.limits import Limit, LimitContext
 from wrsim.assessment.rules import rule_set
 from wrsim.contact.profiles.profile import Profile
 from wrsim.errors import InputError, SimulationError
@@ -75,14 +75,14 @@ def numbers_at_rest(
 
 
 def judged(
-    rules: str, quantity: str, value: float, about: About | None = None, limit_instead: Limit | None = None
+    rules: str, quantity: str, value: float, about: LimitContext | None = None, limit_instead: Limit | None = None
 ) -> dict[str, Any]:
     """A value [SI units] of a vehicle at rest beside its limit in a rule set, both in the unit for readers.
 
     about: what the limit depends on, where it is no constant; limit_instead: a limit in its place.
     """
     clause = given(rule_set(rules).about(quantity))
-    limit, shown = limit_instead or given(clause.limit_at(about or About())), clause.judged.shown
+    limit, shown = limit_instead or given(clause.limit_at(about or LimitContext())), clause.judged.shown
     return {
         "clause": clause.id,
         "symbol": clause.judged.symbol,
@@ -120,7 +120,7 @@ def conicity(vehicle: Vehicle, rails: tuple[Profile, Profile], gauge: float, spe
     kinds = dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets)
     datasets = [wheelset_conicity(item, rails, gauge, plan, vehicle.name).dataset for item in kinds]
     largest = max(float(item["equivalent_conicity"].max()) for item in datasets)
-    return judged(LOOPS, "conicity", largest, About(speed=speed))
+    return judged(LOOPS, "conicity", largest, LimitContext(speed=speed))
 
 
 def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
