@@ -22,6 +22,7 @@ from wrsim.contact import records as k
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.creep.fastsim import fastsim
 from wrsim.contact.creep.flexibility import Creepages, Flexibilities, Rolling
+from wrsim.contact.creep.laws import CREEP_LAWS, KERNEL_LAWS
 from wrsim.contact.kik_piotrowski import strip_potential
 from wrsim.contact.models import contact_model
 from wrsim.contact.pose import Pose
@@ -84,7 +85,7 @@ def nothing(buffer, index):  # type: ignore[no-untyped-def]
     return 0
 
 
-LADDER = ("fastsim", "fastsim, blended", "fastrip", "polach", "linear", "shen-hedrick-elkins")
+LADDER = [f"{name}{kind}" for name in KERNEL_LAWS for kind in ("", ", blended")[: 1 + CREEP_LAWS[name].flexibility]]
 
 
 def creep_time(

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from wrsim.analysis.poses.solver import HalfSpacePoseSolver, PoseSolver
 from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.creep.laws import CREEP_LAWS
 from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model
@@ -28,7 +29,7 @@ from wrsim.contact.profiles.files import read_points
 from wrsim.contact.profiles.models import load_profile
 from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.profiles.sections import circle
-from wrsim.contact.settings import ContactSettings, Flexibility, Material, Normal, Tangential, TractionBound
+from wrsim.contact.settings import ContactSettings, Flexibility, Material, Normal, TractionBound
 
 Array = NDArray[np.float64]
 Row = dict[str, str]
@@ -93,9 +94,9 @@ class Chosen:
         name, *options = tangential.split("/")
         allowed: dict[str, str] = dict.fromkeys(get_args(TractionBound), "traction_bound")
         allowed |= dict.fromkeys(get_args(Flexibility), "flexibility")
-        if name not in get_args(Tangential) or not set(options) <= set(allowed):
+        if name not in CREEP_LAWS or not set(options) <= set(allowed):
             raise SystemExit(
-                f"creep forces '{tangential}': allowed: {', '.join(get_args(Tangential))}, or with /three, /parabolic"
+                f"creep forces '{tangential}': allowed: {', '.join(CREEP_LAWS)}, or with /three, /parabolic"
             )
         chosen = {allowed[option]: option for option in options}
         return replace(self.settings, tangential=name, **chosen)  # type: ignore[arg-type]

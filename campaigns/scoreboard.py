@@ -40,20 +40,17 @@ from reference_contact import (
 )
 from tangential_cases import score_tangential
 
+from wrsim.contact.creep.laws import CREEP_LAWS, KERNEL_LAWS
 from wrsim.contact.pose import Pose
 from wrsim.contact.settings import Normal
 
 QUANTITIES = {"p0_MPa": "pmax_MPa", "area_mm2": "area_mm2", "approach_mm": "pen_mm", "N_N": "Fn_N"}
 PEERS = ("contact_planar", "kpec", "analyn")
 DEFAULT_MODELS = ("kik-piotrowski/constant", *(n for n in get_args(Normal) if n != "half-space"), "half-space")
-DEFAULT_TANGENTIAL = (
-    "fastsim",
-    "fastsim/three",
-    "fastsim/three/parabolic",
-    "fastrip",
-    "polach",
-    "shen-hedrick-elkins",
-    "linear",
+DEFAULT_TANGENTIAL = tuple(
+    f"{name}{options}"
+    for name in KERNEL_LAWS
+    for options in ("", *(("/three", "/three/parabolic") if CREEP_LAWS[name].flexibility else ()))
 )
 TABLES = ("static", "benchmark", "regions", "angles", "arcs", "grooves", "tangential")
 

@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -16,20 +17,37 @@ from support.rows import data_rows, rows_of
 
 from wrsim import InputError, load
 from wrsim.contact.creep.flexibility import Flexibilities, Rolling, kalker_coefficients
+from wrsim.contact.creep.laws import CREEP_LAWS, KERNEL_LAWS, Tangential
 from wrsim.contact.creep.march import begin, hold_power, march
+from wrsim.contact.models import NORMAL_MODELS
+from wrsim.contact.settings import SOLVED_STRIPS, USUAL, Normal
 from wrsim.contact.tables import bound_over_cells, creep_coefficients
 
 table = rows_of(__file__)
 
 FRICTION = 0.3
-MODELS = ["fastsim", "fastsim, parabolic", "fastsim, blended", "fastrip", "polach", "linear", "shen-hedrick-elkins"]
-BOUNDED = [m for m in MODELS if m != "linear"]
+VARIANTS = {"parabolic": "bound", "blended": "flexibility"}
+MODELS = [
+    f"{name}{variant and ', '}{variant}"
+    for name in KERNEL_LAWS
+    for variant in ("", *(word for word, choice in VARIANTS.items() if getattr(CREEP_LAWS[name], choice)))
+]
+BOUNDED = [m for m in MODELS if CREEP_LAWS[m.partition(",")[0]].saturates]
+REDUCIBLE = [name for name, law in CREEP_LAWS.items() if law.slope]
 EVERY = pytest.mark.parametrize("model", MODELS)
 
 signed = st.floats(-6.0, -1.0).map(lambda x: 10.0**x) | st.floats(-6.0, -1.0).map(lambda x: -(10.0**x)) | st.just(0.0)
 spins = st.floats(-3.0, 2.0).map(lambda x: 10.0**x) | st.floats(-3.0, 2.0).map(lambda x: -(10.0**x)) | st.just(0.0)
 aspects = st.floats(-1.5, 1.5).map(lambda x: 10.0**x)
 few = {"strips": 12, "cells": 8}
+
+
+def test_the_register_has_every_law_that_a_user_may_name_and_each_number_once():
+    assert tuple(CREEP_LAWS) == get_args(Tangential)
+    numbers = [CREEP_LAWS[name].kernel for name in KERNEL_LAWS]
+    assert sorted(numbers) == list(range(1, len(numbers) + 1))
+    assert tuple(NORMAL_MODELS) == tuple(USUAL) == get_args(Normal)
+    assert set(SOLVED_STRIPS) == {name for name, model in NORMAL_MODELS.items() if model.solves_for_strips}
 
 
 @EVERY
@@ -286,7 +304,7 @@ def test_traction_follows_contact(series, model, friction, numbers, most):
     assert_allclose(found, force, atol=most)
 
 
-@pytest.mark.parametrize("model", ["fastsim", "fastrip"])
+@pytest.mark.parametrize("model", REDUCIBLE)
 def test_the_reduction_begins_with_its_part_of_kalker_and_ends_with_friction(model):
     """k = k_0 at no creepage; the force never exceeds mu N, to which it comes at large creepages."""
     small = traction(model, 0.3, 1e-7, REDUCED) / traction(model, 0.3, 1e-7, {})
@@ -296,7 +314,7 @@ def test_the_reduction_begins_with_its_part_of_kalker_and_ends_with_friction(mod
 
 def test_slope_reduction_belongs_to_two_models_and_none_is_the_plain_one_to_the_bit():
     numbers = {"slope_k0": 1.0, "slope_alpha_inf": 1.0, "slope_beta": 5.0}
-    for model in ("fastsim", "fastrip"):
+    for model in REDUCIBLE:
         assert traction(model, 0.3, 1e-3, numbers) == traction(model, 0.3, 1e-3, {})
     scenario = load(Path(__file__).resolve().parents[2] / "scenarios/traction.toml")
     settings = scenario.spec.contact.settings()

@@ -7,6 +7,7 @@ from support.contacts import HALF_SPACING, PAIRS, RADIUS, pair_model, rail_origi
 from support.examples import examples
 
 from wrsim.contact import records as k
+from wrsim.contact.creep.laws import KERNEL_LAWS
 from wrsim.contact.settings import Friction
 
 speeds = st.sampled_from([0.0, 1e-3, -0.5, 20.0, 100.0])
@@ -14,7 +15,7 @@ states = st.fixed_dictionaries(
     {
         "pair": st.sampled_from(sorted(PAIRS)),
         "friction": st.sampled_from([0.0, 0.3, 2.0, Friction(0.5, 0.1, falling_ratio=0.4)]),
-        "tangential": st.sampled_from(["fastsim", "fastrip", "polach", "linear", "shen-hedrick-elkins"]),
+        "tangential": st.sampled_from(KERNEL_LAWS),
         "bound": st.sampled_from(["elliptic", "parabolic"]),
         "flexibility": st.sampled_from(["three", "blended"]),
         "approach": st.sampled_from(["projected", "constant"]),

@@ -18,7 +18,8 @@ from wrsim import Arc, ContactSettings, Straight, load
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.analysis.motion.start import start_state
-from wrsim.contact.settings import Normal, Tangential
+from wrsim.contact.creep.laws import CREEP_LAWS
+from wrsim.contact.settings import Normal
 from wrsim.contact.workspace import WARM_TOLERANCE
 from wrsim.scenario.build import Setup, build
 from wrsim.simulation.force_law import COORDINATES, DIFFERENCE_TOLERANCE, SMALL, SMALL_RATE, force_derivative
@@ -147,10 +148,10 @@ def test_the_frame_gives_what_the_creep_forces_dissipate(curve):
 
 # The derivative that an implicit step uses, of every contact law, beside central differences of cold contacts.
 #
-# Laws are taken from ``Normal`` and ``Tangential``. An implicit step solves with the derivative of the fast model where
+# Laws are taken from ``Normal`` and ``CREEP_LAWS``. An implicit step solves with the derivative of the fast model where
 # the contact is exact, so half-space contacts have none of their own.
 FAST_MODELS = [name for name in get_args(Normal) if name != "half-space"]
-CREEP = [name for name in get_args(Tangential) if name != "half-space"]
+CREEP = [name for name in CREEP_LAWS if name != "half-space"]
 POSES = {"tread": (1e-3, 2e-3, 40e-6), "root": (5.5e-3, 4e-3, 40e-6), "flange": (6.8e-3, 8e-3, 50e-6)}
 """Lateral shift [m], yaw [rad] and approach [m] of a wheelset."""
 

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from wrsim.contact import records as k
 from wrsim.contact.arrays import ARRAYS, Arrays
 from wrsim.contact.creep.creep_forces import creep_forces
-from wrsim.contact.model import TANGENTIAL
+from wrsim.contact.creep.laws import CREEP_LAWS
 from wrsim.contact.tables import bound_over_cells, creep_coefficients
 
 Array = NDArray[np.float64]
@@ -57,7 +57,7 @@ def roll(
     lobes["area"] = np.pi * radius**2
     lobes["length"], lobes["width"] = 2.0 * radius * np.sqrt(aspect), 2.0 * radius / np.sqrt(aspect)
     name, _, option = model.partition(", ")
-    constants["tangential"] = TANGENTIAL[name]
+    constants["tangential"] = CREEP_LAWS[name].kernel
     constants["parabolic"] = option == "parabolic"
     constants["blended"] = option == "blended"
     call["mu"] = call["mu_gauge"] = friction

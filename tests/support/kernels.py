@@ -28,6 +28,7 @@ from support.vehicles import manchester, on_track, shipped
 from wrsim import Arc, ContactModel, ContactSettings, Flat, Friction, contact_model
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.contact.channels import WheelOnRail, wheel_outline
+from wrsim.contact.creep.laws import KERNEL_LAWS
 from wrsim.contact.profiles.sections import circle
 from wrsim.contact.search.locus import locus_point
 from wrsim.contact.settings import ConicalWheels, FrictionAlong, HalfSpaceSettings, Material
@@ -61,7 +62,6 @@ from wrsim.vehicle.wheelset import Torsion, Wheelset
 PAIR = "S1002/60E1 1:40"
 FRICTION = Friction(0.4, gauge_corner=0.1, falling_ratio=0.5)
 SMALL = {"strips": 6, "cells": 4, "friction": FRICTION}
-CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
 PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
 SOURCES = {str(path) for path in sources()}
 FULL_ALONE = {
@@ -102,7 +102,7 @@ def lowered(model: ContactModel, lateral: float, yaw: float, depth: float = 1e-4
 def contact_cases(full: bool) -> dict[str, list[float]]:
     """One wheel on one rail; not in full: each kernel but FULL_ALONE at work, and no place more."""
     found = {}
-    for tangential in CREEP:
+    for tangential in KERNEL_LAWS:
         for lateral, yaw in PLACES if full else PLACES[1:2]:
             model = pair_model(PAIR, tangential=tangential, **SMALL)
             found[f"{tangential} {lateral:g}"] = lowered(model, lateral, yaw)

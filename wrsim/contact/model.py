@@ -16,9 +16,10 @@ from wrsim.contact import records as k
 from wrsim.contact import tables
 from wrsim.contact.arrays import Arrays
 from wrsim.contact.batch import Contacts, evaluate_poses
+from wrsim.contact.creep.laws import CREEP_LAWS, KERNEL_LAWS
 from wrsim.contact.library_file import save_library
 from wrsim.contact.profiles.profile import Profile
-from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, Tangential
+from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong
 from wrsim.contact.strips.equations import block_of
 from wrsim.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECTORS
 from wrsim.contact.surfaces.out_of_round import Part, shape_tables
@@ -32,15 +33,6 @@ SEARCH_REACH = 0.75e-3  # distance of the search's samples near the rail [m]
 EPSILON = 0.55  # [S 23]
 MOST_STRIPS = 2000
 SHOULDERS = 2  # grids of the strip model beyond one for each lobe
-TANGENTIAL: dict[Tangential, int] = {
-    "none": k.NO_CREEP_FORCES,
-    "fastsim": k.FASTSIM,
-    "fastrip": k.FASTRIP,
-    "polach": k.POLACH,
-    "linear": k.LINEAR,
-    "shen-hedrick-elkins": k.SHEN_HEDRICK_ELKINS,
-    "half-space": k.NO_CREEP_FORCES,  # not the kernel's: contact.half_space
-}
 FRICTION = ("mu", "mu_gauge", "zone_start", "zone_end", "fall_ratio", "fall_decay")
 LEAST_SPEED = 0.05  # rolling speed below which creepages are regularised [m/s]
 
@@ -96,7 +88,7 @@ class ContactModel:
     def inputs(self) -> Arrays:
         """What the kernel's workspace is packed from. From now on its stages can be run."""
         compile_stages(k.CONTACT, self.normal.kernel)
-        if TANGENTIAL[self.settings.creep_forces] != k.NO_CREEP_FORCES:
+        if self.settings.creep_forces in KERNEL_LAWS:
             compile_stages(k.CREEP_FORCES)
         return _inputs(self)
 
@@ -297,8 +289,8 @@ def _inputs(model: ContactModel) -> Arrays:
     wheel_table, wheel_step = tables.profile_table(model.wheel)
     rail = tables.plain_rail(model.rail) if model.rolled is None else tables.changing_rail(model.rolled)
     field_ = rail.field
-    # FaStrip knows no other bound than the pressure's
-    parabolic = settings.traction_bound == "parabolic" and settings.creep_forces == "fastsim"
+    law = CREEP_LAWS[settings.creep_forces]
+    parabolic = law.bound and settings.traction_bound == "parabolic"
     # Kalker's combined elastic constants: means of the compliances
     shear_compliance = 0.5 * sum(1.0 / m.shear_modulus for m in (settings.wheel, settings.rail))
     poisson = 0.5 * sum(m.poisson_ratio / m.shear_modulus for m in (settings.wheel, settings.rail)) / shear_compliance
@@ -315,12 +307,12 @@ def _inputs(model: ContactModel) -> Arrays:
     state["tolerance"] = WARM_TOLERANCE
     n.curved = normal.solves_for_strips and settings.half_space.influence == "angle-corrected"
     n.strip_width = settings.strip_width or 0.0
-    n.tangential = TANGENTIAL[settings.creep_forces]
+    n.tangential = law.kernel
     n.parabolic, n.blended = parabolic, settings.flexibility == "blended"
     n.kA, n.kS = settings.polach_adhesion, settings.polach_slip
     n.slope_k0, n.slope_alpha_inf, n.slope_beta = settings.slope_k0, settings.slope_alpha_inf, settings.slope_beta
-    law = friction if isinstance(friction, Friction) else friction.laws[0]
-    for name, number in zip(FRICTION, law.numbers, strict=True):
+    first = friction if isinstance(friction, Friction) else friction.laws[0]
+    for name, number in zip(FRICTION, first.numbers, strict=True):
         call[name] = number
     n.wheel_step, n.radius, n.rail_step = wheel_step, model.radius, rail.step
     n.rows, n.field_rows, n.slack = rail.rows, rail.field_rows, rail.slack

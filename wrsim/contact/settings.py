@@ -9,13 +9,13 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from wrsim.contact.creep.laws import CREEP_LAWS, Tangential
 from wrsim.errors import InputError, suggest
 
 Array = NDArray[np.float64]
 
 Normal = Literal["kik-piotrowski", "strips", "half-space"]
 Approach = Literal["projected", "constant"]
-Tangential = Literal["fastsim", "fastrip", "polach", "linear", "shen-hedrick-elkins", "half-space", "none"]
 Influence = Literal["half-space", "angle-corrected"]
 Pairing = Literal["opposite", "level"]
 Flexibility = Literal["three", "blended"]
@@ -25,17 +25,18 @@ TractionBound = Literal["elliptic", "parabolic"]
 @dataclass(frozen=True)
 class Usual:
     """What goes with a normal model where the user chose nothing else: model of the creep forces, numbers of strips
-    and of patches."""
+    and of patches; text: its name in documents."""
 
     tangential: Tangential
     strips: int
     patches: int
+    text: str
 
 
 USUAL: dict[Normal, Usual] = {
-    "kik-piotrowski": Usual("fastsim", 40, 3),
-    "strips": Usual("fastrip", 16, 4),
-    "half-space": Usual("half-space", 40, 4),
+    "kik-piotrowski": Usual("fastsim", 40, 3, "model of Kik and Piotrowski"),
+    "strips": Usual("fastrip", 16, 4, "strip model"),
+    "half-space": Usual("half-space", 40, 4, "exact solver"),
 }
 """Defaults that depend on another choice. Such a key is None in ContactSettings unless given."""
 
@@ -43,7 +44,7 @@ SOLVED_STRIPS: dict[str, tuple[int, int]] = {"strips": (12, 200)}
 """Models that solve for every strip, and how many strips a patch may have then."""
 
 CHOICES: dict[str, tuple[str | None, ...]] = {
-    "normal": get_args(Normal), "approach": get_args(Approach), "tangential": (None, *get_args(Tangential)),
+    "normal": get_args(Normal), "approach": get_args(Approach), "tangential": (None, *CREEP_LAWS),
     "traction_bound": get_args(TractionBound), "flexibility": get_args(Flexibility),
 }  # fmt: skip
 """What the settings of these names may be."""

@@ -13,6 +13,7 @@ import xarray as xr
 from markupsafe import Markup
 
 from wrsim.assessment.outcome import TRANSITION, Assessment
+from wrsim.contact.creep.laws import CREEP_LAWS
 from wrsim.contact.settings import DRY, USUAL, ContactSettings
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import read_bytes
@@ -47,12 +48,6 @@ ASKED = {
     "overturning": "the speed at which the vehicle overturns in a curve",
 }
 """What an analysis finds."""
-NORMAL = {"strips": "strip model", "kik-piotrowski": "model of Kik and Piotrowski", "half-space": "exact solver"}
-TANGENTIAL = {
-    "fastsim": "FASTSIM", "fastrip": "FaStrip", "polach": "Polach's formulas", "linear": "Kalker's linear theory",
-    "shen-hedrick-elkins": "the formulas of Shen, Hedrick and Elkins", "half-space": "the exact solver",
-}  # fmt: skip
-"""Contact models in words, by their keys; of "none" there is nothing to say."""
 
 
 @dataclass(frozen=True)
@@ -158,11 +153,11 @@ def contact_sentence(dataset: xr.Dataset, of: str = "") -> str:
         return ""
     normal = own.get("normal", ContactSettings().normal)
     creep = own.get("tangential", USUAL[normal].tangential if normal in USUAL else "")
-    words = f"Wheel-rail contact{of}: {NORMAL.get(normal, normal)}"
-    if creep in TANGENTIAL and dataset.attrs.get("analysis") != "conicity":
+    words = f"Wheel-rail contact{of}: {USUAL[normal].text if normal in USUAL else normal}"
+    if creep in CREEP_LAWS and CREEP_LAWS[creep].text and dataset.attrs.get("analysis") != "conicity":
         friction = own.get("friction", DRY)
         how = f"coefficient of friction {friction:g}" if isinstance(friction, int | float) else "friction by its law"
-        words += f"; creep forces by {TANGENTIAL[creep]}, {how}"
+        words += f"; creep forces by {CREEP_LAWS[creep].text}, {how}"
     return f"{words}."
 
 

@@ -6,16 +6,15 @@ scenario is frictionless, and other pressures their usual creep forces where the
 the scenario's own choice.
 """
 
-from typing import Any, get_args
+from typing import Any
 
-from wrsim.contact.settings import USUAL, Normal, Tangential
+from wrsim.contact.creep.laws import CREEP_LAWS
+from wrsim.contact.settings import USUAL
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import parse_value
 from wrsim.inputs.values import meant
 from wrsim.scenario.loading import Scenario
 
-NORMAL: tuple[str, ...] = get_args(Normal)
-TANGENTIAL: tuple[str, ...] = get_args(Tangential)
 OWN = "file"
 
 
@@ -47,9 +46,9 @@ def _values(scenario: Scenario, name: str) -> dict[str, Any]:
         key, equals, text = (p.strip() for p in part.partition("="))
         if equals:
             chosen[f"contact.{key}"] = parse_value(text)
-        elif part in NORMAL and "contact.normal" not in chosen:
+        elif part in USUAL and "contact.normal" not in chosen:
             chosen["contact.normal"] = part
-        elif part in TANGENTIAL and "contact.tangential" not in chosen:
+        elif part in CREEP_LAWS and "contact.tangential" not in chosen:
             chosen["contact.tangential"] = part
         else:
             raise InputError(_unknown(name, part, chosen))
@@ -65,12 +64,12 @@ def _values(scenario: Scenario, name: str) -> dict[str, Any]:
 
 def _unknown(name: str, part: str, chosen: dict[str, Any]) -> str:
     where = f'model "{name}"' + (f': "{part}"' if part != name else "")
-    for kind, known in (("normal", NORMAL), ("tangential", TANGENTIAL)):
+    for kind, known in (("normal", USUAL), ("tangential", CREEP_LAWS)):
         if part in known:
             return f'{where}: there is a {kind} model already ("{chosen[f"contact.{kind}"]}")'
-    near = meant(part, [*dict.fromkeys((*NORMAL, *TANGENTIAL, OWN))])
+    near = meant(part, [*dict.fromkeys((*USUAL, *CREEP_LAWS, OWN))])
     return (
-        f"{where}: no contact model is called so; normal models are {', '.join(NORMAL)}; "
-        f"tangential ones {', '.join(TANGENTIAL)}; "
+        f"{where}: no contact model is called so; normal models are {', '.join(USUAL)}; "
+        f"tangential ones {', '.join(CREEP_LAWS)}; "
         f'join them with "+", as in kik-piotrowski+polach or kik-piotrowski+strips=80{near}'
     )

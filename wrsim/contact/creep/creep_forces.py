@@ -16,9 +16,9 @@ from wrsim.contact.creep.flexibility import (
     kalker_coefficients,
 )
 from wrsim.contact.creep.friction import set_friction
+from wrsim.contact.creep.laws import FASTRIP, FASTSIM, LINEAR, POLACH, SHEN_HEDRICK_ELKINS
 from wrsim.contact.creep.linear import linear_creep
 from wrsim.contact.creep.polach import polach
-from wrsim.contact.records import FASTRIP, FASTSIM, LINEAR, POLACH, SHEN_HEDRICK_ELKINS
 from wrsim.jit import Array, Record, Records, inlined, kernel
 
 GAP = 1e-6  # of a strip's width: more apart are other stretches

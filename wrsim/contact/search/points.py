@@ -12,7 +12,7 @@ from math import inf, sqrt
 from typing import NamedTuple
 
 from wrsim.contact.records import Field, PlacedWheel, Rail
-from wrsim.contact.search.locus import LARGEST_SINE, locus_node, locus_point
+from wrsim.contact.search.locus import LARGEST_SINE, Node, locus_node, locus_point
 from wrsim.contact.surfaces.profile_table import node
 from wrsim.contact.surfaces.rail import rail_chord, rail_length, rail_point
 from wrsim.jit import Record, Records, inlined, kernel
@@ -31,6 +31,7 @@ DOUBTFUL = 0.02  # slope whose sign samples may give wrongly
 DEEP = 1e-3  # overlap beyond which the nearest point of the rail may leap to another place [m]
 CLOSE = 1e-11  # last step to a stationary point [m]
 SAME = 1e-6  # distance of two stationary points that are one [m]
+NO_CREST = -1e9  # arclength on the wheel that stands for no place [m]
 EXACT, ROUGH, NONE = range(3)  # a stationary point to round-off; not so; no such point between both ends
 
 
@@ -175,23 +176,9 @@ def _rail_slope(rail: Rail, foot: float, no: float, nb: float) -> float:
     return nb * tw + no * tu  # wheel tangent (-nb, no) times rail normal (-tw, tu)
 
 
-@inlined
-def _set_saddle(wheel: PlacedWheel, rail: Rail, before: Record, met: Stationary, top: float) -> None:
-    """The place between two contacts where the distance is largest, if it is in the rail; top: about where on the
-    wheel."""
-    span = met.arc_wheel - before.arc_wheel
-    if not before.arc_wheel < top < met.arc_wheel:
-        top = before.arc_wheel + 0.5 * span
-    foot = before.arc_rail + (met.arc_rail - before.arc_rail) * (top - before.arc_wheel) / span
-    saddle = refine(wheel, rail, before.arc_wheel, met.arc_wheel, top, foot, MAXIMUM)
-    if saddle.distance < 0.0:
-        before.saddle = -saddle.distance
-        before.saddle_arc = saddle.arc_rail
-
-
 class Sample(NamedTuple):
-    """What is known at a node of the outline near the rail: its point, distance of the rail, arclength of the foot on
-    it (0: none), slope of the distance along the outline."""
+    """A node of the outline near the rail: its point, distance of the rail, arclength of the foot on it (0: none), and
+    slope of the distance along the outline."""
 
     node: int
     o: float
@@ -202,110 +189,143 @@ class Sample(NamedTuple):
 
 
 @inlined
-def _turns(last: Sample, at: Sample) -> bool:
-    """Whether the slope changes its sign between two samples, near the rail. The parabola's vertex between them says
-    whether a closer look is worth it; where the locus climbs around a yawed wheel, its outline is many times as long as
-    the profile."""
-    if (at.slope < 0.0) == (last.slope < 0.0):
-        return False
-    between = sqrt((at.o - last.o) ** 2 + (at.b - last.b) ** 2)
-    return last.distance - 0.5 * between * last.slope * last.slope / (at.slope - last.slope) < NEAR
+def _at_changing_rail(
+    rail: Rail, slack: float, point: Node, last: Sample, adjacent: bool, distance: float, foot: float
+) -> tuple[float, float, float]:
+    """Distance of a point of the outline from a rail that changes along the track, arclength of its foot, and slope;
+    distance, foot: by the field of a station nearby, which may be off by ``slack``."""
+    if distance >= FAR + slack:
+        return distance - slack, foot, 0.0
+    if adjacent and last.foot > 0.0:
+        # nearer to the foot than the field, where curvatures change within a millimetre
+        foot = last.foot + sqrt((point.o - last.o) ** 2 + (point.b - last.b) ** 2)
+    return _near(rail, point.o, point.b, foot, point.no, point.nb)
 
 
 @inlined
-def _passed(last: Sample, i: int) -> Sample:
+def _free_length(distance: float, slope: float, hollow: float) -> float:
+    """Length of the outline over which a distance cannot vanish: it bends down by no more than both bodies are
+    hollow."""
+    return (slope + sqrt(slope * slope + 2.0 * hollow * distance)) / hollow
+
+
+@inlined
+def slope_changes_sign(last: Sample, sample: Sample) -> bool:
+    """Whether the slope changes its sign between two samples, near the rail. The parabola's vertex between them says
+    whether a closer look is worth it; where the locus climbs around a yawed wheel, its outline is many times as long as
+    the profile."""
+    if (sample.slope < 0.0) == (last.slope < 0.0):
+        return False
+    between = sqrt((sample.o - last.o) ** 2 + (sample.b - last.b) ** 2)
+    return last.distance - 0.5 * between * last.slope * last.slope / (sample.slope - last.slope) < NEAR
+
+
+@inlined
+def skip_to(last: Sample, i: int) -> Sample:
     """The last sample, moved on to a node that is out of reach of the rail."""
     return Sample(i, last.o, last.b, last.distance, 0.0, last.slope)
 
 
+@inlined
+def _next_minimum(
+    wheel: PlacedWheel, rail: Rail, last: Sample, sample: Sample, stride: int, guess: float, contacts: Records,
+    count: int,
+) -> Stationary:  # fmt: skip
+    """The least distance between two samples; guess: about where on the wheel. Where both bodies are nearly parallel in
+    the rail the slopes of samples are of no use, and it lies farther away. NONE where they were wrong, here or at the
+    last change of sign, and the point is the last of ``count`` contacts."""
+    step, nodes = wheel.profile.step, wheel.profile.table.shape[0]
+    met = refine(wheel, rail, (last.node - stride) * step, (sample.node + stride) * step, guess, sample.foot, MINIMUM)
+    reach = stride
+    while met.status == NONE and sample.distance < 0.0 and reach < nodes:
+        reach *= 2
+        lo, hi = max(last.node - reach, 0) * step, min(sample.node + reach, nodes - 1) * step
+        met = refine(wheel, rail, lo, hi, met.arc_wheel, met.arc_rail, MINIMUM)
+    new = count == 0 or met.arc_wheel > contacts[count - 1].arc_wheel + SAME
+    return met if new else Stationary(met.arc_wheel, met.arc_rail, met.distance, met.curvature, NONE)
+
+
+@inlined
+def _set_saddle(wheel: PlacedWheel, rail: Rail, before: Record, met: Stationary, crest: float) -> None:
+    """The place between two contacts where the distance is largest, if it is in the rail; crest: about where on the
+    wheel."""
+    span = met.arc_wheel - before.arc_wheel
+    if not before.arc_wheel < crest < met.arc_wheel:
+        crest = before.arc_wheel + 0.5 * span
+    foot = before.arc_rail + (met.arc_rail - before.arc_rail) * (crest - before.arc_wheel) / span
+    saddle = refine(wheel, rail, before.arc_wheel, met.arc_wheel, crest, foot, MAXIMUM)
+    if saddle.distance < 0.0:
+        before.saddle = -saddle.distance
+        before.saddle_arc = saddle.arc_rail
+
+
+@inlined
+def _add_contact(wheel: PlacedWheel, rail: Rail, contacts: Records, count: int, met: Stationary, crest: float) -> None:
+    """Write a contact behind ``count`` others, and the saddle between it and the last one unless there is none."""
+    if crest != NO_CREST:
+        _set_saddle(wheel, rail, contacts[count - 1], met, crest)
+    row = contacts[count]
+    row.arc_wheel, row.arc_rail = met.arc_wheel, met.arc_rail
+    row.depth, row.curvature, row.saddle = -met.distance, met.curvature, -1.0
+
+
 @kernel
 def find_contacts(
-    wheel: PlacedWheel, rail: Rail, field: Field, stride: int, hollow: float, found: Records
+    wheel: PlacedWheel, rail: Rail, field: Field, stride: int, hollow: float, contacts: Records
 ) -> tuple[int, float, int]:
-    """All local maxima of the interpenetration, in order along the wheel profile.
+    """All local maxima of the interpenetration, in order along the wheel profile (docs/theory/search.md).
 
     stride: nodes between two samples near the rail; hollow: largest concave curvatures of both bodies together [1/m].
-    found: (n,) FOUND records. Returns (number found, smallest distance met, status): status bit 1 says a point was not
-    refined to round-off.
-    """
-    step = wheel.profile.step
-    rail_end = rail_length(rail)
-    per_node = 1.0 / (STRETCH * step)
+    contacts: (n,) FOUND records. Returns their number, the smallest distance met and a status: EXACT or ROUGH."""
+    step, rail_end = wheel.profile.step, rail_length(rail)
     hollow *= 1.0 + (wheel.axle.x / YAW_HOLLOWS) ** 2
+    per_node = 1.0 / (STRETCH * step)
     count, closest, status = 0, 1.0, 0
     last = Sample(-stride, 0.0, 0.0, 0.0, 0.0, 0.0)
-    near = False  # whether the last sample was one stride ago
-    linked = False  # whether the outline stayed in the rail since the last contact found
-    top = 0.0  # about where the distance was largest since then
-    wary = 0  # no skips before this node
-    i = 0
+    adjacent = same_overlap = False  # the last sample is one stride back; in the rail since the last contact
+    crest = 0.0  # about where the distance was largest since then
+    i = no_skip_before = 0
     while i < wheel.profile.table.shape[0]:
         point = locus_node(wheel, node(wheel.profile, i), LARGEST_SINE)
         if abs(point.sine) >= LARGEST_SINE:
-            near = linked = False
-            last = _passed(last, i)
+            last, adjacent, same_overlap = skip_to(last, i), False, False
             i += stride
             continue
-        # measured here: a function that gives all three back costs a tenth of the search
         distance, foot = field_distance(field, point.o, point.b)
         slope = 0.0
-        if field.slack > 0.0:  # the field is that of a station nearby
-            if distance < FAR + field.slack:
-                if near and last.foot > 0.0:
-                    # nearer to the foot than the field, where curvatures change within a millimetre
-                    foot = last.foot + sqrt((point.o - last.o) ** 2 + (point.b - last.b) ** 2)
-                distance, foot, slope = _near(rail, point.o, point.b, foot, point.no, point.nb)
-            else:
-                distance -= field.slack
-        if distance < FIELD_ERROR and not near and i - stride > last.node:
+        if field.slack > 0.0:
+            distance, foot, slope = _at_changing_rail(rail, field.slack, point, last, adjacent, distance, foot)
+        if distance < FIELD_ERROR and not adjacent and i - stride > last.node:
             # a skip has ended inside the rail: the outline was longer than thought; back, and step by step
-            wary, i, near = i, last.node + stride, True
+            no_skip_before, i, adjacent = i, last.node + stride, True
             continue
         closest = min(closest, distance)
-        calm = i >= wary and abs(point.sine) < STEEP
+        may_skip = i >= no_skip_before and abs(point.sine) < STEEP
+        clear = distance - FIELD_ERROR
         if distance > FAR or foot <= 0.0 or foot >= rail_end:
-            # far away, or beside an end of the rail, where the distance bends as it likes: no more than the way
-            near = linked = False
-            last = _passed(last, i)
-            skip = int((distance - FIELD_ERROR) * per_node)
-            i += skip if calm and skip > stride else stride
+            # far away, or beside an end of the rail, where nothing bounds how the distance bends: its length alone
+            last, adjacent, same_overlap = skip_to(last, i), False, False
+            i += max(int(clear * per_node), stride) if may_skip else stride
             continue
-        if field.slack == 0.0:
-            slope = _rail_slope(rail, foot, point.no, point.nb)
-        at = Sample(i, point.o, point.b, distance, foot, slope)
-        if near and _turns(last, at):
-            guess = (i - stride * at.slope / (at.slope - last.slope)) * step
+        slope = _rail_slope(rail, foot, point.no, point.nb) if field.slack == 0.0 else slope
+        sample = Sample(i, point.o, point.b, distance, foot, slope)
+        if adjacent and slope_changes_sign(last, sample):
+            guess = (i - stride * slope / (slope - last.slope)) * step
             if last.slope >= 0.0:
-                top = guess
+                crest = guess
             else:
-                met = refine(wheel, rail, (last.node - stride) * step, (i + stride) * step, guess, at.foot, MINIMUM)
-                reach = stride
-                while met.status == NONE and at.distance < 0.0 and reach < wheel.profile.table.shape[0]:
-                    # both bodies are nearly parallel here, and the samples' slopes of no use
-                    reach *= 2
-                    lo, hi = max(last.node - reach, 0) * step, min(i + reach, wheel.profile.table.shape[0] - 1) * step
-                    met = refine(wheel, rail, lo, hi, met.arc_wheel, met.arc_rail, MINIMUM)
-                # else the slopes of samples were wrong, here or at the last turn
-                if met.status != NONE and (count == 0 or met.arc_wheel > found[count - 1].arc_wheel + SAME):
+                met = _next_minimum(wheel, rail, last, sample, stride, guess, contacts, count)
+                if met.status != NONE:
                     closest = min(closest, met.distance)
-                    if met.distance < 0.0 and 0.0 < met.arc_rail < rail_end and count < found.shape[0]:
-                        if linked:
-                            _set_saddle(wheel, rail, found[count - 1], met, top)
-                        row = found[count]
-                        row.arc_wheel, row.arc_rail = met.arc_wheel, met.arc_rail
-                        row.depth, row.curvature, row.saddle = -met.distance, met.curvature, -1.0
-                        status |= met.status
-                        count += 1
-                        linked = True
-        last, near = at, True
-        clear = at.distance - FIELD_ERROR
+                    if met.distance < 0.0 and 0.0 < met.arc_rail < rail_end and count < contacts.shape[0]:
+                        _add_contact(wheel, rail, contacts, count, met, crest if same_overlap else NO_CREST)
+                        status, count, same_overlap = status | met.status, count + 1, True
+        last, adjacent = sample, True
         if clear > 0.0:
-            # the distance bends down by no more than both bodies are hollow: the first place where it can vanish
-            linked = False
-            skip = int((at.slope + sqrt(at.slope * at.slope + 2.0 * hollow * clear)) / hollow * per_node)
-            if calm and skip > stride:
-                near = False
-                i += skip
+            same_overlap = False
+            skip = int(_free_length(clear, slope, hollow) * per_node)
+            if may_skip and skip > stride:
+                i, adjacent = i + skip, False
                 continue
         i += stride
     return count, closest, status

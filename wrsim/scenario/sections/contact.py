@@ -5,6 +5,7 @@ from itertools import pairwise
 from math import radians
 from typing import Annotated, Any, Literal
 
+from wrsim.contact.creep.laws import CREEP_LAWS, Tangential
 from wrsim.contact.settings import (
     DRY,
     RANGES,
@@ -18,7 +19,6 @@ from wrsim.contact.settings import (
     Material,
     Normal,
     Pairing,
-    Tangential,
     TractionBound,
 )
 from wrsim.inputs.section import SIDES, Fault, Section, both_or_sides, on_side
@@ -230,8 +230,9 @@ class ContactSection(Section, header="[contact]"):
             message = '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
             yield Fault("tangential", message)
         slope = [key for key in ("slope_k0", "slope_alpha_inf", "slope_beta") if key in raw]
-        if slope and raw.get("tangential", "fastrip") not in ("fastsim", "fastrip"):
-            yield Fault(slope[0], 'goes with tangential = "fastsim" or "fastrip" only')
+        able = [name for name, law in CREEP_LAWS.items() if law.slope]
+        if slope and raw.get("tangential", able[0]) not in able:
+            yield Fault(slope[0], 'goes with tangential = "{}" only'.format('" or "'.join(able)))
         yield from both_or_sides(raw, "friction", complete=True)
         name = raw.get("normal", DEFAULTS.normal)
         bounds = SOLVED_STRIPS.get(name) if isinstance(name, str) else None
