@@ -77,9 +77,6 @@ STATE = record("""
 """)
 """What one evaluation leaves for the next, and how it is used; the strip model's own is its MEMO."""
 
-NO_CREEP_FORCES, FASTSIM, FASTRIP, POLACH, LINEAR, SHEN_HEDRICK_ELKINS = range(6)
-"""MODEL.tangential."""
-
 KIK_PIOTROWSKI, FREE_STRIPS, CREEP_FORCES, CONTACT = range(4)
 """Stages (contact.wheel_rail). The first two are MODEL.normal; `wrsim.contact.models` lists the models."""
 POSES = 7

@@ -20,13 +20,13 @@ import numpy as np
 from wrsim.contact.arrays import Arrays, arrays
 from wrsim.contact.creep.creep_forces import creep_forces
 from wrsim.contact.creep.friction import set_law
+from wrsim.contact.creep.laws import NO_CREEP_FORCES
 from wrsim.contact.kik_piotrowski import bound_lobe, lay_lobe, press_lobes
 from wrsim.contact.records import (
     CONTACT,
     CREEP_FORCES,
     FREE_STRIPS,
     KIK_PIOTROWSKI,
-    NO_CREEP_FORCES,
     STATUS_NOT_CONVERGED,
     STATUS_PROFILE_END,
     STATUS_TOO_DEEP,

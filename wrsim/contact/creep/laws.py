@@ -7,7 +7,7 @@ from typing import Literal
 
 Tangential = Literal["fastsim", "fastrip", "polach", "linear", "shen-hedrick-elkins", "half-space", "none"]
 NO_CREEP_FORCES, FASTSIM, FASTRIP, POLACH, LINEAR, SHEN_HEDRICK_ELKINS = range(6)
-"""SETTINGS.tangential."""
+"""MODEL.tangential."""
 
 
 @dataclass(frozen=True)
