@@ -10,7 +10,9 @@ some thousandths of the force.
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -60,76 +62,118 @@ def resolve_contacts(
     """
     if keep not in ("load", "pose"):
         raise InputError(f"--same {keep}: must be load or pose")
-    own = with_contact_model(scenario, name)
+    chosen = with_contact_model(scenario, name)
     # no study runs with the exact solver, but its wheels can be looked at
     built = build(scenario)
-    setup = replace(built, contact=replace(own.spec.contact.settings(), friction=built.contact.friction))
-    dataset = result.wheelset(wheelset)
-    names = [m.name for m in setup.vehicle.wheelsets]
-    label = str(dataset["wheelset"].item())
-    mounted = setup.vehicle.wheelsets[names.index(label) if label in names else 0].wheelset
+    setup = replace(built, contact=replace(chosen.spec.contact.settings(), friction=built.contact.friction))
+    kept = _kept_moments(result.wheelset(wheelset), setup, moments)
+    new = _solve_moments(kept, setup, keep == "load", Report(progress))
+    stop = ("stop_reason", "stop_cause", "stop_time_s", "stop_distance_m")
+    about = ("title", "analysis", "status", "inputs", "vehicle", ATTRIBUTE, "step_s", *stop)
+    attributes = {key: kept.dataset.attrs[key] for key in about if key in kept.dataset.attrs}
+    attributes |= {"scenario_text": chosen.text, "resolved_with": name, "resolved_at_same": keep}
+    return Result(assemble(kept.coords(), kept.unchanged() | new, attributes))
+
+
+@dataclass(frozen=True)
+class _KeptMoments:
+    """Moments of one wheelset of a result whose contacts are solved again."""
+
+    dataset: xr.Dataset
+    wheels: Sequence[WheelOnRail]
+    moments: Sequence[int]
+    samples: NDArray[np.intp]
+    """Of the run or the poses, one for each moment."""
+    poses: NDArray[np.float64]
+    """Poses and motions (moment, wheel, 12) of the wheels."""
+    places: NDArray[np.float64]
+    """Distances (moment, wheel) along the rails [m]: they determine profile, friction and how the rail turns."""
+
+    @property
+    def sample_dim(self) -> str:
+        return "time" if "time" in self.dataset.dims else "pose"
+
+    def coords(self) -> dict[str, Any]:
+        coords = {n: self._part[n].values for n in (self.sample_dim, "wheel")}
+        return coords | {"wheelset": str(self.dataset["wheelset"].item())}
+
+    def unchanged(self) -> dict[str, NDArray[Any]]:
+        """Channels of track and wheelset."""
+        dims = ((self.sample_dim,), ("snapshot",))
+        return {
+            n: self._part[n].values
+            for n, channel in CHANNELS.items()
+            if n in self._part.variables and self._part[n].dims in dims and (n == "distance" or not channel.coordinate)
+        }
+
+    @cached_property
+    def _part(self) -> xr.Dataset:
+        part = self.dataset.isel({self.sample_dim: self.samples})
+        return part.isel(snapshot=list(self.moments), missing_dims="ignore")
+
+
+def _kept_moments(dataset: xr.Dataset, setup: Setup, moments: Sequence[int] | None) -> _KeptMoments:
+    """The moments of one wheelset with its wheels on the rails. Raises InputError where no poses are kept."""
     if not all(channel in dataset for channel in POSE_CHANNELS):
         raise InputError("the result keeps no moments whose contacts could be solved again; run its scenario anew")
+    names, label = [m.name for m in setup.vehicle.wheelsets], str(dataset["wheelset"].item())
+    mounted = setup.vehicle.wheelsets[names.index(label) if label in names else 0].wheelset
     both = {wheel.name: wheel for wheel in wheels_on_rails(setup, mounted)}
     wheels = [both[str(side)] for side in dataset["wheel"].values]
     poses = np.concatenate([dataset[channel].values for channel in POSE_CHANNELS], axis=-1)
     chosen = list(range(len(poses))) if moments is None else list(moments)
     samples = np.array([sample_of(dataset, m) for m in chosen], dtype=np.intp)
-    loads = dataset["Q"].values[samples]
-    # the places on the rails, which determine profile and friction and how the rail turns
-    along = np.zeros((len(chosen), len(wheels)))
+    places = np.zeros((len(chosen), len(wheels)))
     if "distance" in dataset:
-        where = dataset["distance"].values[samples]
-        along = np.stack([setup.track.rail_distance("left" if w.side > 0 else "right", where) for w in wheels], axis=-1)
-    raw = channels.RawContacts.empty(len(chosen), len(wheels), setup.contact.patch_count)
-    remarks = [""] * len(chosen)
-    strips, report = channels.StripRecorder(wheels), Report(progress)
-    for row, moment in enumerate(chosen):
-        elements = []
-        for j, wheel in enumerate(wheels):
+        along = dataset["distance"].values[samples]
+        on_rails = [setup.track.rail_distance("left" if w.side > 0 else "right", along) for w in wheels]
+        places = np.stack(on_rails, axis=-1)
+    return _KeptMoments(dataset, wheels, chosen, samples, poses[chosen], places)
+
+
+def _solve_moments(kept: _KeptMoments, setup: Setup, same_load: bool, report: Report) -> dict[str, NDArray[Any]]:
+    """Channels of contacts, strips and remarks; same_load: wheels keep their vertical forces, not their heights."""
+    count, loads = len(kept.moments), kept.dataset["Q"].values[kept.samples]
+    raw = channels.RawContacts.empty(count, len(kept.wheels), setup.contact.patch_count)
+    strips, remarks = channels.StripRecorder(kept.wheels), []
+    for row in range(count):
+        elements, remark = [], []
+        for j, wheel in enumerate(kept.wheels):
             fields: list[ElementField] = []
-            if np.isfinite(poses[moment, j]).all():
-                rail = setup.track.left if wheel.side > 0 else setup.track.right
-                ahead = wheel.half_spacing * poses[moment, j, 3]  # of a yawed axle's end
-                place = float(along[row, j] + ahead)
-                twist, left, up = rail.turning(place)
-                wheel.model.arrays.set_call(place, (wheel.side * twist, wheel.side * left, up))
-                wheel.model.arrays.pose[:] = poses[moment, j]
-                fields, words = _settle(wheel, float(loads[row, j]) if keep == "load" else 0.0)
+            if np.isfinite(pose := kept.poses[row, j]).all():
+                _place(wheel, setup, pose, float(kept.places[row, j]))
+                fields, message = _settle(wheel, float(loads[row, j]) if same_load else 0.0)
                 raw.store(row, j, wheel.model.arrays)
-                words = "; ".join(filter(None, (words, status_words(wheel.model.arrays.status))))
-                remarks[row] += f"{'; ' if remarks[row] else ''}the {wheel.name} wheel: {words}" if words else ""
+                message = "; ".join(filter(None, (message, status_words(wheel.model.arrays.status))))
+                remark += [f"the {wheel.name} wheel: {message}"] if message else []
             elements.append(fields)
         strips.store(elements)
-        if not np.isfinite(poses[moment]).all():
+        if not np.isfinite(kept.poses[row]).all():
             raw.clear(row)
             strips.clear_last()
-        report((row + 1) / len(chosen))
-    widening = dataset["gauge"].values[samples] - setup.track.nominal_gauge if "gauge" in dataset else 0.0
-    rails: NDArray[np.float64] | float = 0.0
-    if "rail_lateral" in dataset:
-        rails = np.stack([dataset[f"rail_{way}"].values[samples] for way in ("lateral", "vertical")], axis=-1)
-        widening = widening - (rails[:, 0, 0] - rails[:, 1, 0])
-    new = {
-        **channels.remarks_channel(remarks),
-        **channels.contact_channels(raw, wheels, widening, rails),
-        **strips.channels(),
-    }
-    sample = "time" if "time" in dataset.dims else "pose"
-    part = dataset.isel({sample: samples}).isel(snapshot=chosen, missing_dims="ignore")
-    unchanged = {
-        n: part[n].values
-        for n, channel in CHANNELS.items()
-        if n in part.variables
-        and part[n].dims in ((sample,), ("snapshot",))
-        and (n == "distance" or not channel.coordinate)
-    }
-    stop = ("stop_reason", "stop_cause", "stop_time_s", "stop_distance_m")
-    about = ("title", "analysis", "status", "inputs", "vehicle", ATTRIBUTE, "step_s", *stop)
-    attributes = {key: dataset.attrs[key] for key in about if key in dataset.attrs}
-    attributes |= {"scenario_text": own.text, "resolved_with": name, "resolved_at_same": keep}
-    coords = {n: part[n].values for n in (sample, "wheel")} | {"wheelset": label}
-    return Result(assemble(coords, unchanged | new, attributes))
+        remarks.append("; ".join(remark))
+        report((row + 1) / count)
+    contacts = channels.contact_channels(raw, kept.wheels, *_moved_rails(kept, setup.track.nominal_gauge))
+    return channels.remarks_channel(remarks) | contacts | strips.channels()
+
+
+def _place(wheel: WheelOnRail, setup: Setup, pose: NDArray[np.float64], place: float) -> None:
+    """Put a wheel in its pose at a place of its rail [m], which is turned there as the track has it."""
+    rail = setup.track.left if wheel.side > 0 else setup.track.right
+    place += wheel.half_spacing * pose[3]  # the end of a yawed axle is ahead
+    twist, left, up = rail.turning(place)
+    wheel.model.arrays.set_call(place, (wheel.side * twist, wheel.side * left, up))
+    wheel.model.arrays.pose[:] = pose
+
+
+def _moved_rails(kept: _KeptMoments, gauge: float) -> tuple[Any, Any]:
+    """Widening of the gauge beyond the nominal one, and how far rails were pressed (moment, rail, 2) [m]."""
+    dataset, samples = kept.dataset, kept.samples
+    widening = dataset["gauge"].values[samples] - gauge if "gauge" in dataset else 0.0
+    if "rail_lateral" not in dataset:
+        return widening, 0.0
+    rails = np.stack([dataset[f"rail_{axis}"].values[samples] for axis in ("lateral", "vertical")], axis=-1)
+    return widening - (rails[:, 0, 0] - rails[:, 1, 0]), rails
 
 
 def _settle(wheel: WheelOnRail, load: float) -> tuple[list[ElementField], str]:

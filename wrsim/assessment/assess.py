@@ -1,5 +1,7 @@
 """From results to their assessment: filtered signals, their values section by section, limits."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import inf
@@ -55,55 +57,74 @@ def assess_runs(
     if not several:
         raise InputError("there is no run to assess")
     labels = list(names) or [str(i) for i in range(1, len(several) + 1)]
-    if settings is None:
-        found = [_settings_of(result.dataset) for result in several]
-        for label, other in zip(labels, found, strict=True):
-            if other != found[0]:
-                raise InputError(
-                    f"the runs {labels[0]} and {label} have different [assessment] in their scenarios; "
-                    "name one for all of them (--scenario)"
-                )
-        settings = found[0]
-    own = rules if isinstance(rules, RulesFile) else rule_set(settings.rules if rules is None else rules)
-    if own.history is None:
-        raise InputError(f"{own.title}: has no clause about runs")
-    runs: list[_Run] = []
-    for label, result in zip(labels, several, strict=True):
-        try:
-            before = sum(len(run.sections) for run in runs)
-            runs.append(_Run(result, settings, own, own.history, label if len(several) > 1 else "", before))
-        except InputError as problem:
-            raise (InputError(f"run {label}: {problem}") if len(several) > 1 else problem) from None
+    settings = settings or _common_settings(several, labels)
+    rule_file = rules if isinstance(rules, RulesFile) else rule_set(settings.rules if rules is None else rules)
+    if rule_file.history is None:
+        raise InputError(f"{rule_file.title}: has no clause about runs")
+    runs = _filtered_runs(several, labels, settings, rule_file, rule_file.history)
     _check_alike(runs)
     axles = list(zip(*(run.axles for run in runs), strict=True))
-    for each in axles if settings.axle_load is None else ():  # the mean over all runs, which have the same vehicle
-        load = float(np.average([axle.load for axle in each], weights=[axle.distance.size for axle in each]))
-        for axle in each:
-            axle.load = load
+    if settings.axle_load is None:
+        _average_loads(axles)
     sections = tuple(s for run in runs for s in run.sections)
     values, radii = [v for run in runs for v in run.values()], _mean_radii(sections)
     for each in axles:
-        values += quasi_static([(axle, run.sections) for axle, run in zip(each, runs, strict=True)], radii, own)
-    order = [clause.quantity for clause in own.clauses]
+        values += quasi_static([(axle, run.sections) for axle, run in zip(each, runs, strict=True)], radii, rule_file)
+    order = [clause.quantity for clause in rule_file.clauses]
     values.sort(key=lambda v: order.index(v.quantity.key))
-    notes = [f"run {run.name}: {words}" if run.name else words for run in runs for words in run.notes]
+    notes = [f"run {run.name}: {note}" if run.name else note for run in runs for note in run.notes]
     if settings.axle_load is None:
         notes.append("static loads: the mean of Q over the run; [assessment] axle_load_kN sets them")
-    known: dict[str, float | str] = {"rules": own.title, "vehicle_kind": settings.kind}
+    known: dict[str, float | str] = {"rules": rule_file.title, "vehicle_kind": settings.kind}
     known |= {f"axle_load{f'_{a.name}' if a.name else ''}_kN": a.load / 1e3 for a in runs[0].axles}
     return Assessment(
         title=_title(several),
         sections=sections,
         values=tuple(values),
-        zones=tuple(zones_of(values, settings, own.statistics)),
+        zones=tuple(zones_of(values, settings, rule_file.statistics)),
         notes=tuple(notes),
         settings=known | dict(pair for run in runs for pair in run.known()),
-        signals={run.name: _signals(run.axles, own.history) for run in runs},
-        rules=own,
+        signals={run.name: _signals(run.axles, rule_file.history) for run in runs},
+        rules=rule_file,
         track=tuple(t for run in runs for t in run.track),
         estimate_over=settings.estimate_over,
         lone=all("body" not in run.dataset.dims and len(run.axles) == 1 for run in runs),
     )
+
+
+def _common_settings(results: Sequence[Result], labels: Sequence[str]) -> AssessmentSettings:
+    """[assessment] of the scenarios of all runs. Raises InputError where they differ."""
+    settings = [_settings_of(result.dataset) for result in results]
+    for label, other in zip(labels, settings, strict=True):
+        if other != settings[0]:
+            raise InputError(
+                f"the runs {labels[0]} and {label} have different [assessment] in their scenarios; "
+                "name one for all of them (--scenario)"
+            )
+    return settings[0]
+
+
+def _filtered_runs(
+    results: Sequence[Result], labels: Sequence[str], settings: AssessmentSettings, rules: RulesFile,
+    history: HistorySection,
+) -> list[_Run]:  # fmt: skip
+    """The runs, with sections that are numbered through. Raises InputError that names the run, if of several."""
+    runs: list[_Run] = []
+    for label, result in zip(labels, results, strict=True):
+        try:
+            before = sum(len(run.sections) for run in runs)
+            runs.append(_Run(result, settings, rules, history, label if len(results) > 1 else "", before))
+        except InputError as problem:
+            raise (InputError(f"run {label}: {problem}") if len(results) > 1 else problem) from None
+    return runs
+
+
+def _average_loads(axles: Sequence[Sequence[AxleSignals]]) -> None:
+    """Give every axle the mean of its load over all runs, which have the same vehicle."""
+    for each in axles:
+        load = float(np.average([axle.load for axle in each], weights=[axle.distance.size for axle in each]))
+        for axle in each:
+            axle.load = load
 
 
 class _Run:

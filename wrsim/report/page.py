@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Callable, Sequence
 from functools import cache, partial
 from importlib.resources import files
-from typing import Any
+from typing import Any, TypeVar
 
 import jinja2
 import numpy as np
@@ -35,10 +35,13 @@ from wrsim.report.charts import charts_of
 from wrsim.report.document import NO_COVER, Cover, css_text, paragraph, together
 from wrsim.results import Result
 from wrsim.results.moments import has_patches, moment_dim
+from wrsim.results.ride import Ride
 from wrsim.results.spectra import spectra_table
 from wrsim.results.summary import has_wear
 from wrsim.results.table import as_html, formatted, quantity
 from wrsim.results.wheelsets import matched, numbered, of_wheelset, wheelsets, worst_wheelset
+
+T = TypeVar("T")
 
 MOST_RESULTS = 8  # results in one report: more have no colours of their own
 MOST_MOMENTS = 6  # moments of a wheelset whose contacts are drawn
@@ -54,64 +57,109 @@ def report_page(
         raise InputError(
             f"a report takes at most {MOST_RESULTS} results, not {len(results)}: wrsim study compares more"
         )
-    sources = [last_part(source) for source in sources]
-    names = [f"{chr(ord('A') + i)} {source}" for i, source in enumerate(sources)]
-    names = names if len(names) > 1 else [""]
-    alike = [Result(matched(r.dataset, results[0].dataset)) for r in results]  # wheelsets by order, from the front
-    summaries = [r.summary() for r in alike]
     from wrsim.analysis.ride import evaluate_ride
     from wrsim.assessment.assess import assess_runs
 
-    both = [tables.evaluated(assess_runs, r) for r in results]
-    found = [assessment for assessment, _ in both]
-    charts = charts_of([r.dataset for r in alike], names, tables.chart_limits(found))
-    moves = [{"point", "time"} <= set(r.dataset.dims) for r in results]
-    rides = [tables.evaluated(evaluate_ride, r) if so else (None, "") for r, so in zip(results, moves, strict=True)]
-    ridden = {name: ride for name, (ride, _) in zip(names, rides, strict=True) if ride}
-    bands = [partial(ride_figure, ridden, "ride_bands")] if ridden else []
-    histories = _histories(alike, names, found) if charts else {}
-    contacts = {name: _contacts(r.dataset, name) for name, r in zip(names, results, strict=True)}
-    rows, sources_of_limits = tables.assessment_rows(found)
-    makers = [histories, *(own["makers"] for sets in contacts.values() for own in sets)]
-    with drawing({name: make for own in makers for name, make in own.items()}, partial(rendered, dpi=DOTS)) as finish:
-        page: dict[str, Any] = {
+    runs = _Runs(results, [last_part(source) for source in sources], _evaluate(assess_runs, results))
+    charts = charts_of([r.dataset for r in runs.alike], runs.names, tables.chart_limits(runs.assessments))
+    histories = _histories(runs) if charts else {}
+    contacts = {name: _contacts(r.dataset, name) for name, r in zip(runs.names, results, strict=True)}
+    makers = [histories, *(wheelset["makers"] for sets in contacts.values() for wheelset in sets)]
+    moving = [r if {"point", "time"} <= set(r.dataset.dims) else None for r in results]
+    with drawing({name: make for each in makers for name, make in each.items()}, partial(rendered, dpi=DOTS)) as finish:
+        page: dict[str, Any] = _document_part(runs) | _assessment_part(runs) | _table_part(runs)
+        page |= _ride_part(runs.names, _evaluate(evaluate_ride, moving)) | {
             "cover": cover.of(" / ".join(dict.fromkeys(r.title for r in results))),
-            "paragraphs": [paragraph(r, s, own) for r, s, own in zip(results, summaries, found, strict=True)],
-            "several": len(results) > 1,
-            "names": names,
-            "version": __version__,
-            "verdicts": [tables.verdict(r, *own) for r, own in zip(results, both, strict=True)],
-            "identity": tables.identity(results, sources),
-            "versions": tables.version_rows(results, summaries),
-            "lone": all(own.lone for own in found if own),
-            "inputs": [tables.inputs(r) for r in results],
-            "texts": [str(r.dataset.attrs.get("scenario_text", "")) for r in results],
-            "commands": [f"wrsim run scenario.toml -o {shlex.quote(source or 'run')}" for source in sources],
-            "assessment": rows,
-            "rules": " / ".join(dict.fromkeys(own.rules.title for own in found if own)),
-            "limits_from": sources_of_limits,
-            "estimated": any(cell and cell["estimate"] for row in rows for cell in row["cells"]),
-            "to_confirm": any(cell and cell["star"] for row in rows for cell in row["cells"]) and TO_CONFIRM,
-            "notes": [(name, own.notes) for name, own in zip(names, found, strict=True) if own and own.notes],
-            "tracks": [_track(r.dataset, own) for r, own in zip(results, found, strict=True)],
             "data": charts,
-            "pictures": [as_picture(n, make()) for n, make in ({} if charts else _standard(results, names)).items()],
-            "cards": tables.cards(summaries, names),
-            "apart": tables.apart(results, names),
-            "curves": tables.curves(summaries, names),
-            "numbers": tables.numbers(results, summaries, names),
-            "contacts": contacts,
-            "wear": [_wear(r, name) for r, name in zip(results, names, strict=True) if has_wear(r.dataset)],
-            "vibrations": [_vibrations(r, name) for r, name in zip(results, names, strict=True)],
-            "ride": [ride.table(name) for name, ride in ridden.items()],
-            "ride_notes": [why for _, why in rides if why],
-            "bands": [as_picture("third octaves of the accelerations", make()) for make in bands],
-            "events": tables.event_table(results, summaries, names),
-            "viewers": list(zip(names, viewers, strict=False)),
             "histories": list(histories),
+            "pictures": [as_picture(n, make()) for n, make in ({} if charts else _standard(runs)).items()],
+            "contacts": contacts,
+            "wear": [_wear(r, name) for r, name in zip(results, runs.names, strict=True) if has_wear(r.dataset)],
+            "vibrations": [_vibrations(r, name) for r, name in zip(results, runs.names, strict=True)],
+            "viewers": list(zip(runs.names, viewers, strict=False)),
         }
         page["drawn"] = {name: _as_webp(content) for name, content in finish().items()}
     return page_template("report.html").render(page)
+
+
+class _Runs:
+    """Results of a report, with what is worked out of each of them once.
+
+    names: of several results a letter and where each was read from, of one nothing; alike: the results with wheelsets
+    by order, from the front; judged: assessments, or why there are none.
+    """
+
+    def __init__(
+        self, results: Sequence[Result], sources: Sequence[str], judged: Sequence[tuple[Assessment | None, str]]
+    ) -> None:
+        self.results, self.sources, self.judged = results, sources, judged
+        named = [f"{chr(ord('A') + i)} {source}" for i, source in enumerate(sources)]
+        self.names = named if len(named) > 1 else [""]
+        self.alike = [Result(matched(r.dataset, results[0].dataset)) for r in results]
+        self.summaries = [r.summary() for r in self.alike]
+        self.assessments = [assessment for assessment, _ in judged]
+
+
+def _evaluate(evaluate: Callable[[Result], T], results: Sequence[Result | None]) -> list[tuple[T | None, str]]:
+    """What is evaluated of every result, or why there is none; no word about results that are None."""
+    return [tables.evaluated(evaluate, r) if r is not None else (None, "") for r in results]
+
+
+def _document_part(runs: _Runs) -> dict[str, Any]:
+    """Summary in sentences, verdicts, who is who, how to run it again."""
+    results, sources, summaries = runs.results, runs.sources, runs.summaries
+    return {
+        "several": len(results) > 1,
+        "names": runs.names,
+        "version": __version__,
+        "paragraphs": [paragraph(*each) for each in zip(results, summaries, runs.assessments, strict=True)],
+        "verdicts": [tables.verdict(r, *judged) for r, judged in zip(results, runs.judged, strict=True)],
+        "identity": tables.identity(results, sources),
+        "versions": tables.version_rows(results, summaries),
+        "inputs": [tables.inputs(r) for r in results],
+        "texts": [str(r.dataset.attrs.get("scenario_text", "")) for r in results],
+        "commands": [f"wrsim run scenario.toml -o {shlex.quote(source or 'run')}" for source in sources],
+    }
+
+
+def _assessment_part(runs: _Runs) -> dict[str, Any]:
+    """Limits and margins with their sources, and the track with its sections."""
+    rows, sources_of_limits = tables.assessment_rows(runs.assessments)
+    cells = [cell for row in rows for cell in row["cells"] if cell]
+    there = [assessment for assessment in runs.assessments if assessment]
+    named = zip(runs.names, runs.assessments, strict=True)
+    return {
+        "lone": all(assessment.lone for assessment in there),
+        "assessment": rows,
+        "rules": " / ".join(dict.fromkeys(assessment.rules.title for assessment in there)),
+        "limits_from": sources_of_limits,
+        "estimated": any(cell["estimate"] for cell in cells),
+        "to_confirm": any(cell["star"] for cell in cells) and TO_CONFIRM,
+        "notes": [(name, assessment.notes) for name, assessment in named if assessment and assessment.notes],
+        "tracks": [_track(r.dataset, each) for r, each in zip(runs.results, runs.assessments, strict=True)],
+    }
+
+
+def _table_part(runs: _Runs) -> dict[str, Any]:
+    """Peaks, curves, differences, numbers and events."""
+    return {
+        "cards": tables.cards(runs.summaries, runs.names),
+        "apart": tables.apart(runs.results, runs.names),
+        "curves": tables.curves(runs.summaries, runs.names),
+        "numbers": tables.numbers(runs.results, runs.summaries, runs.names),
+        "events": tables.event_table(runs.results, runs.summaries, runs.names),
+    }
+
+
+def _ride_part(names: Sequence[str], rides: Sequence[tuple[Ride | None, str]]) -> dict[str, Any]:
+    """Comfort and third octaves of what was evaluated, and why the rest was not."""
+    ridden = {name: ride for name, (ride, _) in zip(names, rides, strict=True) if ride}
+    bands = [("third octaves of the accelerations", ride_figure(ridden, "ride_bands"))] if ridden else []
+    return {
+        "ride": [ride.table(name) for name, ride in ridden.items()],
+        "ride_notes": [why for _, why in rides if why],
+        "bands": [as_picture(*band) for band in bands],
+    }
 
 
 @cache
@@ -158,22 +206,23 @@ def _track(dataset: xr.Dataset, found: Assessment | None) -> tuple[str, str] | N
     return as_picture("; ".join(words) or "curvature and cant", track_diagram(dataset, sections))
 
 
-def _histories(results: Sequence[Result], names: Sequence[str], found: Sequence[Assessment | None]) -> Makers:
+def _histories(runs: _Runs) -> Makers:
     """Pictures of histories for print and for readers without scripts; several results over each other: the wheelset
     that has the largest Y/Q in the first of them."""
-    if len(results) == 1:
-        return ({"as assessed": partial(history_figure, found[0])} if found[0] else {}) | _standard(results, names)
-    worst = worst_wheelset(results[0].dataset)
-    having = [(r.dataset, name) for r, name in zip(results, names, strict=True) if worst in wheelsets(r.dataset)]
-    datasets = [of_wheelset(dataset, worst) for dataset, _ in having]
-    return {f"wheelset {worst}": partial(overlay_figure, datasets, [name for _, name in having])}
+    if len(runs.results) == 1:
+        (assessment,) = runs.assessments
+        return ({"as assessed": partial(history_figure, assessment)} if assessment else {}) | _standard(runs)
+    worst = worst_wheelset(runs.alike[0].dataset)
+    having = {name: r.dataset for name, r in zip(runs.names, runs.alike, strict=True) if worst in wheelsets(r.dataset)}
+    datasets = [of_wheelset(dataset, worst) for dataset in having.values()]
+    return {f"wheelset {worst}": partial(overlay_figure, datasets, list(having))}
 
 
-def _standard(results: Sequence[Result], names: Sequence[str]) -> dict[str, Callable[[], Figure]]:
+def _standard(runs: _Runs) -> dict[str, Callable[[], Figure]]:
     """The standard pictures of results, but those of contacts and wear, which have sections of their own."""
     return {
         f"{name}: {picture}" if name else picture: make
-        for r, name in zip(results, names, strict=True)
+        for r, name in zip(runs.results, runs.names, strict=True)
         for picture, make in standard_figures(r.dataset).items()
         if not picture.endswith(("patches", "sections", "wear", "fatigue", "bent", "fast"))
     }

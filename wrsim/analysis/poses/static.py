@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Literal
 
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from wrsim.analysis.contacts import wheels_on_rails
 from wrsim.analysis.poses.solver import CLEARANCE, HalfSpacePoseSolver, PoseSolver, Solved
 from wrsim.analysis.progress import Progress, Report
+from wrsim.contact.batch import Contacts
 from wrsim.contact.channels import StripRecorder, WheelOnRail, contact_channels, remarks_channel
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
@@ -21,6 +23,7 @@ from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.settings import DRY, AnyFriction, ContactSettings
 from wrsim.contact.status import UNMET, UNSOLVED
 from wrsim.errors import InputError, SimulationError
+from wrsim.jit import Array
 from wrsim.results import CHANNELS, Result, assemble
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.static import StaticPlan, named
@@ -224,23 +227,17 @@ def contact_map(
     shifts, yaws, rolls, loads : array_like
         One number or a list of each: lateral shift of the wheelset, positive to the left [m]; yaw, positive to the
         left, and roll, positive lifts the left wheel [rad]; vertical force [N].
-    settings, friction
-        As in `contact_model`.
-    side, gauge, profile_spacing, rolling
-        As in `solve_poses`.
-    threads : int, optional
-        That compute poses side by side; default all cores of the machine.
+    settings, friction, side, gauge, profile_spacing, rolling, threads
+        As in `contact_model`, `solve_poses` and `ContactModel.solve_many`.
     file : str or Path, optional
         Where the table is saved, as NetCDF.
 
     Returns
     -------
     xarray.Dataset
-        Over ``shift``, ``yaw``, ``roll``, ``load`` and, where it belongs to a patch, ``patch``, the largest normal
-        force first: ``vertical_shift`` of the wheelset's centre, ``X``, ``Y``, ``Q``, ``T_gamma``, ``n_patches``,
-        ``status``; of the patches ``N``, ``p0``, ``area``, ``approach``, ``contact_angle``, ``xi``, ``eta``,
-        ``phi`` ..., each with its ``units``. Names and signs are those of results.
-        Not-a-number where a load is not met; ``status`` has the reason.
+        Over the axes and ``patch``, the largest normal force first: ``vertical_shift`` of the wheelset's centre, ``X``,
+        ``Y``, ``Q``, ``T_gamma``, ``n_patches``, ``status``; of the patches ``N``, ``p0``, ``area``, ``contact_angle``
+        ... with their ``units``, names and signs of results. Not-a-number where a load is not met; see ``status``.
 
     Raises
     ------
@@ -255,49 +252,66 @@ def contact_map(
     >>> table = contact_map(load_profile("wheels/S1002.toml"), rail, 0.46, [0.0, 3e-3], loads=[50e3, 60e3])
     """
     model = contact_model(wheel, rail, radius, settings, friction)
-    axes = {}
-    for name, values in zip(AXES, (shifts, yaws, rolls, loads), strict=True):
-        axes[name] = np.atleast_1d(np.asarray(values, dtype=float))
-        if axes[name].ndim != 1 or not axes[name].size or not np.isfinite(axes[name]).all():
-            raise InputError(f"{name}s: must be a number or a list of numbers, all finite")
-    shape = tuple(values.size for values in axes.values())
-    if np.prod(shape) > MOST_POSES:
-        raise InputError(f"{np.prod(shape)} combinations of shifts, yaws, rolls and loads; allowed: {MOST_POSES}")
+    axes = _map_axes(shifts, yaws, rolls, loads)
     placed = on_rail(model, side, gauge, profile_spacing, rolling)
     solver = PoseSolver([placed], rolling, radius)
     start = radius + CLEARANCE + np.abs(np.sin(axes["roll"])).max() * placed.half_spacing
-    rows = np.empty((*shape, len(placed.model.arrays.pose)))
-    for i, shift in enumerate(axes["shift"]):
-        for j, yaw in enumerate(axes["yaw"]):
-            for m, roll in enumerate(axes["roll"]):
-                solver.place(float(shift), float(start), float(yaw), float(roll))
-                rows[i, j, m] = placed.model.arrays.pose
-    rows = rows.reshape(-1, rows.shape[-1])
-    wanted = np.broadcast_to(axes["load"], shape).ravel()
-    found = placed.model.solve_many(rows, wanted, threads=threads)
-    for i in np.flatnonzero(found.status & UNSOLVED).tolist():
-        shift, yaw, roll, load = (float(v[j]) for v, j in zip(axes.values(), np.unravel_index(i, shape), strict=True))
+    poses = _map_poses(solver, axes, float(start))
+    contacts = _solve_map(solver, axes, poses, threads)
+    height = contacts.poses[:, 2] - poses[:, 2] + start - radius
+    table = _map_table(axes, contacts, placed, height).assign_attrs({
+        "title": f"contacts of {wheel.name} on {rail.name}", "radius_m": radius, "gauge_m": gauge, "side": side,
+        "profile_spacing_m": profile_spacing, "rolling": int(rolling),
+        "normal": model.settings.normal, "creep_forces": placed.model.settings.creep_forces,
+    })  # fmt: skip
+    if file is not None:
+        table.to_netcdf(file)
+    return table
+
+
+def _map_axes(*values: ArrayLike) -> dict[str, Array]:
+    """Values of every axis of a map. Raises InputError for what is no list of finite numbers, and for too many."""
+    axes = {name: np.atleast_1d(np.asarray(given, dtype=float)) for name, given in zip(AXES, values, strict=True)}
+    for name, given in axes.items():
+        if given.ndim != 1 or not given.size or not np.isfinite(given).all():
+            raise InputError(f"{name}s: must be a number or a list of numbers, all finite")
+    count = np.prod([given.size for given in axes.values()])
+    if count > MOST_POSES:
+        raise InputError(f"{count} combinations of shifts, yaws, rolls and loads; allowed: {MOST_POSES}")
+    return axes
+
+
+def _map_poses(solver: PoseSolver, axes: dict[str, Array], height: float) -> Array:
+    """Poses of the wheel, a row each, over all axes; height: of the wheelset's centre [m]."""
+    rows = []
+    for shift, yaw, roll in product(*(axes[name].tolist() for name in ("shift", "yaw", "roll"))):
+        solver.place(shift, height, yaw, roll)
+        rows.append(solver.wheels[0].model.arrays.pose.copy())
+    return np.repeat(rows, axes["load"].size, axis=0)
+
+
+def _solve_map(solver: PoseSolver, axes: dict[str, Array], poses: Array, threads: int | None) -> Contacts:
+    """Contacts of all poses in one batch; those that it leaves unsolved are solved as single poses."""
+    keys = np.array(list(product(*(values.tolist() for values in axes.values()))))
+    contacts = solver.wheels[0].model.solve_many(poses, keys[:, -1], threads=threads)
+    for i in np.flatnonzero(contacts.status & UNSOLVED).tolist():
+        shift, yaw, roll, load = keys[i].tolist()
         solver.solve(Pose(lateral=shift, yaw=yaw, roll=roll, load=load))
         if solver.holders is not solver.wheels:
             arrays = solver.holders[0].model.arrays
-            found.raw.store(i, 0, arrays)
-            found.poses[i], found.status[i] = arrays.pose, arrays.status
-    unmet = (found.status & UNMET) != 0
-    channels = {name: values[:, 0] for name, values in contact_channels(found.raw, [placed]).items()}
-    channels["vertical_shift"] = found.poses[:, 2] - rows[:, 2] + start - radius
-    table = xr.Dataset(
-        coords={name: (name, values, {"units": AXES[name]}) for name, values in axes.items()},
-        attrs={
-            "title": f"contacts of {wheel.name} on {rail.name}", "radius_m": radius, "gauge_m": gauge, "side": side,
-            "profile_spacing_m": profile_spacing, "rolling": int(rolling),
-            "normal": model.settings.normal, "creep_forces": placed.model.settings.creep_forces,
-        },
-    )  # fmt: skip
-    for name, values in channels.items():
+            contacts.raw.store(i, 0, arrays)
+            contacts.poses[i], contacts.status[i] = arrays.pose, arrays.status
+    return contacts
+
+
+def _map_table(axes: dict[str, Array], contacts: Contacts, placed: WheelOnRail, height: Array) -> xr.Dataset:
+    """Channels of contacts over the axes, not-a-number where a load is not met; height: see `contact_map` [m]."""
+    shape, unmet = tuple(values.size for values in axes.values()), (contacts.status & UNMET) != 0
+    channels = {name: values[:, 0] for name, values in contact_channels(contacts.raw, [placed]).items()}
+    table = xr.Dataset(coords={name: (name, values, {"units": AXES[name]}) for name, values in axes.items()})
+    for name, values in (channels | {"vertical_shift": height}).items():
         values = np.where(unmet.reshape(-1, *(1,) * (values.ndim - 1)), np.nan, values)
         dims = (*AXES, "patch")[: 3 + values.ndim]
         table[name] = dims, values.reshape(*shape, *values.shape[1:]), {"units": CHANNELS[name].unit}
-    table["status"] = tuple(AXES), found.status.reshape(shape), {"units": "1"}
-    if file is not None:
-        table.to_netcdf(file)
+    table["status"] = tuple(AXES), contacts.status.reshape(shape), {"units": "1"}
     return table
