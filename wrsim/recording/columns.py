@@ -132,7 +132,8 @@ class ChannelSection(Section, header="[[channels]]"):
         band = self.band_m if self.band is None else BANDS[self.band]
         return None if band is None else Inertial(*band)
 
-    def words(self) -> str:
+    @property
+    def description(self) -> str:
         """Quantity, unit, sign and measuring system, for tables."""
         parts = [self.quantity.replace("_", " "), f"in {self.unit or next(iter(self.units))}"]
         if self.kind in SIGNS:

@@ -44,7 +44,7 @@ class Plateau:
     curvature: float
     cant: float
     form: Form = "clothoid"
-    """Of the transition before it."""
+    """Form of the transition before it."""
 
     @property
     def is_straight(self) -> bool:

@@ -13,16 +13,13 @@ from wrsim.recording.columns import LENGTHS, UNITS
 _TABLES = packaged("wrsim.recording", "data/names.toml")
 
 
-def _pattern(patterns: Sequence[str], **parts: str) -> re.Pattern[str]:
-    """One of several patterns; parts: patterns that these name in braces."""
-    joined = "|".join(patterns)
-    for name, part in parts.items():
-        joined = joined.replace(f"{{{name}}}", part)
-    return re.compile(joined)
+def _pattern(patterns: Sequence[str], versine: str = "") -> re.Pattern[str]:
+    """One of several patterns; versine: what takes the place of ``{versine}`` in them."""
+    return re.compile("|".join(patterns).replace("{versine}", versine))
 
 
 NO_USE, VERSINE, DEVIATION = (_pattern(_TABLES[name]) for name in ("no_use", "versine", "deviation"))
-GUESSES = [(row["quantity"], _pattern(row["patterns"], versine=VERSINE.pattern)) for row in _TABLES["quantities"]]
+GUESSES = [(row["quantity"], _pattern(row["patterns"], VERSINE.pattern)) for row in _TABLES["quantities"]]
 """Quantities and patterns of their columns' names, without accents; the first counts."""
 JOINED = r"^{0}(?=prof|align|aline|surf|top|mco)|(?:prof|align|aline|surf|top|mco)\d*{0}$"  # LPROF62, ALIGN62R
 LENGTH = re.compile(r"(\d+(?:[.,]\d+)?)\s*(m(?![a-z])|ft|feet|foot|'|米)?")
@@ -42,7 +39,7 @@ FINEST = 0.01  # [m]; no car has rows closer than that: a distance of no stated 
 
 def known(name: str) -> bool:
     """Whether a name is that of a column that counts."""
-    return _quantity(_folded(_without_unit(name.strip().lower())[0])) is not None
+    return _quantity(_split(name)[0]) is not None
 
 
 def unit_in(cell: str) -> str | None:
@@ -54,7 +51,7 @@ def unit_in(cell: str) -> str | None:
 
 def stated_unit(name: str, units: Mapping[str, str]) -> str | None:
     """The unit of a column: in its name, or in a row of units."""
-    return _without_unit(name.strip().lower())[1] or units.get(name)
+    return _split(name)[1] or units.get(name)
 
 
 def guessed(
@@ -68,7 +65,7 @@ def guessed(
     """
     channels: list[dict[str, Any]] = []
     for name in header:
-        plain, unit = _folded(_without_unit(name.strip().lower())[0]), stated_unit(name, units or {})
+        plain, unit = _split(name)[0], stated_unit(name, units or {})
         quantity = _quantity(plain)
         if quantity is None:
             continue
@@ -141,6 +138,12 @@ def _folded(name: str) -> str:
     for letter, plain in (("ä", "ae"), ("ö", "oe"), ("ü", "ue"), ("ß", "ss")):
         name = name.replace(letter, plain)
     return "".join(c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
+
+
+def _split(name: str) -> tuple[str, str | None]:
+    """The folded name of a column without its unit, and that."""
+    plain, unit = _without_unit(name.strip().lower())
+    return _folded(plain), unit
 
 
 def _without_unit(name: str) -> tuple[str, str | None]:

@@ -169,7 +169,7 @@ def _by_names(
 
 
 def _along(path: Path, table: RecordedTable, channels: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Of several columns of distance the first, or whole kilometres or miles and what lies beyond them."""
+    """The first of several columns of distance, or whole kilometres or miles and what lies beyond them."""
     sections = [ChannelSection.model_validate(c) for c in channels]
     values = [_numbers(path, table, s) for s in sections]
     for i, coarse in enumerate(sections):

@@ -189,15 +189,17 @@ class _Work:
     def undone(self, channel: ChannelSection, record: Array, design: Array) -> Array:
         """The shape that a record is of; design: its share in the record."""
         inverse = InverseFilter(channel.system, self.band, self.amplification)
-        self.inverses.append((channel, inverse))
-        return filtered(record - design, self.recording.step, inverse.response, SKIRTS[1] * self.band[1])
+        return self._inverted(channel, inverse, record - design, SKIRTS[1] * self.band[1])
 
     def undone_plain(self, record: Array, *quantities: str) -> Array:
         """Gauge and cant: all waves but the shortest."""
         channel = next(c for c, _ in self.recording.records if c.quantity in quantities)
         inverse = InverseFilter(Plain(), (self.band[0], np.inf), self.amplification)
+        return self._inverted(channel, inverse, record, 4.0 * self.band[0])
+
+    def _inverted(self, channel: ChannelSection, inverse: InverseFilter, record: Array, longest: float) -> Array:
         self.inverses.append((channel, inverse))
-        return filtered(record, self.recording.step, inverse.response, 4.0 * self.band[0])
+        return filtered(record, self.recording.step, inverse.response, longest)
 
 
 def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights: tuple[float, float]) -> Array:

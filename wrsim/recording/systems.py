@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
+from wrsim.recording.dropouts import runs
 from wrsim.track.irregularities import smooth_step
 from wrsim.track.piecewise import Array
 
@@ -128,8 +129,7 @@ class InverseFilter:
         else:
             k = 2.0 * np.pi / lengths
             whole = np.abs(self.response(k) * self.system.response(k)) > 1.0 - 1e-9
-        edges = np.flatnonzero(np.diff(np.concatenate(([False], whole, [False])).astype(int)))
-        return np.array([(lengths[i], lengths[j - 1]) for i, j in edges.reshape(-1, 2)]).reshape(-1, 2)
+        return np.array([(lengths[i], lengths[j - 1]) for i, j in runs(whole)]).reshape(-1, 2)
 
     def largest(self) -> float:
         """Largest factor of a wave of the record, or of its noise."""

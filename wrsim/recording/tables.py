@@ -19,7 +19,7 @@ def recording_numbers(restored: Restored) -> dict[str, Any]:
         "length_m": read.length,
         "step_m": read.step,
         "guessed": read.guessed,
-        "columns": [{"column": c.column, "is": c.words()} for c in read.columns.channels],
+        "columns": [{"column": c.column, "is": c.description} for c in read.columns.channels],
         "unused": list(read.unused),
         "warnings": [LEFT_OUT.format(", ".join(read.unused))] if read.unused and read.guessed else [],
         "undone": [
@@ -49,7 +49,7 @@ def recording_tables(restored: Restored) -> list[Table]:
             ends = [[formatted(end, ".3g") for end in band if end <= LONGEST_BAND] for band in inverse.kept().tolist()]
             bands = [" to ".join(band) if len(band) > 1 else f"from {band[0]}" for band in ends]
             undone = [", ".join(bands) or "none", inverse.largest(), inverse.noise(read.step)]
-        rows.append([c.column, c.words(), *undone])
+        rows.append([c.column, c.description, *undone])
     heads = (Column("column"), Column("is"), Column("waves that come back", "m"), Column("largest factor", "", ".2g"))
     title = "columns, recognised by their names" if read.guessed else "columns"
     unused = (f"not used: {', '.join(read.unused)}",) if read.unused and not read.guessed else ()

@@ -19,7 +19,7 @@ from wrsim.inputs.toml_files import LARGEST, Kept
 from wrsim.scenario.loading import Scenario, load_text
 
 ATTRIBUTE = "model_files"
-"""Of results, and in the header of run files."""
+"""Attribute of results and of the header of run files."""
 ROOT, SHIPPED = Path("model files of the result"), "shipped"
 """Folder of the files of a result, which is nowhere on a disk, and the name of that of the models of wrsim."""
 

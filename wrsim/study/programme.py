@@ -105,7 +105,7 @@ class ProgrammeIrregularities(Section, header="[irregularities]"):
     spectrum: Annotated[str, text('a spectrum such as "ERRI-low"')]
     """Its name, as in [[track.irregularities]]."""
     seed: Annotated[int, number(0, 2**31 - 1)] = 1
-    """Of the first run; the others follow."""
+    """Seed of the first run; the others follow."""
     scale: Annotated[float, number(0.01, 100)] = 1.0
     """Factor on all amplitudes."""
 

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 CONFIDENCE = 0.95
 RESAMPLES = 400
-"""Of a bootstrap: ends of an interval scatter by a tenth of its length then."""
+"""Samples of a bootstrap: ends of an interval scatter by a tenth of its length then."""
 LEVELS = 4
 """Values that a key takes in trajectories of Morris."""
 FLAT = 1e-9
@@ -35,7 +35,7 @@ FLAT = 1e-9
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Of one output: indices (keys, 3) by their kind, value with lower and upper end of its interval; note: why there
+    """Indices of one output (keys, 3) by their kind: value with lower and upper end of its interval; note: why there
     are none, or what there is to say."""
 
     output: str
@@ -128,7 +128,7 @@ def _morris() -> tuple[Any, Any]:
 
 
 def sensitivities(spec: SensitivitySection, outputs: Mapping[str, Array]) -> dict[str, Any]:
-    """Of the outputs that are asked for, all unless some are: as `wrsim.results.sensitivity` has them."""
+    """Indices of the outputs that are asked for, or of all, as `wrsim.results.sensitivity` has them."""
     results = [
         sensitivity(spec, name, outputs[name])
         if name in outputs

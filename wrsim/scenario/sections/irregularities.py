@@ -9,6 +9,7 @@ from pydantic import Field
 
 from wrsim.errors import InputError
 from wrsim.inputs.section import Choice, Fault, Section, given
+from wrsim.inputs.us_units import FOOT
 from wrsim.inputs.values import List, Two, fields, number, positive, text, words
 from wrsim.results.channels import table
 from wrsim.track.irregularities import CHANNELS, Bump, Channel, Disturbance, Polygon, Rail, Shape
@@ -158,7 +159,7 @@ class GaugeSection(_Defect, kind="gauge"):
     channel = "gauge"
 
 
-FOOT, INCH = 0.3048, 0.0254
+INCH = 0.0254
 MCAT: dict[str, tuple[tuple[Channel, float], ...]] = {
     "alinement": (("alignment", 1.0),), "gauge": (("gauge", 1.0),), "crosslevel": (("cross-level", 1.0),),
     "surface": (("level", -1.0),), "combined": (("alignment", 1.0), ("level", -1.0)),

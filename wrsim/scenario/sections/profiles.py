@@ -39,9 +39,9 @@ class ProfilesSection(Section, header="[profiles]"):
     """How files of points are read that a scenario or its vehicle names directly."""
 
     wheel: PointsSection = PointsSection()
-    """Of wheels."""
+    """Files of wheels."""
     rail: PointsSection = PointsSection()
-    """Of rails."""
+    """Files of rails."""
 
     def reading(self) -> AbstractContextManager[None]:
         """Within this block files are read so."""

@@ -124,9 +124,9 @@ class SupportSection(Section, header="[[track.structure.supports]]"):
     at_m: Place
     """Where on the track."""
     pad_percent: Annotated[float, number(0.1, 1e4)] = 100.0
-    """Of the pads, in parts of what [track.structure.pad] gives."""
+    """Stiffness and damping of the pads in parts of what [track.structure.pad] gives."""
     ballast_percent: Annotated[float, number(0, 1e4)] = 100.0
-    """Of the ballast, in parts of what [track.structure.ballast] gives."""
+    """Stiffness and damping of the ballast in parts of what [track.structure.ballast] gives."""
     side: Which = "both"
     """Under which rail."""
 

@@ -45,7 +45,7 @@ Work = Callable[[Plan, Sequence[int]], None]
 
 STEPS, STEP, LOOK, WHEEL, DEPTHS = "steps", "step.json", "look", "wheel.toml", "depths.csv"
 SHORTEST_REST = 1e-9
-"""Of the mileage, below which nothing is left to run."""
+"""Share of the mileage below which nothing is left to run."""
 
 
 @dataclass(frozen=True)
