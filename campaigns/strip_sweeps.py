@@ -27,7 +27,7 @@ def worst_end(arrays: KernelArrays) -> float:
     """Largest force per width of an end strip over the larger of its neighbours'.
 
     Ends of a stretch of contact without a gap have one neighbour; where two lobes of a stretch meet the strips on
-    either side have two. A hump of one or two strips beyond a gap has a maximum of its own and does not count: the
+    either side have two. A lobe of one or two strips beyond a gap has a maximum of its own and does not count: the
     half-space solver has such regions too, with the same force.
     """
     number, lobes = int(arrays.total["lobes"]), arrays.patches

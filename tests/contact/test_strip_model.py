@@ -371,7 +371,7 @@ def bench_of(wheel, rail, inclination):
     # the ground of two lobes goes on over a gap: no strip belongs to both, else N is 27 % high
     (WORN, 5.517967e-3, -14.4218e-3, -0.530688e-3, 119.7e3, 200),
     (("S1002", "54E1", 20), 5.285521957e-3, 13.119826549e-3, 0.065067402e-3, 184.222e3, 200),
-    # a hump below the chord from a higher one to the end of the overlap: without it N is 5.5 % low
+    # a maximum below the chord from a higher one to the end of the overlap: without it N is 5.5 % low
     (("S1002", "worn", 40), 4.528706e-3, -4.445761e-3, 5.719399e-3, 132681.475, 400),
 ])  # fmt: skip
 def test_poses_with_several_humps_carry_their_load_as_the_half_space_does(pair, lateral, yaw, roll, load, residuals):

@@ -122,7 +122,7 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
         found[f"lobes change {lateral:g}"] = lowered(model, lateral, 0.002, depth)
     if full:
         found["a grid leaves"] = _leaving(model)
-    # a tail beside a hump comes and goes: the last resort
+    # a tail beside a maximum comes and goes: the last resort
     model = pair_model(PAIR, normal="strips", **SMALL | {"strips": 8})
     model.arrays.follow(True)
     stand = bench(model, rolling=False)

@@ -51,7 +51,7 @@ def bound_lobe(
 
 
 @kernel
-def lay_lobe(
+def build_strips(
     wheel: PlacedWheel, rail: Rail, model: Record, lobes: Records, count: int, i: int, strips: Records
 ) -> None:
     """Strips of one lobe: by their width, or by their number. Where the model's patches are joint the lobes of a patch

@@ -21,7 +21,7 @@ from wrsim.contact.arrays import Arrays, arrays
 from wrsim.contact.creep.creep_forces import creep_forces
 from wrsim.contact.creep.friction import set_law
 from wrsim.contact.creep.laws import NO_CREEP_FORCES
-from wrsim.contact.kik_piotrowski import bound_lobe, lay_lobe, press_lobes
+from wrsim.contact.kik_piotrowski import bound_lobe, build_strips, press_lobes
 from wrsim.contact.records import (
     CONTACT,
     CREEP_FORCES,
@@ -287,7 +287,7 @@ def _press_by_overlap(a: Arrays) -> int:
         left, right = room_beside(a.found, i, count)
         status |= bound_lobe(wheel, rail, model, a.found, i, left, right, lobes)
     for i in range(count):
-        lay_lobe(wheel, rail, model, lobes, count, i, a.strips[i])
+        build_strips(wheel, rail, model, lobes, count, i, a.strips[i])
     press_lobes(model, pose, lobes, a.strips, count, a.work)
     return status
 

@@ -21,7 +21,7 @@ from wrsim.contact.creep.linear import linear_creep
 from wrsim.contact.creep.polach import polach
 from wrsim.jit import Array, Record, Records, inlined, kernel
 
-GAP = 1e-6  # of a strip's width: more apart are other stretches
+GAP = 1e-6  # of a strip's width: strips farther apart are not contiguous
 FIRM = 4.0  # from a quarter of the wheel's largest pressure amplitude on a lobe counts in full
 
 
@@ -91,7 +91,7 @@ def _reduced(
     return Flexibilities(soft.l1 / k, soft.l2 / k, soft.l3 / k)
 
 
-class Stretch(NamedTuple):
+class ContiguousStrips(NamedTuple):
     """Strips beside one another without a gap: the first one behind them, their largest half length [m] and their
     amplitude, largest pressure over that."""
 
@@ -101,8 +101,8 @@ class Stretch(NamedTuple):
 
 
 @inlined
-def _stretch(strips: Records, first: int, n: int) -> Stretch:
-    """The stretch that begins with a strip."""
+def _contiguous_strips(strips: Records, first: int, n: int) -> ContiguousStrips:
+    """The contiguous strips from a strip on."""
     longest = pressure = 0.0
     j = first
     while j < n:
@@ -111,21 +111,21 @@ def _stretch(strips: Records, first: int, n: int) -> Stretch:
             break
         longest, pressure = max(longest, strip.a), max(pressure, strip.p)
         j += 1
-    return Stretch(j, longest, pressure / max(longest, 1e-300))
+    return ContiguousStrips(j, longest, pressure / max(longest, 1e-300))
 
 
 @kernel
 def _joint(lobes: Records, strips: Records, count: int, i: int) -> tuple[Ellipse, Creepages, float]:
     """Ellipse, mean creepages and normal force of lobe i and its share of those that it is coupled to. A lobe may touch
-    in several stretches, with gaps between. Each counts by its own length and width; one that is about to lift off for
-    as little as it carries."""
+    in several intervals, with gaps between. Each counts by its length and width; one that is about to lift off for as
+    little as it carries."""
     lobe = lobes[i]
     area = width = longest = normal = xi = eta = phi = 0.0
     firmest = 0.0
     m = 0
     while m < lobe.n_strips:
-        own = _stretch(strips[i], m, lobe.n_strips)
-        m, firmest = own.end, max(firmest, own.amplitude)
+        contiguous = _contiguous_strips(strips[i], m, lobe.n_strips)
+        m, firmest = contiguous.end, max(firmest, contiguous.amplitude)
     for j in range(count):
         other = lobes[j]
         share = 1.0
@@ -139,10 +139,10 @@ def _joint(lobes: Records, strips: Records, count: int, i: int) -> tuple[Ellipse
             continue
         m = 0
         while m < other.n_strips:
-            stretch = _stretch(strips[j], m, other.n_strips)
-            part = share * min(stretch.amplitude / firmest, 1.0)
-            longest = max(longest, 2.0 * part * stretch.longest)
-            for k in range(m, stretch.end):
+            contiguous = _contiguous_strips(strips[j], m, other.n_strips)
+            part = share * min(contiguous.amplitude / firmest, 1.0)
+            longest = max(longest, 2.0 * part * contiguous.longest)
+            for k in range(m, contiguous.end):
                 strip = strips[j, k]
                 area += 2.0 * part * strip.a * strip.ds
                 width += part * strip.ds
@@ -150,7 +150,7 @@ def _joint(lobes: Records, strips: Records, count: int, i: int) -> tuple[Ellipse
                 xi += part * strip.N * strip.xi
                 eta += part * strip.N * strip.eta
                 phi += part * strip.N * strip.phi
-            m = stretch.end
+            m = contiguous.end
     return ellipse_of(area, longest / width), Creepages(xi / normal, eta / normal, phi / normal), normal
 
 

@@ -12,7 +12,6 @@ from wrsim.contact.strips.equations import (
     fading,
     four_in_contact,
     is_held,
-    points_per_strip,
     weight_of,
 )
 from wrsim.contact.strips.influence import find_terms, turned_influence
@@ -20,15 +19,6 @@ from wrsim.contact.strips.records import EDGES, MIDDLES, TERMS_PER_POINT, UNKNOW
 from wrsim.jit import Array, inlined, kernel
 
 Derivatives = tuple[float, float, float, float]  # by the edges and the line of the middles of a grid
-
-
-@inlined
-def _find_point_terms(system: System, n: int, g: int, i: int, h: int, point: int, x: float) -> None:
-    """The terms of the strips of grid h at a point x of strip i of grid g."""
-    v, t = system.vectors, V.TERMS + TERMS_PER_POINT * point
-    aligned = point == 0 and h == g and not system.memo[0].has_shifts
-    first, last, s = h * n, (h + 1) * n, system.places[g * n + i].s
-    find_terms(system.table, v, first, last, s, x, aligned, v[t], v[t + 1], v[t + 2], v[t + 3], v[t + 4])
 
 
 @kernel
@@ -42,7 +32,7 @@ def _displacement_rows(system: System, n: int, g: int, i: int) -> None:
     strip = places[g * n + i]
     row, e = g * block + i, edges_of(n, g)
     middle, r = vectors[V.MIDDLE, g * n + i], CHEBYSHEV_NODE * strip.a
-    points = points_per_strip(memo)
+    points = 2 + memo.has_shifts  # outer points are alike where shifts do not count
     no, nb = vectors[V.NO, g * n + i], vectors[V.NB, g * n + i]
     for point in range(points):
         arm = r if point == 1 else -r if point == 2 else 0.0
@@ -58,14 +48,15 @@ def _displacement_rows(system: System, n: int, g: int, i: int) -> None:
             share = unit * fading(system, h, g)
             if share == 0.0:
                 continue
-            _find_point_terms(system, n, g, i, h, point, x)
-            base = h * block
+            aligned = point == 0 and h == g and not memo.has_shifts
+            first, last, base = h * n, (h + 1) * n, h * block
+            find_terms(system.table, vectors, first, last, strip.s, x, aligned, p, p_xi, lever, f0, f1)
             by_start = by_end = by_b0 = by_b1 = 0.0
-            for j in range(h * n, (h + 1) * n):
+            for j in range(first, last):
                 place = places[j]
                 if place.y <= 0.0:
                     continue
-                column = base + j - h * n
+                column = base + j - first
                 felt = share * turned_influence(vectors, j, no, nb, strip.s)
                 q, a = felt * place.q, place.a
                 xi = (x - vectors[V.MIDDLE, j]) / a

@@ -9,7 +9,7 @@ from math import sqrt
 from wrsim.contact.strips.grid import place_grid_strips
 from wrsim.contact.strips.influence import Displacements, displacement_at
 from wrsim.contact.strips.records import EDGES, MIDDLES, UNKNOWNS_PER_STRIP, System, V
-from wrsim.jit import Record, Records, inlined, kernel
+from wrsim.jit import Array, Record, Records, inlined, kernel
 
 CHEBYSHEV_NODE = sqrt(0.75)  # of the half length: the outer ones of Chebyshev's three points
 EDGE_RATIO = 0.85  # of p^2 in the outer strips, over what a straight line would give: Hertz's ellipses keep their width
@@ -41,6 +41,19 @@ def is_held(grid: Record, side: int) -> bool:
 def hold_edges(grid: Record, start: float, end: float) -> None:
     """Hold the edges that have come to their bounds, free the others."""
     grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
+
+
+@inlined
+def clamp_edges(grid: Record, x: Array, e: int) -> bool:
+    """Bring edges e, e + 1 of the unknowns x back to their bounds and hold them there. True if one was not held."""
+    before = grid.start_held + grid.end_held
+    if grid.start_held or x[e] < grid.least:
+        x[e] = grid.least
+        grid.start_held = 1
+    if grid.end_held or x[e + 1] > grid.most:
+        x[e + 1] = grid.most
+        grid.end_held = 1
+    return grid.start_held + grid.end_held > before
 
 
 @kernel
@@ -150,12 +163,6 @@ def set_conditions(system: System, n: int, g: int, j: int, points: int) -> None:
         place.tilt = (u.fore - aft + 2.0 * place.curvature * r * place.off) / memo.deepest
 
 
-@inlined
-def points_per_strip(memo: Record) -> int:
-    """Points of a strip at which the surfaces follow each other: the outer ones are alike where shifts do not count."""
-    return 3 if memo.has_shifts else 2
-
-
 @kernel
 def residuals(system: System, n: int) -> float:
     """Residuals of (strip-points), (strip-smoothing), (strip-stairs), (strip-means) and (strip-edges) to
@@ -165,7 +172,7 @@ def residuals(system: System, n: int) -> float:
     memo.iterations += 1
     place_strips(system, n)
     largest = 0.0
-    block, points = block_of(n), points_per_strip(memo)
+    block, points = block_of(n), 2 + memo.has_shifts  # outer points are alike where shifts do not count
     for g in range(memo.grids):
         grid, base = grids[g], g * block
         out[base : base + block] = 0.0

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wrsim.contact.overlap_patch import bisector
+from wrsim.contact.overlap_patch import bisector, first_step
 from wrsim.contact.records import PlacedWheel, Rail
 from wrsim.contact.search.locus import locus_point
 from wrsim.contact.strips.records import ROWS
@@ -74,19 +74,17 @@ def _opposite_near(wheel: PlacedWheel, rail: Rail, arc: float, s: float, spacing
 
 
 @kernel
-def find_end(
-    wheel: PlacedWheel, rail: Rail, arc_wheel: float, arc_rail: float, depth: float, first: float, direction: float,
-    limit: float,
-) -> tuple[float, int]:  # fmt: skip
-    """Arclength on the rail where the overlap ends, walking from a main point of this depth.
+def find_end(wheel: PlacedWheel, rail: Rail, contact: Record, direction: float, limit: float) -> tuple[float, int]:
+    """Distance on the rail from a contact to the end of the overlap.
 
-    first: first step [m]; direction: +1.0 or -1.0; limit: largest distance. Returns (distance, status): status 0, or 1
-    at the end of a profile.
+    direction: +1.0 or -1.0; limit: largest distance. Returns (distance, status): status 0, or 1 at the end of a
+    profile.
     """
     wheel_end, rail_end = length(wheel.profile), rail_length(rail)
-    inner, inner_arc, inner_d = 0.0, arc_wheel, depth
-    shrink = last = opposite(wheel, rail, arc_wheel, arc_rail).shrink
-    step = first
+    arc_rail, depth = contact.arc_rail, contact.depth
+    inner, inner_arc, inner_d = 0.0, contact.arc_wheel, depth
+    shrink = last = opposite(wheel, rail, contact.arc_wheel, arc_rail).shrink
+    step = first_step(depth, contact.curvature)
     while True:
         outer = min(inner + step, limit)
         arc = inner_arc + direction * (outer - inner) * (1.5 * shrink - 0.5 * last)

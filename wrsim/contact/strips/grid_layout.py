@@ -4,15 +4,11 @@ Neighbouring lobes and shoulders of a lobe share a grid where the penetration be
 chord over it, the concave hull of d(s); where it is less they have grids of their own, which end where d over the hull
 is least. So a maximum that comes into contact beyond a gap has its own strips and edges, and its force grows from
 nothing. All this belongs to the pose alone.
-
-A yawed wheel touches its rail along the contact locus, a curve that runs ahead of the axle where the profile climbs.
-Where it does not, all strips have one middle, and (strip-means) holds by symmetry.
 """
 
 from math import sqrt
 
-from wrsim.contact.overlap_patch import first_step
-from wrsim.contact.records import STATUS_PROFILE_END, PlacedWheel, Rail, WheelPose
+from wrsim.contact.records import STATUS_PROFILE_END, WheelPose
 from wrsim.contact.search.lobes import LEAST_ROOM, WIDEST, room_beside
 from wrsim.contact.strips.equations import set_fading
 from wrsim.contact.strips.grid import find_end, grade_rows, sample_rows
@@ -38,7 +34,7 @@ def set_grids(system: System, contacts: Records, pose: WheelPose, count: int) ->
         first = memo.grids
         grid = system.grids[first]
         limit = max(contacts[i].arc_rail - system.grids[first - 1].most, LEAST_ROOM) if first > 0 else WIDEST
-        distance, beyond = _overlap_end(wheel, rail, contacts[i], -1.0, limit)
+        distance, beyond = find_end(wheel, rail, contacts[i], -1.0, limit)
         grid.least = contacts[i].arc_rail - distance
         status |= STATUS_PROFILE_END if beyond else 0
         last = i
@@ -49,7 +45,7 @@ def set_grids(system: System, contacts: Records, pose: WheelPose, count: int) ->
             apart = last < count - 1 and contacts[last].saddle < 0.0
             if apart:
                 limit = contacts[last + 1].arc_rail - contacts[last].arc_rail
-            distance, beyond = _overlap_end(wheel, rail, contacts[last], 1.0, limit)
+            distance, beyond = find_end(wheel, rail, contacts[last], 1.0, limit)
             if not (apart and distance >= limit):
                 break
             last += 1  # the gap before the next lobe is narrower than a step of the walk: the overlap goes on
@@ -128,13 +124,6 @@ def _set_shifts(system: System) -> None:
     if matter != memo.has_shifts:
         memo.has_shifts = matter
         memo.inverted = 0
-
-
-@inlined
-def _overlap_end(wheel: PlacedWheel, rail: Rail, contact: Record, direction: float, limit: float) -> tuple[float, int]:
-    """Distance from a main point to the end of the overlap, and whether that is the end of a profile."""
-    step = first_step(contact.depth, contact.curvature)
-    return find_end(wheel, rail, contact.arc_wheel, contact.arc_rail, contact.depth, step, direction, limit)
 
 
 @inlined

@@ -14,7 +14,7 @@ from math import pi, sqrt
 
 from wrsim.contact.records import COLD_START, STATUS_NOT_CONVERGED, PlacedWheel, Rail, WheelPose
 from wrsim.contact.resultants import set_creepages, set_pressures
-from wrsim.contact.strips.equations import edges_of
+from wrsim.contact.strips.equations import clamp_edges, edges_of
 from wrsim.contact.strips.grid import opposite, row_below
 from wrsim.contact.strips.grid_layout import set_grids
 from wrsim.contact.strips.records import System, V
@@ -97,14 +97,8 @@ def _same_grids(system: System, n: int) -> bool:
         common = min(x[e + 1], grid.most) - max(x[e], grid.least)
         if common < SAME_GRID * (x[e + 1] - x[e]):
             return False
-        if grid.start_held or x[e] < grid.least:
-            x[e] = grid.least
-            memo.inverted = memo.inverted if grid.start_held else 0
-            grid.start_held = 1
-        if grid.end_held or x[e + 1] > grid.most:
-            x[e + 1] = grid.most
-            memo.inverted = memo.inverted if grid.end_held else 0
-            grid.end_held = 1
+        if clamp_edges(grid, x, e):
+            memo.inverted = 0
     return True
 
 

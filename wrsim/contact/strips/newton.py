@@ -15,6 +15,7 @@ from wrsim.contact.strips.derivatives import jacobian
 from wrsim.contact.strips.equations import (
     CHEBYSHEV_NODE,
     block_of,
+    clamp_edges,
     edge_residual,
     edges_of,
     place_strips,
@@ -22,7 +23,7 @@ from wrsim.contact.strips.equations import (
     set_middles,
 )
 from wrsim.contact.strips.records import EDGES, MIDDLES, ROWS, System, V
-from wrsim.jit import Array, inlined, kernel
+from wrsim.jit import kernel
 from wrsim.jit.dense import copy, factorise, invert, multiply, solve_factorised
 
 MAX_STEPS = 25  # of a solution: those that come to one take fewer
@@ -177,20 +178,13 @@ def descend(system: System, n: int, tolerance: float) -> bool:
     return False
 
 
-@inlined
-def _set_negative_residuals(system: System, out: Array) -> None:
-    """Write the right-hand side of the unknowns that are solved for."""
-    vectors = system.vectors
-    for i in range(system.memo[0].unknowns):
-        out[i] = -vectors[V.F, int(vectors[V.UNKNOWN_INDEX, i])]
-
-
 @kernel
 def _multiply_inverse(system: System) -> None:
     """The step of the unknowns that are solved for by the inverse as it is, from the residuals."""
-    vectors = system.vectors
-    _set_negative_residuals(system, vectors[V.RHS])
-    multiply(system.matrix, system.memo[0].unknowns, vectors[V.RHS], vectors[V.NEXT])
+    vectors, size = system.vectors, system.memo[0].unknowns
+    for i in range(size):
+        vectors[V.RHS, i] = -vectors[V.F, int(vectors[V.UNKNOWN_INDEX, i])]
+    multiply(system.matrix, size, vectors[V.RHS], vectors[V.NEXT])
 
 
 @kernel
@@ -198,7 +192,8 @@ def _solve(system: System) -> float:
     """The same by the factors as they are; returns its length by the weights of the unknowns."""
     vectors, size = system.vectors, system.memo[0].unknowns
     step = vectors[V.NEXT]
-    _set_negative_residuals(system, step)
+    for i in range(size):
+        step[i] = -vectors[V.F, int(vectors[V.UNKNOWN_INDEX, i])]
     solve_factorised(system.matrix, size, vectors[V.PIVOT], step)
     total = 0.0
     for i in range(size):
@@ -305,14 +300,8 @@ def _take_step(system: System, n: int, share: float, may_drop: bool) -> tuple[bo
             x[base + j] = new
         for k in range(EDGES + MIDDLES):
             x[e + k] += share * step[e + k]
-        if x[e] < grid.least:
-            x[e] = grid.least
-            changed = changed or not grid.start_held
-            grid.start_held = 1
-        if x[e + 1] > grid.most:
-            x[e + 1] = grid.most
-            changed = changed or not grid.end_held
-            grid.end_held = 1
+        if clamp_edges(grid, x, e):
+            changed = True
         if x[e + 1] <= x[e]:
             deactivate_grid(system, n, g)
             changed = True

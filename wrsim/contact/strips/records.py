@@ -149,19 +149,14 @@ VECTORS = V.TERMS + POINTS * TERMS_PER_POINT
 
 
 class System(NamedTuple):
-    """What Newton's method solves for, and with.
-
-    wheel, rail: the bodies; table: of the influence (`influence`); rows: (grids, ROWS) ROW; places: (grids * n,) PLACE;
-    grids: (grids,) GRID; vectors: (VECTORS, unknowns); matrix: (unknowns, unknowns), of the derivatives, their factors
-    or their inverse; memo: (1,) MEMO.
-    """
+    """What Newton's method solves for, and with."""
 
     wheel: PlacedWheel
     rail: Rail
-    table: Array
-    rows: Records
-    places: Records
-    grids: Records
-    vectors: Array
-    matrix: Array
-    memo: Records
+    table: Array  # of the influence (`influence`)
+    rows: Records  # ROW, (grids, ROWS)
+    places: Records  # PLACE, (grids * n,)
+    grids: Records  # GRID, (grids,)
+    vectors: Array  # (VECTORS, unknowns), see `VectorRows`
+    matrix: Array  # (unknowns, unknowns): derivatives, their factors or their inverse
+    memo: Records  # MEMO, (1,)

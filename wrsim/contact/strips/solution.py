@@ -1,9 +1,7 @@
 """First guesses of the strip model, and what is done until it has a solution.
 
-In a run the last contact is the first guess. Else Hertz's slanted ellipses, or all rows deep enough to touch, and
-Newton's method for all at once. If both fail, every grid is solved for alone, then they come to press each other down
-step by step. The conditions of so many strips may have no solution at a pose where those of fewer have: these are tried
-after that, with one strip less a grid each."""
+In a run the last contact is the first guess; a cold start begins with Hertz's slanted ellipses or all rows deep enough
+to touch, then with each grid alone, then with fewer strips (docs/theory/strip_model.md, Method 3 and 4)."""
 
 from math import inf
 from typing import NamedTuple
