@@ -52,6 +52,18 @@ def test_commands_modules_and_files_that_pages_name_exist() -> None:
         assert path.exists(), f"{page.name}: {name}"
 
 
+def test_equations_that_docstrings_name_are_on_a_theory_page() -> None:
+    pages = "".join(page.read_text() for page in (ROOT / "docs/theory").glob("*.md"))
+    labels = set(re.findall(r"^ *\$\$ \(([\w-]+)\)$", pages, flags=re.MULTILINE))
+    kinds = "|".join({label.split("-")[0] for label in labels})
+    pattern = re.compile(rf"\(((?:{kinds})-[a-z]+)\)")
+    code = {path: set(pattern.findall(path.read_text())) for path in ROOT.glob("wrsim/**/*.py")}
+    assert [(path.name, names - labels) for path, names in code.items() if names - labels] == []
+    strips = set().union(*(names for path, names in code.items() if path.parent.name == "strips"))
+    # of the energy the model has the derivatives
+    assert {label for label in labels if label.startswith("strip-")} - strips == {"strip-energy"}
+
+
 def slug(heading: str) -> str:
     """The anchor of a heading."""
     return re.sub(r"[^\w\- ]", "", heading.replace("`", "").lower()).strip().replace(" ", "-")
