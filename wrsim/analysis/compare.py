@@ -144,9 +144,7 @@ def of_wheels(dataset: xr.Dataset) -> xr.Dataset:
     sample = "time" if "time" in d.dims else "pose"
     sides = [str(side) for side in d["wheel"].values]
     labels = [f"{name} {side}" for name in names for side in sides] if len(names) > 1 else sides
-    arrays = {
-        name: ((sample, "wheel"), quantity.values.reshape(d.sizes[sample], -1)) for name, quantity in quantities.items()
-    }
+    arrays = {name: ((sample, "wheel"), a.values.reshape(d.sizes[sample], -1)) for name, a in quantities.items()}
     return xr.Dataset(arrays, {sample: d[sample].values, "wheel": labels})
 
 
@@ -175,16 +173,13 @@ def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
 def _values(models: Sequence[Compared], reference: str) -> xr.Dataset:
     """Quantities and differences of all models at the samples of the reference."""
     base = next(m for m in models if m.name == reference).result.dataset
-    base_values, sample = of_wheels(base), "time" if "time" in base.dims else "pose"
+    reference_values, sample = of_wheels(base), "time" if "time" in base.dims else "pose"
     names = xr.Variable("model", [m.name for m in models])
-    values = xr.concat([_at_samples(m.result.dataset, base_values) for m in models], names, join="exact")
+    values = xr.concat([_at_samples(m.result.dataset, reference_values) for m in models], names, join="exact")
     for quantity, kind in DIFFERENCES.items():
-        scale = {
-            RELATIVE: base_values[quantity],
-            NORMAL_FORCE: base_values["N"],
-            PLAIN: xr.ones_like(base_values[quantity]),
-        }[kind]
-        values[f"{quantity}_difference"] = (values[quantity] - base_values[quantity]) / scale.where(np.abs(scale) > 0.0)
+        expected = reference_values[quantity]
+        scale = {RELATIVE: expected, NORMAL_FORCE: reference_values["N"], PLAIN: xr.ones_like(expected)}[kind]
+        values[f"{quantity}_difference"] = (values[quantity] - expected) / scale.where(np.abs(scale) > 0.0)
     if len(wheelsets(base)) == 1:
         base = of_wheelset(base)
     context = [n for n in ("distance", "lateral_shift", "yaw", "load") if n in base.variables]
@@ -204,10 +199,7 @@ def _at_samples(dataset: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
     def at_wanted(column: Array) -> Array:
         return np.where(beyond, np.nan, np.interp(wanted, times, column))
 
-    arrays = {
-        name: (("time", "wheel"), np.apply_along_axis(at_wanted, 0, quantity.values))
-        for name, quantity in values.items()
-    }
+    arrays = {name: (("time", "wheel"), np.apply_along_axis(at_wanted, 0, a.values)) for name, a in values.items()}
     return xr.Dataset(arrays, reference.coords)
 
 
@@ -268,9 +260,7 @@ def comparison_tables(comparison: Comparison, report: dict[str, Any]) -> list[Ta
         spread = [
             MISSING if c is None else f"{formatted(c['median'], '.2g')} / {formatted(c['p95'], '.2g')}" for c in cells
         ]
-        marked = [
-            "reference" if name == comparison.reference else cell for name, cell in zip(models, spread, strict=True)
-        ]
+        marked = [("reference" if n == comparison.reference else cell) for n, cell in zip(models, spread, strict=True)]
         rows.append([f"{q} ({DIFFERENCES[q].symbol})", *marked])
     rows += [["time"], ["one contact (µs)", *(model["evaluation_us"] for model in models.values())]]
     rows.append(["all (s)", *(model["run_s"] for model in models.values())])

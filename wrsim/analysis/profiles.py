@@ -129,9 +129,8 @@ def _doubts(name: str, rail: Profile, unworn: Profile | None) -> list[str]:
     wear, faults = head_wear(rail, unworn), []
     if abs(wear.field) > LAID:
         side = "inside" if wear.field > 0.0 else "outside"
-        faults.append(
-            f"its field side lies {quantity(1e3 * abs(wear.field), 'mm', '.2f')} {side} that of {unworn.name}"
-        )
+        distance = quantity(1e3 * abs(wear.field), "mm", ".2f")
+        faults.append(f"its field side lies {distance} {side} that of {unworn.name}")
     if wear.vertical < -LAID:
         faults.append(f"its top lies {quantity(-1e3 * wear.vertical, 'mm', '.2f')} above that of {unworn.name}")
     return (

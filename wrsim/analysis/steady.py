@@ -72,9 +72,8 @@ def run_steady(setup: Setup, progress: Progress | None = None) -> Result:
     if not known:
         raise SimulationError(f"none of the {n} curves has a steady motion; the first: {messages[0]}")
     _, lateral, height, yaw, roll, spin = np.moveaxis(poses[:n], 2, 0)
-    of_wheelsets = [
-        contact_channels(contacts.first(n), pair) for contacts, pair in zip(raw, known[-1].law.wheels, strict=True)
-    ]
+    wheels = known[-1].law.wheels
+    of_wheelsets = [contact_channels(contacts.first(n), pair) for contacts, pair in zip(raw, wheels, strict=True)]
     channels: dict[str, Any] = {
         **{f"pose_{name}": np.array([getattr(p, name) for p in points[:n]]) for name in ("speed", "radius", "cant")},
         "cant_deficiency": [cant_deficiency(p, base) for p in points[:n]],
@@ -99,12 +98,8 @@ def _store(i: int, motion: CurveMotion, raw: list[RawContacts], poses: Array) ->
     for w, (pair, mounted) in enumerate(zip(law.wheels, law.vehicle.wheelsets, strict=True)):
         for j, wheel in enumerate(pair):
             raw[w].store(i, j, wheel.model.arrays)
-        coordinates = slice(6 * w, 6 * w + 6)
-        poses[i, w] = np.ravel(
-            poses_on_track(
-                law.track.centre, motion.q[None, coordinates], motion.q_t[None, coordinates], law.start + mounted.x
-            )
-        )
+        q, q_t = (state[None, 6 * w : 6 * w + 6] for state in (motion.q, motion.q_t))
+        poses[i, w] = np.ravel(poses_on_track(law.track.centre, q, q_t, law.start + mounted.x))
 
 
 @dataclass(frozen=True)

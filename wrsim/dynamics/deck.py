@@ -31,10 +31,8 @@ def _between(s: float, deck: Record, rows: Array) -> tuple[int, float, bool]:
 @kernel
 def _shape(k: int, i: int, x: float, step: float, rows: Array) -> tuple[float, float]:
     """Value [1] and slope [1/m] of a mode at a part x of the way from row i to the next."""
-    column = 2 * k
-    value, slope, _ = hermite(
-        rows[i, column], rows[i + 1, column], step * rows[i, column + 1], step * rows[i + 1, column + 1], x
-    )
+    c = 2 * k
+    value, slope, _ = hermite(rows[i, c], rows[i + 1, c], step * rows[i, c + 1], step * rows[i + 1, c + 1], x)
     return value, slope / step
 
 

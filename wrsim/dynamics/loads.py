@@ -203,14 +203,9 @@ def add_carried(track: BodyMotion, carried: Records, gravity: float, wrenches: R
 
 @kernel
 def add_drive(
-    reference: ReferenceMotion,
-    drive: int,
-    units: Records,
-    bodies: Records,
-    axles: Records,
-    centre: CurveNodes,
+    reference: ReferenceMotion, drive: int, units: Records, bodies: Records, axles: Records, centre: CurveNodes,
     wrenches: Records,
-) -> int:
+) -> int:  # fmt: skip
     """Add the pull that holds the speed of every vehicle, or ask its axles for it; returns the status of ``locate``.
     drive: its kind; units: records UNIT, which keep where their reference bodies are."""
     for k in range(units.shape[0]):

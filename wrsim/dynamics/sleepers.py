@@ -158,9 +158,8 @@ def place(rails: Rails) -> None:
     """Load vectors and compliances of the elements of all wheels at their places, and a step behind."""
     for i in range(rails.wheels.shape[0]):
         on_rail = rails.wheels[i]
-        on_rail.before_nn, on_rail.before_nb, on_rail.before_bb = _load(
-            i, on_rail.place - on_rail.step_distance, rails.behind, rails
-        )
+        behind = on_rail.place - on_rail.step_distance
+        on_rail.before_nn, on_rail.before_nb, on_rail.before_bb = _load(i, behind, rails.behind, rails)
         on_rail.element_nn, on_rail.element_nb, on_rail.element_bb = _load(i, on_rail.place, rails.loads, rails)
 
 
@@ -279,10 +278,8 @@ def begin(method: Array, motion: Array, buffer: Array, index: Ints, rails: Rails
         # where a force moves along, half of what its own compliance changes is its slope
         bent_n -= on_rail.before_nn * on_rail.push_n + on_rail.before_nb * on_rail.push_b
         bent_b -= on_rail.before_nb * on_rail.push_n + on_rail.before_bb * on_rail.push_b
-        wheel.slope_n, wheel.slope_b = (
-            slope_n + 0.5 * bent_n / on_rail.step_distance,
-            slope_b + 0.5 * bent_b / on_rail.step_distance,
-        )
+        wheel.slope_n = slope_n + 0.5 * bent_n / on_rail.step_distance
+        wheel.slope_b = slope_b + 0.5 * bent_b / on_rail.step_distance
         wheel.yield_nn, wheel.yield_nb, wheel.yield_bb = on_rail.nn, on_rail.nb, on_rail.bb
         wheel.rate_n, wheel.rate_b = 1.0 / on_rail.nn, 1.0 / on_rail.bb
         wheel.held_n, wheel.held_b = 1.0 - method[7] * on_rail.nn, 1.0 - method[7] * on_rail.bb
@@ -400,10 +397,8 @@ def end(method: Array, motion: Array, buffer: Array, index: Ints, rails: Rails) 
         more_n, more_b = (on_rail.bb * n - on_rail.nb * b) / whole, (on_rail.nn * b - on_rail.nb * n) / whole
         _add(A, i, more_n, more_b, rails.loads, rails)
         more_n, more_b = on_rail.push_n + more_n, on_rail.push_b + more_b
-        on_rail.push_n, on_rail.push_b = (
-            more_n + TREND * (more_n - on_rail.last_n),
-            more_b + TREND * (more_b - on_rail.last_b),
-        )
+        on_rail.push_n = more_n + TREND * (more_n - on_rail.last_n)
+        on_rail.push_b = more_b + TREND * (more_b - on_rail.last_b)
         on_rail.last_n, on_rail.last_b = more_n, more_b
         on_rail.bent_n, on_rail.bent_b = _bent(on_rail, more_n, more_b)
         wheel = wheel_record(buffer, index, i)
@@ -422,10 +417,8 @@ def end(method: Array, motion: Array, buffer: Array, index: Ints, rails: Rails) 
 @inlined
 def _bent(on_rail: Record, push_n: float, push_b: float) -> tuple[float, float]:
     """How far a wheel's force bends its element between the nodes [m]."""
-    return (
-        on_rail.element_nn * push_n + on_rail.element_nb * push_b,
-        on_rail.element_nb * push_n + on_rail.element_bb * push_b,
-    )
+    nn, nb, bb = on_rail.element_nn, on_rail.element_nb, on_rail.element_bb
+    return nn * push_n + nb * push_b, nb * push_n + bb * push_b
 
 
 @kernel

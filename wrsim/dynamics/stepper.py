@@ -52,11 +52,8 @@ TREND = 0.5
 def advance(buffer: Array, index: Ints) -> int:
     """Take one step from the state in the rows. Returns a status: that of ``vehicle_forces`` at the last evaluation, or
     NOT_FINITE."""
-    step, rows, vehicle = (
-        records(buffer, index, STEP_RECORD, STEP)[0],
-        matrix(buffer, index, STATE),
-        index[VEHICLE_ARRAYS:],
-    )
+    step, vehicle = records(buffer, index, STEP_RECORD, STEP)[0], index[VEHICLE_ARRAYS:]
+    rows = matrix(buffer, index, STATE)
     inverse, block = matrix(buffer, index, INVERSE), matrix(buffer, index, SCRATCH)
     inertia, n = records(buffer, index, INERTIAS, INERTIA), rows.shape[1]
     h, am, af = step.h, step.alpha_m, step.alpha_f

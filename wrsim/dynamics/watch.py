@@ -62,13 +62,8 @@ def watch_step(t: float, distance: float, sampled: bool, watched: Records, buffe
             crest = watch.last + (force - watch.earlier) ** 2 / (8.0 * bend)
             if crest > watch.most:
                 watch.most, watch.most_at, watch.most_s = crest, watch.last_at, watch.last_s
-        watch.earlier, watch.last, watch.last_at, watch.last_s, watch.steps = (
-            watch.last,
-            force,
-            t,
-            distance,
-            watch.steps + 1,
-        )
+        watch.earlier, watch.last, watch.last_at, watch.last_s = watch.last, force, t, distance
+        watch.steps += 1
         if not sampled:
             if force > watch.most:
                 watch.most, watch.most_at, watch.most_s = force, t, distance
@@ -80,12 +75,8 @@ def watch_step(t: float, distance: float, sampled: bool, watched: Records, buffe
             if above >= below and above > watch.beyond:
                 watch.beyond, watch.force, watch.time, watch.distance = above, watch.most, watch.most_at, watch.most_s
             elif below > above and below > watch.beyond:
-                watch.beyond, watch.force, watch.time, watch.distance = (
-                    below,
-                    watch.least,
-                    watch.least_at,
-                    watch.least_s,
-                )
+                watch.beyond, watch.force = below, watch.least
+                watch.time, watch.distance = watch.least_at, watch.least_s
         watch.sample, watch.sampled, watch.most, watch.least = force, 1, -float("inf"), float("inf")
 
 

@@ -72,12 +72,8 @@ class Attachments:
             first, n = self.first[i], len(modes.frequencies)
             gyroscopic[first : first + n, :n], turning = modes.gyroscopic()
             records = mode_records(modes, coordinate + first)
-            records["rest"], records["body"], records["first"], records["count"] = (
-                self._at_rest(i, preloads),
-                i,
-                first,
-                n,
-            )
+            records["rest"], records["body"] = self._at_rest(i, preloads), i
+            records["first"], records["count"] = first, n
             for axis, component in zip("xyz", turning.T, strict=True):
                 records["turning"][axis] = component
             rows.append(records)

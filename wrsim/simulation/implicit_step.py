@@ -62,12 +62,8 @@ class ImplicitStep:
         record["tolerance"], record["max_residual"] = tolerance, tolerance if max_residual is None else max_residual
         for name in ("predicted", "residual", "force_change", "ratio"):
             record[name] = np.inf
-        record["bodies"], record["rails"], record["iteration"], record["estimates"] = (
-            bodies,
-            rails,
-            -1,
-            max_residual is not None,
-        )
+        record["bodies"], record["rails"] = bodies, rails
+        record["iteration"], record["estimates"] = -1, max_residual is not None
         self.record, self._iteration, self._counted = record, record["iteration"], -1
         self.rows, self.jacobian = np.zeros((kernel.ROWS, q.size)), np.zeros((q.size, q.size))
         self._sums, self._fit = np.zeros((kernel.ORDER + 1,) * 2), np.zeros((kernel.ORDER + 2, kernel.ORDER))

@@ -170,18 +170,15 @@ class VehicleOnTrack(Layout):
             for w in range(len(self.wheels)):
                 rails = self.size - self.rails + RAIL_COORDINATES * w + np.arange(RAIL_COORDINATES if self.rails else 0)
                 twist = [self.twists[w]] if w in self.twists else []
-                coordinates = np.concatenate(
-                    [np.arange(6 * w, 6 * w + 6), rails, np.array(twist, int), self.modes_of(w)]
-                )
+                body = np.arange(6 * w, 6 * w + 6)
+                coordinates = np.concatenate([body, rails, np.array(twist, int), self.modes_of(w)])
                 alike.setdefault(len(coordinates), []).append(coordinates)
             for length in sorted(alike, reverse=True):
                 wheelsets = np.array(alike[length])
                 groups = [(c, wheelsets) for c in wheelsets.T]
                 if self.pushed:  # every wheelset acts on them, and they on every wheelset
                     wide = [np.append(coordinates, self.pushed) for coordinates in alike[length]]
-                    groups = [
-                        (coordinates[k : k + 1], coordinates[None]) for coordinates in wide for k in range(length)
-                    ]
+                    groups = [(columns[k : k + 1], columns[None]) for columns in wide for k in range(length)]
                 self._blocks.append(CompiledBlock(self, differences.ON_WHEELS, groups))
             if self.pushed:
                 on_all = np.r_[0 : 6 * len(self.wheels), self.pushed][None]

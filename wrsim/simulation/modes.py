@@ -103,9 +103,7 @@ def natural_modes(vehicle: Vehicle, stroke: Stroke = SMALL_STROKE) -> tuple[Mode
     retained = np.r_[w:rates, rates + w : len(matrix)]
     values, vectors = np.linalg.eig(matrix[np.ix_(retained, retained)])
     free = n - w
-    turning = [
-        rates + gear + 1 - int(np.sum(law.sliders <= gear)) for gear in law.gears.values()
-    ]  # rates of hollow axles
+    turning = [rates + c + 1 - int(np.sum(law.sliders <= c)) for c in law.gears.values()]  # rates of hollow axles
     geared = np.searchsorted(retained, turning)
     of_boxes = np.array([box.inertia[1] for _, box in vehicle.boxes.values()])
     of_gears = np.array([drive.inertia for drive in vehicle.drives])

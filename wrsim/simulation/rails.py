@@ -56,11 +56,8 @@ class RailsOnSleepers:
         """First sleeper (of those that differ) and step that the factors belong to; step 0: statics."""
         on_rails = np.zeros(len(places), kernel.WHEEL_ON_RAIL)
         on_rails["side"] = [wheel.side for wheel in wheels]
-        on_rails["place"], on_rails["push_b"], on_rails["step_distance"] = (
-            places,
-            -weight / len(places),
-            kernel.SHORTEST,
-        )
+        on_rails["place"], on_rails["push_b"] = places, -weight / len(places)
+        on_rails["step_distance"] = kernel.SHORTEST
         lines = np.append(np.arange(-BEFORE, track.length + BEYOND, APART), track.length + BEYOND)
         along = np.array([track.rail_distance("left", lines), track.rail_distance("right", lines), lines])
         beam, n = sleepers.rail, len(places)
@@ -235,15 +232,11 @@ class RailsOnSleepers:
         self._filled = self.first
         if sleepers.bridge is not None:
             layout = sleepers.layout(self.count, 0)
-            self._follow, held = (
-                sleepers.following(self.first, self.count, sleepers.bridge),
-                np.zeros((2, 2, layout.size)),
-            )
+            self._follow = sleepers.following(self.first, self.count, sleepers.bridge)
+            held = np.zeros((2, 2, layout.size))
             held[1] = rails.vertical.drag
             for r in range(2):
-                part = sleepers.bays(self._matrices, self.count, r).ballast
-                held[:, r, layout.sleepers] += np.outer(
-                    (sleepers.ballast.stiffness[1], sleepers.ballast.damping[1]), part
-                )
+                ballast, part = sleepers.ballast, sleepers.bays(self._matrices, self.count, r).ballast
+                held[:, r, layout.sleepers] += np.outer((ballast.stiffness[1], ballast.damping[1]), part)
             self._held, self._dragged = held[..., None] * self._follow
         self.method[9] = sleepers.offset + sleepers.spacing * (self.first + self._moves) + self._margin

@@ -191,19 +191,10 @@ def _modes(layout: Layout) -> list[Any]:
     deck = layout.deck
     if deck is None:
         return [rows, points, shapes, gyroscopic, np.zeros(0, deck_kernel.DECK), np.zeros((0, 2))]
-    deck_modes = mode_records(deck, layout.of_deck.start)
-    deck_record = np.array([(deck.start, deck.step, len(rows), len(deck_modes))], deck_kernel.DECK)[
-        : layout.beneath is None
-    ]
-    gyroscopic = np.pad(gyroscopic, ((0, len(deck_modes)), (0, 0)))
-    return [
-        np.concatenate([rows, deck_modes]),
-        points,
-        shapes,
-        gyroscopic,
-        deck_record,
-        deck.shapes.reshape(len(deck.shapes), -1),
-    ]
+    modes, deck_shapes = mode_records(deck, layout.of_deck.start), deck.shapes.reshape(len(deck.shapes), -1)
+    decks = np.array([(deck.start, deck.step, len(rows), len(modes))], deck_kernel.DECK)[: layout.beneath is None]
+    gyroscopic = np.pad(gyroscopic, ((0, len(modes)), (0, 0)))
+    return [np.concatenate([rows, modes]), points, shapes, gyroscopic, decks, deck_shapes]
 
 
 def stepper_arrays(layout: Layout, wheelsets: int) -> list[Any]:

@@ -179,16 +179,10 @@ class BeamModes(Modes):
         """
         roots = free_roots(count)
         planes = np.array([i for i, first in enumerate(frequencies) if first is not None])
-        each_frequency = np.concatenate([(roots / roots[0]) ** 2 * f for f in frequencies if f is not None])
-        even, repeated = np.ones(len(each_frequency)), np.tile(roots, len(planes))
+        rising = np.concatenate([(roots / roots[0]) ** 2 * f for f in frequencies if f is not None])
+        even, repeated = np.ones(len(rising)), np.tile(roots, len(planes))
         return cls(
-            each_frequency,
-            damping * even,
-            0.25 * mass * even,
-            repeated,
-            np.repeat(planes, count),
-            np.array(middle),
-            length,
+            rising, damping * even, 0.25 * mass * even, repeated, np.repeat(planes, count), np.array(middle), length
         )
 
     def shapes(self, points: Array) -> Array:

@@ -296,9 +296,7 @@ def _frequencies(springs: _Springs, known: Collection[str]) -> Iterator[str]:
         frequency, shape = max(values[-1], 0.0) ** 0.5 / (2.0 * pi), scale * vectors[:, -1]
         limit = LONG_UP_TO if np.ptp(_held(vehicle, part.name) or [0.0]) > LONG else RIGID_UP_TO
         if frequency > limit and part.name not in on_axle and part.mass not in wrong:
-            element = vehicle.elements[
-                int(np.argmax([shape @ matrix[places, places] @ shape for matrix in springs.of]))
-            ]
+            element = vehicle.elements[int(np.argmax([shape @ k[places, places] @ shape for k in springs.of]))]
             along = WORDS[int(np.argmax(np.abs(vectors[:, -1])))]
             message = f"{_what(vehicle, i)} oscillates {along} at {frequency:.4g} Hz on '{element.name}'"
             message += f"; plausible is up to {limit:g} Hz, above which it bends: stiffness or mass is wrong"
@@ -308,9 +306,8 @@ def _frequencies(springs: _Springs, known: Collection[str]) -> Iterator[str]:
         k = int(np.argmax([matrix[place, place] for matrix in springs.of]))
         element = vehicle.elements[k]
         squared_arm = springs.of[k][place, place] / max(element.stiffness_at_rest.max(), 1.0)
-        frequency = (max(whole[place, place], 0.0) / max(inertia[place], LIGHT_ARM * squared_arm / 3.0)) ** 0.5 / (
-            2.0 * pi
-        )
+        least = max(inertia[place], LIGHT_ARM * squared_arm / 3.0)
+        frequency = (max(whole[place, place], 0.0) / least) ** 0.5 / (2.0 * pi)
         if frequency > ARMS_UP_TO:
             message = f"axle box '{name}' oscillates in pitch at {frequency:.4g} Hz on '{element.name}'"
             message += f"; plausible is up to {ARMS_UP_TO:g} Hz: stiffness, mass or inertia is wrong"

@@ -99,13 +99,9 @@ def motions(vehicle: Vehicle) -> list[tuple[Array, Array]]:
             part = vehicle.carrier(name)
             i = vehicle.index(part)
             if i < len(vehicle.parts):
-                directions = [k for k in range(6) if name not in boxes or k != PITCH]
-                rows[:, [6 * i + k for k in directions]] += (sign * _at(np.array(end) - vehicle.place(part)))[
-                    :, directions
-                ]
-                turns[:, [6 * i + k for k in directions if k > 2]] += (
-                    sign * np.eye(3)[:, [k - 3 for k in directions if k > 2]]
-                )
+                free = [k for k in range(6) if name not in boxes or k != PITCH]
+                rows[:, [6 * i + k for k in free]] += (sign * _at(np.array(end) - vehicle.place(part)))[:, free]
+                turns[:, [6 * i + k for k in free if k > 2]] += sign * np.eye(3)[:, [k - 3 for k in free if k > 2]]
         return element.directions @ rows, turns
 
     return [motion(element) for element in vehicle.elements]

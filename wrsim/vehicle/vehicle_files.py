@@ -100,13 +100,9 @@ def _changed_file(path: Path, changes: Sequence[Change]) -> tuple[dict[str, Any]
         owners[full] = change.owner
 
     def locate(key: KeyPath) -> str:
-        for changed_key, owner in owners.items():
-            table = changed_key[:-1] if changed_key[-1] == "kind" else changed_key  # which has other keys then
-            if (
-                key
-                and (key == changed_key[: len(key)] or table == key[: len(table)])
-                and len(key) >= len(changed_key) - 1
-            ):
+        for full, owner in owners.items():
+            table = full[:-1] if full[-1] == "kind" else full  # which has other keys then
+            if key and (key == full[: len(key)] or table == key[: len(table)]) and len(key) >= len(full) - 1:
                 return owner
         return written(key)
 

@@ -133,9 +133,8 @@ def conicity_map(
         for j, gauge in enumerate(gauges):
             pair = f"{wheel} on {rail}, gauge {1e3 * gauge:.6g} mm"
             try:
-                summary = conicity_summary(
-                    wheelset_conicity(wheelset, (rails[rail],) * 2, gauge, plan, pair).wheelset()
-                )
+                rigid = wheelset_conicity(wheelset, (rails[rail],) * 2, gauge, plan, pair)
+                summary = conicity_summary(rigid.wheelset())
             except InputError as error:
                 text = str(error)
                 reasons[text if text.startswith(pair) else f"{pair}: {text}"] = None

@@ -150,10 +150,8 @@ def bent_channels(
         place, q = np.asarray(channels["wheelset_distance"])[sample, number // 2], motion.q[sample]
     if deck is not None and rails is None:
         down = deck.shapes[..., 0] @ q[law.of_deck]
-        deflections |= {
-            "bent_place": deck.start + deck.step * np.arange(len(down)),
-            "bent_rail": np.stack([down, down], 1),
-        }
+        along = deck.start + deck.step * np.arange(len(down))
+        deflections |= {"bent_place": along, "bent_rail": np.stack([down, down], axis=1)}
     bent = np.full((3, len(vehicle.wheelsets), AXLE_POINTS), np.nan)
     for i, modes in axles.items():
         y = np.linspace(modes.nodes[0], modes.nodes[-1], AXLE_POINTS)

@@ -262,10 +262,8 @@ def _placed(motion: Motion, law: VehicleOnTrack) -> tuple[Motion, list[TrackPose
     """The motion as far as all its samples have a place on the track, and the poses of every wheelset."""
     poses = []
     for w, mounted in enumerate(law.vehicle.wheelsets):
-        coordinates = slice(6 * w, 6 * w + 6)
-        poses.append(
-            poses_as_far(law.track.centre, motion.q[:, coordinates], motion.q_t[:, coordinates], law.start + mounted.x)
-        )
+        q, q_t = (state[:, 6 * w : 6 * w + 6] for state in (motion.q, motion.q_t))
+        poses.append(poses_as_far(law.track.centre, q, q_t, law.start + mounted.x))
     n, out = min(len(p.distance) for p in poses), np.zeros(law.size)
     while True:
         if n == 0 or (n < len(motion.times) and motion.status == "completed"):

@@ -51,9 +51,8 @@ def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
         if near.contact != setup.contact:
             held = force_law(setup, law.speed, held_by(setup))
             with suppress(SimulationError):  # the fast model's state is near enough to start from
-                equilibrium = steady.steady_state(
-                    held, (equilibrium.q, equilibrium.q_t), tolerance=EXACT, max_iterations=8, near=fast
-                )
+                state = equilibrium.q, equilibrium.q_t
+                equilibrium = steady.steady_state(held, state, tolerance=EXACT, max_iterations=8, near=fast)
     except SimulationError as fault:
         raise NoSteadyMotion.of(fault) from None
     finally:

@@ -164,10 +164,8 @@ def _solved(
     names = [w.name for w in wheels]
     remarks = []
     for i, solved in enumerate(solutions):
-        remarks_of_wheels = [
-            _flank_words(name, {n: v[i, j] for n, v in of_wheels.items()}) for j, name in enumerate(names)
-        ]
-        remarks.append("; ".join(filter(None, [solved.remark, *remarks_of_wheels])))
+        flanks = [_flank_words(name, {n: v[i, j] for n, v in of_wheels.items()}) for j, name in enumerate(names)]
+        remarks.append("; ".join(filter(None, [solved.remark, *flanks])))
     channels: dict[str, ArrayLike] = {
         "load": [p.load for p in poses],
         "pose_message": [solved.message for solved in solutions],

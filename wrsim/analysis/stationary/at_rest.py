@@ -274,9 +274,8 @@ def _wheels_table(
     numbers: Numbers, title: str, columns: Mapping[str, tuple[str, str, str]], notes: tuple[str, ...] = ()
 ) -> Table:
     """Numbers of wheels, a row a wheelset; columns: by key, words of the left and the right wheel, unit."""
-    rows = [
-        (name, *(v for key in columns for v in numbers[key][name].values())) for name in numbers[next(iter(columns))]
-    ]
+    names = numbers[next(iter(columns))]
+    rows = [(name, *(v for key in columns for v in numbers[key][name].values())) for name in names]
     heads = (Column(word, unit, ".3f") for left, right, unit in columns.values() for word in (left, right))
     return Table(title, (Column("wheelset"), *heads), rows, notes)
 
