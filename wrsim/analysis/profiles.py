@@ -133,11 +133,8 @@ def _doubts(name: str, rail: Profile, unworn: Profile | None) -> list[str]:
         faults.append(f"its field side lies {distance} {side} that of {unworn.name}")
     if wear.vertical < -LAID:
         faults.append(f"its top lies {quantity(-1e3 * wear.vertical, 'mm', '.2f')} above that of {unworn.name}")
-    return (
-        [f"{name}: {' and '.join(faults)}: is it of that rail? field_side, shift_mm, turn_mrad of the scan"]
-        if faults
-        else []
-    )
+    question = "is it of that rail? field_side, shift_mm, turn_mrad of the scan"
+    return [f"{name}: {' and '.join(faults)}: {question}"] if faults else []
 
 
 def _measures(profile: Profile, unworn: Profile | None) -> tuple[float, ...]:

@@ -32,7 +32,6 @@ CONICAL = record("""
     support         [N/m]   stiffness under the wheel
     support_damping [N s/m] damping under the wheel
 """)
-"""Parameters of the law."""
 
 
 @kernel

@@ -17,7 +17,6 @@ DECK = record("""
     first [int] number of its first mode
     count [int] number of its modes
 """)
-"""A bridge."""
 
 
 @kernel

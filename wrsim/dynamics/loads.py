@@ -84,7 +84,6 @@ CARRIED = record("""
     height [m]   height above the centre of mass of its body
     body   [int] number of the body
 """)
-"""A carried mass."""
 
 AXLE = record("""
     radius    [m]         mean radius of the wheels
@@ -107,7 +106,6 @@ AXLE = record("""
     motor     [int]       body of the motor
     gear      [int]       number of the first unknown of the geared motor, or -1 without one
 """)
-"""A driven or braked axle."""
 
 UNIT = record("""
     mass    [kg]  mass that the drive moves

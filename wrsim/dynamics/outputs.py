@@ -26,14 +26,12 @@ BODY_SEEN = record("""
     acceleration_y [m/s2]  ... to its left ...
     acceleration_z [m/s2]  ... and up
 """)
-"""Motion of a body."""
 
 WHEEL_SEEN = record("""
     X [N] force of the wheel on its rail, forward
     Y [N] outward
     Q [N] down
 """)
-"""Forces of a wheel."""
 
 
 @kernel

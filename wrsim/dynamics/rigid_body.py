@@ -44,7 +44,6 @@ INERTIA = record("""
     yy   [kg m2] ... to the left ...
     zz   [kg m2] ... and up
 """)
-"""Mass and inertia of a body."""
 
 AXLE_BOX = record("""
     inertia    [kg m2] inertia about the axle
@@ -52,7 +51,6 @@ AXLE_BOX = record("""
     wheelset   [int]   number of the wheelset
     coordinate [int]   number of the pitch among the coordinates
 """)
-"""An axle box."""
 
 
 @inlined

@@ -29,7 +29,6 @@ STEP = record("""
     iterations  [int] number of iterations of a step
     steps       [int] number of steps done
 """)
-"""A step and its method."""
 
 Q, Q_T, Q_TT, A, LAST, FORCES, RESIDUAL, CORRECTION, INVERTED_AT = range(9)
 """Rows (size,): coordinates, rates, accelerations and those of the method; accelerations a step ago; forces, residual,

@@ -75,7 +75,6 @@ ELEMENT = record(
     point_1=VECTOR, point_2=VECTOR, stiffness=VECTOR, damping=VECTOR, preload=VECTOR, turning=VECTOR,
     turning_preload=VECTOR, turning_damping=VECTOR, load=VECTOR,
 )  # fmt: skip
-"""An element between two bodies."""
 
 WRENCH = record(
     """
@@ -95,7 +94,6 @@ READING = record(
     force=VECTOR,
     travel=VECTOR,
 )
-"""Force and travel of an element."""
 
 
 @inlined

@@ -292,27 +292,19 @@ def steady_state(
     steady.slips = nearly.slips = q_t[law.sliders]
     x = steady.unknowns(q, q_t)
     goal = GOAL if near is None else tolerance
+    solve = partial(
+        damped_newton, steady.residual, small=steady.small, max_iterations=max_iterations, terms=nearly.terms(),
+        difference=steady.difference, held=steady.held,
+    )  # fmt: skip
     with law.relaxed_dampers(steady.slips), nearly.law.relaxed_dampers(steady.slips):
         if not np.all(np.isfinite(steady.residual(x))):
             raise SimulationError("steady motion: the forces at its start are not finite")
         _place_bodies(steady, x, max_iterations)
         if law.units > 1:
             with law.following():
-                x = damped_newton(
-                    steady.residual,
-                    x,
-                    steady.small,
-                    RELAXED,
-                    max_iterations,
-                    nearly.terms(),
-                    difference=steady.difference,
-                    held=steady.held,
-                )[0]
+                x = solve(x=x, tolerance=RELAXED)[0]
         # derivatives with warm starts, residuals from a cold start: the result does not depend on the iterations
-        x, left, _ = damped_newton(
-            steady.residual, x, steady.small, goal, max_iterations, nearly.terms(), nearly.law.following,
-            steady.difference, steady.held,
-        )  # fmt: skip
+        x, left, _ = solve(x=x, tolerance=goal, while_deriving=nearly.law.following)
     largest = float(np.max(np.abs(left)))
     if not largest <= tolerance:
         raise Unbalanced(_largest(law, left))

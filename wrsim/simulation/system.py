@@ -236,10 +236,8 @@ class BodySystem:
         self._after_step, self._going, self._error = after_step, True, None
         if integrator == "generalised-alpha":
             kind = exudyn.DynamicSolverType.GeneralizedAlpha
-            bodies = len(self.bodies)
-            self._newton = ImplicitStep(
-                self.q, self.q_t, self.q_tt, bodies, self.forces.rails, step, tolerance, max_residual
-            )
+            counts = len(self.bodies), self.forces.rails
+            self._newton = ImplicitStep(self.q, self.q_t, self.q_tt, *counts, step, tolerance, max_residual)
         with _silence():
             try:
                 while self._going and steps > 0 and self._error is None:

@@ -93,9 +93,8 @@ class Bridge:
         right = (6.0 * (a - b) / length + 2.0 * da + 4.0 * db) / length
         curvature = 0.5 * (np.pad(left, ((0, 0), (0, 1)), "edge") + np.pad(right, ((0, 0), (1, 0)), "edge"))
         along = np.linspace(0.0, ends[-1], len(nodes))
-        sampled = [
-            scipy.interpolate.CubicSpline(nodes, rows / largest[:, None], axis=1)(along) for rows in (values, slopes)
-        ]
+        spline = scipy.interpolate.CubicSpline
+        sampled = [spline(nodes, rows / largest[:, None], axis=1)(along) for rows in (values, slopes)]
         middle = ROWS // 2 + ROWS * np.arange(len(spans))
         return cls(
             start, step, np.sqrt(squares) / (2.0 * np.pi), np.full(count, damping), largest**-2.0,

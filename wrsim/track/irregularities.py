@@ -69,11 +69,8 @@ class RailIrregularity:
             return jet
         (value, slope, bend), length = jet, self.fade[1]
         x = np.clip((np.asarray(s) - self.fade[0]) / length, 0.0, 1.0)
-        w, dw, ddw = (
-            smooth_step(x),
-            30.0 * (x * (1.0 - x)) ** 2 / length,
-            60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / length**2,
-        )
+        w, dw = smooth_step(x), 30.0 * (x * (1.0 - x)) ** 2 / length
+        ddw = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / length**2
         return w * value, w * slope + dw * value, w * bend + 2.0 * dw * slope + ddw * value
 
     @classmethod

@@ -1,7 +1,6 @@
 """A space curve with a frame on it: the centre line of a track, or one swept rail [S 7-9].
 
-A ``CurveNodes`` has n >= 2 nodes at uniform arclength from s = 0, each with its position [m], unit tangent dr/ds, roll
-(angle of the cross-section about t, positive: left side up [rad]), droll/ds [rad/m] and curvature vector d2r/ds2 [1/m].
+A ``CurveNodes`` has n >= 2 nodes at uniform arclength from s = 0.
 
 Between nodes the curve is the quintic Hermite polynomial of position, tangent and curvature vector, so all
 three are continuous; roll is the cubic Hermite polynomial, continuous with its slope. Before the first and
@@ -27,16 +26,15 @@ from wrsim.jit.linalg import Vec, add, cross, dot, mixed, norm, scale, shifted, 
 NODE = record(
     """
     position   [m]     position
-    tangent    [1]     unit tangent
+    tangent    [1]     unit tangent dr/ds
     roll       [rad]   angle of the cross-section about the tangent, positive: left side up
-    roll_slope [rad/m] change of the roll along the curve
-    curvature  [1/m]   curvature vector
+    roll_slope [rad/m] droll/ds
+    curvature  [1/m]   curvature vector d2r/ds2
     """,
     position=VECTOR,
     tangent=VECTOR,
     curvature=VECTOR,
 )
-"""A node of a curve."""
 
 LOCATE_OK = 0
 LOCATE_NOT_CONVERGED = 1  # no convergence within MAX_ITERATIONS

@@ -105,10 +105,8 @@ def check_segments(segments: Sequence[Segment], gauge: float) -> None:
                 message = "follows another transition, so the curvature between them is open; allowed: one transition"
                 raise InputError(f"{where} {message} between two arcs or straights (put an arc or a straight between)")
         if isinstance(segment, Arc) and abs(segment.radius) <= gauge:
-            hint = (
-                "positive to the left; the inner rail of a tighter curve does not exist, straight track is a straight"
-            )
-            allowed = f"above the gauge ({gauge:g} m) in size, {hint}"
+            hint = "the inner rail of a tighter curve does not exist, straight track is a straight"
+            allowed = f"above the gauge ({gauge:g} m) in size, positive to the left; {hint}"
             raise InputError(f"{where}: radius_m = {segment.radius:g}; allowed: {allowed}")
 
 

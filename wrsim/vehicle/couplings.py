@@ -137,9 +137,8 @@ class BuffersTable(GearTable, header="[couplings.buffers]"):
             yield self.element(name, BUFFER, gap, centres, free, held)
             if self.plate_friction:
                 normal = Normal(name, 1.0, 0, -1.0)
-                slider = Slider(
-                    "coulomb", 1e3 * self.plate_stick_stiffness_kN_per_m, friction=self.plate_friction, normal=normal
-                )
+                stick = 1e3 * self.plate_stick_stiffness_kN_per_m
+                slider = Slider("coulomb", stick, friction=self.plate_friction, normal=normal)
                 point = (gap.x, y, z)
                 yield PlaneFriction(f"{gap.name} plates {side}", PLATES, gap.ahead, gap.behind, point, 0, slider=slider)
 

@@ -159,9 +159,8 @@ def _distances(vehicle: Vehicle) -> Iterator[str]:
         return
     spans = dict[str, tuple[float, float]]()
     for name in (body.name for body in vehicle.bodies if body is not vehicle.parts[vehicle.reference]):
-        held = [
-            m.x for m in vehicle.wheelsets if any({name, m.name} == {*_carriers(vehicle, e)} for e in vehicle.elements)
-        ]
+        joined = [{*_carriers(vehicle, e)} for e in vehicle.elements]
+        held = [m.x for m in vehicle.wheelsets if {name, m.name} in joined]
         spans |= {name: (min(held), max(held))} if len(held) > 1 else {}
     for (first, span), (second, other) in pairwise(sorted(spans.items(), key=lambda item: -sum(item[1]))):
         if other[1] > span[0]:

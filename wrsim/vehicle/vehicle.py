@@ -223,9 +223,8 @@ class Vehicle:
     @property
     def weight(self) -> float:
         """Force of all wheels on level rails at rest without loads [N], if no spring to a frame carries a share."""
-        return (self.mass + sum(load.mass for load in self.carried)) * self.gravity - sum(
-            payload.force[2] for payload in self.payloads
-        )
+        mass = self.mass + sum(load.mass for load in self.carried)
+        return mass * self.gravity - sum(payload.force[2] for payload in self.payloads)
 
     @property
     def centre(self) -> Array:

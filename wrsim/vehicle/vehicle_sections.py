@@ -116,10 +116,8 @@ class WheelsetTable(Section, header="[wheelset]"):
         if self.torsional_stiffness_kNm_per_rad is None:
             if self.axle is None:
                 return None
-            stiffness, inertia = (
-                self.axle.axle().torsional_stiffness(0.5 * self.spacing),
-                0.25 * self.spin_inertia_kg_m2,
-            )
+            inertia = 0.25 * self.spin_inertia_kg_m2
+            stiffness = self.axle.axle().torsional_stiffness(0.5 * self.spacing)
             return Torsion(stiffness, 2.0 * self.axle.damping * (stiffness * inertia) ** 0.5)
         return Torsion(1e3 * self.torsional_stiffness_kNm_per_rad, 1e3 * (self.torsional_damping_kNms_per_rad or 0.0))
 

@@ -315,12 +315,9 @@ def _leaning_tables(numbers: Numbers) -> list[Table]:
         return [_unloading_table(numbers, title)]
     rows = [(name, s, numbers["roll_deg"][name]) for name, s in numbers["flexibility_coefficient"].items()]
     heads = (Column("body"), Column("flexibility coefficient", "", ".3f"), Column("roll", "°", ".2f"))
-    return [
-        _unloading_table(numbers, title),
-        Table(
-            "bodies against the track, outward", heads if rows else (), rows, tuple(map(_verdict, numbers["verdicts"]))
-        ),
-    ]
+    verdicts = tuple(map(_verdict, numbers["verdicts"]))
+    bodies = Table("bodies against the track, outward", heads if rows else (), rows, verdicts)
+    return [_unloading_table(numbers, title), bodies]
 
 
 def _twist_table(numbers: Numbers) -> Table:
