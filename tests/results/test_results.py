@@ -28,7 +28,7 @@ from wrsim.results.files import Manifest, as_csv
 from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.run_file import RunFile
 from wrsim.results.summary import OF_WHEELSET, PEAKS
-from wrsim.results.table import Column, Placed, Table, as_html, as_records, as_rows, as_text, formatted, quantity
+from wrsim.results.table import Column, Table, ValueAt, as_html, as_records, as_rows, as_text, formatted, quantity
 from wrsim.results.tables import tables
 from wrsim.scenario.build import Setup
 from wrsim.simulation import recorder
@@ -299,7 +299,7 @@ def test_a_peak_and_each_of_its_rows_say_where_it_is():
     of_wheel = result.summary()["wheelsets"]["wheelset"]["wheels"]["right"]
     known = {key for key in of_wheel if of_wheel[key]["value"]}
     assert len(peaks.rows) == len(known)
-    assert all(isinstance(cell, Placed) and cell.place.endswith(" m") for row in peaks.rows for cell in row[1:])
+    assert all(isinstance(cell, ValueAt) and cell.place.endswith(" m") for row in peaks.rows for cell in row[1:])
 
 
 def test_peaks_below_20_hz_and_over_2_m_stand_beside_raw_ones_and_both_are_named() -> None:
@@ -400,7 +400,7 @@ def test_a_manifest_names_files_of_its_own_folder_alone(entry, tmp_path):
 TABLE = Table(
     "forces <b>",
     (Column("wheel", key="wheel"), Column("Y", "kN", ".3g", "Y_kN"), Column("of", key="place")),
-    [("left", 1234.5678, Placed(-0.25, "3.0 m")), ("<i>right</i>", None, Placed(None, ""))],
+    [("left", 1234.5678, ValueAt(-0.25, "3.0 m")), ("<i>right</i>", None, ValueAt(None, ""))],
     ("a note & more",),
 )
 
@@ -424,7 +424,7 @@ def test_files_hold_ten_digits_and_terminals_no_sign_of_a_zero():
     assert quantity(-0.0, "mm", ".1f") == "0.0 mm"
 
 
-@pytest.mark.parametrize("nothing", [None, float("nan"), np.float64("nan"), Placed(None, "")])
+@pytest.mark.parametrize("nothing", [None, float("nan"), np.float64("nan"), ValueAt(None, "")])
 def test_a_missing_number_is_a_dash(nothing):
     assert formatted(nothing) == "-"
 

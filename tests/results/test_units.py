@@ -7,7 +7,7 @@ from support.commands import ok, refusal
 import wrsim
 from wrsim.plots.theme import new_figure, rendered
 from wrsim.results.channels import SHOWN
-from wrsim.results.table import Column, Placed, Table, as_text
+from wrsim.results.table import Column, Table, ValueAt, as_text
 from wrsim.results.units import converted, in_page, in_text, prefer_those_of, shown_in
 
 TEXTS = (
@@ -22,7 +22,7 @@ def test_tables_and_sentences_are_in_the_units_of_their_block() -> None:
     table = Table(
         "over 100 m",
         (Column(), Column("cant", "mm", ".1f"), Column("curvature", "1/km", ".3f"), Column(), Column("waves", "m")),
-        [["Y, largest [kN]", 80.0, 1.0 / 0.7, Placed(44.482, "50 m"), "3 to 70"], ["x", 100, None, 7.0, "none"]],
+        [["Y, largest [kN]", 80.0, 1.0 / 0.7, ValueAt(44.482, "50 m"), "3 to 70"], ["x", 100, None, 7.0, "none"]],
         ("at 10 m",),
     )
     metric = as_text([table])

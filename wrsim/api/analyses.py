@@ -45,12 +45,12 @@ def assess(
     from wrsim.assessment.assess import assess_runs
     from wrsim.assessment.outcome import assessment_dict, assessment_numbers
     from wrsim.assessment.settings import AssessmentSection
-    from wrsim.report.output_folder import names_apart, naming
+    from wrsim.report.output_folder import naming, unique_names
     from wrsim.report.outputs import write_assessment
 
     several = as_list(results)
     paths = paths_in(*several)
-    names = names_apart(paths) if len(paths) == len(several) else [str(i + 1) for i in range(len(several))]
+    names = unique_names(paths) if len(paths) == len(several) else [str(i + 1) for i in range(len(several))]
     settings = None if scenario is None else as_scenario(scenario, ()).table(AssessmentSection).settings()
     loaded = [as_result(each) for each in several]
     with naming(*paths):

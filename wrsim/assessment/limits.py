@@ -58,7 +58,7 @@ QUANTITIES: dict[str, Quantity] = {
 """By their keys, in the order of the tables."""
 QUANTITY_NAMES = Names({key: (own.symbol, *own.words.split(",")) for key, own in QUANTITIES.items()})
 """With other terms for them."""
-OF_RUNS = tuple(key for key, own in QUANTITIES.items() if own.of != "rest")
+RUN_QUANTITIES = tuple(key for key, own in QUANTITIES.items() if own.of != "rest")
 """What may be judged of runs."""
 
 

@@ -23,7 +23,7 @@ TractionBound = Literal["elliptic", "parabolic"]
 
 
 @dataclass(frozen=True)
-class Usual:
+class Defaults:
     """What goes with a normal model where the user chose nothing else: model of the creep forces, numbers of strips
     and of patches; text: its name in documents."""
 
@@ -33,10 +33,10 @@ class Usual:
     text: str
 
 
-USUAL: dict[Normal, Usual] = {
-    "kik-piotrowski": Usual("fastsim", 40, 3, "model of Kik and Piotrowski"),
-    "strips": Usual("fastrip", 16, 4, "strip model"),
-    "half-space": Usual("half-space", 40, 4, "exact solver"),
+USUAL: dict[Normal, Defaults] = {
+    "kik-piotrowski": Defaults("fastsim", 40, 3, "model of Kik and Piotrowski"),
+    "strips": Defaults("fastrip", 16, 4, "strip model"),
+    "half-space": Defaults("half-space", 40, 4, "exact solver"),
 }
 """Defaults that depend on another choice. Such a key is None in ContactSettings unless given."""
 

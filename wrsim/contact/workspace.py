@@ -29,7 +29,7 @@ class Workspace:
         """``count`` of the arrays as a workspace of their own, in the same buffer."""
         return Workspace(self.buffer, self.index[first : first + count], self.views[first : first + count])
 
-    def stretches_but(self, left_out: Container[int]) -> list[Array]:
+    def mutable_slices(self, left_out: Container[int]) -> list[Array]:
         """Views on the stretches of the buffer that hold all arrays but those with these numbers."""
         found: list[list[int]] = []
         for i, view in enumerate(self.views):

@@ -95,7 +95,7 @@ def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
     if moment_dim(dataset) == "snapshot":
         place, own = dataset["snapshot_distance"].values[moment], dataset["distance"].values[sample_of(dataset, moment)]
         label = str(dataset["snapshot_label"].values[moment]) if "snapshot_label" in dataset else ""
-        places = {"vehicle ": place, "wheelset ": own} if abs(own - place) >= TOLD_APART else {"": place}
+        places = {"vehicle ": place, "wheelset ": own} if abs(own - place) >= SEPARATE_LABELS else {"": place}
         words = ", ".join(f"{who}{quantity(float(where), 'm', '.1f')}" for who, where in places.items())
         lines = [f"({snapshot_letter(moment)}) {words}", "" if label.startswith("at ") else label]  # it is the place
     else:
@@ -107,7 +107,7 @@ def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
     return "\n".join(filter(None, lines))
 
 
-TOLD_APART = 0.05
+SEPARATE_LABELS = 0.05
 """Difference of two distances that one decimal shows [m]."""
 ABSCISSAE = ("lateral_shift", "yaw", "load")
 """Channels of a pose that may be on the horizontal axis, in order of preference."""

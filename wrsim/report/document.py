@@ -20,7 +20,7 @@ from wrsim.inputs.toml_files import read_bytes
 from wrsim.results import Result
 from wrsim.results.dataset import table_of_scenario
 from wrsim.results.summary_tables import Summary, extent_words
-from wrsim.results.table import listed, quantity
+from wrsim.results.table import join_names, quantity
 from wrsim.results.wheelsets import wheelsets
 
 LOGOS = {
@@ -141,7 +141,7 @@ def _curves(summary: Summary, found: Assessment | None) -> str:
         inside = [s for s in (found.sections if found else ()) if s.start <= middle <= s.end]
         if inside and abs(missing := 1e3 * inside[0].cant_deficiency) >= 0.5:
             words[-1] += f" ({quantity(abs(missing), 'mm', '.0f')} of cant {'deficiency' if missing > 0 else 'excess'})"
-    return f" with {'a full curve' if len(words) == 1 else 'full curves'} of {listed(words, 3)}" if words else ""
+    return f" with {'a full curve' if len(words) == 1 else 'full curves'} of {join_names(words, 3)}" if words else ""
 
 
 def contact_sentence(dataset: xr.Dataset, of: str = "") -> str:

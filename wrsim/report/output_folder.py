@@ -130,7 +130,7 @@ def write_ride_of(result: Result, directory: Path, pictures: bool) -> list[Path]
         return []
 
 
-def names_apart(results: Sequence[Path]) -> list[str]:
+def unique_names(results: Sequence[Path]) -> list[str]:
     """Names of runs: the ends of their paths, as long as it takes to distinguish them. Raises InputError for a run that
     is given twice."""
     paths = [path.resolve() for path in results]

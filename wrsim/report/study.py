@@ -14,7 +14,7 @@ from wrsim.report.document import ASKED, NO_COVER, Cover, contact_sentence, vehi
 from wrsim.report.page import as_picture, last_part, page_template
 from wrsim.report.tables import BAD, OPEN, ReportVerdict
 from wrsim.results.sensitivity import sensitivity_in, sensitivity_tables
-from wrsim.results.table import Column, Table, formatted, listed, quantity
+from wrsim.results.table import Column, Table, formatted, join_names, quantity
 
 MOST_TOLD = 3  # outputs and keys that the summary names
 MOST_ROWS, FEW_ROWS = 500, 40  # cases in a table of the page; up to so many, the table is open
@@ -70,7 +70,7 @@ def _study_paragraph(dataset: xr.Dataset, outputs: Sequence[str], labels: Sequen
     analysis = str(dataset.attrs.get("analysis", ""))
     words = [f"{dataset['status'].size} cases {subject}: {ASKED.get(analysis, analysis)}."]
     told = [f"{key} ({_span(dataset, name, MOST_TOLD)})" for name, key in keys.items()]
-    words.append(f"Varied: {listed(told, MOST_TOLD)}." if told else "")
+    words.append(f"Varied: {join_names(told, MOST_TOLD)}." if told else "")
     changed = any(key.startswith("contact.") for key in keys.values())
     words.append(contact_sentence(dataset, " of the base scenario" if changed else ""))
     table = _outputs(dataset, outputs[:MOST_TOLD], labels)

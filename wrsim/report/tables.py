@@ -28,13 +28,13 @@ from wrsim.results.summary_tables import (
     numbers_of,
     wheelset_tables,
 )  # fmt: skip
-from wrsim.results.table import TOLD_APART, Cell, Column, Table, formatted, quantity
+from wrsim.results.table import SIGNIFICANT_CHANGE, Cell, Column, Table, formatted, quantity
 from wrsim.results.units import converted
 from wrsim.results.wheelsets import numbered, wheelsets
 
 T = TypeVar("T")
 
-OF_PATCHES = ("N", "p0", "contact_angle", "contact_angle_variation", "area")
+PATCH_CHANNELS = ("N", "p0", "contact_angle", "contact_angle_variation", "area")
 """Channels in the table of contacts."""
 
 GOOD, BAD, OPEN = "good", "bad", "open"
@@ -191,14 +191,16 @@ def apart(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
         letters = names[0][0], name[0]
         asked = inputs_apart(results[0], other, letters)
         try:
-            off, alone = one_sided(beyond(differences(results[0], other, (), TOLD_APART), TOLD_APART), letters)
+            changes = differences(results[0], other, (), SIGNIFICANT_CHANGE)
+            off, alone = one_sided(beyond(changes, SIGNIFICANT_CHANGE), letters)
             asked += alone
         except InputError as problem:  # analyses of two kinds
             off, asked = [], [*asked, str(problem)]
         if not off and not asked:
-            asked = [f"no difference of more than {100.0 * TOLD_APART:g} %"]
+            asked = [f"no difference of more than {100.0 * SIGNIFICANT_CHANGE:g} %"]
         if len(off) > LISTED:
-            asked.append(f"the largest {LISTED} of {len(off)} differences of more than {100.0 * TOLD_APART:g} %")
+            part = 100.0 * SIGNIFICANT_CHANGE
+            asked.append(f"the largest {LISTED} of {len(off)} differences of more than {part:g} %")
         found.append(difference_table(off[:LISTED], letters, f"{letters[1]} against {letters[0]}", asked))
     return found
 
@@ -219,7 +221,7 @@ def _named(tables: Sequence[Sequence[Table]], names: Sequence[str]) -> list[Tabl
 def contacts(dataset: xr.Dataset, moments: Sequence[int]) -> Table:
     """Every patch of one wheelset at some of its snapshots."""
     dim = "time" if "time" in dataset.dims else "pose"
-    channels = [name for name in OF_PATCHES if name in dataset]
+    channels = [name for name in PATCH_CHANNELS if name in dataset]
     rows: list[list[Cell]] = []
     for i, moment in enumerate(moments):
         pose = f"({snapshot_letter(i)}) {dataset['pose'].values[moment]}" if dim == "pose" else ""

@@ -44,7 +44,7 @@ BEYOND = 60.0
 LEAST_DEPTH = 0.01  # of the largest depth worn off, from which on it is drawn
 
 OF_WHEELSETS = ("lateral_shift", "vertical_shift", "yaw", "roll", "curvature", "cant", "Y", "Q", "Y_over_Q", "T_gamma")
-OF_PATCHES = ("N", "contact_angle", "p0")
+PATCH_CHANNELS = ("N", "contact_angle", "p0")
 OF_BODIES = ("body_lateral", "body_vertical", "body_yaw", "body_pitch", "body_roll")
 
 
@@ -149,7 +149,7 @@ def _run(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp]) 
     run |= {"channels": {}, "track": track, "events": _events(dataset)}
     channels = {name: (dataset[name], CHANNELS[name], "") for name in OF_WHEELSETS if name in dataset}
     for k in range(dataset.sizes.get("patch", 0)):
-        for name in OF_PATCHES if np.isfinite(dataset["N"].values[..., k]).any() else ():
+        for name in PATCH_CHANNELS if np.isfinite(dataset["N"].values[..., k]).any() else ():
             of_patch = (dataset[name].isel(patch=k), CHANNELS[name], f", {PATCHES[k]} patch")
             channels[f"{name}_{k}" if k else name] = of_patch
     channels |= {name: (dataset[name], CHANNELS[name], "") for name in OF_BODIES if name in dataset}

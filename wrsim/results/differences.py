@@ -9,7 +9,7 @@ from wrsim.errors import InputError, suggest
 from wrsim.inputs.changes import leaves
 from wrsim.results.channels import PATCHES
 from wrsim.results.result import Result
-from wrsim.results.table import Column, Table, finite, listed, percent, quantity
+from wrsim.results.table import Column, Table, finite, join_names, percent, quantity
 from wrsim.results.wheelsets import matched, wheelsets
 
 LEFT_OUT = ("title", "analysis", "status", "stop", "versions", "integration", "extent", "events")
@@ -117,7 +117,7 @@ def one_sided(found: Sequence[Deviation], letters: Sequence[str] = "AB") -> tupl
     words = []
     for letter, other in zip(letters, ("second", "first"), strict=True):
         alone = [d for d in found if not math.isfinite(d.absolute) and getattr(d, other) is None]
-        places = listed(list(dict.fromkeys(d.place or d.quantity for d in alone)), MOST_PLACES)
+        places = join_names(list(dict.fromkeys(d.place or d.quantity for d in alone)), MOST_PLACES)
         words += [f"only in {letter}, {len(alone)} numbers: {places}"] if alone else []
     return both, words
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
 from wrsim.results.channels import CHANNELS, PATCHES
-from wrsim.results.table import Cell, Column, Table, finite, listed, quantity
+from wrsim.results.table import Cell, Column, Table, finite, join_names, quantity
 
 Array = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list
         for name in map(str, at):
             if name not in names:
                 raise InputError(
-                    f"{key} {name}: there is no such pose{suggest(name, names)}; there are {listed(names, 12)}"
+                    f"{key} {name}: there is no such pose{suggest(name, names)}; there are {join_names(names, 12)}"
                 )
             moments.append(names.index(name))
         return moments
@@ -71,7 +71,7 @@ def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list
         except (TypeError, ValueError):
             raise InputError(f"{key} {place}: must be a distance in m") from None
         if not min(offsets) <= NEAR:
-            there = listed([f"{d:.1f}" for d in distances], 12)
+            there = join_names([f"{d:.1f}" for d in distances], 12)
             within = f"within {NEAR:g} m of that distance of the vehicle"
             raise InputError(f"{key} {place}: no patches are stored {within}; there are {there}")
         moments.append(offsets.index(min(offsets)))

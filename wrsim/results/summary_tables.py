@@ -12,7 +12,18 @@ from wrsim.register import ANALYSES
 from wrsim.results.channels import CHANNELS, PATCHES, WHEELS
 from wrsim.results.moments import has_patches, with_patches
 from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_SPAN, OF_WHEELSET, PATCH_CHANNELS, PEAKS, Peak, wheel_peaks
-from wrsim.results.table import TOLD_APART, Cell, Column, Placed, Table, formatted, listed, percent, quantity, with_unit
+from wrsim.results.table import (
+    SIGNIFICANT_CHANGE,
+    Cell,
+    Column,
+    Table,
+    ValueAt,
+    formatted,
+    join_names,
+    percent,
+    quantity,
+    with_unit,
+)
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 MOST_LINES = 10  # events and remarks that are listed
@@ -66,13 +77,13 @@ def overview(dataset: xr.Dataset) -> list[Table]:
     ending = f"stopped: {attributes['stop_reason']}" if attributes["status"] == "stopped" else "completed"
     names = wheelsets(dataset)
     about = [("analysis", f"{attributes['analysis']}, {ending}"), ("samples", extent_words(dataset))]
-    about.append(("wheelsets", listed(names, MOST_NAMES)))
+    about.append(("wheelsets", join_names(names, MOST_NAMES)))
     if has_patches(dataset) and "snapshot_distance" in dataset:
         places = [formatted(float(distance), ".1f") for distance in dataset["snapshot_distance"].values]
-        about.append(("patches", f"{listed(places, MOST_NAMES)} m"))
+        about.append(("patches", f"{join_names(places, MOST_NAMES)} m"))
     elif has_patches(dataset):
         poses = [str(name) for name in dataset["pose"].values[with_patches(dataset)]]
-        about.append(("patches", listed(poses, MOST_NAMES)))
+        about.append(("patches", join_names(poses, MOST_NAMES)))
     tables = [Table("", (Column(), Column()), about)]
     if any(name in dataset for name in ("Y", "Q", "p0")):
         first = names[:MOST_NAMES]
@@ -129,9 +140,9 @@ def named(peaks: Mapping[str, Peak], known: Collection[str]) -> dict[str, Peak]:
     return {key: replace(peak, words=plain[key][0], short=plain[key][1]) for key, peak in peaks.items()}
 
 
-def _changes(cells: Sequence[Placed]) -> list[float | None]:
+def _changes(cells: Sequence[ValueAt]) -> list[float | None]:
     """Of the second half of some numbers over the first [%]."""
-    half, zero = len(cells) // 2, TOLD_APART * max((abs(cell.value or 0.0) for cell in cells), default=0.0)
+    half, zero = len(cells) // 2, SIGNIFICANT_CHANGE * max((abs(cell.value or 0.0) for cell in cells), default=0.0)
     return [percent(a.value, b.value, zero) for a, b in zip(cells[:half], cells[half:], strict=True)]
 
 
@@ -210,14 +221,14 @@ def integration(summary: Summary) -> list[str]:
     return [words + (f"{cut}, {took['explicit_steps']} of them for rk44" if took["cut_steps"] else "")]
 
 
-def _placed(found: Summary | None, unit: str = "") -> Placed:
+def _placed(found: Summary | None, unit: str = "") -> ValueAt:
     if found is None or found["value"] is None:
-        return Placed(None, "")
+        return ValueAt(None, "")
     value = found["value"] if abs(found["value"]) >= ROUND_OFF.get(unit, 0.0) else 0.0
     if "distance_m" in found:
-        return Placed(value, quantity(found["distance_m"], "m", ".1f"))
-    return Placed(value, found["pose"] if "pose" in found else quantity(found["time_s"], "s", ".3f"))
+        return ValueAt(value, quantity(found["distance_m"], "m", ".1f"))
+    return ValueAt(value, found["pose"] if "pose" in found else quantity(found["time_s"], "s", ".3f"))
 
 
 def _known(rows: Sequence[Sequence[Cell]]) -> list[Sequence[Cell]]:
-    return [row for row in rows if any(isinstance(cell, Placed) and cell.value for cell in row)]
+    return [row for row in rows if any(isinstance(cell, ValueAt) and cell.value for cell in row)]

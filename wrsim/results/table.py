@@ -23,7 +23,7 @@ ROUND_OFF = 1e-15  # in every unit of a table: what is smaller is shown as 0
 
 
 @dataclass(frozen=True)
-class Placed:
+class ValueAt:
     """A number and where it is, in words: ``78.2 m``, the name of a pose."""
 
     value: float | None
@@ -31,7 +31,7 @@ class Placed:
 
 
 Cell = object
-"""A text, a number, a ``Placed`` or None."""
+"""A text, a number, a ``ValueAt`` or None."""
 
 
 @dataclass(frozen=True)
@@ -83,9 +83,9 @@ class Table:
 
 def _shown(cell: Cell, form: str, unit: Conversion | None) -> str:
     """One cell as it is read, in another unit where there is one."""
-    if isinstance(cell, Placed):
+    if isinstance(cell, ValueAt):
         value = cell.value if cell.value is None or unit is None else unit.forward(cell.value)
-        return in_text(formatted(Placed(value, cell.place), finer(form, unit) if unit else form))
+        return in_text(formatted(ValueAt(value, cell.place), finer(form, unit) if unit else form))
     if isinstance(cell, str):
         return in_text(cell) if unit is None else numbers_in(cell, unit)
     if unit is None or isinstance(cell, bool) or not isinstance(cell, int | float):
@@ -98,7 +98,7 @@ def finite(value: float | None, factor: float = 1.0) -> float | None:
     return float(value) * factor if value is not None and isfinite(value) else None
 
 
-TOLD_APART = 0.01  # part of a quantity's largest value from which results differ, unless the user names another
+SIGNIFICANT_CHANGE = 0.01  # part of a quantity's largest value from which results differ, unless the user names another
 
 
 def percent(first: float | None, second: float | None, zero: float = 0.0) -> float | None:
@@ -116,7 +116,7 @@ def with_unit(words: str, unit: str) -> str:
 
 def formatted(value: Cell, form: str = ".4g") -> str:
     """One cell as it is read."""
-    if isinstance(value, Placed):
+    if isinstance(value, ValueAt):
         return f"{formatted(value.value, form)} at {value.place}" if value.value is not None else MISSING
     if value is None or value != value:
         return MISSING
@@ -128,7 +128,7 @@ def quantity(value: float | None, unit: str = "", form: str = ".4g") -> str:
     return f"{formatted(value, form)} {unit}".strip()
 
 
-def listed(names: Sequence[str], most: int) -> str:
+def join_names(names: Sequence[str], most: int) -> str:
     """The first names with commas between, and how many more there are."""
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
@@ -223,5 +223,5 @@ def as_records(table: Table) -> list[dict[str, Any]]:
 
 def _bare(cell: Any) -> Any:
     """The value of a cell without its place; None for not-a-number."""
-    value = cell.value if isinstance(cell, Placed) else cell
+    value = cell.value if isinstance(cell, ValueAt) else cell
     return None if value != value else value

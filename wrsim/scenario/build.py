@@ -22,7 +22,7 @@ from wrsim.register import ANALYSES, Analysis
 from wrsim.scenario.kept import ATTRIBUTE, KeptFiles
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.contact import Coefficient, law_of
-from wrsim.scenario.sections.table import Given
+from wrsim.scenario.sections.table import PlanContext
 from wrsim.scenario.sections.vehicle import SpeedTable
 from wrsim.scenario.track_build import (
     check_flange_backs,
@@ -136,7 +136,7 @@ def _build(scenario: Scenario) -> Setup[Any]:
     table = scenario.table(resolved(next(iter(analysis.tables.values()))))
     drive = spec.vehicle.drive or vehicle.drive
     speed = spec.vehicle.speed_kmh
-    given = Given(analysis, vehicle, track, drive, speed, scenario.table, scenario.find, scenario.fault)
+    given = PlanContext(analysis, vehicle, track, drive, speed, scenario.table, scenario.find, scenario.fault)
     plan = table.plan(given)
     if any(surfaces) and getattr(plan, "wear", None) is not None:
         message = "knows rails of one profile only, not [[track.rail_sections]]"

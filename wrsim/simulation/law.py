@@ -101,7 +101,7 @@ class VehicleOnTrack(Layout):
         self._loads = views[vehicle_forces.LOADS]
         self.axles = views[vehicle_forces.AXLES]
         first, count = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
-        self._changing = self.workspace.stretches_but(read_only(len(views)))
+        self._changing = self.workspace.mutable_slices(read_only(len(views)))
         of_wheels = [self.workspace.part(place, count) for place in range(first, len(views), count)]
         records_of_wheels = [part.views[wheel_kernel.WHEEL_RECORD] for part in of_wheels]
         self._records_of_wheels = [records[0] for records in records_of_wheels]

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from wrsim.assessment.limits import OF_RUNS, QUANTITY_NAMES
+from wrsim.assessment.limits import QUANTITY_NAMES, RUN_QUANTITIES
 from wrsim.contact.wear.laws import LawName
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, number, positive, refuse, repeated, spread, text
@@ -254,7 +254,7 @@ class OutputsSection(Section, header="[outputs]"):
 
     summary: List[Annotated[str, text('a place in summary.json such as "linear_critical_speed_kmh"')]] = ()
     """Numbers of summary.json, by their places with dots between."""
-    assessment: List[QUANTITY_NAMES.among(OF_RUNS).key()] = ()  # type: ignore[valid-type]
+    assessment: List[QUANTITY_NAMES.among(RUN_QUANTITIES).key()] = ()  # type: ignore[valid-type]
     """Quantities of the rule set of the scenario, the worst of all sections."""
     channels: List[ChannelOutput] = ()
     """Channels of the result, each reduced to one number."""

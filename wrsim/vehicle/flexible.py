@@ -117,15 +117,15 @@ def read_modes(path: Path, reach: float) -> PointModes:
     return PointModes(frequencies, damping, masses / largest**2, points, scaled, reach, str(path))
 
 
-Given = tuple[Array, Array, Array, Array, Array]
+ModeArrays = tuple[Array, Array, Array, Array, Array]
 
 
-def _from_csv(path: Path) -> Given:
+def _from_csv(path: Path) -> ModeArrays:
     table = read_mode_table(path, MODE_COLUMNS, PLACES, SHIFTS | TURNS, list(SHIFTS))
     return table.frequencies, table.damping, table.masses, table.places / 1e3, table.shapes
 
 
-def _from_npz(path: Path) -> Given:
+def _from_npz(path: Path) -> ModeArrays:
     kinds = {name: MODE_COLUMNS[name] for name in ("frequency_Hz", "damping", "modal_mass_kg")}
     kinds |= {"points_mm": _Place, "shapes": _Shift}
     try:

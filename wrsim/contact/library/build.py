@@ -45,7 +45,7 @@ PUBLIC = {
 }
 """Fields of records that users of the C library see."""
 C_TYPES = {"f": "double", "i": "int32_t"}
-OF_A_STAGE = (
+STAGE_SIGNATURE = (
     "int64_t *, void **, void *, void *, int64_t, int64_t, double *, int64_t, int64_t, void *, void *,"
     " int64_t, int64_t, int64_t *, int64_t, int64_t, int64_t, int64_t"
 )
@@ -100,7 +100,7 @@ def _kernels_header(table: Mapping[int, Any], by_name: Mapping[str, Any]) -> str
     _, processor, features = target(next(iter(by_name.values())))
     needs = LEVELS.get(processor, [name for name in INSTRUCTIONS if f"+{name}" in features.split(",")])
     lines = [
-        f"typedef int32_t stage({OF_A_STAGE});",
+        f"typedef int32_t stage({STAGE_SIGNATURE});",
         *(f"stage {name};" for name in by_name),
         f'#define TARGET "{processor}"',
         f"#define STAGES {stages.MOST}",

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Series, number
-from wrsim.scenario.sections.table import Given, PlanTable
+from wrsim.scenario.sections.table import PlanContext, PlanTable
 
 USUAL_SPEED = 18.0  # km/h
 MOST_POINTS = 10_000
@@ -49,7 +49,7 @@ class ClimbSection(PlanTable, header="[climb]"):
         if count > MOST_POINTS:
             yield Fault((), f"describes {count} points; must be at most {MOST_POINTS}")
 
-    def plan(self, given: Given) -> ClimbPlan:
+    def plan(self, given: PlanContext) -> ClimbPlan:
         if given.vehicle.bodies or len(given.vehicle.wheelsets) > 1:
             raise given.fault(("vehicle", "model"), 'is a vehicle; analysis = "climb" knows a single wheelset')
         if given.vehicle.loads:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Series, number
 from wrsim.scenario.sections.steady import SHARPEST, Radius, Speed
-from wrsim.scenario.sections.table import Given, PlanTable
+from wrsim.scenario.sections.table import PlanContext, PlanTable
 from wrsim.scenario.sections.track import Cant
 from wrsim.scenario.sections.wind import AirSection, Largest
 from wrsim.vehicle.wind import Air
@@ -72,7 +72,7 @@ class OverturningSection(PlanTable, header="[overturning]"):
         if self.wind is not None and self.wind.gust is not None and not self.run:
             yield Fault("run", "must be true with a gust: it is for runs")
 
-    def plan(self, given: Given) -> OverturningPlan:
+    def plan(self, given: PlanContext) -> OverturningPlan:
         if not given.vehicle.bodies:
             raise given.fault(("vehicle", "model"), 'is a single wheelset; analysis = "overturning" knows vehicles')
         wind = self.wind

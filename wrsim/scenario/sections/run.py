@@ -12,7 +12,7 @@ from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number, positive
 from wrsim.results.channels import CHANNELS, FAST, NAMES
-from wrsim.scenario.sections.table import AnalysisTable, Given, PlanTable
+from wrsim.scenario.sections.table import AnalysisTable, PlanContext, PlanTable
 from wrsim.simulation import DEFAULT_INTEGRATOR, Integrator
 from wrsim.track.bridge import Bridge
 from wrsim.vehicle.speed import SpeedProfile
@@ -172,7 +172,7 @@ class RunSection(PlanTable, header="[run]"):
             most = f"must be {1e6 / self.step_us:g}, a sample each step_us ({self.step_us}), or a whole part of it"
             yield Fault("channels_at_hz", most)
 
-    def plan(self, given: Given) -> RunPlan:
+    def plan(self, given: PlanContext) -> RunPlan:
         ahead = max(mounted.x for mounted in given.vehicle.wheelsets)
         last = given.track.length - ahead
         start, end = self.start_distance_m, last
@@ -217,7 +217,7 @@ class RunSection(PlanTable, header="[run]"):
             wear=given.table(WearSection).settings(start, end, given.fault),
         )
 
-    def _fast_channels(self, given: Given) -> tuple[str, ...]:
+    def _fast_channels(self, given: PlanContext) -> tuple[str, ...]:
         vehicle, structure = given.vehicle, given.track.structure
         there = {
             "point": vehicle.points, "body": vehicle.bodies, "suspension": vehicle.elements,

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Series, number, positive
-from wrsim.scenario.sections.table import Given, PlanTable
+from wrsim.scenario.sections.table import PlanContext, PlanTable
 from wrsim.vehicle.equivalent import SMALL_STROKE, Stroke
 
 Speed = Annotated[float, number(1, 1000, "km/h")]
@@ -88,7 +88,7 @@ class StabilitySection(PlanTable, header="[stability]"):
         if self.longest_s < 2.0 * self.window_s:
             yield Fault("longest_s", f"must be at least two windows ({2.0 * self.window_s:g} s)")
 
-    def plan(self, given: Given) -> StabilityPlan:
+    def plan(self, given: PlanContext) -> StabilityPlan:
         start = None if self.cycle_start_kmh is None else self.cycle_start_kmh / 3.6
         cycles = self.to_si(CyclePlan, start=start, step=self.cycle_step_kmh / 3.6)
         speeds = tuple(sorted({v / 3.6 for v in self.speed_kmh}))

@@ -14,7 +14,7 @@ from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.section import Fault
 from wrsim.inputs.toml_files import shown_value
 from wrsim.inputs.values import Series, number, positive, text, words
-from wrsim.scenario.sections.table import Given, PlanTable
+from wrsim.scenario.sections.table import PlanContext, PlanTable
 
 Lateral = Annotated[float, number(-100, 100, "mm, positive to the left")]
 Yaw = Annotated[float, number(-200, 200, "mrad, positive to the left")]
@@ -87,7 +87,7 @@ class StaticSection(PlanTable, header="[static]"):
         if count > MOST_POSES:
             yield Fault((), f"describes {count} poses; must be at most {MOST_POSES}")
 
-    def plan(self, given: Given) -> StaticPlan:
+    def plan(self, given: PlanContext) -> StaticPlan:
         if self.cases is None:
             grid = product(*(getattr(self, key) or () for key in FACTORS))
             poses = named([Pose("", *(v * f for v, f in zip(row, FACTORS.values(), strict=True))) for row in grid])

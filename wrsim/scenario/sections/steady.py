@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Series, number, words
-from wrsim.scenario.sections.table import Given, PlanTable
+from wrsim.scenario.sections.table import PlanContext, PlanTable
 from wrsim.scenario.sections.track import Cant
 from wrsim.scenario.sections.vehicle import VehicleSection
 
@@ -70,7 +70,7 @@ class SteadySection(PlanTable, header="[steady]"):
         if self.combine == "grid" and prod(sizes) > MOST_POINTS:
             yield Fault((), f"describes {prod(sizes)} points; must be at most {MOST_POINTS}")
 
-    def plan(self, given: Given) -> SteadyPlan:
+    def plan(self, given: PlanContext) -> SteadyPlan:
         one = None if self.speed_kmh else given.one_speed
         speeds = self.speed_kmh or (() if one is None else (3.6 * one,))
         axes = (self.radius_m, self.cant_mm, speeds)

@@ -17,7 +17,7 @@ from wrsim.vehicle.vehicle import Vehicle
 
 
 @dataclass(frozen=True)
-class Given:
+class PlanContext:
     """What the plan of an analysis is made from, besides its own table.
 
     drive: what holds the speed; speed_kmh: of [vehicle], a number or a table; table: the scenario's table of a class;
@@ -66,6 +66,6 @@ class AnalysisTable(Section):
 class PlanTable(AnalysisTable):
     """Base of the first table of an analysis, which makes its plan."""
 
-    def plan(self, given: Given) -> Any:
+    def plan(self, given: PlanContext) -> Any:
         """What the analysis has to do, in SI units. Raises InputError at the key that does not fit."""
         raise NotImplementedError
