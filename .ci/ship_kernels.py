@@ -23,7 +23,7 @@ from wrsim.contact.profiles.models import load_profile
 from wrsim.contact.settings import ContactSettings
 from wrsim.contact.wheel_rail import compile_stages, wheel_rail
 from wrsim.errors import WrsimError
-from wrsim.jit.cache import ABOUT, CONTACT, PACKAGE, made_with, sources
+from wrsim.jit.cache import ABOUT, CALL, PACKAGE, build_info, sources
 
 LEVEL = "x86-64-v3"
 NEEDED = (
@@ -58,7 +58,7 @@ def gather(cache: Path, folder: Path, needs: Sequence[str]) -> None:
     folder.mkdir(parents=True)
     for name, normal in NORMAL_MODELS.items():
         if normal.solve is None:
-            np.savez_compressed(folder / CONTACT.format(name), **_contact(ContactSettings(normal=name)))
+            np.savez_compressed(folder / CALL.format(name), **_contact(ContactSettings(normal=name)))
     for room in sorted({source.parent for source in sources()}):
         kept = cache / UserProvidedCacheLocator.get_suitable_cache_subpath(str(room / "any.py"))
         for file in sorted(kept.glob("*.nb[ic]")):
@@ -66,7 +66,7 @@ def gather(cache: Path, folder: Path, needs: Sequence[str]) -> None:
             place.mkdir(parents=True, exist_ok=True)
             shutil.copy(file, place)
     target = wheel_rail.targetctx.codegen().magic_tuple()
-    about = made_with() | {"target": list(target), "needs": list(needs)}
+    about = build_info() | {"target": list(target), "needs": list(needs)}
     (folder / ABOUT).write_text(json.dumps(about, indent=2))
 
 
@@ -80,7 +80,10 @@ def _contact(settings: ContactSettings) -> dict[str, Any]:
     compile_stages(*stages)
     before = arrays.buffer.copy()
     status = arrays.evaluate()
-    return {"before": before, "after": arrays.buffer, "index": arrays.index, "status": status, "stages": stages}
+    return {
+        "module": wheel_rail.py_func.__module__, "stages": stages, "before": before, "after": arrays.buffer,
+        "index": arrays.index, "status": status,
+    }  # fmt: skip
 
 
 if __name__ == "__main__":

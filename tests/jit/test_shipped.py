@@ -22,8 +22,8 @@ from wrsim.jit import kernel
 from wrsim.jit.cache import (
     ABOUT,
     CACHE,
+    CALL,
     CONFIG,
-    CONTACT,
     CheckedFile,
     KernelCache,
     Shipped,
@@ -88,7 +88,7 @@ def test_a_new_users_first_contact_compiles_nothing_and_is_the_same_to_the_bit(p
 
 def test_kernels_that_compute_a_wrong_bit_are_not_taken(package: Path, tmp_path: Path) -> None:
     folder = with_about(package, tmp_path, dict)
-    path = folder / CONTACT.format("kik-piotrowski")
+    path = folder / CALL.format("kik-piotrowski")
     stored = dict(np.load(path))
     changed = np.flatnonzero(stored["after"] != stored["before"])[0]
     stored["after"][changed] = np.nextafter(stored["after"][changed], np.inf)

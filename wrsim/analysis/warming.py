@@ -4,11 +4,11 @@ import time
 
 from wrsim.analysis import run
 from wrsim.contact.models import NORMAL_MODELS
-from wrsim.contact.records import FREE_STRIPS
-from wrsim.contact.wheel_rail import compiled_aside
+from wrsim.contact.wheel_rail import free_strips
 from wrsim.errors import WrsimError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.jit.cache import CACHE
+from wrsim.jit.stages import compile_in_background
 from wrsim.results.table import quantity
 from wrsim.scenario.loading import load_text
 from wrsim.scenario.templates import scenario_template
@@ -34,7 +34,7 @@ def warm() -> str:
     if CACHE is None:
         raise WrsimError("there is no place for compiled kernels")
     begin = time.perf_counter()
-    with compiled_aside(FREE_STRIPS):
+    with compile_in_background(free_strips):
         _try("kik-piotrowski")
     for normal in (name for name, model in NORMAL_MODELS.items() if model.solve is None):
         _try(normal)

@@ -7,15 +7,8 @@ The normal models, the creep forces and, for a vehicle, the whole contact are st
 stage takes the lobes that the search has found, their number in ``total``, and returns status bits.
 """
 
-import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from math import sqrt
-from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from wrsim.contact.arrays import Arrays, arrays
 from wrsim.contact.creep.creep_forces import creep_forces
@@ -49,9 +42,6 @@ from wrsim.contact.surfaces.profile_table import profile_point
 from wrsim.contact.surfaces.rail import along, rail_and_envelope, share_at
 from wrsim.contact.surfaces.wheel_shape import contact_length, find_branches
 from wrsim.jit import Array, Ints, Record, Records, inlined, kernel, stages
-from wrsim.jit.cache import CACHE, CONFIG, own_process
-from wrsim.jit.cache import CONTACT as STORED
-from wrsim.jit.compiling import COUNT, cores
 from wrsim.jit.linalg import Vec
 
 TURNS = 2  # of creep forces and pressures that act on each other: each leaves a hundredth of the last change
@@ -314,37 +304,3 @@ def compile_stages(*numbers: int) -> None:
     """See `jit.stages.make_ready`."""
     for number in numbers:
         stages.make_ready(number, STAGES[number])
-
-
-@contextmanager
-def compiled_aside(number: int) -> Iterator[bool]:
-    """While this lasts another process compiles a stage into the cache, which is waited for at the end. Not where it is
-    there already, or there is one processor: False. If that process fails the stage is compiled when it is asked for.
-    """
-    kernel = STAGES[number]
-    if CACHE is None or CONFIG.DISABLE_JIT or cores() < 2 or kernel.kept:
-        yield False
-        return
-    code = f"from {__name__} import compile_stages; compile_stages({number})"
-    other = subprocess.Popen(**own_process(code), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        yield True
-        other.wait()
-        COUNT.end(kernel.py_func, all_in_it=True)
-    finally:
-        if other.poll() is None:
-            other.kill()
-            other.wait()
-
-
-def repeat_contacts(folder: str) -> None:
-    """End the process with 0 if the contacts that came with shipped kernels come out of them again, to the bit."""
-    paths = sorted(Path(folder).glob(STORED.format("*")))
-    for path in paths:
-        with np.load(path) as stored:
-            compile_stages(*stored["stages"].tolist())
-            buffer, index = stored["before"].copy(), stored["index"].copy()
-            status = wheel_rail(buffer, index)
-            if status != stored["status"] or buffer.tobytes() != stored["after"].tobytes():
-                sys.exit(1)
-    sys.exit(0 if paths else 1)

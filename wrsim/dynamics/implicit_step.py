@@ -18,7 +18,7 @@ from math import isfinite, sqrt
 
 from wrsim.dynamics.kinematics import first_not_finite
 from wrsim.jit.arena import Array, Record, Records, record
-from wrsim.jit.compiling import inlined, kernel, summing
+from wrsim.jit.compiling import inlined, kernel, reassociating_kernel
 from wrsim.jit.dense import copy, factorise, solve_factorised
 
 CONTRACTION = 0.5
@@ -200,7 +200,7 @@ def _bend(state: Record, rows: Array, jacobian: Array, forces: Array) -> None:
                 jacobian[r, c] += missed * (rows[WEIGHTS, c] * rows[MOVED, c] / square)
 
 
-@summing
+@reassociating_kernel
 def _dot(a: Array, b: Array) -> float:
     total = 0.0
     for i in range(a.size):
@@ -208,7 +208,7 @@ def _dot(a: Array, b: Array) -> float:
     return total
 
 
-@summing
+@reassociating_kernel
 def _product(weights: Array, a: Array, b: Array) -> float:
     total = 0.0
     for i in range(weights.size):
@@ -216,7 +216,7 @@ def _product(weights: Array, a: Array, b: Array) -> float:
     return total
 
 
-@summing
+@reassociating_kernel
 def _distance(a: Array, b: Array, c: Array) -> float:
     """Norm of a - b - c."""
     total = 0.0

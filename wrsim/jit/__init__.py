@@ -16,9 +16,9 @@ from wrsim.jit.arena import (
     records,
     vector,
 )
-from wrsim.jit.compiling import filling, inlined, kernel, parallel, prange, summing
+from wrsim.jit.compiling import inlined, kernel, noalias_kernel, parallel, prange, reassociating_kernel
 
 __all__ = [
-    "Array", "Bools", "Ints", "Record", "Records", "block", "filling", "inlined", "kernel", "matrix", "parallel",
-    "prange", "record", "record_rows", "records", "summing", "vector",
+    "Array", "Bools", "Ints", "Record", "Records", "block", "noalias_kernel", "inlined", "kernel", "matrix", "parallel",
+    "prange", "record", "record_rows", "records", "reassociating_kernel", "vector",
 ]  # fmt: skip

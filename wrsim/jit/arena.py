@@ -53,33 +53,33 @@ def record(fields: str = "", integers: str = "", **parts: Any) -> Any:
     return kind
 
 
-def _look(buffer: Array, offset: int, shape: tuple[int, ...], kind: Any) -> Any:
+def _view(buffer: Array, offset: int, shape: tuple[int, ...], kind: Any) -> Any:
     """Array of this kind and shape in the buffer, from ``offset`` on."""
     return buffer[offset : offset + prod(shape) * kind.itemsize // 8].view(kind).reshape(shape)
 
 
 @intrinsic
-def _look_compiled(_context: Any, buffer: Any, offset: Any, shape: Any, kind: Any) -> Any:
-    """As `_look`; numba's own slices, views and new shapes take ten times as long."""
-    found = types.Array(kind.dtype, len(shape), "C")
+def _view_compiled(_context: Any, buffer: Any, offset: Any, shape: Any, kind: Any) -> Any:
+    """As `_view`; numba's own slices, views and new shapes take ten times as long."""
+    array = types.Array(kind.dtype, len(shape), "C")
 
     def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         word = context.get_value_type(types.intp)
         size = context.get_abi_sizeof(context.get_data_type(kind.dtype))
-        own = make_array(found)(context, builder)
+        result = make_array(array)(context, builder)
         place = builder.gep(make_array(buffer)(context, builder, args[0]).data, [args[1]])
         shapes = unpack_tuple(builder, args[2])
         strides = [word(size)]
         for length in reversed(shapes[1:]):
             strides.insert(0, builder.mul(strides[0], length))
-        data = builder.bitcast(place, own.data.type)
-        populate_array(own, data, shapes, strides, word(size), None)
-        return own._getvalue()
+        data = builder.bitcast(place, result.data.type)
+        populate_array(result, data, shapes, strides, word(size), None)
+        return result._getvalue()
 
-    return found(buffer, types.intp, shape, kind), code
+    return array(buffer, types.intp, shape, kind), code
 
 
-look: Any = _look if CONFIG.DISABLE_JIT else _look_compiled
+view: Any = _view if CONFIG.DISABLE_JIT else _view_compiled
 
 
 def _bits_of(x: float) -> int:
@@ -112,28 +112,28 @@ bits_of, number_of = (_bits_of, _number_of) if CONFIG.DISABLE_JIT else (_bits_co
 @inlined
 def vector(buffer: Array, index: Ints, k: int) -> Array:
     """Array number k as (n,)."""
-    return look(buffer, index[k, 0], (index[k, 1],), NUMBER)
+    return view(buffer, index[k, 0], (index[k, 1],), NUMBER)
 
 
 @inlined
 def matrix(buffer: Array, index: Ints, k: int) -> Array:
     """Array number k as (n, m)."""
-    return look(buffer, index[k, 0], (index[k, 1], index[k, 2]), NUMBER)
+    return view(buffer, index[k, 0], (index[k, 1], index[k, 2]), NUMBER)
 
 
 @inlined
 def block(buffer: Array, index: Ints, k: int) -> Array:
     """Array number k as (n, m, l)."""
-    return look(buffer, index[k, 0], (index[k, 1], index[k, 2], index[k, 3]), NUMBER)
+    return view(buffer, index[k, 0], (index[k, 1], index[k, 2], index[k, 3]), NUMBER)
 
 
 @inlined
 def records(buffer: Array, index: Ints, k: int, kind: Any) -> Records:
     """Array number k as (n,) records of this kind."""
-    return look(buffer, index[k, 0], (index[k, 1],), kind)
+    return view(buffer, index[k, 0], (index[k, 1],), kind)
 
 
 @inlined
 def record_rows(buffer: Array, index: Ints, k: int, kind: Any) -> Records:
     """Array number k as (n, m) records of this kind."""
-    return look(buffer, index[k, 0], (index[k, 1], index[k, 2]), kind)
+    return view(buffer, index[k, 0], (index[k, 1], index[k, 2]), kind)

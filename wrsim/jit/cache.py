@@ -8,9 +8,9 @@ machine code of which a bit has changed is not executed but compiled again.
 A wheel may hold a folder ``kernels`` (made by ``.ci/wheel``): cache files, compiled for a common level of processors,
 and beside them what they were made with and of. They are read where they are installed, beside the sources, and trusted
 as these are. They are taken only if numba, Python, platform and sources are the same and the processor has what they
-use. Before the first time a process of its own computes contacts with them, bit against bit
-(`contact.wheel_rail.repeat_contacts`): a wrong bit, a crash, an illegal instruction, any doubt, and the kernels
-are compiled here as without them. What it found is kept in the cache.
+use. Before the first time a process of its own repeats stored calls of them, bit against bit
+(`jit.stages.repeat_calls`): a wrong bit, a crash, an illegal instruction, any doubt, and the kernels are compiled here
+as without them. What it found is kept in the cache.
 """
 
 import contextlib
@@ -37,11 +37,14 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile
 CONFIG: Any = numba.config
 LOGGER = logging.getLogger("wrsim.cache")
 
+PLAIN = os.environ.get("WRSIM_PLAIN_NUMBA", "0") not in ("", "0")
+"""Whether numba compiles in its own way (docs/developers/numba.md), into a cache of its own."""
+
 PACKAGE = Path(__file__).parents[1]
 ROOMS = ("jit", "contact", "dynamics", "track")
 """Folders of the package that have kernels."""
 FOLDER = PACKAGE / "kernels"
-ABOUT, CONTACT = "about.json", "contact-{}.npz"
+ABOUT, CALL = "about.json", "call-{}.npz"
 TRYING = "WRSIM_TRIES_SHIPPED_KERNELS"
 """Set in the process that tries them."""
 
@@ -53,17 +56,17 @@ def is_private(path: str) -> bool:
     """Make a folder; whether it can be written to by this user and by nobody else."""
     try:
         os.makedirs(path, mode=PRIVATE, exist_ok=True)
-        found = os.lstat(path)
+        status = os.lstat(path)
     except OSError:
         return False
-    if not stat.S_ISDIR(found.st_mode) or not os.access(path, os.W_OK | os.X_OK):
+    if not stat.S_ISDIR(status.st_mode) or not os.access(path, os.W_OK | os.X_OK):
         return False
     if not hasattr(os, "getuid"):  # owners and modes are of another kind there
         return True
-    return found.st_uid == os.getuid() and not found.st_mode & OTHERS_WRITE
+    return status.st_uid == os.getuid() and not status.st_mode & OTHERS_WRITE
 
 
-def _shut(path: str) -> None:
+def _restrict_mode(path: str) -> None:
     """Take from others the right to write to a folder of this user's: older versions left it to the group."""
     if hasattr(os, "getuid"):
         with contextlib.suppress(OSError):
@@ -75,7 +78,7 @@ def _shut(path: str) -> None:
                 os.close(folder)
 
 
-def _keeps_its_folders(path: str) -> bool:
+def _parent_is_safe(path: str) -> bool:
     """True if nobody else can put another folder in the place of one of this user's in there."""
     try:
         mode = os.stat(path).st_mode
@@ -89,11 +92,11 @@ def cache_folder(name: str) -> str | None:
     user's cache; where that cannot be written, in a folder of the user's in the temporary directory."""
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     user = f"wrsim-{os.getuid()}" if hasattr(os, "getuid") else "wrsim"
-    for parent, own in ((home, "wrsim"), (tempfile.gettempdir(), user)):
-        root = os.path.join(parent, own)
-        if not _keeps_its_folders(parent):
+    for parent, folder in ((home, "wrsim"), (tempfile.gettempdir(), user)):
+        root = os.path.join(parent, folder)
+        if not _parent_is_safe(parent):
             continue
-        _shut(root)
+        _restrict_mode(root)
         if is_private(root) and is_private(os.path.join(root, name)):
             return os.path.join(root, name)
     print(
@@ -119,14 +122,16 @@ def digest_of_sources(*more: str) -> str:
 
 
 CACHE = os.environ.get("NUMBA_CACHE_DIR") or cache_folder(
-    "kernels-" + digest_of_sources(numba.__version__, sys.version)
+    "kernels-" + digest_of_sources(numba.__version__, sys.version, *["plain"] * PLAIN)
 )
 """Folder of compiled kernels; None where they are not kept."""
+if PLAIN and CACHE and os.environ.get("NUMBA_CACHE_DIR") == CACHE:
+    CACHE = os.path.join(CACHE, "plain")
 if CACHE:
     CONFIG.CACHE_DIR = CACHE
 
 
-def made_with() -> dict[str, str]:
+def build_info() -> dict[str, str]:
     """What compiled kernels depend on besides the processor."""
     return {
         "numba": numba.__version__,
@@ -137,7 +142,7 @@ def made_with() -> dict[str, str]:
     }
 
 
-def own_process(code: str, environment: Mapping[str, str] = MappingProxyType({})) -> dict[str, Any]:
+def python_process(code: str, environment: Mapping[str, str] = MappingProxyType({})) -> dict[str, Any]:
     """Arguments for ``subprocess`` of a process that runs this code with the same sources."""
     paths = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     return {"args": [sys.executable, "-P", "-c", code], "env": {**os.environ, **environment, "PYTHONPATH": paths}}
@@ -191,10 +196,11 @@ class Shipped:
         return self._usable
 
     def _pass(self) -> bool:
-        """Whether another process computes the contacts that came with the kernels."""
-        code = f"from wrsim.contact.wheel_rail import repeat_contacts; repeat_contacts({str(self.folder)!r})"
+        """Whether another process repeats the calls that came with the kernels."""
+        code = f"from wrsim.jit.stages import repeat_calls; repeat_calls({str(self.folder)!r})"
         try:
-            return subprocess.run(**own_process(code, {TRYING: "1"}), capture_output=True, timeout=120).returncode == 0
+            process = python_process(code, {TRYING: "1"})
+            return subprocess.run(**process, capture_output=True, timeout=120).returncode == 0
         except (OSError, subprocess.SubprocessError):
             return False
 
@@ -211,28 +217,28 @@ class Shipped:
 def shipped(cache: str | None, folder: Path = FOLDER) -> Shipped | None:
     """The kernels in a folder, if they can be those of these sources on this machine; else None. cache: where is kept
     whether they could be used; without one nothing is taken."""
-    if cache is None or CONFIG.DISABLE_JIT or CONFIG.CPU_NAME is not None:
+    if cache is None or PLAIN or CONFIG.DISABLE_JIT or CONFIG.CPU_NAME is not None:
         return None
     try:
         about = json.loads((Path(folder) / ABOUT).read_text())
-        if any(about[name] != word for name, word in made_with().items()):
+        if any(about[name] != word for name, word in build_info().items()):
             return None
-        found = binding.get_host_cpu_features()
-        if not all(found.get(name) for name in about["needs"]) or not _as_shut_as_sources(Path(folder)):
+        features = binding.get_host_cpu_features()
+        if not all(features.get(name) for name in about["needs"]) or not _same_permissions(Path(folder)):
             return None
         return Shipped(folder, about["target"], cache)
     except (OSError, ValueError, KeyError, TypeError, RuntimeError):
         return None
 
 
-def _as_shut_as_sources(folder: Path) -> bool:
+def _same_permissions(folder: Path) -> bool:
     """Whether nobody else can write to a folder, and to what is in it, than to the sources."""
-    of_sources = os.stat(PACKAGE)
+    package = os.stat(PACKAGE)
     for path in (folder, *folder.rglob("*")):
-        found = os.lstat(path)
-        if found.st_uid != of_sources.st_uid or found.st_mode & OTHERS_WRITE & ~of_sources.st_mode:
+        status = os.lstat(path)
+        if status.st_uid != package.st_uid or status.st_mode & OTHERS_WRITE & ~package.st_mode:
             return False
-        if not (stat.S_ISDIR(found.st_mode) or stat.S_ISREG(found.st_mode)):
+        if not (stat.S_ISDIR(status.st_mode) or stat.S_ISREG(status.st_mode)):
             return False
     return True
 
@@ -257,15 +263,15 @@ class KernelCache(FunctionCache):
             LOGGER.warning("%s, first %s in %s", fault, self._impl.filename_base, CONFIG.CACHE_DIR)
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
-        found = None
+        overload = None
         try:
-            found = super()._load_overload(sig, target_context)
+            overload = super()._load_overload(sig, target_context)
         except Exception:  # whatever a damaged file makes of itself
             self._warn("damaged files of compiled kernels are removed and compiled again")
             with contextlib.suppress(OSError):
                 os.unlink(self._cache_file._index_path)
-        if found is not None or self.shipped is None or not self._enabled or not self.shipped.usable:
-            return found
+        if overload is not None or self.shipped is None or not self._enabled or not self.shipped.usable:
+            return overload
         try:
             key = self._index_key(sig, target_context.codegen())
             stamp = self._impl.locator.get_source_stamp()

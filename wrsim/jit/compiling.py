@@ -7,13 +7,14 @@ function is typed once, wherever it is used (a quarter less time to compile than
 
 No fastmath: it would let the compiler drop tests for not-a-number. ``error_model="numpy"``: a division by zero gives
 infinity, as in C, instead of a test at every division. Two kinds let the compiler take several numbers at once:
-``summing`` is for long sums and nothing else, which it may add in another order; ``filling`` for loops that fill arrays
-which overlap no other argument.
+``reassociating_kernel`` is for long sums and nothing else, which it may add in another order; ``noalias_kernel`` for
+loops that fill arrays which overlap no other argument.
 
 numba makes machine code of every function that another one calls, with wrappers for Python around it, and optimises it
-once more in every caller that it is linked into. Here what a kernel calls stays a *part*, as it was typed and lowered;
-the kernel that Python calls gathers its parts and is optimised, made and kept once, as a whole. So only kernels can
-call kernels. What is called by number (jit.stages) is a whole of its own.
+once more in every caller that it is linked into. Here what a kernel calls stays a *part* (`InlinedLibrary`), as it was
+typed and lowered; the kernel that Python calls (`EntryLibrary`) gathers its parts and is optimised, made and kept once.
+So only kernels can call kernels. What is called by number (jit.stages) has a library of its own. With
+WRSIM_PLAIN_NUMBA=1 numba does all of it in its own way.
 """
 
 import gc
@@ -34,7 +35,7 @@ from numba.core.environment import lookup_environment
 from numba.core.registry import CPUDispatcher
 
 from wrsim.errors import InputError
-from wrsim.jit.cache import CACHE, CONFIG, KernelCache
+from wrsim.jit.cache import CACHE, CONFIG, PLAIN, KernelCache
 from wrsim.jit.pipeline import Flags, Pipeline, counts_references, holds_arrays, remembered_calls
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -67,44 +68,44 @@ class Count:
                 LOGGER.info("")
 
 
-def _gather(function: Any, found: set[Any]) -> None:
+def _gather(function: Any, functions: set[Any]) -> None:
     """Add a kernel's function and those of all kernels that it calls."""
-    if function not in found:
-        found.add(function)
+    if function not in functions:
+        functions.add(function)
         for thing in inspect.getclosurevars(function).globals.values():
             if isinstance(thing, Kernel):
-                _gather(thing.py_func, found)
+                _gather(thing.py_func, functions)
 
 
 COUNT = Count()
 
 
-class Part(JITCodeLibrary):
+class InlinedLibrary(JITCodeLibrary):
     """A function for others to take in: neither optimised as a whole nor made into machine code."""
 
     def finalize(self) -> None:
         self._raise_if_finalized()
         self._finalized = True
 
-    def parts(self, found: dict[Any, None]) -> None:
-        """Add this and all that it calls to ``found``, those that are called first, each of them once."""
+    def parts(self, libraries: dict[Any, None]) -> None:
+        """Add this and all that it calls to ``libraries``, those that are called first, each of them once."""
         for library in self._linking_libraries:
-            if isinstance(library, Part) and library not in found:
-                library.parts(found)
-            found[library] = None
-        found[self] = None
+            if isinstance(library, InlinedLibrary) and library not in libraries:
+                library.parts(libraries)
+            libraries[library] = None
+        libraries[self] = None
 
 
-class Whole(Part):
+class EntryLibrary(InlinedLibrary):
     """A function that Python calls, with everything that it calls."""
 
     def finalize(self) -> None:
-        found: dict[Any, None] = {}
-        self.parts(found)
-        del found[self]
+        libraries: dict[Any, None] = {}
+        self.parts(libraries)
+        del libraries[self]
         # callers first: LLVM takes in nothing that is not called yet
-        self._linking_libraries = list(reversed(found))
-        super(Part, self).finalize()
+        self._linking_libraries = list(reversed(libraries))
+        super(InlinedLibrary, self).finalize()
         for variable in self._final_module.global_variables:
             environment = lookup_environment(variable.name)
             if environment is not None:
@@ -114,26 +115,26 @@ class Whole(Part):
 class Compiler(_FunctionCompiler):
     """Compiles into a library of this kind."""
 
-    library: type[Part] = Whole
-    apart = False
+    library: type[InlinedLibrary] = EntryLibrary
+    noalias = False
     """Whether the arrays that the function is called with do not overlap."""
 
     def _compile_core(self, args: Any, return_type: Any) -> Any:
-        whole, began = self.library is Whole, time.perf_counter()
-        if whole:
+        entry, began = self.library is EntryLibrary, time.perf_counter()
+        if entry:
             COUNT.begin(self.py_func)
         collects = gc.isenabled()
         gc.disable()  # numba's types and blocks live on: to look through them takes a seventh of the time
         try:
             with remembered_calls():
-                made = self._compiled(args, return_type, not whole and counts_references())
-                if whole and holds_arrays(made.signature.return_type):  # Python owns them
+                made = self._compiled(args, return_type, not entry and counts_references())
+                if entry and holds_arrays(made.signature.return_type):  # Python owns them
                     made = self._compiled(args, return_type, True)
         finally:
             if collects:
                 gc.enable()
         COUNT.end(self.py_func)
-        if whole:  # its parts are compiled within
+        if entry:  # its parts are compiled within
             COUNT.seconds += time.perf_counter() - began
         return made
 
@@ -143,8 +144,8 @@ class Compiler(_FunctionCompiler):
         flags: Any = Flags()
         description.options.parse_as_flags(flags, self.targetoptions)
         flags.no_cfunc_wrapper = True
-        flags.no_cpython_wrapper = flags.no_compile = self.library is Part
-        flags.noalias, flags.nrt = self.apart, counting
+        flags.no_cpython_wrapper = flags.no_compile = self.library is InlinedLibrary
+        flags.noalias, flags.nrt = self.noalias, counting
         library = self.library(description.target_context.codegen(), self.py_func.__qualname__)
         library.enable_object_caching()
         return compiler.compile_extra(
@@ -154,8 +155,8 @@ class Compiler(_FunctionCompiler):
 
 
 class Kernel(CPUDispatcher):
-    """A compiled function: whole where Python calls it, a part where another kernel does. What a kernel is called with
-    decides by its type, not by its value: numba compiles for every literal number anew."""
+    """A compiled function: an entry where Python calls it, a part where another kernel does. An argument decides by its
+    type, not by its value: numba compiles for every literal number anew."""
 
     def __init__(
         self, py_func: Any, locals: Any = None, targetoptions: Any = None, pipeline_class: Any = compiler.Compiler
@@ -163,20 +164,12 @@ class Kernel(CPUDispatcher):
         super().__init__(py_func, locals, targetoptions, pipeline_class)
         given = py_func, self.targetdescr, self.targetoptions, self.locals, pipeline_class
         self._compiler, self._part_compiler = Compiler(*given), Compiler(*given)
-        self._part_compiler.library = Part
+        self._part_compiler.library = InlinedLibrary
         self._parts: dict[tuple[tuple[types.Type, ...], bool], Any] = {}
 
     def compile(self, sig: Any) -> Any:
         """For arguments of these types. The cache knows types in words under another key than those of a call."""
         return super().compile(sigutils.normalize_signature(sig)[0])
-
-    def enable_caching(self) -> None:
-        self._cache = KernelCache(self.py_func)
-
-    @property
-    def kept(self) -> bool:
-        """Whether compiled code of this kernel is at hand: in the user's cache, or with the package."""
-        return self._cache.shipped is not None or os.path.exists(self._cache._cache_file._index_path)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """What another kernel's types ask for: see numba's dispatcher."""
@@ -199,14 +192,26 @@ class Kernel(CPUDispatcher):
         return self._parts[key]
 
 
-def _declared(apart: bool = False, **options: Any) -> Callable[[F], F]:
+def is_cached(kernel: Any) -> bool:
+    """Whether compiled code of this kernel is at hand: in the user's cache, or with the package."""
+    cache = kernel._cache
+    return isinstance(cache, KernelCache) and (
+        cache.shipped is not None or os.path.exists(cache._cache_file._index_path)
+    )
+
+
+def _declared(plain: bool = PLAIN, noalias: bool = False, **options: Any) -> Callable[[F], F]:
+    """plain: numba compiles in its own way, which knows no ``noalias``."""
+
     def declare(function: F) -> F:
         if CONFIG.DISABLE_JIT:
             return function
-        made: Any = Kernel(function, targetoptions={"nopython": True, "error_model": "numpy", **options})
-        made._compiler.apart = made._part_compiler.apart = apart
+        options.update(nopython=True, error_model="numpy")
+        made: Any = numba.jit(**options)(function) if plain else Kernel(function, targetoptions=dict(options))
+        if not plain:
+            made._compiler.noalias = made._part_compiler.noalias = noalias
         if CACHE:
-            made.enable_caching()
+            made._cache = KernelCache(function)
         return made
 
     return declare
@@ -214,17 +219,10 @@ def _declared(apart: bool = False, **options: Any) -> Callable[[F], F]:
 
 kernel = _declared()
 inlined = _declared(forceinline=True)
-summing = _declared(fastmath={"reassoc", "nsz"})
-filling = _declared(apart=True)
-
-
-def parallel(function: F) -> F:
-    """A kernel that Python or a stage calls, whose ``prange`` loops run on the threads of `use_threads`."""
-    made: Any = numba.njit(parallel=True, error_model="numpy")(function)
-    if CACHE and not CONFIG.DISABLE_JIT:
-        made._cache = KernelCache(function)
-    return made
-
+reassociating_kernel = _declared(fastmath={"reassoc", "nsz"})
+noalias_kernel = _declared(noalias=True)
+parallel = _declared(plain=True, parallel=True)
+"""A kernel that Python or a stage calls, whose ``prange`` loops run on the threads of `use_threads`."""
 
 SPINS = "1000"
 """Turns, of some 20 ns, in which a thread waits awake for work: about as long as it takes to wake one that sleeps."""

@@ -1,6 +1,6 @@
 """Small dense systems, solved in place; vectors."""
 
-from wrsim.jit import Array, kernel, summing
+from wrsim.jit import Array, kernel, reassociating_kernel
 
 
 @kernel
@@ -84,7 +84,7 @@ def multiply(a: Array, n: int, x: Array, out: Array) -> None:
         out[i] = _row_product(a, i, n, x)
 
 
-@summing
+@reassociating_kernel
 def _row_product(a: Array, i: int, n: int, x: Array) -> float:
     """Row i of a times x."""
     total = 0.0

@@ -39,10 +39,10 @@ def emit_object(stages: Mapping[str, Any]) -> bytes:
 def _module(name: str, kernel: Any) -> Any:
     """The optimised code of a stage, with nothing in it that others see but the stage under this name."""
     kernel.compile(ARGUMENTS)
-    found = kernel.overloads[ARGUMENTS]
-    module = found.library._get_module_for_linking().clone()
+    overload = kernel.overloads[ARGUMENTS]
+    module = overload.library._get_module_for_linking().clone()
     for value in (*module.functions, *module.global_variables):
-        if value.name == found.fndesc.llvm_func_name:
+        if value.name == overload.fndesc.llvm_func_name:
             value.name, value.linkage, value.visibility = name, "external", "hidden"
         elif not value.is_declaration:
             value.linkage = "internal"

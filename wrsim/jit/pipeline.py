@@ -53,10 +53,10 @@ def counts_references() -> bool:
     return flags is not None and flags.nrt
 
 
-def holds_arrays(found: types.Type) -> bool:
+def holds_arrays(kind: types.Type) -> bool:
     """Whether something of this type is an array, or a tuple of such."""
-    parts: Any = found if isinstance(found, types.BaseTuple) else ()
-    return isinstance(found, types.Array) or any(map(holds_arrays, parts))
+    parts: Any = kind if isinstance(kind, types.BaseTuple) else ()
+    return isinstance(kind, types.Array) or any(map(holds_arrays, parts))
 
 
 class Pipeline(compiler.CompilerBase):
@@ -76,8 +76,8 @@ class Pipeline(compiler.CompilerBase):
                 state.typingctx, state.targetctx, state.func_ir, state.args, state.return_type, state.locals
             )
             PreLowerStripPhis().run_pass(state)
-            found = rewrite_registry.rewrites["after-inference"]
-            _rewrite(state, [one for one in found if one.__module__ == static_getitem.__name__])
+            rewrites = rewrite_registry.rewrites["after-inference"]
+            _rewrite(state, [one for one in rewrites if one.__module__ == static_getitem.__name__])
             NativeLowering().run_pass(state)
             NoPythonBackend().run_pass(state)
         return state.cr

@@ -45,10 +45,10 @@ def _with_slope_in_row(row: Array, v: float) -> tuple[float, float]:
     return sum(columns[q] * row[j + q] for q in range(4)), sum(leaning[q] * row[j + q] for q in range(4))
 
 
-def _weights(at: float, powers: Any) -> tuple[int, list[float]]:
+def _weights(position: float, powers: Any) -> tuple[int, list[float]]:
     """The first coefficient that counts at a place, and the weights of four."""
-    i = int(at)
-    z = at - i
+    i = int(position)
+    z = position - i
     return i, [a + z * (b + z * (c + z * d)) for a, b, c, d in powers]
 
 
@@ -64,34 +64,34 @@ class Sum:
     """Writes the sum of coefficients of a table around places."""
 
     def __init__(self, context: Any, builder: Any, kind: Any, table: Any) -> None:
-        own = make_array(kind)(context, builder, table)
-        self.builder, self.data, self.width = builder, own.data, builder.extract_value(own.shape, kind.ndim - 1)
+        array = make_array(kind)(context, builder, table)
+        self.builder, self.data, self.width = builder, array.data, builder.extract_value(array.shape, kind.ndim - 1)
 
-    def weights(self, at: Any, powers: Any) -> tuple[Any, Any]:
+    def weights(self, position: Any, powers: Any) -> tuple[Any, Any]:
         """As `_weights`, four side by side."""
-        i = self.builder.fptosi(at, WORD)
-        z = self.spread(self.builder.fsub(at, self.builder.sitofp(i, DOUBLE)))
-        *others, found = (FOUR(list(column)) for column in zip(*powers, strict=True))
+        i = self.builder.fptosi(position, WORD)
+        z = self.spread(self.builder.fsub(position, self.builder.sitofp(i, DOUBLE)))
+        *others, values = (FOUR(list(column)) for column in zip(*powers, strict=True))
         for constant in reversed(others):
-            found = self.add(self.times(found, z), constant)
-        return i, found
+            values = self.add(self.times(values, z), constant)
+        return i, values
 
     def columns(self, i: Any, j: Any, *weights: Any) -> list[Any]:
         """Four columns from j on, each the sum of four rows from i on, by each of these weights."""
         place = self.builder.add(self.builder.mul(i, self.width), j)
-        found = [FOUR([0.0] * 4)] * len(weights)
+        sums = [FOUR([0.0] * 4)] * len(weights)
         for p in range(4):
             row = self.load(place)
             for w, of_rows in enumerate(weights):
                 weight = self.builder.shuffle_vector(of_rows, of_rows, LANES([p] * 4))
-                found[w] = self.add(found[w], self.times(row, weight))
+                sums[w] = self.add(sums[w], self.times(row, weight))
             place = self.builder.add(place, self.width)
-        return found
+        return sums
 
     def load(self, place: Any) -> Any:
         """Four numbers from a place on."""
-        at = self.builder.gep(self.data, [place])
-        return self.builder.load(self.builder.bitcast(at, FOUR.as_pointer()), align=8)
+        address = self.builder.gep(self.data, [place])
+        return self.builder.load(self.builder.bitcast(address, FOUR.as_pointer()), align=8)
 
     def spread(self, x: Any) -> Any:
         """A number four times."""
@@ -117,39 +117,39 @@ class Sum:
 
 @intrinsic
 def _with_slopes_compiled(_context: Any, table: Any, u: Any, v: Any) -> Any:
-    found = types.UniTuple(types.float64, 3)
+    kind = types.UniTuple(types.float64, 3)
 
     def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        own = Sum(context, builder, table, args[0])
-        (i, rows), (_, turned) = (own.weights(args[1], powers) for powers in (WEIGHTS, SLOPES))
-        (j, columns), (_, leaning) = (own.weights(args[2], powers) for powers in (WEIGHTS, SLOPES))
-        level, by_u = own.columns(i, j, rows, turned)
-        products = own.times(level, columns), own.times(by_u, columns), own.times(level, leaning)
-        return context.make_tuple(builder, found, [own.total(x) for x in products])
+        sums = Sum(context, builder, table, args[0])
+        (i, rows), (_, turned) = (sums.weights(args[1], powers) for powers in (WEIGHTS, SLOPES))
+        (j, columns), (_, leaning) = (sums.weights(args[2], powers) for powers in (WEIGHTS, SLOPES))
+        level, by_u = sums.columns(i, j, rows, turned)
+        products = sums.times(level, columns), sums.times(by_u, columns), sums.times(level, leaning)
+        return context.make_tuple(builder, kind, [sums.total(x) for x in products])
 
-    return found(table, types.float64, types.float64), code
+    return kind(table, types.float64, types.float64), code
 
 
 @intrinsic
 def _with_slope_in_row_compiled(_context: Any, row: Any, v: Any) -> Any:
-    found = types.UniTuple(types.float64, 2)
+    kind = types.UniTuple(types.float64, 2)
 
     def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        own = Sum(context, builder, row, args[0])
-        (j, columns), (_, leaning) = (own.weights(args[1], powers) for powers in (WEIGHTS, SLOPES))
-        level = own.load(j)
-        return context.make_tuple(builder, found, [own.total(own.times(level, x)) for x in (columns, leaning)])
+        sums = Sum(context, builder, row, args[0])
+        (j, columns), (_, leaning) = (sums.weights(args[1], powers) for powers in (WEIGHTS, SLOPES))
+        level = sums.load(j)
+        return context.make_tuple(builder, kind, [sums.total(sums.times(level, x)) for x in (columns, leaning)])
 
-    return found(row, types.float64), code
+    return kind(row, types.float64), code
 
 
 @intrinsic
 def _difference_compiled(_context: Any, table: Any, u: Any, lo: Any, v: Any, hi: Any, w: Any) -> Any:
     def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        own = Sum(context, builder, table, args[0])
-        (k, rows), (i, start), (j, end) = (own.weights(at, WEIGHTS) for at in (args[1], args[3], args[5]))
-        low, high = own.columns(k, i, rows)[0], own.columns(k, j, rows)[0]
-        return own.step(args[2], own.times(low, start), args[4], own.times(high, end))
+        sums = Sum(context, builder, table, args[0])
+        (k, rows), (i, start), (j, end) = (sums.weights(position, WEIGHTS) for position in (args[1], args[3], args[5]))
+        low, high = sums.columns(k, i, rows)[0], sums.columns(k, j, rows)[0]
+        return sums.step(args[2], sums.times(low, start), args[4], sums.times(high, end))
 
     return types.float64(table, *[types.float64] * 5), code
 
@@ -157,9 +157,9 @@ def _difference_compiled(_context: Any, table: Any, u: Any, lo: Any, v: Any, hi:
 @intrinsic
 def _difference_in_row_compiled(_context: Any, row: Any, lo: Any, v: Any, hi: Any, w: Any) -> Any:
     def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        own = Sum(context, builder, row, args[0])
-        (i, start), (j, end) = (own.weights(at, WEIGHTS) for at in (args[2], args[4]))
-        return own.step(args[1], own.times(own.load(i), start), args[3], own.times(own.load(j), end))
+        sums = Sum(context, builder, row, args[0])
+        (i, start), (j, end) = (sums.weights(position, WEIGHTS) for position in (args[2], args[4]))
+        return sums.step(args[1], sums.times(sums.load(i), start), args[3], sums.times(sums.load(j), end))
 
     return types.float64(row, *[types.float64] * 4), code
 

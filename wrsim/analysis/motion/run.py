@@ -17,13 +17,13 @@ from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.progress import Progress
 from wrsim.contact import wheel_rail
 from wrsim.contact.models import NORMAL_MODELS
-from wrsim.contact.records import FREE_STRIPS
 from wrsim.contact.search import locus
 from wrsim.contact.strips import equations
 from wrsim.contact.surfaces.out_of_round import Flat
 from wrsim.dynamics import derivative, implicit_step, kinematics, rigid_body, vehicle_forces, watch, wheel_forces
 from wrsim.errors import InputError, SimulationError
 from wrsim.jit.compiling import COUNT, Kernel
+from wrsim.jit.stages import compile_in_background
 from wrsim.register import ANALYSES
 from wrsim.results import Result
 from wrsim.results.run_file import run_header
@@ -78,8 +78,8 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
         if isinstance(function, Kernel):
             COUNT.begin(function.py_func)  # so that the total does not grow while they are compiled
     if normal is wheel_rail.free_strips:
-        with wheel_rail.compiled_aside(FREE_STRIPS) as aside:
-            if aside:
+        with compile_in_background(normal) as in_background:
+            if in_background:
                 compile_others()
     law = force_law(setup)
     system = BodySystem(law.bodies, law)

@@ -103,8 +103,7 @@ def _kernels_header(table: Mapping[int, Any], by_name: Mapping[str, Any]) -> str
         f"typedef int32_t stage({STAGE_SIGNATURE});",
         *(f"stage {name};" for name in by_name),
         f'#define TARGET "{processor}"',
-        f"#define STAGES {stages.MOST}",
-        f"#define STAGE_TABLE {stages.SYMBOL}",
+        f"#define STAGE_TABLE_ADDRESS {stages.SYMBOL}",
         f"#define STAGE_ADDRESSES {_listed(f'[{number}] = (void *){_name(number)}' for number in table)}",
     ]
     if needs:

@@ -10,7 +10,8 @@
 #define ALIGNMENT 64 /* bytes: of a cache line */
 
 /* Where compiled kernels find each other (wrsim.jit.stages). */
-HIDDEN void *const STAGE_TABLE[STAGES] = {STAGE_ADDRESSES};
+static void *const stage_table[] = {STAGE_ADDRESSES};
+HIDDEN void *const *const STAGE_TABLE_ADDRESS = stage_table;
 
 static int processor_fits(void)
 {

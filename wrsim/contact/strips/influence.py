@@ -10,7 +10,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from wrsim.contact.strips.records import V
-from wrsim.jit import Array, filling, inlined, kernel
+from wrsim.jit import Array, inlined, kernel, noalias_kernel
 from wrsim.jit.arena import bits_of, number_of
 from wrsim.jit.spline import difference, difference_in_row, with_slope_in_row, with_slopes
 
@@ -57,7 +57,7 @@ def _coordinate_xi(xi: float) -> float:
     return min(max((octave(y + sqrt(y * y + 1.0)) - INNER) * STEPS_BESIDE, 0.0), _MOST_XI)
 
 
-@filling
+@noalias_kernel
 def _find_ends(vectors: Array, first: int, last: int, s: float, low: Array, high: Array) -> None:
     """Coordinates t of both ends of strips, (>= last,), seen from s."""
     for j in range(first, last):
@@ -66,14 +66,14 @@ def _find_ends(vectors: Array, first: int, last: int, s: float, low: Array, high
         high[j] = _coordinate_t((vectors[V.TO, j] - s) * inverse)
 
 
-@filling
+@noalias_kernel
 def _find_middles(vectors: Array, first: int, last: int, x: float, beside: Array) -> None:
     """Coordinates xi of the point x, (>= last,), seen from the middles of strips."""
     for j in range(first, last):
         beside[j] = _coordinate_xi((x - vectors[V.MIDDLE, j]) * vectors[V.INVERSE, j])
 
 
-@filling
+@noalias_kernel
 def _find_rates(vectors: Array, first: int, last: int, s: float, low: Array, high: Array) -> None:
     """Slopes of the coordinates of both ends over the logarithm of t, (>= last,)."""
     for j in range(first, last):
@@ -82,7 +82,7 @@ def _find_rates(vectors: Array, first: int, last: int, s: float, low: Array, hig
         high[j] = STEPS * _octave_rate(max(abs((vectors[V.TO, j] - s) * inverse), _LEAST_T))
 
 
-@filling
+@noalias_kernel
 def _scale_by_rate(vectors: Array, first: int, last: int, x: float, p: Array) -> None:
     """Multiply by the slope of the coordinate over xi, (>= last,)."""
     for j in range(first, last):
