@@ -17,7 +17,6 @@ from pathlib import Path
 
 import numpy as np
 
-from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact import records as k
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.creep.fastsim import fastsim
@@ -32,6 +31,7 @@ from wrsim.contact.settings import ContactSettings, Friction
 from wrsim.contact.wheel_rail import search as search_contacts
 from wrsim.contact.wheel_rail import wheel_rail
 from wrsim.jit import kernel
+from wrsim.simulation.pose_solver import PoseSolver
 
 MODELS = Path(__file__).parents[1] / "models"
 POSES = (("tread, two lobes", 0.0, 0.002), ("tread", 3e-3, 0.002), ("tread and root", 5.06e-3, 0.001),

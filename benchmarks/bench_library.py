@@ -15,12 +15,12 @@ from pathlib import Path
 import numpy as np
 
 from wrsim import ContactSettings, Pose, contact_model, load_profile
-from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.library.build import build_library
 from wrsim.contact.model import ContactModel
 from wrsim.contact.wheel_rail import wheel_rail
 from wrsim.jit import Array
+from wrsim.simulation.pose_solver import PoseSolver
 
 RADIUS, CALLS = 0.46, 2000
 POSES = (Pose("tread", 3e-3, 2e-3, 55e3), Pose("tread and root", 5.06e-3, 1e-3, 55e3), Pose("flange", 8e-3, 1e-2, 55e3))

@@ -22,9 +22,9 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 from strip_robustness import PAIRS, STRIPS, Stand, force, stand
 
-from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.pose import Pose
 from wrsim.contact.settings import ContactSettings
+from wrsim.simulation.pose_solver import PoseSolver
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 

@@ -18,7 +18,6 @@ from typing import get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.poses.solver import HalfSpacePoseSolver, PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.creep.laws import CREEP_LAWS
 from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
@@ -30,6 +29,7 @@ from wrsim.contact.profiles.models import load_profile
 from wrsim.contact.profiles.profile import Profile
 from wrsim.contact.profiles.sections import circle
 from wrsim.contact.settings import ContactSettings, Flexibility, Material, Normal, TractionBound
+from wrsim.simulation.pose_solver import HalfSpacePoseSolver, PoseSolver
 
 Array = NDArray[np.float64]
 Row = dict[str, str]

@@ -28,7 +28,6 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.batch import search_for
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space.solver import HalfSpace
@@ -38,6 +37,7 @@ from wrsim.contact.profiles.models import load_profile
 from wrsim.contact.records import STATUS_IN_A_JUMP, STATUS_NOT_CONVERGED
 from wrsim.contact.settings import USUAL, ContactSettings
 from wrsim.contact.status import UNSOLVED, status_words
+from wrsim.simulation.pose_solver import PoseSolver
 
 MODELS = Path(__file__).parents[1] / "models"
 PAIRS = (

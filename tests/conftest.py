@@ -3,6 +3,7 @@
 import gc
 import os
 import sys
+from importlib.util import find_spec
 
 # two threads that share the small matrices of a vehicle wait awake for each other: fifty times the processor time
 # where all cores are busy; read when numpy is imported
@@ -52,7 +53,8 @@ def _no_foreign_files():
 def _forgotten_times():
     """No run tells the time of the next one: what commands print is the same everywhere."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("wrsim.analysis.run_times._file", lambda: None)
+        if find_spec("exudyn") is not None:  # the contact alone has no runs
+            patch.setattr("wrsim.analysis.run_times._file", lambda: None)
         yield
 
 

@@ -8,6 +8,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from inspect import cleandoc
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from matplotlib.figure import Figure
 from support.synthetic_result import curve_run, static_poses
 
 import wrsim
+import wrsim.contact
 from wrsim import ContactSettings, InputError, Pose, Result, contact_model, load_profile, solve_poses
 
 ROOT = Path(__file__).parents[1]
@@ -43,10 +45,17 @@ def test_the_page_and_type_checkers_have_exactly_the_public_names() -> None:
     rows = [line.split("|")[1] for line in PAGE.read_text().splitlines() if line.startswith("| `")]
     listed = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
     assert listed == set(wrsim.__all__) - {"__version__"}
-    stub = ast.parse((ROOT / "wrsim" / "__init__.pyi").read_text())
-    told = {n.asname: (i.module, n.name) for i in stub.body if isinstance(i, ast.ImportFrom) for n in i.names}
-    assert told == {name: (home, name) for name, home in wrsim._HOMES.items()}
     assert (ROOT / "wrsim" / "py.typed").exists()
+
+
+@pytest.mark.parametrize("package", [wrsim, wrsim.contact])
+def test_stubs_and_packages_have_the_same_names(package: ModuleType) -> None:
+    stub = ast.parse(Path(str(package.__file__)).with_suffix(".pyi").read_text())
+    told = {n.asname: (i.module, n.name) for i in stub.body if isinstance(i, ast.ImportFrom) for n in i.names}
+    assert told == {name: (home, name) for name, home in package._HOMES.items()}
+    assert all(getattr(package, name) is not None for name in package.__all__)
+    with pytest.raises(AttributeError, match="has no attribute 'none'"):
+        package.none  # noqa: B018
 
 
 @pytest.mark.parametrize("name", [name for name in wrsim.__all__ if name != "__version__"])

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 from reference_contact import FRICTION, HALF_SPACING, Answer, Chosen, Place, answer_of_elements, answer_of_strips
 
-from wrsim.analysis.poses.solver import HalfSpacePoseSolver, PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import Contact
 from wrsim.contact.models import contact_model
@@ -20,6 +19,7 @@ from wrsim.contact.pose import Pose
 from wrsim.contact.profiles.points import ProfilePoints, interpolated
 from wrsim.contact.surfaces.out_of_round import RadiusTable
 from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface
+from wrsim.simulation.pose_solver import HalfSpacePoseSolver, PoseSolver
 
 Array = NDArray[np.float64]
 BESIDE, ROLLED = 5e-3, 0.7  # distance of the axle from the centre [m]; the angle by which the wheel has rolled [rad]

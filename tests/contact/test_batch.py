@@ -1,11 +1,10 @@
-"""Many poses in one call: the same contacts as one by one, each under its load; and the table made of them."""
+"""Many poses in one call: the same contacts as one by one, each under its load."""
 
 import numpy as np
 import pytest
-import xarray as xr
-from support.contacts import RADIUS, bench, pair_model, rail_profile, wheel_profile
+from support.contacts import RADIUS, bench, pair_model
 
-from wrsim import ContactSettings, InputError, contact_map
+from wrsim import InputError
 from wrsim.contact.batch import LOAD_TOLERANCE, search_for
 from wrsim.contact.prescribed_load import REACHED, SEARCHING, begin_search, next_height
 from wrsim.contact.records import STATUS_BESIDE, STATUS_IN_A_JUMP, STATUS_OUT_OF_REACH
@@ -118,22 +117,3 @@ def test_bad_input_has_one_clear_error(change, words):
     given = {"poses": np.zeros((1, 12)), "load": LOAD, "threads": 1} | change
     with pytest.raises(InputError, match=words):
         model.solve_many(given.pop("poses"), **given)
-
-
-def test_the_table_holds_every_combination_with_units_and_comes_back_from_its_file(tmp_path):
-    wheel, rail = wheel_profile("S1002"), rail_profile("60E1", 40)
-    settings = ContactSettings(normal="kik-piotrowski")
-    file = tmp_path / "map.nc"
-    table = contact_map(
-        wheel, rail, RADIUS, [0.0, 3e-3, 0.3], [0.0, 2e-3], 0.0, [40e3, LOAD], settings=settings, threads=1, file=file
-    )
-    assert dict(table["p0"].sizes) | {"patch": 0} == {"shift": 3, "yaw": 2, "roll": 1, "load": 2, "patch": 0}
-    assert all(table[name].attrs["units"] for name in table.variables if name != "patch")
-    on = table.isel(shift=slice(0, 2))
-    assert on["Q"].values == pytest.approx(np.broadcast_to(table["load"].values, on["Q"].shape), rel=LOAD_TOLERANCE)
-    beside = table.isel(shift=2)
-    assert beside["Q"].isnull().all()
-    assert (beside["status"].values & STATUS_BESIDE).all()
-    xr.testing.assert_identical(xr.load_dataset(file), table)
-    with pytest.raises(InputError, match="shifts: must be"):
-        contact_map(wheel, rail, RADIUS, [])

@@ -1,19 +1,16 @@
 """Check rails beside plain rails, and wheels whose profile ends before the back of the flange."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from support.contacts import GAUGE, RADIUS, contact_model, rail_profile, wheel_profile
 
-from wrsim import InputError, load
+from wrsim import InputError
 from wrsim.contact.profiles.check_rail import ends_before_its_back, with_check_rail
 from wrsim.contact.profiles.flange import with_back
 from wrsim.contact.records import STATUS_PROFILE_END
-from wrsim.scenario.build import build
 
-SCENARIO = Path(__file__).parents[2] / "scenarios/check_rail.toml"
 WHEEL, RAIL = wheel_profile("S1002"), rail_profile("60E1", 40)
 BACK_TO_BACK = 1.36
 GAUGE_U = RAIL.gauge_point()[0]
@@ -74,19 +71,3 @@ def test_a_check_rail_needs_room_and_a_back_an_arc():
         with_check_rail(RAIL, 0.01, 0.0)
     with pytest.raises(InputError, match=r"flange_back_mm = 90: profile 'S1002' ends 20\.4 mm before it"):
         with_back(replace(cut(0.4e-3), name="S1002"), 0.09)
-
-
-def test_the_shorthand_is_the_rail_that_is_drawn_and_its_sections_part_in_the_floor():
-    plain = {"track.rail_sections": []}
-    scenario = load(SCENARIO).with_values(plain | {"track.check_rail_left": {"flangeway_mm": 41}})
-    left, right = build(scenario).rails
-    assert left.name == "60E1, check rail at 41 mm" and right.name == "60E1" and left.u.min() < -0.11
-    sections = [
-        {"at_m": place, "side": "left", "rail": "rails/60E1.toml", "check_rail": {"flangeway_mm": flangeway}}
-        for place, flangeway in ((8, 60), (10, 41), (14, 41), (16, 60))
-    ]
-    surface = build(scenario.with_values({"track.rail_sections": sections})).surfaces[0]
-    assert [own.distance for own in surface.sections] == pytest.approx([8, 10, 14, 16], abs=0.1)
-    assert len(surface.pieces) == 2
-    with pytest.raises(InputError, match="check_rail"):
-        scenario.with_values({"track.check_rail": {"flangeway_mm": 41}})

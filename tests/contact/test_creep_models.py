@@ -1,7 +1,6 @@
 """Every tangential model: Kalker's linear theory at small creepage, friction at large, beside the exact solution."""
 
 from itertools import pairwise
-from pathlib import Path
 from typing import get_args
 
 import numpy as np
@@ -15,7 +14,6 @@ from support.ellipse import COEFFICIENTS, FORCE, MEAN_RADIUS, PEAK, POISSON, SHE
 from support.examples import examples
 from support.rows import data_rows, rows_of
 
-from wrsim import InputError, load
 from wrsim.contact.creep.flexibility import Flexibilities, Rolling, kalker_coefficients
 from wrsim.contact.creep.laws import CREEP_LAWS, KERNEL_LAWS, Tangential
 from wrsim.contact.creep.march import begin, hold_power, march
@@ -312,12 +310,7 @@ def test_the_reduction_begins_with_its_part_of_kalker_and_ends_with_friction(mod
     assert_allclose(traction(model, 0.3, 0.9, REDUCED), -0.3, rtol=0.02)
 
 
-def test_slope_reduction_belongs_to_two_models_and_none_is_the_plain_one_to_the_bit():
+def test_no_reduction_of_the_slope_is_the_plain_model_to_the_bit():
     numbers = {"slope_k0": 1.0, "slope_alpha_inf": 1.0, "slope_beta": 5.0}
     for model in REDUCIBLE:
         assert traction(model, 0.3, 1e-3, numbers) == traction(model, 0.3, 1e-3, {})
-    scenario = load(Path(__file__).resolve().parents[2] / "scenarios/traction.toml")
-    settings = scenario.spec.contact.settings()
-    assert (settings.slope_k0, settings.slope_alpha_inf, settings.slope_beta) == (0.54, 0.02, 0.62)
-    with pytest.raises(InputError, match=r'slope_k0 = 0\.54: goes with tangential = "fastsim" or "fastrip" only'):
-        scenario.with_values({"contact.tangential": "polach"})

@@ -12,13 +12,11 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from support.contacts import HALF_SPACING, PLAIN, RADIUS, contact_model, numbers, rail_profile, settle, wheel_profile
-from support.crossings import crossing, lifted, on, turning
-from support.kernels import branches_that_cross
+from support.crossings import branches_that_cross, crossing, lifted, on, turning
 from support.rows import data_rows
 from support.scripts import ROOT
 
 from wrsim import ContactModel, InputError, Profile
-from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import Contact
 from wrsim.contact.models import contact_model as model_of
@@ -27,6 +25,7 @@ from wrsim.contact.profiles.sections import ProfileArc, ProfileLine, circle, pro
 from wrsim.contact.surfaces.rail import unfold
 from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface, read_sections
 from wrsim.contact.surfaces.rolled_rail import rolled_rail
+from wrsim.simulation.pose_solver import PoseSolver
 from wrsim.track.crossing import read_crossing
 
 RISE = 0.1

@@ -3,26 +3,18 @@
 from dataclasses import replace
 from functools import cache
 from math import radians
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from support.contacts import RADIUS, bench, columns, numbers, pair_model, settle, strips_of
-from support.rows import rows_of
-from support.runs import FAST, LEADING, arc, setup_of
-from support.scenario_texts import CURVE, edited, faults
 
-from wrsim import ContactModel, ContactSettings, Friction, Result, load_text
-from wrsim.analysis.motion.run import run_in_time
+from wrsim import ContactModel, Friction
 from wrsim.contact.creep.laws import CREEP_LAWS, KERNEL_LAWS
 from wrsim.contact.half_space import HalfSpace
 from wrsim.contact.models import fast_model
 from wrsim.contact.settings import FrictionAlong
-from wrsim.scenario.build import build
-
-table = rows_of(__file__)
 
 PAIR = "S1002/60E1 1:40"
 GREASED = Friction(0.4, gauge_corner=0.1, ramp=(radians(10.0), radians(30.0)))
@@ -113,28 +105,9 @@ def test_the_exact_solver_takes_the_same_friction():
     np.testing.assert_allclose(np.hypot(*patch.q)[patch.p > 0.0], (mu[:, None] * patch.p)[patch.p > 0.0], rtol=1e-3)
 
 
-def friction_of(text):
-    return build(load_text(edited(CURVE, "friction = 0.35", text), "case.toml")).contact.friction
-
-
-def test_scenarios_take_a_number_or_a_table_for_both_rails_or_for_each():
-    table = "{static = 0.4, gauge_corner = 0.1, gauge_corner_from_deg = 10, gauge_corner_full_deg = 30}"
-    assert friction_of(f"friction = {table}") == (GREASED, GREASED)
-    assert friction_of(f"friction_left = 0.3\nfriction_right = {table}") == (0.3, GREASED)
-    falling = "[contact.friction]\nstatic = 0.4\nfalling_ratio = 0.5"
-    assert friction_of(falling) == (FALLING, FALLING)
-    assert ContactSettings().friction == (0.35, 0.35)
-
-
-@pytest.mark.parametrize(("text", "message"), table("bad_friction_is_refused"))
-def test_bad_friction_is_refused(text, message, tmp_path):
-    assert any(message in line for line in faults(edited(CURVE, "friction = 0.35", text), tmp_path))
-
-
 # Friction that changes along the track: what a wheel feels is the law of its place, everywhere it is used.
 DRY, GREASY, FALLS = Friction(0.4), Friction(0.4, gauge_corner=0.1), Friction(0.2, falling_ratio=0.5)
 ALONG = FrictionAlong((10.0, 12.0, 20.0, 21.0), (DRY, GREASY, GREASY, FALLS))
-WET = {"from_m": 12.0, "friction": 0.15, "side": "right", "transition_m": 2.0}
 
 
 @cache
@@ -174,61 +147,3 @@ def test_the_same_law_at_all_places_is_a_plain_law_and_others_change_smoothly() 
     assert rate.min() == pytest.approx(-1.5 * 0.3 / 2.0, rel=1e-6)  # of 3 x^2 - 2 x^3, in its middle
     assert np.abs(np.diff(rate)).max() < 1e-4
     assert ALONG.numbers(99.0) == pytest.approx(FALLS.numbers)
-
-
-@pytest.fixture(scope="module")
-def wetted() -> Result:
-    """A leading axle in a full curve whose outer rail gets wet on the way, from 12 to 14 m."""
-    return in_curve({"friction_sections": [WET]})
-
-
-def in_curve(contact: dict[str, Any], start: float = 10.0, way: float = 8.0) -> Result:
-    keys = {"contact": {"friction": 0.4} | contact} | FAST | {"run.distance_m": way}
-    return run_in_time(setup_of([arc(40.0, 200.0, 60.0)], 10.0, LEADING, start=start, values=keys))
-
-
-def test_a_run_says_which_friction_acts_and_runs_behind_a_change_as_with_that_alone(wetted: Result) -> None:
-    dataset = wetted.wheelset()
-    at, mu = dataset["distance"].values, dataset["rail_friction"].values
-    assert mu[:, 0] == pytest.approx(0.4)
-    np.testing.assert_array_equal(mu, dataset["rail_friction_corner"].values)
-    x = np.clip((at - 12.0) / 2.0, 0.0, 1.0)
-    # the outer rail is longer than the centre line by .4 %: a few um of a metre within the transition
-    assert mu[:, 1] == pytest.approx(0.4 - 0.25 * x * x * (3.0 - 2.0 * x), abs=2e-5)
-    wet = in_curve({"friction_sections": [WET | {"from_m": 1.0}]}, way=0.2)
-    dry = in_curve({}, way=0.2)
-    ours = wetted.wheelset()
-    for name in ("Y", "T_gamma"):
-        first, last = (r.wheelset()[name].values[0] for r in (dry, wet))
-        np.testing.assert_array_equal(ours[name].values[0], first)  # the start knows the friction of its place
-        assert np.abs(last / first - 1.0).max() > 0.05
-        assert ours[name].values[-1] == pytest.approx(last, rel=5e-3)
-
-
-def friction_along(text: str, more: str, folder: Path | None = None) -> Any:
-    return build(load_text(edited(text, "friction = 0.35", more), folder or ".")).contact.friction
-
-
-def test_a_table_and_sections_say_the_same_and_standing_wheels_feel_one_place(tmp_path: Path) -> None:
-    (tmp_path / "mu.csv").write_text("at_m,left,right\n0,0.35,0.35\n60,0.35,0.35\n62,0.35,0.1\n")
-    table = friction_along(CURVE, 'friction = 0.35\nfriction_table = "mu.csv"', tmp_path)
-    row = 'friction_sections = [{from_m = 60, friction = 0.1, side = "right", transition_m = 2}]'
-    sections = friction_along(CURVE, f"friction = 0.35\n{row}")
-    s = np.linspace(0.0, 100.0, 1001)
-    for ours, theirs in zip(table, sections, strict=True):
-        np.testing.assert_allclose(ours.numbers(s), theirs.numbers(s), rtol=1e-12)
-    rows = "friction_sections = [{from_m = 60, friction = 0.1, transition_m = 2}]\nfriction_at_m = "
-    steady = CURVE.replace('"curving"', '"steady"').split("[[track.segments]]")[0]
-    for place, mu in ((0.0, 0.35), (61.0, 0.225), (70.0, 0.1)):
-        more = f"[contact]\nfriction = 0.35\n{rows}{place}\n[steady]\nradius_m = 300\n"
-        left, right = build(load_text(steady + more, "case.toml")).contact.friction
-        assert left.numbers == pytest.approx(Friction(mu).numbers)
-        assert left == right
-
-
-@pytest.mark.parametrize(("more", "message"), table("bad_friction_along_the_track_is_refused"))
-def test_bad_friction_along_the_track_is_refused(more: str, message: str, tmp_path: Path) -> None:
-    (tmp_path / "mu.csv").write_text("at_m,left,right\n5,0.3,0.3\n4,0.3,0.3\n")
-    (tmp_path / "high.csv").write_text("at_m,left,right\n5,7,0.3\n")
-    found = faults(edited(CURVE, "friction = 0.35", f"friction = 0.35\n{more}"), tmp_path)
-    assert any(message in line for line in found), found

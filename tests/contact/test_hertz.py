@@ -15,12 +15,12 @@ from support import contacts
 from support.hertz import Ellipse, hertz
 
 from wrsim import Profile, load_profile
-from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.kik_piotrowski import strip_potential
 from wrsim.contact.model import EPSILON
 from wrsim.contact.profiles.sections import circle, cone
 from wrsim.contact.tables import combined_modulus
+from wrsim.simulation.pose_solver import PoseSolver
 
 # design table: ratio A/B of curvatures -> a, b, area, N, p0 of Kik-Piotrowski over Hertz at equal approach
 RATIOS = {

@@ -16,7 +16,6 @@ from support import examples as tried
 from support.contacts import GAUGE, HALF_SPACING, RADIUS, contact_model, finite, rail_profile, strips_of, wheel_profile
 
 from wrsim import Pose, Profile
-from wrsim.analysis.poses.solver import HalfSpacePoseSolver, PoseSolver
 from wrsim.contact import models
 from wrsim.contact import records as k
 from wrsim.contact.channels import WheelOnRail
@@ -24,6 +23,7 @@ from wrsim.contact.profiles.sections import circle, cone
 from wrsim.contact.profiles.wear import Removal, worn
 from wrsim.contact.settings import HalfSpaceSettings, Normal
 from wrsim.contact.status import GRID_EDGE, NOT_CONVERGED, TOO_MANY
+from wrsim.simulation.pose_solver import HalfSpacePoseSolver, PoseSolver
 
 NORMALS = get_args(Normal)
 FAST = tuple(n for n in NORMALS if n != "half-space")

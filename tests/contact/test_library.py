@@ -13,7 +13,7 @@ import numba
 import numpy as np
 import pytest
 from support.contacts import RADIUS, bench, pair_model, rail_profile, settle, wheel_profile
-from support.kernels import kept_object
+from support.objects import kept_object
 
 from wrsim import Friction, Harmonic, InputError, WrsimError, contact_model
 from wrsim.contact import records as k

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim import ContactModel, ContactSettings, Pose, Profile, load_profile
-from wrsim.analysis.poses.solver import PoseSolver, Solved
 from wrsim.contact import models
 from wrsim.contact import records as k
 from wrsim.contact.channels import WheelOnRail
@@ -22,6 +21,7 @@ from wrsim.contact.settings import Material
 from wrsim.contact.strips.records import System
 from wrsim.contact.wheel_rail import bodies
 from wrsim.jit.linalg import Vec
+from wrsim.simulation.pose_solver import PoseSolver, Solved
 
 Array = NDArray[np.float64]
 

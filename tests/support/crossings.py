@@ -104,3 +104,11 @@ def _features(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], tuple[f
         right = int(np.flatnonzero((angle[:foot] > -45.0) & (w[:foot] > NOSE_DEPTH))[-1])
         edges = [left, right]
     return knots, tuple(float(arc[i]) for i in (*edges, foot, corner, int(top), int(beyond)))
+
+
+def branches_that_cross(count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Rows (u, w, tangent) of a curve parallel to a parabola, beyond its centre of curvature: branches cross at u = 0,
+    half way between the ends of a loop at t = -.866 and .866 of -1.2 to 1.2 along it."""
+    t = np.linspace(-1.2, 1.2, count)
+    root = np.sqrt(1.0 + 4.0 * t * t)
+    return np.column_stack((t - 2.0 * t / root, t * t + 1.0 / root, 1.0 / root, 2.0 * t / root))

@@ -4,15 +4,13 @@ Run as a program without the compiler (`support.workers.uncompiled`) it writes w
 worked; with it and no form it compiles ahead (`.ci/test`)."""
 
 import copy
-import hashlib
 import importlib
 import pickle
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
 from math import sqrt
-from pathlib import Path
 from types import FunctionType
 from typing import Any
 
@@ -21,8 +19,10 @@ import pytest
 from numba.core.registry import CPUDispatcher
 
 from support.contacts import bench, contact_of, numbers, pair_model, settle, strip_system
+from support.crossings import branches_that_cross
 from support.ellipse import roll
 from support.knife_edge import KnifeEdgeForces, example_wheelset
+from support.objects import kept_object
 from support.paths import curvature, locate
 from support.vehicles import manchester, on_track, shipped
 from wrsim import Arc, ContactModel, ContactSettings, Flat, Friction, contact_model
@@ -41,8 +41,7 @@ from wrsim.contact.surfaces.rail_surface import RailSection, RailSurface
 from wrsim.contact.wheel_rail import STAGES, bodies, compile_stages
 from wrsim.dynamics.kinematics import first_not_finite, is_near
 from wrsim.dynamics.rigid_body import kinetic_energies
-from wrsim.jit.cache import CACHE, PACKAGE, sources
-from wrsim.jit.objects import emit_object, target
+from wrsim.jit.cache import PACKAGE, sources
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
 from wrsim.simulation.force_law import Array, force_derivative
 from wrsim.simulation.implicit_step import ImplicitStep
@@ -173,14 +172,6 @@ def contact_cases(full: bool) -> dict[str, list[float]]:
         rolling = model.evaluate((0.0, 1e-3, height), velocity=(20.0, 0.1, 0.0), omega=(0.0, 43.7, 0.0), place=place)
         found[f"friction along the rail, {place:g}"] = numbers(rolling)
     return found
-
-
-def branches_that_cross(count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Rows (u, w, tangent) of a curve parallel to a parabola, beyond its centre of curvature: branches cross at u = 0,
-    half way between the ends of a loop at t = -.866 and .866 of -1.2 to 1.2 along it."""
-    t = np.linspace(-1.2, 1.2, count)
-    root = np.sqrt(1.0 + 4.0 * t * t)
-    return np.column_stack((t - 2.0 * t / root, t * t + 1.0 / root, 1.0 / root, 2.0 * t / root))
 
 
 def _leaving(model: ContactModel) -> list[float]:
@@ -377,19 +368,6 @@ def note_first_calls() -> set[tuple[str, str]]:
         for own, name in places:
             own[name] = watched(kernel, places)
     return worked
-
-
-def kept_object(stages: Mapping[str, Any]) -> bytes:
-    """`emit_object` of stages of the package, kept beside its kernels: the strip model's takes ten seconds."""
-    if CACHE is None:
-        return emit_object(stages)
-    names = [(name, stage.py_func.__module__, stage.py_func.__name__, *target(stage)) for name, stage in stages.items()]
-    path = Path(CACHE) / f"{hashlib.sha256(repr(names).encode()).hexdigest()[:16]}.o"
-    if not path.exists():
-        made = path.with_suffix(".part")
-        made.write_bytes(emit_object(stages))
-        made.replace(path)
-    return path.read_bytes()
 
 
 def main(form: str = "") -> object:

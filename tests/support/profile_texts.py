@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wrsim import InputError, Profile
 from wrsim.contact.profiles.files import read_points
+from wrsim.contact.profiles.flange import flange_dimensions
 
 UNITS = {"mm": 1.0, "cm": 10.0, "m": 1e3, "in": 25.4}
 DIGITS = {"mm": 5, "cm": 6, "m": 8, "in": 7}
@@ -153,3 +154,9 @@ def guide(wheel: Profile, rail: Profile) -> dict[str, tuple[str, str]]:
         "No unit": ("bare.csv", lines(points, "in")),
         "Another origin": ("moved.csv", COLUMNS["header"](moved(points, 30.0), "mm")),
     }
+
+
+def measures(wheel: Profile) -> list[float]:
+    """Height, thickness and steepness of a flange [mm]."""
+    flange = flange_dimensions(wheel)
+    return [1e3 * flange.height, 1e3 * flange.thickness, 1e3 * flange.steepness]

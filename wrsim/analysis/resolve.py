@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from wrsim.analysis.contacts import force_law, wheels_on_rails
 from wrsim.analysis.motion.derailment import contact_words, wheels_of
 from wrsim.analysis.motion.result import RAIL_CHANNELS, stack_wheelsets
-from wrsim.analysis.poses.solver import Carried, LoadNotReached, height_for_load, lower
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact import channels
 from wrsim.contact.channels import POSE_CHANNELS, ElementField, StripRecorder, WheelOnRail
@@ -38,6 +37,7 @@ from wrsim.scenario.kept import ATTRIBUTE
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.placement import design_state, state_on_track
+from wrsim.simulation.pose_solver import Carried, LoadNotReached, height_for_load, lower
 
 TOLERANCE = 1e-5  # of the vertical force, of the exact solver
 DEEPEST = 1e-3  # farthest a wheel is moved [m]

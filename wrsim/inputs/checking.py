@@ -8,7 +8,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import TypeAdapter, ValidationError
 
 from wrsim.errors import InputError, nearest
-from wrsim.inputs.file_kinds import ENDINGS, FILES, resolved
+from wrsim.inputs.file_kinds import ENDINGS, FILES, FileKind, resolved
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.section import ABSENT, FAULT, MOST_FAULTS, STRICT, UNKNOWN, Section
 from wrsim.inputs.toml_files import parse_toml, shortened, shown_value, toml_text
@@ -45,11 +45,11 @@ def check_section(section: type[S], data: dict[str, Any], locate: Locate) -> S:
 def refuse_other_kind(kind: Any, data: dict[str, Any], locate: Locate) -> None:
     """Raise InputError where a file is of another kind than it should be: most keys at its top are those of one, or all
     are, and those that are not of its own kind are no misspelt ones."""
-    known, name, other = _known(kind, data), *_likeliest(data)
+    known, name, other = _known(_classes(kind), data), *_likeliest(data)
     strange = data.keys() - known
     meant = [key for each in _classes(kind) for key in each.model_fields]
     wholly = len(other) == len(data) and strange and not any(nearest(key, meant) for key in strange)
-    wanted = [file.words for file in FILES.values() if {*_classes(kind)} <= {*_classes(resolved(file.place))}]
+    wanted = [file.words for file in FILES.values() if {*_classes(kind)} <= {*_classes_of(file)}]
     if wanted and (wholly or (2 * len(known) <= len(data) and len(other) > len(known) + 1)):
         raise InputError(f"{locate(())}: is {FILES[name].described}; {wanted[0]} is needed here")
 
@@ -65,12 +65,20 @@ def kind_of(path: Path) -> str:
 
 def _likeliest(data: dict[str, Any]) -> tuple[str, set[str]]:
     """The kind of file that knows most of the keys at the top of one, and these."""
-    known = {name: _known(resolved(file.place), data) for name, file in FILES.items() if file.command}
+    known = {name: _known(_classes_of(file), data) for name, file in FILES.items() if file.command}
     return max(known.items(), key=lambda pair: len(pair[1]))
 
 
-def _known(kind: Any, data: dict[str, Any]) -> set[str]:
-    return max((data.keys() & {*each.model_fields, *each.foreign} for each in _classes(kind)), key=len, default=set())
+def _known(classes: Sequence[type[Section]], data: dict[str, Any]) -> set[str]:
+    return max((data.keys() & {*each.model_fields, *each.foreign} for each in classes), key=len, default=set())
+
+
+def _classes_of(kind: FileKind) -> list[type[Section]]:
+    """The classes of a kind of file; none where what its room needs is not installed."""
+    try:
+        return _classes(resolved(kind.place))
+    except ModuleNotFoundError:
+        return []
 
 
 def _classes(kind: Any) -> list[type[Section]]:

@@ -4,8 +4,9 @@ The pipeline in one line: ``write_run(Result(assemble(coords, channels, attribut
 imported on first use: most commands need no dataset.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from wrsim.lazy import importer
 
 if TYPE_CHECKING:
     from wrsim.results.channels import CHANNELS, Channel
@@ -20,9 +21,4 @@ _HOMES = {
     "CHANNELS": "channels", "Channel": "channels", "Result": "result", "assemble": "dataset", "summarise": "summary",
     "versions": "dataset", "write_atomically": "files", "write_run": "exports",
 }  # fmt: skip
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'wrsim.results' has no attribute '{name}'")
-    return getattr(import_module(f"wrsim.results.{_HOMES[name]}"), name)
+__getattr__ = importer(__name__, {name: f"{__name__}.{module}" for name, module in _HOMES.items()})

@@ -9,10 +9,8 @@ from scipy.optimize import brentq
 from support.contacts import HALF_SPACING, bench, contact_model, flat_rail, pair_model, round_wheel
 from support.hertz import Ellipse
 from support.rows import data_rows
-from support.scenario_texts import STATIC, faults
 
-from wrsim import ContactSettings, Pose, SimulationError, load_text, run
-from wrsim.analysis.poses.solver import HalfSpacePoseSolver
+from wrsim import ContactSettings, Pose
 from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space import HalfSpace
@@ -21,6 +19,7 @@ from wrsim.contact.half_space.zones import _box
 from wrsim.contact.profiles.sections import circle
 from wrsim.contact.settings import Material
 from wrsim.jit.linalg import Vec
+from wrsim.simulation.pose_solver import HalfSpacePoseSolver
 
 EXACT = {"normal": "half-space", "tangential": "half-space"}
 FRICTIONLESS = EXACT | {"tangential": "none"}
@@ -246,87 +245,6 @@ def test_contacts_grow_together_without_jumps():
     assert len(patches) > 1
     assert (steps > 0.0).all()
     assert np.abs(np.diff(steps)).max() < 0.3 * steps.max()
-
-
-# The exact solver chosen in a scenario: the same channels and strips as the strip models, and all bad input told.
-POSES = "lateral_mm = [0, 5.06, 6.5]\nyaw_mrad = 5\nload_kN = 60\n"
-# off the rail, its end on it, two lobes, full overlap, flange; 1 N and 1 MN
-HARD = "lateral_mm = [{shifts}]\nyaw_mrad = [{yaws}]\nload_kN = [{loads}]\n"
-
-
-@cache
-def solved(contact, poses=POSES, friction=0.3):
-    text = STATIC.replace("lateral_mm = 0\nload_kN = 60\n", poses)
-    return run(load_text(f"{text}[contact]\nfriction = {friction}\n{contact}\n")).wheelset()
-
-
-CHOSEN = 'normal = "half-space"'
-ON_EXACT = 'normal = "half-space"\ntangential = "fastsim"'
-
-
-def patches(dataset, name):
-    return dataset[name].values[np.isfinite(dataset["N"].values)]
-
-
-@pytest.mark.parametrize("contact", [CHOSEN, ON_EXACT])
-def test_strips_are_the_rows_of_the_elements(contact):
-    d = solved(contact)
-    assert (d["pose_message"] == "").all()
-    for of_patch, of_strip in (("N", "strip_N"), ("Fx", "strip_Fx"), ("Fy", "strip_Fy")):
-        assert np.nansum(d[of_strip].values, axis=-1) == pytest.approx(np.nan_to_num(d[of_patch].values), abs=1e-6)
-    assert np.nanmax(d["strip_p"].values[0]) == pytest.approx(np.nanmax(d["p0"].values[0]))
-    area = np.nansum(2.0 * d["strip_a"].values * d["strip_ds"].values, axis=-1)
-    assert area[np.isfinite(d["N"].values)] == pytest.approx(patches(d, "area"), rel=0.02)
-    # the wheel's forces are those of its strips along their normals and tangents
-    angle = d["strip_angle"].values
-    vertical = np.nansum(d["strip_N"] * np.cos(angle) + d["strip_Fy"] * np.sin(angle), axis=(-1, -2))
-    assert vertical == pytest.approx(d["Q"].values, rel=1e-6)
-    assert -np.nansum(d["Fx"].values, axis=-1) == pytest.approx(d["X"].values, rel=1e-6)
-    assert d["Q"].values == pytest.approx(60e3, rel=1e-4)
-
-
-# two flanges at -87 mrad have a reason only; with friction they come to it in 20 s
-@pytest.mark.parametrize(("friction", "shifts", "yaws", "loads", "least"), [
-    (0.3, "-72, 8", "0", "30", 1),
-    pytest.param(0, "-72, -60, 5.06, 8, 9", "0, -87, 87", "0.001, 1000", 15, marks=pytest.mark.campaign),
-    pytest.param(2, "-72, -60, 5.06, 8, 9", "0, 87", "0.001, 1000", 15, marks=pytest.mark.campaign),
-])  # fmt: skip
-def test_hard_poses_have_a_result_or_a_reason(friction, shifts, yaws, loads, least):
-    hard = HARD.format(shifts=shifts, yaws=yaws, loads=loads)
-    d = solved('normal = "half-space"\nhalf_space = {resolution = 8}', hard, friction)
-    solved_ones = d["pose_message"].values == ""
-    assert solved_ones.sum() >= least
-    assert any("beside its rail" in message for message in d["pose_message"].values)
-    assert d["Q"].values[solved_ones, 0] == pytest.approx(d["load"].values[solved_ones], rel=1e-3)
-    for name in d.data_vars:
-        if d[name].dims == ("pose", "wheel") and d[name].dtype.kind == "f" and name != "Y_over_Q":
-            assert np.isfinite(d[name].values[solved_ones]).all()
-    slid = np.hypot(patches(d, "Fx"), patches(d, "Fy"))
-    assert (slid <= friction * patches(d, "N") * (1.0 + 1e-6)).all()
-
-
-def test_too_many_elements_are_said():
-    tiny = 'normal = "half-space"\nhalf_space = {element_x_mm = 0.001, element_s_mm = 0.001}'
-    with pytest.raises(SimulationError, match="elements"):
-        solved(tiny)
-
-
-def test_wrong_keys_are_told(tmp_path):
-    def said(contact):
-        return faults(f"{STATIC}[contact]\n{contact}\n", tmp_path)
-
-    assert said('tangential = "half-space"') == [
-        'case.toml:13: contact.tangential = "half-space": "half-space" solves for tractions on exact pressures: '
-        'it needs normal = "half-space"'
-    ]
-    assert 'did you mean "half-space"?' in said('normal = "halfspace"')[0]
-    assert "goes with element_x_mm" in said("[contact.half_space]\nelement_x_mm = 0.2")[0]
-    assert (
-        "cannot be given with element_x_mm"
-        in said("half_space = {element_x_mm=0.2, element_s_mm=0.2, resolution=30}")[0]
-    )
-    assert "did you mean 'element_x_mm'?" in said("half_space = {dx_mm = 0.2, element_s_mm = 0.2}")[0]
-    assert said(CHOSEN + "\nhalf_space = {resolution = 20, influence = 'angle-corrected'}") == []
 
 
 def test_damping_multiplies_the_pressure_by_the_rate_of_approach():

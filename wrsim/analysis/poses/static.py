@@ -11,7 +11,6 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.analysis.contacts import wheels_on_rails
-from wrsim.analysis.poses.solver import CLEARANCE, HalfSpacePoseSolver, PoseSolver, Solved
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.batch import Contacts
 from wrsim.contact.channels import StripRecorder, WheelOnRail, contact_channels, remarks_channel
@@ -27,6 +26,7 @@ from wrsim.jit import Array
 from wrsim.results import CHANNELS, Result, assemble
 from wrsim.scenario.build import Setup
 from wrsim.scenario.sections.static import StaticPlan, named
+from wrsim.simulation.pose_solver import CLEARANCE, HalfSpacePoseSolver, PoseSolver, Solved
 from wrsim.track.cant import STANDARD_GAUGE
 
 STEEP = np.radians(60.0)
