@@ -16,7 +16,7 @@ import numba
 import numpy as np
 from numba.core.caching import UserProvidedCacheLocator
 
-from wrsim.analysis.warming import warm
+from wrsim.analysis.precompile import warm
 from wrsim.contact import records as k
 from wrsim.contact.models import NORMAL_MODELS, contact_model
 from wrsim.contact.profiles.models import load_profile

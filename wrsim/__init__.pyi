@@ -2,7 +2,7 @@ from wrsim.analysis import run as run
 from wrsim.analysis.motion.run import stepper as stepper
 from wrsim.analysis.poses.static import contact_map as contact_map
 from wrsim.analysis.poses.static import solve_poses as solve_poses
-from wrsim.analysis.warming import warm as warm
+from wrsim.analysis.precompile import warm as warm
 from wrsim.api.analyses import assess as assess
 from wrsim.api.analyses import diff as diff
 from wrsim.api.analyses import ride as ride

@@ -19,7 +19,7 @@ from wrsim.analysis.ride import evaluate_ride
 from wrsim.results import CHANNELS
 from wrsim.results.tables import tables
 from wrsim.scenario.build import build
-from wrsim.simulation.ahead import LARGE
+from wrsim.simulation.precompile import LARGE
 from wrsim.simulation.step_size import implicit_step
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 

@@ -127,7 +127,7 @@ def write_unit(
     InputError, SimulationError
         As `stepper`; WrsimError without a C compiler.
     """
-    from wrsim.analysis.motion.unit import packed_unit
+    from wrsim.analysis.motion.fmu import export_fmu
     from wrsim.results import write_atomically
     from wrsim.results.files import KEEPER
 
@@ -135,7 +135,7 @@ def write_unit(
     path = Path(output or f"{loaded.path.stem if loaded.path else 'vehicle'}.fmu")
     if (keeper := KEEPER.get()) is not None:
         keeper.check(path)  # before the work
-    content, inputs = packed_unit(loaded, path.stem, step)
+    content, inputs = export_fmu(loaded, path.stem, step)
     return Outcome([], {"inputs": inputs}, [write_atomically(path, content)])
 
 

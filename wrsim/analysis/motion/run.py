@@ -32,9 +32,9 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario, loaded
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation import step_size as steps
-from wrsim.simulation.ahead import compile_others
 from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
 from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.precompile import compile_others
 from wrsim.simulation.stepper import Stepper, with_torques
 from wrsim.simulation.system import Array, BodySystem
 from wrsim.timing import timed

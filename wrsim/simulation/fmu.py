@@ -1,7 +1,7 @@
-"""A vehicle on its track as a co-simulation unit of FMI 3.0: one file with machine code, description, and the scenario.
+"""A vehicle on its track as a co-simulation unit of FMI 3.0: one file with machine code, description and resources.
 
-What a `Stepper` computes in is packed into the unit's library with the kernels that move it (``simulation/unit.c``): it
-needs no Python when it runs, and gives the bits of the `Stepper`.
+What a `Stepper` computes in is packed into the unit's library with the kernels that move it (``fmu.c``): it needs no
+Python when it runs, and gives the bits of the `Stepper`.
 """
 
 import hashlib
@@ -18,19 +18,14 @@ from xml.etree import ElementTree as xml
 import numpy as np
 
 import wrsim
-from wrsim import simulation
-from wrsim.analysis.motion.run import BENCH_STEP, stepper
 from wrsim.contact import records, wheel_rail
 from wrsim.contact.library.build import shared_library
-from wrsim.contact.models import NORMAL_MODELS
 from wrsim.dynamics import outputs, wheel_forces
 from wrsim.dynamics import stepper as kernel
 from wrsim.jit.cache import digest_of_sources
-from wrsim.scenario.build import build, name_among_models
-from wrsim.scenario.loading import Scenario
 from wrsim.simulation.stepper import Stepper
 
-SOURCE = Path(simulation.__file__).parent / "unit.c"
+SOURCE = Path(__file__).with_name("fmu.c")
 
 UNITS: dict[str, tuple[str, dict[str, int]]] = {
     "m": ("m", {"m": 1}), "m_s": ("m/s", {"m": 1, "s": -1}), "m_s2": ("m/s2", {"m": 1, "s": -2}),
@@ -67,42 +62,34 @@ MEANINGS = {
 }
 
 
-def packed_unit(scenario: Scenario, name: str, step: float = BENCH_STEP) -> tuple[bytes, list[str]]:
-    """The unit as the bytes of its file, and the names of its inputs; step: of the integration [s].
-
-    name: of the file, without its ending. Raises InputError and SimulationError as `stepper`, WrsimError without a
-    C compiler.
-    """
-    bench, setup = stepper(scenario, step), build(scenario)
+def pack_fmu(
+    bench: Stepper, normal: int, name: str, title: str, duration: float, resources: Mapping[str, bytes]
+) -> bytes:
+    """The bytes of the file; normal: the stage of the normal model; name: of the file, without its ending; duration: of
+    the run [s]; resources: files to go along. Raises WrsimError without a C compiler."""
     identifier = re.sub(r"\W|^(?=\d)", "_", name, flags=re.ASCII)
     variables = bench.inputs | bench.outputs
     content = bench.memory.index.astype("<i8").tobytes() + bench.memory.buffer.astype("<f8").tobytes()
     digest = hashlib.sha256(content).hexdigest()
     token = str(uuid.uuid5(uuid.NAMESPACE_OID, f"{digest_of_sources()} {list(variables)} {digest}"))
-    normal = NORMAL_MODELS[setup.contact.normal].kernel
     table = {number: wheel_rail.STAGES[number] for number in (normal, records.CREEP_FORCES, records.CONTACT)}
     table |= {number: wheel_forces.STAGES[number] for number in (wheel_forces.ONE_WHEEL, wheel_forces.IN_TURN)}
     more = {"wrsim_advance": kernel.advance, "wrsim_observe": outputs.observe}
-    library = shared_library(SOURCE, table, more, {"unit.bin": content, "unit.h": _header(bench, token, variables)})
+    library = shared_library(SOURCE, table, more, {"fmu.bin": content, "fmu.h": _header(bench, token, variables)})
     files = {
-        "modelDescription.xml": _description(bench, scenario.title, identifier, token, setup.plan.duration),
+        "modelDescription.xml": _description(bench, title, identifier, token, duration),
         f"binaries/{platform.machine()}-linux/{identifier}.so": library,
+        **{f"resources/{path}": content for path, content in resources.items()},
     }
-    text = scenario.text
-    for file in setup.files:
-        if file not in scenario.merged.files:
-            files[f"resources/{name_among_models(scenario, file)}"] = file.read_bytes()
-        text = text.replace(f'"{file}"', f'"{name_among_models(scenario, file)}"')  # of files that are named absolutely
-    files["resources/scenario.toml"] = text.encode()
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path, own in files.items():
-            archive.writestr(zipfile.ZipInfo(path), own, zipfile.ZIP_DEFLATED)
-    return stream.getvalue(), list(bench.inputs)
+        for path, content in files.items():
+            archive.writestr(zipfile.ZipInfo(path), content, zipfile.ZIP_DEFLATED)
+    return stream.getvalue()
 
 
 def _header(bench: Stepper, token: str, variables: Mapping[str, np.ndarray]) -> str:
-    """What unit.c has to know: unit.h. Variable 0 is the time."""
+    """What fmu.c has to know: fmu.h. Variable 0 is the time."""
     buffer = bench.memory.buffer
     begin = buffer.ctypes.data
     places = [0, *((view.ctypes.data - begin) // buffer.itemsize for view in variables.values())]

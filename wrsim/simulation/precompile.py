@@ -1,7 +1,7 @@
 """The large kernels of a run along the track, compiled ahead: needs nothing but numba and `wrsim.jit`.
 
-``python -m wrsim.simulation.ahead strips`` compiles the strip model into the cache, without a word all the others: two
-processes side by side, while a machine is set up (``.ci/setup``).
+``python -m wrsim.simulation.precompile strips`` compiles the strip model into the cache, without a word all the others:
+two processes side by side, while a machine is set up (``.ci/setup``).
 """
 
 import sys

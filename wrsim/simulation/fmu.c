@@ -1,6 +1,6 @@
 /* A vehicle as a co-simulation unit of FMI 3.0: numbers in, steps, numbers out.
  *
- * unit.h is written by the build: the vehicle's workspace as the file unit.bin (index, then buffer, see
+ * fmu.h is written by the build: the vehicle's workspace as the file fmu.bin (index, then buffer, see
  * wrsim.jit.arena), where in the buffer each variable is, and their names. All that changes is in the buffer, so
  * a state is a copy of it. Signatures are those of fmi3Functions.h, version 3.0. */
 #include <math.h>
@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "runtime.h"
-#include "unit.h"
+#include "fmu.h"
 
 #define EXPORT __attribute__((visibility("default")))
 #define PART 1e-6 /* of a step: a communication step may miss a whole number of steps by so much */
@@ -19,8 +19,8 @@ enum { OK = 0, ERROR = 3 };
 enum { INSTANTIATED, INITIALIZATION, STEPS, TERMINATED, FAILED };
 static const char *const modes[] = {"instantiated", "in initialization", "in step mode", "terminated", "failed"};
 
-__asm__(".pushsection .rodata\n.balign 64\nwrsim_unit:\n.incbin \"unit.bin\"\n.popsection");
-extern HIDDEN const int64_t wrsim_unit[];
+__asm__(".pushsection .rodata\n.balign 64\nwrsim_fmu:\n.incbin \"fmu.bin\"\n.popsection");
+extern HIDDEN const int64_t wrsim_fmu[];
 
 /* What a state consists of. */
 struct memory {
@@ -56,7 +56,7 @@ static int fail(struct instance *one, const char *format, const char *name, doub
 static void set_up(struct memory *m)
 {
     memcpy(m->token, TOKEN, sizeof TOKEN);
-    memcpy(m->numbers, wrsim_unit + 4 * ROWS, sizeof m->numbers);
+    memcpy(m->numbers, wrsim_fmu + 4 * ROWS, sizeof m->numbers);
     m->start = 0.0;
     m->mode = INSTANTIATED;
 }
@@ -186,9 +186,9 @@ EXPORT int fmi3DoStep(struct instance *one, double point, double size, bool no_s
     if (!(steps >= 1.0 && fabs(size - STEP * steps) <= PART * STEP))
         return fail(one, "fmi3DoStep: %sthe communication step must be a whole number of steps of %g s", "", STEP);
     for (; steps >= 1.0; steps--) {
-        int64_t status = run(ADVANCE, m->numbers, DOUBLES, wrsim_unit, ROWS, NOT_FINITE);
+        int64_t status = run(ADVANCE, m->numbers, DOUBLES, wrsim_fmu, ROWS, NOT_FINITE);
         if (status != NOT_FINITE && !(status & OFF_TRACK) && steps < 2.0)
-            status |= run(OBSERVE, m->numbers, DOUBLES, wrsim_unit, ROWS, NOT_FINITE);
+            status |= run(OBSERVE, m->numbers, DOUBLES, wrsim_fmu, ROWS, NOT_FINITE);
         if (status != NOT_FINITE && !(status & OFF_TRACK)) continue;
         m->mode = FAILED;
         return fail(one, status == NOT_FINITE ? "%sa force is not a number at t = %.6g s"

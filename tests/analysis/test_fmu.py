@@ -11,7 +11,7 @@ import numba
 import numpy as np
 import pytest
 from support.commands import refusal
-from support.kernels import kept_object
+from support.objects import kept_object
 from support.runs import FAST, arc, straight, transition
 from support.vehicles import ROOT
 
