@@ -17,13 +17,21 @@ from tempfile import TemporaryDirectory
 from types import ModuleType
 from typing import Any
 
-import dask
-from distributed import Client, Nanny, Scheduler, SpecCluster, Worker
-from distributed.comm import connect
-from distributed.security import Security
-from distributed.system import MEMORY_LIMIT
-
 from wrsim.errors import InputError, WrsimError
+
+try:
+    import cryptography as cryptography
+    import dask
+    from distributed import Client, Nanny, Scheduler, SpecCluster, Worker
+    from distributed import Future as Future
+    from distributed import KilledWorker as KilledWorker
+    from distributed import as_completed as as_completed
+    from distributed.comm import connect
+    from distributed.security import Security
+    from distributed.system import MEMORY_LIMIT
+except ModuleNotFoundError as error:
+    fault = f"studies and other analyses of many runs need {error.name}: install it with pip install 'wrsim[study]'"
+    raise InputError(fault) from None
 
 ONE_THREAD = {name: "1" for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
 """Environment of a worker: it computes one case at a time, on one processor."""

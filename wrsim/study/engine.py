@@ -8,15 +8,13 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager
 from itertools import islice
 from pathlib import Path
 
-from distributed import Client, Future, KilledWorker, as_completed
-
 from wrsim.analysis.progress import Progress, Report
 from wrsim.errors import InputError, WrsimError
 from wrsim.inputs.toml_files import texts_in
 from wrsim.results import write_atomically
 from wrsim.results.files import Keeper, Manifest, digest_of, keeping
 from wrsim.study import cluster, task
-from wrsim.study.cluster import ATTEMPTS, address_of, check_threads
+from wrsim.study.cluster import ATTEMPTS, Client, Future, KilledWorker, address_of, as_completed, check_threads
 from wrsim.study.plan import PLAN, Plan
 
 LOGGER = logging.getLogger("wrsim.study")
