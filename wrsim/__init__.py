@@ -14,7 +14,7 @@ docs/user/python.md lists what is here; ``__init__.pyi`` has the public names, f
 from wrsim.lazy import homes_in as _homes_in
 from wrsim.lazy import importer as _importer
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOMES = _homes_in(__file__)
 __all__ = ["__version__", *_HOMES]
