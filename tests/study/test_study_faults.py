@@ -1,5 +1,6 @@
 """Bad study files: one clear error each, with file, key, value, what is allowed and the nearest guess."""
 
+import importlib
 import json
 import os
 import socket
@@ -246,3 +247,10 @@ def test_modules_are_looked_up_in_no_folder_that_others_can_write(study: Client)
 def test_options_of_a_scheduler_that_do_not_go_together_are_refused(options: list[str], words: str, tmp_path: Path):
     (tmp_path / "study.toml").touch()
     assert words in refusal("study", tmp_path / "study.toml", *options)
+
+
+def test_without_the_extra_a_study_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    monkeypatch.delitem(sys.modules, "wrsim.study.cluster")
+    with pytest.raises(InputError, match=r"need distributed: install it with pip install 'wrsim\[study\]'"):
+        importlib.import_module("wrsim.study.cluster")
