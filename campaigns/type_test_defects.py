@@ -98,14 +98,14 @@ radius_m = 900
 cant_mm = 100
 cant_deficiency_mm = 130
 sections = 1
-hands = "left"
+directions = "left"
 [[runs]]
 name = "R 300"
 radius_m = 300
 cant_mm = 100
 cant_deficiency_mm = 100
 sections = 1
-hands = "left"
+directions = "left"
 """
 
 

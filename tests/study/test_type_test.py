@@ -18,7 +18,7 @@ from wrsim import InputError, run_type_test
 from wrsim.analysis.stationary.at_rest import numbers_at_rest
 from wrsim.scenario.vehicle_build import vehicle_of
 from wrsim.study import type_test as tests_of_type
-from wrsim.study.programme import Programme, read_programme
+from wrsim.study.programme import Programme, ProgrammeRun, read_programme
 from wrsim.study.task import COMPLETED, DERAILED, RESULT, Marker, write_marker
 
 table = rows_of(__file__)
@@ -177,6 +177,13 @@ def test_a_run_that_derails_is_red(tmp_path):
 def test_a_programme_that_cannot_be_run_is_refused(tmp_path, more, old, new, words):
     with pytest.raises(InputError, match=words):
         run_type_test(programme_file(tmp_path, more, old, new), tmp_path / "out", dry_run=True)
+
+
+def test_runs_take_the_former_key_of_their_directions():
+    run = {"name": "R 300", "radius_m": 300.0, "speed_kmh": 60.0, "sections": 3}
+    assert ProgrammeRun.model_validate(run | {"hands": "left"}).directions == "left"
+    with pytest.raises(ValueError, match="unknown key"):
+        ProgrammeRun.model_validate(run | {"hands": "left", "directions": "right"})
 
 
 def test_a_rule_set_beside_the_programme_judges_its_runs(tmp_path, monkeypatch):

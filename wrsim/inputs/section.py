@@ -71,6 +71,8 @@ class Section(BaseModel):
     """Tables of a file that are those of another kind of file and are not among its keys."""
     aliases: ClassVar[dict[str, list[str]]] = {}
     """Key -> its names in other programs (``inputs/aliases.toml``)."""
+    former: ClassVar[dict[str, str]] = {}
+    """Deprecated keys, which are still taken -> those in their place."""
     elsewhere: ClassVar[dict[str, str]] = {}
     """Keys of other tables -> the header of that table."""
     one_of: ClassVar[tuple[str, ...]] = ()
@@ -201,7 +203,9 @@ class Section(BaseModel):
         data: dict[str, Any] = {}
         faults: list[InitErrorDetails] = []
         guessed: set[str] = set()
-        for key, value in raw.items():
+        for written, value in raw.items():
+            new = cls.former.get(written)
+            key = written if new is None or new in raw else new
             if key in cls.model_fields:
                 data[key] = value
                 continue

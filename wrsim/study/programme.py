@@ -41,6 +41,7 @@ class StateSection(Section, header="[[states]]"):
 class ProgrammeRun(Section, header="[[runs]]"):
     """Runs in one test zone: full curves of a radius, or straight track, at a speed."""
 
+    former = {"hands": "directions"}
     one_of = ("speed_kmh cant_deficiency_mm",)
     goes_with = {"cant_deficiency_mm": "radius_m", "cant_mm": "radius_m"}
 
@@ -48,7 +49,7 @@ class ProgrammeRun(Section, header="[[runs]]"):
     """Name of the run."""
     radius_m: Annotated[float, number(SHARPEST, 1e6, "m")] | None = None
     """Radius of the curve; straight track unless given."""
-    hands: Literal["left", "right", "both"] = "both"
+    directions: Literal["left", "right", "both"] = "both"
     """Curves to one side, or one run to either."""
     cant_mm: Cant = 0.0
     """Cant of the curve."""
@@ -203,14 +204,14 @@ def read_programme(file: Path, folder: Path, models: Sequence[str | Path] = ()) 
 
 
 def _runs(spec: ProgrammeFile, rules: RulesFile, test: StudyInput) -> AxisPoints:
-    """Every run, to either hand, with its speed, track and irregularities."""
+    """Every run, to either side, with its speed, track and irregularities."""
     values: list[tuple[Any, ...]] = []
     places: list[str] = []
     labels: list[str] = []
     for i, each in enumerate(spec.runs):
-        both = each.radius_m is not None and each.hands == "both"
-        hands = ("left", "right") if both else (each.hands if each.radius_m is not None else "",)
-        for hand in hands:
+        both = each.radius_m is not None and each.directions == "both"
+        directions = ("left", "right") if both else (each.directions if each.radius_m is not None else "",)
+        for direction in directions:
             uneven: list[dict[str, Any]] = []
             if spec.irregularities is not None and each.uneven:
                 rough = spec.irregularities
@@ -219,8 +220,8 @@ def _runs(spec: ProgrammeFile, rules: RulesFile, test: StudyInput) -> AxisPoints
                     | {"scale": rough.scale, "from_m": 0.5 * AHEAD}
                 ]
             uneven += [table.model_dump(exclude_unset=True) for table in each.irregularities]
-            values.append((3.6 * each.speed, each.track(-1.0 if hand == "right" else 1.0, rules), uneven))
+            values.append((3.6 * each.speed, each.track(-1.0 if direction == "right" else 1.0, rules), uneven))
             places.append(test.locate(("runs", i)))
-            labels.append(f"{each.name} {hand}".strip() if both else each.name)
+            labels.append(f"{each.name} {direction}".strip() if both else each.name)
     keys = (("vehicle.speed_kmh",), ("track.segments",), ("track.irregularities",))
     return AxisPoints(RUN, keys, tuple(values), tuple(places), tuple(labels), listed=True)

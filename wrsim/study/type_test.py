@@ -1,6 +1,6 @@
 """The verdict of a type test: every clause in every state, from the runs that have come to an end."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -62,10 +62,14 @@ class Verdict:
         return "ok" if self.ok else "EXCEEDED"
 
 
-HEADS = (
-    "state", "clause", "quantity", "unit", "class (sections)", "worst", "mean, 95 %", "estimate", "limit",
-    "margin", "verdict", "source", "worst in",
-)  # fmt: skip
+COLUMNS = {
+    "state": "state", "clause": "clause", "quantity": "symbol", "unit": "unit", "class (sections)": "zone",
+    "worst": "worst", "mean, 95 %": "interval", "estimate": "estimate", "limit": "limit", "margin": "margin",
+    "verdict": "word", "source": "source", "worst in": "where",
+}  # fmt: skip
+"""Heads of columns, and what of a verdict stands in them."""
+SHORT = [head for head in COLUMNS if head not in ("quantity", "mean, 95 %", "source", "worst in")]
+"""Columns for the terminal."""
 
 
 def verdicts(programme: Programme, markers: Sequence[Marker]) -> tuple[list[Verdict], list[str]]:
@@ -181,14 +185,14 @@ def _test_at_rest(test: str, setup: Setup[Any], spec: ProgrammeFile) -> list[tup
 
 def whole_table(title: str, clauses: Sequence[Verdict]) -> Table:
     """Every clause with a limit, in every class of track."""
-    rows: list[list[Cell]] = [
-        [v.state, v.clause, v.symbol, v.unit, v.zone, v.worst, v.interval, v.estimate, v.limit, v.margin, v.word,
-         v.source, v.where]
-        for v in clauses
-    ]  # fmt: skip
     star = (TO_CONFIRM,) if any(v.source.endswith("*") for v in clauses) else ()
     note = "sections: those of the test, of those that the rules ask for; mean: over the sections"
-    return Table(title, tuple(map(Column, HEADS)), rows, (note, *star))
+    return _table(title, clauses, COLUMNS, (note, *star))
+
+
+def _table(title: str, clauses: Iterable[Verdict], heads: Iterable[str], notes: tuple[str, ...] = ()) -> Table:
+    rows = [[getattr(v, COLUMNS[head]) for head in heads] for v in clauses]
+    return Table(title, tuple(map(Column, heads)), rows, notes)
 
 
 def state_table(clauses: Sequence[Verdict]) -> Table:
@@ -209,10 +213,8 @@ def worst_tables(title: str, clauses: Sequence[Verdict], notes: Sequence[str]) -
         key = v.state, v.clause
         if key not in least or v.share < least[key].share:
             least[key] = v
-    rows = [(v.state, v.clause, v.unit, v.zone, v.worst, v.estimate, v.limit, v.margin, v.word) for v in least.values()]
-    heads = ("state", "clause", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "verdict")
     return [
-        Table(title, tuple(map(Column, heads)), rows),
+        _table(title, least.values(), SHORT),
         Table("", notes=(*(f"note: {note}" for note in notes), verdict_words(clauses))),
     ]
 
