@@ -66,13 +66,9 @@ print the same. Results (`RESULT`) are a result file, the folder of a run, or a 
 
 Options of many commands:
 
-| option | meaning |
-|---|---|
-| `--json` | write one JSON object to stdout and nothing else |
-| `--quiet`, `-q` | no progress bar, no table |
-| `--force` | write also over files that wrsim did not write, or that were changed since |
-| `--models DIR` | folder with model files of your own; may be given again |
-| `--no-pictures` | draw no pictures |
+| option | meaning | default |
+|---|---|---|
+{shared}
 
 Exit codes: 0 completed; 1 a file cannot be read or written; 2 an input or the command line is not valid; 3 a run
 stopped before its end, or a case of a study has no result; 4 two results differ (`wrsim diff`); 70 an error of wrsim
@@ -237,8 +233,10 @@ def _code(text: str) -> str:
 
 def commands() -> str:
     """The page of commands: what each does, its arguments and its options; options of many commands once."""
-    lines = [COMMANDS]
-    for name, command in get_command(app).commands.items():  # type: ignore[attr-defined]
+    members = get_command(app).commands  # type: ignore[attr-defined]
+    shared = {p.name: _option(p) for command in members.values() for p in command.params if p.name in SHARED}
+    lines = [COMMANDS.format(shared="\n".join(shared.values()))]
+    for name, command in members.items():
         words = [_plain(p.metavar or p.name) for p in command.params if p.param_type_name == "argument"]
         lines += [f"## {name}", "", f"`{' '.join(['wrsim', name, *words])}`", "", _plain(command.help), ""]
         rows = [_option(p) for p in command.params if p.name not in SHARED]

@@ -139,7 +139,7 @@ def diff(
     first: options.ResultFile,
     second: options.ResultFile,
     tolerance: Annotated[float, Option("Allowed difference as a part of the quantity's largest value.", "PART")] = 0.01,
-    only: Annotated[Sequence[str], Option("Such as Y_over_Q_max; may be given again.", "QUANTITY")] = (),
+    only: Annotated[Sequence[str], Option("Quantity such as Y_over_Q_max; may be repeated.", "QUANTITY")] = (),
     output: Annotated[AnyPath, into("Folder for a table and an overlay picture.", "DIR")] = None,
 ) -> Outcome:
     """Compare two results: peaks, medians in full curves, other numbers; exit code 4 when they differ.

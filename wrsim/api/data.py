@@ -67,7 +67,7 @@ def read_recording(
     models: options.Models = (),
     pictures: options.Pictures = True,
 ) -> Outcome:
-    """Make a track, its irregularities and a scenario of a track recording car's table (docs/user/recording.md).
+    """Restore track and irregularities from a track recording car's table; writes a scenario (docs/user/recording.md).
 
     Returns
     -------

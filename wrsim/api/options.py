@@ -71,23 +71,20 @@ Values: TypeAlias = Annotated[
         kind=list[str],
     ),
 ]
-Models: TypeAlias = Annotated[
-    Sequence[str | Path], Option("Folder with model files of your own; may be given again.", "DIR")
-]
+Models: TypeAlias = Annotated[Sequence[str | Path], Option("Folder with your model files; may be repeated.", "DIR")]
 Output: TypeAlias = Annotated[AnyPath, into("Folder; results/<name of FILE> unless given.", "DIR")]
 BesideResult: TypeAlias = Annotated[AnyPath, into("Folder; beside the result unless given.", "DIR")]
 TablesBeside: TypeAlias = Annotated[AnyPath, into("Folder for tables and pictures.", "DIR", default=BESIDE)]
 SectionsOf: TypeAlias = Annotated[
-    "Scenario | str | Path | None", Option("Take the settings from this scenario instead.", "FILE", kind=Path | None)
+    "Scenario | str | Path | None",
+    Option("Scenario with the settings; default: those of the result.", "FILE", kind=Path | None),
 ]
 Pictures: TypeAlias = Annotated[bool, Option("Draw the pictures.")]
-Force: TypeAlias = Annotated[
-    bool, Option("Write also over files that wrsim did not write, or that were changed since.")
-]
+Force: TypeAlias = Annotated[bool, Option("Overwrite files that wrsim did not write, or that were changed since.")]
 Places: TypeAlias = Annotated[
-    Sequence[str], Option("Contacts at this distance of the vehicle, in m, or of this pose.", "PLACE")
+    Sequence[str], Option("Distance of the vehicle in m, or pose, of the contacts; may be repeated.", "PLACE")
 ]
-OneWheelset: TypeAlias = Annotated[str | None, Option("This wheelset, or that number, alone.", "NAME")]
+OneWheelset: TypeAlias = Annotated[str | None, Option("Name or number of one wheelset.", "NAME")]
 ShowsProgress: TypeAlias = Annotated[Bar, "Gives a context with the callback of a progress bar."]
 Warn: TypeAlias = Annotated[Callable[[str], None], "Takes a warning."]
 
@@ -96,9 +93,9 @@ class Reading(TypedDict, total=False):
     """How files of points are read; what a profile file says itself wins."""
 
     unit: Annotated[str | None, Option("Unit of files of points.", "mm|m|cm|in|thou")]
-    heights: Annotated[str | None, Option("Direction in which heights of points grow.", "up|down")]
+    heights: Annotated[str | None, Option("Direction of positive heights of points.", "up|down")]
     field_side: Annotated[str | None, Option("Sign of the field side in points of rails.", "positive|negative")]
-    origin: Annotated[str | None, Option("Where x is zero in points of wheels.", "'tape circle'|'flange back'")]
+    origin: Annotated[str | None, Option("Origin of x in points of wheels.", "'tape circle'|'flange back'")]
     back_to_tape_circle_mm: Annotated[
         float | None, Option("From the flange back; default: of the file, or 70.", least=20.0, most=120.0)
     ]

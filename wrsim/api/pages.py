@@ -29,7 +29,7 @@ def write_report(
     company: Annotated[str, Option("Named beneath the title and on every page.", "TEXT")] = "",
     logo: Annotated[AnyPath, Option("A picture beside the title.", "PNG|SVG|JPG")] = None,
     date: Annotated[str, Option("Default: today.", "TEXT")] = "",
-    with_view: Annotated[bool, Option("With the viewer of each result inside.", flags="--view")] = False,
+    with_view: Annotated[bool, Option("Embed the viewer of each result.", flags="--view")] = False,
     models: options.Models = (),
 ) -> Outcome:
     """Write a report about a result, several results beside each other, a study, or a profile evolution.
@@ -128,7 +128,7 @@ def write_pictures(
 def look(
     formats: Annotated[str, Option("Kinds of pictures; default: png.", "png,svg,pdf", flags="--format")] = "png",
     width_mm: Annotated[float | None, Option("Width of pictures, 60 to 500; default: 170.", "MM")] = None,
-    font: Annotated[str, Option("Family of the letters, such as 'DejaVu Serif'.", "NAME")] = "",
+    font: Annotated[str, Option("Font family, such as 'DejaVu Serif'.", "NAME")] = "",
     style: Annotated[str, Option("Style file, or a style of matplotlib.", "FILE")] = "",
     units: Annotated[
         str | None, Option("Units of tables, pictures, reports; default: of the scenario, or metric.", "metric|us")

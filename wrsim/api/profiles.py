@@ -22,9 +22,9 @@ def conicity(
     ] = None,
     gauge_mm: Annotated[float, Option("Gauge, 14 mm below the rail tops.", least=400.0, most=2000.0)] = 1435.0,
     gauges_mm: Annotated[
-        tuple[float, float, float] | None, Option("Map over the gauge instead.", "FROM TO STEP")
+        tuple[float, float, float] | None, Option("Map over a range of gauges.", "FROM TO STEP")
     ] = None,
-    flange_back_mm: Annotated[float, Option("Between the flange backs.", least=300.0, most=1900.0)] = 1360.0,
+    flange_back_mm: Annotated[float, Option("Distance of the flange backs.", least=300.0, most=1900.0)] = 1360.0,
     inclination: Annotated[str, Option('Inclination of the rails: 1:40, 1:20 ... or "none".')] = "1:40",
     radius_mm: Annotated[float, Option("Radius of both wheels at the tape circle.", least=100.0, most=1500.0)] = 460.0,
     diameters_mm: Annotated[tuple[float, float] | None, Option("In place of --radius-mm.", "LEFT RIGHT")] = None,
@@ -32,7 +32,7 @@ def conicity(
     rail_right: Annotated[str | None, Option("Profile of the right rail where it differs.", "RAIL")] = None,
     roll: Annotated[str, Option("none (EN 15302), rail-top or centre: see docs/user/conicity.md.")] = "none",
     curve_m: Annotated[Sequence[float], Option("Radial steering index in this curve; may be repeated.", "RADIUS")] = (),
-    flange_from_deg: Annotated[float, Option("For that: contact angle where the flange begins.")] = 40.0,
+    flange_from_deg: Annotated[float, Option("Contact angle where the flange begins, for --curve-m.")] = 40.0,
     models: options.Models = (),
     output: Annotated[AnyPath, into("Folder for a table, every 0.1 mm, and pictures.", "DIR")] = None,
     pictures: options.Pictures = True,
@@ -85,13 +85,15 @@ def profiles(
     reference: Annotated[str | None, Option("Unworn profile for the head wear of rails: W1, W2, W3.", "FILE")] = None,
     align: Annotated[str | None, Option("Unworn profile to align scans to, by parts that do not wear.", "FILE")] = None,
     on: Annotated[str | None, Option("Mating profile for conicity and contact pressure.", "FILE")] = None,
-    gauge_mm: Annotated[float | None, Option("--on: track; default: 1435.", least=400.0, most=2000.0)] = None,
+    gauge_mm: Annotated[float | None, Option("Gauge for --on; default: 1435.", least=400.0, most=2000.0)] = None,
     flange_back_mm: Annotated[
-        float | None, Option("Measured, for active faces; --on: 1360 if none.", least=300.0, most=1900.0)
+        float | None, Option("Distance of the flange backs, for active faces and --on.", least=300.0, most=1900.0)
     ] = None,
-    inclination: Annotated[str | None, Option('--on: of rails, 1:20 ... or "none"; default: 1:40.')] = None,
-    radius_mm: Annotated[float | None, Option("--on: wheels; default: 460.", least=100.0, most=1500.0)] = None,
-    load_kN: Annotated[float | None, Option("--on: wheel load for p0; default: 60.", least=1.0, most=500.0)] = None,
+    inclination: Annotated[
+        str | None, Option('Inclination of rails for --on: 1:20 ... or "none"; default: 1:40.')
+    ] = None,
+    radius_mm: Annotated[float | None, Option("Wheel radius for --on; default: 460.", least=100.0, most=1500.0)] = None,
+    load_kN: Annotated[float | None, Option("Wheel load for --on; default: 60.", least=1.0, most=500.0)] = None,
     models: options.Models = (),
     **reading: Unpack[Reading],
 ) -> Outcome:

@@ -58,7 +58,7 @@ def run_scenario(
     output: options.Output = None,
     values: options.Values = (),
     *,
-    resume: Annotated[bool, Option("Go on with the run in DIR that was cut off or interrupted.")] = False,
+    resume: Annotated[bool, Option("Resume the interrupted run in DIR.")] = False,
     threads: Annotated[
         int | None,
         Option("Cores that compute contacts; default: 1, all for trains of three vehicles and more.", least=1),
@@ -114,7 +114,7 @@ def run_scenario(
 
 @documented
 def show(result: options.ResultFile) -> Outcome:
-    """Print the summary of a result, or of what there is of a run.
+    """Print the summary of a result or of an interrupted run.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def resolve(
     force: options.Force = False,
     bar: options.ShowsProgress = no_bar,
 ) -> Outcome:
-    """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model.
+    """Solve the contacts at the snapshots of a result by the exact solver or another contact model.
 
     Returns
     -------

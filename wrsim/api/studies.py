@@ -17,10 +17,11 @@ from wrsim.timing import timed
 
 if TYPE_CHECKING:
     from wrsim.study.plan import Plan
+    from wrsim.study.task import Marker
 
 log = logging.getLogger("wrsim.api")
-DryRun = Annotated[bool, Option("List the cases and the time they will take; run nothing.")]
-Retry = Annotated[bool, Option("Run again what failed, stopped or ran out of time.")]
+DryRun = Annotated[bool, Option("List the cases and their estimated time; run nothing.")]
+Retry = Annotated[bool, Option("Repeat cases that failed, stopped or ran out of time.")]
 
 
 class _Computation:
@@ -62,8 +63,9 @@ class _Computation:
         numbers, table = estimated_cost(plan, self.workers)
         return Outcome([table], numbers, value=plan)
 
-    def run_missing(self, plan: Plan, retry: bool, noun: str) -> int:
-        """Run the cases of a plan that have not come to an end; gives their number."""
+    def run_missing(self, plan: Plan, retry: bool, noun: str) -> tuple[int, list[Marker]]:
+        """Run the cases of a plan that have not come to an end; gives their number, and how all cases ended."""
+        from wrsim.study.collect import markers_of
         from wrsim.study.engine import missing
 
         todo = missing(plan, retry)
@@ -72,7 +74,7 @@ class _Computation:
         if todo:
             with timed(f"{len(todo)} {noun}"), self.pool(most=len(todo)) as work:
                 work(plan, todo)
-        return len(todo)
+        return len(todo), markers_of(plan)
 
 
 @documented
@@ -107,11 +109,10 @@ def run_study(
         return computation.estimate(plan)
     with computation.locked(reads, OUTPUTS):
         try:
-            ran = computation.run_missing(plan, retry, "cases")
+            ran, markers = computation.run_missing(plan, retry, "cases")
         except KeyboardInterrupt:
             write_study(plan, markers_of(plan), pictures=False)
             raise
-        markers = markers_of(plan)
         with timed("tables and pictures of the study"):
             report, files = write_study(plan, markers, pictures)
     code = STOPPED if report["unfinished"] else 0
@@ -145,7 +146,6 @@ def run_type_test(
     """
     from wrsim.report.study import type_test_page
     from wrsim.study import type_test as tests
-    from wrsim.study.collect import markers_of
     from wrsim.study.programme import read_programme
     from wrsim.study.task import COMPLETED, DERAILED
 
@@ -156,8 +156,7 @@ def run_type_test(
     if dry_run:
         return computation.estimate(plan)
     with computation.locked(programme.reads, tests.OUTPUTS):
-        ran = computation.run_missing(plan, retry, "runs")
-        markers = markers_of(plan)
+        ran, markers = computation.run_missing(plan, retry, "runs")
         with timed("verdicts"):
             verdicts, notes = tests.verdicts(programme, markers)
             numbers, sentence = tests.verdict_numbers(plan.title, verdicts, notes), tests.verdict_words(verdicts)
@@ -183,7 +182,7 @@ def run_wear(
     pictures: options.Pictures = True,
     **computing: Unpack[Computing],
 ) -> Outcome:
-    """Profile evolution: cases by their shares, a worn profile, again; resumes where it stopped.
+    """Profile evolution: weighted cases wear the profile step by step; resumes where it stopped.
 
     Returns
     -------

@@ -26,15 +26,17 @@ def stationary(
     twists: Annotated[
         tuple[float, float] | None, Option("Twists of that test in per mille; default: of the standard.", "BODY BOGIE")
     ] = None,
-    rotation_test: Annotated[bool, Option("Rotation resistance of its bogies: X factor (EN 14363).")] = False,
+    rotation_test: Annotated[bool, Option("Rotation resistance of the bogies: X factor (EN 14363).")] = False,
     rotation_radius_m: Annotated[float, Option("Radius of the curve of that test.", "M", 10.0, 10_000.0)] = 150.0,
     amplitude_mm: Annotated[
         float, Option("Travel at which dampers and friction are linearised.", least=1e-3, most=1000.0)
     ] = 1.0,
     frequency_Hz: Annotated[float, Option("Frequency of that travel.", least=0.01, most=1000.0)] = 1.0,
-    picture: Annotated[Path | None, into("Draw it there, from three sides.", "PNG|SVG|PDF")] = None,
-    loops: Annotated[Path | None, Option("Draw the loops of these two tests there.", "PNG|SVG|PDF")] = None,
-    campbell: Annotated[Path | None, Option("Draw the frequencies of its elastic axles there.", "PNG|SVG|PDF")] = None,
+    picture: Annotated[Path | None, into("Drawing of the vehicle from three sides.", "PNG|SVG|PDF")] = None,
+    loops: Annotated[Path | None, Option("Drawing of the loops of these two tests.", "PNG|SVG|PDF")] = None,
+    campbell: Annotated[
+        Path | None, Option("Drawing of the frequencies of elastic axles over the speed.", "PNG|SVG|PDF")
+    ] = None,
     models: options.Models = (),
 ) -> Outcome:
     """Mass, centre, static wheel loads, natural modes and stationary tests of a vehicle; draws it.

@@ -89,7 +89,7 @@ def _show_study(outcome: Outcome, given: Given) -> None:
 
 
 def warm(quiet: Annotated[bool, typer.Option("--quiet", "-q", help=QUIET)] = False) -> None:
-    """Compile ahead what runs and poses need, so that the first of them starts at once."""
+    """Precompile the kernels of runs and poses."""
     with reporting_errors(False), console.progress_bar(not (quiet or sys.stderr.isatty())):
         message = wrsim.warm()
         if not quiet:

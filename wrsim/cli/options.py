@@ -24,7 +24,7 @@ SWITCHES = {
     "force": Force,
     "as_json": Annotated[bool, Option("Write one JSON object to stdout and nothing else.", flags="--json")],
     "quiet": Annotated[bool, Option(QUIET, flags="--quiet -q")],
-    "verbose": Annotated[bool, Option("Print each part of the work with its time.", flags="--verbose -v")],
+    "verbose": Annotated[bool, Option("Print the steps of the work with their times.", flags="--verbose -v")],
 }
 ADDED = {
     name: inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=annotation)
