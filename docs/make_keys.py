@@ -168,12 +168,12 @@ CAUSES = {
     "cut-off": "the process was ended; the result is read from its `.part` file",
 }
 EVENTS = {
-    "lift": "a wheel without contact",
+    "lift": "a wheel loses contact",
     "stop": "a bump stop beyond the end of its table; the stroke of a buffer or a draw gear used up",
     "contact": "a message of a contact, see below",
     "steps": "the time step is cut again and again",
-    "between": "a vertical force between two samples, beyond both of them by more than 5 % of the mean wheel load",
-    "strike": "a wheel strikes its rail faster than the time step resolves",
+    "between": "a vertical force peaks between output samples, beyond both by more than 5 % of the mean wheel load",
+    "strike": "a wheel-rail impact faster than the time step resolves",
     "spins": "a wheelset driven beyond adhesion",
     "slides": "a wheelset braked beyond adhesion",
     "swings": "a wheelset that excites itself on its contacts",

@@ -101,7 +101,7 @@ def test_a_wheel_that_drops_into_a_gap_says_where() -> None:
     )
     assert found and 5.0 < float(found[1]) < 5.6
     lifted = own.dataset["event_label"].values.tolist()
-    assert any("is lifted" in words for words in lifted)
+    assert any("loses contact" in words for words in lifted)
 
 
 def write_sections(path: Path, heights: dict[float, float], features: str = "1 2") -> Path:

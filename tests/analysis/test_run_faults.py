@@ -299,7 +299,7 @@ def test_a_lifted_wheel_is_an_event_and_a_longer_flight_a_derailment() -> None:
         ("lift", "front.outer", "right"),
     ]
     words = event_words(monitor.events()[0], monitor.law.vehicle)
-    assert words.startswith("the left wheel of wheelset front.outer is lifted for ")
+    assert words.startswith("the left wheel of wheelset front.outer loses contact for ")
     moved = q.copy()
     moved[: 6 * 7].reshape(-1, 6)[:, 1] += 3.5
     reason = monitor(0.3, moved, q_t)
@@ -485,7 +485,7 @@ def test_steps_that_are_cut_are_an_event_and_told_at_once_when_there_are_many(ca
     assert monitors.log.name in caplog.text
     (event,) = monitor.events()
     words = event_words(event, monitor.law.vehicle)
-    assert words == f"time steps that Newton's method did not solve were cut into parts for 0.21 m, {5 * (MANY + 1)} ms"
+    assert words == f"time steps that Newton's method did not solve were subdivided for 0.21 m, {5 * (MANY + 1)} ms"
     other, *_ = watch()
     other.set_state(monitor.get_state())
     assert (other.events(), other.cut_steps) == (monitor.events(), MANY + 2)

@@ -118,5 +118,5 @@ def test_an_oscillation_on_rigid_rails_is_told_with_its_frequency_and_resolved()
     (words,) = (e["event"] for e in result.summary()["events"] if "excites itself" in e["event"])
     assert 'kind = "moving mass"' in words and "damping_s_per_m" in words
     assert not any(
-        "strikes" in event["event"] or "run.step_us" in event["event"] for event in result.summary()["events"]
+        "impact" in event["event"] or "run.step_us" in event["event"] for event in result.summary()["events"]
     )

@@ -56,10 +56,10 @@ def test_the_track_shifting_force_and_the_balance_of_energy_are_told(run: Result
     values = {"pull_power": 1e6 * even, "creep_power": 2.5e5 * even, "damper_power": 0.0 * even}
     values |= {"kinetic_energy": 7.5e5 * (time - time[0]) * even, "potential_energy": 0.0 * even}
     result = Result(run.dataset.assign({name: ("time", value) for name, value in values.items()}))
-    (table,) = (table for table in result.numbers() if table.title.startswith("balance of energy"))
+    (table,) = (table for table in result.numbers() if table.title == "Energy balance")
     rows = dict(table.rows)
-    assert abs(rows.pop("left over: springs, rails, contacts, loads")) < 1e-6
-    found = {"work of the pull that holds the speed": 1000.0, "lost in creep": 250.0, "gained in motion": 750.0}
+    assert abs(rows.pop("stored elastically, rest")) < 1e-6
+    found = {"traction work": 1000.0, "lost in creep": 250.0, "change of kinetic energy": 750.0}
     assert rows == pytest.approx(found, rel=1e-3)
 
 

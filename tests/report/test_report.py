@@ -309,7 +309,7 @@ def test_two_results_are_set_against_each_other_with_wheelsets_from_the_front(cu
     assert body.count("asked.speed_kmh: not given in A, 99 in B") == 1
     assert body.count("wheelsets are matched from the front: wheelset and lead") == 1
     assert body.count("<article") == 1  # one card, of both
-    (largest,) = re.findall(r'<th scope="row">Q, largest \[kN\]</th>(.*?)</tr>', body, re.DOTALL)
+    (largest,) = re.findall(r'<th scope="row">max Q \[kN\]</th>(.*?)</tr>', body, re.DOTALL)
     assert re.findall(r"<td>(.*?)</td>", largest)[-2:] == ["0.0", "10.0"]
     assert "<td>10</td>" in body[body.index('id="differences"') :]
     assert 'id="differences"' in both and 'id="differences"' not in page

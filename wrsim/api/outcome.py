@@ -99,7 +99,7 @@ def no_bar() -> Iterator[Callable[[float, float], None]]:
 
 
 def exit_code(result: Result) -> int:
-    """Of a command: 0 for a run that came to its end, else 3, and 130 where Ctrl-C stopped it."""
+    """Exit code of a command: 0 for a run that came to its end, else 3, and 130 where Ctrl-C stopped it."""
     if result.status == "completed":
         return 0
     interrupted = result.dataset.attrs.get("stop_cause") == "interrupt"

@@ -336,7 +336,7 @@ def assessment_numbers(found: Assessment) -> list[Table]:
         ]
         rows.append([*head, row.zone, *numbers, letter, cells["worst in"]])
         last = own.key
-    words = ("quantity", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "worst in")
+    words = ("quantity", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "where")
     tables.append(Table("", tuple(map(Column, words)), rows))
     tables += [*_regressions_table(found), *_track_table(found)]
     notes = [*(f"{letter}  {source}" for source, letter in letters.items()), *(f"note: {n}" for n in found.notes)]
@@ -388,4 +388,4 @@ def _track_table(found: Assessment) -> list[Table]:
     ]
     heads = (Column("section"), Column("direction"), Column("deviation", "mm", ".2f"), Column("largest", "mm", ".2f"))
     steps = map(Column, ("UIC 518 by deviation", "by largest", "TL90 of EN 14363"))
-    return [Table("Track, worse rail, waves of 3 to 25 m [mem]", (*heads, *steps), rows)] if rows else []
+    return [Table("Track quality, D1 (3-25 m), worse rail [mem]", (*heads, *steps), rows)] if rows else []

@@ -29,6 +29,8 @@ CURVE_CHANNELS = {
 PATCH_CHANNELS = {"N": "N", "p0": "p₀", "contact_angle": "angle", "area": "area"}
 """The same of every patch."""
 
+LABELS = {"largest": "max {}", "least": "min {}", "magnitude": "max |{}|"}
+
 
 @dataclass(frozen=True)
 class Peak:
@@ -46,25 +48,29 @@ class Peak:
         """For readers."""
         return CHANNELS[self.channel].shown.symbol
 
+    @property
+    def label(self) -> str:
+        """Its words with which of the values it is: "max |Y|, raw"."""
+        name, comma, signal = self.words.partition(", ")
+        return LABELS[self.which].format(name) + comma + signal
+
 
 PEAKS = {
-    "Y_max_kN": Peak("Y", "largest", "Y, largest, raw", "Y max raw"),
-    "Y_max_20Hz_kN": Peak("Y", "largest", "Y, largest, 20 Hz", "Y max 20 Hz", True),
-    "Y_min_kN": Peak("Y", "least", "Y, least, raw", "Y min raw"),
-    "Y_abs_max_kN": Peak("Y", "magnitude", "Y, largest either way, raw"),
-    "Q_max_kN": Peak("Q", "largest", "Q, largest, raw", "Q max raw"),
-    "Q_max_20Hz_kN": Peak("Q", "largest", "Q, largest, 20 Hz", "Q max 20 Hz", True),
-    "Q_min_kN": Peak("Q", "least", "Q, least, raw", "Q min raw"),
-    "Q_min_20Hz_kN": Peak("Q", "least", "Q, least, 20 Hz", "Q min 20 Hz", True),
-    "Y_over_Q_max": Peak("Y_over_Q", "largest", "Y/Q, largest, raw", "Y/Q max raw"),
-    "Y_over_Q_max_20Hz_2m": Peak("Y_over_Q", "largest", "Y/Q, largest, 20 Hz, 2 m", "Y/Q max 20 Hz, 2 m", True),
-    "T_gamma_max_N": Peak("T_gamma", "largest", "wear number Tγ, largest", "Tγ max"),
-    "N_max_kN": Peak("N", "largest", "normal force of a patch, largest"),
-    "p0_max_MPa": Peak("p0", "largest", "pressure p₀, largest", "p₀ max"),
-    "contact_angle_max_deg": Peak("contact_angle_max", "largest", "contact angle, largest"),
-    "contact_angle_variation_max_deg": Peak(
-        "contact_angle_variation", "largest", "turn of the normal in a patch, largest"
-    ),
+    "Y_max_kN": Peak("Y", "largest", "Y, raw", "Y max raw"),
+    "Y_max_20Hz_kN": Peak("Y", "largest", "Y, 20 Hz", "Y max 20 Hz", True),
+    "Y_min_kN": Peak("Y", "least", "Y, raw", "Y min raw"),
+    "Y_abs_max_kN": Peak("Y", "magnitude", "Y, raw"),
+    "Q_max_kN": Peak("Q", "largest", "Q, raw", "Q max raw"),
+    "Q_max_20Hz_kN": Peak("Q", "largest", "Q, 20 Hz", "Q max 20 Hz", True),
+    "Q_min_kN": Peak("Q", "least", "Q, raw", "Q min raw"),
+    "Q_min_20Hz_kN": Peak("Q", "least", "Q, 20 Hz", "Q min 20 Hz", True),
+    "Y_over_Q_max": Peak("Y_over_Q", "largest", "Y/Q, raw", "Y/Q max raw"),
+    "Y_over_Q_max_20Hz_2m": Peak("Y_over_Q", "largest", "Y/Q, 20 Hz, 2 m", "Y/Q max 20 Hz, 2 m", True),
+    "T_gamma_max_N": Peak("T_gamma", "largest", "wear number Tγ", "Tγ max"),
+    "N_max_kN": Peak("N", "largest", "normal force of a patch"),
+    "p0_max_MPa": Peak("p0", "largest", "pressure p₀", "p₀ max"),
+    "contact_angle_max_deg": Peak("contact_angle_max", "largest", "contact angle"),
+    "contact_angle_variation_max_deg": Peak("contact_angle_variation", "largest", "contact angle range in a patch"),
 }
 """Peaks of a wheel, over all of its patches."""
 
@@ -75,7 +81,7 @@ OF_WHEELSET = {
     "sum_Y_max_20Hz_2m_kN": Peak("sum_Y", "magnitude", "track shifting force ΣY, 20 Hz, 2 m", "ΣY 20 Hz, 2 m", True),
     "guide_force_y_max_kN": Peak("guide_force_y", "magnitude", "lateral force of the guide frame"),
 }
-"""Peaks of a wheelset: those largest either way, with their sign."""
+"""Peaks of a wheelset: those of the largest magnitude, with their sign."""
 
 OF_POINT = {f"{name}_max_m_s2": Peak(name, "magnitude", CHANNELS[name].long_name) for name in ("point_ay", "point_az")}
 """Peaks of a point of a vehicle."""
@@ -129,7 +135,7 @@ def _remarks(dataset: xr.Dataset) -> dict[str, Any]:
         rest, signs = parts["left_over_kJ"], {"work": 1.0, "gained": -1.0}
         put_in = sum(max(signs.get(key.split("_")[0], 0.0) * value, 0.0) for key, value in parts.items())
         if put_in > LEAST_ENERGY and abs(rest) > LEFT_OVER * put_in:
-            words = f"{100.0 * rest / put_in:.3g} % of what was put in is left over"
+            words = f"{100.0 * rest / put_in:.3g} % of what was put in is not accounted for"
             found.append(("energy", f"{words}: steps do not resolve the motion, or rails and contacts take it"))
     remarks = {place: words for place, words in found if words}
     return {"remarks": remarks} if remarks else {}
@@ -156,7 +162,7 @@ def summarise_contacts(dataset: xr.Dataset) -> dict[str, Any]:
     return summary
 
 
-CUT_STEPS = "time steps that Newton's method did not solve were cut into parts"
+CUT_STEPS = "time steps that Newton's method did not solve were subdivided"
 """Begin of the words of an event of the solver, which is none of the vehicle's."""
 
 
@@ -169,15 +175,15 @@ def events(dataset: xr.Dataset) -> list[tuple[float, float, str]]:
 
 
 ENERGY = {
-    "work_of_pull_kJ": "work of the pull that holds the speed",
+    "work_of_pull_kJ": "traction work",
     "work_of_drive_kJ": "work of motors and brakes",
     "lost_in_creep_kJ": "lost in creep",
     "lost_in_dampers_kJ": "lost in dampers and friction of the suspension",
-    "gained_in_motion_kJ": "gained in motion",
-    "gained_in_height_kJ": "gained in height",
-    "left_over_kJ": "left over: springs, rails, contacts, loads",
+    "gained_in_motion_kJ": "change of kinetic energy",
+    "gained_in_height_kJ": "change of potential energy",
+    "left_over_kJ": "stored elastically, rest",
 }
-"""Parts of the balance of energy in words."""
+"""Terms of the energy balance."""
 
 
 def energy(dataset: xr.Dataset) -> dict[str, float]:

@@ -49,7 +49,7 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
         known = {key: named(OF_WHEELSET, known)[key] for key in known}
         rows = [(label, *(cells[key][i] for key in known)) for i, label in enumerate(labels)]
         heads = (Column("wheelset"), *(Column(peak.short or peak.words, peak.unit) for peak in known.values()))
-        tables += [Table("largest either way", heads, rows)] if known else []
+        tables += [Table("largest magnitudes", heads, rows)] if known else []
     tables += curve_tables(labels, own)
     if spans := summary.get("spans"):
         known = {key: own for key, own in OF_SPAN.items() if key in next(iter(spans.values()))}
@@ -58,7 +58,7 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
         tables.append(Table("bridge, largest in the middle of its spans", heads, rows))
     if energy := summary.get("energy"):
         parts = [(words, energy[key]) for key, words in ENERGY.items() if energy[key] or key == "left_over_kJ"]
-        tables.append(Table("balance of energy over the run", (Column(), Column("work", "kJ")), parts))
+        tables.append(Table("Energy balance", (Column(), Column("work", "kJ")), parts))
     rails = [f"rails: {summary['structure']}"] if "structure" in summary else []
     notes = (*first_lines(happened(summary), "events"), *rails, *integration(summary))
     return [*tables, Table("", notes=notes)] if notes else tables
@@ -116,7 +116,7 @@ def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: 
     known = {key for each in own for part in ((each, *each["wheels"].values()) if each else ()) for key in part}
     for key, peak in named(PEAKS, known).items():
         cells = [_placed(each["wheels"][wheel].get(key) if each else None, peak.unit) for each, _, wheel in wheels]
-        rows.append((with_unit(peak.words, peak.unit), *cells, *(_changes(cells) if two else ())))
+        rows.append((with_unit(peak.label, peak.unit), *cells, *(_changes(cells) if two else ())))
     heads = [Column(f"{name}: {wheel}" if len(own) > 1 else wheel) for _, name, wheel in wheels]
     if two:
         heads += [Column(f"change, {wheel}", "%", ".1f") for wheel in next(iter(alike))]
@@ -125,7 +125,7 @@ def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: 
     for key, peak in named(OF_WHEELSET, known).items():
         cells = [_placed((each or {}).get(key), peak.unit) for each in own]
         change = _changes(cells) if two else ()
-        rows.append((with_unit(f"{peak.words}, largest either way", peak.unit), *cells, *change))
+        rows.append((with_unit(peak.label, peak.unit), *cells, *change))
     if rows := _known(rows):
         last = [Column("change", "%", ".1f")] if two else []
         tables.append(Table("", (Column("wheelset"), *map(Column, names), *last), rows))
@@ -217,8 +217,8 @@ def integration(summary: Summary) -> list[str]:
     words = f"{took['integrator']}: {took['steps']} steps of {quantity(took['step_ms'], 'ms')}"
     words += f", {took['evaluations']} evaluations of the forces"
     words += f", {took['jacobians']} Jacobians" if took["jacobians"] else ""
-    cut = f"; {took['cut_steps']} steps that Newton's method did not solve cut into parts"
-    return [words + (f"{cut}, {took['explicit_steps']} of them for rk44" if took["cut_steps"] else "")]
+    cut = f"; {took['cut_steps']} of {took['steps']} steps subdivided"
+    return [words + (f"{cut}, {took['explicit_steps']} of them by rk44" if took["cut_steps"] else "")]
 
 
 def _placed(found: Summary | None, unit: str = "") -> ValueAt:

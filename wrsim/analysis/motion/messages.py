@@ -84,7 +84,7 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     way, time = event.lasted or whole
     lasted = f"for {way:.2f} m, {1e3 * time:.0f} ms"
     if way < whole[0]:
-        lasted += f" in all on a way of {whole[0]:.2f} m"
+        lasted += f" in all within {whole[0]:.2f} m"
     wheel = wheel_words(event.side, event.part, vehicle)
     if event.kind == "contact":
         which = "" if event.profile is None else f": {end_words(*event.profile)}"
@@ -93,14 +93,14 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     if event.kind == "between":
         force, beyond = (1e-3 * value for value in event.missed)
         return (
-            f"between two samples Q of {wheel} is {force:.4g} kN, {beyond:.3g} kN "
-            'beyond both: run.fast_channels = ["Q"] or a smaller run.output_interval_ms shows what happens there'
+            f"Q of {wheel} peaks at {force:.4g} kN between output samples, {beyond:.3g} kN beyond both: "
+            'run.fast_channels = ["Q"] or a smaller run.output_interval_ms resolves it'
         )
     if event.kind == "strike":
         force, error = (1e-3 * value for value in event.missed)
         return (
-            f"{wheel} strikes its rail (Q {force:.4g} kN) faster than the time step resolves: peaks of Y and Q there "
-            f"are uncertain by some {error:.2g} kN before filtering; run.step_us = {1e6 * event.step:.0f} resolves them"
+            f"impact of {wheel} (Q {force:.4g} kN): raw Y and Q peaks uncertain by {error:.2g} kN; "
+            f"run.step_us = {1e6 * event.step:.0f} resolves them"
         )
     if event.kind == "swings":
         grows, cycle = event.swing
@@ -114,7 +114,7 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     if event.kind == "stop" and any(event.part in coupling.elements for coupling in vehicle.couplings):
         return f"the stroke of {event.part} is used up {lasted}"
     return {
-        "lift": f"{wheel} is lifted {lasted}",
+        "lift": f"{wheel} loses contact {lasted}",
         "stop": f"bump stop {event.part} is beyond the end of its table {lasted}",
         "steps": f"{CUT_STEPS} {lasted}",
         "spins": f"wheelset {event.part} is driven beyond adhesion and spins {lasted}",

@@ -346,6 +346,7 @@ def _rotation_table(tests: Sequence[Numbers]) -> Table:
 
 
 def _verdict(numbers: Numbers) -> str:
-    outcome = "within the limit:" if numbers["passed"] else "BEYOND THE LIMIT:"
+    outcome = "ok:" if numbers["passed"] else "EXCEEDED:"
     value, limit = (quantity(numbers[key], numbers["unit"], ".3g") for key in ("value", "limit"))
-    return f"{outcome} {numbers['symbol']} = {value}, limit {limit} ({numbers['limit_source']})"
+    bound = "at least" if numbers["lowest"] else "at most"
+    return f"{outcome} {numbers['symbol']} = {value} ({bound} {limit}; {numbers['limit_source']})"
