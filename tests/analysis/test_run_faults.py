@@ -317,7 +317,7 @@ def test_a_flange_over_its_rail_is_a_derailment() -> None:
     assert reason is not None
     assert "of wheelset front.outer has climbed over its rail" in reason
     off = monitor.look(0.1, q, q_t)
-    assert off is not None and off.kind == "derailed" and off.words in reason
+    assert off is not None and off.kind == "derailed" and off.message in reason
 
 
 def test_a_strike_that_the_step_does_not_resolve_is_an_event_with_the_step_that_does() -> None:
